@@ -1,0 +1,7 @@
+"""Scenes, the friction problem of one time step and its forms, and the schemes that step a scene through time."""
+
+from problems.check import InputError
+from problems.friction import FrictionProblem
+from problems.lcp import LCP
+
+__all__ = ["LCP", "FrictionProblem", "InputError"]

@@ -1,0 +1,62 @@
+"""Checks of what comes in from outside. Every error names the field it is about."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+Array = NDArray[np.float64]
+
+
+class InputError(ValueError):
+    """A field of a problem, scene or setting that cannot be used; the message begins with the field's name."""
+
+
+def require(condition: bool, field: str, complaint: str) -> None:
+    """Raise InputError for `field` unless the condition holds."""
+    if not condition:
+        raise InputError(f"{field}: {complaint}")
+
+
+def vector(field: str, value: Any, length: int | None = None) -> Array:
+    """A read-only float vector of the given length (any, if None) with finite entries."""
+    array = _floats(field, value)
+    require(array.ndim == 1, field, f"expected a vector, got shape {array.shape}")
+    require(length is None or len(array) == length, field, f"expected length {length}, got {len(array)}")
+    _require_finite(field, array)
+    array.setflags(write=False)
+    return array
+
+
+def matrix(field: str, value: Any, shape: tuple[int | None, int | None]) -> sparse.csr_array:
+    """A canonical sparse matrix (rows sorted, duplicates summed, no stored zeros) with finite entries."""
+    if not sparse.issparse(value):
+        value = _floats(field, value)
+        require(value.ndim == 2, field, f"expected a matrix, got shape {value.shape}")
+    result = sparse.csr_array(value, dtype=np.float64, copy=True)
+    for axis, expected in enumerate(shape):
+        require(expected is None or result.shape[axis] == expected, field, f"expected shape {_show(shape)}, got {result.shape}")
+    _require_finite(field, result.data)
+    result.sum_duplicates()
+    result.eliminate_zeros()
+    for part in (result.data, result.indices, result.indptr):
+        part.setflags(write=False)
+    return result
+
+
+def _floats(field: str, value: Any) -> Array:
+    try:
+        return np.array(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{field}: not an array of numbers ({error})") from None
+
+
+def _require_finite(field: str, array: Array) -> None:
+    bad = np.argwhere(~np.isfinite(array))
+    if len(bad):
+        raise InputError(f"{field}: entry {tuple(bad[0].tolist())} is {array[tuple(bad[0])]}; all must be finite")
+
+
+def _show(shape: tuple[int | None, int | None]) -> str:
+    return "(" + ", ".join("any" if n is None else str(n) for n in shape) + ")"

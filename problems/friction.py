@@ -1,0 +1,243 @@
+"""One time step of rigid bodies in contact with Coulomb friction.
+
+In velocities v (nv) and contact impulses r (nc*d, per contact the normal first), with J the contact Jacobian,
+
+    M (v - v*) = J' r + F' lam,      F v + b_F = 0,      u = J v + b,
+
+and at each contact Coulomb's law between its impulse and its velocity u = (u_n, u_t), b acting on u_n alone:
+
+    0 <= u_n  ⟂  r_n >= 0,      |r_t| <= mu r_n + b_f,      r_t opposes u_t with |r_t| = mu r_n + b_f wherever u_t != 0.
+
+Eliminating v and lam leaves the Delassus form u = W r + q with W = J P J', P the inverse mass on the null space of F.
+References: Anitescu and Potra 1997; Acary and Brogliato 2008, chapter 10.
+"""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+from scipy import sparse
+
+from problems import check
+from problems.check import Array, require
+from problems.lcp import LCP, content_hash, friction_lcp
+from problems.mass import invert_mass
+from problems.relaxation import QP, ConeProgram, relaxation_cone, relaxation_qp
+
+
+class VelocityForm(NamedTuple):
+    """The problem in its velocities, joints apart: M (v - v*) = J' r, u = J v + offset."""
+
+    mass: sparse.csr_array
+    inverse: sparse.csr_array
+    jacobian: sparse.csr_array
+    free_velocity: Array
+    offset: Array
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FrictionProblem:
+    """A friction problem with nc contacts of dimension d (2 planar, 3 spatial) and nv velocities.
+
+    mass: (nv, nv), symmetric positive definite. normal: (nc, nv). tangent: (nc*(d-1), nv), rows per contact.
+    friction: (nc,), >= 0. free_velocity: (nv,), the velocity without any constraint.
+    bias: (nc,), m/s, added to the normal velocity: gap/step, or a restitution target.
+    friction_bias: (nc,), N s, >= 0: friction available without a normal impulse of this step (Poisson's decompression).
+    joints: (nj, nv), joint_bias: (nj,), m/s: bilateral constraints, of any rank, kept exactly.
+
+    Everything is checked, copied and made read-only here. Errors: InputError naming the field.
+    """
+
+    mass: sparse.csr_array
+    normal: sparse.csr_array
+    tangent: sparse.csr_array
+    friction: Array
+    free_velocity: Array
+    bias: Array
+    friction_bias: Array = None  # type: ignore[assignment]  # zeros
+    joints: sparse.csr_array = None  # none
+    joint_bias: Array = None  # type: ignore[assignment]  # zeros
+    dimension: int = 2
+    inverse_mass: sparse.csr_array = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        require(self.dimension in (2, 3), "dimension", f"must be 2 or 3, got {self.dimension!r}")
+        mu = check.vector("friction", self.friction)
+        v = check.vector("free_velocity", self.free_velocity)
+        nc, nv = len(mu), len(v)
+        joints = check.matrix("joints", np.zeros((0, nv)) if self.joints is None else self.joints, (None, nv))
+        nj = joints.shape[0]
+        checked = {
+            "friction": mu,
+            "free_velocity": v,
+            "mass": check.matrix("mass", self.mass, (nv, nv)),
+            "normal": check.matrix("normal", self.normal, (nc, nv)),
+            "tangent": check.matrix("tangent", self.tangent, (nc * (self.dimension - 1), nv)),
+            "bias": check.vector("bias", self.bias, nc),
+            "friction_bias": check.vector("friction_bias", _or_zeros(self.friction_bias, nc), nc),
+            "joints": joints,
+            "joint_bias": check.vector("joint_bias", _or_zeros(self.joint_bias, nj), nj),
+        }
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
+        require(bool(np.all(mu >= 0)), "friction", "must not be negative")
+        require(bool(np.all(self.friction_bias >= 0)), "friction_bias", "must not be negative")
+        object.__setattr__(self, "inverse_mass", invert_mass(self.mass))
+
+    @classmethod
+    def from_delassus(cls, W: Any, q: Any, friction: Any, d: int, friction_bias: Any = None) -> Self:
+        """The problem of which only u = W r + q is known; rows per contact, normal first (FCLIB's order).
+
+        W: (nc*d, nc*d), kept as given, also where it is slightly unsymmetric. Errors: InputError naming the field.
+        """
+        return DelassusProblem._known_by(W, q, friction, d, friction_bias)  # type: ignore[return-value]
+
+    @property
+    def contacts(self) -> int:
+        """nc, the number of contacts."""
+        return len(self.friction)
+
+    @cached_property
+    def jacobian(self) -> sparse.csr_array:
+        """J (nc*d, nv): per contact its normal row, then its tangent rows."""
+        nc, d = self.contacts, self.dimension
+        rows = np.arange(nc * d).reshape(nc, d)
+        stacked = sparse.vstack([self.normal, self.tangent], format="csr")
+        order = np.empty(nc * d, dtype=np.int64)
+        order[rows[:, 0]] = np.arange(nc)
+        order[rows[:, 1:].ravel()] = nc + np.arange(nc * (d - 1))
+        return sparse.csr_array(stacked[order])
+
+    @cached_property
+    def _joint_response(self) -> tuple[Array, Array]:
+        """(M^-1 F', (F M^-1 F')^+), dense; joints are few, and may be redundant."""
+        response = (self.inverse_mass @ self.joints.T).toarray()
+        return response, np.linalg.pinv(self.joints @ response, hermitian=True)
+
+    def _on_joints(self, velocity: Array, bias: Array) -> Array:
+        """The velocity nearest in the kinetic metric with F v + bias = 0."""
+        if not self.joints.shape[0]:
+            return velocity
+        response, inverse = self._joint_response
+        return velocity - response @ (inverse @ (self.joints @ velocity + bias))
+
+    def velocity(self, impulse: Array) -> Array:
+        """v (nv,) after the contact impulses (nc, d) or (nc*d,), joints kept; computed without W."""
+        pushed = self.free_velocity + self.inverse_mass @ (self.jacobian.T @ np.asarray(impulse, dtype=float).ravel())
+        return self._on_joints(pushed, self.joint_bias)
+
+    def contact_velocity(self, impulse: Array) -> Array:
+        """u (nc, d), bias included, after the contact impulses (nc, d); computed without W."""
+        u = (self.jacobian @ self.velocity(impulse)).reshape(self.contacts, self.dimension)
+        u[:, 0] += self.bias
+        return u
+
+    @cached_property
+    def q(self) -> Array:
+        """The free contact velocity with its bias (nc*d,): u where r = 0."""
+        return self.contact_velocity(np.zeros((self.contacts, self.dimension))).ravel()
+
+    @cached_property
+    def W(self) -> sparse.csr_array:
+        """The Delassus matrix J P J' (nc*d, nc*d), sparse."""
+        response = self.inverse_mass @ self.jacobian.T
+        W = self.jacobian @ response
+        if self.joints.shape[0]:
+            _, inverse = self._joint_response
+            coupling = (self.joints @ response).toarray()
+            W = W - sparse.csr_array(coupling.T @ inverse @ coupling)
+        return sparse.csr_array((W + W.T) / 2)
+
+    @cached_property
+    def scale(self) -> Array:
+        """s (nc,): the mean diagonal of each contact's block of W, 1/kg; 1 where it vanishes."""
+        response = (self.inverse_mass @ self.jacobian.T).T
+        diagonal = np.asarray(self.jacobian.multiply(response).sum(axis=1)).ravel()
+        if self.joints.shape[0]:
+            _, inverse = self._joint_response
+            coupling = np.asarray((self.joints @ response.T).toarray())
+            diagonal = diagonal - np.einsum("ji,jk,ki->i", coupling, inverse, coupling)
+        return _mean_diagonal(diagonal, self.dimension)
+
+    def velocity_form(self) -> VelocityForm:
+        """Mass, Jacobian and free velocity, for methods that work in v. Joints stay beside it, in `joints`."""
+        offset = np.zeros((self.contacts, self.dimension))
+        offset[:, 0] = self.bias
+        return VelocityForm(self.mass, self.inverse_mass, self.jacobian, self.free_velocity, offset.ravel())
+
+    def lcp(self, facets: int = 8) -> LCP:
+        """The friction LCP. Exact in the plane; in space the cone's section is a polygon inscribed with `facets` corners."""
+        if self.dimension == 2:
+            directions = np.array([[1.0, -1.0]])
+        else:
+            require(facets >= 4 and facets % 2 == 0, "facets", f"must be even and at least 4, got {facets!r}")
+            angle = 2 * np.pi * np.arange(facets) / facets
+            directions = np.array([np.cos(angle), np.sin(angle)])
+        return friction_lcp(self.W, self.q, self.friction, self.friction_bias, directions)
+
+    def qp(self, facets: int = 8) -> QP:
+        """The convex relaxation as a quadratic program in the velocities (Anitescu 2006); polygonal in space."""
+        return relaxation_qp(self, facets)
+
+    def cone(self) -> ConeProgram:
+        """The convex relaxation as a second-order cone program in the velocities (Anitescu and Tasora 2010)."""
+        return relaxation_cone(self)
+
+    @cached_property
+    def hash(self) -> str:
+        """Content hash: equal for equal problems, whatever form the fields came in."""
+        names = ("mass", "normal", "tangent", "friction", "free_velocity", "bias", "friction_bias", "joints", "joint_bias")
+        return content_hash(dimension=self.dimension, **{name: getattr(self, name) for name in names})
+
+
+class DelassusProblem(FrictionProblem):
+    """A friction problem known only by u = W r + q; its velocities are those of the symmetric root of W, with unit mass."""
+
+    @classmethod
+    def _known_by(cls, W: Any, q: Any, friction: Any, d: int, friction_bias: Any) -> "DelassusProblem":
+        require(d in (2, 3), "d", f"must be 2 or 3, got {d!r}")
+        mu = check.vector("friction", friction)
+        q = check.vector("q", q, len(mu) * d)
+        W = check.matrix("W", W, (len(q), len(q)))
+        value, basis = np.linalg.eigh((W + W.T).toarray() / 2)
+        floor = np.finfo(float).eps * len(q) * max(abs(value).max(initial=0.0), np.finfo(float).tiny)
+        require(bool(np.all(value >= -1e-6 * abs(value).max(initial=0.0))), "W", "not positive semidefinite")
+        keep = value > floor
+        root = basis[:, keep] * np.sqrt(value[keep])
+        nv = root.shape[1]
+        rows = np.arange(len(q)).reshape(len(mu), d)
+        problem = cls(
+            mass=sparse.eye_array(nv),
+            normal=root[rows[:, 0]],
+            tangent=root[rows[:, 1:].ravel()],
+            friction=mu,
+            free_velocity=np.zeros(nv),
+            bias=q[rows[:, 0]],
+            friction_bias=friction_bias,
+            dimension=d,
+        )
+        problem.__dict__["W"] = W
+        problem.__dict__["q"] = q
+        problem.__dict__["scale"] = _mean_diagonal(W.diagonal(), d)
+        return problem
+
+    def contact_velocity(self, impulse: Array) -> Array:
+        return (self.W @ np.asarray(impulse, dtype=float).ravel() + self.q).reshape(self.contacts, self.dimension)
+
+    def velocity_form(self) -> VelocityForm:
+        return VelocityForm(self.mass, self.inverse_mass, self.jacobian, self.free_velocity, self.q)
+
+    @cached_property
+    def hash(self) -> str:
+        named = {"friction": self.friction, "friction_bias": self.friction_bias}
+        return content_hash(dimension=self.dimension, W=self.W, q=self.q, **named)
+
+
+def _or_zeros(value: Any, length: int) -> Any:
+    return np.zeros(length) if value is None else value
+
+
+def _mean_diagonal(diagonal: Array, d: int) -> Array:
+    mean = diagonal.reshape(-1, d).mean(axis=1)
+    return np.where(mean > 0, mean, 1.0)

@@ -1,0 +1,51 @@
+"""Random friction problems with the mechanics kept: bodies, contact points, normals, so that W = J M^-1 J'.
+
+Every draw has b >= 0, so it has a solution and Lemke's method reaches one (FACTS: Anitescu and Potra's existence theorem).
+They cover what scenes hardly visit: large mu, odd shapes of contact graphs, mass ratios, more contacts than freedoms.
+"""
+
+import numpy as np
+from scipy import sparse
+
+from problems.check import require
+from problems.friction import FrictionProblem
+
+
+def random_problem(
+    seed: int, contacts: int = 10, bodies: int | None = None, friction: float | None = None, mass_ratio: float = 10.0
+) -> FrictionProblem:
+    """Planar bodies (3 freedoms each) touching each other or the ground at random points.
+
+    bodies: by default a draw between 1 and contacts. friction: one coefficient for all, by default drawn per problem
+    log-uniformly from [.05, 10] and varied by a factor of up to 2 per contact. mass_ratio: masses are log-uniform in
+    [1, mass_ratio] kg. Contacts can number up to twice the freedoms, so W is often rank deficient.
+    """
+    require(contacts >= 1, "contacts", f"must be at least 1, got {contacts!r}")
+    require(mass_ratio >= 1, "mass_ratio", f"must be at least 1, got {mass_ratio!r}")
+    random = np.random.default_rng(seed)
+    nb = int(random.integers(max(1, contacts // 6), contacts + 1)) if bodies is None else bodies
+    mass = mass_ratio ** random.random(nb)
+    inertia = mass * random.uniform(0.05, 0.5, nb)
+    first = random.integers(nb, size=contacts)
+    second = np.where(random.random(contacts) < 0.5, -1, random.integers(nb, size=contacts))
+    second[second == first] = -1  # the ground
+    angle = random.uniform(0, 2 * np.pi, contacts)
+    n = np.column_stack([np.cos(angle), np.sin(angle)])
+    t = np.column_stack([-n[:, 1], n[:, 0]])
+    normal, tangent = np.zeros((contacts, 3 * nb)), np.zeros((contacts, 3 * nb))
+    for i in range(contacts):
+        for body, sign in ((first[i], 1.0), (second[i], -1.0)):
+            if body >= 0:
+                arm = random.uniform(-1, 1, 2)
+                for row, e in ((normal[i], n[i]), (tangent[i], t[i])):
+                    row[3 * body : 3 * body + 3] = sign * np.array([*e, arm[0] * e[1] - arm[1] * e[0]])
+    mu = 10 ** random.uniform(np.log10(0.05), 1) if friction is None else friction
+    spread = random.uniform(0.5, 1, contacts) if friction is None else np.ones(contacts)
+    return FrictionProblem(
+        mass=sparse.diags_array(np.column_stack([mass, mass, inertia]).ravel()),
+        normal=normal,
+        tangent=tangent,
+        friction=mu * spread,
+        free_velocity=random.standard_normal(3 * nb),
+        bias=np.where(random.random(contacts) < 0.3, random.random(contacts), 0.0),
+    )

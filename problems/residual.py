@@ -1,0 +1,80 @@
+"""How far an answer is from Coulomb's law: the one measure behind every verdict.
+
+Coulomb's law at a contact says r = P_K(r - g(u)/s) for any s > 0, with the cone K = {|r_t| <= mu r_n + b_f, r_n >= 0} and
+de Saxcé's shifted velocity g(u) = u + mu |u_t| e_n (De Saxcé and Feng 1998). The residual measures the defect of that
+equation as a velocity, relative to the largest free contact velocity:
+
+    max_i s_i | r_i - P_K(r_i - g(u_i)/s_i) |  /  max_i |q_i|
+
+with s_i the mean diagonal of contact i's block of W. It is zero exactly at a solution, and a change of units, of the order
+of the contacts or of their tangent frames changes nothing. Without the shift, g(u) = u, the same formula measures the
+convex relaxation's own optimality.
+"""
+
+import numpy as np
+
+from problems.check import Array
+from problems.friction import FrictionProblem
+
+
+def project_cone(x: Array, mu: Array, b: Array) -> Array:
+    """Project the rows of x (nc, d) on {|x_t| <= mu x_n + b, x_n >= 0}; mu, b: (nc,), >= 0."""
+    n, t = x[:, 0], x[:, 1:]
+    size = np.hypot.reduce(t, axis=1) if t.shape[1] > 1 else np.abs(t[:, 0])
+    inside = (n >= 0) & (size <= mu * n + b)
+    with np.errstate(over="ignore"):
+        on_ray = (n + mu * (size - b)) / (1 + mu * mu)  # normal part of the nearest point of the slanted side
+    normal = np.where(inside, n, np.where(size > mu * n + b, np.maximum(on_ray, 0.0), 0.0))
+    limit = mu * normal + b
+    factor = np.where(size > limit, limit / np.where(size > 0, size, 1.0), 1.0)
+    return np.column_stack([normal, t * factor[:, None]])
+
+
+def residual(problem: FrictionProblem, impulse: Array) -> float:
+    """The residual of impulse (nc, d) on the exact problem; infinity where the impulse is not finite."""
+    return _defect(problem, impulse, shifted=True)
+
+
+def relaxation_residual(problem: FrictionProblem, impulse: Array) -> float:
+    """The residual of impulse (nc, d) on the problem's convex relaxation, in the same measure."""
+    return _defect(problem, impulse, shifted=False)
+
+
+def _defect(problem: FrictionProblem, impulse: Array, shifted: bool) -> float:
+    nc, d = problem.contacts, problem.dimension
+    if not nc:
+        return 0.0
+    if impulse.shape != (nc, d) or not np.isfinite(impulse).all():
+        return np.inf
+    s, mu = problem.scale, problem.friction
+    with np.errstate(over="ignore", invalid="ignore"):
+        g = problem.contact_velocity(impulse)
+        if shifted:
+            g[:, 0] += mu * np.linalg.norm(g[:, 1:], axis=1)
+        nearest = project_cone(impulse - g / s[:, None], mu, problem.friction_bias)
+        worst = float(np.max(s * np.linalg.norm(impulse - nearest, axis=1)))
+    free = float(np.max(np.linalg.norm(problem.q.reshape(nc, d), axis=1)))
+    if not np.isfinite(worst):
+        return np.inf
+    if free == 0:
+        return 0.0 if worst == 0 else np.inf
+    return worst / free
+
+
+def fclib_error(problem: FrictionProblem, impulse: Array) -> float:
+    """|r - P_K(r - g(u))| / |q| in Euclidean norms: FCLIB's error, for comparison with published figures.
+
+    It depends on the units of mass (Acary, Brémond and Huber 2018, section 5.1).
+    """
+    if not problem.contacts:
+        return 0.0
+    if not np.isfinite(impulse).all():
+        return np.inf
+    with np.errstate(over="ignore", invalid="ignore"):
+        g = problem.contact_velocity(impulse)
+        g[:, 0] += problem.friction * np.linalg.norm(g[:, 1:], axis=1)
+        error = float(np.linalg.norm(impulse - project_cone(impulse - g, problem.friction, problem.friction_bias)))
+    size = float(np.linalg.norm(problem.q))
+    if not np.isfinite(error):
+        return np.inf
+    return error / size if size else error

@@ -1,0 +1,182 @@
+"""What a solver is: a name, a few facts about it, and two steps, prepare and solve.
+
+    @solver("nsgs", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True)
+    class NSGS:
+        relaxation: float = 1.0                      # fields are variants: nsgs[relaxation=1.3]
+
+        def prepare(self, problem): ...              # what a simulator would keep from step to step
+        def solve(self, prepared, tol, limit, start=None) -> Answer: ...
+
+`tol` is the residual asked for, in the measure of problems.residual. `limit` bounds the method's own unit of work (pivots,
+sweeps, iterations), None for its default: wall-clock limits are the harness's business. `start` is a guess of the impulses
+(nc, d), given only to solvers with warm_start. A solver says honestly how it ended; whether its answer is right is found out
+by others.
+"""
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields, replace
+from enum import Enum
+from importlib.util import find_spec
+from typing import Any, Literal, Protocol, TypeVar
+
+from problems import LCP, FrictionProblem, InputError
+from problems.check import Array
+
+Model = Literal["coulomb", "lcp", "relaxation"]
+
+
+class Status(Enum):
+    """How a solver says that it ended; the values are messages."""
+
+    SOLVED = "solved to the tolerance asked for"
+    RAY = "ended on a secondary ray whose certificate holds: no solution on this path"
+    WORK_LIMIT = "the work limit was reached first"
+    STALLED = "no further progress was possible"
+    BREAKDOWN = "the arithmetic broke down"
+    FAILED = "the outside library reports a failure"
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What a solver gives back.
+
+    impulse: (nc, d), N s, normal first; (0, 0) for a bare LCP. z: (n,), for solvers of LCPs.
+    work: deterministic counts by name (pivots, sweeps, iterations, factorisations).
+    history: the method's own measure of progress, one number an iteration, where it has one.
+    detail: the outside library's own words, or a reason.
+    """
+
+    impulse: Array
+    status: Status
+    work: dict[str, int] = field(default_factory=dict)
+    history: tuple[float, ...] = ()
+    z: Array | None = None
+    detail: str = ""
+
+
+class Solver(Protocol):
+    """An instance of a class decorated with @solver."""
+
+    def prepare(self, problem: Any) -> Any: ...
+
+    def solve(self, prepared: Any, tol: float, limit: int | None, start: Array | None = None) -> Answer: ...
+
+
+@dataclass(frozen=True)
+class SolverInfo:
+    """The facts about a solver.
+
+    model: what it solves: "coulomb" the friction problem itself, "lcp" its LCP (the same in the plane, polygonal in space;
+    such a solver also takes a bare LCP), "relaxation" the convex relaxation.
+    needs: distributions to import, checked for availability. sparse: whether it stays sparse on large problems.
+    """
+
+    name: str
+    family: str
+    model: Model
+    dimension: tuple[int, ...]
+    warm_start: bool
+    sparse: bool
+    needs: tuple[str, ...]
+    make: Callable[..., Solver]
+
+    @property
+    def summary(self) -> str:
+        """The first line of the class's docstring."""
+        return (self.make.__doc__ or "").strip().splitlines()[0]
+
+    @property
+    def missing(self) -> str | None:
+        """Why the solver cannot be used here, or None."""
+        absent = [name for name in self.needs if find_spec(name) is None]
+        return f"{', '.join(absent)} not installed" if absent else None
+
+    def refuses(self, problem: FrictionProblem | LCP) -> str | None:
+        """Why this solver does not take the problem, or None."""
+        if isinstance(problem, LCP):
+            return None if self.model == "lcp" else f"{self.name} solves friction problems, not bare LCPs"
+        if problem.dimension not in self.dimension:
+            return f"{self.name} does not take contacts of dimension {problem.dimension}"
+        return None
+
+
+_solvers: dict[str, SolverInfo] = {}
+Class = TypeVar("Class", bound=type)
+
+
+def solver(
+    name: str,
+    *,
+    family: str,
+    model: Model,
+    dimension: tuple[int, ...] = (2,),
+    warm_start: bool = False,
+    sparse: bool = False,
+    needs: tuple[str, ...] = (),
+) -> Callable[[Class], Class]:
+    """Make a class a frozen dataclass whose fields are its variants, and list it under `name`."""
+
+    def register(cls: Class) -> Class:
+        made: Any = dataclass(frozen=True)(cls)
+        if name in _solvers:
+            raise ValueError(f"solver: the name {name!r} is taken by {_solvers[name].make}")
+        _solvers[name] = SolverInfo(name, family, model, dimension, warm_start, sparse, needs, made)
+        return made
+
+    return register
+
+
+def available() -> dict[str, SolverInfo]:
+    """All known solvers by name; `missing` says why one cannot be used here."""
+    return dict(_solvers)
+
+
+def find(spec: str) -> tuple[SolverInfo, Solver]:
+    """The facts and an instance for a name with optional settings, like `nsgs[relaxation=1.3]`.
+
+    Errors: InputError naming the solver, or the setting, that is unknown or of the wrong kind.
+    """
+    match = re.fullmatch(r"\s*([\w.-]+)\s*(?:\[(.*)\])?\s*", spec)
+    if match is None:
+        raise InputError(f"solver: cannot read {spec!r}; write name or name[field=value,...]")
+    name, settings = match.groups()
+    if name not in _solvers:
+        raise InputError(f"solver: unknown solver {name!r}; known are {', '.join(sorted(_solvers))}")
+    info = _solvers[name]
+    instance: Any = info.make()
+    kinds = {entry.name: type(getattr(instance, entry.name)) for entry in fields(instance)}
+    values = {}
+    for setting in filter(None, (settings or "").split(",")):
+        key, equals, text = (part.strip() for part in setting.partition("="))
+        if key not in kinds or not equals:
+            raise InputError(f"solver: {name} has no setting {key!r}; it has {', '.join(kinds) or 'none'}")
+        try:
+            values[key] = _FLAGS[text.lower()] if kinds[key] is bool else kinds[key](text)
+        except (ValueError, KeyError):
+            raise InputError(f"solver: {name}[{key}=...] takes a {kinds[key].__name__}, got {text!r}") from None
+    try:
+        return info, replace(instance, **values)
+    except ValueError as error:
+        raise InputError(f"solver: {spec}: {error}") from None
+
+
+_FLAGS = {"true": True, "false": False, "1": True, "0": False}
+
+
+def solve(
+    problem: FrictionProblem | LCP, spec: str, *, tol: float = 1e-8, limit: int | None = None, start: Array | None = None
+) -> Answer:
+    """Prepare and solve one problem with the solver `spec` names.
+
+    Errors: InputError for an unknown or unavailable solver, one that does not take this problem, or a tolerance that is
+    not positive.
+    """
+    info, instance = find(spec)
+    if not 0 < tol < float("inf"):
+        raise InputError(f"tol: must be positive and finite, got {tol!r}")
+    if limit is not None and limit < 1:
+        raise InputError(f"limit: must be at least 1, got {limit!r}")
+    if reason := info.missing or info.refuses(problem):
+        raise InputError(f"solver: {reason}")
+    return instance.solve(instance.prepare(problem), tol, limit, start if info.warm_start else None)
