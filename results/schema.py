@@ -1,0 +1,118 @@
+"""The two tables a run leaves: every column's type, unit and meaning, in one place.
+
+    solves   a row per cell: one problem, one solver, one tolerance
+    drives   a row per scene, scheme and solver run in closed loop
+
+Lists hold raw repeats or curves. Text columns named `parameters` and `work` hold JSON objects. A number that was not
+measured is null.
+"""
+
+from typing import NamedTuple
+
+import pyarrow as pa
+
+SOLVED = "solved"
+RELAXED = "relaxed"
+WRONG = "wrong"
+UNSOLVED = "unsolved"
+TIMEOUT = "timeout"
+CRASHED = "crashed"
+SKIPPED = "skipped"
+
+VERDICTS = {
+    SOLVED: "the residual of the exact problem is within the tolerance",
+    RELAXED: "the model the solver was given is solved within the tolerance, the exact problem is not",
+    WRONG: "claimed solved, and neither is",
+    UNSOLVED: "the solver says itself that it did not get there",
+    TIMEOUT: "stopped at the time limit",
+    CRASHED: "the process or the call died",
+    SKIPPED: "not run, for the reason given",
+}
+
+
+class Column(NamedTuple):
+    """One column of a table."""
+
+    name: str
+    type: pa.DataType
+    unit: str
+    meaning: str
+
+
+_text, _real, _whole, _flag, _reals = pa.string(), pa.float64(), pa.int64(), pa.bool_(), pa.list_(pa.float64())
+
+_CELL = (
+    Column("key", _text, "", "identity of the cell; the same cell of another run has the same key"),
+    Column("scene", _text, "", "name of the scene, or of the set a recorded problem comes from"),
+    Column("parameters", _text, "", "the scene's parameters, a JSON object"),
+    Column("solver", _text, "", "name of the solver"),
+    Column("variant", _text, "", "name and settings, as the command line takes them"),
+    Column("family", _text, "", "family of methods"),
+    Column("model", _text, "", "what the solver solves: coulomb, lcp or relaxation"),
+    Column("version", _text, "", "version of the library the method comes from"),
+    Column("tol", _real, "1", "residual asked for"),
+    Column("time_limit", _real, "s", "limit on prepare and solve together, enforced"),
+    Column("verdict", _text, "", "what the harness found: " + "; ".join(f"{k}: {v}" for k, v in VERDICTS.items())),
+    Column("reason", _text, "", "why, where the verdict needs one"),
+    Column("host", _text, "", "machine that ran the cell"),
+    Column("core", _whole, "", "processor core that ran the cell alone"),
+    Column("wall_time", _real, "s", "the whole cell, verification and repeats included"),
+    Column("peak_memory", _real, "B", "largest resident memory of the process during the cell"),
+)
+
+SOLVES = (
+    *_CELL,
+    Column("problem", _text, "", "content hash of the problem"),
+    Column("step", _whole, "", "time step the problem comes from"),
+    Column("phase", _text, "", "step, compression or decompression"),
+    Column("contacts", _whole, "", "number of contacts"),
+    Column("dimension", _whole, "", "2 planar, 3 spatial"),
+    Column("velocities", _whole, "", "number of velocities"),
+    Column("size", _whole, "", "unknowns of the friction LCP"),
+    Column("rank", _whole, "", "rank of the Delassus matrix W"),
+    Column("condition", _real, "1", "condition of W on its range"),
+    Column("pointedness", _real, "1", "0 where the friction cone is pointed; else the size of impulses that cancel"),
+    Column("mass_ratio", _real, "1", "largest mass over smallest"),
+    Column("trivial", _flag, "", "no active friction, or the unconstrained answer is the answer"),
+    Column("start", _text, "", "cold or warm"),
+    Column("status", _text, "", "what the solver says: the name of its status"),
+    Column("claimed", _flag, "", "the solver says it solved the problem"),
+    Column("residual", _real, "1", "verified residual of the exact problem, in relative contact velocity"),
+    Column("model_residual", _real, "1", "verified residual of the model the solver was given"),
+    Column("fclib_error", _real, "", "FCLIB's error, for comparison with published work"),
+    Column("energy_defect", _real, "1", "defect of the energy ledger over the free kinetic energy"),
+    Column("work", _text, "", "deterministic counts, a JSON object"),
+    Column("prepare_time", _real, "s", "median of prepare_times"),
+    Column("solve_time", _real, "s", "median of solve_times"),
+    Column("prepare_times", _reals, "s", "every repeat, in order"),
+    Column("solve_times", _reals, "s", "every repeat, in order"),
+)
+
+DRIVES = (
+    *_CELL,
+    Column("scheme", _text, "", "time-stepping scheme"),
+    Column("step_size", _real, "s", "h"),
+    Column("steps", _whole, "", "steps planned"),
+    Column("steps_done", _whole, "", "steps taken"),
+    Column("problems", _whole, "", "friction problems met"),
+    Column("unsolved", _whole, "", "problems whose verified residual missed the tolerance"),
+    Column("most_contacts", _whole, "", "largest number of contacts in a problem"),
+    Column("worst_residual", _real, "1", "largest verified residual"),
+    Column("worst_energy_defect", _real, "1", "largest defect of the energy ledger over the scene's energy scale"),
+    Column("energy_scale", _real, "J", "largest kinetic energy plus largest change of potential energy"),
+    Column("energy_drift", _real, "1", "energy at the end less energy at the start, over the energy scale"),
+    Column("energy_rise", _real, "1", "largest rise of energy in one step, over the energy scale"),
+    Column("worst_penetration", _real, "m", "deepest overlap of two bodies"),
+    Column("solver_time", _real, "s", "prepare and solve, summed over all problems"),
+    Column("times", _reals, "s", "time of each step's end"),
+    Column("energies", _reals, "J", "kinetic and potential energy at these times"),
+    Column("penetrations", _reals, "m", "deepest overlap at these times"),
+)
+
+TABLES = {"solves": SOLVES, "drives": DRIVES}
+
+
+def arrow_schema(table: str) -> pa.Schema:
+    """The Arrow schema of a table, units and meanings as field metadata."""
+    columns = TABLES[table]
+    return pa.schema([pa.field(c.name, c.type, metadata={"unit": c.unit, "meaning": c.meaning}) for c in columns])
