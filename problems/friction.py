@@ -12,7 +12,7 @@ Eliminating v and lam leaves the Delassus form u = W r + q with W = J P J', P th
 References: Anitescu and Potra 1997; Acary and Brogliato 2008, chapter 10.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import Any, NamedTuple, Self
 
@@ -92,6 +92,16 @@ class FrictionProblem:
         W: (nc*d, nc*d), kept as given, also where it is slightly unsymmetric. Errors: InputError naming the field.
         """
         return DelassusProblem._known_by(W, q, friction, d, friction_bias)  # type: ignore[return-value]
+
+    def fresh(self) -> Self:
+        """The same problem without anything derived from it: what preparing it costs is met again."""
+        again = object.__new__(type(self))
+        again.__dict__.update({name: self.__dict__[name] for name in self._given})
+        return again
+
+    @property
+    def _given(self) -> tuple[str, ...]:
+        return tuple(entry.name for entry in fields(self))
 
     @property
     def contacts(self) -> int:
@@ -221,6 +231,10 @@ class DelassusProblem(FrictionProblem):
         problem.__dict__["q"] = q
         problem.__dict__["scale"] = _mean_diagonal(W.diagonal(), d)
         return problem
+
+    @property
+    def _given(self) -> tuple[str, ...]:
+        return (*super()._given, "W", "q")
 
     def contact_velocity(self, impulse: Array) -> Array:
         return (self.W @ np.asarray(impulse, dtype=float).ravel() + self.q).reshape(self.contacts, self.dimension)
