@@ -1,0 +1,1 @@
+"""Plans, runs, isolates, verifies and times; the command line."""

@@ -55,7 +55,7 @@ class FrictionProblem:
     friction: Array
     free_velocity: Array
     bias: Array
-    friction_bias: Array = None  # type: ignore[assignment]  # zeros
+    friction_bias: Array = None  # type: ignore[assignment]  # None stands for zeros
     joints: sparse.csr_array = None  # none
     joint_bias: Array = None  # type: ignore[assignment]  # zeros
     dimension: int = 2
@@ -157,7 +157,7 @@ class FrictionProblem:
             _, inverse = self._joint_response
             coupling = (self.joints @ response).toarray()
             W = W - sparse.csr_array(coupling.T @ inverse @ coupling)
-        return sparse.csr_array((W + W.T) / 2)
+        return sparse.csr_array(W)
 
     @cached_property
     def scale(self) -> Array:

@@ -20,10 +20,14 @@ from hashlib import sha256
 from typing import Any
 
 import numpy as np
+from numba import njit
+from numpy.typing import NDArray
 from scipy import sparse
 
 from problems import check
 from problems.check import Array
+
+Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,19 +88,85 @@ def friction_lcp(W: sparse.csr_array, q: Array, friction: Array, friction_bias: 
     directions: (d-1, K), balanced unit tangent directions; [[1, -1]] in the plane.
     """
     nc, (tangents, K) = len(friction), directions.shape
-    d = tangents + 1
-    eye = sparse.eye_array(nc)
-    e_n = np.zeros((d, 1))
-    e_n[0] = 1
-    normal = sparse.kron(eye, e_n)
-    tangent = sparse.kron(eye, np.vstack([np.zeros((1, K)), directions]))
-    H = sparse.csr_array(sparse.hstack([normal, tangent]))
-    E = sparse.kron(eye, np.ones((K, 1)))
-    cone = sparse.hstack([sparse.diags_array(friction), -E.T])
-    slack = sparse.vstack([sparse.csr_array((nc, nc)), E])
-    M = sparse.block_array([[H.T @ W @ H, slack], [cone, None]], format="csr")
-    padded = sparse.csr_array(sparse.hstack([H, sparse.csr_array((nc * d, nc))]))
-    return LCP(M, np.concatenate([H.T @ q, friction_bias]), padded, (nc, d))
+    d, n = tangents + 1, nc * (K + 2)
+    # A contact's impulse is basis @ (c, beta): its row is where c goes, then the directions.
+    basis = np.zeros((d, 1 + K))
+    basis[0, 0] = 1.0
+    basis[1:, 1:] = directions
+    M = sparse.csr_array(_friction_rows(nc, W.indptr, W.indices, W.data, friction, basis), shape=(n, n))
+    M.eliminate_zeros()
+    contact, row, column = (part.ravel() for part in np.meshgrid(np.arange(nc), np.arange(d), np.arange(1 + K), indexing="ij"))
+    place = np.where(column == 0, contact, nc + contact * K + column - 1)
+    H = sparse.csr_array((basis[row, column], place, np.arange(nc * d + 1) * (1 + K)), shape=(nc * d, n))
+    along = (q.reshape(nc, d) @ basis) if nc else np.zeros((0, 1 + K))
+    return LCP(M, np.concatenate([along[:, 0], along[:, 1:].ravel(), friction_bias]), H, (nc, d))
+
+
+@njit(cache=True)
+def _along(block: Array, basis: Array, a: int, b: int) -> float:
+    """basis[:, a]' block basis[:, b]."""
+    total = 0.0
+    for s in range(len(block)):
+        for t in range(len(block)):
+            total += basis[s, a] * block[s, t] * basis[t, b]
+    return total
+
+
+@njit(cache=True)
+def _friction_rows(
+    nc: int, indptr: Index, indices: Index, data: Array, friction: Array, basis: Array
+) -> tuple[Array, Index, Index]:
+    """The friction LCP's matrix in CSR form (data, indices, indptr), columns sorted, zeros stored."""
+    d, width = basis.shape
+    K = width - 1
+    # The contacts that each contact touches through a body, in order, from the rows of W.
+    first = np.zeros(nc + 1, dtype=np.int64)
+    beside = np.empty(len(indices), dtype=np.int64)
+    block = np.zeros((len(indices), d, d))
+    place = np.full(nc, -1, dtype=np.int64)
+    for i in range(nc):
+        count = first[i]
+        for a in range(d):
+            for k in range(indptr[i * d + a], indptr[i * d + a + 1]):
+                j = indices[k] // d
+                if place[j] < first[i]:
+                    place[j] = count
+                    beside[count] = j
+                    count += 1
+        first[i + 1] = count
+        beside[first[i] : count].sort()
+        for k in range(first[i], count):
+            place[beside[k]] = k
+        for a in range(d):
+            for k in range(indptr[i * d + a], indptr[i * d + a + 1]):
+                block[place[indices[k] // d], a, indices[k] % d] = data[k]
+    entries = first[nc] * width * width + nc * (2 * K + 1)
+    M_data = np.empty(entries)
+    M_indices = np.empty(entries, dtype=np.int64)
+    M_indptr = np.empty(nc * (K + 2) + 1, dtype=np.int64)
+    M_indptr[0] = at = 0
+    for row in range(nc * width):
+        i, a = (row, 0) if row < nc else ((row - nc) // K, 1 + (row - nc) % K)
+        for k in range(first[i], first[i + 1]):
+            M_indices[at] = beside[k]
+            M_data[at] = _along(block[k], basis, a, 0)
+            at += 1
+        for k in range(first[i], first[i + 1]):
+            for m in range(K):
+                M_indices[at] = nc + beside[k] * K + m
+                M_data[at] = _along(block[k], basis, a, 1 + m)
+                at += 1
+        if a:
+            M_indices[at], M_data[at] = nc * width + i, 1.0
+            at += 1
+        M_indptr[row + 1] = at
+    for i in range(nc):
+        M_indices[at], M_data[at] = i, friction[i]
+        M_indices[at + 1 : at + 1 + K] = nc + i * K + np.arange(K)
+        M_data[at + 1 : at + 1 + K] = -1.0
+        at += 1 + K
+        M_indptr[nc * width + i + 1] = at
+    return M_data[:at], M_indices[:at], M_indptr
 
 
 def content_hash(**fields: Any) -> str:

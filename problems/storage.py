@@ -29,7 +29,7 @@ def save(problem: FrictionProblem, path: Path) -> None:
     for name, matrix in matrices.items():
         parts = {"data": matrix.data, "indices": matrix.indices, "indptr": matrix.indptr, "shape": np.array(matrix.shape)}
         arrays |= {f"{name}_{part}": value for part, value in parts.items()}
-    np.savez(path, dimension=np.array(problem.dimension), **arrays)
+    np.savez(path, allow_pickle=False, dimension=np.array(problem.dimension), **arrays)
 
 
 def load(path: Path) -> FrictionProblem:

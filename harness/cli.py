@@ -1,0 +1,158 @@
+"""The command line. Exit codes: 0 done, 1 a regression (compare), 2 unusable input, 130 broken off.
+
+Everything heavy is imported inside the command that needs it, so that --help answers at once.
+"""
+
+import sys
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+app = typer.Typer(
+    help="Compare solvers for the friction LCPs of rigid-body dynamics.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+Suite = Annotated[str, typer.Argument(help="smoke, standard, ...: see `frictionbench list suites`.")]
+Scenes = Annotated[
+    list[str] | None,
+    typer.Option("--scene", metavar="SCENE", help="Only this scene, like `stack` or `stack[blocks=5]`; repeat for more."),
+]
+Solvers = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--solver",
+        metavar="SOLVER",
+        help="Only this solver, like `nsgs[relaxation=1.3]`, or a Python file that defines one; repeat for more.",
+    ),
+]
+Tolerances = Annotated[str | None, typer.Option("--tol", metavar="T,T,...", help="Residuals to ask for, like 1e-4,1e-6,1e-8.")]
+Limit = Annotated[
+    float | None, typer.Option("--time-limit", metavar="S", help="Seconds for prepare and solve together, enforced.")
+]
+Jobs = Annotated[int | None, typer.Option("--jobs", min=1, help="Worker processes, one core each; all cores by default.")]
+
+
+class Listing(StrEnum):
+    """What `list` can list."""
+
+    SCENES = "scenes"
+    SOLVERS = "solvers"
+    SUITES = "suites"
+
+
+@app.command("list")
+def list_(what: Annotated[Listing, typer.Argument()]) -> None:
+    """List the scenes, the solvers or the suites, a line of meaning each."""
+    from harness import listing
+
+    listing.show(what.value)
+
+
+@app.command()
+def run(
+    suite: Suite = "standard",
+    scene: Scenes = None,
+    solver: Solvers = None,
+    tol: Tolerances = None,
+    time_limit: Limit = None,
+    jobs: Jobs = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", metavar="DIR", help="Results folder; runs/SUITE by default. A broken-off run goes on where it stopped."
+        ),
+    ] = None,
+) -> None:
+    """Run a suite, or what of it the options choose. The same command resumes a broken-off run."""
+    from harness.choose import choose
+    from harness.progress import Progress
+    from harness.run import run as run_plan
+
+    plan = choose(suite, scene or [], solver or [], tol, time_limit)
+    folder = out or Path("runs") / suite
+    run_plan(plan, folder, _jobs(jobs), Progress())
+    typer.echo(f"results: {folder}\nreport:  frictionbench report {folder}")
+
+
+@app.command()
+def report(
+    folder: Annotated[Path, typer.Argument(metavar="DIR")],
+    paper: Annotated[bool, typer.Option("--paper", help="Also write vector figures and LaTeX tables for a paper.")] = False,
+) -> None:
+    """Make the HTML report of a results folder."""
+    from reports.page import write_report
+
+    typer.echo(f"report: {write_report(folder)}")
+    if paper:
+        from reports.paper import write_paper
+
+        typer.echo(f"paper:  {write_paper(folder)}")
+
+
+@app.command()
+def compare(
+    baseline: Annotated[Path, typer.Argument(metavar="BASELINE")], folder: Annotated[Path, typer.Argument(metavar="DIR")]
+) -> None:
+    """Compare two runs as Markdown; exit 0 nothing worse, 1 a regression, 2 unusable input."""
+    from results.compare import compare as compare_runs
+
+    comparison = compare_runs(baseline, folder)
+    typer.echo(comparison.markdown)
+    raise typer.Exit(comparison.exit_code)
+
+
+@app.command()
+def solve(
+    problem: Annotated[str, typer.Argument(metavar="FILE|SCENE", help="A problem file, or a scene like `stack[blocks=5]`.")],
+    solver: Solvers = None,
+    tol: Annotated[float, typer.Option("--tol")] = 1e-8,
+    time_limit: Annotated[float, typer.Option("--time-limit", metavar="S")] = 10.0,
+    jobs: Jobs = None,
+) -> None:
+    """Put every solver to one problem and show a table."""
+    from harness.single import solve_one
+
+    solve_one(problem, solver or [], tol, time_limit, _jobs(jobs))
+
+
+@app.command()
+def rerun(
+    folder: Annotated[Path, typer.Argument(metavar="DIR")],
+    row: Annotated[str, typer.Argument(metavar="ROW", help="The row's key, as tables and reports give it.")],
+) -> None:
+    """Run one cell of a results folder again and show both rows."""
+    from harness.single import rerun_row
+
+    rerun_row(folder, row)
+
+
+def _jobs(jobs: int | None) -> int:
+    from harness.machine import cores
+    from problems import InputError
+
+    most = len(cores())
+    if jobs is not None and jobs > most:
+        raise InputError(f"jobs: at most {most} here, one core for each")
+    return jobs or most
+
+
+def main() -> Any:
+    """The entry point: run the command line, errors of the user's as one line."""
+    try:
+        app()
+    except (ValueError, OSError) as error:
+        from problems import InputError
+        from results.store import ResultsError
+
+        if not isinstance(error, InputError | ResultsError | OSError):
+            raise
+        typer.echo(f"frictionbench: {error}", err=True)
+        sys.exit(2)
+    except KeyboardInterrupt:
+        typer.echo("frictionbench: broken off; the same command goes on where it stopped", err=True)
+        sys.exit(130)

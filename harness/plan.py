@@ -1,0 +1,111 @@
+"""A plan: where the problems come from, which solvers meet them, at which tolerances and limits.
+
+A source yields problems (a scene's steps, recorded while a reference solver drives it, or random problems); a cell is one
+unit of work with one row in the results. Cells are plain values: they travel to workers, and their keys make resuming work.
+"""
+
+import json
+from dataclasses import asdict, dataclass, field
+from hashlib import sha256
+from typing import Any
+
+from problems import InputError
+
+
+@dataclass(frozen=True)
+class Source:
+    """Problems of one scene. pick: how many, spread over its motion; 0 for the first step's alone, met without a solver."""
+
+    scene: str
+    parameters: dict[str, Any] = field(default_factory=dict)
+    pick: int = 0
+    steps: int | None = None
+
+    @property
+    def key(self) -> str:
+        return _key("source", self)
+
+
+@dataclass(frozen=True)
+class SolveCell:
+    """One problem, one solver, one tolerance."""
+
+    problem: str
+    variant: str
+    tol: float
+    start: str = "cold"
+
+    table = "solves"
+
+    @property
+    def key(self) -> str:
+        return _key("solve", self)
+
+
+@dataclass(frozen=True)
+class DriveCell:
+    """One scene driven in closed loop by one solver."""
+
+    scene: str
+    parameters: dict[str, Any]
+    variant: str
+    tol: float
+    scheme: str = "anitescu_potra"
+    steps: int | None = None
+
+    table = "drives"
+
+    @property
+    def key(self) -> str:
+        return _key("drive", self)
+
+
+Cell = SolveCell | DriveCell
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a run does. Times in seconds, memory in bytes; the first tolerance of a drive is its only one."""
+
+    suite: str
+    sources: tuple[Source, ...]
+    solvers: tuple[str, ...]
+    tolerances: tuple[float, ...]
+    drives: tuple[Source, ...] = ()
+    drive_solvers: tuple[str, ...] = ()
+    drive_tol: float = 1e-8
+    time_limit: float = 10.0
+    drive_limit: float = 60.0
+    memory_limit: int = 4 * 2**30
+    plugins: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        _check(bool(self.solvers), "solver", "none given")
+        _check(bool(self.tolerances), "tol", "none given")
+        _check(all(0 < tol < 1 for tol in self.tolerances), "tol", "must lie between 0 and 1")
+        _check(0 < self.time_limit < float("inf"), "time-limit", "must be positive")
+
+    def settings(self) -> dict[str, Any]:
+        """The plan as plain values, for the manifest: two runs with the same settings do the same cells."""
+        return json.loads(json.dumps(asdict(self)))
+
+    def solve_cells(self, problems: list[str]) -> list[SolveCell]:
+        """Every problem (by hash) with every solver and tolerance, the loosest first."""
+        ladder = sorted(self.tolerances, reverse=True)
+        return [SolveCell(problem, variant, tol) for problem in problems for variant in self.solvers for tol in ladder]
+
+    def drive_cells(self) -> list[DriveCell]:
+        return [
+            DriveCell(drive.scene, drive.parameters, variant, self.drive_tol, steps=drive.steps)
+            for drive in self.drives
+            for variant in self.drive_solvers
+        ]
+
+
+def _check(condition: bool, field: str, complaint: str) -> None:
+    if not condition:
+        raise InputError(f"{field}: {complaint}")
+
+
+def _key(kind: str, value: Source | SolveCell | DriveCell) -> str:
+    return kind + "-" + sha256(json.dumps(asdict(value), sort_keys=True).encode()).hexdigest()[:16]

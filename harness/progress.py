@@ -1,0 +1,61 @@
+"""The progress bar: what is running, what is left. Plain lines now and then where the output is no terminal."""
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import Progress as Bar
+
+from harness.pool import Task
+
+EVERY = 20.0  # seconds between plain lines
+
+
+class Stage:
+    """One bar: tasks handed out and done."""
+
+    def __init__(self, console: Console, bar: Bar, name: str, total: int, done: int) -> None:
+        self._console, self._bar, self._name, self._total, self._done = console, bar, name, total, done
+        self._id = bar.add_task(name, total=total, completed=done, running="")
+        self._running: list[str] = []
+        self._told = time.monotonic()
+
+    def started(self, task: Task) -> None:
+        self._running.append(task.name)
+        self._show()
+
+    def finished(self, task: Task) -> None:
+        self._running.remove(task.name)
+        self._done += 1
+        self._show()
+
+    def _show(self) -> None:
+        self._bar.update(self._id, completed=self._done, running=escape(self._running[0]) if self._running else "")
+        if not self._console.is_terminal and time.monotonic() - self._told > EVERY:
+            self._told = time.monotonic()
+            self._console.print(f"{self._name}: {self._done} of {self._total}", highlight=False)
+
+
+class Progress:
+    """Bars on a console, stderr by default, one stage after another."""
+
+    def __init__(self, console: Console | None = None) -> None:
+        self._console = console or Console(stderr=True)
+
+    @contextmanager
+    def stage(self, name: str, total: int, done: int) -> Iterator[Stage]:
+        columns = (
+            TextColumn("{task.description}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TimeElapsedColumn(),
+            TimeRemainingColumn(),
+        )
+        running = TextColumn("[dim]{task.fields[running]}")
+        with Bar(*columns, running, console=self._console, disable=not self._console.is_terminal) as bar:
+            yield Stage(self._console, bar, name, total, done)
+        if not self._console.is_terminal:
+            self._console.print(f"{name}: all {total} done", highlight=False)

@@ -1,0 +1,46 @@
+"""The part of a row that is known before a cell runs, so that a cell that is killed leaves a row too."""
+
+import json
+from typing import Any
+
+from harness import machine
+from harness.plan import DriveCell, SolveCell
+from solvers import find
+
+Row = dict[str, Any]
+
+PROBLEM_FACTS = (
+    *("problem", "scene", "parameters", "step", "phase"),
+    *("contacts", "dimension", "velocities", "size"),
+    *("rank", "condition", "pointedness", "mass_ratio", "trivial"),
+)
+
+
+def solve_row(cell: SolveCell, entry: Row, limit: float) -> Row:
+    """The solve cell, the facts of its problem and of its solver."""
+    return entry | _solver_row(cell.variant) | {"key": cell.key, "tol": cell.tol, "time_limit": limit, "start": cell.start}
+
+
+def drive_row(cell: DriveCell, limit: float) -> Row:
+    """The drive cell and the facts of its solver."""
+    facts = {
+        "key": cell.key,
+        "scene": cell.scene,
+        "parameters": json.dumps(cell.parameters, sort_keys=True),
+        "scheme": cell.scheme,
+        "tol": cell.tol,
+        "time_limit": limit,
+    }
+    return facts | _solver_row(cell.variant)
+
+
+def _solver_row(variant: str) -> Row:
+    info, _ = find(variant)
+    return {
+        "solver": info.name,
+        "variant": variant,
+        "family": info.family,
+        "model": info.model,
+        "version": machine.version_of(info.needs),
+        "host": machine.host(),
+    }

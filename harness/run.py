@@ -1,0 +1,106 @@
+"""A run: collect the problems, run the cells that have no row yet, merge the tables.
+
+The folder is the run's whole state. Stopped at any moment, by a key or a kill, the same command goes on where it stopped; a
+folder that holds a run of another plan, machine or code is refused with what differs.
+"""
+
+import os
+from contextlib import ExitStack
+from datetime import UTC, datetime
+from pathlib import Path
+
+from harness import machine, worker
+from harness.collect import Entry
+from harness.plan import DriveCell, Plan, SolveCell
+from harness.pool import Outcome, Pool, Task
+from harness.progress import Progress
+from harness.rows import drive_row, solve_row
+from problems import InputError
+from results import store
+from results.store import ResultsError, Row, ShardWriter
+
+
+def run(plan: Plan, folder: Path, jobs: int, progress: Progress) -> None:
+    """Run what of the plan folder does not hold yet. Errors: ResultsError where folder holds an unlike run."""
+    open_folder(plan, folder)
+    parent = f"parent-{os.getpid()}"
+    with Pool(folder, jobs, plan.plugins, plan.memory_limit) as pool:
+        entries = _collect(plan, pool, progress)
+        solves = plan.solve_cells(list(entries))
+        drives = plan.drive_cells()
+        done = store.read_rows(folder, "solves").keys() | store.read_rows(folder, "drives").keys()
+        tasks = [_solve_task(cell, entries[cell.problem], plan) for cell in solves if cell.key not in done]
+        tasks += [_drive_task(cell, plan) for cell in drives if cell.key not in done]
+        with (
+            ExitStack() as open_files,
+            progress.stage("cells", total := len(solves) + len(drives), total - len(tasks)) as stage,
+        ):
+            shards = {table: open_files.enter_context(ShardWriter(folder, table, parent)) for table in ("solves", "drives")}
+            for outcome in pool.run(tasks, stage.started):
+                if outcome.death:
+                    table, row = row_of_the_dead(outcome)
+                    shards[table].write(row)
+                stage.finished(outcome.task)
+    store.merge(folder, "solves", [cell.key for cell in solves])
+    store.merge(folder, "drives", [cell.key for cell in drives])
+    store.write_manifest(folder, store.read_manifest(folder) | {"finished": _now()})
+
+
+def open_folder(plan: Plan, folder: Path) -> None:
+    """Make folder the home of this plan's run, or see that it is. Errors: ResultsError saying what differs."""
+    manifest = {"settings": plan.settings(), "machine": machine.describe(), "versions": machine.versions()}
+    if (folder / "manifest.json").exists():
+        held = store.read_manifest(folder)
+        if different := list(_differences(held, manifest)):
+            listed = "\n  ".join(different[:12])
+            raise ResultsError(f"{folder} holds another run; choose another --out. What differs:\n  {listed}")
+        return
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise ResultsError(f"{folder}: neither empty nor a results folder; nothing was written")
+    store.write_manifest(folder, manifest | {"started": _now()})
+
+
+def _differences(held: Row, wanted: Row) -> list[str]:
+    found = []
+    for part, values in wanted.items():
+        old = held.get(part, {})
+        names = sorted(values.keys() | old.keys())
+        found += [
+            f"{part}.{name}: {old.get(name)} there, {values.get(name)} now"
+            for name in names
+            if old.get(name) != values.get(name)
+        ]
+    return found
+
+
+def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Entry]:
+    """The problems of all sources by hash, in the plan's order."""
+    tasks = [Task(f"{source.scene} {source.parameters or ''}", worker.run_source, (source,), 600.0) for source in plan.sources]
+    by_task: dict[int, list[Entry]] = {}
+    with progress.stage("problems", len(tasks), 0) as stage:
+        for outcome in pool.run(tasks, stage.started):
+            if outcome.death:
+                raise InputError(f"scene: {outcome.task.name.strip()} yields no problems: {outcome.reason}")
+            by_task[id(outcome.task)] = outcome.value
+            stage.finished(outcome.task)
+    return {entry["problem"]: entry for task in tasks for entry in by_task[id(task)]}
+
+
+def _solve_task(cell: SolveCell, entry: Entry, plan: Plan) -> Task:
+    name = f"{cell.variant} on {entry['scene']}, {entry['contacts']} contacts"
+    return Task(name, worker.run_solve, (cell, entry, plan.time_limit), plan.time_limit)
+
+
+def _drive_task(cell: DriveCell, plan: Plan) -> Task:
+    return Task(f"{cell.variant} drives {cell.scene}", worker.run_drive, (cell, plan.drive_limit), plan.drive_limit)
+
+
+def row_of_the_dead(outcome: Outcome) -> tuple[str, Row]:
+    """The table and the row of a cell whose worker died."""
+    cell, *facts = outcome.task.arguments
+    known: Row = solve_row(cell, *facts) if isinstance(cell, SolveCell) else drive_row(cell, *facts)
+    return cell.table, known | {"verdict": outcome.death, "reason": outcome.reason}
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="seconds")

@@ -1,0 +1,66 @@
+"""The suites: named plans."""
+
+from harness.plan import Plan, Source
+
+EXACT = ("lemke", "nsgs")
+RELAXED = ("ccp[backend=clarabel]", "ccp[backend=osqp]", "ccp[backend=proxqp]", "ccp_cone")
+LADDER = (1e-4, 1e-6, 1e-8)
+
+
+def smoke() -> Plan:
+    """A look at everything in under a minute: a few small problems, two short drives."""
+    return Plan(
+        suite="smoke",
+        sources=(
+            Source("long_bar", {"friction": 0.2}, pick=2, steps=60),
+            Source("two_blocks", {"friction": 0.1}, pick=2, steps=100),
+            Source("stack", {"blocks": 1}),
+            Source("stack", {"blocks": 5}),
+            Source("pyramid", {"rows": 3}),
+            Source("painleve_rod", {}),
+        ),
+        solvers=(*EXACT, *RELAXED),
+        tolerances=(1e-4, 1e-8),
+        drives=(Source("two_blocks", {"friction": 0.1}, steps=100),),
+        drive_solvers=(*EXACT, "ccp[backend=clarabel]"),
+        time_limit=2.0,
+        drive_limit=20.0,
+    )
+
+
+def standard() -> Plan:
+    """Every scene and every solver: what a first comparison needs, in under five minutes on two cores."""
+    talk = (
+        Source("long_bar", {"friction": 0.05}, pick=6),
+        Source("long_bar", {"friction": 0.2}, pick=6),
+        Source("two_blocks", {"friction": 0.02}, pick=4),
+        Source("two_blocks", {"friction": 0.1}, pick=4),
+        Source("three_blocks", {}, pick=6),
+    )
+    still = tuple(
+        Source(name, {size: n, "friction": mu})
+        for name, size, numbers in (
+            ("stack", "blocks", (1, 2, 5, 10, 20, 50)),
+            ("pyramid", "rows", (3, 5, 8)),
+            ("wall", "rows", (3, 5, 8)),
+        )
+        for n in numbers
+        for mu in (0.05, 0.5)
+    )
+    heavy = tuple(Source("stack", {"blocks": 5, "mass_ratio": ratio}) for ratio in (1e2, 1e4, 1e6))
+    rods = tuple(Source("painleve_rod", {"friction": mu}) for mu in (0.5, 1.5, 2.5))
+    random = tuple(Source("random", {"seed": seed, "contacts": n}) for n in (3, 10, 30) for seed in range(4))
+    drives = (*talk, Source("stack", {"blocks": 5}, steps=50), Source("pyramid", {"rows": 3}, steps=50))
+    return Plan(
+        suite="standard",
+        sources=(*talk, *still, *heavy, *rods, Source("stopping_block", {}, pick=2), *random),
+        solvers=(*EXACT, *RELAXED),
+        tolerances=LADDER,
+        drives=drives,
+        drive_solvers=(*EXACT, *RELAXED),
+        time_limit=2.0,
+        drive_limit=60.0,
+    )
+
+
+SUITES = {"smoke": smoke, "standard": standard}

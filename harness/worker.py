@@ -1,0 +1,159 @@
+"""What happens inside a worker process: one core, one thread, bounded memory, silence, and a shard of its own.
+
+A worker dies with a solver that takes too long, crashes or eats the memory; nothing else is lost with it, for every row is
+on disk before the next cell begins.
+"""
+
+import json
+import os
+import time
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from harness import machine
+from harness.collect import Entry, collect, stored
+from harness.drive import drive
+from harness.plan import DriveCell, SolveCell, Source
+from harness.rows import Row, drive_row, solve_row
+from harness.timing import Timing, time_solver
+from harness.verify import Finding, verify
+from problems import FrictionProblem
+from results.schema import CRASHED, SKIPPED, TIMEOUT, WRONG
+from results.store import ShardWriter
+from solvers import Answer, Solver, Status, find, plugins
+
+
+@dataclass
+class _Worker:
+    folder: Path
+    core: int
+    shards: dict[str, ShardWriter]
+
+
+_worker: _Worker
+
+
+def start(folder: Path, plugin_files: tuple[str, ...], memory_limit: int) -> None:
+    """Make this process a worker of the run in folder."""
+    global _worker  # noqa: PLW0603  # a worker process has one state, set once
+    machine.pin_threads()
+    _be_silent()
+    core = machine.hold_core(folder)
+    for path in plugin_files:
+        plugins.load(Path(path))
+    shards = {table: ShardWriter(folder, table, f"{os.getpid()}-{time.time_ns()}") for table in ("solves", "drives")}
+    _worker = _Worker(folder, core, shards)
+    machine.bound_memory(memory_limit)
+
+
+def run_source(source: Source) -> list[Entry]:
+    """Collect a source's problems."""
+    return collect(_worker.folder, source)
+
+
+def run_solve(cell: SolveCell, entry: Entry, limit: float) -> Row:
+    """Run one solve cell and leave its row."""
+    begun = time.perf_counter()
+    row = solve_row(cell, entry, limit)
+    info, solver = find(cell.variant)
+    problem = stored(_worker.folder, cell.problem)
+    if reason := info.missing or info.refuses(problem):
+        return _leave("solves", begun, row | {"verdict": SKIPPED, "reason": reason})
+    _warm_up(cell.variant, problem.dimension)
+    machine.forget_peak_memory()
+    try:
+        answer, timing = _timed(solver, problem, cell.tol, limit)
+    except Exception as error:  # whatever a solver raises is its row, not our end
+        return _leave("solves", begun, row | {"verdict": CRASHED, "reason": f"{type(error).__name__}: {error}"[:500]})
+    row["peak_memory"] = machine.peak_memory()
+    if problem.fresh().hash != cell.problem:
+        row |= {"verdict": WRONG, "reason": "the solver changed its input", "claimed": True}
+        _leave("solves", begun, row)
+        os._exit(1)  # nothing in this process can be trusted any more
+    finding = verify(problem, answer, info, cell.tol)
+    return _leave("solves", begun, row | _found(problem, answer, finding, timing, limit))
+
+
+def run_drive(cell: DriveCell, limit: float) -> Row:
+    """Drive one scene with one solver and leave the row."""
+    begun = time.perf_counter()
+    row = drive_row(cell, limit)
+    info, solver = find(cell.variant)
+    if info.missing:
+        return _leave("drives", begun, row | {"verdict": SKIPPED, "reason": info.missing})
+    _warm_up(cell.variant, 2)
+    machine.forget_peak_memory()
+    try:
+        with machine.hard_limit(limit):
+            driven = drive(cell, solver)
+    except Exception as error:
+        return _leave("drives", begun, row | {"verdict": CRASHED, "reason": f"{type(error).__name__}: {error}"[:500]})
+    return _leave("drives", begun, row | driven | {"peak_memory": machine.peak_memory()})
+
+
+def _timed(solver: Solver, problem: FrictionProblem, tol: float, limit: float) -> tuple[Answer, Timing]:
+    """The answer and its times, the first call under the hard limit; repeats have ten times as long, for noise."""
+    with machine.hard_limit(limit) as alarm:
+        return time_solver(
+            problem.fresh, solver.prepare, lambda prepared: solver.solve(prepared, tol, None), lambda: alarm(10 * limit)
+        )
+
+
+def _found(problem: FrictionProblem, answer: Answer, finding: Finding, timing: Timing, limit: float) -> Row:
+    free = problem.free_velocity
+    energy = float(free @ (problem.mass @ free)) / 2 or 1.0
+    row: Row = {
+        "status": answer.status.name,
+        "claimed": answer.status is Status.SOLVED,
+        "verdict": finding.verdict,
+        "reason": finding.reason,
+        "residual": finding.residual,
+        "model_residual": finding.model_residual,
+        "fclib_error": finding.fclib_error,
+        "energy_defect": abs(finding.energy_defect) / energy,
+        "work": json.dumps(answer.work, sort_keys=True),
+        "prepare_time": float(np.median(timing.prepare)),
+        "solve_time": float(np.median(timing.solve)),
+        "prepare_times": timing.prepare,
+        "solve_times": timing.solve,
+    }
+    if row["prepare_time"] + row["solve_time"] > limit:
+        row |= {"verdict": TIMEOUT, "reason": "its median time is past the limit"}
+    return row
+
+
+def _leave(table: str, begun: float, row: Row) -> Row:
+    row |= {"core": _worker.core, "wall_time": time.perf_counter() - begun}
+    _worker.shards[table].write(row)
+    return row
+
+
+@cache
+def _warm_up(variant: str, dimension: int) -> None:
+    """Load and compile what the solver needs, on a sliding contact; what goes wrong here goes wrong again in the cell."""
+    _, solver = find(variant)
+    tangent = np.eye(dimension)[1:]
+    free = np.zeros(dimension)
+    free[:2] = -1.0, 1.0
+    problem = FrictionProblem(
+        mass=np.eye(dimension),
+        normal=np.eye(dimension)[:1],
+        tangent=tangent,
+        friction=np.array([0.5]),
+        free_velocity=free,
+        bias=np.zeros(1),
+        dimension=dimension,
+    )
+    with suppress(Exception):
+        solver.solve(solver.prepare(problem), 1e-6, None)
+
+
+def _be_silent() -> None:
+    """Send what solvers print, from Python or native code, to nowhere."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    os.dup2(nowhere, 2)

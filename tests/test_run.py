@@ -1,0 +1,209 @@
+"""Runs: every planned cell leaves a row with the right verdict, whatever its solver does; broken-off runs resume."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from harness.choose import choose, resolve_solvers
+from harness.plan import Plan, Source
+from harness.progress import Progress
+from harness.run import run
+from results import store
+from results.store import ResultsError
+
+BAD_SOLVERS = Path(__file__).with_name("bad_solvers.py")
+VERDICTS = {
+    "segfault": ("crashed", "SIGSEGV"),
+    "abort": ("crashed", "SIGABRT"),
+    "kills_itself": ("crashed", "SIGKILL"),
+    "exits": ("crashed", "exit code 0"),
+    "hangs": ("timeout", "limit of 2 s"),
+    "eats_memory": ("crashed", "MemoryError"),
+    "lies": ("wrong", "claims"),
+    "not_a_number": ("wrong", "not finite"),
+    "wrong_shape": ("wrong", "shape"),
+    "no_answer": ("crashed", "AttributeError"),
+    "changes_input": ("wrong", "changed its input"),
+    "raises": ("crashed", "no idea"),
+    "talks": ("wrong", "claims"),
+    "gives_up": ("unsolved", "no further progress"),
+    "lemke": ("solved", ""),
+}
+
+
+def quiet() -> Progress:
+    return Progress(Console(quiet=True))
+
+
+def small_plan(**changes) -> Plan:
+    plan = Plan(
+        suite="test",
+        sources=(Source("stack", {"blocks": 2, "push": 1.0}), Source("random", {"seed": 1, "contacts": 4})),
+        solvers=("lemke", "nsgs"),
+        tolerances=(1e-4, 1e-8),
+        drives=(Source("stopping_block", {}, steps=5),),
+        drive_solvers=("lemke",),
+        time_limit=5.0,
+    )
+    return replace(plan, **changes)
+
+
+def verdicts(folder: Path) -> dict[str, tuple]:
+    """What a run found, without times: by key, the verdict, residual and work."""
+    found = {}
+    for table in ("solves", "drives"):
+        for row in store.read_table(folder, table).to_dict("records"):
+            found[row["key"]] = (row["verdict"], row.get("residual"), row.get("work"), row.get("energy_drift"))
+    return found
+
+
+def test_a_misbehaving_solver_costs_its_own_cell_alone(tmp_path) -> None:
+    variants, plugins = resolve_solvers([str(BAD_SOLVERS), "lemke"])
+    assert set(variants) == VERDICTS.keys()
+    plan = small_plan(
+        sources=(Source("stack", {"blocks": 2, "push": 1.0}),),
+        solvers=variants,
+        plugins=plugins,
+        tolerances=(1e-8,),
+        drives=(Source("stack", {"blocks": 2, "push": 1.0}, steps=2),),
+        drive_solvers=("hangs", "segfault", "raises", "lies", "lemke"),
+        time_limit=2.0,
+        drive_limit=2.0,
+        memory_limit=2**28,
+    )
+    run(plan, tmp_path / "run", 2, quiet())
+    rows = store.read_table(tmp_path / "run", "solves").set_index("solver")
+    assert set(rows.index) == VERDICTS.keys()
+    for name, (verdict, reason) in VERDICTS.items():
+        assert rows.loc[name, "verdict"] == verdict, name
+        assert reason in (rows.loc[name, "reason"] or ""), name
+    assert (rows["time_limit"] == 2.0).all()
+    drives = store.read_table(tmp_path / "run", "drives").set_index("solver")["verdict"].to_dict()
+    assert drives == {"hangs": "timeout", "segfault": "crashed", "raises": "crashed", "lies": "unsolved", "lemke": "solved"}
+
+
+def test_a_run_leaves_every_row_once_and_resumes(tmp_path) -> None:
+    folder = tmp_path / "run"
+    run(small_plan(), folder, 1, quiet())
+    whole = verdicts(folder)
+    assert len(whole) == 2 * 2 * 2 + 1
+    assert {verdict for verdict, *_ in whole.values()} == {"solved"}
+    # Lose half the rows and tear the last line left: the same command runs just what is missing.
+    shard = max((folder / "shards").glob("solves-*.jsonl"), key=lambda path: path.stat().st_size)
+    lines = shard.read_text(encoding="utf-8").splitlines(keepends=True)
+    shard.write_text("".join(lines[:4]) + lines[4][:50], encoding="utf-8")
+    run(small_plan(), folder, 1, quiet())
+    assert verdicts(folder) == whole
+    assert json.loads((folder / "manifest.json").read_text(encoding="utf-8"))["finished"]
+
+
+def test_an_unlike_run_is_refused_and_nothing_is_lost(tmp_path) -> None:
+    folder = tmp_path / "run"
+    run(small_plan(drives=()), folder, 1, quiet())
+    before = verdicts(folder)
+    with pytest.raises(ResultsError, match=r"settings\.tolerances"):
+        run(small_plan(drives=(), tolerances=(1e-5,)), folder, 1, quiet())
+    assert verdicts(folder) == before
+    stranger = tmp_path / "photos"
+    stranger.mkdir()
+    (stranger / "holiday.txt").write_text("sun", encoding="utf-8")
+    with pytest.raises(ResultsError, match="neither empty nor a results folder"):
+        run(small_plan(), stranger, 1, quiet())
+    assert [path.name for path in stranger.iterdir()] == ["holiday.txt"]
+
+
+def frictionbench(*arguments: str, **options) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", "from harness.cli import main; main()", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=120, **options)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (("run", "no_such_suite"), "suite: unknown suite"),
+        (("run", "smoke", "--scene", "no_such_scene"), "scene: unknown scene"),
+        (("run", "smoke", "--scene", "stack[blocks=-1]"), "blocks: must be at least 1"),
+        (("run", "smoke", "--scene", "stack[colour=1]"), "colour"),
+        (("run", "smoke", "--solver", "no_such_solver"), "solver: unknown solver"),
+        (("run", "smoke", "--solver", "nsgs[relaxation=much]"), "takes a float"),
+        (("run", "smoke", "--solver", "ccp[backend=abacus]"), "abacus"),
+        (("run", "smoke", "--solver", "nothing_here.py"), "nothing_here.py"),
+        (("run", "smoke", "--tol", "tight"), "tol: cannot read"),
+        (("run", "smoke", "--tol", "-1"), "tol: must lie between"),
+        (("run", "smoke", "--time-limit", "0"), "time-limit: must be positive"),
+        (("run", "smoke", "--jobs", "1000"), "jobs: at most"),
+        (("report", "no_such_folder"), "no such results folder"),
+        (("compare", "no_such_folder", "nor_this"), "no_such_folder"),
+        (("solve", "no_such_file.npz"), "no_such_file.npz: no such file"),
+        (("solve", "no_such_scene"), "scene: unknown scene"),
+        (("rerun", "no_such_folder", "key"), "no such results folder"),
+    ],
+)
+def test_unusable_input_is_named_in_one_line(tmp_path, arguments, complaint) -> None:
+    done = frictionbench(*arguments, cwd=tmp_path)
+    assert done.returncode == 2, done.stderr
+    assert complaint in done.stderr + done.stdout
+    assert "Traceback" not in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_unreadable_results_are_named(tmp_path) -> None:
+    (tmp_path / "manifest.json").write_text("{torn", encoding="utf-8")
+    with pytest.raises(ResultsError, match=r"manifest\.json: cannot be read"):
+        store.read_manifest(tmp_path)
+    (tmp_path / "solves.parquet").write_bytes(b"PAR1 no more")
+    with pytest.raises(ResultsError, match=r"solves\.parquet: not a readable"):
+        store.read_table(tmp_path, "solves")
+
+
+def test_a_killed_run_resumes_to_the_same_table(tmp_path) -> None:
+    """Kill -9 of the whole process group in mid-run, then the same command."""
+    command = [sys.executable, "-c", "from harness.cli import main; main()", "run", "smoke"]
+    command += ["--scene", "stack", "--solver", "lemke", "--solver", "nsgs", "--out"]
+    first = subprocess.Popen([*command, str(tmp_path / "killed")], start_new_session=True, stderr=subprocess.DEVNULL)
+    deadline = time.monotonic() + 60
+    while not list((tmp_path / "killed").glob("shards/*.jsonl")) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    os.killpg(first.pid, signal.SIGKILL)
+    first.wait()
+    for folder in ("killed", "whole"):
+        subprocess.run([*command, str(tmp_path / folder)], check=True, capture_output=True, timeout=120)
+    assert verdicts(tmp_path / "killed") == verdicts(tmp_path / "whole")
+    assert len(verdicts(tmp_path / "whole")) == 2 * 2 * 2
+
+
+def test_a_cell_is_rerun_from_its_row(tmp_path) -> None:
+    folder = tmp_path / "run"
+    run(small_plan(), folder, 1, quiet())
+    for table in ("solves", "drives"):
+        row = store.read_table(folder, table).iloc[0]
+        done = frictionbench("rerun", str(folder), row["key"], env=os.environ | {"COLUMNS": "200"})
+        assert done.returncode == 0, done.stderr
+        assert done.stdout.count(row["variant"]) == 2
+        assert done.stdout.count(row["verdict"]) >= 2
+    assert "no row has the key" in frictionbench("rerun", str(folder), "nonsense").stderr
+
+
+def test_solve_puts_every_solver_to_one_problem() -> None:
+    done = frictionbench(
+        "solve", "stack[blocks=2,push=1]", "--solver", "lemke", "--solver", "nsgs", env=os.environ | {"COLUMNS": "200"}
+    )
+    assert done.returncode == 0, done.stderr
+    assert "lemke" in done.stdout
+    assert "solved" in done.stdout
+
+
+def test_choices_narrow_a_suite() -> None:
+    plan = choose("smoke", ["stack[blocks=3]"], ["nsgs[relaxation=1.2]"], "1e-3,1e-5", 3.0)
+    assert plan.sources == (Source("stack", {"blocks": 3}, 6),)
+    assert plan.solvers == plan.drive_solvers == ("nsgs[relaxation=1.2]",)
+    assert plan.tolerances == (1e-3, 1e-5)
+    assert plan.time_limit == 3.0
