@@ -3,5 +3,6 @@
 from problems.check import InputError
 from problems.friction import FrictionProblem
 from problems.lcp import LCP
+from problems.scenes import scene, scenes
 
-__all__ = ["LCP", "FrictionProblem", "InputError"]
+__all__ = ["LCP", "FrictionProblem", "InputError", "scene", "scenes"]

@@ -1,0 +1,99 @@
+"""What kind of problem a friction problem is: size, rank, pointedness, whether there is anything to solve.
+
+Labels keep trivial problems out of headlines and let results be split by what makes a problem hard. Rank deficiency of W,
+rather than lack of convexity, is what most methods suffer from (Acary, Brémond and Huber 2018).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+from scipy.linalg import cholesky, svdvals
+from scipy.optimize import linprog
+
+from problems.friction import FrictionProblem
+from problems.residual import residual
+
+DENSE_ROWS = 600
+FACETS = 8
+
+
+@dataclass(frozen=True)
+class Labels:
+    """contacts: nc. size: of the friction LCP, nc (K + 2), with K = 2 in the plane and 8 in space.
+
+    rank, condition: of W (largest over smallest nonzero singular value); None above DENSE_ROWS rows, where a dense singular
+    value decomposition costs more than the problem, and for a condition without any nonzero value.
+    pointedness: see pointedness(); 0 where the friction cone is pointed.
+    mass_ratio: the largest over the smallest effective mass at a contact, 1/s of FrictionProblem.scale; 1 without contacts.
+    trivial: why there is nothing to solve, or "": "no contact", "no friction", or "no impulse" where r = 0 is an answer.
+    """
+
+    contacts: int
+    size: int
+    rank: int | None
+    condition: float | None
+    pointedness: float
+    mass_ratio: float
+    trivial: str
+
+
+def labels(problem: FrictionProblem) -> Labels:
+    """All labels of a problem."""
+    nc, d = problem.contacts, problem.dimension
+    rank, condition = _rank_condition(problem) if nc * d <= DENSE_ROWS else (None, None)
+    ratio = problem.scale.max() / problem.scale.min() if nc else 1.0
+    size = nc * ((2 if d == 2 else FACETS) + 2)
+    return Labels(nc, size, rank, condition, pointedness(problem), float(ratio), _trivial(problem))
+
+
+def _trivial(problem: FrictionProblem) -> str:
+    if not problem.contacts:
+        return "no contact"
+    if not problem.friction.any() and not problem.friction_bias.any():
+        return "no friction"
+    at_rest = residual(problem, np.zeros((problem.contacts, problem.dimension))) <= 1e-12
+    return "no impulse" if at_rest else ""
+
+
+def _rank_condition(problem: FrictionProblem) -> tuple[int, float | None]:
+    """Rank and condition of W = A A', from the singular values of A, which are the roots of those of W: half the digits of a
+    badly conditioned W are lost in forming it."""
+    if not problem.contacts:
+        return 0, None
+    root = cholesky(problem.inverse_mass.toarray(), lower=True)
+    A, G = problem.jacobian @ root, problem.joints @ root
+    values = svdvals(A - (A @ np.linalg.pinv(G)) @ G if len(G) else A)
+    rank = int(np.sum(values > max(A.shape) * np.finfo(float).eps * values[0]))
+    return rank, float((values[0] / values[rank - 1]) ** 2) if rank else None
+
+
+def pointedness(problem: FrictionProblem) -> float:
+    """max { sum c : J'(c, beta) + F' lam = 0, |beta| <= mu c, 0 <= c <= 1 }, by linear programming; polygonal in space.
+
+    The amount of normal impulse that the contacts can exchange without moving anything: 0 where the friction cone is pointed,
+    and then the impulses are bounded by the data. A body jammed between two walls has 2.
+    """
+    nc, d = problem.contacts, problem.dimension
+    if not nc:
+        return 0.0
+    angle = 2 * np.pi * np.arange(FACETS) / FACETS
+    directions = np.array([[1.0, -1.0]]) if d == 2 else np.array([np.cos(angle), np.sin(angle)])
+    K = directions.shape[1]
+    eye = sparse.eye_array(nc)
+    D = problem.tangent.T @ sparse.kron(eye, directions)
+    momentum = sparse.hstack([problem.normal.T, D, problem.joints.T], format="csr")
+    nj = problem.joints.shape[0]
+    cone = sparse.hstack(
+        [-sparse.diags_array(problem.friction), sparse.kron(eye, np.ones((1, K))), sparse.csr_array((nc, nj))], format="csr"
+    )
+    result = linprog(
+        np.concatenate([-np.ones(nc), np.zeros(nc * K + nj)]),
+        A_ub=cone,
+        b_ub=np.zeros(nc),
+        A_eq=momentum,
+        b_eq=np.zeros(momentum.shape[0]),
+        bounds=[(0, 1)] * nc + [(0, None)] * (nc * K) + [(None, None)] * nj,
+        method="highs-ipm",
+    )
+    return max(0.0, -float(result.fun)) if result.status == 0 else np.nan

@@ -1,0 +1,116 @@
+"""A scene: rigid planar bodies, the fixed obstacles around them, the laws they obey and the state they start from.
+
+    M v' = k(q, v, t) + forces of contacts and joints,    q' = v,    q = (x, y, angle) of each body's centre of mass.
+
+A scene knows its mechanics and its geometry. How time is discretised is the business of a scheme (problems.schemes), which
+asks for the contacts here and puts them into a FrictionProblem.
+"""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+
+from problems import check
+from problems.check import Array, require
+from problems.collision import Contacts, find_contacts
+from problems.friction import FrictionProblem
+from problems.planar import Body, Geometry, Shape
+
+GRAVITY = 9.81
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Scene:
+    """nb bodies, nv = 3 nb coordinates and velocities.
+
+    q0, v0: (nv,), the initial state; by default at rest. friction: mu of every contact. restitution: e in [0, 1], of every
+    contact. gravity: m/s^2, a vector. step: h, s. duration: T, s. name and parameters: the generator's and its arguments.
+    Errors: InputError naming the field.
+    """
+
+    bodies: tuple[Body, ...]
+    obstacles: tuple[Shape, ...] = ()
+    q0: Array
+    v0: Array = None  # type: ignore[assignment]  # at rest
+    friction: float
+    restitution: float = 0.0
+    gravity: tuple[float, float] = (0.0, -GRAVITY)
+    step: float = 0.01
+    duration: float = 3.0
+    name: str = ""
+    parameters: dict[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        nv = 3 * len(self.bodies)
+        object.__setattr__(self, "q0", check.vector("q0", np.ravel(self.q0), nv))
+        object.__setattr__(self, "v0", check.vector("v0", np.zeros(nv) if self.v0 is None else np.ravel(self.v0), nv))
+        require(0 <= self.friction < np.inf, "friction", f"must not be negative, got {self.friction!r}")
+        require(0 <= self.restitution <= 1, "restitution", f"must be between 0 and 1, got {self.restitution!r}")
+        require(0 < self.step < np.inf, "step", f"must be positive, got {self.step!r}")
+        require(0 < self.duration < np.inf, "duration", f"must be positive, got {self.duration!r}")
+
+    @property
+    def steps(self) -> int:
+        """The number of steps that cover the duration."""
+        return round(self.duration / self.step)
+
+    @cached_property
+    def weights(self) -> Array:
+        """The diagonal (nv,) of the mass matrix: kg, kg, kg m^2 per body."""
+        return np.array([[body.mass, body.mass, body.inertia] for body in self.bodies]).reshape(-1)
+
+    @cached_property
+    def mass(self) -> sparse.csr_array:
+        """M (nv, nv), diagonal."""
+        return sparse.csr_array(sparse.diags_array(self.weights))
+
+    @cached_property
+    def geometry(self) -> Geometry:
+        return Geometry(self.bodies, self.obstacles)
+
+    @property
+    def touch(self) -> float:
+        """The gap, m, up to which a contact counts as touching: 1e-6 of the largest body, far above what round-off and a
+        solver's tolerance leave open at a contact that stays closed, far below what one step of motion opens."""
+        return 1e-6 * self.geometry.reach
+
+    def force(self, q: Array, v: Array, t: float) -> Array:
+        """The external force k (nv,): N, N, N m per body."""
+        return self.weights * np.tile([*self.gravity, 0.0], len(self.bodies))
+
+    def contacts(self, q: Array, margin: float | None = None) -> Contacts:
+        """All contacts with gap <= margin, m; by default those that touch."""
+        return find_contacts(self.geometry, q, self.touch if margin is None else margin)
+
+    def joints(self, q: Array) -> tuple[Array, sparse.csr_array]:
+        """The joints' residual Theta(q) (nj,) and Jacobian F (nj, nv)."""
+        return np.zeros(0), sparse.csr_array((0, len(self.q0)))
+
+    def energy(self, q: Array, v: Array) -> float:
+        """Kinetic and potential energy, J; the potential is zero at the origin."""
+        height = np.tile([*self.gravity, 0.0], len(self.bodies)) @ (self.weights * q)
+        return float(v @ (self.weights * v) / 2 - height)
+
+    def friction_problem(
+        self, q: Array, free_velocity: Array, contacts: Contacts, bias: Array | float = 0.0, friction_bias: Array | float = 0.0
+    ) -> FrictionProblem:
+        """The friction problem of these contacts and of the joints at q; bias, friction_bias: (nc,), or one number for all."""
+        nc = len(contacts)
+        return FrictionProblem(
+            mass=self.mass,
+            normal=contacts.normal,
+            tangent=contacts.tangent,
+            friction=np.full(nc, self.friction),
+            free_velocity=free_velocity,
+            bias=np.broadcast_to(bias, nc),
+            friction_bias=np.broadcast_to(friction_bias, nc),
+            joints=self.joints(q)[1],
+        )
+
+    def problem(self) -> FrictionProblem:
+        """Anitescu and Potra's problem of the first step: no solver is needed to have it."""
+        free = self.v0 + self.step * self.force(self.q0, self.v0, 0.0) / self.weights
+        return self.friction_problem(self.q0, free, self.contacts(self.q0))

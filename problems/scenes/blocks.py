@@ -1,0 +1,47 @@
+"""Unit blocks on a table: the talk's examples 3, 4 and 6 (Anitescu 1999); the geometry is ours."""
+
+import numpy as np
+
+from problems.planar import box, rigid_box
+from problems.scene import Scene
+from problems.scenes.parameters import number
+
+
+def two_blocks(
+    friction: float = 0.02, restitution: float = 0.2, speed: float = 3.0, step: float = 0.01, duration: float = 3.0
+) -> Scene:
+    """A block slides over a table into another one.
+
+    After 2 m they meet at V = sqrt(speed^2 - 4 mu g) and part at V (1-e)/2 and V (1+e)/2; each then travels v^2/(2 mu g). With
+    friction 0.02: V = 2.87, 1.15 and 1.72 m/s, 3.35 and 7.54 m; with 0.1: 2.25, .90 and 1.35 m/s, .41 and .93 m.
+    The blocks are 1 by 1, their centres at first 3 m apart, the second in the middle of a table 16 m wide.
+    """
+    return Scene(
+        bodies=(rigid_box(1.0, 1.0), rigid_box(1.0, 1.0)),
+        obstacles=(box(16.0, 1.0, centre=(0.0, -0.5)),),
+        q0=np.array([[-3.0, 0.5, 0.0], [0.0, 0.5, 0.0]]),
+        v0=np.array([[number("speed", speed), 0.0, 0.0], [0.0, 0.0, 0.0]]),
+        friction=friction,
+        restitution=restitution,
+        step=step,
+        duration=duration,
+    )
+
+
+def three_blocks(
+    friction: float = 0.05, restitution: float = 0.6, speed: float = 5.0, step: float = 0.01, duration: float = 3.0
+) -> Scene:
+    """A block slides over a table into the lower block of a tower of two.
+
+    The lower block is carried off under the upper, which stays nearly where it was and drops.
+    """
+    return Scene(
+        bodies=(rigid_box(1.0, 1.0), rigid_box(1.0, 1.0), rigid_box(1.0, 1.0)),
+        obstacles=(box(20.0, 1.0, centre=(0.0, -0.5)),),
+        q0=np.array([[-5.0, 0.5, 0.0], [0.0, 0.5, 0.0], [0.0, 1.5, 0.0]]),
+        v0=np.array([[number("speed", speed), 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]),
+        friction=friction,
+        restitution=restitution,
+        step=step,
+        duration=duration,
+    )

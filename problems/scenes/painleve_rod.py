@@ -1,0 +1,44 @@
+"""Painlevé's rod (1895), as an impulse problem: page 6 of the talk (Anitescu 1999)."""
+
+import math
+
+import numpy as np
+
+from problems.planar import half_plane, rigid_rod
+from problems.scene import Scene
+from problems.scenes.parameters import number
+
+
+def painleve_rod(
+    angle: float = math.atan(2.0),
+    friction: float = 1.5,
+    tip_velocity: float = -1.0,
+    spin: float = 0.0,
+    mass: float = 1.0,
+    half_length: float = 1.0,
+    step: float = 0.01,
+    duration: float = 1.0,
+) -> Scene:
+    """A rod that leans to the right slides on the ground on its lower tip; forces alone cannot always stop it.
+
+    With t = tan(angle), p = (1 + 3 cos^2 - 3 mu |sin cos|)/m is the tip's normal acceleration by a unit normal force while it
+    slides to the left. Where p < 0, possible iff mu > (4 + t^2)/(3 t), least 4/3 at t = 2, and half_length spin^2 sin < g, no
+    force can keep the tip from entering the ground; an impulse stops it within one step, in the limit h -> 0
+
+        r_n = 3/4 m sin cos |v_t|,    r_t = 1/4 m (1 + 3 cos^2) |v_t|,    losing m (1 + 3 cos^2) v_t^2 / 8.
+
+    angle: rad from the ground. tip_velocity: m/s along the ground, to the left negative. spin: rad/s.
+    """
+    angle = number("angle", angle, above=0, most=np.pi / 2)
+    spin, speed = number("spin", spin), number("tip_velocity", tip_velocity)
+    length = number("half_length", half_length, above=0)
+    cos, sin = length * np.cos(angle), length * np.sin(angle)
+    return Scene(
+        bodies=(rigid_rod(length, number("mass", mass, above=0)),),
+        obstacles=(half_plane(),),
+        q0=np.array([cos, sin, angle]),
+        v0=np.array([speed - spin * sin, spin * cos, spin]),
+        friction=friction,
+        step=step,
+        duration=duration,
+    )

@@ -1,0 +1,29 @@
+"""Checks of a scene's parameters: every error names the parameter and its range."""
+
+from typing import Any
+
+import numpy as np
+
+from problems.check import require
+
+
+def number(name: str, value: Any, above: float = -np.inf, least: float = -np.inf, most: float = np.inf) -> float:
+    """A finite number with above < value, least <= value <= most. Errors: InputError naming the parameter."""
+    require(
+        isinstance(value, (int, float, np.number)) and not isinstance(value, bool), name, f"expected a number, got {value!r}"
+    )
+    limits = (
+        [f"above {above:g}"] * (above > -np.inf)
+        + [f"at least {least:g}"] * (least > -np.inf)
+        + [f"at most {most:g}"] * (most < np.inf)
+    )
+    inside = np.isfinite(value) and above < value and least <= value <= most
+    require(bool(inside), name, f"must be {' and '.join(['finite', *limits])}, got {value!r}")
+    return float(value)
+
+
+def count(name: str, value: Any, least: int = 1) -> int:
+    """An integer of at least `least`. Errors: InputError naming the parameter."""
+    require(isinstance(value, (int, np.integer)) and not isinstance(value, bool), name, f"expected an integer, got {value!r}")
+    require(value >= least, name, f"must be at least {least}, got {value!r}")
+    return int(value)

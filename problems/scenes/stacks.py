@@ -1,0 +1,69 @@
+"""Boxes upon boxes: a stack, a brick wall, a pyramid. Many contacts, exact ties, more contacts than freedoms."""
+
+import numpy as np
+
+from problems.planar import half_plane, rigid_box
+from problems.scene import Scene
+from problems.scenes.parameters import count, number
+
+
+def stack(blocks: int = 10, friction: float = 0.5, mass_ratio: float = 1.0, push: float = 0.0, step: float = 0.01) -> Scene:
+    """A straight stack of unit boxes, the lowest pushed sideways.
+
+    With push = 0 it rests, and interface i carries the weight of all above it, however the two contacts share it: with equal
+    masses, m g h (blocks - i). mass_ratio: the densities grow by one factor from each box to the next, the topmost box having
+    mass_ratio times the lowest one's: iterations over contacts suffer where it is large. push: m/s, of the lowest box.
+    """
+    n = count("blocks", blocks)
+    ratio = number("mass_ratio", mass_ratio, above=0)
+    density = ratio ** (np.arange(n) / max(n - 1, 1))
+    level = np.arange(n)
+    velocity = np.zeros((n, 3))
+    velocity[0, 0] = number("push", push)
+    return Scene(
+        bodies=tuple(rigid_box(1.0, 1.0, float(rho)) for rho in density),
+        obstacles=(half_plane(),),
+        q0=np.column_stack([np.zeros(n), level + 0.5, np.zeros(n)]),
+        v0=velocity,
+        friction=friction,
+        step=step,
+    )
+
+
+def wall(rows: int = 5, columns: int = 5, friction: float = 0.5, push: float = 0.0, step: float = 0.01) -> Scene:
+    """A brick wall in running bond, bricks 2 by 1, flush on all sides, the lowest left one pushed towards the others.
+
+    With push = 0 it rests. Every second row has one brick fewer, so that no brick overhangs. Each contact is an exact tie.
+    push: m/s, of the lowest left brick.
+    """
+    rows, columns = count("rows", rows), count("columns", columns, least=2)
+    place = [(2.0 * i + (row % 2), row + 0.5, 0.0) for row in range(rows) for i in range(columns - row % 2)]
+    velocity = np.zeros((len(place), 3))
+    velocity[0, 0] = number("push", push)
+    return Scene(
+        bodies=tuple(rigid_box(2.0, 1.0) for _ in place),
+        obstacles=(half_plane(),),
+        q0=np.array(place),
+        v0=velocity,
+        friction=friction,
+        step=step,
+    )
+
+
+def pyramid(rows: int = 5, friction: float = 0.5, push: float = 0.0, step: float = 0.01) -> Scene:
+    """A pyramid of unit boxes, each resting on two that stand apart, the topmost pushed sideways.
+
+    With push = 0 it rests. The boxes of a row are 0.2 apart. push: m/s, of the topmost box.
+    """
+    rows = count("rows", rows)
+    place = [(1.2 * (i + row / 2), row + 0.5, 0.0) for row in range(rows) for i in range(rows - row)]
+    velocity = np.zeros((len(place), 3))
+    velocity[-1, 0] = number("push", push)
+    return Scene(
+        bodies=tuple(rigid_box(1.0, 1.0) for _ in place),
+        obstacles=(half_plane(),),
+        q0=np.array(place),
+        v0=velocity,
+        friction=friction,
+        step=step,
+    )

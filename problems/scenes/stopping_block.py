@@ -1,0 +1,24 @@
+"""The simplest friction there is, with a closed form for every step."""
+
+import numpy as np
+
+from problems.planar import half_plane, rigid_box
+from problems.scene import Scene
+from problems.scenes.parameters import number
+
+
+def stopping_block(friction: float = 0.5, speed: float = 1.0, step: float = 0.01, duration: float = 1.0) -> Scene:
+    """A block, 2 by 1, slides on the ground to a stop.
+
+    Anitescu and Potra's scheme gives v^{k+1} = max(0, v^k - mu g h) exactly, and a stopping distance short of v0^2/(2 mu g)
+    by v0 h/2 where v0 is a multiple of mu g h. The block does not tip over while mu <= 2. speed: m/s, to the right.
+    """
+    return Scene(
+        bodies=(rigid_box(2.0, 1.0),),
+        obstacles=(half_plane(),),
+        q0=np.array([0.0, 0.5, 0.0]),
+        v0=np.array([number("speed", speed), 0.0, 0.0]),
+        friction=number("friction", friction, least=0, most=2),
+        step=step,
+        duration=duration,
+    )

@@ -1,0 +1,39 @@
+"""A scene driven through time, and what the energy says about it."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from problems.check import Array
+from problems.friction import FrictionProblem
+from problems.scene import Scene
+from problems.schemes import Scheme, Solve, Step, anitescu_potra, start
+
+
+def simulate(scene: Scene, solve: Solve, scheme: Scheme = anitescu_potra, steps: int | None = None) -> Iterator[Step]:
+    """The initial state, then each step; by default as many as cover the scene's duration."""
+    step = start(scene)
+    yield step
+    for _ in range(scene.steps if steps is None else steps):
+        step = scheme(scene, step, solve)
+        yield step
+
+
+def ledger_defect(problem: FrictionProblem, impulse: Array) -> float:
+    """The energy, J, that an answer (nc, d) makes or loses against the law of energy of an exact one.
+
+    With v* the free velocity, lambda = |u_t|, and u = J v + b, an exact answer obeys
+
+        T(v) = T(v*) - |J'r|^2/2 (in M^-1) - b.r_n - sum lambda (mu r_n + b_f),
+
+    and any answer misses it by sum r_n u_n + r_t.u_t + |u_t| (mu r_n + b_f): positive where the answer holds more energy than
+    the law allows it.
+    """
+    u = problem.contact_velocity(impulse)
+    slip = np.linalg.norm(u[:, 1:], axis=1)
+    return float(np.sum(impulse * u) + slip @ (problem.friction * impulse[:, 0] + problem.friction_bias))
+
+
+def penetration(scene: Scene, q: Array) -> float:
+    """The deepest overlap of two shapes, m; 0 where none overlap."""
+    return float(max(0.0, -scene.contacts(q, 0.0).gap.min(initial=0.0)))

@@ -1,0 +1,55 @@
+"""Small problems that several tests share."""
+
+import numpy as np
+
+from problems import FrictionProblem
+
+
+def block(speed=1.0, friction=0.5, mass=2.0, h=0.01, **more) -> FrictionProblem:
+    """A point mass on the ground under gravity, sliding at `speed`."""
+    return FrictionProblem(
+        mass=mass * np.eye(2),
+        normal=[[0.0, 1.0]],
+        tangent=[[1.0, 0.0]],
+        friction=[friction],
+        free_velocity=[speed, -9.81 * h],
+        bias=[0.0],
+        **more,
+    )
+
+
+def nothing(dimension=2) -> FrictionProblem:
+    """No contact at all."""
+    return FrictionProblem(
+        mass=np.eye(3),
+        normal=np.zeros((0, 3)),
+        tangent=np.zeros((0, 3)),
+        friction=[],
+        free_velocity=[1.0, 2.0, 3.0],
+        bias=[],
+        dimension=dimension,
+    )
+
+
+def spatial(seed, contacts=5, nv=18, friction=None, friction_bias=False, joints=0) -> FrictionProblem:
+    """Random spatial contacts on nv velocities, with a few joints and friction biases if asked for."""
+    random = np.random.default_rng(seed)
+    rows = random.standard_normal((3 * contacts, nv)) * (random.random((3 * contacts, nv)) < 0.5)
+    each = np.arange(3 * contacts).reshape(contacts, 3)
+    return FrictionProblem(
+        mass=np.diag(10 ** random.random(nv)),
+        normal=rows[each[:, 0]],
+        tangent=rows[each[:, 1:].ravel()],
+        friction=np.full(contacts, random.uniform(0.05, 1) if friction is None else friction),
+        free_velocity=random.standard_normal(nv),
+        bias=np.zeros(contacts),
+        friction_bias=0.3 * random.random(contacts) if friction_bias else None,
+        joints=random.standard_normal((joints, nv)),
+        dimension=3,
+    )
+
+
+def with_joints(problem, joints, friction_bias=None) -> FrictionProblem:
+    """A problem with joints F v = 0 and a friction bias added."""
+    names = ("mass", "normal", "tangent", "friction", "free_velocity", "bias", "dimension")
+    return FrictionProblem(**{name: getattr(problem, name) for name in names}, joints=joints, friction_bias=friction_bias)

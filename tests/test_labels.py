@@ -1,0 +1,94 @@
+"""Labels of problems whose nature is known."""
+
+import numpy as np
+import pytest
+
+from problems import FrictionProblem, scene
+from problems.labels import labels, pointedness
+from problems.planar import half_plane, rigid_box
+from problems.random_problem import random_problem
+from problems.scene import Scene
+
+
+def jam(friction: float) -> FrictionProblem:
+    walls = (half_plane((-0.5, 0), -np.pi / 2), half_plane((0.5, 0), np.pi / 2))
+    return Scene(bodies=(rigid_box(1, 1),), obstacles=walls, q0=np.zeros(3), friction=friction).problem()
+
+
+def test_one_box() -> None:
+    found = labels(scene("stack", blocks=1).problem())
+    assert (found.contacts, found.size, found.rank, found.pointedness, found.mass_ratio) == (2, 8, 3, 0.0, 1.0)
+    assert found.trivial == ""
+
+
+@pytest.mark.parametrize("blocks", [2, 10, 60])
+@pytest.mark.parametrize("mass_ratio", [1.0, 1e6])
+def test_a_stack_has_full_velocity_rank(blocks: int, mass_ratio: float) -> None:
+    """4 rows per block and 3 freedoms, all of which the contacts move."""
+    found = labels(scene("stack", blocks=blocks, mass_ratio=mass_ratio).problem())
+    assert found.rank == 3 * blocks
+    assert found.mass_ratio >= mass_ratio ** (1 - 2 / blocks)
+
+
+def test_condition_against_numpy() -> None:
+    problem = random_problem(4, contacts=4, bodies=4)
+    found = labels(problem)
+    assert found.rank == 8
+    assert found.condition == pytest.approx(np.linalg.cond(problem.W.toarray()))
+
+
+def test_large_problems_skip_the_dense_labels() -> None:
+    found = labels(scene("stack", blocks=200).problem())
+    assert found.rank is None
+    assert found.condition is None
+    assert found.pointedness == pytest.approx(0, abs=1e-6)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3, 2.0])
+def test_a_jam_is_not_pointed(friction: float) -> None:
+    assert pointedness(jam(friction)) == pytest.approx(4)
+
+
+@pytest.mark.parametrize(
+    ("angle", "friction", "pointed"), [(0.5, 0.5, True), (0.5, 0.6, False), (1.0, 1.5, True), (1.0, 1.6, False)]
+)
+def test_a_wedge_is_pointed_below_tan_of_its_angle(angle: float, friction: float, pointed: bool) -> None:
+    """Two planes that rise at +-angle from the vertical hold a particle's friction cones in balance from mu = tan(angle) on."""
+    normal = np.array([[np.cos(angle), np.sin(angle)], [-np.cos(angle), np.sin(angle)]])
+    tangent = np.column_stack([normal[:, 1], -normal[:, 0]])
+    problem = FrictionProblem(
+        mass=np.eye(2), normal=normal, tangent=tangent, friction=[friction] * 2, free_velocity=[0, -1], bias=[0, 0]
+    )
+    assert (pointedness(problem) < 1e-7) is pointed
+
+
+def test_joints_take_up_momentum() -> None:
+    """A contact on a body that a joint holds in place exchanges impulses with the joint."""
+    bead = {
+        "mass": np.eye(2),
+        "normal": [[0, 1]],
+        "tangent": [[1, 0]],
+        "friction": [0.5],
+        "free_velocity": [0, -1],
+        "bias": [0],
+    }
+    assert pointedness(FrictionProblem(**bead)) == 0
+    assert pointedness(FrictionProblem(**bead, joints=np.eye(2))) == pytest.approx(1)
+
+
+def test_spatial_pointedness() -> None:
+    eye = np.eye(3)
+    normal, tangent = np.vstack([eye[2], -eye[2]]), np.vstack([eye[:2], eye[:2]])
+    squeezed = FrictionProblem(
+        mass=eye, normal=normal, tangent=tangent, friction=[0.1] * 2, free_velocity=np.zeros(3), bias=[0, 0], dimension=3
+    )
+    assert pointedness(squeezed) == pytest.approx(2)
+    assert labels(squeezed).size == 20
+
+
+def test_trivial_problems() -> None:
+    assert labels(scene("long_bar").problem()).trivial == "no contact"
+    assert labels(scene("stack", blocks=2, friction=0).problem()).trivial == "no friction"
+    assert labels(jam(0.5)).trivial == "no impulse"
+    assert labels(scene("stack", blocks=2).problem()).trivial == ""
+    assert labels(scene("long_bar").problem()).rank == 0

@@ -1,0 +1,132 @@
+"""Scenes by name, their parameters, and the problems they make."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+from problems import InputError, scene, scenes
+from problems.planar import half_plane, rigid_box
+from problems.scene import Scene
+
+SMALL = {"stack": {"blocks": 4}, "wall": {"rows": 3, "columns": 3}, "pyramid": {"rows": 3}}
+
+
+@pytest.mark.parametrize("name", scenes())
+def test_every_scene_describes_itself(name: str) -> None:
+    info = scenes()[name]
+    assert info.summary.endswith(".")
+    assert "friction" in info.parameters
+    made = scene(name)
+    assert made.name == name
+    assert made.parameters == info.parameters
+    assert all(isinstance(value, (int, float)) for value in made.parameters.values())
+    assert made.steps == round(made.duration / made.step)
+
+
+@pytest.mark.parametrize("name", scenes())
+def test_bodies_start_clear_of_each_other(name: str) -> None:
+    made = scene(name)
+    assert made.contacts(made.q0, 0.0).gap.min(initial=0.0) >= -made.touch
+
+
+@pytest.mark.parametrize("name", scenes())
+def test_scenes_travel_between_processes(name: str) -> None:
+    made = scene(name)
+    assert pickle.loads(pickle.dumps(made)).problem().hash == made.problem().hash
+
+
+def test_unknown_names_and_values_are_refused_by_name() -> None:
+    with pytest.raises(InputError, match=r"^scene: unknown scene 'heap'; known are .*stack"):
+        scene("heap")
+    with pytest.raises(InputError, match=r"^brick: the scene stack has no such parameter; it has blocks, "):
+        scene("stack", brick=3)
+    for name, parameter, value in (
+        ("stack", "blocks", 0),
+        ("stack", "blocks", 2.5),
+        ("stack", "blocks", True),
+        ("stack", "friction", -0.1),
+        ("stack", "friction", "rough"),
+        ("stack", "friction", float("nan")),
+        ("stack", "mass_ratio", 0),
+        ("stack", "push", float("inf")),
+        ("stack", "step", 0),
+        ("wall", "columns", 1),
+        ("long_bar", "restitution", 1.5),
+        ("long_bar", "tilt", 2.0),
+        ("two_blocks", "duration", -1),
+        ("painleve_rod", "angle", 0.0),
+        ("stopping_block", "friction", 3.0),
+    ):
+        with pytest.raises(InputError, match=rf"^{parameter}: "):
+            scene(name, **{parameter: value})
+
+
+def test_fields_of_a_scene_are_checked() -> None:
+    with pytest.raises(InputError, match=r"^q0: expected length 3"):
+        Scene(bodies=(rigid_box(1, 1),), q0=np.zeros(4), friction=0.5)
+    with pytest.raises(InputError, match=r"^v0: "):
+        Scene(bodies=(rigid_box(1, 1),), q0=np.zeros(3), v0=np.array([np.inf, 0, 0]), friction=0.5)
+    with pytest.raises(InputError, match=r"^mass: "):
+        rigid_box(1, 1, density=-1)
+
+
+def test_talk_examples_carry_the_talks_numbers() -> None:
+    given = {1: (0.05, 0.6), 2: (0.2, 0.6), 3: (0.02, 0.2), 4: (0.1, 0.2), 6: (0.05, 0.6)}
+    for number, (friction, restitution) in given.items():
+        made = scene(f"example_{number}")
+        assert (made.friction, made.restitution) == (friction, restitution)
+
+
+def test_contact_counts() -> None:
+    for blocks in (1, 2, 7):
+        assert scene("stack", blocks=blocks).problem().contacts == 2 * blocks
+    for rows in (1, 2, 5):
+        assert scene("pyramid", rows=rows).problem().contacts == 2 * rows + 2 * rows * (rows - 1)
+    for rows, columns in ((1, 3), (2, 2), (4, 5)):
+        side = sum(columns - row % 2 - 1 for row in range(rows))
+        above = sum(2 * (columns - 1) for _ in range(1, rows))
+        assert scene("wall", rows=rows, columns=columns).problem().contacts == 2 * (columns + side + above)
+    assert scene("painleve_rod").problem().contacts == 1
+    assert scene("long_bar").problem().contacts == 0
+
+
+def test_mass_ratio_is_top_to_bottom() -> None:
+    mass = [body.mass for body in scene("stack", blocks=4, mass_ratio=1000.0).bodies]
+    assert mass == pytest.approx([1, 10, 100, 1000])
+
+
+def test_large_stack_stays_sparse() -> None:
+    problem = scene("stack", blocks=1000).problem()
+    assert problem.contacts == 2000
+    assert problem.jacobian.nnz <= 6 * 4000
+    assert problem.W.nnz <= 12 * 4000  # a contact meets those of its own and the two neighbouring interfaces
+
+
+@pytest.mark.parametrize("name", ["stack", "wall", "pyramid", "two_blocks"])
+@pytest.mark.parametrize("shift", [0.1, -3.3, 1e3])
+def test_a_scene_moved_along_the_ground_is_the_same_problem(name: str, shift: float) -> None:
+    made = scene(name, **SMALL.get(name, {}))
+    moved = Scene(
+        bodies=made.bodies, obstacles=(half_plane(),), friction=0.5, q0=made.q0 + np.tile([shift, 0, 0], len(made.bodies))
+    )
+    here = Scene(bodies=made.bodies, obstacles=(half_plane(),), friction=0.5, q0=made.q0)
+    a, b = here.problem(), moved.problem()
+    assert a.contacts == b.contacts
+    assert abs(a.jacobian - b.jacobian).max() < 1e-9
+    assert b.q == pytest.approx(a.q, abs=1e-9)
+
+
+def test_first_problem_of_a_resting_box() -> None:
+    made = scene("stack", blocks=1, friction=0.3)
+    problem = made.problem()
+    assert problem.q == pytest.approx([-0.0981, 0, -0.0981, 0])
+    assert problem.friction.tolist() == [0.3, 0.3]
+    assert problem.normal.toarray() == pytest.approx(np.array([[0, 1, 0.5], [0, 1, -0.5]]))
+    assert problem.tangent.toarray() == pytest.approx(np.array([[1, 0, 0.5], [1, 0, 0.5]]))
+
+
+def test_energy() -> None:
+    made = scene("stack", blocks=2)
+    assert made.energy(made.q0, made.v0) == pytest.approx(9.81 * (0.5 + 1.5))
+    assert made.energy(np.zeros(6), np.array([3.0, 4, 0, 0, 0, 6])) == pytest.approx(12.5 + 36 / 12)

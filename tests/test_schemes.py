@@ -1,0 +1,145 @@
+"""The scheme of Anitescu and Potra, and driving a scene through time."""
+
+from math import radians
+
+import numpy as np
+import pytest
+
+import solvers
+from problems import FrictionProblem, scene
+from problems.check import Array
+from problems.planar import Shape, half_plane, rigid_box, rigid_disc
+from problems.residual import residual
+from problems.scene import Scene
+from problems.schemes import Step, anitescu_potra, start
+from problems.simulate import ledger_defect, penetration, simulate
+
+
+def lemke(problem: FrictionProblem) -> Array:
+    answer = solvers.solve(problem, "lemke", tol=1e-10)
+    assert answer.status is solvers.Status.SOLVED
+    assert residual(problem, answer.impulse) <= 1e-9
+    return answer.impulse
+
+
+def last(made: Scene, steps: int | None = None) -> Step:
+    *_, step = simulate(made, lemke, steps=steps)
+    return step
+
+
+def ball(height: float = 0.5, speed: float = 0.0, e: float = 0.0, friction: float = 0.0, step: float = 0.01) -> Scene:
+    """A disc of radius .5 over the ground."""
+    return Scene(
+        bodies=(rigid_disc(0.5),),
+        obstacles=(half_plane(),),
+        q0=np.array([0, height, 0]),
+        v0=np.array([0, speed, 0]),
+        friction=friction,
+        restitution=e,
+        step=step,
+    )
+
+
+def test_free_fall_solves_an_empty_problem() -> None:
+    made = ball(height=100.0)
+    step = last(made, steps=10)
+    assert [(s.phase, s.problem.contacts) for s in step.solved] == [("step", 0)]
+    assert step.v[1] == pytest.approx(-9.81 * 0.1)
+    assert step.q[1] == pytest.approx(100 - 9.81 * 0.01**2 * 55)  # h v+ summed
+    assert step.time == pytest.approx(0.1)
+
+
+def test_phases_of_a_step() -> None:
+    assert [s.phase for s in last(ball(speed=-1.0, e=0.5), 1).solved] == ["compression", "decompression", "step"]
+    assert [s.phase for s in last(ball(speed=-1.0), 1).solved] == ["step"]
+    assert [s.phase for s in last(ball(e=0.5), 1).solved] == ["step"]  # at rest: no impact
+
+
+@pytest.mark.parametrize("e", [0.2, 0.9, 1.0])
+def test_a_ball_returns_e_times_its_speed(e: float) -> None:
+    step = last(ball(speed=-2.0, e=e), 1)
+    assert step.v[1] == pytest.approx(2 * e - 9.81 * 0.01)
+    compression, decompression, _ = step.solved
+    assert compression.impulse[0, 0] == pytest.approx(2 * np.pi / 4)
+    assert decompression.impulse[0, 0] == pytest.approx(0, abs=1e-12)
+
+
+def test_decompression_keeps_the_friction_of_the_returned_impulse() -> None:
+    """A spinning disc that hits the ground: in each phase it gains speed mu times the normal impulse, until it rolls."""
+    made = ball(speed=-1.0, e=0.5, friction=0.1)
+    made = Scene(**{**made.__dict__, "v0": np.array([0, -1.0, -100.0])})
+    step = anitescu_potra(made, start(made), lemke)
+    compression, decompression, _ = step.solved
+    mass = made.bodies[0].mass
+    assert decompression.problem.friction_bias == pytest.approx([0.1 * 0.5 * mass])
+    assert compression.impulse[0, 1] == pytest.approx(0.1 * mass)
+    assert decompression.impulse[0, 1] == pytest.approx(0.1 * 0.5 * mass)
+
+
+def test_a_block_enters_the_ground_by_less_than_a_step_of_its_speed() -> None:
+    made = ball(height=0.515, speed=-2.0)
+    deepest = max(penetration(made, step.q) for step in simulate(made, lemke, steps=50))
+    assert 0 < deepest < 0.01 * (2.0 + 9.81 * 0.02)
+
+
+def test_simulate_covers_the_duration() -> None:
+    steps = list(simulate(scene("stopping_block", duration=0.2), lemke))
+    assert len(steps) == 21
+    assert steps[-1].time == pytest.approx(0.2)
+    assert steps[0].solved == ()
+    assert steps[0].contacts.feature.tolist() == steps[-1].contacts.feature.tolist()
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters"), [("stack", {"blocks": 6}), ("wall", {"rows": 3, "columns": 3}), ("pyramid", {"rows": 3})]
+)
+def test_what_rests_stays_at_rest(name: str, parameters: dict[str, int]) -> None:
+    made = scene(name, **parameters)
+    step = last(made, steps=40)
+    assert step.q == pytest.approx(made.q0, abs=1e-9)
+    assert step.v == pytest.approx(made.v0, abs=1e-9)
+    weight = 9.81 * 0.01 * sum(body.mass for body in made.bodies)
+    ground = step.contacts.bodies[:, 1] == -1
+    assert step.solved[-1].impulse[ground, 0].sum() == pytest.approx(weight)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_ledger_defect_is_what_the_identity_leaves(seed: int) -> None:
+    """For any impulses, right or wrong, T(v) - T(v*) + |J'r|^2/2 + b.r_n + sum lambda (mu r_n + b_f) is the defect."""
+    random = np.random.default_rng(seed)
+    made = scene("pyramid", rows=3)
+    contacts = made.contacts(made.q0)
+    free, bias, friction_bias = random.standard_normal(18), random.random(len(contacts)), random.random(len(contacts))
+    problem = made.friction_problem(made.q0, free, contacts, bias, friction_bias)
+    r = random.standard_normal((len(contacts), 2))
+    v, u = problem.velocity(r), problem.contact_velocity(r)
+    push = problem.jacobian.T @ r.ravel()
+    kinetic = [w @ (problem.mass @ w) / 2 for w in (v, free)]
+    slip = abs(u[:, 1])
+    law = kinetic[1] - push @ (problem.inverse_mass @ push) / 2 - bias @ r[:, 0] - slip @ (0.5 * r[:, 0] + friction_bias)
+    assert ledger_defect(problem, r) == pytest.approx(kinetic[0] - law, abs=1e-10)
+
+
+def test_moving_a_scene_along_changes_nothing() -> None:
+    made = scene("two_blocks", step=0.02, speed=4.0)
+    shift = np.array([0.0, 7.3, 0, 0, 7.3, 0])
+    table = tuple(Shape(s.corners + np.array([0, 7.3])) for s in made.obstacles)
+    moved = Scene(**{**made.__dict__, "q0": made.q0 + shift, "obstacles": table})
+    for here, there in zip(simulate(made, lemke, steps=60), simulate(moved, lemke, steps=60), strict=True):
+        assert there.q - shift == pytest.approx(here.q, abs=1e-8)
+
+
+def test_mirrored_scene_moves_mirrored() -> None:
+    def tilted(sign: float) -> Scene:
+        return Scene(
+            bodies=(rigid_box(1, 2),),
+            obstacles=(half_plane(),),
+            q0=np.array([0, 1.3, sign * radians(20)]),
+            v0=np.array([sign, 0, 0]),
+            friction=0.4,
+            restitution=0.3,
+        )
+
+    mirror = np.array([-1, 1, -1])
+    for right, left in zip(simulate(tilted(1), lemke, steps=150), simulate(tilted(-1), lemke, steps=150), strict=True):
+        assert left.q * mirror == pytest.approx(right.q, abs=1e-7)
