@@ -5,19 +5,20 @@ whose energy is no longer finite, or a million times the scene's, is broken off 
 """
 
 import time
+from collections import Counter
 from typing import Any
 
 import numpy as np
 
 from harness.plan import DriveCell
+from harness.verify import verify
 from problems import FrictionProblem, scene
 from problems.check import Array
-from problems.residual import residual
 from problems.scene import Scene
 from problems.schemes import SCHEMES
-from problems.simulate import ledger_defect, penetration, simulate
-from results.schema import SOLVED, UNSOLVED
-from solvers import Solver
+from problems.simulate import penetration, simulate
+from results.schema import RELAXED, SOLVED, UNSOLVED, WRONG
+from solvers import Solver, SolverInfo
 
 DIVERGED = 1e6
 
@@ -25,33 +26,37 @@ DIVERGED = 1e6
 class _Driver:
     """The solver as a scheme calls it; keeps what was found on the way."""
 
-    def __init__(self, solver: Solver, tol: float) -> None:
-        self._solver, self._tol = solver, tol
-        self.problems = self.unsolved = self.most_contacts = 0
+    def __init__(self, info: SolverInfo, solver: Solver, tol: float) -> None:
+        self._info, self._solver, self._tol = info, solver, tol
+        self.verdicts: Counter[str] = Counter()
+        self.most_contacts = 0
         self.worst_residual = self.worst_defect = self.solver_time = 0.0
 
     def __call__(self, problem: FrictionProblem) -> Array:
         start = time.perf_counter()
         answer = self._solver.solve(self._solver.prepare(problem.fresh()), self._tol, None)
         self.solver_time += time.perf_counter() - start
-        impulse = np.asarray(answer.impulse, dtype=float)
-        if impulse.shape != (problem.contacts, problem.dimension) or not np.isfinite(impulse).all():
-            found, impulse = np.inf, np.zeros((problem.contacts, problem.dimension))
-        else:
-            found = residual(problem, impulse)
-        self.problems += 1
-        self.unsolved += found > self._tol
+        finding = verify(problem, answer, self._info, self._tol)
+        self.verdicts[finding.verdict] += 1
         self.most_contacts = max(self.most_contacts, problem.contacts)
-        self.worst_residual = max(self.worst_residual, found)
-        self.worst_defect = max(self.worst_defect, abs(ledger_defect(problem, impulse)))
-        return impulse
+        self.worst_residual = max(self.worst_residual, finding.residual)
+        if not np.isfinite(finding.residual):
+            return np.zeros((problem.contacts, problem.dimension))
+        self.worst_defect = max(self.worst_defect, abs(finding.energy_defect))
+        return np.asarray(answer.impulse, dtype=float)
+
+    def verdict(self) -> tuple[str, str]:
+        """The worst verdict of any problem, and how many have which."""
+        worst = next((verdict for verdict in (WRONG, UNSOLVED, RELAXED) if self.verdicts[verdict]), SOLVED)
+        missed = [f"{count} {verdict}" for verdict, count in sorted(self.verdicts.items()) if verdict != SOLVED]
+        return worst, f"of {self.verdicts.total()} problems {', '.join(missed)}" if missed else ""
 
 
-def drive(cell: DriveCell, solver: Solver) -> dict[str, Any]:
+def drive(cell: DriveCell, info: SolverInfo, solver: Solver) -> dict[str, Any]:
     """The drive's part of a row of results.schema.DRIVES."""
     stage = scene(cell.scene, **cell.parameters)
     planned = stage.steps if cell.steps is None else cell.steps
-    driver = _Driver(solver, cell.tol)
+    driver = _Driver(info, solver, cell.tol)
     times, energies, kinetic, penetrations = [], [], [], []
     for step in simulate(stage, driver, SCHEMES[cell.scheme], planned):
         times.append(step.time)
@@ -62,15 +67,17 @@ def drive(cell: DriveCell, solver: Solver) -> dict[str, Any]:
             break
     scale = _scale(stage, energies, kinetic)
     done = len(times) - 1
-    diverged = done < planned
+    verdict, reason = driver.verdict()
+    if done < planned:
+        verdict, reason = UNSOLVED if verdict == SOLVED else verdict, f"diverged after {done} steps; {reason}"
     return {
-        "verdict": UNSOLVED if diverged or driver.unsolved else SOLVED,
-        "reason": "diverged" if diverged else f"{driver.unsolved} problems missed the tolerance" if driver.unsolved else "",
+        "verdict": verdict,
+        "reason": reason,
         "step_size": stage.step,
         "steps": planned,
         "steps_done": done,
-        "problems": driver.problems,
-        "unsolved": driver.unsolved,
+        "problems": driver.verdicts.total(),
+        "unsolved": driver.verdicts.total() - driver.verdicts[SOLVED],
         "most_contacts": driver.most_contacts,
         "worst_residual": driver.worst_residual,
         "worst_energy_defect": driver.worst_defect / scale,

@@ -89,7 +89,7 @@ def run_drive(cell: DriveCell, limit: float) -> Row:
     machine.forget_peak_memory()
     try:
         with machine.hard_limit(limit):
-            driven = drive(cell, solver)
+            driven = drive(cell, info, solver)
     except Exception as error:
         return _leave("drives", begun, row | {"verdict": CRASHED, "reason": f"{type(error).__name__}: {error}"[:500]})
     return _leave("drives", begun, row | driven | {"peak_memory": machine.peak_memory()})

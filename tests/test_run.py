@@ -87,7 +87,7 @@ def test_a_misbehaving_solver_costs_its_own_cell_alone(tmp_path) -> None:
         assert reason in (rows.loc[name, "reason"] or ""), name
     assert (rows["time_limit"] == 2.0).all()
     drives = store.read_table(tmp_path / "run", "drives").set_index("solver")["verdict"].to_dict()
-    assert drives == {"hangs": "timeout", "segfault": "crashed", "raises": "crashed", "lies": "unsolved", "lemke": "solved"}
+    assert drives == {"hangs": "timeout", "segfault": "crashed", "raises": "crashed", "lies": "wrong", "lemke": "solved"}
 
 
 def test_a_run_leaves_every_row_once_and_resumes(tmp_path) -> None:

@@ -1,0 +1,48 @@
+"""Results folders made of a few rows by hand."""
+
+from pathlib import Path
+from typing import Any
+
+from results.schema import SOLVES, TABLES
+from results.store import ShardWriter, merge, write_manifest
+
+SETTINGS = {"suite": "made", "tolerances": [1e-4, 1e-8], "time_limit": 10.0}
+MACHINE = {"host": "here", "processor": "some"}
+
+
+def solve_row(variant: str, problem: str, tol: float = 1e-8, **given: Any) -> dict[str, Any]:
+    """A solved cell of a non-trivial problem of eight unknowns in 3 ms, prepare 1 ms and solve 2 ms, unless given."""
+    row: dict[str, Any] = dict.fromkeys(column.name for column in SOLVES)
+    row |= {"key": f"{variant}-{problem}-{tol:g}", "scene": "bar", "parameters": '{"friction": 0.2}', "solver": variant}
+    row |= {"variant": variant, "model": "coulomb", "tol": tol, "time_limit": 10.0, "verdict": "solved", "host": "here"}
+    row |= {"problem": problem, "step": 0, "phase": "step", "contacts": 2, "dimension": 2, "size": 8, "condition": 10.0}
+    row |= {"trivial": False, "start": "cold", "status": "SOLVED", "claimed": True, "residual": tol / 10, "work": "{}"}
+    row |= {"model_residual": tol / 10, "prepare_time": 1e-3, "solve_time": 2e-3, "solve_times": [2e-3] * 3} | given
+    return row
+
+
+def lost_row(variant: str, problem: str, verdict: str, tol: float = 1e-8, **given: Any) -> dict[str, Any]:
+    """A cell without an answer: timeout, crashed or skipped, with a reason."""
+    nothing = dict.fromkeys(("status", "claimed", "residual", "model_residual", "work"))
+    nothing |= dict.fromkeys(("prepare_time", "solve_time", "solve_times"))
+    return solve_row(variant, problem, tol, **nothing | {"verdict": verdict, "reason": "for a reason"} | given)
+
+
+def drive_row(variant: str, **given: Any) -> dict[str, Any]:
+    """A drive of three steps that loses half of its energy."""
+    row: dict[str, Any] = {"key": f"drive-{variant}", "scene": "bar", "parameters": "{}", "solver": variant, "variant": variant}
+    row |= {"tol": 1e-8, "verdict": "solved", "host": "here", "scheme": "stepping", "energy_scale": 2.0, "energy_drift": -0.5}
+    return row | {"times": [0.0, 0.1, 0.2], "energies": [2.0, 1.5, 1.0], "penetrations": [0.0] * 3} | given
+
+
+def write_folder(
+    folder: Path, solves: list[dict[str, Any]], drives: list[dict[str, Any]] | None = None, **manifest: Any
+) -> Path:
+    """A finished run with these rows."""
+    for table, rows in zip(TABLES, (solves, drives or []), strict=True):
+        with ShardWriter(folder, table, "test") as writer:
+            for row in rows:
+                writer.write(row)
+        merge(folder, table, [row["key"] for row in rows])
+    write_manifest(folder, {"settings": SETTINGS, "machine": MACHINE, "finished": "now"} | manifest)
+    return folder
