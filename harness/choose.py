@@ -48,7 +48,7 @@ def resolve_solvers(specs: list[str]) -> tuple[tuple[str, ...], tuple[str, ...]]
 
 
 def _chosen(plan: Plan, spec: str) -> tuple[list[Source], list[Source]]:
-    """Sources and drives for a scene: the suite's own of this name; with settings, or of a scene not in it, the scene as given."""
+    """Sources and drives: the suite's own of this name; the scene as given where it has settings or is not in the suite."""
     name, settings = parse("scene", spec)
     own = [source for source in plan.sources if source.scene == name]
     if own and not settings:

@@ -5,7 +5,8 @@ unit of work with one row in the results. Cells are plain values: they travel to
 """
 
 import json
-from dataclasses import asdict, dataclass, field
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, field, replace
 from hashlib import sha256
 from typing import Any
 
@@ -28,9 +29,14 @@ class Source:
 
 @dataclass(frozen=True)
 class SolveCell:
-    """One problem, one solver, one tolerance."""
+    """One problem, one solver, one tolerance.
+
+    problem: the content hash under which it is stored. origin: where it comes from; the key is made of that, for the last bits
+    of a recorded problem, and so its hash, may differ between machines.
+    """
 
     problem: str
+    origin: str
     variant: str
     tol: float
     start: str = "cold"
@@ -39,7 +45,7 @@ class SolveCell:
 
     @property
     def key(self) -> str:
-        return _key("solve", self)
+        return _key("solve", replace(self, problem=""))
 
 
 @dataclass(frozen=True)
@@ -89,10 +95,15 @@ class Plan:
         """The plan as plain values, for the manifest: two runs with the same settings do the same cells."""
         return json.loads(json.dumps(asdict(self)))
 
-    def solve_cells(self, problems: list[str]) -> list[SolveCell]:
-        """Every problem (by hash) with every solver and tolerance, the loosest first."""
+    def solve_cells(self, entries: Iterable[dict[str, Any]]) -> list[SolveCell]:
+        """Every problem with every solver and tolerance, the loosest first."""
         ladder = sorted(self.tolerances, reverse=True)
-        return [SolveCell(problem, variant, tol) for problem in problems for variant in self.solvers for tol in ladder]
+        return [
+            SolveCell(entry["problem"], origin(entry), variant, tol)
+            for entry in entries
+            for variant in self.solvers
+            for tol in ladder
+        ]
 
     def drive_cells(self) -> list[DriveCell]:
         return [
@@ -100,6 +111,11 @@ class Plan:
             for drive in self.drives
             for variant in self.drive_solvers
         ]
+
+
+def origin(entry: dict[str, Any]) -> str:
+    """Where a problem comes from: scene, parameters, step and phase."""
+    return f"{entry['scene']} {entry['parameters']} {entry['step']} {entry['phase']}"
 
 
 def _check(condition: bool, field: str, complaint: str) -> None:

@@ -26,7 +26,7 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress) -> None:
     parent = f"parent-{os.getpid()}"
     with Pool(folder, jobs, plan.plugins, plan.memory_limit) as pool:
         entries = _collect(plan, pool, progress)
-        solves = plan.solve_cells(list(entries))
+        solves = plan.solve_cells(entries.values())
         drives = plan.drive_cells()
         done = store.read_rows(folder, "solves").keys() | store.read_rows(folder, "drives").keys()
         tasks = [_solve_task(cell, entries[cell.problem], plan) for cell in solves if cell.key not in done]

@@ -11,7 +11,7 @@ from rich.table import Table
 from harness import worker
 from harness.choose import resolve_solvers
 from harness.collect import Entry, collect, facts
-from harness.plan import DriveCell, Plan, SolveCell, Source
+from harness.plan import DriveCell, Plan, SolveCell, Source, origin
 from harness.pool import Pool, Task
 from harness.rows import PROBLEM_FACTS, Row
 from harness.run import row_of_the_dead
@@ -30,7 +30,7 @@ def solve_one(problem: str, solver_specs: list[str], tol: float, time_limit: flo
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         entry = _stage(problem, folder)
-        cells = plan.solve_cells([entry["problem"]])
+        cells = plan.solve_cells([entry])
         tasks = [Task(cell.variant, worker.run_solve, (cell, entry, time_limit), time_limit) for cell in cells]
         with Pool(folder, jobs, plugins, plan.memory_limit) as pool:
             rows = {outcome.task.name: outcome.value or row_of_the_dead(outcome)[1] for outcome in pool.run(tasks)}
@@ -73,7 +73,7 @@ def _task_again(row: Row, table: str, settings: dict[str, Any]) -> Task:
     limit = row["time_limit"]
     if table == "solves":
         entry = {name: row[name] for name in PROBLEM_FACTS if name in row}
-        cell = SolveCell(row["problem"], row["variant"], row["tol"], row["start"])
+        cell = SolveCell(row["problem"], origin(row), row["variant"], row["tol"], row["start"])
         return Task(row["variant"], worker.run_solve, (cell, entry, limit), limit)
     steps = {json.dumps(d["parameters"], sort_keys=True): d["steps"] for d in settings["drives"] if d["scene"] == row["scene"]}
     drive = DriveCell(

@@ -21,6 +21,7 @@ from scipy import sparse
 
 from problems import check
 from problems.check import Array, require
+from problems.delassus import delassus, delassus_diagonal, interleave
 from problems.lcp import LCP, content_hash, friction_lcp
 from problems.mass import invert_mass
 from problems.relaxation import QP, ConeProgram, relaxation_cone, relaxation_qp
@@ -111,19 +112,19 @@ class FrictionProblem:
     @cached_property
     def jacobian(self) -> sparse.csr_array:
         """J (nc*d, nv): per contact its normal row, then its tangent rows."""
-        nc, d = self.contacts, self.dimension
-        rows = np.arange(nc * d).reshape(nc, d)
-        stacked = sparse.vstack([self.normal, self.tangent], format="csr")
-        order = np.empty(nc * d, dtype=np.int64)
-        order[rows[:, 0]] = np.arange(nc)
-        order[rows[:, 1:].ravel()] = nc + np.arange(nc * (d - 1))
-        return sparse.csr_array(stacked[order])
+        return interleave(self.normal, self.tangent, self.dimension)
 
     @cached_property
     def _joint_response(self) -> tuple[Array, Array]:
         """(M^-1 F', (F M^-1 F')^+), dense; joints are few, and may be redundant."""
         response = (self.inverse_mass @ self.joints.T).toarray()
         return response, np.linalg.pinv(self.joints @ response, hermitian=True)
+
+    @property
+    def _joint_coupling(self) -> tuple[Array, Array]:
+        """(F M^-1 J', (F M^-1 F')^+), dense."""
+        response, inverse = self._joint_response
+        return (self.jacobian @ response).T, inverse
 
     def _on_joints(self, velocity: Array, bias: Array) -> Array:
         """The velocity nearest in the kinetic metric with F v + bias = 0."""
@@ -151,22 +152,18 @@ class FrictionProblem:
     @cached_property
     def W(self) -> sparse.csr_array:
         """The Delassus matrix J P J' (nc*d, nc*d), sparse."""
-        response = self.inverse_mass @ self.jacobian.T
-        W = self.jacobian @ response
+        W = delassus(self.jacobian, self.inverse_mass)
         if self.joints.shape[0]:
-            _, inverse = self._joint_response
-            coupling = (self.joints @ response).toarray()
-            W = W - sparse.csr_array(coupling.T @ inverse @ coupling)
-        return sparse.csr_array(W)
+            coupling, inverse = self._joint_coupling
+            W = sparse.csr_array(W - sparse.csr_array(coupling.T @ inverse @ coupling))
+        return W
 
     @cached_property
     def scale(self) -> Array:
         """s (nc,): the mean diagonal of each contact's block of W, 1/kg; 1 where it vanishes."""
-        response = (self.inverse_mass @ self.jacobian.T).T
-        diagonal = np.asarray(self.jacobian.multiply(response).sum(axis=1)).ravel()
+        diagonal = delassus_diagonal(self.jacobian, self.inverse_mass)
         if self.joints.shape[0]:
-            _, inverse = self._joint_response
-            coupling = np.asarray((self.joints @ response.T).toarray())
+            coupling, inverse = self._joint_coupling
             diagonal = diagonal - np.einsum("ji,jk,ki->i", coupling, inverse, coupling)
         return _mean_diagonal(diagonal, self.dimension)
 

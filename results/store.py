@@ -75,16 +75,9 @@ def _parse(shard: Path) -> Iterator[Row]:
 
 def merge(folder: Path, table: str, order: list[str]) -> Path | None:
     """Write DIR/TABLE.parquet from the shards, rows in the order of the plan's keys; None where there are no rows."""
-    rows = read_rows(folder, table)
-    if not rows:
+    data = _from_shards(folder, table, order)
+    if not data.num_rows:
         return None
-    schema = arrow_schema(table)
-    position = {key: i for i, key in enumerate(order)}
-    ordered = sorted(rows.values(), key=lambda row: (position.get(row["key"], len(position)), row["key"]))
-    try:
-        data = pa.table({name: [row.get(name) for row in ordered] for name in schema.names}, schema=schema)
-    except (pa.ArrowInvalid, pa.ArrowTypeError) as error:
-        raise ResultsError(f"{folder}: a row of {table} does not match the schema: {error}") from None
     path = folder / f"{table}.parquet"
     partial = path.with_suffix(".partial")
     pq.write_table(data, partial)
@@ -93,21 +86,32 @@ def merge(folder: Path, table: str, order: list[str]) -> Path | None:
 
 
 def read_table(folder: Path, table: str) -> pd.DataFrame:
-    """A merged table, checked against the schema. Errors: ResultsError naming the file and the column."""
+    """A merged table, or the shards of a run that was broken off. Errors: ResultsError naming the file and the column."""
     path = folder / f"{table}.parquet"
-    schema = arrow_schema(table)
     if not path.exists():
-        return schema.empty_table().to_pandas()
+        return _from_shards(folder, table, []).to_pandas()
     try:
         data = pq.read_table(path)
     except (OSError, pa.ArrowException) as error:
         raise ResultsError(f"{path}: not a readable Parquet file ({error})") from None
+    schema = arrow_schema(table)
     for field in schema:
         if field.name not in data.column_names:
             raise ResultsError(f"{path}: column {field.name} is missing")
         if data.schema.field(field.name).type != field.type:
             raise ResultsError(f"{path}: column {field.name} is {data.schema.field(field.name).type}, not {field.type}")
     return data.select(schema.names).to_pandas()
+
+
+def _from_shards(folder: Path, table: str, order: list[str]) -> pa.Table:
+    schema = arrow_schema(table)
+    position = {key: i for i, key in enumerate(order)}
+    rows = read_rows(folder, table).values()
+    ordered = sorted(rows, key=lambda row: (position.get(row["key"], len(position)), row["key"]))
+    try:
+        return pa.table({name: [row.get(name) for row in ordered] for name in schema.names}, schema=schema)
+    except (pa.ArrowInvalid, pa.ArrowTypeError) as error:
+        raise ResultsError(f"{folder}: a row of {table} does not match the schema: {error}") from None
 
 
 def write_manifest(folder: Path, manifest: Row) -> None:

@@ -11,10 +11,13 @@ speed of a friction contact) is scaled by the column through which it acts: D_i 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import sparse
+from numba import njit
+from numpy.typing import NDArray
 
 from problems import LCP
 from problems.check import Array
+
+Index = NDArray[np.int32]
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,19 +46,31 @@ class Scaling:
 
 def scaling(lcp: LCP) -> Scaling:
     """The scaling of an LCP; rows and columns of zeros keep their size."""
-    diagonal = np.abs(lcp.M.diagonal())
-    size = np.sqrt(diagonal)
-    D = np.where(diagonal > 0, 1 / np.where(diagonal > 0, size, 1.0), 0.0)
-    bare = np.flatnonzero(diagonal == 0)
-    if len(bare):
-        M = abs(sparse.csr_array(lcp.M))
-        for action in (M.T, M):
-            reach = _row_max(sparse.csr_array(action)[bare] * np.where(D > 0, D, 0.0))
-            D[bare] = np.where((D[bare] == 0) & (reach > 0), 1 / np.where(reach > 0, reach, 1.0), D[bare])
-        D[D == 0] = 1.0
+    D = _diagonal(lcp.M.indptr, lcp.M.indices, lcp.M.data)
     theta = float(np.abs(D * lcp.q).max(initial=0.0)) or 1.0
     return Scaling(D, theta)
 
 
-def _row_max(rows: sparse.csr_array) -> Array:
-    return np.asarray(rows.max(axis=1).toarray()).ravel() if rows.shape[0] else np.zeros(0)
+@njit(cache=True)
+def _diagonal(indptr: Index, indices: Index, data: Array) -> Array:
+    n = len(indptr) - 1
+    D = np.zeros(n)
+    for i in range(n):
+        for k in range(indptr[i], indptr[i + 1]):
+            if indices[k] == i and data[k] != 0:
+                D[i] = 1 / np.sqrt(abs(data[k]))
+    # What a bare row or column does to those that have a scale: columns first, then rows for what is left.
+    for by_column in (True, False):
+        reach = np.zeros(n)
+        for i in range(n):
+            for k in range(indptr[i], indptr[i + 1]):
+                bare, other = (indices[k], i) if by_column else (i, indices[k])
+                if D[bare] == 0:
+                    reach[bare] = max(reach[bare], D[other] * abs(data[k]))
+        for i in range(n):
+            if reach[i] > 0:
+                D[i] = 1 / reach[i]
+    for i in range(n):
+        if D[i] == 0:
+            D[i] = 1.0
+    return D

@@ -1,0 +1,76 @@
+"""Time to equal achieved accuracy, the headline speed.
+
+For a problem and an entry it is the least median time, prepare and solve together, over the entry's ladder of tolerances,
+at which the *verified* residual is within the target; what the solver claimed plays no part. A miss is charged at the time
+limit, not dropped. A class of problems is summed up by the shifted geometric mean (H. Mittelmann's benchmarks)
+
+    exp(mean(log(t + s))) - s,     s = 1e-5 s,
+
+where s is about what one call costs, so that differences below it do not rule the mean. An entry that was skipped on all of
+a class has no figure there; one that enters a class and is skipped on some of it is charged for these.
+
+Dolan and Moré's performance profile (2002) is the share of problems an entry brings within the target in at most tau times
+the time of the fastest.
+"""
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from results.schema import SKIPPED
+
+TARGETS = (1e-4, 1e-6, 1e-8)
+Array = NDArray[np.float64]
+SHIFT = 1e-5  # s
+ALL = "all problems"
+
+
+def shifted_geometric_mean(times: pd.Series) -> float:
+    """The shifted geometric mean of times in s; nan of none."""
+    return float(np.exp(np.log(times + SHIFT).mean()) - SHIFT) if len(times) else np.nan
+
+
+def times_to(rows: pd.DataFrame, target: float) -> pd.DataFrame:
+    """A row per problem and entry: class, reached, charged (s), and prepare_time and solve_time where reached.
+
+    rows: annotated rows of the solves table, trivial problems left out.
+    """
+    pair = ["problem_id", "entry"]
+    within = rows[rows["answered"] & (rows["residual"] <= target)]
+    best = within.sort_values("time", kind="stable").drop_duplicates(pair).set_index(pair)
+    ran = rows.assign(ran=rows["verdict"] != SKIPPED)
+    ran = ran[ran.groupby(["problem_class", "entry"])["ran"].transform("any")]
+    times = ran.groupby(pair, sort=False).agg(problem_class=("problem_class", "first"), limit=("time_limit", "max"))
+    times = times.join(best[["prepare_time", "solve_time", "time"]])
+    times["reached"] = times["time"].notna()
+    times["charged"] = times["time"].fillna(times["limit"])
+    return times.reset_index()
+
+
+def summary(times: pd.DataFrame) -> pd.DataFrame:
+    """A row per class and entry, and per entry over all classes: problems, reached, share, mean (s), and the medians of
+    prepare and solve (s) over the problems it reached."""
+    both = pd.concat([times.assign(problem_class=ALL), times], ignore_index=True)
+    groups = both.groupby(["problem_class", "entry"], sort=False)
+    table = groups.agg(
+        problems=("reached", "size"),
+        reached=("reached", "sum"),
+        share=("reached", "mean"),
+        prepare=("prepare_time", "median"),
+        solve=("solve_time", "median"),
+    )
+    table["mean"] = groups["charged"].agg(shifted_geometric_mean)
+    return table.reset_index()
+
+
+def profile(times: pd.DataFrame) -> dict[str, tuple[Array, Array]]:
+    """Of each entry the ratios tau, sorted, of the problems it reached, and the share of all problems within each."""
+    reached = times[times["reached"]]
+    fastest = reached.groupby("problem_id")["charged"].min()
+    count = times["problem_id"].nunique()
+    curves = {}
+    for entry in times["entry"].unique():
+        own = reached[reached["entry"] == entry]
+        ratio = np.sort(own["charged"].to_numpy() / fastest.loc[own["problem_id"]].to_numpy())
+        curves[entry] = (ratio, np.arange(1, len(ratio) + 1) / count)
+    return curves

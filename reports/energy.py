@@ -1,0 +1,62 @@
+"""Energy over time in closed loop, relative to the scene's energy scale: a rise is energy from nowhere."""
+
+import json
+from functools import partial
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.ticker import PercentFormatter
+
+from reports.figures import Panel
+from reports.style import ALARM, INK, Look
+
+POINTS = 200  # of a curve
+
+
+def scene_title(scene: str, parameters: str) -> str:
+    """The scene with its parameters, as one line: stack(blocks=10, friction=0.5)."""
+    try:
+        values = json.loads(parameters or "{}")
+    except (ValueError, RecursionError):
+        values = {}
+    shown = ", ".join(f"{key}={value}" for key, value in values.items()) if isinstance(values, dict) else ""
+    return f"{scene}({shown})" if shown else scene
+
+
+def panels(drives: pd.DataFrame, looks: dict[str, Look]) -> list[Panel]:
+    """A panel per scene and parameters and scheme that has a curve."""
+    lengths = [min(_length(t), _length(e)) for t, e in zip(drives["times"], drives["energies"], strict=True)]
+    with_curve = drives[np.array(lengths, dtype=int) > 1]
+    groups = with_curve.groupby(["scene", "parameters", "scheme"], sort=False)
+    several = len(with_curve["scheme"].unique()) > 1
+    return [
+        Panel(scene_title(scene, parameters) + f", {scheme}" * several, partial(_draw, drives=group, looks=looks))
+        for (scene, parameters, scheme), group in groups
+    ]
+
+
+def _length(curve: object) -> int:
+    return len(curve) if isinstance(curve, np.ndarray) else 0
+
+
+def _draw(ax: Axes, drives: pd.DataFrame, looks: dict[str, Look]) -> None:
+    highest = 0.0
+    for row in drives.itertuples():
+        count = min(len(row.times), len(row.energies))
+        keep = np.unique(np.linspace(0, count - 1, min(count, POINTS)).astype(int))
+        scale = row.energy_scale if row.energy_scale > 0 else 1.0
+        change = (row.energies[keep] - row.energies[0]) / scale
+        look = looks[row.entry]
+        ax.plot(row.times[keep], change, color=look.colour, marker=look.marker, markevery=(0.1, 0.3), ms=3.5, alpha=0.9)
+        highest = max(highest, float(np.nanmax(change, initial=0.0)))
+    ax.axhline(0, color=INK, lw=0.6)
+    if highest > 1e-6:
+        bottom, top = ax.get_ylim()
+        ax.axhspan(0, top, color=ALARM, alpha=0.08, lw=0)
+        ax.set_ylim(bottom, top)
+        ax.text(0.02, 0.95, "energy gained", transform=ax.transAxes, va="center", fontsize="x-small", alpha=0.8)
+    ax.yaxis.set_major_formatter(PercentFormatter(1))
+    ax.grid(lw=0.4, alpha=0.3)
+    ax.set_xlabel("time in s")
+    ax.set_ylabel("change of energy")

@@ -1,0 +1,87 @@
+"""Panels and what is made of them: inline SVG for a page, sheets of panels as SVG and PDF files."""
+
+import io
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from reports.style import INK, RC, Look, plain
+
+PANEL = (3.9, 2.9)  # inches
+IMAGE = 200  # dots an inch of what is drawn as an image
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One drawing on one pair of axes."""
+
+    title: str
+    draw: Callable[[Axes], None]
+
+
+def inline_svg(panel: Panel, size: tuple[float, float] = PANEL) -> str:
+    """The panel, without its title, as an SVG element whose ink is the page's own.
+
+    The ids of groups are dropped, for a page holds many such elements.
+    """
+    with mpl.rc_context(RC):
+        figure = Figure(figsize=size, layout="constrained")
+        panel.draw(figure.subplots())
+        return _element(figure)
+
+
+def swatch(look: Look) -> str:
+    """An entry's line and marker as a small SVG element, for a legend on the page."""
+    with mpl.rc_context(RC):
+        figure = Figure(figsize=(0.34, 0.17))
+        ax = figure.add_axes((0, 0, 1, 1))
+        ax.axis("off")
+        ax.plot([0, 1, 2], [0, 0, 0], color=look.colour, marker=look.marker, markevery=[1], markersize=6)
+        return _element(figure)
+
+
+def _element(figure: Figure) -> str:
+    text = io.StringIO()
+    figure.savefig(text, format="svg", dpi=IMAGE, metadata={"Date": None})
+    svg = text.getvalue()
+    svg = re.sub(r"\s*<metadata>.*?</metadata>", "", svg[svg.index("<svg") :], flags=re.DOTALL)
+    return re.sub(r'<g id="[^"]*"', "<g", svg).replace(INK, "currentColor")
+
+
+def save_sheet(
+    panels: Sequence[Panel],
+    looks: dict[str, Look],
+    stem: Path,
+    columns: int = 3,
+    size: tuple[float, float] = PANEL,
+    font: float = RC["font.size"],
+) -> list[Path]:
+    """Save the panels on one sheet with a legend, as STEM.svg and STEM.pdf, reproducible byte for byte.
+
+    size: of one panel, in inches; font: in points.
+    """
+    columns = max(1, min(columns, len(panels)))
+    rows = -(-len(panels) // columns)
+    across = max(1, int(columns * size[0] / (0.18 * font)))  # a legend's entry is some 13 letters wide
+    height = 0.02 * font * -(-len(looks) // across)
+    with mpl.rc_context(RC | {"font.size": font, "lines.markersize": font / 2, "lines.linewidth": font / 8}):
+        figure = Figure(figsize=(columns * size[0], rows * size[1] + height), layout="constrained")
+        grid = figure.subplots(rows, columns, squeeze=False).ravel()
+        for ax, panel in zip(grid, panels, strict=False):
+            panel.draw(ax)
+            ax.set_title(plain(panel.title))
+        for ax in grid[len(panels) :]:
+            ax.axis("off")
+        handles = [Line2D([], [], color=look.colour, marker=look.marker) for look in looks.values()]
+        figure.legend(handles, [plain(name) for name in looks], loc="outside lower center", ncols=across)
+        paths = [stem.with_suffix(f".{kind}") for kind in ("svg", "pdf")]
+        for path in paths:
+            date = "Date" if path.suffix == ".svg" else "CreationDate"
+            figure.savefig(path, dpi=IMAGE, metadata={date: None})
+    return paths

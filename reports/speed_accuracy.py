@@ -1,0 +1,81 @@
+"""The speed-accuracy chart: verified residual against time, one panel a problem class.
+
+Dots are cells; a line joins an entry's medians along its ladder of tolerances. A relaxation's solver cannot come below the
+error of its model, drawn as a floor; its residual on the model itself, which is the solver's own error, is dotted. A ring is
+a wrong claim. The strip on top counts the cells that gave no answer.
+"""
+
+from functools import partial
+
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+from reports.cells import contested
+from reports.figures import Panel
+from reports.style import ALARM, INK, Look, log_ticks, time_axis
+from results.schema import RELAXED, SKIPPED, WRONG
+
+ZERO = 1e-17  # where a residual of exactly zero is drawn
+WORST = 1e1  # where larger residuals are drawn
+STRIP = 2e3  # the strip above WORST
+CROWD = 1500  # dots beyond which they are drawn as an image
+
+
+def panels(rows: pd.DataFrame, looks: dict[str, Look]) -> list[Panel]:
+    """A panel per problem class; rows: the annotated solves table."""
+    classes = contested(rows).groupby("problem_class", sort=False)
+    return [Panel(name, partial(_draw, rows=group, looks=looks)) for name, group in classes]
+
+
+def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
+    answers = rows[rows["answered"]]
+    crowded = len(answers) > CROWD
+    for entry, own in answers.groupby("entry"):
+        look = looks[entry]
+        ax.scatter(own["time"], _shown(own["residual"]), s=5, lw=0, color=look.colour, alpha=0.35, rasterized=crowded)
+        ladder = own.groupby("tol")[["time", "residual", "model_residual"]].median().sort_index(ascending=False)
+        ax.plot(ladder["time"], _shown(ladder["residual"]), color=look.colour, marker=look.marker)
+        if (own["model"] == "relaxation").any():
+            ax.plot(
+                ladder["time"], _shown(ladder["model_residual"]), ":", color=look.colour, marker=look.marker, mfc="none", lw=0.8
+            )
+    wrong = answers[answers["verdict"] == WRONG]
+    ring = 1.7 * mpl.rcParams["lines.markersize"]
+    ax.plot(wrong["time"], _shown(wrong["residual"]), "o", ms=ring, mfc="none", mec=ALARM, zorder=4)
+    _model_error(ax, answers)
+    time_axis(ax, "x")
+    lowest = min(1e-10, _shown(answers["residual"]).min()) if len(answers) else 1e-10
+    bottom = 10.0 ** np.floor(np.log10(lowest))
+    ticks = {10.0**k: f"1e{k}" for k in range(0, -13, -4) if 10.0**k >= bottom}
+    log_ticks(ax, "y", ticks | {ZERO: "0"} if lowest <= ZERO else ticks)
+    ax.set_ylim(bottom / 3, STRIP)
+    ax.grid(axis="y", lw=0.4, alpha=0.3)
+    ax.set_xlabel("time, prepare and solve")
+    ax.set_ylabel("verified residual")
+    _misses(ax, rows, looks)
+
+
+def _shown(residual: pd.Series) -> pd.Series:
+    return residual.clip(ZERO, WORST)
+
+
+def _model_error(ax: Axes, answers: pd.DataFrame) -> None:
+    relaxed = answers[answers["verdict"] == RELAXED]
+    if relaxed.empty:
+        return
+    floor = relaxed.groupby("problem_id")["residual"].min().median()
+    ax.axhline(floor, color=INK, ls="--", lw=0.8, alpha=0.7)
+    ax.text(1.01, floor, "model\nerror", transform=ax.get_yaxis_transform(), va="center", fontsize="x-small", alpha=0.8)
+
+
+def _misses(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
+    lost = rows[~rows["answered"] & (rows["verdict"] != SKIPPED)].groupby("entry").size()
+    if lost.empty:
+        return
+    ax.axhspan(WORST, STRIP, color=INK, alpha=0.07, lw=0)
+    ax.text(0.01, 0.95, "no answer", transform=ax.transAxes, va="center", fontsize="x-small", alpha=0.8)
+    for i, (entry, count) in enumerate(lost.items()):
+        x, colour = 0.25 + 0.75 * i / max(6, len(lost)), looks[str(entry)].colour
+        ax.text(x, 0.95, f"×{count}", transform=ax.transAxes, va="center", fontsize="small", weight="bold", color=colour)

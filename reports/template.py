@@ -1,0 +1,47 @@
+"""The page's template and how it writes numbers; everything it is given is escaped unless it is our own markup."""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from reports.style import power, seconds
+
+
+def environment() -> Environment:
+    """Templates with escaping on, and the filters that numbers pass through; "–" stands for what was not measured."""
+    made = Environment(
+        loader=PackageLoader("reports"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    made.filters |= {
+        "seconds": lambda value: "–" if _absent(value) else seconds(value),
+        "residual": lambda value: "–" if _absent(value) else _residual(value),
+        "power": power,
+        "share": lambda value: "–" if _absent(value) else f"{math.floor(100 * value + 1e-9)} %",
+        "percent": lambda value: "–" if _absent(value) else f"{100 * value:.2g} %",
+        "whole": lambda value: "–" if _absent(value) else f"{value:.0f}",
+        "flat": lambda value: list(_flat(value)),
+        "records": lambda table: table.to_dict("records"),
+    }
+    return made
+
+
+def _absent(value: Any) -> bool:
+    return value is None or (isinstance(value, float) and math.isnan(value))
+
+
+def _residual(value: float) -> str:
+    if value == 0 or not math.isfinite(value):
+        return f"{value:g}"
+    digit, exponent = f"{value:.0e}".split("e")
+    return f"{digit}e{int(exponent)}"
+
+
+def _flat(value: dict[str, Any], above: str = "") -> Iterator[tuple[str, str]]:
+    """The manifest as pairs of name and text, nested objects spread out."""
+    for key, entry in value.items():
+        if isinstance(entry, dict):
+            yield from _flat(entry, f"{above}{key} · ")
+        else:
+            yield f"{above}{key}", ", ".join(map(str, entry)) if isinstance(entry, list) else str(entry)

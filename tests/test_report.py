@@ -1,0 +1,276 @@
+"""The report's numbers on tables small enough to check by hand, and its page on folders of every kind."""
+
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from reports import accuracy, tables
+from reports.cells import annotate, contested
+from reports.figures import save_sheet
+from reports.page import write_report
+from reports.paper import booktabs, write_paper
+from reports.speed_accuracy import panels
+from reports.style import looks, plain, seconds
+from results.schema import SOLVES, VERDICTS
+from results.store import ResultsError
+from tests.made_results import drive_row, lost_row, solve_row, write_folder
+
+
+def annotated(*rows):
+    return annotate(pd.DataFrame(list(rows), columns=[column.name for column in SOLVES]))
+
+
+def by_entry(table, problem_class="bar"):
+    return table[table["problem_class"] == problem_class].set_index("entry")
+
+
+def test_shifted_geometric_mean_by_hand():
+    # with the shift of 1e-5 s the times are 1e-4 and 1e-2 s, their geometric mean 1e-3
+    assert accuracy.shifted_geometric_mean(pd.Series([9e-5, 9.99e-3])) == pytest.approx(9.9e-4)
+    assert np.isnan(accuracy.shifted_geometric_mean(pd.Series([], dtype=float)))
+
+
+def test_the_least_time_within_the_target_counts_whatever_was_asked_for():
+    rows = annotated(
+        solve_row("a", "p", 1e-4, residual=5e-5, prepare_time=0.0, solve_time=1.0),
+        solve_row("a", "p", 1e-6, residual=9e-9, prepare_time=0.5, solve_time=1.5),
+        solve_row("a", "p", 1e-8, residual=1e-9, prepare_time=0.5, solve_time=2.5),
+    )
+    found = {target: accuracy.times_to(rows, target).iloc[0] for target in accuracy.TARGETS}
+    assert [row["charged"] for row in found.values()] == [1.0, 2.0, 2.0]
+    assert (found[1e-8]["prepare_time"], found[1e-8]["solve_time"]) == (0.5, 1.5)
+
+
+@pytest.mark.parametrize(
+    "miss",
+    [
+        solve_row("a", "q", verdict="wrong", residual=1e-3, solve_time=1e-6),
+        solve_row("a", "q", verdict="relaxed", residual=1e-3),
+        solve_row("a", "q", verdict="unsolved", claimed=False, residual=float("inf")),
+        solve_row("a", "q", verdict="timeout", residual=1e-12, solve_time=11.0),
+        lost_row("a", "q", "crashed"),
+        lost_row("a", "q", "skipped"),
+    ],
+    ids=lambda row: row["verdict"],
+)
+def test_a_miss_is_charged_at_the_limit(miss):
+    rows = annotated(solve_row("a", "p", prepare_time=0.0, solve_time=0.1), miss)
+    summary = by_entry(accuracy.summary(accuracy.times_to(rows, 1e-8))).loc["a"]
+    assert (summary["problems"], summary["reached"], summary["share"]) == (2, 1, 0.5)
+    assert summary["mean"] == pytest.approx(np.sqrt(0.1 * 10), rel=1e-3)
+    assert summary["solve"] == 0.1
+
+
+def test_a_wrong_claim_is_paid_for_the_accuracy_it_has():
+    rows = annotated(solve_row("a", "p", 1e-8, verdict="wrong", residual=1e-5))
+    assert accuracy.times_to(rows, 1e-4)["reached"].tolist() == [True]
+    assert accuracy.times_to(rows, 1e-6)["reached"].tolist() == [False]
+
+
+def test_a_class_skipped_as_a_whole_has_no_figure():
+    rows = annotated(solve_row("a", "p"), lost_row("b", "p", "skipped"), lost_row("c", "p", "crashed"))
+    assert accuracy.times_to(rows, 1e-8)["entry"].tolist() == ["a", "c"]
+
+
+def test_trivial_problems_enter_no_headline_and_are_counted_apart():
+    rows = annotated(solve_row("a", "p"), solve_row("a", "q", trivial=True), solve_row("a", "r", verdict="wrong", trivial=True))
+    assert accuracy.summary(accuracy.times_to(contested(rows), 1e-8))["problems"].tolist() == [1, 1]
+    row = tables.solvability(rows).iloc[0]
+    assert (row["cells"], row["trivial"], row["solved"], row["wrong"]) == (1, 2, 1, 0)
+    assert tables.wrong_claims(rows)["problem"].tolist() == ["r"]
+
+
+def test_solvability_counts_every_verdict():
+    answers = [solve_row("a", v, verdict=v, claimed=v != "unsolved") for v in ("solved", "relaxed", "wrong", "unsolved")]
+    lost = [lost_row("a", v, v) for v in ("timeout", "crashed", "skipped")]
+    row = tables.solvability(annotated(*answers, *lost)).iloc[0]
+    assert (row["cells"], row["claimed"]) == (7, 3)
+    assert all(row[verdict] == 1 for verdict in VERDICTS)
+
+
+def test_warm_and_cold_are_apart():
+    rows = annotated(solve_row("a", "p"), solve_row("a", "p", start="warm", solve_time=1e-4))
+    assert sorted(accuracy.times_to(rows, 1e-8)["entry"]) == ["a", "a, warm"]
+
+
+def test_small_and_large_problems_of_a_scene_are_apart():
+    sizes = {"p": 8, "q": 99, "r": 100, "s": 1000}
+    rows = annotated(
+        *(solve_row("a", name, size=n, parameters=f'{{"blocks": {n}}}') for name, n in sizes.items()),
+        lost_row("b", "s", "skipped", size=None, parameters='{"blocks": 1000}'),
+        solve_row("a", "t", scene="rod", size=5000),
+    )
+    classes = rows["problem_class"].tolist()
+    assert classes == ["bar, n < 100"] * 2 + ["bar, n < 1000", "bar, n from 1000", "bar, n from 1000", "rod"]
+
+
+def test_profile_by_hand():
+    rows = annotated(
+        *(solve_row("a", name, prepare_time=0.0, solve_time=t) for name, t in (("p", 1.0), ("q", 4.0))),
+        *(solve_row("b", name, prepare_time=0.0, solve_time=t) for name, t in (("p", 2.0), ("q", 1.0))),
+        *(lost_row(name, "r", "timeout") for name in "ab"),
+        lost_row("c", "p", "timeout"),
+    )
+    curves = accuracy.profile(accuracy.times_to(rows, 1e-8))
+    assert {name: ratio.tolist() for name, (ratio, _) in curves.items()} == {"a": [1, 4], "b": [1, 2], "c": []}
+    assert curves["a"][1].tolist() == [1 / 3, 2 / 3]
+
+
+def test_leaders_are_the_most_frequent_and_the_fastest_of_nearly_as_frequent():
+    cells = [("sure", 10, 1.0), ("quick", 9, 0.1), ("rash", 8, 0.01)]
+    table = pd.DataFrame(cells, columns=["entry", "reached", "mean"]).assign(problem_class=accuracy.ALL)
+    found = tables.leaders(table)
+    assert found is not None
+    assert (found.most_often["entry"], found.equals, found.fastest["entry"]) == ("sure", 1, "quick")
+    assert tables.leaders(table.assign(reached=0)) is None
+
+
+def test_an_unfinished_run_has_gaps():
+    assert tables.gaps(annotated(solve_row("a", "p"), solve_row("a", "q"), solve_row("b", "p"))) == 1
+
+
+class _Page(HTMLParser):
+    """Tags, references and visible text of a page."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__()
+        self.tags: set[str] = set()
+        self.references: list[str] = []
+        self.handlers: list[str] = []
+        self.text = ""
+        self.feed(path.read_text(encoding="utf-8"))
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.add(tag)
+        self.references += [value or "" for name, value in attrs if name.split(":")[-1] in ("href", "src")]
+        self.handlers += [name for name, _ in attrs if name.startswith("on")]
+
+    def handle_data(self, data):
+        self.text += data
+
+
+RUN = [
+    *(solve_row("nsgs", f"p{i}", tol, contacts=n, size=4 * n) for i, n in enumerate((2, 4, 8)) for tol in (1e-4, 1e-8)),
+    solve_row("lemke", "p0", residual=0.0, model_residual=0.0),
+    solve_row("lemke", "p1", verdict="wrong", residual=0.3, key="cell with 'quotes'; and a blank"),
+    solve_row("ccp", "p0", model="relaxation", verdict="relaxed", residual=1e-3, model_residual=1e-9),
+    lost_row("nsgs", "p9", "timeout"),
+    lost_row("path", "p0", "skipped"),
+]
+
+
+def test_the_page_has_all_its_parts_and_stands_alone(tmp_path):
+    path = write_report(write_folder(tmp_path / "run", RUN, [drive_row("nsgs"), drive_row("ccp", energies=[2.0, 2.1, 2.3])]))
+    page = _Page(path)
+    for part in ("At a glance", "Solvability", "Speed and accuracy", "Time to equal accuracy", "Energy in closed loop"):
+        assert part in page.text
+    assert "nsgs reaches a verified residual of 1e-8 most often: on 3 of 4 non-trivial problems" in page.text
+    assert "1 wrong claim" in page.text
+    assert f"frictionbench rerun {tmp_path / 'run'} 'cell with '\"'\"'quotes'\"'\"'; and a blank'" in page.text
+    assert "energy gained" in page.text
+    assert "has not finished" not in page.text
+    assert not page.tags & {"script", "link", "iframe", "object", "form"}
+    assert all(reference.startswith(("#", "data:image/png")) for reference in page.references)
+    figures = {file.name for file in (tmp_path / "run" / "figures").iterdir()}
+    names = ("speed_accuracy", "profiles", "growth", "energy")
+    assert figures == {f"{name}.{kind}" for name in names for kind in ("svg", "pdf")}
+
+
+@pytest.mark.parametrize(
+    ("solves", "drives"),
+    [
+        ([], []),
+        ([], [drive_row("a", energies=[], times=[]), drive_row("b", energies=None, times=None, energy_scale=None)]),
+        ([solve_row("a", "p", trivial=True)], []),
+        ([lost_row("a", "p", "skipped", size=None, contacts=None, dimension=None, condition=None)], []),
+        ([solve_row("a", "p", residual=float("inf"), verdict="unsolved")], []),
+        ([solve_row("a", "p")], [drive_row("a", energies=[1.0, float("inf"), float("nan")])]),
+    ],
+    ids=["nothing", "drives alone", "trivial", "skipped", "no residual", "one solver"],
+)
+def test_a_partial_run_makes_a_page(tmp_path, solves, drives):
+    write_folder(tmp_path, solves, drives)
+    (tmp_path / "manifest.json").write_text('{"settings": {}}')
+    page = _Page(write_report(tmp_path))
+    assert "has not finished" in page.text
+    assert "Known limitations" in page.text
+    assert write_paper(tmp_path).is_dir()
+
+
+def test_strangers_text_stays_text(tmp_path):
+    evil = '_<script>alert(1)</script>$x^{" onload="alert(1)"&\x00\x1b\u202e&#60; {{ 7 * 7 }}'
+    texts = [column.name for column in SOLVES if str(column.type) == "string"]
+    row = solve_row("a", "p") | dict.fromkeys(texts, evil) | {"verdict": "wrong", "start": "warm"}
+    drive = drive_row("a") | dict.fromkeys(("scene", "parameters", "variant", "scheme", "reason", "key"), evil)
+    manifest = {"machine": {evil: evil}, evil: {evil: [evil]}}
+    path = write_report(
+        write_folder(tmp_path, [row | {"parameters": evil}, row | {"key": "b", "scene": "c"}], [drive], **manifest)
+    )
+    page = _Page(path)
+    assert "script" not in page.tags
+    assert page.handlers == []
+    assert "alert(1)" in page.text
+    assert "{{ 7 * 7 }}" in page.text
+    assert "&lt;script&gt;" in path.read_text(encoding="utf-8")
+    sheet = (tmp_path / "figures" / "speed_accuracy.svg").read_text(encoding="utf-8")
+    assert "<script" not in sheet
+    assert "&lt;script&gt;" in sheet
+
+
+def test_a_folder_that_is_none_is_refused(tmp_path):
+    with pytest.raises(ResultsError, match=r"manifest\.json"):
+        write_report(tmp_path)
+
+
+def test_the_same_tables_make_the_same_figures(tmp_path):
+    rows = annotated(*RUN)
+    sheets = [save_sheet(panels(rows, look), look, tmp_path / name) for name in "ab" for look in [looks(rows["entry"])]]
+    for first, second in zip(*sheets, strict=True):
+        assert first.read_bytes() == second.read_bytes()
+
+
+def test_an_entry_looks_the_same_whatever_the_order():
+    names = [f"solver {i}" for i in range(30)]
+    assert looks(names) == looks(reversed(names))
+    assert len(set(looks(names).values())) == 30
+
+
+def test_paper_has_figures_and_tables(tmp_path):
+    paper = write_paper(write_folder(tmp_path, RUN, [drive_row("nsgs")]))
+    assert {file.suffix for file in paper.iterdir()} == {".pdf", ".svg", ".tex"}
+    times = (paper / "times.tex").read_text()
+    assert "nsgs & 3/4 &" in times
+    assert times.count(r"\midrule") == 1
+
+
+def test_latex_specials_are_escaped():
+    table = booktabs(["a_b", "100 %"], [["nsgs[x=1]", "3 µs"], ["\\input{x}", "$^~"]])
+    assert r"a\_b & 100 \% \\" in table
+    assert r"nsgs{[}x=1{]} & 3 \textmu{}s \\" in table
+    assert r"\textbackslash{}input\{x\} & \$\textasciicircum{}\textasciitilde{} \\" in table
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0 µs"),
+        (2.5e-6, "2.5 µs"),
+        (1.2e-4, "120 µs"),
+        (9.99e-4, "999 µs"),
+        (3e-3, "3 ms"),
+        (0.5, "500 ms"),
+        (120.0, "120 s"),
+    ],
+)
+def test_seconds(value, text):
+    assert seconds(value) == text
+
+
+def test_plain_text_for_figures():
+    assert plain("ok[x=1.3]") == "ok[x=1.3]"
+    assert plain("_hidden") == " _hidden"
+    assert plain("a\x00b\u4e2d") == "a?b?"
+    assert len(plain("x" * 1000)) == 48
