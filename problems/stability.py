@@ -1,0 +1,80 @@
+"""Whether it is the instance that is ill-posed or the solver that is unstable.
+
+The backward error of an answer is the smallest relative change of the data (q, mu) under which it is exact: small for a stable
+solver, however ill-posed the problem (Higham 2002, section 1.5). The response of a problem is how much larger than a small
+change of q the change of the solution is: large for an ill-posed problem, whatever the solver.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from problems.check import Array
+from problems.friction import FrictionProblem
+from problems.residual import project_cone, residual
+
+ROUND_OFF = 1e-13  # of the largest free velocity: what a smaller impulse moves at its own contact is not seen
+
+
+def backward_error(problem: FrictionProblem, impulse: Array) -> float:
+    """The least eta with which impulse (nc, d) obeys Coulomb's law exactly for some |dq_i| <= eta max|q|, |dmu_i| <= eta mu_i.
+
+    The answer is taken as it is, and moved to the nearest impulses that friction allows, those below round-off made none: the
+    better of the two counts. Infinity where there is no such change.
+    """
+    nc, d = problem.contacts, problem.dimension
+    if not nc:
+        return 0.0
+    if impulse.shape != (nc, d) or not np.isfinite(impulse).all():
+        return np.inf
+    scale = float(np.max(np.linalg.norm(problem.q.reshape(nc, d), axis=1))) or 1.0
+    felt = problem.scale * np.linalg.norm(impulse, axis=1) > ROUND_OFF * scale
+    allowed = project_cone(impulse, problem.friction, problem.friction_bias) * felt[:, None]
+    return min(_least_change(problem, impulse, scale), _least_change(problem, allowed, scale))
+
+
+def _least_change(problem: FrictionProblem, impulse: Array, scale: float) -> float:
+    """Contact by contact, with u the answer's own velocities: r_n > 0 asks for u_n = 0, r_n = 0 for u_n >= 0. Sticking asks
+    for u_t = 0 with r_t inside the cone; sliding for u_t against r_t on the cone, to which mu may be moved.
+    """
+    n, t = impulse[:, 0], impulse[:, 1:]
+    if (n < 0).any():
+        return np.inf
+    u = problem.contact_velocity(impulse)
+    size, widest = np.linalg.norm(t, axis=1), problem.friction * n
+    limit = widest + problem.friction_bias
+    normal = np.where(n > 0, np.abs(u[:, 0]), np.maximum(-u[:, 0], 0.0))
+    onto = np.where(size == limit, 0.0, np.where(widest > 0, np.abs(size - limit) / np.where(widest > 0, widest, 1.0), np.inf))
+    against = np.where(size[:, None] > 0, -t / np.where(size > 0, size, 1.0)[:, None], 0.0)
+    along = np.maximum(np.sum(u[:, 1:] * against, axis=1), 0.0)
+    stick = np.linalg.norm(u[:, 1:], axis=1)
+    slide = np.where((size == 0) & (limit == 0), 0.0, np.linalg.norm(u[:, 1:] - along[:, None] * against, axis=1))
+    sliding = np.maximum(np.hypot(normal, slide) / scale, onto)
+    sticking = np.maximum(np.hypot(normal, stick) / scale, np.where(size <= limit, 0.0, onto))
+    return float(np.max(np.minimum(sliding, sticking)))
+
+
+def response(
+    problem: FrictionProblem, solve: Callable[[FrictionProblem], Array], change: float = 1e-7, draws: int = 3, seed: int = 0
+) -> float:
+    """The largest |du| / |dq| over random relative changes of q, in contact velocities; infinity where one is not solved.
+
+    solve gives the impulses (nc, d) of a problem and is checked to a residual of change / 100: what it returns is compared, so
+    with several solutions apart a jump between them counts as the ill-posedness that it is.
+    """
+    nc, d = problem.contacts, problem.dimension
+    if not nc:
+        return 0.0
+    random = np.random.default_rng(seed)
+    scale = float(np.max(np.abs(problem.q)))
+    before = solve(problem)
+    worst = 0.0
+    for _ in range(draws):
+        dq = change * scale * random.uniform(-1, 1, nc * d)
+        moved = FrictionProblem.from_delassus(problem.W, problem.q + dq, problem.friction, d, problem.friction_bias)
+        after = solve(moved)
+        if max(residual(problem, before), residual(moved, after)) > change / 100:
+            return np.inf
+        du = moved.contact_velocity(after) - problem.contact_velocity(before)
+        worst = max(worst, float(np.max(np.abs(du)) / np.max(np.abs(dq)))) if scale else 0.0
+    return worst
