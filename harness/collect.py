@@ -1,23 +1,41 @@
-"""Problems for the cells: recorded while the reference solver drives a scene, labelled and stored by their hash."""
+"""Problems for the cells: recorded while the reference solver drives a scene, labelled and stored by their hash.
+
+A recorded problem has starts too, the same for every solver that takes one: `warm`, the impulses of the problem of the same
+phase before it, and `shuffled`, those of one drawn from the whole motion; both carried over contact by contact.
+"""
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from harness.plan import Source
+from harness.plan import COLD, SHUFFLED, WARM, Source
 from problems import FrictionProblem, scene
 from problems.check import Array
+from problems.collision import Contacts
 from problems.labels import labels
 from problems.random_problem import random_problem
 from problems.residual import residual
+from problems.schemes.stepping import Phase
 from problems.simulate import simulate
+from problems.stability import response
 from problems.storage import load, save
 from solvers import solve
 
 REFERENCE = "lemke"
+MOST_PERTURBED = 30  # contacts; larger problems' response costs more than it tells
 Entry = dict[str, Any]
+
+
+class Met(NamedTuple):
+    """A problem as it was met, the contacts it is about, and its answer."""
+
+    step: int
+    phase: Phase
+    problem: FrictionProblem
+    contacts: Contacts | None = None
+    impulse: Array | None = None
 
 
 def collect(folder: Path, source: Source) -> list[Entry]:
@@ -28,10 +46,13 @@ def collect(folder: Path, source: Source) -> list[Entry]:
         return json.loads(listed.read_text(encoding="utf-8"))
     store.mkdir(parents=True, exist_ok=True)
     entries: dict[str, Entry] = {}
-    for step, phase, problem in _problems(source):
-        if problem.hash not in entries:
-            save(problem, store / f"{problem.hash}.npz")
-            entries[problem.hash] = facts(source, step, phase, problem)
+    for met, starts in _chosen(source):
+        name = met.problem.hash
+        if name not in entries:
+            save(met.problem, store / f"{name}.npz")
+            if starts:
+                np.savez(store / f"{name}.starts.npz", **starts)  # type: ignore[arg-type]
+            entries[name] = facts(source, met) | {"starts": [COLD, *starts]}
     partial = listed.with_suffix(".partial")
     partial.write_text(json.dumps(list(entries.values())), encoding="utf-8")
     partial.replace(listed)
@@ -43,46 +64,81 @@ def stored(folder: Path, problem: str) -> FrictionProblem:
     return load(folder / "problems" / f"{problem}.npz")
 
 
-def _problems(source: Source) -> list[tuple[int, str, FrictionProblem]]:
+def stored_start(folder: Path, problem: str, start: str) -> Array | None:
+    """The impulses (nc, d) to start from; None for a cold start."""
+    if start == COLD:
+        return None
+    with np.load(folder / "problems" / f"{problem}.starts.npz", allow_pickle=False) as starts:
+        return starts[start]
+
+
+def _chosen(source: Source) -> list[tuple[Met, dict[str, Array]]]:
+    """The source's problems, each with its starts by name."""
     if source.scene == "random":
-        return [(0, "step", random_problem(**source.parameters))]
+        return [(Met(0, "step", random_problem(**source.parameters)), {})]
     stage = scene(source.scene, **source.parameters)
     if source.pick == 0:
-        return [(0, "step", stage.problem())]
-
-    def reference(problem: FrictionProblem) -> Array:
-        return solve(problem, REFERENCE, tol=1e-10).impulse
-
+        return [(Met(0, "step", stage.problem()), {})]
     met = [
-        (index, solved.phase, solved.problem)
-        for index, step in enumerate(simulate(stage, reference, steps=source.steps))
+        Met(index, solved.phase, solved.problem, step.contacts, solved.impulse)
+        for index, step in enumerate(simulate(stage, _reference, steps=source.steps))
         for solved in step.solved
         if _worth_solving(solved.problem)
     ]
     chosen = np.unique(np.linspace(0, len(met) - 1, min(source.pick, len(met))).astype(int))
-    return [met[i] for i in chosen]
+    return [(met[i], _starts(met, int(i))) for i in chosen]
+
+
+def _reference(problem: FrictionProblem) -> Array:
+    return solve(problem, REFERENCE, tol=1e-10).impulse
 
 
 def _worth_solving(problem: FrictionProblem) -> bool:
     return residual(problem, np.zeros((problem.contacts, problem.dimension))) > 0
 
 
-def facts(source: Source, step: int, phase: str, problem: FrictionProblem) -> Entry:
+def _starts(met: list[Met], i: int) -> dict[str, Array]:
+    before = [j for j in range(i) if met[j].phase == met[i].phase]
+    others = [j for j in range(len(met)) if j != i and met[j].phase == met[i].phase]
+    starts = {}
+    if before:
+        starts[WARM] = _carried(met[before[-1]], met[i])
+    if others:
+        starts[SHUFFLED] = _carried(met[int(np.random.default_rng(i).choice(others))], met[i])
+    return starts
+
+
+def _carried(known: Met, wanted: Met) -> Array:
+    """The impulses known, at the contacts wanted; zero at those that were not there."""
+    assert known.contacts is not None
+    assert wanted.contacts is not None
+    assert known.impulse is not None
+    there = {tuple(feature): impulse for feature, impulse in zip(known.contacts.feature.tolist(), known.impulse, strict=True)}
+    nothing = np.zeros(wanted.problem.dimension)
+    carried = [there.get(tuple(feature), nothing) for feature in wanted.contacts.feature.tolist()]
+    return np.array(carried).reshape(wanted.problem.contacts, wanted.problem.dimension)
+
+
+def facts(source: Source, met: Met) -> Entry:
     """What a row says of a problem: harness.rows.PROBLEM_FACTS."""
+    problem = met.problem
     found = labels(problem)
     return {
         "problem": problem.hash,
         "scene": source.scene,
         "parameters": json.dumps(source.parameters, sort_keys=True),
-        "step": step,
-        "phase": phase,
+        "step": met.step,
+        "phase": met.phase,
         "contacts": problem.contacts,
         "dimension": problem.dimension,
         "velocities": len(problem.free_velocity),
         "size": found.size,
         "rank": found.rank,
         "condition": found.condition,
+        "redundancy": None if found.rank is None else problem.contacts * problem.dimension - found.rank,
         "pointedness": found.pointedness,
+        "p0_margin": found.p0_margin,
         "mass_ratio": found.mass_ratio,
         "trivial": bool(found.trivial),
+        "response": response(problem, _reference) if problem.contacts <= MOST_PERTURBED else None,
     }

@@ -12,6 +12,8 @@ from typing import Any
 
 from problems import InputError
 
+COLD, WARM, SHUFFLED = "cold", "warm", "shuffled"
+
 
 @dataclass(frozen=True)
 class Source:
@@ -39,7 +41,7 @@ class SolveCell:
     origin: str
     variant: str
     tol: float
-    start: str = "cold"
+    start: str = COLD
 
     table = "solves"
 
@@ -77,6 +79,7 @@ class Plan:
     sources: tuple[Source, ...]
     solvers: tuple[str, ...]
     tolerances: tuple[float, ...]
+    starts: tuple[str, ...] = (COLD,)
     drives: tuple[Source, ...] = ()
     drive_solvers: tuple[str, ...] = ()
     drive_tol: float = 1e-8
@@ -96,12 +99,14 @@ class Plan:
         return json.loads(json.dumps(asdict(self)))
 
     def solve_cells(self, entries: Iterable[dict[str, Any]]) -> list[SolveCell]:
-        """Every problem with every solver and tolerance, the loosest first."""
+        """Every problem with every solver, start that it has, and tolerance, the loosest first."""
         ladder = sorted(self.tolerances, reverse=True)
         return [
-            SolveCell(entry["problem"], origin(entry), variant, tol)
+            SolveCell(entry["problem"], origin(entry), variant, tol, start)
             for entry in entries
             for variant in self.solvers
+            for start in self.starts
+            if start in entry["starts"]
             for tol in ladder
         ]
 

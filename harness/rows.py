@@ -12,13 +12,14 @@ Row = dict[str, Any]
 PROBLEM_FACTS = (
     *("problem", "scene", "parameters", "step", "phase"),
     *("contacts", "dimension", "velocities", "size"),
-    *("rank", "condition", "pointedness", "mass_ratio", "trivial"),
+    *("rank", "condition", "redundancy", "pointedness", "p0_margin", "mass_ratio", "trivial", "response"),
 )
 
 
 def solve_row(cell: SolveCell, entry: Row, limit: float) -> Row:
     """The solve cell, the facts of its problem and of its solver."""
-    return entry | _solver_row(cell.variant) | {"key": cell.key, "tol": cell.tol, "time_limit": limit, "start": cell.start}
+    known = {name: entry[name] for name in PROBLEM_FACTS}
+    return known | _solver_row(cell.variant) | {"key": cell.key, "tol": cell.tol, "time_limit": limit, "start": cell.start}
 
 
 def drive_row(cell: DriveCell, limit: float) -> Row:

@@ -10,8 +10,8 @@ from rich.table import Table
 
 from harness import worker
 from harness.choose import resolve_solvers
-from harness.collect import Entry, collect, facts
-from harness.plan import DriveCell, Plan, SolveCell, Source, origin
+from harness.collect import Entry, Met, collect, facts
+from harness.plan import COLD, DriveCell, Plan, SolveCell, Source, origin
 from harness.pool import Pool, Task
 from harness.rows import PROBLEM_FACTS, Row
 from harness.run import row_of_the_dead
@@ -63,7 +63,7 @@ def _stage(problem: str, folder: Path) -> Entry:
         loaded = load(Path(problem))
         (folder / "problems").mkdir()
         save(loaded, folder / "problems" / f"{loaded.hash}.npz")
-        return facts(Source(Path(problem).name), 0, "step", loaded)
+        return facts(Source(Path(problem).name), Met(0, "step", loaded)) | {"starts": [COLD]}
     name, settings = parse("scene", problem)
     scene(name, **settings)
     return collect(folder, Source(name, settings))[0]

@@ -2,7 +2,7 @@
 
 from harness.plan import Plan, Source
 
-EXACT = ("lemke", "nsgs")
+EXACT = ("lemke", "path_search", "interior_point", "nsgs")
 RELAXED = ("ccp[backend=clarabel]", "ccp[backend=osqp]", "ccp[backend=proxqp]", "ccp_cone")
 LADDER = (1e-4, 1e-6, 1e-8)
 

@@ -15,13 +15,14 @@ from pathlib import Path
 import numpy as np
 
 from harness import machine
-from harness.collect import Entry, collect, stored
+from harness.collect import Entry, collect, stored, stored_start
 from harness.drive import drive
-from harness.plan import DriveCell, SolveCell, Source
+from harness.plan import COLD, DriveCell, SolveCell, Source
 from harness.rows import Row, drive_row, solve_row
 from harness.timing import Timing, time_solver
 from harness.verify import Finding, verify
 from problems import FrictionProblem
+from problems.stability import backward_error
 from results.schema import CRASHED, SKIPPED, TIMEOUT, WRONG
 from results.store import ShardWriter
 from solvers import Answer, Solver, Status, find, plugins
@@ -61,12 +62,13 @@ def run_solve(cell: SolveCell, entry: Entry, limit: float) -> Row:
     row = solve_row(cell, entry, limit)
     info, solver = find(cell.variant)
     problem = stored(_worker.folder, cell.problem)
-    if reason := info.missing or info.refuses(problem):
+    takes_start = info.warm_start or cell.start == COLD
+    if reason := info.missing or info.refuses(problem) or (None if takes_start else f"{info.name} takes no start"):
         return _leave("solves", begun, row | {"verdict": SKIPPED, "reason": reason})
     _warm_up(cell.variant, problem.dimension)
     machine.forget_peak_memory()
     try:
-        answer, timing = _timed(solver, problem, cell.tol, limit)
+        answer, timing = _timed(solver, problem, cell, limit)
     except Exception as error:  # whatever a solver raises is its row, not our end
         return _leave("solves", begun, row | {"verdict": CRASHED, "reason": f"{type(error).__name__}: {error}"[:500]})
     row["peak_memory"] = machine.peak_memory()
@@ -95,11 +97,15 @@ def run_drive(cell: DriveCell, limit: float) -> Row:
     return _leave("drives", begun, row | driven | {"peak_memory": machine.peak_memory()})
 
 
-def _timed(solver: Solver, problem: FrictionProblem, tol: float, limit: float) -> tuple[Answer, Timing]:
+def _timed(solver: Solver, problem: FrictionProblem, cell: SolveCell, limit: float) -> tuple[Answer, Timing]:
     """The answer and its times, the first call under the hard limit; repeats have ten times as long, for noise."""
+    start = stored_start(_worker.folder, cell.problem, cell.start)
     with machine.hard_limit(limit) as alarm:
         return time_solver(
-            problem.fresh, solver.prepare, lambda prepared: solver.solve(prepared, tol, None), lambda: alarm(10 * limit)
+            meet=problem.fresh,
+            prepare=solver.prepare,
+            solve=lambda prepared: solver.solve(prepared, cell.tol, None, start),
+            answered=lambda: alarm(10 * limit),
         )
 
 
@@ -114,6 +120,7 @@ def _found(problem: FrictionProblem, answer: Answer, finding: Finding, timing: T
         "residual": finding.residual,
         "model_residual": finding.model_residual,
         "fclib_error": finding.fclib_error,
+        "backward_error": backward_error(problem, np.asarray(answer.impulse, dtype=float)),
         "energy_defect": abs(finding.energy_defect) / energy,
         "work": json.dumps(answer.work, sort_keys=True),
         "prepare_time": float(np.median(timing.prepare)),

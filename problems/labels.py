@@ -25,6 +25,8 @@ class Labels:
     rank, condition: of W (largest over smallest nonzero singular value); None above DENSE_ROWS rows, where a dense singular
     value decomposition costs more than the problem, and for a condition without any nonzero value.
     pointedness: see pointedness(); 0 where the friction cone is pointed.
+    p0_margin: the least (a - mu |b|)/a over contacts, with a = W_nn and b = W_nt of the contact's own block: a contact alone
+    makes a P0 matrix iff it is not negative (in space |b| is a norm, and the margin a lower bound); 1 without contacts.
     mass_ratio: the largest over the smallest effective mass at a contact, 1/s of FrictionProblem.scale; 1 without contacts.
     trivial: why there is nothing to solve, or "": "no contact", "no friction", or "no impulse" where r = 0 is an answer.
     """
@@ -34,6 +36,7 @@ class Labels:
     rank: int | None
     condition: float | None
     pointedness: float
+    p0_margin: float
     mass_ratio: float
     trivial: str
 
@@ -44,7 +47,18 @@ def labels(problem: FrictionProblem) -> Labels:
     rank, condition = _rank_condition(problem) if nc * d <= DENSE_ROWS else (None, None)
     ratio = problem.scale.max() / problem.scale.min() if nc else 1.0
     size = nc * ((2 if d == 2 else FACETS) + 2)
-    return Labels(nc, size, rank, condition, pointedness(problem), float(ratio), _trivial(problem))
+    return Labels(nc, size, rank, condition, pointedness(problem), p0_margin(problem), float(ratio), _trivial(problem))
+
+
+def p0_margin(problem: FrictionProblem) -> float:
+    """The least (a - mu |b|)/a over contacts; see Labels."""
+    nc, d = problem.contacts, problem.dimension
+    if not nc:
+        return 1.0
+    first = np.arange(nc) * d
+    a = problem.W.diagonal()[first]
+    b = np.linalg.norm([np.ravel(problem.W[first, first + k]) for k in range(1, d)], axis=0)
+    return float(np.min(1 - problem.friction * b / np.where(a > 0, a, 1.0)))
 
 
 def _trivial(problem: FrictionProblem) -> str:

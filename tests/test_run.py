@@ -207,3 +207,19 @@ def test_choices_narrow_a_suite() -> None:
     assert plan.solvers == plan.drive_solvers == ("nsgs[relaxation=1.2]",)
     assert plan.tolerances == (1e-3, 1e-5)
     assert plan.time_limit == 3.0
+
+
+def test_recorded_problems_are_replayed_cold_warm_and_shuffled(tmp_path) -> None:
+    plan = small_plan(
+        sources=(Source("stopping_block", {}, pick=3, steps=6),),
+        starts=("cold", "warm", "shuffled"),
+        drives=(),
+        tolerances=(1e-8,),
+    )
+    run(plan, tmp_path / "run", 1, quiet())
+    rows = store.read_table(tmp_path / "run", "solves")
+    of = rows[rows["solver"] == "nsgs"].groupby("start")["verdict"].agg(list).to_dict()
+    assert of == {"cold": ["solved"] * 3, "warm": ["solved"] * 2, "shuffled": ["solved"] * 3}
+    sweeps = {start: rows.loc[(rows["solver"] == "nsgs") & (rows["start"] == start), "work"].map(json.loads) for start in of}
+    # A block that slides on has the same impulse at every step: the warm start is the answer.
+    assert max(work["sweeps"] for work in sweeps["warm"]) < max(work["sweeps"] for work in sweeps["cold"])
