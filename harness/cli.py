@@ -131,6 +131,19 @@ def rerun(
     rerun_row(folder, row)
 
 
+@app.command()
+def shrink(
+    folder: Annotated[Path, typer.Argument(metavar="DIR")],
+    row: Annotated[str, typer.Argument(metavar="ROW", help="The key of a solve row that failed.")],
+) -> None:
+    """Make a failing cell's problem as small as it can be while it still fails, and keep it as a file."""
+    from harness.shrink import shrink as shrink_row
+
+    path, problem, trials = shrink_row(folder, row)
+    typer.echo(f"{problem.contacts} contacts and {len(problem.free_velocity)} velocities left after {trials} trials: {path}")
+    typer.echo(f"again: frictionbench solve {path}")
+
+
 def _jobs(jobs: int | None) -> int:
     from harness.machine import cores
     from problems import InputError

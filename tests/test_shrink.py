@@ -1,0 +1,67 @@
+"""Failing cells are made small, and stay failing."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.choose import resolve_solvers
+from harness.plan import Plan, Source
+from harness.run import run
+from harness.shrink import shrink, smallest
+from problems import FrictionProblem, InputError, scene
+from problems.random_problem import random_problem
+from problems.reduce import keep_contacts
+from problems.storage import load
+from results import store
+from results.store import ResultsError
+from tests.test_run import quiet
+
+BAD_SOLVERS = Path(__file__).with_name("bad_solvers.py")
+
+
+def test_the_smallest_failing_part_is_found() -> None:
+    asked = []
+
+    def fails(parts: list[int]) -> bool:
+        asked.append(parts)
+        return {3, 17} <= set(parts)
+
+    assert smallest(list(range(40)), fails) == [3, 17]
+    assert len(asked) < 80
+    assert smallest([5], fails) == [5]
+
+
+def test_contacts_and_bodies_are_removed() -> None:
+    tower = scene("stack", blocks=3, push=1.0).problem()
+    on_ground = np.flatnonzero(np.diff(tower.normal.indptr) <= 3).tolist()
+    base = keep_contacts(tower, on_ground)
+    rows = np.array([2 * i + k for i in on_ground for k in (0, 1)])
+    assert (base.contacts, len(base.free_velocity)) == (2, 3)
+    assert np.array_equal(base.W.toarray(), tower.W.toarray()[np.ix_(rows, rows)])
+    assert np.array_equal(base.q, tower.q[rows])
+    problem = random_problem(3, contacts=6)
+    known = FrictionProblem.from_delassus(problem.W, problem.q, problem.friction, 2)
+    assert np.allclose(keep_contacts(known, [4, 1]).W.toarray(), keep_contacts(problem, [4, 1]).W.toarray())
+    assert keep_contacts(problem, []).contacts == 0
+
+
+def test_a_failing_row_is_shrunk_into_a_file(tmp_path) -> None:
+    _, plugins = resolve_solvers([str(BAD_SOLVERS)])
+    plan = Plan(
+        suite="test",
+        sources=(Source("stack", {"blocks": 4, "push": 1.0}),),
+        solvers=("lies", "lemke"),
+        tolerances=(1e-8,),
+        plugins=plugins,
+    )
+    folder = tmp_path / "run"
+    run(plan, folder, 1, quiet())
+    rows = store.read_table(folder, "solves").set_index("solver")
+    path, problem, _ = shrink(folder, rows.loc["lies", "key"])
+    assert (problem.contacts, len(problem.free_velocity)) == (1, 3)
+    assert load(path).hash == problem.hash
+    with pytest.raises(InputError, match="there is no failure"):
+        shrink(folder, rows.loc["lemke", "key"])
+    with pytest.raises(ResultsError, match="no solve row"):
+        shrink(folder, "nonsense")
