@@ -61,6 +61,10 @@ def run(
     tol: Tolerances = None,
     time_limit: Limit = None,
     jobs: Jobs = None,
+    cluster: Annotated[
+        str | None,
+        typer.Option("--cluster", metavar="ADDRESS", help="Run the cells on this dask scheduler, like tcp://127.0.0.1:8786."),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -75,7 +79,7 @@ def run(
 
     plan = choose(suite, scene or [], solver or [], tol, time_limit)
     folder = out or Path("runs") / suite
-    run_plan(plan, folder, _jobs(jobs), Progress())
+    run_plan(plan, folder, _jobs(jobs), Progress(), cluster)
     typer.echo(f"results: {folder}\nreport:  frictionbench report {folder}")
 
 

@@ -1,10 +1,10 @@
 """The machine a run is made on: what it is, its versions, and how a worker holds one core, one thread and a bound on memory."""
 
-import fcntl
 import os
 import platform
 import resource
 import signal
+import socket
 import subprocess
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -17,6 +17,7 @@ import psutil
 
 ROOT = Path(__file__).resolve().parent.parent
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "RAYON_NUM_THREADS")
+_held: list[socket.socket] = []
 
 
 def pin_threads() -> None:
@@ -29,15 +30,19 @@ def cores() -> list[int]:
     return sorted(os.sched_getaffinity(0))
 
 
-def hold_core(folder: Path) -> int:
-    """Pin this process to a core that no other worker of the run holds, until it dies; -1 where all are held."""
+def hold_core() -> int:
+    """Pin this process to a core that no other worker on this machine holds, until it dies; -1 where all are held.
+
+    The claim is a bound socket without a file (Linux's abstract namespace): the kernel ends it with the process.
+    """
     for core in cores():
-        lock = os.open(folder / f"core-{core}.lock", os.O_RDWR | os.O_CREAT)
+        claim = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
         try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            claim.bind(f"\0frictionbench-core-{core}")
         except OSError:
-            os.close(lock)
+            claim.close()
             continue
+        _held.append(claim)
         os.sched_setaffinity(0, {core})
         return core
     return -1

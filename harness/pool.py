@@ -92,6 +92,8 @@ class _Hand:
 class Pool:
     """Workers for one run; use as a context manager."""
 
+    leaves_rows = True  # a worker writes the row of its cell itself, before anyone hears of it
+
     def __init__(self, folder: Path, jobs: int, plugins: tuple[str, ...], memory_limit: int) -> None:
         machine.pin_threads()
         self._context = multiprocessing.get_context("forkserver")

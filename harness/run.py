@@ -5,11 +5,12 @@ folder that holds a run of another plan, machine or code is refused with what di
 """
 
 import os
-from contextlib import ExitStack
+from contextlib import nullcontext
 from datetime import UTC, datetime
 from pathlib import Path
 
 from harness import machine, worker
+from harness.cluster import Cluster
 from harness.collect import Entry
 from harness.plan import DriveCell, Plan, SolveCell
 from harness.pool import Outcome, Pool, Task
@@ -20,26 +21,33 @@ from results import store
 from results.store import ResultsError, Row, ShardWriter
 
 
-def run(plan: Plan, folder: Path, jobs: int, progress: Progress) -> None:
-    """Run what of the plan folder does not hold yet. Errors: ResultsError where folder holds an unlike run."""
+def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | None = None) -> None:
+    """Run what of the plan folder does not hold yet, here or on the dask cluster at an address.
+
+    Errors: ResultsError where folder holds an unlike run, InputError where the cluster cannot be used.
+    """
     open_folder(plan, folder)
-    parent = f"parent-{os.getpid()}"
     with Pool(folder, jobs, plan.plugins, plan.memory_limit) as pool:
         entries = _collect(plan, pool, progress)
-        solves = plan.solve_cells(entries.values())
-        drives = plan.drive_cells()
+        solves, drives = plan.solve_cells(entries.values()), plan.drive_cells()
+        tasks = [_solve_task(cell, entries[cell.problem], plan) for cell in solves] + [
+            _drive_task(cell, plan) for cell in drives
+        ]
         done = store.read_rows(folder, "solves").keys() | store.read_rows(folder, "drives").keys()
-        tasks = [_solve_task(cell, entries[cell.problem], plan) for cell in solves if cell.key not in done]
-        tasks += [_drive_task(cell, plan) for cell in drives if cell.key not in done]
+        left = [task for task in tasks if task.arguments[0].key not in done]
         with (
-            ExitStack() as open_files,
-            progress.stage("cells", total := len(solves) + len(drives), total - len(tasks)) as stage,
+            Cluster(cluster, folder, plan.plugins, plan.memory_limit) if cluster else nullcontext(pool) as engine,
+            ShardWriter(folder, "solves", f"parent-{os.getpid()}") as solved,
+            ShardWriter(folder, "drives", f"parent-{os.getpid()}") as driven,
+            progress.stage("cells", len(tasks), len(tasks) - len(left)) as stage,
         ):
-            shards = {table: open_files.enter_context(ShardWriter(folder, table, parent)) for table in ("solves", "drives")}
-            for outcome in pool.run(tasks, stage.started):
+            shards = {"solves": solved, "drives": driven}
+            for outcome in engine.run(left, stage.started):
                 if outcome.death:
                     table, row = row_of_the_dead(outcome)
                     shards[table].write(row)
+                elif not engine.leaves_rows:
+                    shards[outcome.task.arguments[0].table].write(outcome.value)
                 stage.finished(outcome.task)
     store.merge(folder, "solves", [cell.key for cell in solves])
     store.merge(folder, "drives", [cell.key for cell in drives])

@@ -43,7 +43,7 @@ def start(folder: Path, plugin_files: tuple[str, ...], memory_limit: int) -> Non
     global _worker  # noqa: PLW0603  # a worker process has one state, set once
     machine.pin_threads()
     _be_silent()
-    core = machine.hold_core(folder)
+    core = machine.hold_core()
     for path in plugin_files:
         plugins.load(Path(path))
     shards = {table: ShardWriter(folder, table, f"{os.getpid()}-{time.time_ns()}") for table in ("solves", "drives")}

@@ -1,0 +1,103 @@
+"""The same plan on a dask cluster on this machine, one of its two workers killed half-way, finds the same."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from harness.progress import Progress, Stage
+from harness.run import run
+from problems import InputError
+from tests.test_run import quiet, small_plan, verdicts
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+@contextmanager
+def dask_cluster(folder: Path) -> Iterator[tuple[str, list[subprocess.Popen]]]:
+    """A scheduler and two workers over TCP on loopback: its address and the workers."""
+    address = f"tcp://127.0.0.1:{free_port()}"
+    quietly = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "start_new_session": True, "cwd": folder}
+    environment = os.environ | {"DASK_DISTRIBUTED__WORKER__DAEMON": "False"}
+    dask = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", address, "--no-dashboard"]
+    processes = [subprocess.Popen(dask, env=environment, **quietly)]
+    for _ in range(2):
+        command = [
+            sys.executable,
+            "-m",
+            "distributed.cli.dask_worker",
+            address,
+            "--nthreads",
+            "1",
+            "--no-dashboard",
+            "--no-nanny",
+        ]
+        processes.append(subprocess.Popen([*command, "--local-directory", str(folder)], env=environment, **quietly))
+    try:
+        yield address, processes[1:]
+    finally:
+        for process in processes:
+            if process.poll() is None:
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+
+
+class KillAfter(Progress):
+    """Kills a worker's processes after a few cells."""
+
+    def __init__(self, worker: subprocess.Popen, cells: int) -> None:
+        super().__init__(quiet()._console)
+        self.worker, self.left = worker, cells
+
+    @contextmanager
+    def stage(self, name: str, total: int, done: int) -> Iterator[Stage]:
+        with super().stage(name, total, done) as stage:
+            if name == "cells":
+                finished = stage.finished
+
+                def count(task):
+                    self.left -= 1
+                    if self.left == 0:
+                        os.killpg(self.worker.pid, signal.SIGKILL)
+                    finished(task)
+
+                stage.finished = count
+            yield stage
+
+
+def wait_for_workers(address: str, count: int) -> None:
+    from distributed import Client
+
+    with Client(address, timeout=60) as client:
+        client.wait_for_workers(count, timeout=60)
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_cluster_that_loses_a_worker_finds_the_same(tmp_path) -> None:
+    pytest.importorskip("distributed")
+    run(small_plan(), tmp_path / "here", 1, quiet())
+    (tmp_path / "scratch").mkdir()
+    with dask_cluster(tmp_path / "scratch") as (address, workers):
+        wait_for_workers(address, 2)
+        killer = KillAfter(workers[0], cells=3)
+        run(small_plan(), tmp_path / "there", 1, killer, cluster=address)
+        assert killer.left < 0
+        assert workers[0].wait(timeout=10) == -signal.SIGKILL
+    assert verdicts(tmp_path / "there") == verdicts(tmp_path / "here")
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_cluster_that_is_not_there_is_named(tmp_path) -> None:
+    pytest.importorskip("distributed")
+    with pytest.raises(InputError, match="cluster: no scheduler answers"):
+        run(small_plan(), tmp_path / "run", 1, quiet(), cluster=f"tcp://127.0.0.1:{free_port()}")
