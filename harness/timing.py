@@ -19,14 +19,16 @@ FEWEST, MOST = 3, 15
 
 @dataclass
 class Timing:
-    """Raw times of the kept repeats, in order, in seconds."""
+    """Raw times of the kept repeats, in order, and all the time inside prepare and solve, in seconds."""
 
     prepare: list[float] = field(default_factory=list)
     solve: list[float] = field(default_factory=list)
+    spent: float = 0.0
 
     def keep(self, times: tuple[float, float]) -> None:
         self.prepare.append(times[0])
         self.solve.append(times[1])
+        self.spent += sum(times)
 
 
 def time_solver(
@@ -44,9 +46,13 @@ def time_solver(
             answer, first = _once(meet, prepare, solve)
         answered()
         spent = sum(first)
-        if spent > BUDGET:
-            timing.keep(_once(meet, prepare, solve)[1] if compiled.buffer else first)
+        if spent > BUDGET and not compiled.buffer:
+            timing.keep(first)
+        elif spent > BUDGET:
+            timing.spent = spent
+            timing.keep(_once(meet, prepare, solve)[1])
         else:
+            timing.spent = spent
             for _ in range(max(FEWEST, min(MOST, int(BUDGET / max(spent, 1e-9))))):
                 timing.keep(_once(meet, prepare, solve)[1])
     finally:

@@ -4,12 +4,13 @@ A worker dies with a solver that takes too long, crashes or eats the memory; not
 on disk before the next cell begins.
 """
 
+import gc
 import json
 import os
 import time
 from contextlib import suppress
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -33,6 +34,7 @@ class _Worker:
     folder: Path
     core: int
     shards: dict[str, ShardWriter]
+    warm: set[tuple[str, int]] = field(default_factory=set)
 
 
 _worker: _Worker
@@ -61,11 +63,11 @@ def run_solve(cell: SolveCell, entry: Entry, limit: float) -> Row:
     begun = time.perf_counter()
     row = solve_row(cell, entry, limit)
     info, solver = find(cell.variant)
-    problem = stored(_worker.folder, cell.problem)
+    problem = _problem(cell.problem)
     takes_start = info.warm_start or cell.start == COLD
     if reason := info.missing or info.refuses(problem) or (None if takes_start else f"{info.name} takes no start"):
         return _leave("solves", begun, row | {"verdict": SKIPPED, "reason": reason})
-    _warm_up(cell.variant, problem.dimension)
+    begun += _warm_up(cell.variant, problem.dimension)
     machine.forget_peak_memory()
     try:
         answer, timing = _timed(solver, problem, cell, limit)
@@ -77,7 +79,7 @@ def run_solve(cell: SolveCell, entry: Entry, limit: float) -> Row:
         _leave("solves", begun, row)
         os._exit(1)  # nothing in this process can be trusted any more
     finding = verify(problem, answer, info, cell.tol)
-    return _leave("solves", begun, row | _found(problem, answer, finding, timing, limit))
+    return _leave("solves", begun, row | _found(problem, answer, finding, timing, limit), timing.spent)
 
 
 def run_drive(cell: DriveCell, limit: float) -> Row:
@@ -87,14 +89,14 @@ def run_drive(cell: DriveCell, limit: float) -> Row:
     info, solver = find(cell.variant)
     if info.missing:
         return _leave("drives", begun, row | {"verdict": SKIPPED, "reason": info.missing})
-    _warm_up(cell.variant, 2)
+    begun += _warm_up(cell.variant, 2)
     machine.forget_peak_memory()
     try:
         with machine.hard_limit(limit):
             driven = drive(cell, info, solver)
     except Exception as error:
         return _leave("drives", begun, row | {"verdict": CRASHED, "reason": f"{type(error).__name__}: {error}"[:500]})
-    return _leave("drives", begun, row | driven | {"peak_memory": machine.peak_memory()})
+    return _leave("drives", begun, row | driven | {"peak_memory": machine.peak_memory()}, driven["solver_time"])
 
 
 def _timed(solver: Solver, problem: FrictionProblem, cell: SolveCell, limit: float) -> tuple[Answer, Timing]:
@@ -133,23 +135,35 @@ def _found(problem: FrictionProblem, answer: Answer, finding: Finding, timing: T
     return row
 
 
-def _leave(table: str, begun: float, row: Row) -> Row:
-    row |= {"core": _worker.core, "wall_time": time.perf_counter() - begun}
+@lru_cache(maxsize=8)
+def _problem(name: str) -> FrictionProblem:
+    return stored(_worker.folder, name)
+
+
+def _leave(table: str, begun: float, row: Row, spent: float | None = None) -> Row:
+    """Write the row; spent: seconds inside prepare and solve."""
+    wall = time.perf_counter() - begun
+    row |= {"core": _worker.core, "wall_time": wall, "overhead": None if spent is None else wall - spent}
     _worker.shards[table].write(row)
     return row
 
 
-@cache
-def _warm_up(variant: str, dimension: int) -> None:
-    """Load and compile what the solver needs, on a sliding contact; what goes wrong here goes wrong again in the cell."""
+def _warm_up(variant: str, dimension: int) -> float:
+    """Load and compile what the solver needs, once a worker, on a sliding contact; the seconds it took.
+
+    What goes wrong here goes wrong again in the cell.
+    """
+    if (variant, dimension) in _worker.warm:
+        return 0.0
+    begun = time.perf_counter()
+    _worker.warm.add((variant, dimension))
     _, solver = find(variant)
-    tangent = np.eye(dimension)[1:]
     free = np.zeros(dimension)
     free[:2] = -1.0, 1.0
     problem = FrictionProblem(
         mass=np.eye(dimension),
         normal=np.eye(dimension)[:1],
-        tangent=tangent,
+        tangent=np.eye(dimension)[1:],
         friction=np.array([0.5]),
         free_velocity=free,
         bias=np.zeros(1),
@@ -157,6 +171,9 @@ def _warm_up(variant: str, dimension: int) -> None:
     )
     with suppress(Exception):
         solver.solve(solver.prepare(problem), 1e-6, None)
+    gc.collect()
+    gc.freeze()  # what is loaded now stays; collections between cells need not look at it
+    return time.perf_counter() - begun
 
 
 def _be_silent() -> None:
