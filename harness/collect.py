@@ -12,6 +12,7 @@ import numpy as np
 
 from harness.plan import COLD, SHUFFLED, WARM, Source
 from problems import FrictionProblem, scene
+from problems.census import census_labels
 from problems.check import Array
 from problems.collision import Contacts
 from problems.labels import labels
@@ -25,6 +26,7 @@ from solvers import solve
 
 REFERENCE = "lemke"
 MOST_PERTURBED = 30  # contacts; larger problems' response costs more than it tells
+MOST_COUNTED = 6  # contacts; the modes to enumerate grow like 4^contacts
 Entry = dict[str, Any]
 
 
@@ -119,6 +121,14 @@ def _carried(known: Met, wanted: Met) -> Array:
     return np.array(carried).reshape(wanted.problem.contacts, wanted.problem.dimension)
 
 
+def _solution_set(problem: FrictionProblem) -> dict[str, Any]:
+    """The shape of the set of solutions and of their velocities, where the problem is small enough to enumerate."""
+    if problem.dimension != 2 or problem.contacts > MOST_COUNTED:
+        return {"solutions": None, "outcomes": None}
+    found = census_labels(problem)
+    return {"solutions": found["solutions"], "outcomes": found["velocity_count"]}
+
+
 def facts(source: Source, met: Met) -> Entry:
     """What a row says of a problem: harness.rows.PROBLEM_FACTS."""
     problem = met.problem
@@ -140,5 +150,6 @@ def facts(source: Source, met: Met) -> Entry:
         "p0_margin": found.p0_margin,
         "mass_ratio": found.mass_ratio,
         "trivial": bool(found.trivial),
+        **_solution_set(problem),
         "response": response(problem, _reference) if problem.contacts <= MOST_PERTURBED else None,
     }

@@ -12,7 +12,8 @@ Row = dict[str, Any]
 PROBLEM_FACTS = (
     *("problem", "scene", "parameters", "step", "phase"),
     *("contacts", "dimension", "velocities", "size"),
-    *("rank", "condition", "redundancy", "pointedness", "p0_margin", "mass_ratio", "trivial", "response"),
+    *("rank", "condition", "redundancy", "pointedness", "p0_margin", "mass_ratio", "trivial"),
+    *("solutions", "outcomes", "response"),
 )
 
 

@@ -2,7 +2,8 @@
 
 A body has three coordinates (x, y, angle) at its centre of mass, so that the mass matrix is diag(m, m, I), constant. A shape
 is the convex hull of its corners, counterclockwise: k >= 3 corners make a polygon, two a rod, one with a radius a disc. A half
-plane lies to the left of the line through its two corners; it is for the fixed ground only.
+plane lies to the left of the line through its two corners, and a hollow is all that lies outside a circle; both are for the
+fixed ground only, and in a hollow only discs may move.
 """
 
 from collections.abc import Sequence
@@ -10,14 +11,17 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from problems import check
 from problems.check import Array, require
+from problems.joints import Hinge
 
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """corners: (k, 2), m, in the body's frame (in the world's for an obstacle). radius: m, of a disc. endless: a half plane."""
+    """corners: (k, 2), m, in the body's frame (in the world's for an obstacle). radius: m, of a disc, negative of a hollow.
+    endless: a half plane or a hollow."""
 
     corners: Array
     radius: float = 0.0
@@ -31,7 +35,7 @@ class Shape:
         require(bool(np.isfinite(corners).all()), "corners", "must be finite")
         require(len(corners) < 3 or _convex(corners), "corners", "must turn left at every corner, once around")
         require(
-            (self.radius > 0) == (len(corners) == 1), "radius", "positive for a disc, which has one corner, and only for it"
+            (self.radius != 0) == (len(corners) == 1), "radius", "for a disc or a hollow, which has one corner, and only for it"
         )
         corners.setflags(write=False)
         object.__setattr__(self, "corners", corners)
@@ -67,6 +71,16 @@ def half_plane(point: Sequence[float] = (0.0, 0.0), slope: float = 0.0) -> Shape
     return Shape(np.array(point) - np.array([[0.0, 0.0], along]), endless=True)
 
 
+def vertical_wall(x: float, side: float) -> Shape:
+    """All beyond the vertical line at x, on the right for side = 1 and on the left for side = -1."""
+    return half_plane((x, 0.0), slope=side * np.pi / 2)
+
+
+def hollow(radius: float, centre: Sequence[float] = (0.0, 0.0)) -> Shape:
+    """All that lies outside a circle."""
+    return Shape(np.array([centre]), -radius, endless=True)
+
+
 def rigid_box(width: float, height: float, density: float = 1.0) -> Body:
     """A homogeneous rectangle; density in kg/m^2."""
     mass = density * width * height
@@ -88,10 +102,11 @@ class Geometry:
     """All shapes of a scene as flat arrays, those of bodies first, then the fixed obstacles (owner -1).
 
     corners: (k, 2) in the owners' frames. start: (shapes+1,), where each shape's corners begin. owner, radius, endless:
-    (shapes,). corner_owner: (k,). reach: m, the largest distance of a body's point from its centre of mass.
+    (shapes,). corner_owner: (k,). hinges: (hinges, 2), the bodies on each, in order. reach: m, the largest distance of a
+    body's point from its centre of mass.
     """
 
-    def __init__(self, bodies: Sequence[Body], obstacles: Sequence[Shape]) -> None:
+    def __init__(self, bodies: Sequence[Body], obstacles: Sequence[Shape], hinges: Sequence[Hinge] = ()) -> None:
         owned = [(i, shape) for i, body in enumerate(bodies) for shape in body.shapes]
         owned += [(-1, shape) for shape in obstacles]
         count = [len(shape.corners) for _, shape in owned]
@@ -101,7 +116,16 @@ class Geometry:
         self.radius = np.array([shape.radius for _, shape in owned], dtype=float)
         self.endless = np.array([shape.endless for _, shape in owned], dtype=bool)
         self.corner_owner = np.repeat(self.owner, np.array(count, dtype=np.int64))
+        bowl, angular = (self.radius < 0).any(), (self.owner >= 0) & (self.radius <= 0)
+        require(not (bowl and angular.any()), "obstacles", "in a hollow only discs may move")
+        self.hinges = np.array([sorted(hinge.bodies) for hinge in hinges], dtype=np.int64).reshape(-1, 2)
         self.reach = max((shape.reach for i, shape in owned if i >= 0), default=1.0)
+
+    def hinged(self, pairs: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Which pairs (n, 2) of shapes belong to two bodies on a common hinge, (n,)."""
+        bodies = np.sort(self.owner[pairs], axis=1)
+        held = self.hinges[self.hinges[:, 0] >= 0]
+        return np.asarray((bodies[:, None] == held).all(axis=2).any(axis=1))
 
     def placed(self, q: Any) -> Array:
         """The corners (k, 2) in the world, for coordinates q (3 per body)."""

@@ -17,6 +17,7 @@ from problems import check
 from problems.check import Array, require
 from problems.collision import Contacts, find_contacts
 from problems.friction import FrictionProblem
+from problems.joints import Hinge, hinge_equations
 from problems.planar import Body, Geometry, Shape
 
 GRAVITY = 9.81
@@ -33,6 +34,7 @@ class Scene:
 
     bodies: tuple[Body, ...]
     obstacles: tuple[Shape, ...] = ()
+    hinges: tuple[Hinge, ...] = ()
     q0: Array
     v0: Array = None  # type: ignore[assignment]  # at rest
     friction: float
@@ -47,6 +49,8 @@ class Scene:
         nv = 3 * len(self.bodies)
         object.__setattr__(self, "q0", check.vector("q0", np.ravel(self.q0), nv))
         object.__setattr__(self, "v0", check.vector("v0", np.zeros(nv) if self.v0 is None else np.ravel(self.v0), nv))
+        strangers = [hinge.bodies for hinge in self.hinges if max(hinge.bodies) >= len(self.bodies)]
+        require(not strangers, "hinges", f"no such bodies: {strangers}")
         require(0 <= self.friction < np.inf, "friction", f"must not be negative, got {self.friction!r}")
         require(0 <= self.restitution <= 1, "restitution", f"must be between 0 and 1, got {self.restitution!r}")
         require(0 < self.step < np.inf, "step", f"must be positive, got {self.step!r}")
@@ -69,7 +73,7 @@ class Scene:
 
     @cached_property
     def geometry(self) -> Geometry:
-        return Geometry(self.bodies, self.obstacles)
+        return Geometry(self.bodies, self.obstacles, self.hinges)
 
     @property
     def touch(self) -> float:
@@ -86,8 +90,8 @@ class Scene:
         return find_contacts(self.geometry, q, self.touch if margin is None else margin)
 
     def joints(self, q: Array) -> tuple[Array, sparse.csr_array]:
-        """The joints' residual Theta(q) (nj,) and Jacobian F (nj, nv)."""
-        return np.zeros(0), sparse.csr_array((0, len(self.q0)))
+        """The joints' residual Theta(q) (nj,), m, and Jacobian F (nj, nv)."""
+        return hinge_equations(self.hinges, q)
 
     def energy(self, q: Array, v: Array) -> float:
         """Kinetic and potential energy, J; the potential is zero at the origin."""
@@ -95,10 +99,16 @@ class Scene:
         return float(v @ (self.weights * v) / 2 - height)
 
     def friction_problem(
-        self, q: Array, free_velocity: Array, contacts: Contacts, bias: Array | float = 0.0, friction_bias: Array | float = 0.0
+        self,
+        q: Array,
+        free_velocity: Array,
+        contacts: Contacts,
+        bias: Array | float = 0.0,
+        friction_bias: Array | float = 0.0,
+        joint_bias: Array | float = 0.0,
     ) -> FrictionProblem:
-        """The friction problem of these contacts and of the joints at q; bias, friction_bias: (nc,), or one number for all."""
-        nc = len(contacts)
+        """The friction problem of these contacts and of the joints at q; a bias may be one number for all."""
+        nc, F = len(contacts), self.joints(q)[1]
         return FrictionProblem(
             mass=self.mass,
             normal=contacts.normal,
@@ -107,7 +117,8 @@ class Scene:
             free_velocity=free_velocity,
             bias=np.broadcast_to(bias, nc),
             friction_bias=np.broadcast_to(friction_bias, nc),
-            joints=self.joints(q)[1],
+            joints=F,
+            joint_bias=np.broadcast_to(joint_bias, F.shape[0]),
         )
 
     def problem(self) -> FrictionProblem:

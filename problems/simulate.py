@@ -11,7 +11,10 @@ from problems.schemes import Scheme, Solve, Step, anitescu_potra, start
 
 
 def simulate(scene: Scene, solve: Solve, scheme: Scheme = anitescu_potra, steps: int | None = None) -> Iterator[Step]:
-    """The initial state, then each step; by default as many as cover the scene's duration."""
+    """The initial state, then each step; by default as many as cover the scene's duration.
+
+    Errors: InputError where the scheme refuses the scene; NoSolution, after the steps before, where the scheme has none.
+    """
     step = start(scene)
     yield step
     for _ in range(scene.steps if steps is None else steps):

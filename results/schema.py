@@ -77,6 +77,8 @@ SOLVES = (
     Column("p0_margin", _real, "1", "least (a - mu |b|)/a of a contact's block of W; below 0 that contact alone is not P0"),
     Column("mass_ratio", _real, "1", "largest effective mass at a contact over the smallest"),
     Column("trivial", _flag, "", "no active friction, or the unconstrained answer is the answer"),
+    Column("solutions", _text, "", "shape of the set of solutions: none, one, convex, isolated, not convex; null if too large"),
+    Column("outcomes", _whole, "", "distinct post-velocities among the solutions; null if too many to count"),
     Column("response", _real, "1", "change of the solution's velocities over a small change of q: large where it is ill-posed"),
     Column("start", _text, "", "cold; warm from the problem before; shuffled, from another of the same motion"),
     Column("status", _text, "", "what the solver says: the name of its status"),

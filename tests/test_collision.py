@@ -8,7 +8,7 @@ from scipy.spatial import ConvexHull
 
 from problems import InputError
 from problems.collision import find_contacts
-from problems.planar import Body, Geometry, Shape, box, half_plane, rigid_box, rigid_disc, rigid_rod
+from problems.planar import Body, Geometry, Shape, box, half_plane, hollow, rigid_box, rigid_disc, rigid_rod, vertical_wall
 
 
 def random_polygon(random: np.random.Generator) -> Body:
@@ -97,6 +97,8 @@ def test_rows_of_polygons(seed: int) -> None:
         ([rigid_box(1, 2), rigid_disc(0.5)], [], [0, 0, 0.1, 0.8, 1.3, 1]),  # against a corner
         ([rigid_disc(0.5)], [half_plane((0, -0.6), 0.2)], [0, 0, 0.3]),
         ([rigid_rod(1.0)], [half_plane()], [0, 0.8, 1.0]),
+        ([rigid_disc(0.5)], [hollow(2.0, (0.3, 0.1))], [1.1, -0.9, 0.3]),
+        ([rigid_box(1, 2)], [vertical_wall(0.8, 1), vertical_wall(-0.8, -1)], [0.1, 0.0, 0.2]),
         ([rigid_rod(1.0)], [box(4, 1, (0, -0.5))], [0, 0.02, 0.01]),
         ([rigid_box(10, 0.4)], [box(1, 1, (x, -0.5)) for x in (-4, 0, 4)], [0.3, 0.21, 0.004]),
     ],
@@ -117,6 +119,25 @@ def test_disc_gaps() -> None:
     discs = find_contacts(Geometry([rigid_disc(0.5), rigid_disc(0.5)], []), np.zeros(6), 0.0)
     assert discs.gap == pytest.approx([-1.0])
     assert np.isfinite(discs.normal.toarray()).all()
+
+
+def test_gaps_in_a_hollow_and_between_walls() -> None:
+    bowl = find_contacts(Geometry([rigid_disc(0.5)], [hollow(2.0)]), np.array([0.6, -0.8, 0]), 1.0)
+    assert bowl.gap == pytest.approx([0.5])
+    assert bowl.direction == pytest.approx(np.array([[-0.6, 0.8]]))
+    assert bowl.point == pytest.approx(np.array([[0.9, -1.2]]))
+    walls = find_contacts(Geometry([rigid_disc(0.5)], [vertical_wall(-1, -1), vertical_wall(0.6, 1)]), np.zeros(3), 1.0)
+    assert walls.gap == pytest.approx([0.5, 0.1])
+    assert walls.direction == pytest.approx(np.array([[1, 0], [-1, 0]]), abs=1e-15)
+
+
+def test_a_choice_of_contacts() -> None:
+    contacts = find_contacts(Geometry([rigid_box(1, 1)], [half_plane()]), np.array([0, 0.5, 0.1]), 0.2)
+    assert len(contacts) == 2
+    lower = contacts.only(contacts.gap < 0)
+    assert len(lower) == 1
+    assert lower.normal.toarray() == pytest.approx(contacts.normal.toarray()[contacts.gap < 0])
+    assert contacts.only(np.zeros(2, dtype=bool)).tangent.shape == (0, 3)
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.1, 0.5, np.pi / 4, 1.0, 2.0, 3.0])

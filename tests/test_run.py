@@ -5,10 +5,10 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from rich.console import Console
 
@@ -164,20 +164,25 @@ def test_unreadable_results_are_named(tmp_path) -> None:
         store.read_table(tmp_path, "solves")
 
 
-def test_a_killed_run_resumes_to_the_same_table(tmp_path) -> None:
-    """Kill -9 of the whole process group in mid-run, then the same command."""
+def test_a_run_killed_at_twenty_random_moments_resumes_to_the_same_table(tmp_path) -> None:
+    """Kill -9 of the whole process group, whatever it is doing, then the same command again."""
     command = [sys.executable, "-c", "from harness.cli import main; main()", "run", "smoke"]
-    command += ["--scene", "stack", "--solver", "lemke", "--solver", "nsgs", "--out"]
-    first = subprocess.Popen([*command, str(tmp_path / "killed")], start_new_session=True, stderr=subprocess.DEVNULL)
-    deadline = time.monotonic() + 60
-    while not list((tmp_path / "killed").glob("shards/*.jsonl")) and time.monotonic() < deadline:
-        time.sleep(0.05)
-    os.killpg(first.pid, signal.SIGKILL)
-    first.wait()
+    command += ["--scene", "stack", "--scene", "pyramid", "--solver", "lemke", "--solver", "nsgs", "--out"]
+    random = np.random.default_rng(0)
+    interrupted = 0
+    for _ in range(20):
+        process = subprocess.Popen([*command, str(tmp_path / "killed")], start_new_session=True, stderr=subprocess.DEVNULL)
+        try:
+            process.wait(timeout=random.uniform(0.3, 3.0))
+        except subprocess.TimeoutExpired:
+            interrupted += 1
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+    assert interrupted > 0
     for folder in ("killed", "whole"):
         subprocess.run([*command, str(tmp_path / folder)], check=True, capture_output=True, timeout=120)
     assert verdicts(tmp_path / "killed") == verdicts(tmp_path / "whole")
-    assert len(verdicts(tmp_path / "whole")) == 2 * 2 * 2
+    assert len(verdicts(tmp_path / "whole")) == 3 * 2 * 2
 
 
 def test_a_cell_is_rerun_from_its_row(tmp_path) -> None:

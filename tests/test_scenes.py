@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from problems import InputError, scene, scenes
-from problems.planar import half_plane, rigid_box
+from problems.joints import Hinge
+from problems.planar import Geometry, half_plane, hollow, rigid_box
 from problems.scene import Scene
 
 SMALL = {"stack": {"blocks": 4}, "wall": {"rows": 3, "columns": 3}, "pyramid": {"rows": 3}}
@@ -16,8 +17,8 @@ SMALL = {"stack": {"blocks": 4}, "wall": {"rows": 3, "columns": 3}, "pyramid": {
 def test_every_scene_describes_itself(name: str) -> None:
     info = scenes()[name]
     assert info.summary.endswith(".")
-    assert "friction" in info.parameters
     made = scene(name)
+    assert "friction" in info.parameters or not made.obstacles
     assert made.name == name
     assert made.parameters == info.parameters
     assert all(isinstance(value, (int, float)) for value in made.parameters.values())
@@ -57,6 +58,18 @@ def test_unknown_names_and_values_are_refused_by_name() -> None:
         ("two_blocks", "duration", -1),
         ("painleve_rod", "angle", 0.0),
         ("stopping_block", "friction", 3.0),
+        ("multiple_collisions", "speed", float("nan")),
+        ("several_blocks", "drop", 0.0),
+        ("jam", "overlap", -0.1),
+        ("wedge", "angle", 0.0),
+        ("incline", "angle", 1.5),
+        ("rocking_block", "tilt", -0.1),
+        ("two_corner_block", "aspect", 0),
+        ("bouncing_ball", "height", -1),
+        ("bowl", "radius", 0),
+        ("redundant_table", "legs", 1),
+        ("pendulum", "length", 0),
+        ("slider_crank", "clearance", -0.001),
     ):
         with pytest.raises(InputError, match=rf"^{parameter}: "):
             scene(name, **{parameter: value})
@@ -69,10 +82,45 @@ def test_fields_of_a_scene_are_checked() -> None:
         Scene(bodies=(rigid_box(1, 1),), q0=np.zeros(3), v0=np.array([np.inf, 0, 0]), friction=0.5)
     with pytest.raises(InputError, match=r"^mass: "):
         rigid_box(1, 1, density=-1)
+    with pytest.raises(InputError, match=r"^hinges: no such bodies: \[\(0, 1\)\]"):
+        Scene(bodies=(rigid_box(1, 1),), hinges=(Hinge((0, 1), np.zeros((2, 2))),), q0=np.zeros(3), friction=0.5)
+    with pytest.raises(InputError, match=r"^bodies: "):
+        Hinge((0, 0), np.zeros((2, 2)))
+    with pytest.raises(InputError, match=r"^obstacles: in a hollow only discs"):
+        Geometry((rigid_box(1, 1),), (hollow(3.0),))
+
+
+def test_bodies_on_a_hinge_do_not_collide() -> None:
+    boxes, q = (rigid_box(1, 1),) * 3, np.array([[0, 0, 0], [0.9, 0, 0], [1.8, 0, 0]])
+    hinge = Hinge((1, 0), np.array([[-0.45, 0.0], [0.45, 0.0]]))
+    loose = Scene(bodies=boxes, q0=q, friction=0.5)
+    held = Scene(bodies=boxes, q0=q, friction=0.5, hinges=(hinge,))
+    assert [set(map(tuple, s.contacts(s.q0).bodies.tolist())) for s in (loose, held)] == [{(0, 1), (1, 2)}, {(1, 2)}]
+
+
+@pytest.mark.parametrize("name", ["pendulum", "slider_crank"])
+def test_hinges_jacobian_is_their_gradient(name: str) -> None:
+    made = scene(name)
+    theta, F = made.joints(made.q0)
+    assert theta == pytest.approx(np.zeros(len(theta)), abs=1e-15)
+    assert F @ made.v0 == pytest.approx(np.zeros(len(theta)), abs=1e-12)
+    q = made.q0 + np.random.default_rng(0).standard_normal(len(made.q0))
+    eps = 1e-6
+    for k, e in enumerate(np.eye(len(q))):
+        slope = (made.joints(q + eps * e)[0] - made.joints(q - eps * e)[0]) / (2 * eps)
+        assert made.joints(q)[1].toarray()[:, k] == pytest.approx(slope, abs=1e-8)
 
 
 def test_talk_examples_carry_the_talks_numbers() -> None:
-    given = {1: (0.05, 0.6), 2: (0.2, 0.6), 3: (0.02, 0.2), 4: (0.1, 0.2), 6: (0.05, 0.6)}
+    given = {
+        1: (0.05, 0.6),
+        2: (0.2, 0.6),
+        3: (0.02, 0.2),
+        4: (0.1, 0.2),
+        5: (0.3, 0.9),
+        6: (0.05, 0.6),
+        7: (0.2, 1.0),
+    }
     for number, (friction, restitution) in given.items():
         made = scene(f"example_{number}")
         assert (made.friction, made.restitution) == (friction, restitution)
@@ -88,7 +136,10 @@ def test_contact_counts() -> None:
         above = sum(2 * (columns - 1) for _ in range(1, rows))
         assert scene("wall", rows=rows, columns=columns).problem().contacts == 2 * (columns + side + above)
     assert scene("painleve_rod").problem().contacts == 1
-    assert scene("long_bar").problem().contacts == 0
+    for name, contacts in (("long_bar", 0), ("jam", 2), ("wedge", 2), ("two_corner_block", 2), ("incline", 2), ("bowl", 1)):
+        assert scene(name).problem().contacts == contacts
+    for name, contacts in (("redundant_table", 4), ("rocking_block", 1), ("bouncing_ball", 0), ("slider_crank", 0)):
+        assert scene(name).problem().contacts == contacts
 
 
 def test_mass_ratio_is_top_to_bottom() -> None:

@@ -1,4 +1,4 @@
-"""The scheme of Anitescu and Potra, and driving a scene through time."""
+"""The schemes, what they refuse, and driving a scene through time."""
 
 from math import radians
 
@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import solvers
-from problems import FrictionProblem, scene
+from problems import FrictionProblem, InputError, scene, scenes
 from problems.check import Array
 from problems.planar import Shape, half_plane, rigid_box, rigid_disc
 from problems.residual import residual
 from problems.scene import Scene
-from problems.schemes import Step, anitescu_potra, start
+from problems.schemes import SCHEMES, NoSolution, Step, anitescu_potra, start
 from problems.simulate import ledger_defect, penetration, simulate
 
 
@@ -143,3 +143,94 @@ def test_mirrored_scene_moves_mirrored() -> None:
     mirror = np.array([-1, 1, -1])
     for right, left in zip(simulate(tilted(1), lemke, steps=150), simulate(tilted(-1), lemke, steps=150), strict=True):
         assert left.q * mirror == pytest.approx(right.q, abs=1e-7)
+
+
+SMALL = {"stack": {"blocks": 3}, "wall": {"rows": 2, "columns": 2}, "pyramid": {"rows": 2}}
+
+
+@pytest.mark.parametrize("name", scenes())
+def test_every_scheme_steps_every_scene_or_says_why_not(name: str) -> None:
+    refused, unsolved = set(), set()
+    made = scene(name, **SMALL.get(name, {}))
+    for label, scheme in SCHEMES.items():
+        reason = scheme.refuses(made)
+        if reason:
+            refused.add(label)
+            with pytest.raises(InputError, match=r"^scheme: it has no law of"):
+                scheme(made, start(made), lemke)
+            continue
+        try:
+            *_, end = simulate(made, lemke, scheme, steps=4)
+        except NoSolution:
+            unsolved.add(label)
+        else:
+            assert end.time == pytest.approx(4 * made.step)
+            assert np.isfinite(end.q).all()
+    assert refused == {n for n, law in (("lotstedt", made.restitution), ("paoli_schatzman", made.friction)) if law > 0}
+    assert unsolved == ({"acceleration"} if name == "painleve_rod" else set())
+
+
+def test_what_a_scheme_refuses_is_said_in_words() -> None:
+    made = scene("example_5")
+    assert SCHEMES["lotstedt"].refuses(made) == "it has no law of restitution"
+    assert SCHEMES["paoli_schatzman"].refuses(made) == "it has no law of friction"
+    assert SCHEMES["paoli_schatzman"].refuses(scene("example_5", friction=0.0)) is None
+    assert SCHEMES["anitescu_potra"].refuses(made) is None
+
+
+@pytest.mark.parametrize("name", [name for name in SCHEMES if name != "paoli_schatzman"])
+@pytest.mark.parametrize("example", ["stack", "pyramid"])
+def test_what_rests_stays_at_rest_in_every_scheme(name: str, example: str) -> None:
+    made = scene(example, **SMALL[example])
+    *_, end = simulate(made, lemke, SCHEMES[name], steps=20)
+    assert end.q == pytest.approx(made.q0, abs=1e-8)
+    assert end.v == pytest.approx(made.v0, abs=1e-8)
+
+
+def test_gaps_stop_a_ball_where_it_touches() -> None:
+    run = list(simulate(ball(height=0.515, speed=-2.0), lemke, SCHEMES["stewart_trinkle"], steps=20))
+    assert max(penetration(ball(), step.q) for step in run) < 1e-12
+    assert run[1].q[1] == pytest.approx(0.5)
+    assert run[-1].q[1] == pytest.approx(0.5)
+
+
+def test_gaps_hold_a_hinge_together() -> None:
+    made = scene("pendulum")
+    pulled = Step(0.0, made.q0 + np.array([1e-3, 0, 0]), made.v0, made.contacts(made.q0))
+    for name in ("stewart_trinkle", "paoli_schatzman"):
+        after = SCHEMES[name](made, pulled, lemke)
+        assert np.abs(made.joints(after.q)[0]).max() < 1e-5
+    left = SCHEMES["anitescu_potra"](made, pulled, lemke)
+    assert made.joints(left.q)[0] == pytest.approx([1e-3, 0], abs=2e-4)
+
+
+def test_friction_of_the_step_before() -> None:
+    """Without a step before there is none; then it is limited by that step's normal impulse."""
+    made = scene("stopping_block", friction=0.5)
+    run = list(simulate(made, lemke, SCHEMES["lotstedt"], steps=3))
+    weight = 9.81 * made.step
+    assert [step.v[0] for step in run] == pytest.approx([1, 1, 1 - 0.5 * weight, 1 - weight])
+    assert not run[1].solved[-1].problem.friction_bias.any()
+    assert run[2].solved[-1].problem.friction_bias == pytest.approx(0.5 * run[1].solved[-1].impulse[:, 0])
+
+
+@pytest.mark.parametrize("name", ["stewart_trinkle", "acceleration"])
+def test_mirrored_scene_moves_mirrored_in_other_schemes(name: str) -> None:
+    right, left = scene("incline", angle=0.4, speed=1.0), scene("incline", angle=0.4, speed=1.0)
+    mirror = np.array([-1, 1, -1])
+    left = Scene(**{**left.__dict__, "q0": left.q0 * mirror, "v0": left.v0 * mirror, "obstacles": (half_plane(slope=-0.4),)})
+    *_, a = simulate(right, lemke, SCHEMES[name], steps=30)
+    *_, b = simulate(left, lemke, SCHEMES[name], steps=30)
+    assert b.q * mirror == pytest.approx(a.q, abs=1e-9)
+
+
+def test_no_verdict_on_the_scheme_from_a_wrong_answer() -> None:
+    """A belt that stops where the law does not ask for it says nothing about forces."""
+    made = scene("painleve_rod", friction=0.2, tip_velocity=-3.0)
+
+    def seizing(problem: FrictionProblem) -> Array:
+        stuck = np.linalg.solve(problem.W.toarray(), -problem.q)
+        return stuck.reshape(1, 2)
+
+    step = SCHEMES["acceleration"](made, start(made), seizing)
+    assert residual(step.solved[-1].problem, step.solved[-1].impulse) > 0.1

@@ -13,29 +13,49 @@ from typing import Any
 
 from problems.check import require
 from problems.scene import Scene
+from problems.scenes.ball_and_bowl import bouncing_ball, bowl
+from problems.scenes.between_walls import jam, wedge
 from problems.scenes.blocks import three_blocks, two_blocks
 from problems.scenes.long_bar import long_bar
+from problems.scenes.mechanisms import pendulum, slider_crank
+from problems.scenes.one_block import incline, rocking_block, two_corner_block
 from problems.scenes.painleve_rod import painleve_rod
 from problems.scenes.parameters import number
+from problems.scenes.pens import multiple_collisions, several_blocks
+from problems.scenes.redundant_table import redundant_table
 from problems.scenes.stacks import pyramid, stack, wall
 from problems.scenes.stopping_block import stopping_block
 
 __all__ = ["SceneInfo", "scene", "scenes"]
 
 _GENERATORS: dict[str, Callable[..., Scene]] = {
+    "bouncing_ball": bouncing_ball,
+    "bowl": bowl,
     "example_1": partial(long_bar, friction=0.05),
     "example_2": partial(long_bar, friction=0.2),
     "example_3": partial(two_blocks, friction=0.02),
     "example_4": partial(two_blocks, friction=0.1),
+    "example_5": multiple_collisions,
     "example_6": partial(three_blocks, friction=0.05),
+    "example_7": several_blocks,
+    "incline": incline,
+    "jam": jam,
     "long_bar": long_bar,
+    "multiple_collisions": multiple_collisions,
     "painleve_rod": painleve_rod,
+    "pendulum": pendulum,
     "pyramid": pyramid,
+    "redundant_table": redundant_table,
+    "rocking_block": rocking_block,
+    "several_blocks": several_blocks,
+    "slider_crank": slider_crank,
     "stack": stack,
     "stopping_block": stopping_block,
     "three_blocks": three_blocks,
     "two_blocks": two_blocks,
+    "two_corner_block": two_corner_block,
     "wall": wall,
+    "wedge": wedge,
 }
 
 

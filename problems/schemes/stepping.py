@@ -2,19 +2,32 @@
 
 A scheme takes a scene, the step before, and a way to solve friction problems, and returns the next step. It knows no solver:
 `solve` maps a FrictionProblem to its impulses (nc, d). Every problem it had solved is kept in the step.
+
+    @scheme(lacks=("restitution",))
+    def lotstedt(scene, now, solve): ...
+
+A scheme says beforehand which scenes it does not treat (`refuses`), and raises NoSolution where its own equations have no
+solution, which is a finding about the scheme and no fault of the solver.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
-from problems.check import Array
+import numpy as np
+
+from problems.check import Array, require
 from problems.collision import Contacts
 from problems.friction import FrictionProblem
 from problems.scene import Scene
 
 Solve = Callable[[FrictionProblem], Array]
 Phase = Literal["compression", "decompression", "step"]
+Feature = Literal["friction", "restitution"]
+
+
+class NoSolution(Exception):  # noqa: N818  # a finding, not an error
+    """The scheme's equations have no solution at this step; the message says which and why."""
 
 
 class Solved(NamedTuple):
@@ -36,7 +49,28 @@ class Step:
     solved: tuple[Solved, ...] = ()
 
 
-Scheme = Callable[[Scene, Step, Solve], Step]
+@dataclass(frozen=True)
+class Scheme:
+    """advance: one step of length scene.step. lacks: what a scene may not have."""
+
+    advance: Callable[[Scene, Step, Solve], Step]
+    lacks: tuple[Feature, ...] = ()
+
+    def refuses(self, scene: Scene) -> str | None:
+        """Why this scheme does not treat the scene, or None."""
+        unmet = [feature for feature in self.lacks if getattr(scene, feature) > 0]
+        return f"it has no law of {' and '.join(unmet)}" if unmet else None
+
+    def __call__(self, scene: Scene, now: Step, solve: Solve) -> Step:
+        """The step after `now`. Errors: InputError where the scheme refuses the scene, NoSolution."""
+        reason = self.refuses(scene)
+        require(reason is None, "scheme", str(reason))
+        return self.advance(scene, now, solve)
+
+
+def scheme(lacks: tuple[Feature, ...] = ()) -> Callable[[Callable[[Scene, Step, Solve], Step]], Scheme]:
+    """Make a function a Scheme."""
+    return lambda advance: Scheme(advance, lacks)
 
 
 def start(scene: Scene) -> Step:
@@ -48,3 +82,15 @@ def respond(phase: Phase, problem: FrictionProblem, solve: Solve) -> tuple[Solve
     """Solve a problem; the record of it, and the velocity (nv,) afterwards."""
     impulse = solve(problem)
     return Solved(phase, problem, impulse), problem.velocity(impulse)
+
+
+def free_velocity(scene: Scene, now: Step, v: Array) -> Array:
+    """v + h M^-1 k (nv,): the velocity after a step without contacts and joints."""
+    return v + scene.step * scene.force(now.q, v, now.time) / scene.weights
+
+
+def contacts_within_reach(scene: Scene, q: Array, *velocities: Array) -> Contacts:
+    """The contacts that could close within one step: gaps up to twice the way of the fastest point at these velocities."""
+    planar = np.vstack(velocities).reshape(-1, 3)
+    speed = np.hypot(planar[:, 0], planar[:, 1]) + scene.geometry.reach * np.abs(planar[:, 2])
+    return scene.contacts(q, scene.touch + 2 * scene.step * float(speed.max(initial=0.0)))

@@ -9,15 +9,24 @@ import pytest
 import solvers
 from problems import FrictionProblem, scene
 from problems.check import Array
+from problems.labels import pointedness
+from problems.residual import residual
+from problems.schemes import Step
 from problems.simulate import ledger_defect, simulate
 
 G = 9.81
 
 
 def lemke(problem: FrictionProblem) -> Array:
-    answer = solvers.solve(problem, "lemke", tol=1e-10)
+    answer = solvers.solve(problem, "lemke", tol=1e-8)
     assert answer.status is solvers.Status.SOLVED
+    assert residual(problem, answer.impulse) <= 1e-8
     return answer.impulse
+
+
+def last(name: str, steps: int | None = None, **parameters: float) -> Step:
+    *_, step = simulate(scene(name, **parameters), lemke, steps=steps)
+    return step
 
 
 @cache
@@ -47,7 +56,7 @@ def test_two_blocks_as_the_closed_form_says() -> None:
 
 
 def test_two_blocks_errors_shrink_like_the_step() -> None:
-    steps = [0.02, 0.01, 0.005, 0.0025]
+    steps = [0.02, 0.01, 0.005]
     travel = [two_blocks(0.1, h)["short"] + two_blocks(0.1, h)["far"] for h in steps]
     slope = np.polyfit(np.log(steps), np.log(travel), 1)[0]
     assert 0.7 <= slope <= 1.4
@@ -107,23 +116,27 @@ def test_three_blocks_lower_one_is_carried_off() -> None:
     assert upper[1] < 0.75
 
 
-RUNS = {
+EXAMPLES = {f"example_{number}": ({}, None) for number in range(1, 8)}
+BOUNCING = {f"example_{number}": ({"restitution": 1.0}, 120) for number in range(1, 8)}
+OTHERS = {
     "long_bar": ({"restitution": 1.0, "friction": 0.3}, 150),
-    "two_blocks": ({"restitution": 0.9, "friction": 0.1}, 120),
-    "three_blocks": ({}, 150),
     "stack": ({"blocks": 5, "push": 3.0, "friction": 0.2}, 60),
     "wall": ({"rows": 3, "columns": 3, "push": 3.0}, 40),
     "pyramid": ({"rows": 3, "push": 2.0}, 60),
     "painleve_rod": ({}, 100),
-    "stopping_block": ({}, 60),
+    "bowl": ({}, 60),
+    "rocking_block": ({}, 200),
+    "slider_crank": ({}, 150),
 }
+RUNS = [(name, *run) for runs in (EXAMPLES, BOUNCING, OTHERS) for name, run in runs.items()]
 
 
-@pytest.mark.parametrize("name", RUNS)
-def test_energy_never_rises_and_every_answer_obeys_the_ledger(name: str) -> None:
+@pytest.mark.parametrize(("name", "parameters", "steps"), RUNS)
+def test_energy_never_rises_and_every_answer_obeys_the_ledger(
+    name: str, parameters: dict[str, float], steps: int | None
+) -> None:
     """Contacts give no energy: each step's is at most that before, to round-off; with restitution an impact loses at least
-    (1 - e^2)/2 |p|^2 in the metric of M^-1, p the compression impulse."""
-    parameters, steps = RUNS[name]
+    (1 - e^2)/2 |p|^2 in the metric of M^-1, p the compression impulse. Lemke's method solves every step."""
     made = scene(name, **parameters)
     energy = made.energy(made.q0, made.v0)
     largest = abs(energy) + made.v0 @ (made.mass @ made.v0)
@@ -138,9 +151,151 @@ def test_energy_never_rises_and_every_answer_obeys_the_ledger(name: str) -> None
         if len(now.solved) == 3:
             impacts += 1
             compression, decompression, _ = now.solved
-            p = compression.problem.jacobian.T @ compression.impulse.ravel()
+            p = made.mass @ (compression.problem.velocity(compression.impulse) - v)
             thrown = decompression.problem.velocity(decompression.impulse)
             loss = v @ (made.mass @ v) / 2 - thrown @ (made.mass @ thrown) / 2
             assert loss >= (1 - made.restitution**2) / 2 * (p @ (p / made.weights)) - 1e-9 * largest
         v = now.v
-    assert impacts > 0 or made.restitution == 0
+    least = 24 if name in {"example_5", "example_7"} and steps is None else 1
+    assert impacts >= least or made.restitution == 0
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters"),
+    [("incline", {}), ("pendulum", {}), ("bowl", {}), ("redundant_table", {"speed": 6.0}), ("stopping_block", {"speed": 9.0})],
+)
+def test_halving_the_step_halves_the_error(name: str, parameters: dict[str, float]) -> None:
+    """Where the motion is regular the end state moves by O(h)."""
+    end = [last(name, **parameters, step=h, duration=0.64).q for h in (0.02, 0.01, 0.005)]
+    first, second = np.abs(end[0] - end[1]).max(), np.abs(end[1] - end[2]).max()
+    assert 1.7 <= first / second <= 2.4
+
+
+@pytest.mark.parametrize("angle", [0.1, 0.5, 1.0])
+def test_incline_holds_or_lets_go(angle: float) -> None:
+    held = last("incline", steps=30, angle=angle, friction=np.tan(angle) * 1.001)
+    assert held.v == pytest.approx(np.zeros(3), abs=1e-9)
+    mu = np.tan(angle) * 0.8
+    slides = last("incline", steps=30, angle=angle, friction=mu)
+    speed = 30 * 0.01 * G * (np.sin(angle) - mu * np.cos(angle))
+    assert slides.v == pytest.approx(-speed * np.array([np.cos(angle), np.sin(angle), 0]), abs=1e-9)
+
+
+@pytest.mark.parametrize("slenderness", [0.1, 0.25, 0.5])
+def test_housner_block(slenderness: float) -> None:
+    rocking = {"slenderness": slenderness, "tilt": 0.0, "spin": -1.0, "step": 1e-7}
+    ratio = 1 - 1.5 * np.sin(np.arctan(slenderness)) ** 2
+    bound = 3 * slenderness / (4 + slenderness**2)
+    for factor, slips in ((0.99, True), (1.01, False)):
+        problem = scene("rocking_block", **rocking, friction=factor * bound).problem()
+        r = lemke(problem)
+        left, right = sorted(problem.contact_velocity(r), key=lambda u: -u[0])
+        assert left[0] > 0
+        assert right[0] == pytest.approx(0, abs=1e-12)
+        assert bool(abs(right[1]) > 1e-5) is slips
+        if not slips:
+            assert problem.velocity(r)[2] == pytest.approx(-ratio, rel=1e-5)
+
+
+def test_rocking_block_rocks_lower_and_lower() -> None:
+    """Each time it passes upright it has lost its share: the largest tilts fall by the impacts' ratio of energies, to O(h)."""
+    made = scene("rocking_block", slenderness=0.2, tilt=0.08, step=0.003, duration=2.6)
+    tilt = np.array([now.q[2] for now in simulate(made, lemke)])
+    turns = np.flatnonzero((np.abs(tilt[1:-1]) > np.abs(tilt[:-2])) & (np.abs(tilt[1:-1]) >= np.abs(tilt[2:]))) + 1
+    alpha = np.arctan(0.2)
+    height = np.hypot(1, 0.2) * (np.cos(alpha - np.abs(tilt[[0, *turns[:3]]])) - np.cos(alpha))
+    assert len(turns) >= 3
+    assert np.sign(tilt[turns[:3]]).tolist() == [-1, 1, -1]
+    assert height[1:] / height[:-1] == pytest.approx(np.full(3, (1 - 1.5 * np.sin(alpha) ** 2) ** 2), abs=0.06)
+
+
+@pytest.mark.parametrize("angle", [0.3, 0.8])
+def test_wedge_stops_a_disc_and_locks_from_the_walls_angle_on(angle: float) -> None:
+    for factor, locks in ((0.95, False), (1.05, True)):
+        problem = scene("wedge", angle=angle, friction=factor * np.tan(angle)).problem()
+        assert problem.velocity(lemke(problem)) == pytest.approx(np.zeros(3), abs=1e-9)
+        assert bool(pointedness(problem) > 1e-6) is locks
+
+
+def test_jam_has_an_arc_of_solutions_that_is_not_convex() -> None:
+    made = scene("jam", friction=0.5)
+    problem = made.problem()
+    V = 1.0 - G * made.step
+    assert pointedness(problem) == pytest.approx(2)
+
+    def slowed(s: float) -> Array:
+        c = s * V / (2 * 0.5)
+        downward = problem.tangent.toarray()[:, 1] * -1.0
+        return np.column_stack([np.full(2, c), 0.5 * c * downward])
+
+    for s in (0.0, 0.25, 0.5, 1.0):
+        assert residual(problem, slowed(s)) <= 1e-12
+        assert problem.velocity(slowed(s))[1] == pytest.approx((1 - s) * V)
+    wedged = slowed(1.0) + np.array([5.0, 0.0])
+    assert residual(problem, wedged) <= 1e-12
+    assert residual(problem, (slowed(0.0) + wedged) / 2) > 0.1
+
+
+@pytest.mark.parametrize("legs", [2, 4, 7])
+def test_redundant_table_by_its_resultant(legs: int) -> None:
+    made = scene("redundant_table", legs=legs)
+    problem = made.problem()
+    assert problem.contacts == legs
+    r, x = lemke(problem), made.contacts(made.q0).point[:, 0]
+    assert r[:, 0].sum() == pytest.approx(made.bodies[0].mass * G * made.step)
+    assert x @ r[:, 0] + r[:, 1].sum() == pytest.approx(0, abs=1e-12)
+    assert problem.velocity(r) == pytest.approx(np.zeros(3), abs=1e-12)
+    sliding = last("redundant_table", steps=20, legs=legs, speed=3.0, friction=0.4)
+    assert sliding.v[0] == pytest.approx(3 - 0.4 * G * 0.2)
+
+
+def test_block_tips_over_where_friction_times_aspect_exceeds_one() -> None:
+    for aspect, mu in ((0.5, 1.9), (2.0, 0.45)):
+        assert last("two_corner_block", steps=1, aspect=aspect, friction=mu).v[2] == pytest.approx(0, abs=1e-12)
+    for aspect, mu in ((0.5, 2.1), (2.0, 0.55)):
+        assert last("two_corner_block", steps=1, aspect=aspect, friction=mu).v[2] < -1e-3
+
+
+@pytest.mark.parametrize("friction", [1.4, 2.0, 3.0])
+@pytest.mark.parametrize("speed", [-0.5, -3.0])
+def test_painleve_rod_sticks_or_lifts_before_it_gets_where_forces_fail(friction: float, speed: float) -> None:
+    """Let go at 85 degrees, where p > 0, it never slides into p < 0."""
+    made = scene("painleve_rod", angle=np.radians(85), friction=friction, tip_velocity=speed, step=0.002)
+    for now in simulate(made, lemke):
+        cos, sin = np.cos(now.q[2]), np.sin(now.q[2])
+        if not now.solved:
+            continue
+        step = now.solved[-1]
+        if not step.problem.contacts or step.problem.contact_velocity(step.impulse)[0, 1] >= -1e-9:
+            break
+        assert 1 + 3 * cos**2 - 3 * friction * abs(sin * cos) > 0
+    else:
+        pytest.fail("it slid to the end")
+
+
+def test_pendulum_swings_in_time_and_drifts_by_the_order_of_the_step() -> None:
+    small = scene("pendulum", angle=0.02, step=0.004, duration=2.4)
+    angle = np.array([now.q[2] + np.pi / 2 for now in simulate(small, lemke)])
+    falls = np.flatnonzero((angle[:-1] > 0) & (angle[1:] <= 0))
+    assert (falls[1] - falls[0]) * small.step == pytest.approx(2 * np.pi * np.sqrt(2 / (3 * G)), rel=0.01)
+    drift, loss = [], []
+    for h in (0.02, 0.01, 0.005):
+        made = scene("pendulum", step=h)
+        end = last("pendulum", step=h)
+        drift.append(np.abs(made.joints(end.q)[0]).max())
+        loss.append(made.energy(made.q0, made.v0) - made.energy(end.q, end.v))
+    assert np.log2(np.divide(drift[:-1], drift[1:])) == pytest.approx(np.ones(2), abs=0.3)
+    assert np.log2(np.divide(loss[:-1], loss[1:])) == pytest.approx(np.ones(2), abs=0.3)
+
+
+def test_slider_rattles_in_its_guides_and_the_crank_turns_on() -> None:
+    made = scene("slider_crank", tilt=0.01)
+    assert made.joints(made.q0)[1] @ made.v0 == pytest.approx(np.zeros(6), abs=1e-12)
+    states = list(simulate(made, lemke))
+    meetings = [now.contacts.bodies for now in states if len(now.contacts)]
+    assert len(meetings) > 50
+    assert {tuple(pair) for bodies in meetings for pair in bodies.tolist()} == {(2, -1)}
+    assert {len(bodies) for bodies in meetings} >= {1, 2}
+    assert states[-1].q[2] == pytest.approx(7.33, abs=0.3)  # with steps of 1e-4 ... 2.5e-5, on gaps: 7.329 ... 7.332
+    assert max(np.abs(now.q[7]) for now in states) < 0.001 + 3 * made.step
+    assert made.energy(states[-1].q, states[-1].v) > 0.6 * made.energy(made.q0, made.v0)

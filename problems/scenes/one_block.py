@@ -1,0 +1,82 @@
+"""One block on the ground: sliding down, tipping over, rocking."""
+
+import numpy as np
+
+from problems.planar import half_plane, rigid_box
+from problems.scene import Scene
+from problems.scenes.parameters import number
+
+
+def two_corner_block(
+    aspect: float = 1.0,
+    friction: float = 0.5,
+    velocity: float = 1.0,
+    fall: float = 0.0,
+    spin: float = 0.0,
+    step: float = 0.01,
+    duration: float = 1.0,
+) -> Scene:
+    """A block with both lower corners on the ground: the smallest problem with coupled contacts.
+
+    Its friction LCP has a P0 matrix iff friction * aspect <= 1, which is also where the sliding block starts to tip over. From
+    friction 2 on some velocities have three solutions. aspect: height over width, which is 1 m. velocity: m/s, to the right.
+    fall: m/s, downwards. spin: rad/s.
+    """
+    aspect = number("aspect", aspect, above=0)
+    return Scene(
+        bodies=(rigid_box(1.0, aspect),),
+        obstacles=(half_plane(),),
+        q0=np.array([0.0, aspect / 2, 0.0]),
+        v0=np.array([number("velocity", velocity), -number("fall", fall), number("spin", spin)]),
+        friction=friction,
+        step=step,
+        duration=duration,
+    )
+
+
+def incline(angle: float = 0.5, friction: float = 0.3, speed: float = 0.0, step: float = 0.01, duration: float = 1.0) -> Scene:
+    """A block, 2 by 1, on a slope.
+
+    It stays iff friction >= tan(angle), and else slides down with the acceleration g (sin(angle) - friction cos(angle)). It
+    does not tip over while tan(angle) and friction are below 2. angle: rad. speed: m/s, at first, downhill.
+    """
+    angle, speed = number("angle", angle, least=0, most=1.1), number("speed", speed)
+    cos, sin = np.cos(angle), np.sin(angle)
+    return Scene(
+        bodies=(rigid_box(2.0, 1.0),),
+        obstacles=(half_plane(slope=angle),),
+        q0=np.array([-0.5 * sin, 0.5 * cos, angle]),
+        v0=np.array([-speed * cos, -speed * sin, 0.0]),
+        friction=number("friction", friction, least=0, most=2),
+        step=step,
+        duration=duration,
+    )
+
+
+def rocking_block(
+    slenderness: float = 0.25,
+    friction: float = 1.0,
+    tilt: float = 0.1,
+    spin: float = 0.0,
+    step: float = 0.005,
+    duration: float = 5.0,
+) -> Scene:
+    """A tall block tilted over one corner falls back and rocks from corner to corner (Housner 1963).
+
+    With alpha = atan(slenderness) each impact turns the spin w into w (1 - 3/2 sin(alpha)^2), provided that the corner does not
+    slip, which needs friction >= 3 t/(4 + t^2), t = slenderness. slenderness: width over height, which is 2 m. tilt: rad, over
+    the left corner, below alpha to fall back. spin: rad/s, about that corner.
+    """
+    slenderness = number("slenderness", slenderness, above=0, most=1)
+    tilt, spin = number("tilt", tilt, least=0, most=1), number("spin", spin)
+    cos, sin = np.cos(tilt), np.sin(tilt)
+    x, y = cos * slenderness - sin, sin * slenderness + cos  # the centre from the corner it stands on
+    return Scene(
+        bodies=(rigid_box(2 * slenderness, 2.0),),
+        obstacles=(half_plane(),),
+        q0=np.array([x, y, tilt]),
+        v0=np.array([-spin * y, spin * x, spin]),
+        friction=friction,
+        step=step,
+        duration=duration,
+    )

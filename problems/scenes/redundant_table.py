@@ -1,0 +1,29 @@
+"""More legs than the weight needs."""
+
+import numpy as np
+
+from problems.planar import Body, Shape, box, half_plane
+from problems.scene import Scene
+from problems.scenes.parameters import count, number
+
+
+def redundant_table(
+    legs: int = 4, friction: float = 0.5, speed: float = 0.0, step: float = 0.01, duration: float = 1.0
+) -> Scene:
+    """A table on a row of legs: which leg carries how much is not determined.
+
+    Only the resultant is, m g h and its moment about the middle, and the velocity. While it slides, friction mu m g slows it
+    down. The top is 4 by 0.2, its middle 1 m above the ground; the legs have no mass. speed: m/s, to the right.
+    """
+    feet = np.linspace(-1.5, 1.5, count("legs", legs, least=2))
+    mass = 4.0 * 0.2
+    shapes = (box(4.0, 0.2), *(Shape(np.array([[x, -1.0], [x, 0.0]])) for x in feet))
+    return Scene(
+        bodies=(Body(mass, mass * (4.0**2 + 0.2**2) / 12, shapes),),
+        obstacles=(half_plane(),),
+        q0=np.array([0.0, 1.0, 0.0]),
+        v0=np.array([number("speed", speed), 0.0, 0.0]),
+        friction=friction,
+        step=step,
+        duration=duration,
+    )

@@ -1,0 +1,98 @@
+"""Forces and accelerations, as Pfeiffer and Glocker (1996) and Baraff (1993) have them: a scheme that can fail.
+
+    M a = k + J' f + F' lam,      F a + F. v = 0,      v+ = v + h a,      q+ = q + h v+,
+    0 <= n'a + n'. v ⟂ f_n >= 0,      f_t = -mu sign(t'v) f_n  where a contact slides,  |f_t| <= mu f_n where it does not,
+
+at the contacts that touch at q; a dot is the rate along v, taken by differences. (The law is put on n'v + h (n'a + n'. v),
+which is the same where n'v = 0, so that round-off in n'v does not grow; and a contact slides if one step of the external
+force cannot stop it.) Where a touching contact approaches, an impact goes first (problems.schemes.impact). The problem of
+sliding contacts by itself is in problems.force_level.
+
+With the direction of sliding given there need not be a force: Painlevé's rod slides with p = n'M^-1 (n - mu sign(t'v) t) < 0
+and falls faster for every f_n > 0. Then NoSolution is raised.
+
+The direction is kept by a trick that leaves a friction problem for the solver: a sliding contact rests on a belt, a body of
+its own which runs along with the slip, SWIFT times faster than anything else. Friction does not depend on the slip's size,
+so the forces are the same for every belt that keeps running. A belt that a right answer stops needed forces that are, to
+this scheme, infinite.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy import sparse
+
+from problems.check import Array
+from problems.collision import Contacts
+from problems.friction import FrictionProblem
+from problems.narrow_phase import Index
+from problems.residual import residual
+from problems.scene import Scene
+from problems.schemes.impact import approaching, impact
+from problems.schemes.stepping import NoSolution, Solve, Solved, Step, free_velocity, respond, scheme
+
+SWIFT = 1e3  # a belt's speed, in units of the contacts' speeds and of what the external force changes in a step
+RIGHT = 1e-6  # the residual up to which an answer says something about the scheme, and not about its solver
+NUDGE = 1e-5  # the way over which rates are taken, in units of the largest body: balances round-off and curvature
+
+
+@scheme()
+def acceleration(scene: Scene, now: Step, solve: Solve) -> Step:
+    """One step of length scene.step. Errors: NoSolution where no force satisfies the law."""
+    h, q, v = scene.step, now.q, now.v
+    contacts = scene.contacts(q)
+    solved: list[Solved] = []
+    if approaching(scene, v, contacts).any():
+        solved, v = impact(scene, q, v, contacts, solve)
+    free = free_velocity(scene, now, v)
+    normal_rate, joint_rate = _rates(scene, q, v, contacts)
+    if (contacts.normal @ free + h * normal_rate >= 0).all():  # no force is a solution
+        contacts, normal_rate = contacts.only(np.zeros(len(contacts), dtype=bool)), normal_rate[:0]
+    problem = scene.friction_problem(q, free, contacts, bias=h * normal_rate, joint_bias=h * joint_rate)
+
+    slip, push = contacts.tangent @ v, np.abs(problem.jacobian @ (free - v)).max(initial=0.0)
+    slides = np.abs(slip) > (1 + scene.friction) * push + scene.touch / h
+    speed = SWIFT * (np.abs(problem.jacobian @ v).max(initial=0.0) + push)
+    if slides.any():
+        problem = _on_belts(problem, np.flatnonzero(slides), speed * np.sign(slip[slides]), scene.weights.max())
+    step, after = respond("step", problem, solve)
+    left = problem.contact_velocity(step.impulse)[slides, 1] * np.sign(slip[slides])
+    caught = np.flatnonzero(slides)[left < speed / 2]
+    if len(caught) and residual(problem, step.impulse) <= RIGHT:
+        places = ", ".join(f"({x:.4g}, {y:.4g})" for x, y in contacts.point[caught])
+        raise NoSolution(f"no bounded force keeps the contact sliding at {places} from closing, at t = {now.time:.6g} s")
+    after = after[: len(v)]
+    return Step(now.time + h, q + h * after, after, contacts, (*solved, step))
+
+
+def _on_belts(problem: FrictionProblem, contacts: Index, speeds: Array, mass: float) -> FrictionProblem:
+    """The problem with a belt under each of these contacts: one velocity more for each, along its tangent."""
+    n = len(contacts)
+    nc, nj = problem.contacts, problem.joints.shape[0]
+    belt = sparse.csr_array((np.ones(n), (contacts, np.arange(n))), shape=(nc, n))
+    return replace(
+        problem,
+        mass=sparse.block_diag([problem.mass, mass * sparse.eye_array(n)], format="csr"),
+        normal=sparse.hstack([problem.normal, sparse.csr_array((nc, n))], format="csr"),
+        tangent=sparse.hstack([problem.tangent, belt], format="csr"),
+        joints=sparse.hstack([problem.joints, sparse.csr_array((nj, n))], format="csr"),
+        free_velocity=np.concatenate([problem.free_velocity, speeds]),
+    )
+
+
+def _rates(scene: Scene, q: Array, v: Array, contacts: Contacts) -> tuple[Array, Array]:
+    """d/dt(n') v (nc,) and d/dt(F) v (nj,), by central differences along v; 0 at contacts that end within the difference."""
+    way = NUDGE * scene.geometry.reach
+    fastest = np.abs(v).max(initial=0.0) * max(1.0, scene.geometry.reach)
+    if not fastest or not (len(contacts) or scene.hinges):
+        return np.zeros(len(contacts)), np.zeros(scene.joints(q)[1].shape[0])
+    eps = way / fastest
+    ahead, behind = q + eps * v, q - eps * v
+    closing = [
+        dict(zip(map(tuple, near.feature.tolist()), near.normal @ v, strict=True))
+        for near in (scene.contacts(ahead, scene.touch + 10 * way), scene.contacts(behind, scene.touch + 10 * way))
+    ]
+    features = [tuple(feature) for feature in contacts.feature.tolist()]
+    lasting = [closing[0][f] - closing[1][f] if f in closing[0] and f in closing[1] else 0.0 for f in features]
+    joints = (scene.joints(ahead)[1] - scene.joints(behind)[1]) @ v
+    return np.array(lasting) / (2 * eps), joints / (2 * eps)

@@ -1,0 +1,31 @@
+"""Lötstedt's scheme (1984): the friction of this step is limited by the normal impulse of the step before.
+
+    M (v+ - v) = h k + J' r + F' lam,      q+ = q + h v+,      F v+ = 0,
+    0 <= n'v+ ⟂ r_n >= 0,      |r_t| <= mu r_n(before),  r_t opposing the slip,
+
+at the contacts that touch at q. With its limits known, friction is a convex problem, so every step has a solution, and its
+velocity is unique. The price is a lag: O(h) in smooth motion, and no friction at all at a contact's first step, so not at
+starts nor at impacts. A contact is known again by its feature. There is no law of restitution.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from problems.scene import Scene
+from problems.schemes.stepping import Solve, Step, free_velocity, respond, scheme
+
+
+@scheme(lacks=("restitution",))
+def lotstedt(scene: Scene, now: Step, solve: Solve) -> Step:
+    """One step of length scene.step."""
+    h, q = scene.step, now.q
+    contacts = scene.contacts(q)
+    before = {}
+    if now.solved:
+        normal = now.solved[-1].impulse[:, 0].clip(min=0)
+        before = dict(zip(map(tuple, now.contacts.feature.tolist()), normal, strict=True))
+    limit = scene.friction * np.array([before.get(tuple(feature), 0.0) for feature in contacts.feature.tolist()])
+    problem = scene.friction_problem(q, free_velocity(scene, now, now.v), contacts, friction_bias=limit)
+    step, v = respond("step", replace(problem, friction=np.zeros(len(contacts))), solve)
+    return Step(now.time + h, q + h * v, v, contacts, (step,))

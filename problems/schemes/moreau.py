@@ -1,0 +1,34 @@
+"""The theta scheme of Moreau (1988) and Jean (1999), with Newton restitution.
+
+    M (v+ - v) = h [(1 - theta) k(q, v, t) + theta k(q + h v, v, t + h)] + J' r + F' lam,      F v+ = 0,
+    q+ = q + h [(1 - theta) v + theta v+],
+
+with Coulomb's law between r and u = J v+ + e (n'v) e_n at the contacts that touch at the midpoint q + (h/2) v, where J is taken
+too: to first order those with phi + (h/2) n'v <= 0. At a closing contact the law reads 0 <= n'v+ + e n'v ⟂ r_n >= 0. Newton's
+restitution with friction can add energy. theta = 1/2 is Moreau's midpoint rule, theta = 1 steps like Euler's implicit rule.
+
+Reference: Acary and Brogliato 2008, chapter 10.
+"""
+
+from problems.scene import Scene
+from problems.schemes.stepping import Scheme, Solve, Step, respond
+
+
+def theta_scheme(theta: float) -> Scheme:
+    """The scheme with this theta in [0, 1]."""
+
+    def advance(scene: Scene, now: Step, solve: Solve) -> Step:
+        h, q, v, t = scene.step, now.q, now.v, now.time
+        middle = q + h / 2 * v
+        contacts = scene.contacts(middle)
+        force = (1 - theta) * scene.force(q, v, t) + theta * scene.force(q + h * v, v, t + h)
+        restitution = scene.restitution * (contacts.normal @ v)
+        problem = scene.friction_problem(middle, v + h * force / scene.weights, contacts, bias=restitution)
+        step, after = respond("step", problem, solve)
+        return Step(t + h, q + h * ((1 - theta) * v + theta * after), after, contacts, (step,))
+
+    return Scheme(advance)
+
+
+moreau = theta_scheme(0.5)
+moreau_euler = theta_scheme(1.0)

@@ -1,0 +1,25 @@
+"""The scheme of Paoli and Schatzman (2002): positions only, restitution without events, and no friction. A reference.
+
+    M (q+ - 2 q + q-) = h^2 k + h (N' c + F' lam),      Theta(q+) = 0,
+    0 <= phi((q+ + e q-)/(1 + e)) ⟂ c >= 0.
+
+With v+ = (q+ - q)/h, v = (q - q-)/h, and Theta and phi linearised at q, that is a friction problem with the biases
+(1 + e) phi/h - e n'v and Theta/h. A body that hits overlaps for one step, and then leaves with e times its speed.
+
+Reference: Paoli and Schatzman, SIAM Journal on Numerical Analysis 40 (2002), pages 702-733.
+"""
+
+from problems.scene import Scene
+from problems.schemes.stepping import Solve, Step, contacts_within_reach, free_velocity, respond, scheme
+
+
+@scheme(lacks=("friction",))
+def paoli_schatzman(scene: Scene, now: Step, solve: Solve) -> Step:
+    """One step of length scene.step."""
+    h, e, q, v = scene.step, scene.restitution, now.q, now.v
+    free = free_velocity(scene, now, v)
+    contacts = contacts_within_reach(scene, q, v, free)
+    bias = (1 + e) * contacts.gap / h - e * (contacts.normal @ v)
+    problem = scene.friction_problem(q, free, contacts, bias=bias, joint_bias=scene.joints(q)[0] / h)
+    step, v = respond("step", problem, solve)
+    return Step(now.time + h, q + h * v, v, contacts, (step,))

@@ -1,0 +1,39 @@
+"""The time-stepping scheme of Stewart and Trinkle (1996), on gaps, with Poisson restitution.
+
+    M (v+ - v) = h k + J' r + F' lam,      q+ = q + h v+,      F v+ + Theta/h = 0,
+
+with Coulomb's law between r and u = J v+ + phi/h e_n at all contacts within reach of the step: a linearised gap may close by
+the end of the step and no further, and a contact that will not close carries no impulse. The drift is O(h^2). Where gaps are
+positive every problem has a solution; an overlap phi < 0 is pushed apart at the speed |phi|/h and feeds in the energy
+-c phi/h, and between two walls that overlap a body there may be no solution.
+
+A body is slowed down so that it just arrives. With e > 0 that would eat its speed before it hits, so an impact goes first
+wherever a contact would close within the step, over the gap that is left; restitution then acts up to a step early.
+
+Bodies that face each other corner to corner have no contact until they overlap: their common normal could be any, and a
+wrong one stops bodies that would pass each other.
+"""
+
+from problems.scene import Scene
+from problems.schemes.impact import approaching, impact
+from problems.schemes.stepping import Solve, Solved, Step, contacts_within_reach, free_velocity, respond, scheme
+
+
+@scheme()
+def stewart_trinkle(scene: Scene, now: Step, solve: Solve) -> Step:
+    """One step of length scene.step."""
+    h, q, v = scene.step, now.q, now.v
+    free = free_velocity(scene, now, v)
+    contacts = contacts_within_reach(scene, q, v, free)
+    solved: list[Solved] = []
+    if scene.restitution > 0:
+        closing = contacts.gap + h * (contacts.normal @ free) < scene.touch
+        hitting = contacts.only(closing | (contacts.gap <= scene.touch))
+        if approaching(scene, v, contacts.only(closing)).any():
+            solved, v = impact(scene, q, v, hitting, solve)
+            free = free_velocity(scene, now, v)
+            contacts = contacts_within_reach(scene, q, v, free)
+    theta = scene.joints(q)[0]
+    problem = scene.friction_problem(q, free, contacts, bias=contacts.gap / h, joint_bias=theta / h)
+    step, v = respond("step", problem, solve)
+    return Step(now.time + h, q + h * v, v, contacts, (*solved, step))

@@ -1,0 +1,151 @@
+"""Classic LCPs rebuilt from their formulas: all their solutions by the census, and what Lemke's method does on them."""
+
+import numpy as np
+import pytest
+
+from problems import LCP
+from problems.census import lcp_census
+from problems.polyhedra import Shape
+from solvers import Status, solve
+
+
+def murty(n) -> LCP:
+    """Lower triangular, 1 on the diagonal and 2 below it; q_i = -(2^n + ... + 2^(n-i+1)) (Murty 1988, chapter 6)."""
+    return LCP(np.eye(n) + 2 * np.tril(np.ones((n, n)), -1), -np.cumsum(2.0 ** np.arange(n, 0, -1)))
+
+
+def fathi(n) -> LCP:
+    """L L' of Murty's matrix L, q = -1 (Fathi 1979): symmetric positive definite."""
+    L = murty(n).dense
+    return LCP(L @ L.T, -np.ones(n))
+
+
+def bimatrix(A, B) -> LCP:
+    """The Nash equilibria of the costs A, B > 0 as z = (x, y), each up to a factor (Cottle and Dantzig 1968)."""
+    m, n = np.shape(A)
+    M = np.block([[np.zeros((m, m)), np.array(A)], [np.array(B).T, np.zeros((n, n))]])
+    return LCP(M, -np.ones(m + n))
+
+
+KOSTREVA = LCP([[1, 2, 0], [0, 1, 2], [2, 0, 1]], -np.ones(3))
+# name: (problem, its isolated solutions), from the sources named
+ISOLATED = {
+    "kostreva (1979)": (KOSTREVA, [[1 / 3, 1 / 3, 1 / 3]]),
+    "murty (1988) example 2.8": (
+        LCP([[1, -1, -1, -1], [-1, 1, -1, -1], [1, 1, 2, 0], [1, 1, 0, 2]], [3, 5, -9, -5]),
+        [[2, 1, 3, 1]],
+    ),
+    "murty (1988) example 2.9": (LCP([[-1, 0, -3], [1, -2, -5], [-2, -1, -2]], [-3, -2, -1]), []),
+    "two by two": (LCP([[2, 1], [0, 2]], [-1, -2]), [[0, 1]]),
+    "two by two, a ray": (LCP([[2, -1], [0, -2]], [-1, -2]), []),
+    "handbook 10.2.4, a bimatrix game (Floudas and Pardalos 1999)": (
+        bimatrix([[10, 20], [30, 15]], np.transpose([[10, 20], [30, 15]])),
+        [[1 / 10, 0, 1 / 10, 0], [0, 1 / 15, 0, 1 / 15], [1 / 90, 2 / 45, 1 / 90, 2 / 45]],
+    ),
+    "path's example": (
+        LCP([[0, 0, -1, -1], [0, 0, 1, -2], [1, -1, 2, -2], [1, 2, -2, 4]], [2, 2, -2, -6]),
+        [[2.8, 0, 0.8, 1.2]],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ISOLATED)
+def test_all_solutions(name) -> None:
+    lcp, known = ISOLATED[name]
+    found = lcp_census(lcp)
+    assert found.count == len(known)
+    for z in known:
+        assert sum(piece.vertices[0] == pytest.approx(z, abs=1e-12) for piece in found.pieces) == 1
+    assert found.shape is (Shape.NONE, Shape.ONE, Shape.ISOLATED)[min(len(known), 2)]
+
+
+@pytest.mark.parametrize("name", ISOLATED)
+def test_lemke_returns_one_of_them_or_a_ray(name) -> None:
+    """Rays where there is no solution, and on the bimatrix game, where every positive covering vector leads to one."""
+    lcp, known = ISOLATED[name]
+    answer = solve(lcp, "lemke", tol=1e-10)
+    if not known or "bimatrix" in name:
+        assert answer.status is Status.RAY
+    else:
+        assert answer.status is Status.SOLVED
+        assert lcp.residual(answer.z) <= 1e-10
+        assert any(answer.z == pytest.approx(z, abs=1e-9) for z in known)
+
+
+def test_three_isolated_solutions_in_a_line_are_not_a_segment() -> None:
+    """(1, 0), (1/2, 1/2), (0, 1): the midpoint of the outer two is a solution, those of neighbours are not."""
+    found = lcp_census(LCP([[1, 1], [1, 1]], [-1, -1]))
+    assert (found.shape, found.count, found.velocity_count) == (Shape.CONVEX, None, 1)
+    line = lcp_census(LCP([[1, 2], [2, 1]], [-1.5, -1.5]))
+    assert sorted(p.vertices[0].tolist() for p in line.pieces) == pytest.approx(np.array([[0, 1.5], [0.5, 0.5], [1.5, 0]]))
+    assert line.shape is Shape.ISOLATED
+
+
+@pytest.mark.parametrize("n", [2, 5, 8, 10])
+def test_murtys_family_takes_two_to_the_n_pivots(n) -> None:
+    lcp = murty(n)
+    assert lcp.q[:2] == pytest.approx([-(2.0**n), -(2.0**n) - 2.0 ** (n - 1)])
+    z = np.zeros(n)
+    z[0] = 2.0**n
+    found = lcp_census(lcp)
+    assert found.count == 1
+    assert found.pieces[0].vertices[0] == pytest.approx(z)
+    answer = solve(lcp, "lemke[restarts=0]", tol=1e-10)
+    assert answer.status is Status.SOLVED
+    assert answer.z == pytest.approx(z)
+    assert answer.work["pivots"] == 2**n
+
+
+@pytest.mark.parametrize("n", [2, 5, 8])
+def test_fathis_family_has_one_solution_and_falls_to_scaling(n) -> None:
+    """z = e_1. With d = 1 Lemke's method takes 2^n pivots; once M has a unit diagonal the same d is harmless."""
+    lcp = fathi(n)
+    found = lcp_census(lcp)
+    assert found.count == 1
+    assert found.pieces[0].vertices[0] == pytest.approx(np.eye(n)[0], abs=1e-9)
+    answer = solve(lcp, "lemke", tol=1e-10)
+    assert answer.status is Status.SOLVED
+    assert answer.z == pytest.approx(np.eye(n)[0])
+    assert answer.work["pivots"] <= n
+
+
+def test_kostrevas_ties_are_broken() -> None:
+    """A P-matrix on which ties broken by the least index cycle for ever."""
+    answer = solve(KOSTREVA, "lemke[restarts=0]", tol=1e-10)
+    assert answer.status is Status.SOLVED
+    assert answer.work["pivots"] < 20
+
+
+@pytest.mark.parametrize("level", [0.0, 1.0, 5.0, 23.0])
+def test_handbook_10_2_9(level) -> None:
+    """z = ((l + 16)/13, (l + 16)/13, 2 (23 - l)/13, (1286 - 9 l)/13), 0 <= l <= 23."""
+    lcp = LCP([[11, 0, 10, -1], [0, 11, 10, -1], [10, 10, 21, -1], [1, 1, 1, 0]], [50, 50, level, -6])
+    want = np.array([level + 16, level + 16, 2 * (23 - level), 1286 - 9 * level]) / 13
+    found = lcp_census(lcp)
+    assert found.count == 1
+    assert found.pieces[0].vertices[0] == pytest.approx(want, abs=1e-9)
+    assert solve(lcp, "lemke", tol=1e-10).z == pytest.approx(want, abs=1e-8)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_p_matrices_have_one_solution_for_every_q(seed) -> None:
+    """Samelson, Thrall and Wesler 1958; here row diagonally dominant ones."""
+    random = np.random.default_rng(seed)
+    M = random.uniform(-1, 1, (6, 6))
+    np.fill_diagonal(M, np.abs(M).sum(axis=1) + 0.1)
+    lcp = LCP(M, random.standard_normal(6))
+    found = lcp_census(lcp)
+    assert found.count == 1
+    assert solve(lcp, "lemke", tol=1e-10).z == pytest.approx(found.pieces[0].vertices[0], abs=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_positive_semidefinite_ones_have_a_convex_set(seed) -> None:
+    """... and one w where M is symmetric; rank 2 of 5, q in its range so that there is a solution."""
+    random = np.random.default_rng(seed)
+    A = random.standard_normal((5, 2))
+    z, free = random.random(5), random.random(5) < 0.4
+    lcp = LCP(A @ A.T, np.where(free, random.random(5), 0) - A @ (A.T @ (z * ~free)))
+    found = lcp_census(lcp)
+    assert found.shape in (Shape.ONE, Shape.CONVEX)
+    assert found.velocity_count == 1

@@ -1,0 +1,116 @@
+"""The energy of one step: an exact identity for every solution, and what follows from it."""
+
+import numpy as np
+import pytest
+
+from problems import FrictionProblem
+from problems.random_problem import random_problem
+from problems.residual import residual
+from problems.simulate import ledger_defect
+from solvers import Status, solve
+
+
+def kinetic(problem, v) -> float:
+    return float(v @ (problem.mass @ v)) / 2
+
+
+def law(problem, impulse) -> float:
+    """T(v*) - |H z|^2/2 in M^-1 - b'c - lambda'(mu c + b_f), lambda = |u_t|."""
+    free = problem.velocity(np.zeros_like(impulse))
+    c, slip = impulse[:, 0], np.abs(problem.contact_velocity(impulse)[:, 1])
+    change = problem.velocity(impulse) - free
+    return (
+        kinetic(problem, free)
+        - kinetic(problem, change)
+        - problem.bias @ c
+        - slip @ (problem.friction * c + problem.friction_bias)
+    )
+
+
+def designed(seed) -> tuple[FrictionProblem, np.ndarray]:
+    """A problem made around a solution: every contact open, stuck or sliding at random, bias of either sign, with a joint."""
+    random = np.random.default_rng(seed)
+    nc, nv = int(random.integers(1, 5)), 9
+    root = random.standard_normal((nv, nv))
+    M = root @ root.T + np.eye(nv)
+    N, T, F = random.standard_normal((nc, nv)), random.standard_normal((nc, nv)), random.standard_normal((1, nv))
+    mu, at_hand = random.uniform(0, 2, nc), np.where(random.random(nc) < 0.5, random.random(nc), 0)
+    is_open, sticks = random.random(nc) < 0.3, random.random(nc) < 0.4
+    v = random.standard_normal(nv)
+    held = np.vstack([F, T[sticks]])
+    v -= np.linalg.pinv(held) @ held @ v
+    u_t = np.where(sticks, 0, T @ v)
+    c = np.where(is_open, 0, random.random(nc))
+    limit = mu * c + at_hand
+    r = np.column_stack([c, np.where(sticks, random.uniform(-1, 1, nc) * limit, -np.sign(u_t) * limit)])
+    bias = np.where(is_open, random.random(nc), 0) - N @ v
+    push = N.T @ r[:, 0] + T.T @ r[:, 1] + F.T @ random.standard_normal(1)
+    problem = FrictionProblem(
+        mass=M,
+        normal=N,
+        tangent=T,
+        friction=mu,
+        free_velocity=v - np.linalg.solve(M, push),
+        bias=bias,
+        friction_bias=at_hand,
+        joints=F,
+    )
+    return problem, r
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_ledger_of_designed_solutions(seed) -> None:
+    problem, r = designed(seed)
+    assert residual(problem, r) <= 1e-12
+    size = kinetic(problem, problem.free_velocity) + abs(law(problem, r))
+    assert kinetic(problem, problem.velocity(r)) == pytest.approx(law(problem, r), abs=2e-11 * size)
+    assert ledger_defect(problem, r) == pytest.approx(0, abs=2e-11 * size)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_ledger_of_lemkes_answers_and_passivity(seed) -> None:
+    """b >= 0: contacts take energy and give none."""
+    problem = random_problem(seed, contacts=1 + seed % 12)
+    answer = solve(problem, "lemke", tol=1e-12)
+    assert answer.status is Status.SOLVED
+    before, after = kinetic(problem, problem.free_velocity), kinetic(problem, problem.velocity(answer.impulse))
+    assert after == pytest.approx(law(problem, answer.impulse), abs=2e-11 * before)
+    assert after <= before * (1 + 1e-12)
+    assert before - after >= kinetic(problem, problem.velocity(answer.impulse) - problem.free_velocity) - 1e-11 * before
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_the_ledger_of_any_impulse_is_out_by_its_defect(seed) -> None:
+    """ledger_defect is what is wanting, also for an answer that is no solution."""
+    problem, r = designed(seed)
+    wrong = r * 1.1
+    size = kinetic(problem, problem.free_velocity) + abs(law(problem, wrong))
+    want = kinetic(problem, problem.velocity(wrong)) - law(problem, wrong)
+    assert ledger_defect(problem, wrong) == pytest.approx(want, abs=1e-10 * size)
+    assert abs(want) > 1e-6 * size
+
+
+def test_penetration_injects_energy() -> None:
+    """A resting particle that overlaps by phi is thrown out at phi/h: -c phi/h is its work, half of it its energy."""
+    m, speed = 2.0, 0.1
+    problem = FrictionProblem(
+        mass=m * np.eye(2), normal=[[0, 1]], tangent=[[1, 0]], friction=[0.5], free_velocity=[0, 0], bias=[-speed]
+    )
+    r = solve(problem, "lemke", tol=1e-12).impulse
+    assert r == pytest.approx(np.array([[m * speed, 0]]))
+    assert kinetic(problem, problem.velocity(r)) == pytest.approx(m * speed**2 / 2)
+    assert law(problem, r) == pytest.approx(m * speed**2 - m * speed**2 / 2)
+
+
+def test_friction_dissipates_the_most_it_can() -> None:
+    """v+'D_i beta_i is the least over {beta >= 0, e'beta <= mu c + b_f}, here in Lemke's answers."""
+    sliding = 0
+    for seed in range(30):
+        problem = random_problem(100 + seed, contacts=1 + seed % 12)
+        r = solve(problem, "lemke", tol=1e-12).impulse
+        u_t = problem.contact_velocity(r)[:, 1]
+        scale = np.abs(problem.q).max() ** 2 / problem.scale.min()
+        power = u_t * r[:, 1]
+        assert power == pytest.approx(-np.abs(u_t) * problem.friction * r[:, 0], abs=2e-9 * scale)
+        sliding += int(np.sum(power < -1e-6 * scale))
+    assert sliding >= 20

@@ -1,0 +1,114 @@
+"""Painlevé's rod at the levels of forces and of impulses: which problems have no, one, two or three solutions."""
+
+import numpy as np
+import pytest
+
+from problems import FrictionProblem, scene
+from problems.census import census, lcp_census, mode
+from problems.force_level import Regime, force_level_lcp, regime
+from problems.polyhedra import Shape
+from solvers import Status, solve
+
+G = 9.81
+
+
+def p(angle, mu) -> float:
+    return 1 + 3 * np.cos(angle) ** 2 - 3 * mu * abs(np.sin(angle) * np.cos(angle))
+
+
+def force_level(angle, mu, spin, speed=-1.0):
+    """The rod's force-level LCP: its tip rises at y' - cos(angle) spin, whose rate has the part sin(angle) spin^2."""
+    made = scene("painleve_rod", angle=angle, friction=mu, spin=spin, tip_velocity=speed)
+    contacts = made.contacts(made.q0)
+    k = made.force(made.q0, made.v0, 0.0)
+    slip = contacts.tangent @ made.v0
+    return force_level_lcp(made.mass, contacts.normal, contacts.tangent, [mu], k, slip, [np.sin(angle) * spin**2])
+
+
+def impulse_level(angle, mu, spin, h=1e-4, speed=-1.0) -> FrictionProblem:
+    """One step of the rod on its tip, with the normal's rate in the bias: the force-level problem times h while it slides."""
+    made = scene("painleve_rod", angle=angle, friction=mu, spin=spin, tip_velocity=speed)
+    contacts = made.contacts(made.q0)
+    free = made.v0 + h * made.force(made.q0, made.v0, 0.0) / made.weights
+    return made.friction_problem(made.q0, free, contacts, bias=h * np.sin(angle) * spin**2)
+
+
+STEEP = np.arctan(2.0)
+
+
+def test_p_is_the_normal_acceleration_per_normal_force() -> None:
+    for angle in (0.3, STEEP, 1.4):
+        for mu in (0.2, 1.5):
+            assert force_level(angle, mu, 0.0).dense == pytest.approx(np.array([[p(angle, mu)]]))
+
+
+def test_the_paradox_needs_mu_of_four_thirds() -> None:
+    """p < 0 is possible iff mu > (4 + t^2)/(3 t), t = tan(angle), which is least at t = 2."""
+    t = np.tan(np.linspace(0.01, 1.56, 4000))
+    threshold = (4 + t**2) / (3 * t)
+    assert threshold.min() == pytest.approx(4 / 3, abs=1e-6)
+    assert t[threshold.argmin()] == pytest.approx(2, abs=5e-3)
+    for factor, sign in ((0.999, 1), (1.001, -1)):
+        assert np.all(np.sign([p(np.arctan(x), factor * (4 + x * x) / (3 * x)) for x in t]) == sign)
+
+
+@pytest.mark.parametrize(
+    ("mu", "spin", "next_", "forces", "modes"),
+    [
+        (0.3, 0.0, Regime.SLIDE, 1, {"l"}),
+        (0.3, 5.0, Regime.OPEN, 1, {"o"}),
+        (1.6, 0.0, Regime.IMPACT, 0, {"s"}),
+        (1.6, 5.0, Regime.THREE, 2, {"o", "l", "s"}),
+    ],
+)
+def test_the_four_regimes(mu, spin, next_, forces, modes) -> None:
+    """K = spin^2 sin(angle) - g. Forces: one, one, none, two. Impulses: one, one, only the stick, three."""
+    lcp = force_level(STEEP, mu, spin)
+    K = spin**2 * np.sin(STEEP) - G
+    assert lcp.q == pytest.approx([K])
+    assert regime(p(STEEP, mu), K) is next_
+    assert lcp_census(lcp).count == forces
+    h = 1e-4
+    found = census(impulse_level(STEEP, mu, spin, h))
+    assert {piece.mode for piece in found.pieces} == modes
+    assert found.count == len(modes)
+    by_mode = {piece.mode: piece.vertices[0] for piece in found.pieces}
+    if "l" in by_mode:
+        assert by_mode["l"] == pytest.approx(-h * K / p(STEEP, mu) * np.array([1, mu]))
+    if modes == {"o", "l", "s"}:
+        assert found.shape is Shape.ISOLATED
+        assert by_mode["o"] == pytest.approx([0, 0])
+
+
+@pytest.mark.parametrize(("angle", "mu", "spin"), [(STEEP, 1.6, 0.0), (1.0, 1.6, 0.0), (STEEP, 2.0, 5.0)])
+def test_the_stick_takes_an_impulse_that_does_not_vanish_with_the_step(angle, mu, spin) -> None:
+    """r_n = 3/4 m sin cos |v_t|, r_t = 1/4 m (1 + 3 cos^2) |v_t|, losing m (1 + 3 cos^2) v_t^2/8 of energy."""
+    assert p(angle, mu) < 0
+    problem = impulse_level(angle, mu, spin, h=1e-9)
+    (r,) = (piece.vertices for piece in census(problem).pieces if piece.mode == "s")
+    s, c = np.sin(angle), np.cos(angle)
+    assert r[0] == pytest.approx([0.75 * s * c, 0.25 * (1 + 3 * c * c)], abs=1e-6)
+    free, v = problem.free_velocity, problem.velocity(r.reshape(1, 2))
+    loss = (free @ (problem.mass @ free) - v @ (problem.mass @ v)) / 2
+    assert loss == pytest.approx((1 + 3 * c * c) / 8, abs=1e-6)
+
+
+def test_the_scenes_first_step_has_one_solution() -> None:
+    problem = scene("painleve_rod").problem()
+    assert problem.q == pytest.approx([-0.0981, -1])
+    found = census(problem)
+    assert found.count == 1
+    assert found.pieces[0].mode == "s"
+    assert found.pieces[0].vertices == pytest.approx(np.array([[0.383, 0.429]]), abs=5e-4)
+    assert found.velocities[0].vertices == pytest.approx(np.zeros((1, 2)), abs=1e-12)
+
+
+@pytest.mark.parametrize(("spec", "letter"), [("lemke", "o"), ("nsgs", "o"), ("ccp", "s")])
+def test_which_of_the_three_a_solver_returns(spec, letter) -> None:
+    """From r = 0 all but one row of the LCP are right, and Lemke's path mends it by the sliding speed alone: the rod opens,
+    as under Gauss-Seidel, for which r = 0 is a fixed point. The relaxation has one answer and that is the stick."""
+    for problem in (impulse_level(STEEP, 1.6, 5.0), impulse_level(1.2, 3.0, 4.0, h=1e-2)):
+        assert census(problem).count == 3
+        answer = solve(problem, spec, tol=1e-10)
+        assert answer.status is Status.SOLVED
+        assert mode(problem, answer.impulse) == letter

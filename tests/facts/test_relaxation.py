@@ -1,0 +1,114 @@
+"""The convex relaxation and the polygonal cone: where they are exact, and by how much they are not."""
+
+import numpy as np
+import pytest
+
+from problems import FrictionProblem, scene
+from problems.random_problem import random_problem
+from problems.residual import relaxation_residual, residual
+from solvers import Status, solve
+from tests.friction_problems import block
+
+G = 9.81
+
+
+def relaxed(problem, tol=1e-10) -> np.ndarray:
+    answer = solve(problem, "ccp", tol=tol)
+    assert answer.status is Status.SOLVED
+    assert relaxation_residual(problem, answer.impulse) <= tol
+    return answer.impulse
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_without_friction_it_is_exact(seed) -> None:
+    problem = random_problem(seed, contacts=8, friction=0.0)
+    assert residual(problem, relaxed(problem)) <= 1e-9
+    exact = solve(problem, "lemke", tol=1e-10)
+    assert problem.velocity(relaxed(problem)) == pytest.approx(problem.velocity(exact.impulse), abs=1e-8)
+
+
+@pytest.mark.parametrize("problem", [scene("stack", blocks=n).problem() for n in (1, 4)] + [scene("pyramid", rows=3).problem()])
+def test_where_no_contact_slides_it_is_exact(problem) -> None:
+    exact = solve(problem, "lemke", tol=1e-10).impulse
+    assert np.abs(problem.contact_velocity(exact)[:, 1]).max() <= 1e-10
+    assert residual(problem, relaxed(problem)) <= 1e-9
+
+
+def test_where_every_contact_sticks_in_it_it_is_exact_and_where_one_slides_it_is_not() -> None:
+    stuck, sliding = 0, 0
+    for seed in range(40):
+        problem = random_problem(seed, contacts=3, friction=0.8)
+        r = relaxed(problem)
+        u = problem.contact_velocity(r)
+        slides = (np.abs(u[:, 1]) > 1e-6) & (problem.scale * r[:, 0] > 1e-6)
+        if slides.any():
+            sliding += 1
+            assert residual(problem, r) > 1e-7
+            assert u[slides, 0] == pytest.approx(0.8 * np.abs(u[slides, 1]), abs=1e-8)
+        else:
+            stuck += 1
+            assert residual(problem, r) <= 1e-9
+    assert min(stuck, sliding) >= 5
+
+
+@pytest.mark.parametrize("mu", [0.2, 0.6, 1.5])
+def test_impact_of_a_sliding_block(mu) -> None:
+    """r_n = m (g h + mu v)/(1 + mu^2), u_t = (v - mu g h)/(1 + mu^2), u_n = mu u_t; Coulomb's u_n is 0."""
+    m, h, v = 2.0, 0.01, 1.0
+    problem = block(speed=v, friction=mu, mass=m, h=h)
+    r = relaxed(problem)
+    assert r[0, 0] == pytest.approx(m * (G * h + mu * v) / (1 + mu * mu))
+    u_t = (v - mu * G * h) / (1 + mu * mu)
+    assert problem.contact_velocity(r) == pytest.approx(np.array([[mu * u_t, u_t]]))
+    exact = solve(problem, "lemke", tol=1e-10).impulse
+    assert exact[0, 0] == pytest.approx(m * G * h)
+    assert problem.contact_velocity(exact) == pytest.approx(np.array([[0, v - mu * G * h]]))
+
+
+def test_the_hop_does_not_vanish_with_the_step() -> None:
+    """It rises to about (mu v/(1 + mu^2))^2/(2 g), 9.9 mm at mu = .6 and v = 1."""
+    rise = [
+        block(speed=1.0, friction=0.6, h=h).contact_velocity(relaxed(block(speed=1.0, friction=0.6, h=h)))[0, 0] ** 2 / (2 * G)
+        for h in (1e-3, 1e-5, 1e-7)
+    ]
+    assert rise[-1] == pytest.approx(9.9e-3, rel=1e-2)
+    assert rise[0] == pytest.approx(rise[-1], rel=2e-2)
+    assert rise[1] == pytest.approx(rise[-1], rel=2e-4)
+
+
+def test_at_a_gap_of_h_mu_v_it_slides_exactly_as_coulomb_does() -> None:
+    """Smooth sliding: the block rides at the gap h mu |v_t|, where the relaxation's bias mends its own error."""
+    mu, m, h, v = 0.6, 2.0, 0.01, 1.0
+    u_t = v - mu * G * h
+    problem = FrictionProblem(
+        mass=m * np.eye(2), normal=[[0, 1]], tangent=[[1, 0]], friction=[mu], free_velocity=[v, -G * h], bias=[mu * u_t]
+    )
+    r = relaxed(problem)
+    assert r == pytest.approx(np.array([[m * G * h, -mu * m * G * h]]))
+    assert problem.velocity(r) == pytest.approx([u_t, 0], abs=1e-12)
+
+
+@pytest.mark.parametrize(("facets", "percent"), [(4, 29), (8, 7.6), (16, 1.9)])
+def test_polygons_lose_one_minus_cos_pi_over_k_of_the_friction(facets, percent) -> None:
+    """A particle sliding half-way between two of the polygon's corners; along a corner nothing is lost."""
+    mu, deficits = 0.5, {}
+    for name, angle in (("between", np.pi / facets), ("along", 2 * np.pi / facets)):
+        way = np.array([np.cos(angle), np.sin(angle)])
+        problem = FrictionProblem(
+            mass=np.eye(3),
+            normal=[[0, 0, 1]],
+            tangent=[[1, 0, 0], [0, 1, 0]],
+            friction=[mu],
+            free_velocity=[*(10 * way), -1],
+            bias=[0],
+            dimension=3,
+        )
+        lcp = problem.lcp(facets=facets)
+        answer = solve(lcp, "lemke", tol=1e-10)
+        assert answer.z is not None
+        r = lcp.impulse(answer.z)[0]
+        assert r[0] == pytest.approx(1)
+        deficits[name] = 1 + way @ r[1:] / mu
+    assert deficits["along"] == pytest.approx(0, abs=1e-12)
+    assert deficits["between"] == pytest.approx(1 - np.cos(np.pi / facets))
+    assert 100 * deficits["between"] == pytest.approx(percent, abs=0.5 if facets == 4 else 0.05)

@@ -1,0 +1,267 @@
+"""What is known about the schemes: stopping distances, drift, restitution, and where they have no solution."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+import solvers
+from problems import FrictionProblem, scene
+from problems.check import Array
+from problems.force_level import force_level_lcp
+from problems.residual import relaxation_residual, residual
+from problems.scene import Scene
+from problems.schemes import SCHEMES, NoSolution, Step
+from problems.schemes.impact import impact
+from problems.simulate import simulate
+
+G = 9.81
+BOUNCING = [name for name, scheme in SCHEMES.items() if "restitution" not in scheme.lacks]
+
+
+def lemke(problem: FrictionProblem) -> Array:
+    answer = solvers.solve(problem, "lemke", tol=1e-8)
+    assert answer.status is solvers.Status.SOLVED
+    assert residual(problem, answer.impulse) <= 1e-8
+    return answer.impulse
+
+
+def relaxation(problem: FrictionProblem) -> Array:
+    answer = solvers.solve(problem, "ccp", tol=1e-10)
+    assert relaxation_residual(problem, answer.impulse) <= 1e-8
+    return answer.impulse
+
+
+def states(made: Scene, name: str, steps: int | None = None) -> Iterator[Step]:
+    return simulate(made, lemke, SCHEMES[name], steps)
+
+
+@pytest.mark.parametrize(
+    ("name", "error"),
+    [
+        ("acceleration", -0.5),
+        ("anitescu_potra", -0.5),
+        ("lotstedt", 0.5),  # the first step is without friction
+        ("moreau", 0.0),
+        ("moreau_euler", -0.5),
+        ("stewart_trinkle", -0.5),
+    ],
+)
+def test_stopping_distance(name: str, error: float) -> None:
+    """Short of or beyond v0^2/(2 mu g) by this share of v0 h, exactly."""
+    h, speed = 0.02, 1.0
+    mu = speed / (G * h * 25)
+    *_, end = states(scene("stopping_block", friction=mu, speed=speed, step=h), name)
+    assert end.v == pytest.approx(np.zeros(3), abs=1e-9)
+    assert (end.q[0] - speed**2 / (2 * mu * G)) / (speed * h) == pytest.approx(error, abs=1e-8)
+
+
+@pytest.mark.parametrize("h", [0.02, 0.005])
+def test_stopping_distance_of_the_relaxation(h: float) -> None:
+    """On gaps, which begin at h mu v0 so that nothing hops: off by (mu^2 - 1/2) v0 h, to higher order."""
+    speed = 1.0
+    mu = speed / (G * 0.5)
+    made = scene("stopping_block", friction=mu, speed=speed, step=h, duration=0.7)
+    made = Scene(**{**made.__dict__, "q0": made.q0 + np.array([0, h * mu * speed, 0])})
+    *_, end = simulate(made, relaxation, SCHEMES["stewart_trinkle"])
+    assert (end.q[0] - speed**2 / (2 * mu * G)) / (speed * h) == pytest.approx(mu**2 - 0.5, abs=2e-4)
+
+
+def drifts(name: str, **parameters: float) -> list[float]:
+    """How far the bead ever leaves its path, with steps of .02, .01 and .005 s."""
+    runs = (states(scene("bowl", step=h, **parameters), name) for h in (0.02, 0.01, 0.005))
+    return [max(abs(1 - np.hypot(*now.q[:2])) for now in run) for run in runs]
+
+
+@pytest.mark.parametrize(
+    ("name", "known"), [("anitescu_potra", [4.8e-2, 2.5e-2, 1.2e-2]), ("stewart_trinkle", [1.3e-3, 3.3e-4, 8.4e-5])]
+)
+def test_drift_in_the_bowl(name: str, known: list[float]) -> None:
+    assert drifts(name) == pytest.approx(known, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("name", "order", "parameters"),
+    [("lotstedt", 1, {}), ("moreau", 1, {}), ("moreau_euler", 2, {}), ("paoli_schatzman", 2, {"friction": 0.0})],
+)
+def test_orders_of_drift(name: str, order: int, parameters: dict[str, float]) -> None:
+    found = drifts(name, **parameters)
+    assert np.log2(found[0] / found[2]) / 2 == pytest.approx(order, abs=0.15)
+
+
+@pytest.mark.parametrize(("name", "order"), [("anitescu_potra", 1), ("stewart_trinkle", 2), ("paoli_schatzman", 2)])
+def test_orders_of_a_hinges_drift(name: str, order: int) -> None:
+    found = []
+    for h in (0.02, 0.01):
+        made = scene("pendulum", step=h)
+        found.append(max(np.abs(made.joints(now.q)[0]).max() for now in states(made, name)))
+    assert np.log2(found[0] / found[1]) == pytest.approx(order, abs=0.3)
+
+
+@pytest.mark.parametrize("name", BOUNCING)
+@pytest.mark.parametrize("e", [0.7, 1.0])
+def test_ball_keeps_its_restitution(name: str, e: float) -> None:
+    """Apexes H e^(2k), to O(h): an impact that came after the gap had slowed the ball down would lose e altogether."""
+    h = 0.004
+    fall = np.sqrt(2 / G)
+    made = scene("bouncing_ball", restitution=e, step=h, duration=fall * (1 + 2 * e + 2 * e**2))
+    height = np.array([now.q[1] - 0.5 for now in states(made, name)])
+    turns = np.flatnonzero((height[1:-1] > height[:-2]) & (height[1:-1] >= height[2:])) + 1
+    apexes = [y for y in height[turns] if y > 0.03]
+    assert apexes == pytest.approx([e**2, e**4], abs=4 * h * np.sqrt(2 * G))
+
+
+@pytest.mark.parametrize("name", BOUNCING)
+def test_ball_comes_to_rest_when_its_bounces_have_added_up(name: str) -> None:
+    e, h = 0.5, 0.004
+    rest = np.sqrt(2 / G) * (1 + e) / (1 - e)
+    run = list(states(scene("bouncing_ball", restitution=e, step=h, duration=1.2 * rest), name))
+    assert max(now.q[1] for now in run if now.time > 0.8 * rest) > 0.5 + 1e-3
+    assert max(abs(now.v[1]) for now in run if now.time > 1.1 * rest) < 2 * G * h
+
+
+@pytest.mark.parametrize("number", range(1, 8))
+@pytest.mark.parametrize("e", [0.0, 1.0])
+def test_a_gap_feeds_in_no_more_energy_than_the_ledger_says(number: int, e: float) -> None:
+    """On gaps energy rises by at most -b.r_n, which is the push out of overlaps; a gap that is left takes energy."""
+    made = scene(f"example_{number}", restitution=e)
+    first = energy = made.energy(made.q0, made.v0)
+    for now in states(made, "stewart_trinkle", 120):
+        before, energy = energy, made.energy(now.q, now.v)
+        fed = sum(float(-step.problem.bias @ step.impulse[:, 0]) for step in now.solved)
+        assert energy <= before + fed + 1e-9 * first
+
+
+def poked(random: np.random.Generator) -> tuple[FrictionProblem, Array]:
+    """A body of 1 kg and 1 kg m^2 that hits with a point of it: the problem without bias, and its velocity."""
+    (x, y), v = random.standard_normal(2), random.standard_normal(3)
+    normal = np.array([[0.0, 1.0, x]])
+    v *= -np.sign(normal @ v)
+    mass, tangent = np.eye(3), np.array([[1.0, 0.0, -y]])
+    mu = random.uniform(0.2, 1.5)
+    return FrictionProblem(mass=mass, normal=normal, tangent=tangent, friction=[mu], free_velocity=v, bias=[0.0]), v
+
+
+@pytest.mark.parametrize(("e", "least", "most"), [(0.8, 0.002, 0.08), (1.0, 0.1, 0.3)])
+def test_newtons_restitution_can_gain_energy(e: float, least: float, most: float) -> None:
+    """In a few of a hundred impacts with e = .8, in about a fifth with e = 1; the exact share depends on what is drawn."""
+    random = np.random.default_rng(0)
+    gains = 0
+    for _ in range(300):
+        compress, v = poked(random)
+        problem = FrictionProblem(
+            mass=compress.mass,
+            normal=compress.normal,
+            tangent=compress.tangent,
+            friction=compress.friction,
+            free_velocity=v,
+            bias=e * (compress.normal @ v),
+        )
+        after = problem.velocity(lemke(problem))
+        gains += after @ after > (1 + 1e-9) * (v @ v)
+    assert least <= gains / 300 <= most
+
+
+@pytest.mark.parametrize("e", [0.3, 0.8, 1.0])
+def test_poissons_restitution_never_gains_energy(e: float) -> None:
+    """E+ <= E- - (1 - e^2)/2 |p|^2 in the metric of M^-1, p the compression impulse, for one and two contacts."""
+    random = np.random.default_rng(1)
+    for trial in range(100):
+        mu, spin, speed = random.uniform(0, 2), *random.standard_normal(2)
+        if trial % 2:
+            made = scene("two_corner_block", friction=mu, aspect=random.uniform(0.3, 3), velocity=speed, fall=1.0, spin=spin)
+        else:
+            made = scene("painleve_rod", friction=mu, angle=random.uniform(0.1, 1.5), tip_velocity=speed)
+        made = Scene(**{**made.__dict__, "restitution": e, "v0": made.v0 - [0, 1, 0] * len(made.bodies)})
+        (compression, _), after = impact(made, made.q0, made.v0, made.contacts(made.q0), lemke)
+        p = compression.problem.jacobian.T @ compression.impulse.ravel()
+        kinetic = [v @ (made.mass @ v) / 2 for v in (made.v0, after)]
+        assert kinetic[1] <= kinetic[0] - (1 - e**2) / 2 * (p @ (p / made.weights)) + 1e-9 * kinetic[0]
+
+
+def test_forces_alone_cannot_stop_painleves_rod() -> None:
+    made = scene("painleve_rod")
+    with pytest.raises(NoSolution, match=r"no bounded force .* sliding at \(.*, at t = 0 s"):
+        list(states(made, "acceleration"))
+    for name in ("anitescu_potra", "stewart_trinkle", "moreau"):
+        *_, first = states(made, name, 1)
+        assert first.solved[-1].problem.contact_velocity(first.solved[-1].impulse) == pytest.approx(np.zeros((1, 2)), abs=1e-9)
+
+
+@pytest.mark.parametrize(("friction", "spin"), [(0.2, 0.0), (0.5, -1.0), (1.2, 1.0), (1.3, 2.0)])
+def test_forces_on_a_sliding_rod(friction: float, spin: float) -> None:
+    """f_n = -K/p with K = l spin^2 sin - g, where p > 0; at any step, for a force does not depend on it."""
+    for h in (1e-2, 1e-5):
+        made = scene("painleve_rod", friction=friction, spin=spin, tip_velocity=-3.0, step=h)
+        cos, sin = np.cos(made.q0[2]), np.sin(made.q0[2])
+        p, K = 1 + 3 * cos**2 - 3 * friction * sin * cos, spin**2 * sin - G
+        assert p > 0 > K
+        *_, first = states(made, "acceleration", 1)
+        assert first.solved[-1].impulse[0] / h == pytest.approx([-K / p, -friction * K / p], rel=1e-4)
+
+
+def test_forces_on_a_sliding_block_are_those_of_the_force_level() -> None:
+    made = scene("two_corner_block", aspect=2.0, friction=0.3, velocity=3.0)
+    contacts = made.contacts(made.q0)
+    lcp = force_level_lcp(
+        made.mass,
+        contacts.normal,
+        contacts.tangent,
+        [0.3, 0.3],
+        made.force(made.q0, made.v0, 0.0),
+        np.sign(contacts.tangent @ made.v0),
+    )
+    forces = solvers.solve(lcp, "lemke", tol=1e-10).z
+    *_, first = states(made, "acceleration", 1)
+    assert (forces > 0).all()
+    assert first.solved[-1].impulse[:, 0] / made.step == pytest.approx(forces, rel=1e-6)
+
+
+def test_a_rod_that_spins_fast_enough_lifts_without_force() -> None:
+    """p < 0 < K: forces have two solutions, open and closed; the scheme opens."""
+    *_, first = states(scene("painleve_rod", spin=4.0, tip_velocity=-3.0), "acceleration", 1)
+    assert first.solved[-1].problem.contacts == 0
+
+
+def test_walls_that_stand_too_close_leave_gaps_without_solution() -> None:
+    """Both gaps ask for more room than there is: Lemke's method ends on a ray. Velocities do not mind."""
+    made = scene("jam", overlap=0.002)
+    seen: list[solvers.Status] = []
+
+    def solve(problem: FrictionProblem) -> Array:
+        answer = solvers.solve(problem, "lemke")
+        seen.append(answer.status)
+        return answer.impulse
+
+    for name in ("stewart_trinkle", "anitescu_potra"):
+        list(simulate(made, solve, SCHEMES[name], 1))
+    assert seen == [solvers.Status.RAY, solvers.Status.SOLVED]
+
+
+def test_relaxation_makes_a_sliding_block_hop() -> None:
+    """(mu v/(1 + mu^2))^2/(2 g) high at any step, 9.9 mm here; Coulomb's block stays down."""
+    mu, speed = 0.6, 1.0
+    hop = (mu * speed / (1 + mu**2)) ** 2 / (2 * G)
+    assert hop == pytest.approx(9.9e-3, abs=5e-5)
+    for h in (0.01, 0.001):
+        made = scene("stopping_block", friction=mu, speed=speed, step=h, duration=0.1)
+        problem = made.problem()
+        r = relaxation(problem)
+        slip = (speed - mu * G * h) / (1 + mu**2)
+        assert r.sum(axis=0) == pytest.approx(2 * (G * h + mu * speed) / (1 + mu**2) * np.array([1, -mu]), rel=1e-6)
+        assert problem.contact_velocity(r) == pytest.approx(np.array([[mu * slip, slip]] * 2), rel=1e-6)
+        top = max(now.q[1] for now in simulate(made, relaxation)) - 0.5
+        assert top == pytest.approx(hop, rel=20 * h)
+        assert max(now.q[1] for now in simulate(made, lemke, steps=20)) == pytest.approx(0.5, abs=1e-9)
+
+
+def test_relaxation_lifts_a_block_that_starts_to_slide_smoothly() -> None:
+    """With gaps it rides at h mu |v_t|, which vanishes with the step."""
+    top = []
+    for h in (0.02, 0.01):
+        made = scene("incline", step=h, duration=0.4)
+        for now in simulate(made, relaxation, SCHEMES["stewart_trinkle"]):
+            near = made.contacts(now.q, 1.0)
+            assert near.gap == pytest.approx(h * 0.3 * np.abs(near.tangent @ now.v), abs=1e-9)
+        top.append(near.gap.max())
+    assert top[0] / top[1] == pytest.approx(2, rel=0.01)

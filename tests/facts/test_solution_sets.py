@@ -1,0 +1,200 @@
+"""How many solutions a friction problem has, and what their set looks like: the talk's open problem on convexity (page 31)."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from problems import FrictionProblem, scene
+from problems.census import census
+from problems.labels import pointedness
+from problems.polyhedra import Shape
+from problems.random_problem import random_problem
+from problems.residual import residual
+from solvers import Status, solve
+
+
+def jam(mu=0.5, bias=(0.0, 0.0)) -> FrictionProblem:
+    """A particle between two walls that face each other, moving along them."""
+    return FrictionProblem(
+        mass=np.eye(2),
+        normal=[[1, 0], [-1, 0]],
+        tangent=[[0, 1], [0, 1]],
+        friction=[mu] * 2,
+        free_velocity=[0, 1],
+        bias=bias,
+    )
+
+
+def two_corner_block(mu, free_velocity) -> FrictionProblem:
+    """A square block that stands on its two lower corners."""
+    return FrictionProblem(
+        mass=np.diag([1, 1, 1 / 6]),
+        normal=[[0, 1, -0.5], [0, 1, 0.5]],
+        tangent=[[1, 0, 0.5]] * 2,
+        friction=[mu] * 2,
+        free_velocity=free_velocity,
+        bias=[0, 0],
+    )
+
+
+def wedge(angle, mu) -> FrictionProblem:
+    """A particle pressed into a wedge of two walls, each at `angle` from its axis."""
+    normal = np.array([[np.cos(angle), np.sin(angle)], [-np.cos(angle), np.sin(angle)]])
+    return FrictionProblem(
+        mass=np.eye(2),
+        normal=normal,
+        tangent=np.column_stack([normal[:, 1], -normal[:, 0]]),
+        friction=[mu] * 2,
+        free_velocity=[0, -1],
+        bias=[0, 0],
+    )
+
+
+def near_jam() -> FrictionProblem:
+    """One step of three blocks; an opposed pair of vertices, -7e-6 m apart, holds the first two almost without a way out."""
+    data = np.load(Path(__file__).parents[1] / "data" / "near_jam.npz")
+    return FrictionProblem(
+        mass=data["M"],
+        normal=data["N"].T,
+        tangent=data["T"].T,
+        friction=np.full(6, float(data["mu"])),
+        free_velocity=data["vfree"],
+        bias=data["b"],
+    )
+
+
+def on_arc(t, mu) -> np.ndarray:
+    """The solution at t in [0, 1]: both walls press with t/(2 mu), and the velocity left is 1 - t."""
+    return np.array([[t / (2 * mu), -t / 2]] * 2)
+
+
+@pytest.mark.parametrize("mu", [0.1, 0.5, 2.0])
+def test_the_jams_solutions_are_an_arc_and_then_a_ray_and_not_convex(mu) -> None:
+    problem = jam(mu)
+    for t in np.linspace(0, 1, 5):
+        assert residual(problem, on_arc(t, mu)) <= 1e-15
+        assert problem.velocity(on_arc(t, mu)) == pytest.approx([0, 1 - t])
+    beyond = on_arc(1, mu)
+    beyond[:, 0] += 3
+    assert residual(problem, beyond) <= 1e-15
+
+    found = census(problem)
+    assert found.shape is Shape.NOT_CONVEX
+    assert found.witness is not None
+    assert residual(problem, sum(found.witness).reshape(2, 2) / 2) > 1e-3
+    arc, ray = (next(p for p in found.pieces if p.mode == mode) for mode in ("rr", "ss"))
+    ends = np.array([on_arc(0, mu).ravel(), on_arc(1, mu).ravel()])
+    assert sorted(arc.vertices.tolist()) == pytest.approx(np.array(sorted(ends.tolist())), abs=1e-12)
+    assert len(arc.rays) == 0
+    assert ray.vertices == pytest.approx(ends[1:])
+    assert len(ray.rays) == 2
+    assert found.velocity_count is None
+
+
+def test_half_way_between_two_of_the_jams_solutions_complementarity_fails_by_a_quarter() -> None:
+    """z = (c, beta+, beta-, lambda): the start of the arc and a point of the ray; lambda (mu c - e'beta) = 1/2 * 1/2 there."""
+    mu = 0.5
+    lcp = jam(mu).lcp()
+    start = np.array([0, 0, 0, 0, 0, 0, 1, 1.0])
+    stuck = np.array([3, 3, 0, 0.5, 0, 0.5, 0, 0.0])
+    for z in (start, stuck):
+        assert lcp.residual(z) <= 1e-15
+    z = (start + stuck) / 2
+    w = lcp.M @ z + lcp.q
+    assert min(z.min(), w.min()) >= 0
+    assert np.max(z * w) == pytest.approx(0.25)
+
+
+def test_overlap_at_both_walls_has_no_solution_and_at_one_has() -> None:
+    for bias, solvable in (((-0.1, -0.1), False), ((-0.1, 0.1), True), ((0.1, 0.1), True)):
+        problem = jam(bias=bias)
+        assert (census(problem).shape is not Shape.NONE) is solvable
+        answer = solve(problem, "lemke", tol=1e-10)
+        assert answer.status is (Status.SOLVED if solvable else Status.RAY)
+        assert (residual(problem, answer.impulse) <= 1e-10) is solvable
+
+
+def test_penetration_is_solvable_where_the_cone_is_pointed() -> None:
+    """A ray of Lemke's method needs N c + D beta = 0 with c != 0, so where the friction cone is pointed it solves these random
+    problems with negative bias. Some of the others have no solution, and one that has may still end on a ray."""
+    seen = {True: 0, False: 0}
+    for seed in range(80):
+        base = random_problem(seed, contacts=1 + seed % 4, bodies=1)
+        names = ("mass", "normal", "tangent", "friction", "free_velocity")
+        problem = FrictionProblem(
+            **{name: getattr(base, name) for name in names}, bias=-np.random.default_rng(seed).random(base.contacts)
+        )
+        pointed = pointedness(problem) < 1e-7
+        solvable = census(problem).shape is not Shape.NONE
+        if pointed:
+            assert solvable
+            assert solve(problem, "lemke").status is Status.SOLVED
+        seen[solvable] += 1
+    assert seen[False] >= 5
+
+
+def test_one_contact_with_three_solutions() -> None:
+    W, mu = np.array([[8 / 5, -6 / 5], [-6 / 5, 17 / 5]]), 3 / 2
+    problem = FrictionProblem.from_delassus(W, [1 / 50, -1], [mu], 2)
+    found = census(problem)
+    assert found.shape is found.velocity_shape is Shape.ISOLATED
+    assert found.count == found.velocity_count == 3
+    want = {"o": [0, 0], "l": [1 / 10, 3 / 20], "s": [283 / 1000, 197 / 500]}
+    assert {p.mode: p.vertices[0].tolist() for p in found.pieces} == {m: pytest.approx(r, abs=1e-14) for m, r in want.items()}
+    assert W[0, 0] < mu * abs(W[0, 1])
+    other = census(FrictionProblem.from_delassus(W, [1 / 50, 1], [mu], 2))
+    assert other.count == 1
+    assert other.pieces[0].mode == "o"
+    assert other.pieces[0].vertices == pytest.approx(np.zeros((1, 2)))
+
+
+@pytest.mark.parametrize(("mu", "least", "most"), [(1.5, 0, 0), (2.0, 0.01, 0.04), (3.0, 0.04, 0.09)])
+def test_share_of_a_blocks_impacts_with_three_outcomes(mu, least, most) -> None:
+    """Square block, normally distributed v*: none of 1000 for mu <= 1.5, about 2 % for mu = 2 and 6 % for mu = 3."""
+    draws = np.random.default_rng(1).standard_normal((1000, 3))
+    counts = np.array([census(two_corner_block(mu, v)).velocity_count for v in draws])
+    assert set(counts) <= {1, 3}
+    assert least <= np.mean(counts == 3) <= most
+
+
+@pytest.mark.parametrize("mu", [0.1, 0.9])
+def test_hyperstatic_impulses_are_many_and_the_velocity_one(mu) -> None:
+    found = census(two_corner_block(mu, [0.0, -1.0, 0.0]))
+    assert (found.shape, found.velocity_shape) == (Shape.CONVEX, Shape.ONE)
+    (piece,) = found.pieces
+    assert piece.mode == "ss"
+    assert piece.vertices.sum(axis=0) / 2 == pytest.approx([0.5, 0, 0.5, 0])
+    assert piece.vertices[:, 1] == pytest.approx(-piece.vertices[:, 3])
+    assert sorted(piece.vertices[:, 1]) == pytest.approx([-mu / 2, mu / 2])
+
+
+@pytest.mark.parametrize("angle", [0.3, 1.0])
+@pytest.mark.parametrize("factor", [0.5, 0.99, 1.0, 1.01, 3.0])
+def test_a_wedge_holds_any_impulse_iff_mu_is_tan_of_its_angle_or_more(angle, factor) -> None:
+    """... and the velocity is unique, zero, all the same."""
+    found = census(wedge(angle, np.tan(angle) * factor))
+    assert any(len(piece.rays) for piece in found.pieces) is (factor >= 1)
+    assert found.velocity_count == 1
+    assert found.velocities[0].vertices == pytest.approx(np.zeros((1, 4)), abs=1e-10)
+
+
+def test_a_stack_has_many_impulses_and_one_velocity() -> None:
+    found = census(scene("stack", blocks=3).problem())
+    assert (found.shape, found.velocity_shape) == (Shape.CONVEX, Shape.ONE)
+    assert found.pieces[0].dimension == 3
+
+
+def test_near_jam() -> None:
+    """16 kN s between blocks of a few kilograms, and 6.4 J more, in an exact solution that is the only one."""
+    problem = near_jam()
+    found = census(problem)
+    assert found.count == 1
+    answer = solve(problem, "lemke", tol=1e-9)
+    assert answer.status is Status.SOLVED
+    for r in (found.pieces[0].vertices.reshape(6, 2), answer.impulse):
+        assert residual(problem, r) <= 1e-10
+        assert r[:, 0].max() == pytest.approx(1.6e4, rel=0.02)
+        v, free = problem.velocity(r), problem.free_velocity
+        assert (v @ (problem.mass @ v) - free @ (problem.mass @ free)) / 2 == pytest.approx(6.4, abs=0.1)
+    assert pointedness(problem) > 1.9
