@@ -1,7 +1,8 @@
 """A scene in closed loop: the solver's own answers move the bodies, and each answer is verified as it comes.
 
 An answer that is no answer (wrong shape, not finite) moves nothing: the contacts are then left without impulses. A motion
-whose energy is no longer finite, or a million times the scene's, is broken off as diverged.
+whose energy is no longer finite, or a million times the scene's, is broken off as diverged; a scheme whose equations have no
+solution ends it too.
 """
 
 import time
@@ -15,7 +16,7 @@ from harness.verify import verify
 from problems import FrictionProblem, scene
 from problems.check import Array
 from problems.scene import Scene
-from problems.schemes import SCHEMES
+from problems.schemes import SCHEMES, NoSolution
 from problems.simulate import penetration, simulate
 from results.schema import RELAXED, SOLVED, UNSOLVED, WRONG
 from solvers import Solver, SolverInfo
@@ -58,18 +59,24 @@ def drive(cell: DriveCell, info: SolverInfo, solver: Solver) -> dict[str, Any]:
     planned = stage.steps if cell.steps is None else cell.steps
     driver = _Driver(info, solver, cell.tol)
     times, energies, kinetic, penetrations = [], [], [], []
-    for step in simulate(stage, driver, SCHEMES[cell.scheme], planned):
-        times.append(step.time)
-        energies.append(stage.energy(step.q, step.v))
-        kinetic.append(float(step.v @ (stage.mass @ step.v)) / 2)
-        penetrations.append(penetration(stage, step.q))
-        if not np.isfinite(energies[-1]) or abs(energies[-1]) > DIVERGED * _scale(stage, energies[:-1], kinetic[:-1]):
-            break
+    broken_off = ""
+    try:
+        for step in simulate(stage, driver, SCHEMES[cell.scheme], planned):
+            times.append(step.time)
+            energies.append(stage.energy(step.q, step.v))
+            kinetic.append(float(step.v @ (stage.mass @ step.v)) / 2)
+            penetrations.append(penetration(stage, step.q))
+            if not np.isfinite(energies[-1]) or abs(energies[-1]) > DIVERGED * _scale(stage, energies[:-1], kinetic[:-1]):
+                broken_off = "the motion diverged"
+                break
+    except NoSolution as nothing:
+        broken_off = f"the scheme has no solution: {nothing}"
     scale = _scale(stage, energies, kinetic)
     done = len(times) - 1
     verdict, reason = driver.verdict()
-    if done < planned:
-        verdict, reason = UNSOLVED if verdict == SOLVED else verdict, f"diverged after {done} steps; {reason}"
+    if broken_off:
+        verdict = UNSOLVED if verdict == SOLVED else verdict
+        reason = f"{broken_off} (after {done} steps)" + (f"; {reason}" if reason else "")
     return {
         "verdict": verdict,
         "reason": reason,
@@ -90,6 +97,11 @@ def drive(cell: DriveCell, info: SolverInfo, solver: Solver) -> dict[str, Any]:
         "energies": energies,
         "penetrations": penetrations,
     }
+
+
+def refusal(cell: DriveCell, info: SolverInfo) -> str | None:
+    """Why this drive is not for this solver or this scheme, or None."""
+    return info.missing or SCHEMES[cell.scheme].refuses(scene(cell.scene, **cell.parameters))
 
 
 def _scale(stage: Scene, energies: list[float], kinetic: list[float]) -> float:

@@ -82,6 +82,7 @@ class Plan:
     starts: tuple[str, ...] = (COLD,)
     drives: tuple[Source, ...] = ()
     drive_solvers: tuple[str, ...] = ()
+    schemes: tuple[str, ...] = ("anitescu_potra",)
     drive_tol: float = 1e-8
     time_limit: float = 10.0
     drive_limit: float = 60.0
@@ -112,8 +113,9 @@ class Plan:
 
     def drive_cells(self) -> list[DriveCell]:
         return [
-            DriveCell(drive.scene, drive.parameters, variant, self.drive_tol, steps=drive.steps)
+            DriveCell(drive.scene, drive.parameters, variant, self.drive_tol, scheme, drive.steps)
             for drive in self.drives
+            for scheme in self.schemes
             for variant in self.drive_solvers
         ]
 

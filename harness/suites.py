@@ -1,10 +1,16 @@
 """The suites: named plans."""
 
-from harness.plan import Plan, Source
+from harness.plan import COLD, SHUFFLED, WARM, Plan, Source
+from problems.schemes import SCHEMES
 
 EXACT = ("lemke", "path_search", "interior_point", "nsgs")
 RELAXED = ("ccp[backend=clarabel]", "ccp[backend=osqp]", "ccp[backend=proxqp]", "ccp_cone")
+OTHERS = (
+    *("fischer_newton", "minmap_newton", "dantzig", "murty"),
+    *("staggered", "nncg", "anitescu_hart", "apgd_coulomb", "admm_coulomb", "apgd", "admm"),
+)
 LADDER = (1e-4, 1e-6, 1e-8)
+EXAMPLES = tuple(f"example_{i}" for i in range(1, 8))
 
 
 def smoke() -> Plan:
@@ -63,4 +69,33 @@ def standard() -> Plan:
     )
 
 
-SUITES = {"smoke": smoke, "standard": standard}
+def seeds() -> Plan:
+    """The talk's seven examples, the rod and the jam, with every solver and every scheme that applies: about a quarter hour."""
+    scenes = (*EXAMPLES, "painleve_rod", "jam")
+    solvers = (*EXACT, *RELAXED, *OTHERS)
+    return Plan(
+        suite="seeds",
+        sources=tuple(Source(name, pick=4) for name in scenes),
+        solvers=solvers,
+        tolerances=LADDER,
+        drives=tuple(Source(name) for name in scenes),
+        drive_solvers=solvers,
+        schemes=tuple(sorted(SCHEMES)),
+        time_limit=2.0,
+        drive_limit=60.0,
+    )
+
+
+def replay() -> Plan:
+    """Recorded motions, every step solved cold, warm from the step before, and warm in shuffled order."""
+    return Plan(
+        suite="replay",
+        sources=tuple(Source(name, pick=20, steps=150) for name in EXAMPLES),
+        solvers=(*EXACT, *OTHERS),
+        tolerances=(1e-6, 1e-8),
+        starts=(COLD, WARM, SHUFFLED),
+        time_limit=2.0,
+    )
+
+
+SUITES = {"smoke": smoke, "standard": standard, "seeds": seeds, "replay": replay}

@@ -17,7 +17,7 @@ import numpy as np
 
 from harness import machine
 from harness.collect import Entry, collect, stored, stored_start
-from harness.drive import drive
+from harness.drive import drive, refusal
 from harness.plan import COLD, DriveCell, SolveCell, Source
 from harness.rows import Row, drive_row, solve_row
 from harness.timing import Timing, time_solver
@@ -87,8 +87,8 @@ def run_drive(cell: DriveCell, limit: float) -> Row:
     begun = time.perf_counter()
     row = drive_row(cell, limit)
     info, solver = find(cell.variant)
-    if info.missing:
-        return _leave("drives", begun, row | {"verdict": SKIPPED, "reason": info.missing})
+    if reason := refusal(cell, info):
+        return _leave("drives", begun, row | {"verdict": SKIPPED, "reason": reason})
     begun += _warm_up(cell.variant, 2)
     machine.forget_peak_memory()
     try:

@@ -1,5 +1,27 @@
 """One file a method or outside library, one signature for all: see solvers.interface."""
 
+from solvers import (
+    admm,
+    anitescu_hart,
+    apgd,
+    ccp,
+    ccp_cone,
+    dantzig,
+    fischer_newton,
+    interior_point,
+    lemke,
+    minmap_newton,
+    murty,
+    nncg,
+    nsgs,
+    path_search,
+    staggered,
+)
 from solvers.interface import Answer, Solver, SolverInfo, Status, available, find, solve, solver
 
-__all__ = ["Answer", "Solver", "SolverInfo", "Status", "available", "find", "solve", "solver"]
+METHODS = (
+    *(admm, anitescu_hart, apgd, ccp, ccp_cone, dantzig, fischer_newton, interior_point),
+    *(lemke, minmap_newton, murty, nncg, nsgs, path_search, staggered),
+)
+
+__all__ = ["METHODS", "Answer", "Solver", "SolverInfo", "Status", "available", "find", "solve", "solver"]

@@ -1,0 +1,167 @@
+"""Alternating directions: the impulses split into one copy that obeys the dynamics and one that stays in the cones.
+
+    (W + rho S) r = rho S z - q - mu |w_t| e_n - w        the dynamics, one sparse factorisation for all iterations
+    z+ = P_K(r^ + w/(rho S)),    r^ = alpha r + (1-alpha) z    the cones, contact by contact
+    w+ = w + rho S (r^ - z+)                              the multiplier, -(u + mu |u_t| e_n) at the end
+
+with S = diag(s_i) the contacts' scales, in which rho is a pure number, and over-relaxation alpha. The term mu |w_t| e_n is
+de Saxcé's shift: with it the fixed points are Coulomb's solutions (`admm_coulomb`, no convergence theorem), without it those of
+the convex relaxation (`admm`, which converges for every fixed rho). rho is multiplied by the root of the ratio of the two
+residuals, |r - z| and rho |z+ - z|, at a factorisation each time; never before the iterations have doubled, so that it settles.
+
+References: Boyd, Parikh, Chu, Peleato and Eckstein 2011, sections 3.3 and 3.4; Tasora, Mangoni, Benatti and Garziera 2021;
+Carpentier, Le Lidec and Montaut 2024.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from problems import FrictionProblem
+from problems.check import Array
+from solvers.apgd import step
+from solvers.contact_form import ContactForm, Index, contact_form, state, velocity
+from solvers.contact_laws import defect
+from solvers.interface import Answer, solver
+from solvers.progress import ENDS, GOING, ended, progress
+
+LIMIT = 10_000
+PATIENCE = 2500  # iterations in which the residual must fall by a hundredth
+CHECK = 10  # iterations between two residuals
+ALPHA = 1.6
+RHO = 0.1
+RETUNE = 2.0  # least change of rho worth a factorisation
+
+
+class Factor(NamedTuple):
+    """P_r A P_c = L U of a sparse matrix; L and U by columns (start, row, entry), L's diagonal 1 and U's kept apart."""
+
+    row: Index
+    column: Index
+    L: tuple[Index, Index, Array]
+    U: tuple[Index, Index, Array]
+    diagonal: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """The packed problem; W, its contacts' scales S (nc*d,) and q (nc, d); the factor of W + RHO S."""
+
+    form: ContactForm
+    W: sparse.csc_array
+    S: Array
+    q: Array
+    factor: Factor
+
+
+@solver("admm", family="splitting", model="relaxation", dimension=(2, 3), warm_start=True, sparse=True)
+class ADMM:
+    """Alternating direction method of multipliers on the convex relaxation's dual.
+
+    Work: iterations, and factorisations after the one prepared. History: the relaxation's residual every tenth iteration.
+    """
+
+    shift = 0.0
+
+    def prepare(self, problem: FrictionProblem) -> Prepared:
+        W, S = sparse.csc_array(problem.W), np.repeat(problem.scale, problem.dimension)
+        return Prepared(contact_form(problem), W, S, problem.q.reshape(-1, problem.dimension), _factorise(W, RHO * S))
+
+    def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        form, factor, rho = prepared.form, prepared.factor, RHO
+        limit = LIMIT if limit is None else limit
+        z = np.zeros_like(form.offset) if start is None else np.array(start, dtype=np.float64)
+        x, u, w = np.empty_like(form.rest), np.empty_like(z), np.empty_like(z)
+        iterations, factorisations, retune, history, best = 0, 0, 0, [], progress()
+        while True:
+            state(form, z, x)
+            velocity(form, x, u)
+            error = defect(form, z, u, self.shift)
+            history.append(error)
+            end = ended(error, tol, iterations, limit, PATIENCE, best)
+            if end != GOING:
+                work = {"iterations": iterations, "factorisations": factorisations}
+                return Answer(z, ENDS[end], work, tuple(history))
+            if iterations == 0:
+                w[:] = -u
+                w[:, 0] -= self.shift * form.friction * np.linalg.norm(u[:, 1:], axis=1)
+            count = min(CHECK, limit - iterations)
+            primal, dual = _alternate(form, factor, prepared.q, rho, self.shift, z, w, count)
+            iterations += count
+            ratio = (primal / dual) ** 0.25 if primal > 0 and dual > 0 else 1.0
+            if iterations >= retune and not 1 / RETUNE < ratio < RETUNE:
+                retune = 2 * iterations
+                rho = float(np.clip(rho * ratio, 1e-6, 1e6))
+                factor = _factorise(prepared.W, rho * prepared.S)
+                factorisations += 1
+
+
+@solver("admm_coulomb", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True)
+class ADMMCoulomb(ADMM):
+    """Alternating direction method of multipliers with de Saxcé's shift.
+
+    Work: iterations, and factorisations after the one prepared. History: the residual every tenth iteration.
+    """
+
+    shift = 1.0
+
+
+def _factorise(W: sparse.csc_array, diagonal: Array) -> Factor:
+    """Sparse factors of W + diag(diagonal)."""
+    if not len(diagonal):
+        nothing = (np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros(0))
+        return Factor(nothing[1], nothing[1], nothing, nothing, nothing[2])
+    A = sparse.csc_matrix(W + sparse.diags_array(diagonal))
+    lu = splu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    strict = (sparse.tril(lu.L, -1, format="csc"), sparse.triu(lu.U, 1, format="csc"))
+    L, U = ((part.indptr.astype(np.int32), part.indices.astype(np.int32), part.data) for part in strict)
+    return Factor(lu.perm_r.astype(np.int32), lu.perm_c.astype(np.int32), L, U, lu.U.diagonal())
+
+
+@njit(cache=True)
+def _solve(factor, b, y):  # type: ignore[no-untyped-def]
+    """Overwrite b by A^-1 b; y is scratch."""
+    n = len(b)
+    start, row, entry = factor.L
+    for i in range(n):
+        y[factor.row[i]] = b[i]
+    for j in range(n):
+        for k in range(start[j], start[j + 1]):
+            y[row[k]] -= entry[k] * y[j]
+    start, row, entry = factor.U
+    for j in range(n - 1, -1, -1):
+        y[j] /= factor.diagonal[j]
+        for k in range(start[j], start[j + 1]):
+            y[row[k]] -= entry[k] * y[j]
+    for i in range(n):
+        b[i] = y[factor.column[i]]
+
+
+@njit(cache=True)
+def _alternate(form, factor, q, rho, shift, z, w, count):  # type: ignore[no-untyped-def]
+    """`count` iterations on z and w (nc, d). Returns the primal and the dual residual of the last, squared."""
+    nc, d = z.shape
+    r, z_old, y = np.empty_like(z), np.empty_like(z), np.empty(nc * d)
+    primal, dual = 0.0, 0.0
+    for _ in range(count):
+        for i in range(nc):
+            slide = 0.0
+            for j in range(d):
+                slide += w[i, j] ** 2 if j else 0.0
+                r[i, j] = rho * form.scale[i] * z[i, j] - q[i, j] - w[i, j]
+            r[i, 0] -= shift * form.friction[i] * np.sqrt(slide)
+        _solve(factor, r.reshape(nc * d), y)
+        z_old[:] = z
+        r[:] = ALPHA * r + (1 - ALPHA) * z
+        step(form, z, r, -w, 0.0, 1 / rho)
+        primal, dual = 0.0, 0.0
+        for i in range(nc):
+            for j in range(d):
+                w[i, j] += rho * form.scale[i] * (r[i, j] - z[i, j])
+                primal += form.scale[i] * (r[i, j] - z[i, j]) ** 2
+                dual += form.scale[i] * (rho * (z[i, j] - z_old[i, j])) ** 2
+    return primal, dual

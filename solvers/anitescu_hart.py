@@ -1,0 +1,90 @@
+"""A fixed point of convex relaxations that ends at Coulomb's law.
+
+    r^k solves the relaxation with u_n replaced by u_n + mu lam^k,     lam^{k+1} = |u_t(r^k)|.
+
+The relaxation keeps u_n + mu lam^k >= mu |u_t| at every contact; where lam stays put both shifts cancel, and u_n = 0 wherever
+r_n > 0: a fixed point is a Coulomb solution. It contracts for small mu, one contact with the block [[a, b], [b, g]] that slides
+along +t at the rate |mu (mu g - b)|/(a - 2 mu b + mu^2 g); where that is 1 or more it can end in a cycle of two, which is
+detected and said.
+
+With memory > 0 the iteration is carried on by Anderson's acceleration over that many steps; memory = 0 is the plain one. Each
+relaxation is solved by accelerated projected gradients (`apgd`) from the last one's impulses, to INNER of the present residual.
+
+References: Anitescu and Hart 2004; Acary, Cadoux, Lemaréchal and Malick 2011 in space; Walker and Ni 2011 for the acceleration.
+"""
+
+import numpy as np
+
+from problems import FrictionProblem
+from problems.check import Array, require
+from solvers.apgd import descend
+from solvers.contact_form import ContactForm, contact_form, state, velocity
+from solvers.contact_laws import defect
+from solvers.interface import Answer, Status, solver
+from solvers.progress import ENDS, GOING, ended, progress
+
+LIMIT = 500
+PATIENCE = 100  # relaxations in which the residual must fall by a hundredth
+INNER = 0.2  # error of each relaxation relative to the residual it starts from
+INNER_LIMIT = 300  # hyperstatic impulses creep on at a rate of mu lam long after the velocities have settled
+CYCLE = 1e-3  # how nearly every other lam must agree, relative to one step, to be called a cycle of two
+
+
+@solver("anitescu_hart", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True)
+class AnitescuHart:
+    """Anitescu and Hart's fixed point: a sequence of convex relaxations, each shifted by the last one's sliding.
+
+    memory: steps of Anderson's acceleration, 0 for none.
+    Work: relaxations, and products with W in the inner solves. History: the residual before every relaxation.
+    """
+
+    memory: int = 0
+
+    def __post_init__(self) -> None:
+        require(self.memory >= 0, "memory", f"must not be negative, got {self.memory!r}")
+
+    def prepare(self, problem: FrictionProblem) -> ContactForm:
+        return contact_form(problem)
+
+    def solve(self, prepared: ContactForm, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        form, limit = prepared, LIMIT if limit is None else limit
+        r = np.zeros_like(form.offset) if start is None else np.array(start, dtype=np.float64)
+        shifted = form._replace(offset=form.offset.copy())
+        x, u, spent = np.empty_like(form.rest), np.empty_like(r), np.empty(INNER_LIMIT + 1)
+        lams: list[Array] = []  # lam^k
+        slides: list[Array] = []  # |u_t| at the start, then of the relaxation shifted by each lam^k
+        relaxations, products, history, best = 0, 0, [], progress()
+        while True:
+            state(form, r, x)
+            velocity(form, x, u)
+            slides.append(np.linalg.norm(u[:, 1:], axis=1))
+            history.append(defect(form, r, u, 1.0))
+            end = ended(history[-1], tol, relaxations, limit, PATIENCE, best)
+            work = {"relaxations": relaxations, "products": products}
+            if end != GOING:
+                return Answer(r, ENDS[end], work, tuple(history))
+            if self.memory == 0 and _cycles(slides, history):
+                return Answer(r, Status.STALLED, work, tuple(history), detail="a cycle of two")
+            lams.append(_combined(lams, slides, self.memory))
+            shifted.offset[:, 0] = form.offset[:, 0] + form.friction * lams[-1]
+            products += descend(shifted, r, 0.0, INNER * history[-1], INNER_LIMIT, spent, progress())[2]
+            relaxations += 1
+
+
+def _combined(lams: list[Array], slides: list[Array], memory: int) -> Array:
+    """The last slide, or with memory Anderson's combination: of the last steps slide - lam the one of least norm."""
+    if not memory or len(lams) < 2:
+        return slides[-1]
+    lam, slide = np.array(lams[-memory - 1 :]), np.array(slides[1:][-memory - 1 :])
+    step = slide - lam
+    weight = np.linalg.lstsq(np.diff(step, axis=0).T, step[-1], rcond=1e-10)[0]
+    return np.maximum(slide[-1] - np.diff(slide, axis=0).T @ weight, 0.0)
+
+
+def _cycles(slides: list[Array], error: list[float]) -> bool:
+    """Whether lam comes back every other time and not every time, and no relaxation brings the residual down."""
+    if len(slides) < 5 or error[-1] < 0.99 * error[-3] or error[-2] < 0.99 * error[-4]:
+        return False
+    step = np.abs(slides[-1] - slides[-2]).max()
+    back = max(np.abs(slides[-1] - slides[-3]).max(), np.abs(slides[-2] - slides[-4]).max())
+    return bool(back <= CYCLE * step)

@@ -1,0 +1,162 @@
+"""The central path of the friction LCP, followed around its folds.
+
+From a start x0, s0 > 0 with defect d0, the curve of all (x, s, t) with
+
+    x s = t x0 s0,      H'u + K x - s = t d0,      F v + b_F = t times its value at the start,      t from 1 to 0,
+
+leads to a solution. The problem is not monotone, so t need not decrease along it: the curve is followed by its length, in the
+logarithms of x, s and t, in which the constraints x, s > 0 disappear and the curve is straight near a solution, however fast
+the pairs vanish. Each iteration factorises Newton's matrix once (solvers.contact_newton) for both parts of an Euler-Newton step:
+
+    correction   towards the curve, orthogonal to its tangent,
+    prediction   along the tangent, oriented by the last one, so that a fold is passed through.
+
+The step's length follows from the size of the correction it caused; a correction too large is taken back. Where t is small and
+the point on the curve, the faster predictor_corrector is tried from there.
+
+Where s0 is large against W x0 the curve passes t = 1 nowhere else, so it cannot return, and with b >= 0 it cannot leave to
+infinity (Anitescu and Potra's theorem). A smaller start is a shorter way, and may leave to t > 1.
+
+References: Kojima, Megiddo, Noda and Yoshise 1991 (the path); Allgower and Georg 1990, chapters 2 to 6 (tracing a curve).
+"""
+
+import numpy as np
+from numba import njit
+
+from problems.check import Array
+from solvers.contact_newton import Point, System, Work, direction, linearise, new_point
+from solvers.predictor_corrector import Best, judge, predictor_corrector
+
+NEAR = 0.3  # a correction, in logarithms, up to which a point counts as on the curve
+FAR = 1.0  # and from which the prediction is taken back
+FIRST, LONGEST, SHORTEST = 0.1, 3.0, 1e-8  # predictions, in logarithms
+HAND_OVER = np.log(1e-4)  # log t at which the predictor-corrector is tried, and again by each of these further on
+END = np.log(1e-20)
+
+
+@njit(cache=True)
+def trace(system: System, point: Point, work: Work, best: Best, tol: float, history: Array) -> int:
+    """Follow the path from the point; stop where the residual is within tol, history is full, or the path is lost.
+
+    history receives the residual of every iterate; their number is returned.
+    """
+    first, defect, correction, tangent = new_point(system), new_point(system), new_point(system), new_point(system)
+    ahead, saved, trial = new_point(system), new_point(system), new_point(system)
+    judge(system, point, first, work, best)
+    product, target = np.zeros((len(point.x), 4)), np.zeros((len(point.x), 4))
+    _aim(product, 0.0, target, -1.0, point)
+    log_t, saved_log_t, ahead_log_t = 0.0, 0.0, -1.0
+    length, hand_over = FIRST, HAND_OVER
+    used = 0
+    while used < len(history):
+        history[used] = judge(system, point, defect, work, best)
+        used += 1
+        if best.residual[0] <= tol or length < SHORTEST or not END < log_t < 1:
+            return used
+        linearise(system, point, work)
+        t = np.exp(log_t)
+        _aim(target, t, product, 1.0, point)
+        _add(defect, -t, first)
+        direction(system, point, target, defect, correction, work)
+        _aim(target, t, product, 0.0, point)
+        _set(defect, -t, first)
+        direction(system, point, target, defect, tangent, work)
+        _to_logarithms(system, point, correction)
+        _to_logarithms(system, point, tangent)
+        back = -_dot(correction, tangent) / (1 + _dot(tangent, tangent))
+        _add(correction, back, tangent)
+        off = max(_size(correction), abs(back))
+        if off < FAR or used == 1:
+            _move(point, correction, 1.0)
+            log_t += back
+            if off > NEAR:
+                continue
+            if log_t < hand_over and used < len(history):
+                _set(trial, 1.0, point)
+                used += predictor_corrector(system, trial, work, best, tol, history[used:])
+                hand_over += HAND_OVER
+            if used > 1:
+                length = min(LONGEST, length * min(2.0, max(0.3, np.sqrt(NEAR / 2 / max(off, 1e-9)))))
+            _set(saved, 1.0, point)
+            saved_log_t = log_t
+            forward = ahead_log_t + _dot(ahead, tangent) > 0
+            unit = (1.0 if forward else -1.0) / max(_size(tangent), 1.0)
+            _set(ahead, unit, tangent)
+            ahead_log_t = unit
+        else:
+            _set(point, 1.0, saved)
+            log_t = saved_log_t
+            length /= 4
+        _move(point, ahead, length)
+        log_t += length * ahead_log_t
+    return used
+
+
+@njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+def _aim(target: Array, t: float, product: Array, share: float, point: Point) -> None:
+    """target = t product - share x s."""
+    for i in range(len(target)):
+        for k in range(4):
+            target[i, k] = t * product[i, k] - share * point.x[i, k] * point.s[i, k]
+
+
+@njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+def _set(to: Point, factor: float, step: Point) -> None:
+    """to = factor step."""
+    for i in range(len(to.x)):
+        for k in range(4):
+            to.x[i, k] = factor * step.x[i, k]
+            to.s[i, k] = factor * step.s[i, k]
+    for j in range(len(to.joint)):
+        to.joint[j, 0] = factor * step.joint[j, 0]
+
+
+@njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+def _add(to: Point, factor: float, step: Point) -> None:
+    """to += factor step."""
+    for i in range(len(to.x)):
+        for k in range(4):
+            to.x[i, k] += factor * step.x[i, k]
+            to.s[i, k] += factor * step.s[i, k]
+    for j in range(len(to.joint)):
+        to.joint[j, 0] += factor * step.joint[j, 0]
+
+
+@njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+def _to_logarithms(system: System, point: Point, step: Point) -> None:
+    for i in range(len(point.x)):
+        for k in range(system.pairs[i]):
+            step.x[i, k] /= point.x[i, k]
+            step.s[i, k] /= point.s[i, k]
+
+
+@njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+def _dot(a: Point, b: Point) -> float:
+    total = 0.0
+    for i in range(len(a.x)):
+        for k in range(4):
+            total += a.x[i, k] * b.x[i, k] + a.s[i, k] * b.s[i, k]
+    return total
+
+
+@njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+def _size(step: Point) -> float:
+    """The largest component, infinity where one is not a number."""
+    largest = 0.0
+    for i in range(len(step.x)):
+        for k in range(4):
+            for value in (abs(step.x[i, k]), abs(step.s[i, k])):
+                if not value <= largest:
+                    largest = value if value > largest else np.inf
+    return largest
+
+
+@njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+def _move(point: Point, step: Point, length: float) -> None:
+    """Take a step in the logarithms of x and s."""
+    for i in range(len(point.x)):
+        for k in range(4):
+            point.x[i, k] *= np.exp(length * step.x[i, k])
+            point.s[i, k] *= np.exp(length * step.s[i, k])
+    for j in range(len(point.joint)):
+        point.joint[j, 0] += length * step.joint[j, 0]

@@ -1,0 +1,90 @@
+"""Dantzig's principal pivoting for contact, one index at a time, after Baraff (1994).
+
+    w = M z + q,   w, z >= 0,   w'z = 0.
+
+The pairs are taken in order, contact by contact: normal, sliding speed, tangent directions. Those taken so far satisfy
+their conditions, the others are disregarded with z = 0. If the next pair r has w_r < 0, its impulse z_r is driven up; the
+conditions already satisfied are kept by letting a variable that reaches zero change places with its partner; until w_r = 0.
+
+In Baraff's words a contact is clamped or free and a friction force has limits mu f_n. Here the LCP itself says so, with
+w_lambda = mu c - e'beta and lambda as its partner, so that limits which move with c need no special case. Driving is then a
+path of Lemke's method for the pairs taken, with a covering vector of one entry: w_r = ... + z0, from z0 = -w_r to z0 = 0
+(the variable dimension method of van der Heyden 1980). Ties are excluded by a perturbation of q as in solvers.lemke.
+
+Where M is a P-matrix, or positive definite, driving always succeeds. For contact without friction it does too (Baraff
+1994). With friction it may end on a ray, and the method stalls: the friction LCP's existence theorem speaks of
+covering vectors without a zero.
+"""
+
+import numpy as np
+from numba import njit
+
+from problems import LCP, FrictionProblem
+from problems.check import Array
+from solvers.interface import Answer, solver
+from solvers.pivoting import Index, Matrix, slack_basis
+from solvers.pivoting_form import ScaledLCP, finish, scaled_lcp
+from solvers.pivoting_path import ACCURACY, COMPLEMENTARY, LOST, RAY, STUCK, add_coordinates, draw, evaluate, follow
+
+PERTURBATION = 1e-7  # of q, whose largest entry is 1
+HARRIS = 1e-4  # how far below zero near ties may reach, relative to the perturbation
+
+
+@njit(cache=True, error_model="numpy")
+def dantzig(M: Matrix, q: Array, unit: Array, order: Index, tol: float, limit: int) -> tuple[int, Array, int, int]:
+    """(how it ended, y, pivots, inversions) for the scaled problem; order: the indices in the order in which they are taken."""
+    n = len(q)
+    work = np.zeros(2, np.int64)
+    d, drawn, shifted, out, z, y = np.zeros(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.zeros(n)
+    x, ray = np.zeros(n + 1), np.empty(n + 1)
+    x[:n] = -1.0
+    basis = slack_basis(n)
+    size, error = PERTURBATION, np.inf
+    draw(1, drawn)
+    while size > 1e-14 and error > tol:
+        # A later round, with a smaller perturbation, takes up again the pairs that the first one left negative.
+        watched = x >= 0.0
+        watched[n] = True
+        shifted[:] = q
+        add_coordinates(M, basis, drawn, size, shifted, z)
+        evaluate(M, d, basis, shifted, x, out, ACCURACY)
+        for r in order:
+            watched[r] = True
+            if x[r] >= 0.0:
+                continue
+            y[:] = 0.0
+            y[r] = 1.0
+            d[:] = 0.0
+            add_coordinates(M, basis, y, 1.0, d, z)
+            code = follow(M, shifted, d, basis, x, ray, watched, HARRIS * size, limit, work)
+            y[:] = 0.0
+            if code != COMPLEMENTARY:
+                return STUCK if code == RAY else code, y, work[0], work[1]
+        error = finish(M, d, basis, q, unit, x, y, out)
+        size *= 1e-2
+    return COMPLEMENTARY if error <= tol else LOST, y, work[0], work[1]
+
+
+@solver("dantzig", family="pivoting", model="lcp", dimension=(2, 3))
+class Dantzig:
+    """Dantzig's principal pivoting, one contact after the other, as Baraff used it. (Baraff 1994)
+
+    The limit counts pivots, by default 10 000 + 100 n.
+    """
+
+    def prepare(self, problem: FrictionProblem | LCP) -> ScaledLCP:
+        return scaled_lcp(problem)
+
+    def solve(self, prepared: ScaledLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        lcp, _, M, q, unit = prepared
+        ended, y, pivots, inversions = dantzig(M, q, unit, contact_order(lcp), tol / 2, limit or 10_000 + 100 * len(q))
+        return prepared.answer(y, ended, pivots=pivots, inversions=inversions)
+
+
+def contact_order(lcp: LCP) -> Index:
+    """The indices of z, contact by contact: c, lambda, beta; of a bare LCP as they stand."""
+    n, nc = lcp.size, lcp.contacts[0]
+    if not nc:
+        return np.arange(n)
+    c, beta, speed = np.split(np.arange(n), [nc, n - nc])
+    return np.concatenate([c[:, None], speed[:, None], beta.reshape(nc, -1)], axis=1).ravel()

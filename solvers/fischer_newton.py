@@ -1,0 +1,148 @@
+"""Semismooth Newton on the Fischer-Burmeister equation, globalised by a line search.
+
+z solves the LCP w = M z + q exactly when Phi(z) = 0, where
+
+    Phi_i = phi(z_i, w_i),      phi(a, b) = sqrt(a² + b²) - a - b,
+
+and unlike Phi its merit Psi = |Phi|²/2 is continuously differentiable, with gradient H'Phi for any H in the generalised
+Jacobian, rows H_i = (a/s - 1) e_i' + (b/s - 1) M_i, (a, b) = (z_i, w_i), s = |(a, b)|. An iteration (De Luca, Facchinei
+and Kanzow 1996)
+
+1. solves H d = -Phi, and falls back on d = -H'Phi where that is singular or no descent;
+2. halves the step t from 1 until Psi(z + t d) <= the largest of recent Psi + sigma t d'H'Phi (nonmonotone: Grippo,
+   Lampariello and Lucidi 1986).
+
+Redundant supports make M, and with it H, singular at the solution. Therefore the H of step 1 is that of M + eps I; Phi, Psi
+and the gradient stay exact, so that only the rate is touched: linear with a factor of about eps |H^-1| in place of quadratic.
+
+What is guaranteed: every limit is a stationary point of Psi, H'Phi = 0, and that is a solution if M is P0. The friction LCP
+of one contact with W = [[a, b], [b, g]] is P0 only for a >= mu |b|. Beyond that, and often with several contacts, the
+iteration may end in a minimum of Psi that is no solution.
+
+Reference: De Luca, Facchinei and Kanzow, A semismooth equation approach to the solution of nonlinear complementarity
+problems, Mathematical Programming 75 (1996).
+"""
+
+import numpy as np
+from numba import njit
+
+from problems import LCP, FrictionProblem
+from problems.check import Array, require
+from solvers.dense_lcp import DenseLCP, answer, dense_lcp, solve_dense
+from solvers.interface import Answer, Status, solver
+from solvers.natural import MARGIN, natural_residual
+
+ARMIJO = 1e-4  # sigma, the share of the predicted decrease asked for
+DESCENT = 1e-8  # a direction of descent has -d'H'Phi of at least this times |d|^2.1
+MEMORY = 8  # merits the nonmonotone search looks back on
+SHORTEST = 1e-10  # step at which the search gives up
+STATIONARY = 1e-12  # |H'Phi| relative to |Phi|
+
+SOLVED, STALLED, LIMIT, BREAKDOWN = range(4)  # how it ends
+NEWTON, GRADIENT, EVALUATIONS = range(3)  # counted in work
+
+
+@solver("fischer_newton", family="newton", model="lcp", dimension=(2, 3))
+class FischerNewton:
+    """Fischer-Burmeister Newton (De Luca, Facchinei and Kanzow): semismooth, line search on the merit, gradient fallback.
+
+    regularisation: eps, on the scaled M in the Newton system. limit bounds the iterations, by default 200.
+    work: newton and gradient steps, evaluations of the merit. history: the natural residual, per iteration.
+    """
+
+    regularisation: float = 1e-5
+
+    def __post_init__(self) -> None:
+        require(self.regularisation >= 0, "regularisation", f"must not be negative, got {self.regularisation!r}")
+
+    def prepare(self, problem: FrictionProblem | LCP) -> DenseLCP:
+        return dense_lcp(problem)
+
+    def solve(self, form: DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        limit = 200 if limit is None else limit
+        y = np.zeros(len(form.q))
+        y, end, work, history = iterate(form.M, form.q, form.weight, y, self.regularisation, MARGIN * tol, limit)
+        names = ("newton", "gradient", "evaluations")
+        status = (Status.SOLVED, Status.STALLED, Status.WORK_LIMIT, Status.BREAKDOWN)[end]
+        detail = "no descent: a stationary point of the merit that is no solution" if end == STALLED else ""
+        return answer(form, y, tol, status, dict(zip(names, work.tolist(), strict=True)), history, detail)
+
+
+@njit(cache=True)
+def fischer(y, w):  # type: ignore[no-untyped-def]
+    """Phi (n,), without cancellation where a + b > 0."""
+    value = np.empty(len(y))
+    for i in range(len(y)):
+        a, b = y[i], w[i]
+        s = np.hypot(a, b)
+        value[i] = -2 * a * b / (s + a + b) if a + b > 0 else s - a - b
+    return value
+
+
+@njit(cache=True)
+def jacobian(M, y, w):  # type: ignore[no-untyped-def]
+    """The diagonals A, B (n,) of an element H = A + B M of the generalised Jacobian.
+
+    At a kink, y_i = w_i = 0, it is the limit of H along y + t e, t -> 0, with e_i = 1 at the kinks and 0 elsewhere.
+    """
+    n = len(y)
+    A, B, e = np.empty(n), np.empty(n), np.zeros(n)
+    for i in range(n):
+        if y[i] == 0.0 and w[i] == 0.0:
+            e[i] = 1.0
+    slope = M @ e
+    for i in range(n):
+        a, b = (1.0, slope[i]) if e[i] == 1.0 else (y[i], w[i])
+        s = np.hypot(a, b)
+        A[i], B[i] = a / s - 1.0, b / s - 1.0
+    return A, B
+
+
+@njit(cache=True)
+def iterate(M, q, weight, y, eps, tol, limit):  # type: ignore[no-untyped-def]
+    """From y: the best point found, how it ended, work, and the natural residual of every iterate."""
+    n = len(q)
+    work = np.zeros(3, np.int64)
+    history = np.empty(64)
+    recent = np.zeros(MEMORY)
+    w = M @ y + q
+    phi = fischer(y, w)
+    best, least, end, k = y, np.inf, LIMIT, 0
+    while True:
+        if k == len(history):
+            history = np.append(history, history)
+        history[k] = natural_residual(weight, y, w)
+        if history[k] < least:
+            best, least = y, history[k]
+        merit = phi @ phi / 2
+        recent[k % MEMORY] = merit
+        if least <= tol or k == limit or not merit < np.inf:
+            end = SOLVED if least <= tol else LIMIT if k == limit else BREAKDOWN
+            break
+        A, B = jacobian(M, y, w)
+        gradient = A * phi + (B * phi) @ M
+        if np.sqrt(gradient @ gradient) <= STATIONARY * np.sqrt(phi @ phi):
+            end = STALLED
+            break
+        H = M * B.reshape(n, 1)
+        for i in range(n):
+            H[i, i] += A[i] + eps * B[i]
+        kind, d = NEWTON, solve_dense(H, -phi)
+        if not gradient @ d <= -DESCENT * np.sqrt(d @ d) ** 2.1:
+            kind, d = GRADIENT, -gradient
+        worst, slope, t = recent.max(), gradient @ d, 1.0
+        while True:
+            trial = y + t * d
+            w = M @ trial + q
+            phi = fischer(trial, w)
+            work[EVALUATIONS] += 1
+            if phi @ phi / 2 <= worst + ARMIJO * t * slope or t < SHORTEST:
+                break
+            t /= 2
+        if t < SHORTEST:
+            end = STALLED
+            break
+        y = trial
+        work[kind] += 1
+        k += 1
+    return best, end, work, history[: k + 1]

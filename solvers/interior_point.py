@@ -1,0 +1,72 @@
+"""Interior point methods for the planar friction LCP itself, sparse in the velocities of the bodies.
+
+A step costs one sparse factorisation of the size of the mass matrix (solvers.contact_newton, solvers.multifrontal), as for the
+convex relaxation; the problem is Coulomb's. Mehrotra's predictor-corrector (solvers.predictor_corrector) comes first: about ten
+iterations, few more for a thousand boxes than for ten. The problem is not monotone, and in a few random instances of a hundred,
+hardly ever in a stack or a pyramid, it is trapped; then the central path is followed around its folds (solvers.central_path),
+from up to four starts, each nearer than the one before to those for which there is a theorem.
+"""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from problems import FrictionProblem
+from problems.check import Array
+from problems.residual import residual
+from solvers.central_path import trace
+from solvers.contact_newton import System, new_work, prepare, start_point
+from solvers.interface import Answer, Status, solver
+from solvers.predictor_corrector import Best, predictor_corrector
+
+STARTS = ((1.0, 1.0), (0.1, 1.0), (0.01, 10.0), (0.001, 10.0))  # impulses and speeds, relative to a contact's own
+ROUNDING = 4 * np.finfo(float).eps
+
+
+@solver("interior_point", family="interior point", model="coulomb", sparse=True)
+class InteriorPoint:
+    """Predictor-corrector on the friction LCP, then its central path; one sparse factorisation an iteration.
+
+    shortcut: try the predictor-corrector first; otherwise follow the path from the beginning.
+    """
+
+    shortcut: bool = True
+
+    def prepare(self, problem: FrictionProblem) -> tuple[FrictionProblem, System]:
+        return problem, prepare(problem)
+
+    def solve(
+        self, prepared: tuple[FrictionProblem, System], tol: float, limit: int | None, start: Array | None = None
+    ) -> Answer:
+        """limit bounds the factorisations, 1000 by default."""
+        problem, system = prepared
+        history = np.empty((1000 if limit is None else limit) + 1)
+        best = Best(np.zeros_like(system.offset), np.array([np.inf]))
+        room = new_work(system)
+        used = 0
+        status = Status.STALLED
+        for phase, impulse, speed in self._phases(len(system.offset)):
+            used += phase(system, start_point(system, impulse, speed), room, best, tol / 2, history[used:])
+            if _solved(problem, system, best, tol):
+                status = Status.SOLVED
+                break
+            if used == len(history):
+                status = Status.WORK_LIMIT
+                break
+        work = {"iterations": used - 1, "factorisations": used - 1}
+        return Answer(best.impulse * system.impulse, status, work, tuple(history[:used].tolist()))
+
+    def _phases(self, contacts: int) -> Iterator[tuple[Callable[..., int], float, float]]:
+        """The methods in turn, with the impulses and speeds they start from."""
+        if self.shortcut:
+            yield predictor_corrector, float(np.sqrt(contacts)), 1.0  # between nothing and all the others on top
+        for impulse, speed in STARTS:
+            yield trace, impulse, speed
+
+
+def _solved(problem: FrictionProblem, system: System, best: Best, tol: float) -> bool:
+    """Whether the best residual is within tol for certain; where rounding leaves a doubt, the problem itself is asked."""
+    rounding = ROUNDING * np.max(system.weight * best.impulse[:, 0], initial=0.0)
+    if best.residual[0] + rounding > tol:
+        best.residual[0] = residual(problem, best.impulse * system.impulse)
+    return bool(best.residual[0] <= tol)

@@ -1,0 +1,182 @@
+"""Lemke's method for the LCP, at full strength.
+
+    w = M z + q + d z0,   w, z >= 0,   w'z = 0,   d > 0.
+
+Every z0 large enough gives a solution; Lemke's method lowers z0 along the path of solutions. On the path exactly one pair has
+both members nonbasic, and the member that did not just leave the basis enters next. The path ends at z0 = 0, a solution of
+the LCP, or on a secondary ray. For a friction step with b >= 0 there is no secondary ray, so Lemke's method solves it
+(Anitescu and Potra 1997). References: Lemke 1965; Murty 1988, chapter 2; Cottle, Pang and Stone 1992, section 4.4.
+
+What keeps that true in floating point:
+
+* The problem is scaled (solvers.scaling), so tolerances are pure numbers. Pivoting uses the inverse of the basis's active
+  part with iterative refinement against M; where that is no longer accurate the inverse is computed afresh.
+* Ties. q is perturbed along a vector with random positive entries, which makes every basis nondegenerate with probability
+  one, and a path through nondegenerate bases cannot return to one of them. Near ties go to the largest pivot (Harris 1973).
+  The last basis is solved for q itself; if that shows a negative entry, the method goes on from this basis with a smaller
+  perturbation and with d taken in this basis's own coordinates.
+* An answer counts as solved only after its residual has been computed, a secondary ray only with its certificate checked.
+  Otherwise the method restarts with other covering vectors, from a fixed sequence. It does so after a ray too, but that need
+  not help: on a bimatrix game every d leads to a ray at once, though there are solutions. On a bare LCP lemke[restarts=0]
+  is the textbook method, with d = 1 in scaled units.
+
+A start (impulses) becomes a guess of the basis. If that can be inverted the method sets out from there, in the way it goes on
+with a smaller perturbation; if it cannot, or that fails, from z = 0.
+"""
+
+import numpy as np
+from numba import njit
+
+from problems import LCP, FrictionProblem
+from problems.check import Array
+from solvers.interface import Answer, solver
+from solvers.pivoting import Index, Matrix, invert, slack_basis
+from solvers.pivoting_form import ScaledLCP, finish, residual, scaled_lcp
+from solvers.pivoting_path import (
+    ACCURACY,
+    COMPLEMENTARY,
+    LIMIT,
+    LOST,
+    RAY,
+    add_coordinates,
+    add_product,
+    draw,
+    evaluate,
+    follow,
+)
+
+PERTURBATION = 1e-7  # of q, whose largest entry is 1
+HARRIS = 1e-4  # how far below zero near ties may reach, relative to the perturbation
+CERTIFICATE = 1e-9  # how exactly a ray must hold, relative to its size
+
+
+@njit(cache=True, error_model="numpy")
+def certified(M: Matrix, q: Array, d: Array, ray: Array, copositive: bool) -> bool:
+    """Whether (v, v0) = ray is a secondary ray: v >= 0, v != 0, v0 >= 0, s = M v + d v0 >= 0 and v's = 0.
+
+    Where M is copositive, as in every friction LCP, it then follows that v0 = 0 and q'v < 0, which is asked for too.
+    """
+    n = len(q)
+    v, v0 = ray[:n], ray[n]
+    s = d * v0
+    add_product(M, v, s)
+    size = np.abs(v).max()
+    slack = CERTIFICATE * size
+    if not (size > CERTIFICATE * abs(v0) and v.min() >= -slack and v0 >= -slack and s.min() >= -slack):
+        return False
+    for i in range(n):
+        if min(v[i], s[i]) > slack:
+            return False
+    return not copositive or (v0 <= slack and q @ v < -slack)
+
+
+@njit(cache=True, error_model="numpy")
+def lemke(
+    M: Matrix, q: Array, cover: Array, unit: Array, guess: Index, copositive: bool, tol: float, limit: int, restarts: int
+) -> tuple[int, Array, int, int, int]:
+    """(how it ended, y, pivots, restarts, inversions) for the scaled problem.
+
+    cover: the first covering vector. unit: see residual. guess: the indices of basic z, if any.
+    """
+    n = len(q)
+    work = np.zeros(2, np.int64)
+    space = np.ones((6, n))
+    d, shifted, drawn, out, y, z = space[0], space[1], space[2], space[3], space[4], space[5]
+    x, ray = np.empty(n + 1), np.empty(n + 1)
+    watched = np.ones(n + 1, np.bool_)
+    best_y = np.zeros(n)
+    best = residual(M, q, unit, best_y, out)
+    ended = COMPLEMENTARY if best <= tol else LOST
+    trial = first = -1 if len(guess) else 0
+    while best > tol and work[0] < limit and trial <= restarts:
+        basis = slack_basis(n)
+        code, size = COMPLEMENTARY, PERTURBATION
+        if trial < 0:
+            work[1] += 1
+            if not invert(M, d, basis, guess):
+                code = LOST
+        cold = basis.size[0] == 0
+        # A path takes up to about 3 n pivots, or many more in Murty's examples: only the last trial may use up what is left.
+        budget = limit if trial == restarts else min(limit, work[0] + 5 * n + 1000)
+        while code == COMPLEMENTARY:
+            drawn[:] = cover
+            if trial > 0:
+                draw(2 * trial, drawn)
+            d[:] = 0.0
+            add_coordinates(M, basis, drawn, 1.0, d, z)
+            draw(2 * trial + 1, drawn)
+            drawn += 9.0  # tenths: nearly uniform perturbations make for shorter paths
+            shifted[:] = q
+            add_coordinates(M, basis, drawn, size / 10.0, shifted, z)
+            evaluate(M, d, basis, shifted, x, out, ACCURACY)
+            code = follow(M, shifted, d, basis, x, ray, watched, HARRIS * size, budget, work)
+            if code == RAY and cold and certified(M, q, d, ray, copositive):
+                ended = RAY
+            elif work[0] >= limit:
+                ended = LIMIT
+            if code == COMPLEMENTARY:
+                error = finish(M, d, basis, q, unit, x, y, out)
+                if error < best:
+                    best = error
+                    best_y[:] = y
+                if size < 1e-12 or x[:n].min() >= -4e-16 * x[:n].max():  # no more than round-off
+                    break
+                size, cold = size * 1e-2, False
+        if best <= tol:
+            ended = COMPLEMENTARY
+        trial += 1
+    return ended, best_y, work[0], max(trial - 1 - first, 0), work[1]
+
+
+@solver("lemke", family="pivoting", model="lcp", dimension=(2, 3), warm_start=True)
+class Lemke:
+    """Lemke's complementary pivoting, scaled, perturbed, refined and checked. (Lemke 1965)
+
+    restarts: how many more covering vectors may be tried. The limit counts pivots, by default 100 000 + 100 n.
+    """
+
+    restarts: int = 8
+
+    def prepare(self, problem: FrictionProblem | LCP) -> tuple[ScaledLCP, Array]:
+        prepared = scaled_lcp(problem)
+        return prepared, covering_vector(prepared.lcp)
+
+    def solve(self, prepared: tuple[ScaledLCP, Array], tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        scaled, cover = prepared
+        lcp, _, M, q, unit = scaled
+        guess = np.empty(0, np.int64) if start is None else guess_basis(lcp, start)
+        limit = limit or 100_000 + 100 * len(q)
+        goal = tol / 2  # the verifier's norm is another, and it adds up in another order
+        ended, y, pivots, restarts, inversions = lemke(
+            M, q, cover, unit, guess, lcp.generators is not None, goal, limit, self.restarts
+        )
+        return scaled.answer(y, ended, pivots=pivots, restarts=restarts, inversions=inversions)
+
+
+def covering_vector(lcp: LCP) -> Array:
+    """d (n,) in scaled units: 1, and 30 in the tangential rows of a friction LCP.
+
+    Any d > 0 will do; with this one contacts come to bear before they rub, which was measured to save a third of the pivots.
+    """
+    d, nc = np.ones(lcp.size), lcp.contacts[0]
+    d[nc : lcp.size - nc] = 30.0 if nc else 1.0
+    return d
+
+
+def guess_basis(lcp: LCP, impulse: Array) -> Index:
+    """The z that contact impulses (nc, d) suggest to be basic: c, beta where they press and rub, lambda on sliding."""
+    nc, d = lcp.contacts
+    if not nc:
+        return np.empty(0, np.int64)
+    K = lcp.size // nc - 2
+    c, r_t = impulse[:, 0], impulse[:, 1:]
+    directions = lcp.generators[1:d, nc : nc + K].toarray().T  # type: ignore[index]
+    nearest = np.argsort(-(r_t @ directions.T), axis=1, kind="stable")[:, : d - 1]
+    part = np.linalg.solve(np.swapaxes(directions[nearest], 1, 2), r_t[:, :, None])[:, :, 0]
+    beta = np.zeros((nc, K))
+    np.put_along_axis(beta, nearest, part, axis=1)
+    least = 1e-9 * np.abs(impulse).max()
+    mu = np.asarray(lcp.M[-nc:, :nc].diagonal())
+    sliding = beta.sum(axis=1) >= (1 - 1e-6) * (mu * c + lcp.q[-nc:])
+    sliding &= beta.max(axis=1) > least
+    return np.flatnonzero(np.concatenate([c > least, (beta > least).ravel(), sliding]))

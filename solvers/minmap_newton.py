@@ -1,0 +1,147 @@
+"""Newton on the min-map: primal-dual active sets, globalised by a line search that gets it out of cycles.
+
+z solves the LCP w = M z + q exactly when min(z, w) = 0. With the active set A = {i: w_i < z_i}, Newton's step solves
+
+    w_A + M_A d = 0,      z_I + d_I = 0,
+
+so that a full step lands on z_I = 0, M_AA z_A = -q_A: one linear system of the size of A, and a finite method when it works
+(Aganagic 1984; Bergounioux, Ito and Kunisch 1999). Full steps alone converge for M-matrices and near a regular solution.
+Already for P-matrices they can cycle: for [[1, 0, a], [a, 1, 0], [0, a, 1]] and q = 1 with a > 1 through the active sets
+{1}, {2}, {3} (Ben Gharbia and Gilbert 2012). A full step depends on A alone, so a set that comes back after other ones shows
+the cycle; the plain method stops there.
+
+Globalised, the step t is halved from 1 until psi(z + t d) <= (1 - 2 sigma t) of the largest of recent psi = |min(z, w)|²/2
+(Pang 1990 with a nonmonotone search); where the system is singular or the search fails, along -H'min(z, w) instead, H the rows
+e_i' or M_i in force. psi is not differentiable where z_i = w_i, and the search may end in such a kink: there is no guarantee of
+more than that, and the answer says so. On redundant supports M_AA is singular: as in Fischer-Burmeister Newton, the system is
+that of M + eps I, psi is exact.
+
+References: Pang, Newton's method for B-differentiable equations, Mathematics of Operations Research 15 (1990); Ben Gharbia
+and Gilbert, Nonconvergence of the plain Newton-min algorithm for linear complementarity problems with a P-matrix,
+Mathematical Programming 134 (2012).
+"""
+
+import numpy as np
+from numba import njit
+
+from problems import LCP, FrictionProblem
+from problems.check import Array, require
+from solvers.dense_lcp import DenseLCP, answer, dense_lcp, solve_dense
+from solvers.interface import Answer, Status, solver
+from solvers.natural import MARGIN, natural_residual
+
+DECREASE = 1e-4  # sigma
+MEMORY = 15  # merits the nonmonotone search looks back on
+SHORTEST = 1e-8  # step at which a search gives up
+
+SOLVED, KINK, LIMIT, BREAKDOWN, CYCLE = range(5)  # how it ends
+NEWTON, GRADIENT, EVALUATIONS = range(3)  # counted in work
+
+
+@solver("minmap_newton", family="newton", model="lcp", dimension=(2, 3))
+class MinmapNewton:
+    """Min-map Newton (primal-dual active sets): full steps, line search on the merit, cycles detected.
+
+    globalised: false for full steps only. regularisation: eps, on the scaled M in the Newton system.
+    limit bounds the iterations, by default 200. work: newton and gradient steps, evaluations of the merit.
+    history: the natural residual, per iteration.
+    """
+
+    globalised: bool = True
+    regularisation: float = 1e-4
+
+    def __post_init__(self) -> None:
+        require(self.regularisation >= 0, "regularisation", f"must not be negative, got {self.regularisation!r}")
+
+    def prepare(self, problem: FrictionProblem | LCP) -> DenseLCP:
+        return dense_lcp(problem)
+
+    def solve(self, form: DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        limit = 200 if limit is None else limit
+        y, eps = np.zeros(len(form.q)), self.regularisation
+        y, end, period, work, history = iterate(form.M, form.q, form.weight, y, eps, MARGIN * tol, limit, self.globalised)
+        status = (Status.SOLVED, Status.STALLED, Status.WORK_LIMIT, Status.BREAKDOWN, Status.STALLED)[end]
+        detail = "no descent: a kink or stationary point of the merit" if end == KINK else ""
+        if period:
+            detail = "; ".join(filter(None, (detail, f"active sets came back after {period} iterations")))
+        names = ("newton", "gradient", "evaluations")
+        return answer(form, y, tol, status, dict(zip(names, work.tolist(), strict=True)), history, detail)
+
+
+@njit(cache=True)
+def newton_direction(M, y, w, eps):  # type: ignore[no-untyped-def]
+    """d (n,) of the active set A = {w < y}, NaN where M_AA + eps is singular."""
+    A, rest = np.flatnonzero(w < y), np.flatnonzero(w >= y)
+    d = -y
+    system, right = np.empty((len(A), len(A))), np.empty(len(A))
+    for k, i in enumerate(A):
+        right[k] = -w[i]
+        for j in rest:
+            right[k] += M[i, j] * y[j]
+        for m, j in enumerate(A):
+            system[k, m] = M[i, j]
+        system[k, k] += eps
+    d[A] = solve_dense(system, right)
+    return d
+
+
+@njit(cache=True)
+def signature(A):  # type: ignore[no-untyped-def]
+    """A 64-bit hash of a set (n, bool)."""
+    h = np.int64(1)
+    for member in A:
+        h = h * np.int64(6364136223846793005) + np.int64(member)  # wraps around
+    return h
+
+
+@njit(cache=True)
+def iterate(M, q, weight, y, eps, tol, limit, globalised):  # type: ignore[no-untyped-def]
+    """From y: the best point found, how it ended, the period of the first cycle seen (or 0), work, residuals."""
+    work = np.zeros(3, np.int64)
+    history, visited = np.empty(64), np.empty(64, np.int64)
+    recent = np.zeros(MEMORY)
+    w = M @ y + q
+    best, least, end, k, period = y, np.inf, LIMIT, 0, 0
+    while True:
+        value, A = np.minimum(y, w), w < y
+        if k == len(history):
+            history, visited = np.append(history, history), np.append(visited, visited)
+        history[k] = natural_residual(weight, y, w)
+        if history[k] < least:
+            best, least = y, history[k]
+        merit = value @ value / 2
+        recent[k % MEMORY] = merit
+        if least <= tol or k == limit or not merit < np.inf:
+            end = SOLVED if least <= tol else LIMIT if k == limit else BREAKDOWN
+            break
+        visited[k] = signature(A)
+        for back in range(k - 2, -1, -1):
+            if not period and visited[back] == visited[k] != visited[k - 1]:
+                period = k - back
+        if period and not globalised:
+            end = CYCLE
+            break
+        kind, t = NEWTON, 1.0
+        d = newton_direction(M, y, w, eps)
+        if globalised:
+            worst = recent.max()
+            while kind <= GRADIENT:
+                t = 1.0
+                while t >= SHORTEST:
+                    trial = np.minimum(y + t * d, M @ (y + t * d) + q)
+                    work[EVALUATIONS] += 1
+                    if trial @ trial / 2 <= (1.0 - 2.0 * DECREASE * t) * worst:
+                        break
+                    t /= 2
+                if t >= SHORTEST:
+                    break
+                kind += 1
+                d = -np.where(A, 0.0, value) - np.where(A, value, 0.0) @ M
+            if t < SHORTEST:
+                end = KINK
+                break
+        y = y + t * d
+        w = M @ y + q
+        work[kind] += 1
+        k += 1
+    return best, end, period, work, history[: k + 1]

@@ -1,0 +1,83 @@
+"""Murty's least-index method for the LCP: principal pivots, one pair at a time.
+
+    w = M z + q,   w, z >= 0,   w'z = 0.
+
+Every complementary basis (of each pair w_i, z_i one is basic, the nonbasic ones are 0) gives a complementary (w, z); the
+method looks for a nonnegative one. As long as a basic variable is negative, the pair of the least such index changes
+places. Where M is a P-matrix every such pivot exists and no basis comes twice, so it ends with the solution, for every q,
+after 2^n pivots at worst (Murty 1974; Murty 1988, section 4.1). Nothing is promised otherwise. A friction LCP is not even a
+P0-matrix above a certain mu, and no P-matrix at any: the method may cycle, which shows as the work limit, or meet a pair
+whose pivot vanishes, where it stalls.
+"""
+
+import numpy as np
+from numba import njit
+
+from problems import LCP, FrictionProblem
+from problems.check import Array
+from solvers.interface import Answer, solver
+from solvers.pivoting import Matrix, exchange, refactor, slack_basis, transform
+from solvers.pivoting_form import ScaledLCP, finish, scaled_lcp
+from solvers.pivoting_path import ACCURACY, COMPLEMENTARY, LIMIT, LOSS, LOST, PIVOT, STUCK, enter, evaluate
+
+NEGATIVE = 1e-13  # of the largest basic variable: what is less negative counts as zero
+
+
+@njit(cache=True, error_model="numpy")
+def murty(M: Matrix, q: Array, unit: Array, tol: float, limit: int) -> tuple[int, Array, int, int]:
+    """(how it ended, y, pivots, inversions) for the scaled problem."""
+    n = len(q)
+    d, rhs, out, y = np.zeros(n), np.empty(n), np.empty(n), np.zeros(n)
+    x, a = np.zeros(n + 1), np.empty(n + 1)
+    x[:n] = q
+    basis = slack_basis(n)
+    pivots, inversions, fresh = 0, 0, True
+    while True:
+        least = -NEGATIVE * np.abs(x).max() if n else 0.0
+        r = 0
+        while r < n and x[r] >= least:
+            r += 1
+        if r == n:
+            break
+        if pivots >= limit:
+            return LIMIT, y, pivots, inversions
+        z_enters = basis.row[r] < 0
+        enter(M, r, z_enters, rhs)
+        defect, size = transform(M, d, basis, rhs, a, out, ACCURACY)
+        if not fresh and (defect > LOSS or not abs(a[r]) > PIVOT * size):
+            inversions += 1
+            if not refactor(M, d, basis):
+                return LOST, y, pivots, inversions
+            evaluate(M, d, basis, q, x, out, ACCURACY)
+            fresh = True
+            continue
+        if not abs(a[r]) > PIVOT * size:
+            return STUCK, y, pivots, inversions
+        exchange(M, d, basis, a, r, z_enters, r)
+        pivots += 1
+        t = x[r] / a[r]
+        for i in range(n):
+            x[i] -= t * a[i]
+        x[r] = t
+        if pivots % 64 == 0:
+            evaluate(M, d, basis, q, x, out, ACCURACY)
+        fresh = False
+    if finish(M, d, basis, q, unit, x, y, out) <= tol:
+        return COMPLEMENTARY, y, pivots, inversions
+    return LOST, y, pivots, inversions
+
+
+@solver("murty", family="pivoting", model="lcp", dimension=(2, 3))
+class Murty:
+    """Murty's least-index principal pivoting; sure of success for P-matrices only. (Murty 1974)
+
+    The limit counts pivots, by default 10 000 + 100 n.
+    """
+
+    def prepare(self, problem: FrictionProblem | LCP) -> ScaledLCP:
+        return scaled_lcp(problem)
+
+    def solve(self, prepared: ScaledLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        _, _, M, q, unit = prepared
+        ended, y, pivots, inversions = murty(M, q, unit, tol / 2, limit or 10_000 + 100 * len(q))
+        return prepared.answer(y, ended, pivots=pivots, inversions=inversions)

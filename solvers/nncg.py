@@ -1,0 +1,78 @@
+"""Nonlinear nonsmooth conjugate gradients over Gauss-Seidel sweeps.
+
+One sweep of nonsmooth Gauss-Seidel, r -> G(r), has the solutions as its fixed points; its step g = G(r) - r is treated as minus
+the gradient of a function that is not known. Fletcher and Reeves' conjugate directions then carry the sweeps on:
+
+    g+ = G(r) - r,    beta = |g+|^2 / |g|^2, taken as 0 where it is 1 or more,    r+ = G(r) + beta p,    p+ = g+ + beta p,
+
+in the metric of the contacts' scales s_i. It costs a sweep and a few vector updates an iteration; the state x = rest + R r is
+carried along by the same combinations. No convergence theorem.
+
+Reference: Silcowitz, Niebe and Erleben 2010.
+"""
+
+import numpy as np
+from numba import njit
+
+from problems import FrictionProblem
+from problems.check import Array
+from solvers.contact_form import ContactForm, contact_form, state, velocity
+from solvers.contact_laws import defect
+from solvers.interface import Answer, solver
+from solvers.nsgs import CHECK, LIMIT, PATIENCE, planar_sweeps, spatial_sweeps
+from solvers.progress import ENDS, GOING, ended, progress
+
+
+@solver("nncg", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True)
+class NNCG:
+    """Nonlinear nonsmooth conjugate gradients over Gauss-Seidel sweeps.
+
+    Work: sweeps over all contacts. History: the residual at the start and after every tenth sweep.
+    """
+
+    def prepare(self, problem: FrictionProblem) -> ContactForm:
+        return contact_form(problem)
+
+    def solve(self, prepared: ContactForm, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        limit = LIMIT if limit is None else limit
+        r = np.zeros_like(prepared.offset) if start is None else np.array(start, dtype=np.float64)
+        history = np.empty(2 + limit // CHECK)
+        end, sweeps, checks = _iterate(prepared, r, tol, limit, history, progress())
+        return Answer(r, ENDS[end], {"sweeps": sweeps}, tuple(history[:checks].tolist()))
+
+
+@njit(cache=True)
+def _iterate(form, r, tol, limit, history, best):  # type: ignore[no-untyped-def]
+    """Iterate until the residual is at most tol. Returns the index of the status, the sweeps and the number of checks."""
+    x, u = np.empty_like(form.rest), np.empty_like(r)
+    p, p_x = np.zeros_like(r), np.zeros_like(x)
+    r_old, x_old = np.empty_like(r), np.empty_like(x)
+    sweeps, checks, size = 0, 0, 0.0
+    while True:
+        state(form, r, x)
+        velocity(form, x, u)
+        error = defect(form, r, u, 1.0)
+        history[checks] = error
+        checks += 1
+        end = ended(error, tol, sweeps, limit, PATIENCE, best)
+        if end != GOING:
+            return end, sweeps, checks
+        for _ in range(min(CHECK, limit - sweeps)):
+            r_old[:], x_old[:] = r, x
+            if r.shape[1] == 2:
+                planar_sweeps(form, r, x, 1.0, 1)
+            else:
+                spatial_sweeps(form, r, x, 1.0, 1)
+            sweeps += 1
+            size_old, size = size, 0.0
+            for i in range(len(r)):
+                for j in range(r.shape[1]):
+                    size += form.scale[i] * (r[i, j] - r_old[i, j]) ** 2
+            r_old[:], x_old[:] = r - r_old, x - x_old
+            if size < size_old:
+                beta = size / size_old
+                r += beta * p
+                x += beta * p_x
+                p[:], p_x[:] = r_old + beta * p, x_old + beta * p_x
+            else:
+                p[:], p_x[:] = r_old, x_old

@@ -1,0 +1,270 @@
+"""Path search: Newton's method on the normal map, each step a pivotal path, after PATH.
+
+The LCP w = M z + q is the equation F(x+) + x - x+ = 0 of the normal map, with F(z) = M z + q, z = x+ = max(x, 0) and
+w = x+ - x. From a point x with residual r = F(x+) + x - x+, the path to the Newton point solves
+
+    M z - w + q = (1 - t) r,     0 <= z ⟂ w >= 0,     t from 0 to 1,
+
+a piecewise linear curve followed by complementary pivots: t enters the basis of x, whenever a z_i or w_i leaves its
+complement enters next (Ralph 1994). One Newton step consists of
+
+1. a crash (projected Newton): a few active-set steps guess which z are basic;
+2. the path from the crash point, to t = 1 or to where it ends;
+3. the Newton point itself, from a fresh LU of the last basis, refined once;
+4. nonmonotone acceptance: the residual must fall below the worst of the last three (Dirkse and Ferris 1995; Grippo,
+   Lampariello and Lucidi 1986). A step refused, or a path that ends early, means a restart with another perturbation: by
+   turns from z = 0, and from the best point with M + eps I in place of M, centred there, eps shrinking with the residual.
+
+What differs from PATH, and why.
+
+* The linearisation of an LCP is exact: where t reaches 1 with eps = 0 the Newton point is a solution. A search back along
+  the path could only stop short of it, so paths are followed to their end, and a second step is needed only after a
+  proximal one or where round-off spoilt the first.
+* The crash point solves a shifted problem: M_AA z_A = -(q_A + delta_A), w_i = max(F_i, 0) + delta_i, with random delta > 0.
+  So r < 0, and the existence proof for Lemke's method carries over: a ray v of the path has v >= 0, Mv >= 0, v'Mv = 0, hence
+  (1 - t) v'r = v'Mz + v'q, where v'Mz >= 0 if M is copositive, and v'q >= 0 for friction with a bias b >= 0 (Anitescu and
+  Potra 1997); but v'r < 0. In trials from crash points with r of either sign, a quarter of the paths on stacks and four in
+  ten on random problems ended early; with r < 0 one in a hundred. Random, delta also resolves exact ties.
+* det M_AA > 0 is asked of the crash basis. Along a path t rises with the sign of det B: from a negative one it can only
+  reach solutions of index -1, of which there is usually one fewer than of index +1, often none. Where no basis is found
+  the path starts at z = 0, and is then Lemke's with the covering vector delta (PATH's ray start).
+* PATH factorises sparse; here an LU in reverse Cuthill-McKee order skips zeros (solvers.lcp_basis).
+
+References: Dirkse and Ferris, The PATH solver, Optimization Methods and Software 5 (1995); Ralph, Global convergence of
+damped Newton's method for nonsmooth equations via the path search, Mathematics of Operations Research 19 (1994).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from scipy import sparse
+from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+from problems import LCP, FrictionProblem
+from problems.check import Array, require
+from solvers.interface import Answer, Status, solver
+from solvers.lcp_basis import (
+    Basis,
+    Columns,
+    Indices,
+    add_product,
+    basic_point,
+    factorise,
+    held,
+    hold,
+    largest,
+    new_basis,
+    orientation,
+)
+from solvers.natural import MARGIN, exact_residual, natural_residual, natural_weight
+from solvers.pivotal_path import FACTORISATIONS, LIMIT, NEWTON, RAY, SINGULAR, follow, is_ray
+from solvers.scaling import Scaling, scaling
+
+SHIFT = 0.3  # size of a crash point's residual, relative to the largest scaled q
+SPREAD = 0.1  # randomness of its entries
+DEPENDENT = 1e-9  # a column of a guessed basis keeping less of its size in elimination is left out
+DECREASE = 0.9  # of the worst recent residual, asked of a new one
+MEMORY = 3  # residuals that are recent
+RESTART_CRASH, RESTART_PROX = 3, 1e-2  # crash steps and eps over residual in every second restart (PATH's first restart)
+EPSILON = float(np.finfo(float).eps)
+
+CRASH, STEPS, RESTARTS = 2, 3, 4  # counted in work, after pivots and factorisations
+
+
+@solver("path_search", family="newton", model="lcp", dimension=(2, 3))
+class PathSearch:
+    """PATH-like normal-map Newton: crash, then a pivotal path to the Newton point, restarted where it stalls.
+
+    crash: active-set steps before the path. proximal: eps over residual in the first attempt. restarts: at most so many.
+    seed: of the perturbations. limit bounds the pivots, by default 50 n + 1000.
+    work: pivots, factorisations, crash (steps), newton (steps), restarts.
+    """
+
+    crash: int = 3
+    proximal: float = 0.0
+    restarts: int = 8
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        for name in ("crash", "proximal", "restarts"):
+            require(getattr(self, name) >= 0, name, f"must not be negative, got {getattr(self, name)!r}")
+
+    def prepare(self, problem: FrictionProblem | LCP) -> "Prepared":
+        lcp = problem if isinstance(problem, LCP) else problem.lcp()
+        n, scale = lcp.size, scaling(lcp)
+        order = reverse_cuthill_mckee(lcp.M, symmetric_mode=False).astype(np.int64) if n else np.zeros(0, np.int64)
+        D = sparse.diags_array(scale.D)
+        M = sparse.csc_array(sparse.csr_array(D @ lcp.M @ D)[order][:, order])
+        columns = Columns(M.indptr.astype(np.int64), M.indices.astype(np.int64), M.data, np.zeros(n), np.zeros(n))
+        noise = np.random.default_rng(self.seed).random((self.restarts + 1, n))
+        weight = natural_weight(problem, lcp, scale)[order]
+        return Prepared(problem, lcp, scale, order, columns, new_basis(n), scale.vector(lcp.q)[order], weight, noise)
+
+    def solve(self, prepared: "Prepared", tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        problem, lcp, scale, order, columns, basis, q, weight, noise = prepared
+        limit = 50 * lcp.size + 1000 if limit is None else limit
+        target = MARGIN * tol
+        y, least, end, ray, work = search(columns, basis, q, weight, noise, target, limit, self.crash, self.proximal)
+        z = np.empty(lcp.size)
+        z[order] = y
+        z = scale.solution(z)
+        impulse = lcp.impulse(z)
+        if least <= target or exact_residual(problem, lcp, z, impulse) <= tol:
+            status = Status.SOLVED
+        elif end == LIMIT:
+            status = Status.WORK_LIMIT
+        elif end == SINGULAR:
+            status = Status.BREAKDOWN
+        else:
+            status = Status.RAY if ray else Status.STALLED
+        names = ("pivots", "factorisations", "crash", "newton", "restarts")
+        return Answer(impulse, status, dict(zip(names, work.tolist(), strict=True)), z=z)
+
+
+class Prepared(NamedTuple):
+    """The scaled LCP in reverse Cuthill-McKee order, storage for one basis, and the perturbations of all attempts."""
+
+    problem: FrictionProblem | LCP
+    lcp: LCP
+    scale: Scaling
+    order: Indices
+    columns: Columns
+    basis: Basis
+    q: Array
+    weight: Array
+    noise: Array
+
+
+@njit(cache=True)
+def search(columns, basis, q, weight, noise, tol, limit, steps, proximal):  # type: ignore[no-untyped-def]
+    """Newton's method from z = 0: the best z found, its residual, how the last path ended, whether on a true ray; work."""
+    n = len(q)
+    work = np.zeros(5, np.int64)
+    z, w, v = np.zeros(n), q.copy(), np.zeros(n)
+    A = np.zeros(n, np.bool_)
+    best, least = z.copy(), natural_residual(weight, z, w)
+    recent = np.full(MEMORY, least)
+    residual, end, ray = least, NEWTON, False
+    while least > tol:
+        delta = SHIFT * min(1.0, max(residual, 1e-4)) * (1.0 + SPREAD * noise[work[RESTARTS]])
+        eps = proximal * residual
+        columns.prox[:] = eps
+        shifted = q - eps * z  # F(z) + eps (z - centre) = (M + eps) z + shifted
+        crash_point(basis, columns, shifted + delta, A, z, w, steps, work)
+        for i in range(n):  # residual r of x: -delta on A; below, with w_i = max(F_i, 0) + delta_i
+            columns.cover[i] = -delta[i] if A[i] else min(w[i] - delta[i], 0.0) - delta[i]
+        end = follow(basis, columns, columns.cover - shifted, v, limit, work)
+        residual = np.inf
+        if end == NEWTON:
+            residual = newton_point(basis, columns, q, weight, v, z, w, work)
+            if residual < least:
+                best, least = z.copy(), residual
+            if residual <= round_off(columns, q, weight, z):
+                break
+        elif end == RAY and eps == 0.0:
+            ray = ray or is_ray(columns, v)
+        if residual < DECREASE * largest(recent):
+            recent[work[STEPS] % MEMORY] = residual
+            held(basis, A)
+            continue
+        if end == LIMIT or work[RESTARTS] + 1 == len(noise):
+            break
+        work[RESTARTS] += 1
+        if work[RESTARTS] % 2:
+            z[:] = 0.0
+            residual, steps, proximal = 1.0, 0, 0.0
+        else:
+            z[:] = best
+            residual, steps, proximal = 1.0, RESTART_CRASH, RESTART_PROX
+        recent[:] = np.inf
+        A[:] = z > 0.0
+    return best, least, end, ray, work
+
+
+@njit(cache=True)
+def crash_point(basis, columns, q, A, z, w, steps, work):  # type: ignore[no-untyped-def]
+    """Improve the guess A of the basic z, and write the basic point of LCP(M, q) over z, w; A is empty where that fails.
+
+    Projected Newton: what is negative changes sides, and the least infeasible basis is kept; of it, what stays negative
+    leaves, until z >= 0. A then has z_A >= 0, (Mz + q)_A = 0 and det M_AA > 0.
+    """
+    n = len(q)
+    kept = A.copy()
+    least = np.inf
+    for step in range(steps + 1):
+        lost = complementary(basis, columns, A, work)
+        basic_point(basis, -q, z, w)
+        if not lost:
+            infeasible = 0.0
+            for i in range(n):
+                infeasible -= min(z[i], 0.0) + min(w[i], 0.0)
+            if infeasible < least:
+                kept[:] = A
+                least = infeasible
+            if infeasible == 0.0 or step == steps:
+                break
+        held(basis, A)
+        for i in range(n):
+            A[i] = z[i] > 0.0 if A[i] else w[i] < 0.0
+        work[CRASH] += 1
+    A[:] = kept
+    for _ in range(4):
+        lost = complementary(basis, columns, A, work)
+        basic_point(basis, -q, z, w)
+        held(basis, A)
+        if not lost and z.min() >= 0.0:
+            if orientation(basis) > 0:
+                return
+            break
+        for i in range(n):
+            A[i] = A[i] and z[i] > 0.0
+    A[:] = False
+    complementary(basis, columns, A, work)
+    z[:] = 0.0
+    w[:] = q
+
+
+@njit(cache=True)
+def complementary(basis, columns, A, work):  # type: ignore[no-untyped-def]
+    """Factorise the complementary basis of A; how many of its columns were left out as dependent."""
+    hold(basis, A)
+    work[FACTORISATIONS] += 1
+    return factorise(basis, columns, DEPENDENT)
+
+
+@njit(cache=True)
+def newton_point(basis, columns, q, weight, end, z, w, work):  # type: ignore[no-untyped-def]
+    """Write over z and w = M z + q the Newton point, solved and refined by the basis; its natural residual.
+
+    Of an ill-conditioned basis the path's own end can be better: variables it dropped a slip away from zero are not at zero.
+    """
+    n = len(q)
+    work[STEPS] += 1
+    work[FACTORISATIONS] += 1
+    columns.prox[:] = 0.0
+    factorise(basis, columns, 0.0)
+    correction = np.empty(n)
+    basic_point(basis, -q, z, w)
+    defect = w - q
+    add_product(columns, -z, defect)
+    basic_point(basis, defect, correction, w)
+    residual = np.inf
+    for point in (np.maximum(z + correction, 0.0), np.maximum(end, 0.0)):
+        w[:] = q
+        add_product(columns, point, w)
+        here = natural_residual(weight, point, w)
+        if here < residual:
+            z[:] = point
+            residual = here
+    return residual
+
+
+@njit(cache=True)
+def round_off(columns, q, weight, z):  # type: ignore[no-untyped-def]
+    """The natural residual that rounding leaves in w = M z + q even when it goes well: less is not worth a further step."""
+    size = np.abs(q)
+    for j in range(len(z)):
+        for k in range(columns.start[j], columns.start[j + 1]):
+            size[columns.row[k]] += abs(z[j] * columns.value[k])
+    return EPSILON / 8 * largest(weight * size)

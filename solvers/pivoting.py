@@ -1,0 +1,234 @@
+"""The basis of Lemke's method, kept as the inverse of its active part.
+
+Lemke's method moves among solutions of
+
+    w = M z + d z0 + q,      one of w_i, z_i basic for every i but one (the missing pair), and z0 basic.
+
+Rows whose w_i is basic only define that w_i. What has to be inverted is the kernel K: the rows whose w_i is nonbasic, the
+columns of the basic z_j and of z0; a square matrix, for as many w are nonbasic as z are basic. Basis keeps K^-1. A pivot
+replaces, adds or drops a row and a column of it by a rank-one update. Where M is sparse and few z are basic, as in friction
+problems, that is far less work than a tableau of n rows.
+
+Vectors over the basis are indexed by pair: entry i belongs to w_i or z_i, whichever is basic, entry n to z0.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from scipy import sparse
+
+from problems.check import Array
+
+Index = NDArray[np.int64]
+
+
+class Matrix(NamedTuple):
+    """A square matrix on its symmetrised pattern.
+
+    For start[j] <= e < start[j+1] and i = rows[e], column[e] is M_ij and row[e] is M_ji.
+    """
+
+    start: Index
+    rows: Index
+    column: Array
+    row: Array
+
+
+class Basis(NamedTuple):
+    """inverse[c, r], for r, c < size[0], is (K^-1)_rc: r belongs to z_{z[r]} (z0 where z[r] = n), c to the nonbasic w_{w[c]}.
+
+    row[j] is the r of z_j, column[i] the c of w_i, -1 where there is none. work (2, n+1) is workspace.
+    """
+
+    inverse: Array
+    z: Index
+    w: Index
+    row: Index
+    column: Index
+    size: Index
+    work: Array
+
+
+def compress(M: sparse.csr_array) -> Matrix:
+    """M (n, n) on its symmetrised pattern."""
+    ones = sparse.csr_array((np.ones(M.nnz), M.indices, M.indptr), M.shape)
+    pattern = sparse.csr_array(ones + ones.T)
+    pattern.sort_indices()
+    start, i = pattern.indptr.astype(np.int64), pattern.indices.astype(np.int64)
+    j = np.repeat(np.arange(len(start) - 1), np.diff(start))
+    column, row = (np.asarray(M[at]).ravel() if len(i) else np.zeros(0) for at in ((i, j), (j, i)))
+    return Matrix(start, i, column, row)
+
+
+@njit(cache=True, error_model="numpy")
+def slack_basis(n: int) -> Basis:
+    """All w basic."""
+    index = np.full((5, n + 1), -1, np.int64)
+    index[4, 0] = 0
+    return Basis(np.empty((n + 1, n + 1)), index[0], index[1], index[2], index[3], index[4], np.empty((2, n + 1)))
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def transform(M: Matrix, d: Array, basis: Basis, rhs: Array, a: Array, out: Array, accuracy: float) -> tuple[float, float]:
+    """a (n+1,) = (inverse of the whole basis) rhs, by K^-1 and iterative refinement; returns the relative defect and the size.
+
+    With rhs = M_p or -e_p it is the rate at which the basic variables fall as z_p or w_p enters; with rhs = -q their value.
+    The size is the largest entry of the z part and of rhs. Refinement goes on while the defect, relative to that, is above
+    `accuracy`. out (n,) is workspace.
+    """
+    n, k, G, g = len(d), basis.size[0], basis.inverse, basis.work[0]
+    for i in range(n):
+        out[i] = -rhs[i]
+    for i in range(n + 1):
+        a[i] = 0.0
+    for r in range(k):
+        g[r] = 0.0
+    relative, size, sweeps = np.inf, 0.0, 0
+    while relative > accuracy and sweeps < 4:
+        sweeps += 1
+        # a_z -= K^-1 out, and then out = M a_z + d a_0 - rhs, which is 0 in the rows of nonbasic w and a_w in the others.
+        for c in range(k):
+            entry = out[basis.w[c]]
+            if entry != 0.0:
+                for r in range(k):
+                    g[r] -= entry * G[c, r]
+        size = 0.0
+        for r in range(k):
+            a[basis.z[r]] = g[r]
+            size = max(size, abs(g[r]))
+        for i in range(n):
+            out[i] = a[n] * d[i] - rhs[i]
+        for r in range(k):
+            j = basis.z[r]
+            if a[j] != 0.0 and j < n:
+                for e in range(M.start[j], M.start[j + 1]):
+                    out[M.rows[e]] += M.column[e] * a[j]
+        defect = 0.0
+        for c in range(k):
+            size = max(size, abs(rhs[basis.w[c]]))
+            defect = max(defect, abs(out[basis.w[c]]))
+        relative = defect / size if size > 0.0 else 0.0
+    for i in range(n):
+        if basis.column[i] < 0:
+            a[i] = out[i]
+    return relative, size
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def exchange(M: Matrix, d: Array, basis: Basis, a: Array, p: int, z_enters: bool, s: int) -> None:
+    """Let z_p (z0 where p = n) or w_p enter, a its transformed column, and the basic member of pair s leave."""
+    n, k, G, g, h = len(d), basis.size[0], basis.inverse, basis.work[0], basis.work[1]
+    out = basis.row[s]  # -1 where w_s leaves
+    pivot = a[s]
+
+    # The pivot row over the columns of K^-1, divided by the pivot, times the transformed column over its rows.
+    if out >= 0:
+        for c in range(k):
+            g[c] = G[c, out] / pivot
+    else:
+        for c in range(k):
+            g[c] = 0.0
+        for e in range(M.start[s], M.start[s + 1]):
+            r = basis.row[M.rows[e]]
+            if r >= 0:
+                for c in range(k):
+                    g[c] += M.row[e] / pivot * G[c, r]
+        r = basis.row[n]
+        if r >= 0:
+            for c in range(k):
+                g[c] += d[s] / pivot * G[c, r]
+    for r in range(k):
+        h[r] = a[basis.z[r]]
+    if out >= 0:
+        h[out] = 0.0
+    for c in range(k):
+        if g[c] != 0.0:
+            for r in range(k):
+                G[c, r] -= g[c] * h[r]
+
+    column = k if z_enters else basis.column[p]
+    if not z_enters:
+        basis.column[p] = -1
+    if out < 0:  # w_s becomes nonbasic and takes a column, w_p's if that one is free
+        for r in range(k):
+            G[column, r] = h[r] / pivot
+        basis.w[column] = s
+        basis.column[s] = column
+    elif not z_enters and column < k - 1:  # one column fewer: the last one fills the gap
+        for r in range(k):
+            G[column, r] = G[k - 1, r]
+        basis.w[column] = basis.w[k - 1]
+        basis.column[basis.w[column]] = column
+    if z_enters:
+        row = out if out >= 0 else k
+        for c in range(k):
+            G[c, row] = g[c]
+        if out < 0:
+            G[k, k] = -1.0 / pivot
+            basis.size[0] = k + 1
+        basis.z[row] = p
+        basis.row[p] = row
+    elif out >= 0:  # one row fewer
+        if out < k - 1:
+            for c in range(k):
+                G[c, out] = G[c, k - 1]
+            basis.z[out] = basis.z[k - 1]
+            basis.row[basis.z[out]] = out
+        basis.size[0] = k - 1
+    if out >= 0:
+        basis.row[s] = -1
+
+
+@njit(cache=True, error_model="numpy")
+def refactor(M: Matrix, d: Array, basis: Basis) -> bool:
+    """Compute K^-1 afresh by Gauss-Jordan elimination with row exchanges; False where K is singular to working accuracy."""
+    n, k = len(d), basis.size[0]
+    K = np.zeros((k, k))
+    for c in range(k):
+        j = basis.z[c]
+        if j == n:
+            for r in range(k):
+                K[r, c] = d[basis.w[r]]
+        else:
+            for e in range(M.start[j], M.start[j + 1]):
+                r = basis.column[M.rows[e]]
+                if r >= 0:
+                    K[r, c] = M.column[e]
+    order = np.arange(k)
+    for j in range(k):
+        best = j
+        for r in range(j + 1, k):
+            if abs(K[r, j]) > abs(K[best, j]):
+                best = r
+        pivot = K[best, j]
+        if not abs(pivot) > 1e-14:
+            return False
+        for c in range(k):
+            K[j, c], K[best, c] = K[best, c], K[j, c]
+        order[j], order[best] = order[best], order[j]
+        K[j, j] = 1.0
+        for c in range(k):
+            K[j, c] /= pivot
+        for r in range(k):
+            factor = K[r, j]
+            if r != j and factor != 0.0:
+                K[r, j] = 0.0
+                for c in range(k):
+                    K[r, c] -= factor * K[j, c]
+    for r in range(k):
+        for j in range(k):
+            basis.inverse[order[j], r] = K[r, j]
+    return True
+
+
+@njit(cache=True, error_model="numpy")
+def invert(M: Matrix, d: Array, basis: Basis, active: Index) -> bool:
+    """Make the z of these indices basic in a slack basis, and their w nonbasic; False where that is singular."""
+    for c in range(len(active)):
+        j = active[c]
+        basis.z[c] = basis.w[c] = j
+        basis.row[j] = basis.column[j] = c
+    basis.size[0] = len(active)
+    return refactor(M, d, basis)

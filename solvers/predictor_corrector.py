@@ -1,0 +1,102 @@
+"""Mehrotra's predictor-corrector method on the friction LCP, in the velocities of the bodies.
+
+The iterates keep x > 0 and s > 0 and need not be feasible. Each iteration factorises Newton's matrix once (solvers.contact_newton)
+and solves with it twice: the predictor aims at x s = 0; how far it gets sets the centring sigma; the corrector aims at
+
+    x s = sigma mean(x s),      sigma = (mean(x s) after the predictor / mean(x s))^2,
+
+with the predictor's second-order term, and goes .995 of the way to the boundary, x and s together, for the problem is not
+monotone. Nor is there a guarantee: where the central path folds, no step is left that decreases x s, and the method has to
+notice. References: Mehrotra 1992; Wright 1997, chapter 10.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from problems.check import Array
+from solvers.contact_newton import Point, System, Work, direction, evaluate, linearise, new_point
+
+TO_BOUNDARY = 0.995
+PATIENCE = 12  # iterations within which mean(x s) and the largest defect must halve
+
+
+class Best(NamedTuple):
+    """The impulses (nc, 2) with the smallest residual (1,) so far, in the system's units."""
+
+    impulse: Array
+    residual: Array
+
+
+@njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+def judge(system: System, point: Point, defect: Point, work: Work, best: Best) -> float:
+    """Evaluate a point and remember the best one."""
+    residual = evaluate(system, point, defect, work)
+    if residual < best.residual[0]:
+        best.residual[0] = residual
+        for i in range(len(best.impulse)):
+            best.impulse[i, 0] = work.impulse[i, 0]
+            best.impulse[i, 1] = work.impulse[i, 1]
+    return residual
+
+
+@njit(cache=True)
+def predictor_corrector(system: System, point: Point, work: Work, best: Best, tol: float, history: Array) -> int:
+    """Move the point to a solution; stop where the residual is within tol, or history is full, or no progress is made.
+
+    history receives the residual of every iterate; their number is returned.
+    """
+    x, s = point.x, point.s
+    step, defect = new_point(system), new_point(system)
+    target = np.zeros((len(x), 4))
+    pairs = 0
+    for i in range(len(x)):
+        pairs += system.pairs[i]
+    milestone, since = np.inf, 0
+    for iteration in range(len(history)):
+        history[iteration] = judge(system, point, defect, work, best)
+        gap, off = 0.0, 0.0
+        for i in range(len(x)):
+            for k in range(system.pairs[i]):
+                gap += x[i, k] * s[i, k] / pairs
+                off = max(off, abs(defect.x[i, k]))
+                target[i, k] = -x[i, k] * s[i, k]
+        since += 1
+        if not gap + off > milestone / 2:
+            milestone, since = gap + off, 0
+        if best.residual[0] <= tol or since > PATIENCE:
+            return iteration + 1
+        linearise(system, point, work)
+        direction(system, point, target, defect, step, work)
+        length = longest(system, point, step, 1.0)
+        ahead = 0.0
+        for i in range(len(x)):
+            for k in range(system.pairs[i]):
+                ahead += (x[i, k] + length * step.x[i, k]) * (s[i, k] + length * step.s[i, k]) / pairs
+        sigma = (ahead / gap) ** 2
+        for i in range(len(x)):
+            for k in range(system.pairs[i]):
+                target[i, k] = sigma * gap - x[i, k] * s[i, k] - step.x[i, k] * step.s[i, k]
+        direction(system, point, target, defect, step, work)
+        length = min(1.0, TO_BOUNDARY * longest(system, point, step, 1 / TO_BOUNDARY))
+        for i in range(len(x)):
+            for k in range(system.pairs[i]):
+                x[i, k] += length * step.x[i, k]
+                s[i, k] += length * step.s[i, k]
+        for j in range(len(point.joint)):
+            point.joint[j, 0] += length * step.joint[j, 0]
+    return len(history)
+
+
+@njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+def longest(system: System, point: Point, step: Point, limit: float) -> float:
+    """How far along the step x and s stay nonnegative, at most limit."""
+    length = limit
+    for i in range(len(point.x)):
+        for k in range(system.pairs[i]):
+            if point.x[i, k] + length * step.x[i, k] < 0:
+                length = -point.x[i, k] / step.x[i, k]
+            if point.s[i, k] + length * step.s[i, k] < 0:
+                length = -point.s[i, k] / step.s[i, k]
+    return length

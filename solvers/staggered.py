@@ -1,0 +1,79 @@
+"""Staggered projections: a normal and a friction problem in turn, each convex, each given the other's impulses.
+
+    r_n = argmin ½ r_n'W_nn r_n + (q_n + W_nt r_t)'r_n    over r_n >= 0,
+    r_t = argmin ½ r_t'W_tt r_t + (q_t + W_tn r_n)'r_t    over |r_t,i| <= mu_i r_n,i + b_f,i,
+
+until both hold at once, which is Coulomb's law exactly: the second says that friction dissipates the most. No convergence
+theorem; a single sliding contact contracts by mu|b|/a (b = W_nt, a = W_nn).
+
+Both are contact problems themselves: the first without tangents, the second without normals, on frictionless cones whose
+friction bias is mu r_n + b_f. Each is solved by accelerated projected gradients (`apgd`) from where it was left, to a share
+INNER of the present residual. The friction problem's answer need not be unique, its velocity is.
+
+Reference: Kaufman, Sueda, James and Pai 2008.
+"""
+
+import numpy as np
+
+from problems import FrictionProblem
+from problems.check import Array
+from solvers.apgd import descend
+from solvers.contact_form import ContactForm, contact_form, state, velocity
+from solvers.contact_laws import defect
+from solvers.interface import Answer, solver
+from solvers.progress import ENDS, GOING, ended, progress
+
+LIMIT = 1000
+PATIENCE = 200  # rounds in which the residual must fall by a hundredth
+INNER = 0.1  # error of each half relative to the residual it starts from
+INNER_LIMIT = 5000
+
+
+@solver("staggered", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True)
+class Staggered:
+    """Staggered projections: alternate the normal and the friction problem.
+
+    Work: rounds, and products with W in the inner solves. History: the residual before every round.
+    """
+
+    def prepare(self, problem: FrictionProblem) -> ContactForm:
+        return contact_form(problem)
+
+    def solve(self, prepared: ContactForm, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        form, limit = prepared, LIMIT if limit is None else limit
+        r = np.zeros_like(form.offset) if start is None else np.array(start, dtype=np.float64)
+        normal, friction = _only(form, [0]), _only(form, range(1, r.shape[1]))
+        n, t, u = np.zeros_like(r), np.zeros_like(r), np.empty_like(r)
+        n[:, 0], t[:, 1:] = r[:, 0], r[:, 1:]
+        x, spent = np.empty_like(form.rest), np.empty(INNER_LIMIT + 1)
+        rounds, products, history, best = 0, 0, [], progress()
+        while True:
+            state(form, n + t, x)
+            velocity(form, x, u)
+            error = defect(form, n + t, u, 1.0)
+            history.append(error)
+            end = ended(error, tol, rounds, limit, PATIENCE, best)
+            if end != GOING:
+                return Answer(n + t, ENDS[end], {"rounds": rounds, "products": products}, tuple(history))
+            state(form, t, normal.rest)
+            products += descend(normal, n, 0.0, INNER * error, INNER_LIMIT, spent, progress())[2]
+            state(form, n, friction.rest)
+            friction.friction_bias[:] = form.friction * n[:, 0] + form.friction_bias
+            products += descend(friction, t, 0.0, INNER * error, INNER_LIMIT, spent, progress())[2]
+            rounds += 1
+
+
+def _only(form: ContactForm, rows: range | list[int]) -> ContactForm:
+    """The same contacts with these rows of u and r alone; the others stay zero. Its friction is a bias yet to be set."""
+    keep = np.zeros(form.offset.shape[1])
+    keep[rows] = 1
+    diagonal = np.einsum("ijj,j->i", form.block, keep) / keep.sum()
+    return form._replace(
+        read=form.read * keep,
+        push=form.push * keep,
+        offset=form.offset * keep,
+        rest=form.rest.copy(),
+        friction=np.zeros_like(form.friction),
+        friction_bias=np.zeros_like(form.friction),
+        scale=np.where(diagonal > 0, diagonal, 1.0),
+    )

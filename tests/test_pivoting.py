@@ -1,0 +1,175 @@
+"""The basis of the pivoting methods, and Dantzig's and Murty's principal pivoting where they are guaranteed and where not."""
+
+import numpy as np
+import pytest
+
+from problems import LCP, FrictionProblem
+from problems.random_problem import random_problem
+from problems.residual import residual
+from solvers.dantzig import Dantzig, contact_order
+from solvers.interface import Status, solve
+from solvers.murty import Murty
+from solvers.pivoting import compress, exchange, invert, slack_basis, transform
+from solvers.pivoting_path import enter, follow
+
+PRINCIPAL = {"dantzig": Dantzig, "murty": Murty}
+
+
+def positive_definite(seed, n, skew):
+    random = np.random.default_rng(seed)
+    A, B = random.standard_normal((2, n, n))
+    return LCP(A @ A.T + 0.1 * np.eye(n) + skew * (B - B.T), random.standard_normal(n))
+
+
+def murty_family(n):
+    return LCP(2 * np.tril(np.ones((n, n)), -1) + np.eye(n), -np.cumsum(2.0 ** np.arange(n, 0, -1)))
+
+
+def between_walls(bias):
+    """A particle between two walls."""
+    return FrictionProblem(
+        mass=np.eye(2), normal=[[1, 0], [-1, 0]], tangent=[[0, 1], [0, 1]], friction=[0.5, 0.5], free_velocity=[0, 1], bias=bias
+    )
+
+
+def assert_honest(problem, answer):
+    """SOLVED is claimed where the residual is small, and only there."""
+    found = problem.residual(answer.z) if isinstance(problem, LCP) else residual(problem, answer.impulse)
+    assert (answer.status is Status.SOLVED) == (found <= 1e-8)
+
+
+def test_compress_keeps_every_entry_of_an_unsymmetric_matrix():
+    lcp = random_problem(1, 5).lcp()
+    M = compress(lcp.M)
+    column, row = np.zeros((2, lcp.size, lcp.size))
+    j = np.repeat(np.arange(lcp.size), np.diff(M.start))
+    column[M.rows, j] = M.column
+    row[j, M.rows] = M.row
+    assert np.array_equal(column, lcp.dense)
+    assert np.array_equal(row, lcp.dense)
+
+
+def test_basis_stays_the_inverse_through_every_kind_of_pivot():
+    """Random pivots: z for w, z for z, w for w, w for z; the transformed columns stay those of the basis matrix."""
+    random = np.random.default_rng(5)
+    n = 12
+    M = random.standard_normal((n, n)) * (random.random((n, n)) < 0.6) + np.eye(n)
+    sparse_M, d = compress(LCP(M, np.zeros(n)).M), np.ones(n)
+    basis, a, out, rhs = slack_basis(n), np.empty(n + 1), np.empty(n), np.empty(n)
+    is_basic = np.array([True] * n + [False] * (n + 1))  # w, z, z0
+    columns = np.hstack([-np.eye(n), M, d[:, None]])  # of  M z + d z0 - w = -q
+    kinds = set()
+    for _ in range(200):
+        free = [i for i in range(n) if not is_basic[i] and not is_basic[n + i]]  # the missing pair, once z0 is basic
+        p = free[0] if free else n
+        z_enters = p == n or bool(random.random() < 0.5)
+        if p == n:
+            rhs[:] = d
+        else:
+            enter(sparse_M, p, z_enters, rhs)
+        transform(sparse_M, d, basis, rhs, a, out, 1e-15)
+        inside = np.flatnonzero(is_basic)
+        np.testing.assert_allclose(columns[:, inside] @ a[np.where(inside < n, inside, inside - n)], rhs, atol=1e-9)
+        choices = [i for i in range(n) if abs(a[i]) > 0.1 and (is_basic[i] or is_basic[n + i])]
+        if not choices:
+            break
+        s = int(random.choice(choices))
+        leaving = s if is_basic[s] else n + s
+        exchange(sparse_M, d, basis, a, p, z_enters, s)
+        is_basic[leaving] = False
+        is_basic[2 * n if p == n else n + p if z_enters else p] = True
+        kinds.add((z_enters, leaving >= n))
+    assert kinds == {(True, False), (True, True), (False, False), (False, True)}
+
+
+def test_a_singular_guess_of_the_basis_is_refused():
+    M = compress(LCP([[1, 1], [1, 1]], [0, 0]).M)
+    assert not invert(M, np.zeros(2), slack_basis(2), np.array([0, 1]))
+    assert invert(M, np.zeros(2), slack_basis(2), np.array([1]))
+
+
+def test_a_path_that_starts_nonnegative_has_no_pivot():
+    M, q, work = compress(LCP([[1]], [1]).M), np.ones(1), np.zeros(2, np.int64)
+    x = np.array([1.0, 0.0])
+    assert follow(M, q, np.ones(1), slack_basis(1), x, np.empty(2), np.ones(2, np.bool_), 0.0, 10, work) == 0
+    assert work[0] == 0
+
+
+@pytest.mark.parametrize("name", PRINCIPAL)
+@pytest.mark.parametrize("skew", [0.0, 1.0, 10.0])
+def test_solves_positive_definite_problems(name, skew):
+    for seed, n in enumerate([1, 2, 5, 10, 20, 40]):
+        lcp = positive_definite(seed, n, skew)
+        answer = solve(lcp, name)
+        assert answer.status is Status.SOLVED
+        assert lcp.residual(answer.z) <= 1e-12
+
+
+@pytest.mark.parametrize("name", PRINCIPAL)
+def test_solves_p_matrices(name):
+    """Murty's own family, on which Lemke's method takes 2^n pivots, and Kostreva's, on which careless ties cycle."""
+    for lcp, z in (
+        (murty_family(8), 256 * np.eye(8)[0]),
+        (LCP([[1, 2, 0], [0, 1, 2], [2, 0, 1]], -np.ones(3)), np.full(3, 1 / 3)),
+    ):
+        answer = solve(lcp, name)
+        assert answer.status is Status.SOLVED
+        np.testing.assert_allclose(answer.z, z, atol=1e-12)
+
+
+def test_murty_takes_exponentially_many_pivots_on_fathis_mirror_of_his_family():
+    """Murty 1988, chapter 6: upper triangular, 1 on the diagonal, 2 above, q = -1: 2^n - 1 principal pivots."""
+    for n in (3, 6, 9):
+        lcp = LCP(2 * np.triu(np.ones((n, n)), 1) + np.eye(n), -np.ones(n))
+        answer = solve(lcp, "murty")
+        assert answer.status is Status.SOLVED
+        assert answer.work["pivots"] == 2**n - 1
+
+
+def test_dantzig_solves_frictionless_contact_of_any_rank():
+    for seed in range(60):
+        problem = random_problem(seed, contacts=1 + seed % 30, friction=0.0)
+        answer = solve(problem, "dantzig")
+        assert answer.status is Status.SOLVED
+        assert residual(problem, answer.impulse) <= 1e-12
+
+
+@pytest.mark.parametrize("name", PRINCIPAL)
+@pytest.mark.parametrize("mu", [0.2, 1.0, 5.0])
+def test_says_honestly_how_it_ended_on_friction_problems(name, mu):
+    for seed in range(60):
+        problem = random_problem(seed, contacts=1 + seed % 20, friction=mu)
+        assert_honest(problem, solve(problem, name))
+
+
+def test_both_solve_most_of_the_weakly_frictional_problems():
+    """A floor under regressions, not a promise: with mu = .2 dantzig solves them all, murty those of full rank."""
+    for name, least in (("dantzig", 40), ("murty", 15)):
+        answers = [solve(random_problem(seed, contacts=1 + seed % 20, friction=0.2), name) for seed in range(40)]
+        assert sum(answer.status is Status.SOLVED for answer in answers) >= least
+
+
+@pytest.mark.parametrize("name", PRINCIPAL)
+def test_no_answer_is_claimed_where_there_is_none(name):
+    for problem in (LCP([[0]], [-1]), LCP([[2, -1], [0, -2]], [-1, -2]), between_walls([-0.1, -0.1])):
+        assert solve(problem, name).status is not Status.SOLVED
+
+
+@pytest.mark.parametrize("name", PRINCIPAL)
+def test_no_contact_nothing_to_do_and_no_pivots_left(name):
+    none = FrictionProblem(
+        mass=np.eye(2), normal=np.zeros((0, 2)), tangent=np.zeros((0, 2)), friction=[], free_velocity=[1, 1], bias=[]
+    )
+    answer = solve(none, name)
+    assert answer.status is Status.SOLVED
+    assert answer.impulse.shape == (0, 2)
+    assert solve(LCP(np.eye(3), [1, 0, 2]), name).work["pivots"] == 0
+    lcp, method = positive_definite(3, 20, 1.0), PRINCIPAL[name]()
+    answer = method.solve(method.prepare(lcp), 1e-8, 2)
+    assert answer.status is Status.WORK_LIMIT
+    assert answer.work["pivots"] == 2
+
+
+def test_dantzig_takes_the_pairs_contact_by_contact():
+    lcp = random_problem(2, 2).lcp()  # z = (c1, c2, beta1+, beta1-, beta2+, beta2-, lambda1, lambda2)
+    assert contact_order(lcp).tolist() == [0, 6, 2, 3, 1, 7, 4, 5]
