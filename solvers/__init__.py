@@ -8,6 +8,7 @@ from solvers import (
     ccp_cone,
     dantzig,
     fischer_newton,
+    hybrid,
     interior_point,
     lemke,
     minmap_newton,
@@ -20,8 +21,8 @@ from solvers import (
 from solvers.interface import Answer, Solver, SolverInfo, Status, available, find, solve, solver
 
 METHODS = (
-    *(admm, anitescu_hart, apgd, ccp, ccp_cone, dantzig, fischer_newton, interior_point),
-    *(lemke, minmap_newton, murty, nncg, nsgs, path_search, staggered),
+    *(admm, anitescu_hart, apgd, ccp, ccp_cone, dantzig, fischer_newton, hybrid),
+    *(interior_point, lemke, minmap_newton, murty, nncg, nsgs, path_search, staggered),
 )
 
 __all__ = ["METHODS", "Answer", "Solver", "SolverInfo", "Status", "available", "find", "solve", "solver"]

@@ -14,7 +14,8 @@ is the linear system
     F dv = -joint defect.
 
 Given du, each contact is four equations for itself, B dx = target/x - defect - H'du with B = diag(s/x) + K, solved by
-formula: every pivot is a sum of positive numbers. What is left is A dv = b in the velocities with
+formula: every pivot is a sum of positive numbers. (For the convex relaxation s of c is u_n - mu lambda instead, and B is one more
+entry from skew: its symmetric part is positive.) What is left is A dv = b in the velocities with
 
     A = M + sum_i J_i' C_i J_i + F'F/delta,      C_i = H B^-1 H',
 
@@ -60,7 +61,7 @@ class System(NamedTuple):
     """A friction problem in units of velocity `speed` and impulse `impulse`, its variables in order of elimination.
 
     mass: values to be added at the entries `slot` of the fronts. inverse, indices, indptr: M^-1 by rows.
-    weight: s_i of problems.residual. pairs: 4, or 1 where a contact has no friction at all.
+    shift: 0 for Coulomb's law, mu for its convex relaxation. weight: s_i of problems.residual. pairs: 4, or 1 where a contact has no friction at all.
     """
 
     fronts: Fronts
@@ -76,6 +77,7 @@ class System(NamedTuple):
     joint_bias: Array
     friction: Array
     friction_bias: Array
+    shift: Array
     weight: Array
     pairs: Index
     speed: float
@@ -106,8 +108,8 @@ class Work(NamedTuple):
     momentum: Array
 
 
-def prepare(problem: FrictionProblem) -> System:
-    """Scale a planar problem, find the order of elimination and lay out its matrices."""
+def prepare(problem: FrictionProblem, relaxed: bool = False) -> System:
+    """Scale a planar problem, or its convex relaxation, find the order of elimination and lay out its matrices."""
     nc, d = problem.contacts, problem.dimension
     free = np.linalg.norm(problem.q.reshape(nc, d), axis=1)
     speed = float(free.max(initial=0.0)) or 1.0
@@ -150,6 +152,7 @@ def prepare(problem: FrictionProblem) -> System:
         problem.joint_bias / size / speed,
         problem.friction,
         problem.friction_bias / impulse,
+        problem.friction if relaxed else np.zeros(nc),
         problem.scale * (impulse / speed),
         np.where(rubs, 4, 1),
         speed,
@@ -264,19 +267,19 @@ def evaluate(system: System, point: Point, defect: Point, work: Work) -> float:
         mu, bias = system.friction[i], system.friction_bias[i]
         u[i, 0] += system.offset[i, 0]
         u[i, 1] += system.offset[i, 1]
-        defect.x[i, 0] = u[i, 0] - s[i, 0]
+        defect.x[i, 0] = u[i, 0] - system.shift[i] * x[i, 3] - s[i, 0]
         if system.pairs[i] == 4:
             defect.x[i, 1] = x[i, 3] + u[i, 1] - s[i, 1]
             defect.x[i, 2] = x[i, 3] - u[i, 1] - s[i, 2]
             defect.x[i, 3] = mu * x[i, 0] - x[i, 1] - x[i, 2] + bias - s[i, 3]
-        worst = max(worst, _natural(r[i, 0], r[i, 1], u[i, 0], u[i, 1], mu, bias, system.weight[i]))
+        worst = max(worst, _natural(r[i, 0], r[i, 1], u[i, 0], u[i, 1], mu, bias, system.shift[i], system.weight[i]))
     return worst
 
 
 @njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
-def _natural(rn: float, rt: float, un: float, ut: float, mu: float, bias: float, weight: float) -> float:
-    """weight |r - P_K(r - (u + mu |u_t| e_n) / weight)| for one contact."""
-    n, t = rn - (un + mu * abs(ut)) / weight, rt - ut / weight
+def _natural(rn: float, rt: float, un: float, ut: float, mu: float, bias: float, shift: float, weight: float) -> float:
+    """weight |r - P_K(r - (u + (mu - shift) |u_t| e_n) / weight)| for one contact."""
+    n, t = rn - (un + (mu - shift) * abs(ut)) / weight, rt - ut / weight
     normal = n
     if n < 0 or abs(t) > mu * n + bias:
         normal = max((n + mu * (abs(t) - bias)) / (1 + mu * mu), 0.0) if abs(t) > mu * n + bias else 0.0
@@ -314,8 +317,12 @@ def linearise(system: System, point: Point, work: Work) -> None:
             pivot[i, 1] = x[i, 1] / (s[i, 1] + soft * x[i, 1])
             pivot[i, 2] = x[i, 2] / (s[i, 2] + soft * x[i, 2])
             total, skew = pivot[i, 1] + pivot[i, 2], pivot[i, 1] - pivot[i, 2]
-            pivot[i, 3] = 1 / (s[i, 3] / x[i, 3] + SOFTNESS / system.weight[i] + total)
-            C[i, 1, 0] = system.friction[i] * skew * pivot[i, 3] * pivot[i, 0]
+            mu, shift = system.friction[i], system.shift[i]
+            own = s[i, 3] / x[i, 3] + SOFTNESS / system.weight[i]
+            pivot[i, 3] = 1 / (own + total + mu * shift * pivot[i, 0])
+            C[i, 0, 0] -= mu * shift * pivot[i, 0] * pivot[i, 0] * pivot[i, 3]
+            C[i, 0, 1] = shift * skew * pivot[i, 3] * pivot[i, 0]
+            C[i, 1, 0] = mu * skew * pivot[i, 3] * pivot[i, 0]
             C[i, 1, 1] = total - skew * skew * pivot[i, 3]
     work.storage[:] = 0
     for k in range(len(system.slot)):
@@ -326,12 +333,12 @@ def linearise(system: System, point: Point, work: Work) -> None:
 
 
 @njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
-def _contact(pivot: Array, mu: float, g: Array, un: float, ut: float) -> tuple[float, float, float, float]:
+def _contact(pivot: Array, mu: float, shift: float, g: Array, un: float, ut: float) -> tuple[float, float, float, float]:
     """B^-1 (g - H'u) of one contact."""
     c = pivot[0] * (g[0] - un)
     plus, minus = pivot[1] * (g[1] - ut), pivot[2] * (g[2] + ut)
     slide = pivot[3] * (g[3] + plus + minus - mu * c)
-    return c, plus - pivot[1] * slide, minus - pivot[2] * slide, slide
+    return c + pivot[0] * shift * slide, plus - pivot[1] * slide, minus - pivot[2] * slide, slide
 
 
 @njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
@@ -342,7 +349,7 @@ def direction(system: System, point: Point, target: Array, defect: Point, step: 
         for k in range(system.pairs[i]):
             target[i, k] /= x[i, k]
             g[i, k] = target[i, k] - defect.x[i, k]
-        c, plus, minus, _ = _contact(work.pivot[i], system.friction[i], g[i], 0.0, 0.0)
+        c, plus, minus, _ = _contact(work.pivot[i], system.friction[i], system.shift[i], g[i], 0.0, 0.0)
         r[i, 0] = c
         r[i, 1] = plus - minus
     for j in range(len(defect.joint)):
@@ -356,7 +363,7 @@ def direction(system: System, point: Point, target: Array, defect: Point, step: 
     feel(system.joints, dv, work.joint_velocity)
     for i in range(len(x)):
         dx = step.x[i]
-        dx[0], dx[1], dx[2], dx[3] = _contact(work.pivot[i], system.friction[i], g[i], u[i, 0], u[i, 1])
+        dx[0], dx[1], dx[2], dx[3] = _contact(work.pivot[i], system.friction[i], system.shift[i], g[i], u[i, 0], u[i, 1])
         for k in range(system.pairs[i]):
             step.s[i, k] = target[i, k] - s[i, k] / x[i, k] * dx[k]
     for j in range(len(defect.joint)):

@@ -17,10 +17,9 @@ from problems.residual import residual
 from solvers.central_path import trace
 from solvers.contact_newton import System, new_work, prepare, start_point
 from solvers.interface import Answer, Status, solver
-from solvers.predictor_corrector import Best, predictor_corrector
+from solvers.predictor_corrector import Best, is_solved, predictor_corrector
 
 STARTS = ((1.0, 1.0), (0.1, 1.0), (0.01, 10.0), (0.001, 10.0))  # impulses and speeds, relative to a contact's own
-ROUNDING = 4 * np.finfo(float).eps
 
 
 @solver("interior_point", family="interior point", model="coulomb", sparse=True)
@@ -40,20 +39,24 @@ class InteriorPoint:
     ) -> Answer:
         """limit bounds the factorisations, 1000 by default."""
         problem, system = prepared
+        if not problem.q.any():
+            return Answer(np.zeros_like(system.offset), Status.SOLVED, {"iterations": 0, "factorisations": 0})
         history = np.empty((1000 if limit is None else limit) + 1)
         best = Best(np.zeros_like(system.offset), np.array([np.inf]))
         room = new_work(system)
-        used = 0
+        used = phases = 0
         status = Status.STALLED
         for phase, impulse, speed in self._phases(len(system.offset)):
             used += phase(system, start_point(system, impulse, speed), room, best, tol / 2, history[used:])
-            if _solved(problem, system, best, tol):
+            phases += 1
+            if is_solved(problem, system, best, tol):
                 status = Status.SOLVED
                 break
             if used == len(history):
                 status = Status.WORK_LIMIT
                 break
-        work = {"iterations": used - 1, "factorisations": used - 1}
+        factorisations = used - phases  # a phase looks at one point more than it leaves
+        work = {"iterations": used, "factorisations": factorisations}
         return Answer(best.impulse * system.impulse, status, work, tuple(history[:used].tolist()))
 
     def _phases(self, contacts: int) -> Iterator[tuple[Callable[..., int], float, float]]:
@@ -62,11 +65,3 @@ class InteriorPoint:
             yield predictor_corrector, float(np.sqrt(contacts)), 1.0  # between nothing and all the others on top
         for impulse, speed in STARTS:
             yield trace, impulse, speed
-
-
-def _solved(problem: FrictionProblem, system: System, best: Best, tol: float) -> bool:
-    """Whether the best residual is within tol for certain; where rounding leaves a doubt, the problem itself is asked."""
-    rounding = ROUNDING * np.max(system.weight * best.impulse[:, 0], initial=0.0)
-    if best.residual[0] + rounding > tol:
-        best.residual[0] = residual(problem, best.impulse * system.impulse)
-    return bool(best.residual[0] <= tol)

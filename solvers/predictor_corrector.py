@@ -10,11 +10,13 @@ monotone. Nor is there a guarantee: where the central path folds, no step is lef
 notice. References: Mehrotra 1992; Wright 1997, chapter 10.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
+from problems import FrictionProblem
 from problems.check import Array
 from solvers.contact_newton import Point, System, Work, direction, evaluate, linearise, new_point
 
@@ -22,11 +24,25 @@ TO_BOUNDARY = 0.995
 PATIENCE = 12  # iterations within which mean(x s) and the largest defect must halve
 
 
+ROUNDING = 4 * np.finfo(float).eps
+
+
 class Best(NamedTuple):
     """The impulses (nc, 2) with the smallest residual (1,) so far, in the system's units."""
 
     impulse: Array
     residual: Array
+
+
+Measure = Callable[[FrictionProblem, Array], float]
+
+
+def is_solved(best: Best, tol: float, system: System, problem: FrictionProblem, residual: Measure) -> bool:
+    """Whether the best residual is within tol for certain; where rounding leaves a doubt, the problem itself is asked."""
+    rounding = ROUNDING * np.max(system.weight * best.impulse[:, 0], initial=0.0)
+    if best.residual[0] + rounding > tol:
+        best.residual[0] = residual(problem, best.impulse * system.impulse)
+    return bool(best.residual[0] <= tol)
 
 
 @njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
