@@ -35,10 +35,10 @@ END = np.log(1e-20)
 
 
 @njit(cache=True)
-def trace(system: System, point: Point, work: Work, best: Best, tol: float, history: Array) -> int:
+def trace(system: System, point: Point, work: Work, best: Best, tol: float, patience: int, history: Array) -> int:
     """Follow the path from the point; stop where the residual is within tol, history is full, or the path is lost.
 
-    history receives the residual of every iterate; their number is returned.
+    patience: of the predictor-corrector, where it is tried.     history receives the residual of every iterate; their number is returned.
     """
     first, defect, correction, tangent = new_point(system), new_point(system), new_point(system), new_point(system)
     ahead, saved, trial = new_point(system), new_point(system), new_point(system)
@@ -73,7 +73,7 @@ def trace(system: System, point: Point, work: Work, best: Best, tol: float, hist
                 continue
             if log_t < hand_over and used < len(history):
                 _set(trial, 1.0, point)
-                used += predictor_corrector(system, trial, work, best, tol, history[used:])
+                used += predictor_corrector(system, trial, work, best, tol, patience, history[used:])
                 hand_over += HAND_OVER
             if used > 1:
                 length = min(LONGEST, length * min(2.0, max(0.3, np.sqrt(NEAR / 2 / max(off, 1e-9)))))

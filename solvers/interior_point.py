@@ -20,6 +20,7 @@ from solvers.interface import Answer, Status, solver
 from solvers.predictor_corrector import Best, is_solved, predictor_corrector
 
 STARTS = ((1.0, 1.0), (0.1, 1.0), (0.01, 10.0), (0.001, 10.0))  # impulses and speeds, relative to a contact's own
+PATIENCE = 12  # iterations of the predictor-corrector without progress: more than ever helped
 
 
 @solver("interior_point", family="interior point", model="coulomb", sparse=True)
@@ -47,7 +48,7 @@ class InteriorPoint:
         used = phases = 0
         status = Status.STALLED
         for phase, impulse, speed in self._phases(len(system.offset)):
-            used += phase(system, start_point(system, impulse, speed), room, best, tol / 2, history[used:])
+            used += phase(system, start_point(system, impulse, speed), room, best, tol / 2, PATIENCE, history[used:])
             phases += 1
             if is_solved(problem, system, best, tol):
                 status = Status.SOLVED

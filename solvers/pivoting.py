@@ -51,15 +51,44 @@ class Basis(NamedTuple):
     work: Array
 
 
-def compress(M: sparse.csr_array) -> Matrix:
-    """M (n, n) on its symmetrised pattern."""
-    ones = sparse.csr_array((np.ones(M.nnz), M.indices, M.indptr), M.shape)
-    pattern = sparse.csr_array(ones + ones.T)
-    pattern.sort_indices()
-    start, i = pattern.indptr.astype(np.int64), pattern.indices.astype(np.int64)
-    j = np.repeat(np.arange(len(start) - 1), np.diff(start))
-    column, row = (np.asarray(M[at]).ravel() if len(i) else np.zeros(0) for at in ((i, j), (j, i)))
-    return Matrix(start, i, column, row)
+def compress(M: sparse.csr_array, D: Array) -> Matrix:
+    """D M D (n, n) on its symmetrised pattern, for M with sorted rows."""
+    return Matrix(*_symmetrised(M.indptr, M.indices, M.data, D))
+
+
+@njit(cache=True, error_model="numpy")
+def _symmetrised(indptr: Index, indices: Index, data: Array, D: Array) -> tuple[Index, Index, Array, Array]:
+    n, entries = len(indptr) - 1, len(indices)
+    below = np.zeros(n + 1, np.int64)  # the columns of M, by counting
+    for j in indices:
+        below[j + 1] += 1
+    for j in range(n):
+        below[j + 1] += below[j]
+    free = below[:-1].copy()
+    above, value = np.empty(entries, np.int64), np.empty(entries)
+    for i in range(n):
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            above[free[j]], value[free[j]] = i, data[k]
+            free[j] += 1
+    start, at = np.zeros(n + 1, np.int64), 0
+    i, column, row = np.empty(2 * entries, np.int64), np.zeros(2 * entries), np.zeros(2 * entries)
+    for j in range(n):  # merge row j and column j
+        k, m = indptr[j], below[j]
+        while k < indptr[j + 1] or m < below[j + 1]:
+            right = indices[k] if k < indptr[j + 1] else n
+            down = above[m] if m < below[j + 1] else n
+            i[at] = min(right, down)
+            scale = D[j] * D[i[at]]
+            if right == i[at]:
+                row[at] = data[k] * scale
+                k += 1
+            if down == i[at]:
+                column[at] = value[m] * scale
+                m += 1
+            at += 1
+        start[j + 1] = at
+    return start, i[:at].copy(), column[:at].copy(), row[:at].copy()
 
 
 @njit(cache=True, error_model="numpy")

@@ -4,7 +4,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from scipy import sparse
 
 from problems import LCP, FrictionProblem
 from problems.check import Array
@@ -40,7 +39,7 @@ def scaled_lcp(problem: FrictionProblem | LCP) -> ScaledLCP:
     """The scaled LCP of a friction problem, or a bare LCP scaled."""
     lcp = problem if isinstance(problem, LCP) else problem.lcp()
     scale = scaling(lcp)
-    M = compress(sparse.csr_array(lcp.M * scale.D[:, None] * scale.D))
+    M = compress(lcp.M, scale.D)
     unit = scale.theta * np.array([scale.D, 1 / scale.D])
     if isinstance(problem, FrictionProblem):
         unit *= _in_velocities(problem, lcp.size)

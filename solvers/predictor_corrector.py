@@ -21,7 +21,6 @@ from problems.check import Array
 from solvers.contact_newton import Point, System, Work, direction, evaluate, linearise, new_point
 
 TO_BOUNDARY = 0.995
-PATIENCE = 12  # iterations within which mean(x s) and the largest defect must halve
 
 
 ROUNDING = 4 * np.finfo(float).eps
@@ -58,9 +57,10 @@ def judge(system: System, point: Point, defect: Point, work: Work, best: Best) -
 
 
 @njit(cache=True)
-def predictor_corrector(system: System, point: Point, work: Work, best: Best, tol: float, history: Array) -> int:
-    """Move the point to a solution; stop where the residual is within tol, or history is full, or no progress is made.
+def predictor_corrector(system: System, point: Point, work: Work, best: Best, tol: float, patience: int, history: Array) -> int:
+    """Move the point to a solution; stop where the residual is within tol, history is full, or no progress is made.
 
+    Progress is that mean(x s) and the largest defect, added, halve within `patience` iterations.
     history receives the residual of every iterate; their number is returned.
     """
     x, s = point.x, point.s
@@ -81,7 +81,7 @@ def predictor_corrector(system: System, point: Point, work: Work, best: Best, to
         since += 1
         if not gap + off > milestone / 2:
             milestone, since = gap + off, 0
-        if best.residual[0] <= tol or since > PATIENCE:
+        if best.residual[0] <= tol or since > patience:
             return iteration + 1
         linearise(system, point, work)
         direction(system, point, target, defect, step, work)

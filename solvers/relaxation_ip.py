@@ -14,6 +14,8 @@ from solvers.contact_newton import System, new_work, prepare, start_point
 from solvers.interface import Answer, Status, solver
 from solvers.predictor_corrector import Best, is_solved, predictor_corrector
 
+PATIENCE = 60  # a heavy body on a light one needs impulses a million times the first ones
+
 
 @solver("relaxation_ip", family="interior point", model="relaxation", sparse=True)
 class RelaxationInteriorPoint:
@@ -32,7 +34,7 @@ class RelaxationInteriorPoint:
         history = np.empty((200 if limit is None else limit) + 1)
         best = Best(np.zeros_like(system.offset), np.array([np.inf]))
         first = start_point(system, float(np.sqrt(problem.contacts)), 1.0)
-        used = predictor_corrector(system, first, new_work(system), best, tol / 2, history)
+        used = predictor_corrector(system, first, new_work(system), best, tol / 2, PATIENCE, history)
         if is_solved(best, tol, system, problem, relaxation_residual):
             status = Status.SOLVED
         else:
