@@ -37,11 +37,13 @@ def smoke() -> Plan:
 def standard() -> Plan:
     """Every scene and every solver: what a first comparison needs, in under five minutes on two cores."""
     talk = (
-        Source("long_bar", {"friction": 0.05}, pick=6),
-        Source("long_bar", {"friction": 0.2}, pick=6),
+        Source("long_bar", {"friction": 0.05}, pick=5),
+        Source("long_bar", {"friction": 0.2}, pick=5),
         Source("two_blocks", {"friction": 0.02}, pick=4),
         Source("two_blocks", {"friction": 0.1}, pick=4),
-        Source("three_blocks", {}, pick=6),
+        Source("three_blocks", {}, pick=5),
+        Source("multiple_collisions", {}, pick=5),
+        Source("several_blocks", {}, pick=5),
     )
     still = tuple(
         Source(name, {size: n, "friction": mu})
@@ -55,11 +57,16 @@ def standard() -> Plan:
     )
     heavy = tuple(Source("stack", {"blocks": 5, "mass_ratio": ratio}) for ratio in (1e2, 1e4, 1e6))
     rods = tuple(Source("painleve_rod", {"friction": mu}) for mu in (0.5, 1.5, 2.5))
+    corners = tuple(Source("two_corner_block", {"friction": mu, "fall": 1.0}) for mu in (0.5, 2.0))
+    single = (
+        *(Source("stopping_block", {}, pick=2), Source("jam", {}, pick=2), Source("wedge", {}, pick=2)),
+        *(Source("redundant_table", {"speed": 1.0}, pick=2), Source("slider_crank", {}, pick=3, steps=200)),
+    )
     random = tuple(Source("random", {"seed": seed, "contacts": n}) for n in (3, 10, 30) for seed in range(4))
     drives = (*talk, Source("stack", {"blocks": 5}, steps=50), Source("pyramid", {"rows": 3}, steps=50))
     return Plan(
         suite="standard",
-        sources=(*talk, *still, *heavy, *rods, Source("stopping_block", {}, pick=2), *random),
+        sources=(*talk, *still, *heavy, *rods, *corners, *single, *random),
         solvers=(*EXACT, *RELAXED),
         tolerances=LADDER,
         drives=drives,
@@ -98,4 +105,27 @@ def replay() -> Plan:
     )
 
 
-SUITES = {"smoke": smoke, "standard": standard, "seeds": seeds, "replay": replay}
+def scaling() -> Plan:
+    """Time against size: stacks, pyramids and walls of 1 to 1000 boxes, three frictions, mass ratios to 1e6."""
+    sizes = {
+        "stack": [{"blocks": n} for n in (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)],
+        "pyramid": [{"rows": n} for n in (4, 9, 13, 31, 44)],
+        "wall": [{"rows": n, "columns": n} for n in (3, 7, 10, 22, 32)],
+    }
+    pushed = [
+        Source(name, {**size, "friction": mu, "push": 1.0})
+        for name, grid in sizes.items()
+        for size in grid
+        for mu in (0.05, 0.2, 0.8)
+    ]
+    heavy = [Source("stack", {"blocks": n, "mass_ratio": ratio}) for n in (10, 100) for ratio in (1e2, 1e4, 1e6)]
+    return Plan(
+        suite="scaling",
+        sources=(*pushed, *heavy),
+        solvers=("hybrid", *EXACT, "apgd_coulomb", *RELAXED[:3]),
+        tolerances=(1e-4, 1e-8),
+        time_limit=10.0,
+    )
+
+
+SUITES = {"smoke": smoke, "standard": standard, "seeds": seeds, "replay": replay, "scaling": scaling}
