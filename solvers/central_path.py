@@ -6,7 +6,7 @@ From a start x0, s0 > 0 with defect d0, the curve of all (x, s, t) with
 
 leads to a solution. The problem is not monotone, so t need not decrease along it: the curve is followed by its length, in the
 logarithms of x, s and t, in which the constraints x, s > 0 disappear and the curve is straight near a solution, however fast
-the pairs vanish. Each iteration factorises Newton's matrix once (solvers.contact_newton) for both parts of an Euler-Newton step:
+the pairs vanish. Each iteration factorises Newton's matrix once (solvers.contact_newton), for both parts of a step:
 
     correction   towards the curve, orthogonal to its tangent,
     prediction   along the tangent, oriented by the last one, so that a fold is passed through.
@@ -14,8 +14,8 @@ the pairs vanish. Each iteration factorises Newton's matrix once (solvers.contac
 The step's length follows from the size of the correction it caused; a correction too large is taken back. Where t is small and
 the point on the curve, the faster predictor_corrector is tried from there.
 
-Where s0 is large against W x0 the curve passes t = 1 nowhere else, so it cannot return, and with b >= 0 it cannot leave to
-infinity (Anitescu and Potra's theorem). A smaller start is a shorter way, and may leave to t > 1.
+It may also leave to t > 1, or wind on for long; then another start is tried. Speeds s0 large against W x0 make that rare: the
+problem at t = 1 then has nearly q > 0, as for the ray on which Lemke's method starts. This is an observation and not a theorem.
 
 References: Kojima, Megiddo, Noda and Yoshise 1991 (the path); Allgower and Georg 1990, chapters 2 to 6 (tracing a curve).
 """
@@ -38,7 +38,8 @@ END = np.log(1e-20)
 def trace(system: System, point: Point, work: Work, best: Best, tol: float, patience: int, history: Array) -> int:
     """Follow the path from the point; stop where the residual is within tol, history is full, or the path is lost.
 
-    patience: of the predictor-corrector, where it is tried.     history receives the residual of every iterate; their number is returned.
+    patience: that of the predictor-corrector, where it is tried. history receives the residual of every iterate; their
+    number is returned.
     """
     first, defect, correction, tangent = new_point(system), new_point(system), new_point(system), new_point(system)
     ahead, saved, trial = new_point(system), new_point(system), new_point(system)
@@ -92,7 +93,7 @@ def trace(system: System, point: Point, work: Work, best: Best, tol: float, pati
     return used
 
 
-@njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+@njit(cache=True)
 def _aim(target: Array, t: float, product: Array, share: float, point: Point) -> None:
     """target = t product - share x s."""
     for i in range(len(target)):
@@ -100,7 +101,7 @@ def _aim(target: Array, t: float, product: Array, share: float, point: Point) ->
             target[i, k] = t * product[i, k] - share * point.x[i, k] * point.s[i, k]
 
 
-@njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+@njit(cache=True)
 def _set(to: Point, factor: float, step: Point) -> None:
     """to = factor step."""
     for i in range(len(to.x)):
@@ -111,7 +112,7 @@ def _set(to: Point, factor: float, step: Point) -> None:
         to.joint[j, 0] = factor * step.joint[j, 0]
 
 
-@njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+@njit(cache=True)
 def _add(to: Point, factor: float, step: Point) -> None:
     """to += factor step."""
     for i in range(len(to.x)):
@@ -122,7 +123,7 @@ def _add(to: Point, factor: float, step: Point) -> None:
         to.joint[j, 0] += factor * step.joint[j, 0]
 
 
-@njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+@njit(cache=True)
 def _to_logarithms(system: System, point: Point, step: Point) -> None:
     for i in range(len(point.x)):
         for k in range(system.pairs[i]):
@@ -130,7 +131,7 @@ def _to_logarithms(system: System, point: Point, step: Point) -> None:
             step.s[i, k] /= point.s[i, k]
 
 
-@njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+@njit(cache=True)
 def _dot(a: Point, b: Point) -> float:
     total = 0.0
     for i in range(len(a.x)):
@@ -139,7 +140,7 @@ def _dot(a: Point, b: Point) -> float:
     return total
 
 
-@njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+@njit(cache=True)
 def _size(step: Point) -> float:
     """The largest component, infinity where one is not a number."""
     largest = 0.0
@@ -151,7 +152,7 @@ def _size(step: Point) -> float:
     return largest
 
 
-@njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+@njit(cache=True)
 def _move(point: Point, step: Point, length: float) -> None:
     """Take a step in the logarithms of x and s."""
     for i in range(len(point.x)):

@@ -14,8 +14,8 @@ is the linear system
     F dv = -joint defect.
 
 Given du, each contact is four equations for itself, B dx = target/x - defect - H'du with B = diag(s/x) + K, solved by
-formula: every pivot is a sum of positive numbers. (For the convex relaxation s of c is u_n - mu lambda instead, and B is one more
-entry from skew: its symmetric part is positive.) What is left is A dv = b in the velocities with
+formula: every pivot is a sum of positive numbers. (In the convex relaxation c's partner is u_n - mu lambda, and K is skew.)
+What is left is A dv = b in the velocities with
 
     A = M + sum_i J_i' C_i J_i + F'F/delta,      C_i = H B^-1 H',
 
@@ -38,8 +38,8 @@ from problems.check import Array
 from problems.friction import DelassusProblem, FrictionProblem
 from solvers.multifrontal import Fronts, Index, analyse, factorise, solve
 
-SOFTNESS = 1e-12  # delta, relative to a contact's own mean diagonal of W
-JOINT_SOFTNESS = 1e-9
+SOFTNESS = 1e-13  # delta, relative to a contact's own mean diagonal of W; 1e-16 fails, 1e-12 slows stacks of thousands
+JOINT_SOFTNESS = 1e-8  # the same of a joint; its stiffness is added to a mass matrix of size 1, so not as small
 PIVOT = 1e-14  # the least pivot of A, whose mass matrix is scaled to the size of 1
 
 
@@ -61,7 +61,8 @@ class System(NamedTuple):
     """A friction problem in units of velocity `speed` and impulse `impulse`, its variables in order of elimination.
 
     mass: values to be added at the entries `slot` of the fronts. inverse, indices, indptr: M^-1 by rows.
-    shift: 0 for Coulomb's law, mu for its convex relaxation. weight: s_i of problems.residual. pairs: 4, or 1 where a contact has no friction at all.
+    shift: 0 for Coulomb's law, mu for its convex relaxation. weight: s_i of problems.residual.
+    pairs: 4, or 1 where a contact has no friction at all.
     """
 
     fronts: Fronts
@@ -222,7 +223,7 @@ def new_work(system: System) -> Work:
     )
 
 
-@njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+@njit(cache=True)
 def push(elements: Elements, impulse: Array, momentum: Array) -> None:
     """momentum += push' impulse."""
     for e in range(len(impulse)):
@@ -231,7 +232,7 @@ def push(elements: Elements, impulse: Array, momentum: Array) -> None:
                 momentum[elements.column[a]] += elements.push[a, i] * impulse[e, i]
 
 
-@njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+@njit(cache=True)
 def feel(elements: Elements, v: Array, velocity: Array) -> None:
     """velocity = feel v."""
     for e in range(len(velocity)):
@@ -242,7 +243,7 @@ def feel(elements: Elements, v: Array, velocity: Array) -> None:
                 velocity[e, i] += elements.feel[a, i] * v[elements.column[a]]
 
 
-@njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+@njit(cache=True)
 def evaluate(system: System, point: Point, defect: Point, work: Work) -> float:
     """The residual of problems.residual at a point's impulses; defect: overwritten with H'u + K x - s and F v + b_F."""
     x, s, r, u = point.x, point.s, work.impulse, work.velocity
@@ -276,7 +277,7 @@ def evaluate(system: System, point: Point, defect: Point, work: Work) -> float:
     return worst
 
 
-@njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+@njit(cache=True)
 def _natural(rn: float, rt: float, un: float, ut: float, mu: float, bias: float, shift: float, weight: float) -> float:
     """weight |r - P_K(r - (u + (mu - shift) |u_t| e_n) / weight)| for one contact."""
     n, t = rn - (un + (mu - shift) * abs(ut)) / weight, rt - ut / weight
@@ -287,7 +288,7 @@ def _natural(rn: float, rt: float, un: float, ut: float, mu: float, bias: float,
     return weight * np.hypot(rn - normal, rt - min(max(t, -limit), limit))
 
 
-@njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+@njit(cache=True)
 def _add(elements: Elements, stiffness: NDArray[np.float64], fronts: Fronts, storage: Array) -> None:
     """Add push' C feel of every element to its front."""
     d = stiffness.shape[1]
@@ -305,7 +306,7 @@ def _add(elements: Elements, stiffness: NDArray[np.float64], fronts: Fronts, sto
                         storage[row + elements.place[b]] += pushed * elements.feel[b, j]
 
 
-@njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+@njit(cache=True)
 def linearise(system: System, point: Point, work: Work) -> None:
     """Newton's matrix at a point, factorised."""
     x, s, pivot, C = point.x, point.s, work.pivot, work.stiffness
@@ -332,7 +333,7 @@ def linearise(system: System, point: Point, work: Work) -> None:
     factorise(system.fronts, work.storage, work.swap, PIVOT)
 
 
-@njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+@njit(cache=True)
 def _contact(pivot: Array, mu: float, shift: float, g: Array, un: float, ut: float) -> tuple[float, float, float, float]:
     """B^-1 (g - H'u) of one contact."""
     c = pivot[0] * (g[0] - un)
@@ -341,7 +342,7 @@ def _contact(pivot: Array, mu: float, shift: float, g: Array, un: float, ut: flo
     return c + pivot[0] * shift * slide, plus - pivot[1] * slide, minus - pivot[2] * slide, slide
 
 
-@njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+@njit(cache=True)
 def direction(system: System, point: Point, target: Array, defect: Point, step: Point, work: Work) -> None:
     """The step with x ds + s dx = target that removes the defect, after linearise at the same point. Overwrites target."""
     x, s, g, r, u = point.x, point.s, work.right, work.impulse, work.velocity

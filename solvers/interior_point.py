@@ -4,7 +4,7 @@ A step costs one sparse factorisation of the size of the mass matrix (solvers.co
 convex relaxation; the problem is Coulomb's. Mehrotra's predictor-corrector (solvers.predictor_corrector) comes first: about ten
 iterations, few more for a thousand boxes than for ten. The problem is not monotone, and in a few random instances of a hundred,
 hardly ever in a stack or a pyramid, it is trapped; then the central path is followed around its folds (solvers.central_path),
-from up to four starts, each nearer than the one before to those for which there is a theorem.
+from up to four starts.
 """
 
 from collections.abc import Callable, Iterator
@@ -19,7 +19,7 @@ from solvers.contact_newton import System, new_work, prepare, start_point
 from solvers.interface import Answer, Status, solver
 from solvers.predictor_corrector import Best, is_solved, predictor_corrector
 
-STARTS = ((1.0, 1.0), (0.1, 1.0), (0.01, 10.0), (0.001, 10.0))  # impulses and speeds, relative to a contact's own
+STARTS = ((1.0, 1.0), (0.1, 10.0), (0.01, 10.0), (0.1, 1.0))  # impulses and speeds, relative to a contact's own
 PATIENCE = 12  # iterations of the predictor-corrector without progress: more than ever helped
 
 
@@ -38,11 +38,11 @@ class InteriorPoint:
     def solve(
         self, prepared: tuple[FrictionProblem, System], tol: float, limit: int | None, start: Array | None = None
     ) -> Answer:
-        """limit bounds the factorisations, 1000 by default."""
+        """limit bounds the factorisations, 2000 by default."""
         problem, system = prepared
         if not problem.q.any():
             return Answer(np.zeros_like(system.offset), Status.SOLVED, {"iterations": 0, "factorisations": 0})
-        history = np.empty((1000 if limit is None else limit) + 1)
+        history = np.empty((2000 if limit is None else limit) + 1)
         best = Best(np.zeros_like(system.offset), np.array([np.inf]))
         room = new_work(system)
         used = phases = 0
@@ -50,7 +50,7 @@ class InteriorPoint:
         for phase, impulse, speed in self._phases(len(system.offset)):
             used += phase(system, start_point(system, impulse, speed), room, best, tol / 2, PATIENCE, history[used:])
             phases += 1
-            if is_solved(problem, system, best, tol):
+            if is_solved(best, tol, system, problem, residual):
                 status = Status.SOLVED
                 break
             if used == len(history):

@@ -13,7 +13,8 @@ elimination with little fill, the fronts, the place of each entry in them) is fo
 are compiled and allocate nothing. Rows are interchanged within the pivots of a front only, and a pivot below `floor` is
 replaced by it, so that `factorise` always ends; whoever asks for many digits refines (Li and Demmel 1998).
 
-References: Duff and Reid 1983; Liu 1992. The order is SuperLU's minimum degree on the graph of variables with the same neighbours.
+The order is SuperLU's minimum degree, on the graph of the sets of variables with the same neighbours.
+References: Duff and Reid 1983; Liu 1992.
 """
 
 from typing import NamedTuple

@@ -1,7 +1,7 @@
 """Mehrotra's predictor-corrector method on the friction LCP, in the velocities of the bodies.
 
-The iterates keep x > 0 and s > 0 and need not be feasible. Each iteration factorises Newton's matrix once (solvers.contact_newton)
-and solves with it twice: the predictor aims at x s = 0; how far it gets sets the centring sigma; the corrector aims at
+The iterates keep x > 0 and s > 0 and need not be feasible. Each iteration factorises Newton's matrix (solvers.contact_newton)
+once and solves with it twice: the predictor aims at x s = 0; how far it gets sets the centring sigma; the corrector aims at
 
     x s = sigma mean(x s),      sigma = (mean(x s) after the predictor / mean(x s))^2,
 
@@ -44,7 +44,7 @@ def is_solved(best: Best, tol: float, system: System, problem: FrictionProblem, 
     return bool(best.residual[0] <= tol)
 
 
-@njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+@njit(cache=True)
 def judge(system: System, point: Point, defect: Point, work: Work, best: Best) -> float:
     """Evaluate a point and remember the best one."""
     residual = evaluate(system, point, defect, work)
@@ -105,7 +105,7 @@ def predictor_corrector(system: System, point: Point, work: Work, best: Best, to
     return len(history)
 
 
-@njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+@njit(cache=True)
 def longest(system: System, point: Point, step: Point, limit: float) -> float:
     """How far along the step x and s stay nonnegative, at most limit."""
     length = limit

@@ -1,8 +1,8 @@
 """Interior point for the convex relaxation, with the same factorisation as for the friction LCP itself.
 
 Where Coulomb's law has 0 <= c ⟂ u_n >= 0, the relaxation (problems.relaxation) has 0 <= c ⟂ u_n - mu lambda >= 0: a contact may
-slide only while it opens. One sign more makes the LCP monotone, and Mehrotra's method converges in practice whatever the problem
-(Wright 1997). Set beside interior_point it tells what the model is worth: same matrix, same arithmetic.
+slide only while it opens. One sign more makes the LCP monotone, and Mehrotra's method hardly ever fails (Wright 1997). Beside
+interior_point it tells what the model saves: the matrix and the arithmetic are the same.
 """
 
 import numpy as np

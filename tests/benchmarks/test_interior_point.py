@@ -1,0 +1,53 @@
+"""Time of an interior point iteration and of its parts."""
+
+import numpy as np
+import pytest
+
+from problems.scenes import scene
+from solvers import find
+from solvers.contact_newton import new_work, prepare, start_point
+from solvers.multifrontal import factorise, solve
+from solvers.predictor_corrector import Best, predictor_corrector
+
+SCENES = [("stack", {"blocks": 50}), ("stack", {"blocks": 1000}), ("pyramid", {"rows": 15})]
+
+
+@pytest.mark.parametrize(("name", "size"), SCENES)
+@pytest.mark.parametrize("kernel", ["factorise", "solve"])
+def test_factors(benchmark, kernel, name, size) -> None:
+    system = prepare(scene(name, **size).problem())
+    work = new_work(system)
+    fill = np.random.default_rng(0).standard_normal(len(work.storage))
+    factorise(system.fronts, fill, work.swap, 1e-3)
+    solve(system.fronts, fill, work.swap, work.vector)
+    benchmark.extra_info["variables"] = system.fronts.size
+    if kernel == "factorise":
+        benchmark.pedantic(factorise, setup=lambda: ((system.fronts, fill.copy(), work.swap, 1e-3), {}), rounds=30)
+    else:
+        benchmark(solve, system.fronts, fill, work.swap, work.vector)
+
+
+@pytest.mark.parametrize(("name", "size"), SCENES)
+def test_ten_iterations(benchmark, name, size) -> None:
+    system = prepare(scene(name, **size).problem())
+    work = new_work(system)
+
+    def iterate() -> int:
+        best = Best(np.zeros_like(system.offset), np.array([np.inf]))
+        return predictor_corrector(system, start_point(system, 1.0, 1.0), work, best, 0.0, 12, np.empty(11))
+
+    assert iterate() == 11
+    benchmark.extra_info["contacts"] = len(system.friction)
+    benchmark(iterate)
+
+
+@pytest.mark.parametrize("step", ["prepare", "solve"])
+@pytest.mark.parametrize("spec", ["interior_point", "relaxation_ip"])
+def test_a_whole_problem(benchmark, spec, step) -> None:
+    problem, (_, method) = scene("stack", blocks=50).problem(), find(spec)
+    prepared = method.prepare(problem)
+    method.solve(prepared, 1e-8, None)
+    if step == "prepare":
+        benchmark(method.prepare, problem)
+    else:
+        benchmark(method.solve, prepared, 1e-8, None)
