@@ -125,6 +125,24 @@ def solve(
 
 
 @app.command()
+def show(
+    scene: Annotated[str, typer.Argument(metavar="SCENE", help="Like `stack` or `stack[blocks=5]`.")],
+    solver: Annotated[str, typer.Option("--solver", metavar="SOLVER", help="A solver, or a file that defines one.")] = "lemke",
+    scheme: Annotated[str, typer.Option("--scheme", metavar="SCHEME", help="How time is stepped.")] = "anitescu_potra",
+    steps: Annotated[int | None, typer.Option("--steps", min=1, help="The scene's whole duration by default.")] = None,
+    out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE.html", help="SCENE.html by default.")] = None,
+) -> None:
+    """Animate a scene: one HTML page with its bodies, contact impulses, friction cones and energy."""
+    from harness.record import record_named
+    from reports.animation import write_animation
+
+    motion = record_named(scene, solver, scheme, steps)
+    typer.echo(f"animation: {write_animation(motion, out or Path(f'{motion.scene}.html'))}")
+    if motion.ended:
+        typer.echo(f"it ends after {len(motion.times) - 1} steps: {motion.ended}", err=True)
+
+
+@app.command()
 def rerun(
     folder: Annotated[Path, typer.Argument(metavar="DIR")],
     row: Annotated[str, typer.Argument(metavar="ROW", help="The row's key, as tables and reports give it.")],

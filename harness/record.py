@@ -7,30 +7,53 @@ middle velocity w = (v + v+)/2 the kinetic energy changes by exactly
 """
 
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 
+from harness.choose import resolve_solvers
+from harness.collect import REFERENCE
 from harness.drive import DIVERGED
-from problems import FrictionProblem
+from harness.plan import Source
+from harness.spec import parse
+from problems import FrictionProblem, InputError, scene
 from problems.check import Array
 from problems.residual import residual
 from problems.scene import Scene
 from problems.schemes import SCHEMES, NoSolution, Step
 from problems.simulate import simulate
-from results.motion import Motion, Outline
+from results.motion import Motion, Outline, write_motion
 from solvers import solve
 
 TOLERANCE = 1e-8
 
 
+def record_named(scene_spec: str, solver_spec: str, scheme: str, steps: int | None) -> Motion:
+    """The motion of a scene and by a solver as the command line names them. Errors: InputError naming the field."""
+    if scheme not in SCHEMES:
+        raise InputError(f"scheme: unknown scheme {scheme!r}; known are {', '.join(SCHEMES)}")
+    variants, _ = resolve_solvers([solver_spec])
+    if len(variants) != 1:
+        raise InputError(f"solver: {solver_spec} stands for {len(variants)} solvers; name one")
+    name, settings = parse("scene", scene_spec)
+    return record(scene(name, **settings), variants[0], scheme, steps)
+
+
+def keep(folder: Path, source: Source) -> None:
+    """Leave the source's motion by the reference solver in folder/motion, unless it is there."""
+    path = folder / "motion" / f"{source.scene}-{source.key.removeprefix('source-')}.json"
+    if not path.exists():
+        write_motion(path, record(scene(source.scene, **source.parameters), REFERENCE, steps=source.steps))
+
+
 def record(stage: Scene, solver: str, scheme: str = "anitescu_potra", steps: int | None = None) -> Motion:
-    """The scene driven by a solver, up to where the scheme has no solution, or the solver no answer, or the energy is beyond
-    all measure. Errors: InputError where the solver cannot be used or the scheme refuses the scene."""
+    """The scene driven by a solver, up to where the scheme has no solution, or the solver no answer, or the energy changes
+    beyond all measure. Errors: InputError where the solver cannot be used or the scheme refuses the scene."""
     taken: list[Step] = []
-    ended = ""
+    ended, start = "", stage.energy(stage.q0, stage.v0)
     try:
         for step in simulate(stage, lambda problem: _usable(problem, solver), SCHEMES[scheme], steps):
-            if not abs(stage.energy(step.q, step.v)) <= DIVERGED * _measure(stage):
+            if not abs(stage.energy(step.q, step.v) - start) <= DIVERGED * _measure(stage):
                 ended = f"diverged in step {len(taken)}"
                 break
             taken.append(step)

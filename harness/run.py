@@ -49,6 +49,7 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
                 elif not engine.leaves_rows:
                     shards[outcome.task.arguments[0].table].write(outcome.value)
                 stage.finished(outcome.task)
+        _record(plan, pool, progress)
     store.merge(folder, "solves", [cell.key for cell in solves])
     store.merge(folder, "drives", [cell.key for cell in drives])
     store.write_manifest(folder, store.read_manifest(folder) | {"finished": _now()})
@@ -92,6 +93,16 @@ def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Entry]:
             by_task[id(outcome.task)] = outcome.value
             stage.finished(outcome.task)
     return {entry["problem"]: entry for task in tasks for entry in by_task[id(task)]}
+
+
+def _record(plan: Plan, pool: Pool, progress: Progress) -> None:
+    """Record the motions of the driven scenes, here; they are pictures, and one that cannot be made is no loss."""
+    tasks = [Task(f"motion of {drive.scene}", worker.run_motion, (drive,), plan.drive_limit) for drive in plan.drives]
+    if not tasks:
+        return
+    with progress.stage("motions", len(tasks), 0) as stage:
+        for outcome in pool.run(tasks, stage.started):
+            stage.finished(outcome.task)
 
 
 def _solve_task(cell: SolveCell, entry: Entry, plan: Plan) -> Task:

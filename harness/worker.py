@@ -19,6 +19,7 @@ from harness import machine
 from harness.collect import Entry, collect, stored, stored_start
 from harness.drive import drive, refusal
 from harness.plan import COLD, DriveCell, SolveCell, Source
+from harness.record import keep
 from harness.rows import Row, drive_row, solve_row
 from harness.timing import Timing, time_solver
 from harness.verify import Finding, verify
@@ -97,6 +98,11 @@ def run_drive(cell: DriveCell, limit: float) -> Row:
     except Exception as error:
         return _leave("drives", begun, row | {"verdict": CRASHED, "reason": f"{type(error).__name__}: {error}"[:500]})
     return _leave("drives", begun, row | driven | {"peak_memory": machine.peak_memory()}, driven["solver_time"])
+
+
+def run_motion(source: Source) -> None:
+    """Record the motion of a driven scene."""
+    keep(_worker.folder, source)
 
 
 def _timed(solver: Solver, problem: FrictionProblem, cell: SolveCell, limit: float) -> tuple[Answer, Timing]:

@@ -1,4 +1,5 @@
-"""The report: one self-contained HTML file made from a results folder, without running anything again.
+"""The report: one self-contained HTML file made from a results folder, without running anything again. It links to the
+animations of the scenes, which lie beside it.
 
 Names and reasons in a results folder may come from strangers: the template escapes all text, the page runs no script and
 loads nothing, and figures are drawn without interpreting names.
@@ -14,6 +15,7 @@ from markupsafe import Markup
 
 from reports import energy, growth, profiles, speed_accuracy, tables
 from reports.accuracy import ALL, TARGETS, summary, times_to
+from reports.animation import write_animations
 from reports.cells import annotate, annotate_drives, contested, entrants
 from reports.figures import Panel, inline_svg, save_sheet, swatch
 from reports.style import looks, power, seconds
@@ -27,7 +29,7 @@ MOST_CLAIMS = 200  # wrong claims listed on the page
 
 
 def write_report(folder: Path) -> Path:
-    """Write DIR/report.html and the figures in DIR/figures/ from the tables in DIR; return the page's path.
+    """Write DIR/report.html, the figures in DIR/figures/ and the animations in DIR/motion/; return the report's path.
 
     Errors: results.store.ResultsError where DIR is not a results folder or a table cannot be read.
     """
@@ -52,6 +54,8 @@ def _contents(folder: Path, manifest: dict[str, Any], rows: pd.DataFrame, drives
         "energy": energy.panels(drives, look)[:MOST_CURVES],
     }
     claims = tables.wrong_claims(rows)
+    animations = write_animations(folder)
+    scene_of = dict(zip(rows["problem_class"], rows["scene"], strict=True))
     return {
         "folder": folder.resolve().name,
         "manifest": manifest,
@@ -76,6 +80,8 @@ def _contents(folder: Path, manifest: dict[str, Any], rows: pd.DataFrame, drives
         "by_class": tables.by_class(real),
         "classes": tables.problem_classes(rows),
         "drives": drives,
+        "animations": animations,
+        "animations_of": lambda name: [page for page in animations if page["scene"] == scene_of[name]],
         "claims": claims.head(MOST_CLAIMS),
         "claims_count": len(claims),
         "rerun": lambda key: f"frictionbench rerun {shlex.quote(str(folder))} {shlex.quote(key)}",

@@ -72,23 +72,23 @@ def _symmetrised(indptr: Index, indices: Index, data: Array, D: Array) -> tuple[
             above[free[j]], value[free[j]] = i, data[k]
             free[j] += 1
     start, at = np.zeros(n + 1, np.int64), 0
-    i, column, row = np.empty(2 * entries, np.int64), np.zeros(2 * entries), np.zeros(2 * entries)
+    rows, column, row = np.empty(2 * entries, np.int64), np.zeros(2 * entries), np.zeros(2 * entries)
     for j in range(n):  # merge row j and column j
         k, m = indptr[j], below[j]
         while k < indptr[j + 1] or m < below[j + 1]:
             right = indices[k] if k < indptr[j + 1] else n
             down = above[m] if m < below[j + 1] else n
-            i[at] = min(right, down)
-            scale = D[j] * D[i[at]]
-            if right == i[at]:
+            rows[at] = min(right, down)
+            scale = D[j] * D[rows[at]]
+            if right == rows[at]:
                 row[at] = data[k] * scale
                 k += 1
-            if down == i[at]:
+            if down == rows[at]:
                 column[at] = value[m] * scale
                 m += 1
             at += 1
         start[j + 1] = at
-    return start, i[:at].copy(), column[:at].copy(), row[:at].copy()
+    return start, rows[:at].copy(), column[:at].copy(), row[:at].copy()
 
 
 @njit(cache=True, error_model="numpy")

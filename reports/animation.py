@@ -1,0 +1,109 @@
+"""A motion as one self-contained HTML page: the bodies, the impulses in their friction cones, and the energy's ledger.
+
+The page holds the motion as JSON and a short script that draws it (templates/animation.js), and loads nothing. Names may come
+from strangers: text is escaped, "<" does not occur in the JSON, and the page's security policy lets no script run but this
+one, by its hash.
+"""
+
+import json
+from base64 import b64encode
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+import numpy as np
+from markupsafe import Markup
+
+from reports.energy import scene_title
+from reports.template import environment
+from results.motion import Array, Motion, Outline, plain, read_motion
+from results.store import ResultsError
+
+MOST_NUMBERS = 250_000  # on a page, which makes it about 2 MB
+DIGITS = 5  # of each, finer than a pixel
+MARGIN = 0.1  # around the motion, of its size
+
+
+def write_animation(motion: Motion, path: Path) -> Path:
+    """Write the page; return its path."""
+    templates = environment()
+    script = (Path(__file__).with_name("templates") / "animation.js").read_text(encoding="utf-8")
+    page = templates.get_template("animation.html").render(
+        motion=motion,
+        title=scene_title(motion.scene, json.dumps(motion.parameters)),
+        frames=len(motion.times),
+        script=Markup(script),
+        script_hash=b64encode(sha256(script.encode()).digest()).decode(),
+        data=Markup(json.dumps(_data(motion), separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")),
+    )
+    path.write_text(page, encoding="utf-8", errors="replace")
+    return path
+
+
+def write_animations(folder: Path) -> list[dict[str, Any]]:
+    """Write DIR/motion/NAME.html for every recording DIR/motion/NAME.json; of each page its scene, title and address from DIR.
+
+    A file that is no recording is passed over.
+    """
+    pages = []
+    for path in sorted((folder / "motion").glob("*.json")):
+        try:
+            motion = read_motion(path)
+        except ResultsError:
+            continue
+        page = write_animation(motion, path.with_suffix(".html"))
+        title = scene_title(motion.scene, json.dumps(motion.parameters))
+        pages.append({"scene": motion.scene, "title": title, "address": f"motion/{quote(page.name)}"})
+    return pages
+
+
+def _data(motion: Motion) -> dict[str, Any]:
+    """What the script draws: every frame, or of a long motion every k-th; of the steps between two frames the contacts of the
+    one with the largest impulses are shown, so that no impact is lost."""
+    n = len(motion.times)
+    numbers = motion.poses.size + 8 * n + sum(contacts.size for contacts in motion.contacts)
+    every = -(-numbers // MOST_NUMBERS)
+    size = np.array([np.abs(contacts[:, 4:]).sum() for contacts in motion.contacts])
+    shown = [k + int(size[k : k + every].argmax()) for k in range(0, n, every)]
+    curves = {name: getattr(motion, name)[::every] for name in ("times", "energy", "kinetic", "friction", "normal", "joints")}
+    data = curves | {
+        "defect": motion.defect[::every],
+        "residual": [value if np.isfinite(value) else None for value in motion.residual[shown].tolist()],
+        "poses": motion.poses[::every].reshape(len(shown), -1),
+        "contacts": [motion.contacts[k].ravel() for k in shown],
+        "step": motion.step,
+        "mu": motion.coefficient,
+        "outlines": [{**vars(outline), "corners": outline.corners.ravel()} for outline in motion.outlines],
+        "pins": motion.hinges,
+        "view": _view(motion),
+        "size": _size(motion),
+    }
+    return plain(data, DIGITS)
+
+
+def _size(motion: Motion) -> float:
+    """How much room an arrow has, m: a body's size, or the picture's if there are few bodies and small ones."""
+    left, bottom, right, top = _view(motion)
+    sizes = [float(np.ptp(outline.corners, axis=0).max()) + 2 * outline.radius for outline in _moving(motion)]
+    return max(float(np.median(sizes)) if sizes else 0.0, max(right - left, top - bottom) / (motion.poses.shape[1] + 2))
+
+
+def _moving(motion: Motion) -> list[Outline]:
+    return [outline for outline in motion.outlines if outline.body >= 0]
+
+
+def _view(motion: Motion) -> Array:
+    """The box (left, bottom, right, top) of all that ever moves, with a margin."""
+    low, high = [np.zeros((0, 2))], [np.zeros((0, 2))]
+    for outline in _moving(motion):
+        x, y, angle = motion.poses[:, outline.body].T[:, :, None]
+        a, b = outline.corners.T
+        corners = np.stack([x + np.cos(angle) * a - np.sin(angle) * b, y + np.sin(angle) * a + np.cos(angle) * b], axis=-1)
+        low.append(corners.min(axis=(0, 1))[None] - outline.radius)
+        high.append(corners.max(axis=(0, 1))[None] + outline.radius)
+    if len(low) == 1:
+        return np.array([-1.0, -1.0, 1.0, 1.0])
+    left_bottom, right_top = np.vstack(low).min(axis=0), np.vstack(high).max(axis=0)
+    margin = MARGIN * max(float((right_top - left_bottom).max()), 1e-9)
+    return np.concatenate([left_bottom - margin, right_top + margin])

@@ -1,0 +1,303 @@
+"use strict";
+const page = document.documentElement;
+addEventListener("error", (event) => { page.dataset.error = event.message; });
+
+const element = (id) => document.getElementById(id);
+const motion = JSON.parse(element("motion").textContent);
+const frames = motion.times.length, last = frames - 1;
+const stage = element("stage"), chart = element("chart");
+const change = motion.energy.map((energy) => energy - motion.energy[0]);
+const hinged = motion.pins.length > 0;
+const curves = { normal: motion.normal, friction: motion.friction, ...(hinged && { joints: motion.joints }), defect: motion.defect, ink: change };
+const most = (values) => values.reduce((a, value) => Math.max(a, Math.abs(value)), 0);
+const energyScale = Math.max(most(change), most(motion.kinetic), 1e-3 * most(motion.energy)) || 1;
+const force = (contacts, k) => Math.hypot(contacts[k + 4], contacts[k + 5]) / motion.step;
+
+// An arrow as long as ARROW of the view is a typical force: the median of the frames' largest.
+const ARROW = 0.2, LONGEST = 2.0;
+const largest = motion.contacts.map((contacts) => {
+  let found = 0;
+  for (let k = 0; k < contacts.length; k += 6) found = Math.max(found, force(contacts, k));
+  return found;
+});
+const pushed = largest.filter((value) => value > 1e-9 * most(largest)).sort((a, b) => a - b);
+const typical = pushed.length ? pushed[pushed.length >> 1] : 1;
+
+let frame = 0, playing = false, speed = 1, clock = 0, before = 0, ticket = 0, colour = {};
+
+function number(value, nothing = 1e-300) {
+  if (value === null || value === undefined) return "–";
+  const size = Math.abs(value);
+  if (size < nothing) return "0";
+  const text = size >= 1e5 || size < 1e-3 ? value.toExponential(1) : value.toPrecision(size < 1 ? 3 : 4);
+  return text.replaceAll("-", "−").replace("+", "");
+}
+
+function fit(canvas, height) {
+  const ratio = devicePixelRatio || 1, width = canvas.clientWidth;
+  if (height) canvas.style.height = height + "px";
+  const pixels = [Math.round(width * ratio), Math.round(canvas.clientHeight * ratio)];
+  if (canvas.width !== pixels[0] || canvas.height !== pixels[1]) [canvas.width, canvas.height] = pixels;
+  const pen = canvas.getContext("2d");
+  pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+  pen.clearRect(0, 0, width, canvas.clientHeight);
+  pen.lineJoin = pen.lineCap = "round";
+  return [pen, width, canvas.clientHeight];
+}
+
+function drawStage() {
+  const [left, bottom, right, top] = motion.view;
+  const wanted = stage.clientWidth * (top - bottom) / (right - left);
+  const [pen, width, height] = fit(stage, Math.round(Math.min(Math.max(wanted, 260), 0.68 * innerHeight)));
+  const scale = Math.min(width / (right - left), height / (top - bottom));
+  const X = (x) => width / 2 + scale * (x - (left + right) / 2), Y = (y) => height / 2 - scale * (y - (bottom + top) / 2);
+  const pose = motion.poses[frame];
+  const place = (body, a, b) => {
+    if (body < 0) return [X(a), Y(b)];
+    const [x, y, angle] = pose.slice(3 * body, 3 * body + 3), cos = Math.cos(angle), sin = Math.sin(angle);
+    return [X(x + cos * a - sin * b), Y(y + sin * a + cos * b)];
+  };
+  for (const outline of motion.outlines) if (outline.body < 0) drawOutline(pen, outline, place, scale, width, height);
+  for (const outline of motion.outlines) if (outline.body >= 0) drawOutline(pen, outline, place, scale, width, height);
+  for (const [body, a, b] of motion.pins) dot(pen, ...place(body, a, b), 3.5, colour.paper, colour.edge);
+
+  const body = scale * motion.size, size = Math.min(Math.max(0.35 * body, 14), 44);
+  const reach = Math.max(Math.min(ARROW * Math.min(width, height), 0.9 * body), 40);
+  const glow = playing ? Math.max(1, Math.round(0.2 * speed * frames / (motion.times[last] || 1))) : 0;
+  for (let k = Math.max(0, frame - glow); k < frame; k++) {  // an impact lasts one step: let it fade
+    if (largest[k] > LONGEST * typical || largest[frame] === 0) {
+      pen.globalAlpha = 0.7 * (1 - (frame - k) / (glow + 1));
+      drawContacts(pen, motion.contacts[k], X, Y, reach, 0);
+    }
+  }
+  pen.globalAlpha = 1;
+  drawContacts(pen, motion.contacts[frame], X, Y, reach, element("cones").checked ? size : 0);
+  drawScales(pen, scale, reach, width, height);
+}
+
+function drawOutline(pen, outline, place, scale, width, height) {
+  const { body, corners, radius, endless } = outline, far = 4 * (width + height);
+  const points = [];
+  for (let k = 0; k < corners.length; k += 2) points.push(place(body, corners[k], corners[k + 1]));
+  pen.fillStyle = body < 0 ? colour.ground : colour.body;
+  pen.strokeStyle = body < 0 ? colour.soft : colour.edge;
+  pen.lineWidth = 1.5;
+  pen.beginPath();
+  if (endless && radius === 0) {  // a half plane lies left of its line: right of it on a canvas, whose y points down
+    const [[x, y], [u, v]] = points, length = Math.hypot(u - x, v - y), c = (u - x) / length, s = (v - y) / length;
+    const along = (t, depth) => [x + c * t + s * depth, y + s * t - c * depth];
+    for (const corner of [along(-far, 0), along(far, 0), along(far, far), along(-far, far)]) pen.lineTo(...corner);
+    pen.closePath();
+  } else if (points.length === 1) {
+    const size = Math.max(scale * Math.abs(radius), 4);
+    if (endless) pen.rect(-9, -9, width + 18, height + 18);
+    pen.moveTo(points[0][0] + size, points[0][1]);
+    pen.arc(...points[0], size, 0, 2 * Math.PI);
+    if (body >= 0) { pen.moveTo(...points[0]); pen.lineTo(...(size > 4 ? place(body, corners[0] + radius, corners[1]) : points[0])); }
+  } else {
+    for (const point of points) pen.lineTo(...point);
+    if (points.length > 2) pen.closePath(); else pen.lineWidth = 5;
+  }
+  if (points.length !== 2 || endless) pen.fill("evenodd");
+  pen.stroke();
+}
+
+function dot(pen, x, y, radius, fill, line) {
+  pen.beginPath();
+  pen.arc(x, y, radius, 0, 2 * Math.PI);
+  pen.fillStyle = fill;
+  pen.fill();
+  if (line) { pen.strokeStyle = line; pen.lineWidth = 1.5; pen.stroke(); }
+}
+
+function drawContacts(pen, contacts, X, Y, reach, cone) {
+  const opening = Math.atan(motion.mu);
+  for (let k = 0; k < contacts.length; k += 6) {
+    const [x, y, nx, ny, normal, tangential] = contacts.slice(k, k + 6), at = [X(x), Y(y)];
+    const size = force(contacts, k), drawn = size > 1e-4 * typical;
+    if (!drawn) { dot(pen, ...at, 2.5, colour.soft); continue; }
+    const ink = Math.abs(tangential) >= 0.9999 * motion.mu * normal ? colour.slide : colour.stick;
+    if (cone) {
+      const axis = Math.atan2(-ny, nx), alpha = pen.globalAlpha;
+      pen.beginPath();
+      pen.moveTo(...at);
+      pen.arc(...at, cone, axis - opening, axis + opening);
+      pen.closePath();
+      pen.globalAlpha = 0.22 * alpha;
+      pen.fillStyle = ink;
+      pen.fill();
+      pen.globalAlpha = 0.8 * alpha;
+      pen.strokeStyle = ink;
+      pen.lineWidth = 0.8;
+      pen.stroke();
+      pen.globalAlpha = alpha;
+    }
+    if (element("forces").checked) {
+      const fx = normal * nx + tangential * ny, fy = normal * ny - tangential * nx, total = Math.hypot(fx, fy);
+      const length = reach * Math.min(size / typical, LONGEST);
+      arrow(pen, ...at, fx / total, -fy / total, length, ink, size > LONGEST * typical);
+    }
+    dot(pen, ...at, 3, ink);
+  }
+}
+
+function arrow(pen, x, y, c, s, length, ink, twice) {
+  const head = Math.min(9, 0.6 * length + 2);
+  pen.strokeStyle = pen.fillStyle = ink;
+  pen.lineWidth = 2;
+  pen.beginPath();
+  pen.moveTo(x, y);
+  pen.lineTo(x + c * (length - head / 2), y + s * (length - head / 2));
+  pen.stroke();
+  for (const tip of twice ? [length, length - 0.8 * head] : [length]) {
+    pen.beginPath();
+    pen.moveTo(x + c * tip, y + s * tip);
+    for (const side of [-0.45, 0.45]) pen.lineTo(x + c * (tip - head) - side * s * head, y + s * (tip - head) + side * c * head);
+    pen.closePath();
+    pen.fill();
+  }
+}
+
+function drawScales(pen, scale, reach, width, height) {
+  const round = (value) => {  // down to 1, 2 or 5 times a power of ten
+    const power = 10 ** Math.floor(Math.log10(value));
+    return power * (value >= 5 * power ? 5 : value >= 2 * power ? 2 : 1);
+  };
+  const metres = round(90 / scale), newtons = round(90 * typical / reach);
+  const bars = [[scale * metres, tick(metres) + " m", colour.ink]];
+  if (pushed.length) bars.push([reach * newtons / typical, tick(newtons) + " N", colour.stick]);
+  pen.font = "12px system-ui, sans-serif";
+  pen.textAlign = "right";
+  bars.forEach(([length, text, ink], row) => {
+    const y = 18 + 20 * row;
+    pen.fillStyle = pen.strokeStyle = ink;
+    pen.lineWidth = 2;
+    pen.fillText(text, width - 22 - length, y + 4);
+    if (row) arrow(pen, width - 14 - length, y, 1, 0, length, ink, false);
+    else { pen.beginPath(); pen.moveTo(width - 14 - length, y - 4); pen.lineTo(width - 14 - length, y); pen.lineTo(width - 14, y); pen.lineTo(width - 14, y - 4); pen.stroke(); }
+  });
+}
+
+function drawChart() {
+  const [pen, width, height] = fit(chart), [west, east, north, south] = [58, 18, 24, 34];
+  const all = Object.values(curves).flat(), end = motion.times[last] || 1;
+  let [low, high] = all.reduce(([a, b], value) => [Math.min(a, value), Math.max(b, value)], [0, 0]);
+  const slack = Math.max(0.05 * (high - low), 0.01 * energyScale);
+  [low, high] = [low - slack, high + slack];
+  const X = (t) => west + (width - west - east) * t / end, Y = (e) => north + (height - north - south) * (high - e) / (high - low);
+  pen.font = "12px system-ui, sans-serif";
+  pen.lineWidth = 1;
+  const ticks = (a, b, count) => {
+    const raw = (b - a) / count, power = 10 ** Math.floor(Math.log10(raw));
+    const step = [1, 2, 5, 10].map((m) => m * power).find((value) => value >= raw);
+    const found = [];
+    for (let i = Math.ceil(a / step - 1e-9); i * step <= b + 1e-9 * step; i++) found.push(i * step);
+    return found;
+  };
+  pen.strokeStyle = colour.line;
+  pen.fillStyle = colour.soft;
+  pen.textAlign = "right";
+  for (const e of ticks(low, high, 5)) { line(pen, west, Y(e), width - east, Y(e)); pen.fillText(tick(e), west - 6, Y(e) + 4); }
+  pen.textAlign = "center";
+  for (const t of ticks(0, end, 5)) { line(pen, X(t), north, X(t), height - south); pen.fillText(tick(t), X(t), height - south + 16); }
+  pen.textAlign = "left";
+  pen.fillText("change of energy, J", 8, 15);
+  pen.textAlign = "right";
+  pen.fillText("time, s", width - east, height - 2);
+  for (const [name, curve] of Object.entries(curves)) {
+    pen.strokeStyle = colour[name];
+    pen.lineWidth = name === "ink" ? 2.4 : 1.6;
+    pen.setLineDash(name === "defect" ? [5, 4] : []);
+    pen.beginPath();
+    curve.forEach((e, k) => pen.lineTo(X(motion.times[k]), Y(e)));
+    pen.stroke();
+  }
+  pen.setLineDash([]);
+  pen.strokeStyle = colour.soft;
+  pen.lineWidth = 1;
+  line(pen, X(motion.times[frame]), north, X(motion.times[frame]), height - south);
+  for (const [name, curve] of Object.entries(curves)) dot(pen, X(motion.times[frame]), Y(curve[frame]), name === "ink" ? 4 : 3, colour[name]);
+}
+
+const tick = (value) => String(Number(value.toPrecision(6))).replaceAll("-", "−");
+const joules = (value) => number(value, 1e-9 * energyScale) + " J";  // below that it is round-off
+
+function line(pen, x, y, u, v) {
+  pen.beginPath();
+  pen.moveTo(x, y);
+  pen.lineTo(u, v);
+  pen.stroke();
+}
+
+function draw() {
+  const style = getComputedStyle(page);
+  for (const name of ["ink", "soft", "paper", "line", "ground", "body", "edge", "stick", "slide", "normal", "friction", "joints", "defect"]) {
+    colour[name] = style.getPropertyValue("--" + name).trim();
+  }
+  drawStage();
+  drawChart();
+  element("play").textContent = playing ? "Pause" : "Play";
+  element("frame").value = frame;
+  element("time").textContent = `${motion.times[frame].toFixed(decimals)} s of ${motion.times[last].toFixed(decimals)} s`;
+  for (const name of ["kinetic", "energy", "friction", "normal", "defect", ...(hinged ? ["joints"] : [])]) element(name).textContent = joules(motion[name][frame]);
+  element("change").textContent = joules(change[frame]);
+  element("residual").textContent = frame === last ? "–" : number(motion.residual[frame]);
+  element("largest").textContent = frame === last ? "–" : number(largest[frame]) + " N";
+  page.dataset.frame = frame;
+}
+
+function show(wanted) {  // and stop there
+  playing = false;
+  cancelAnimationFrame(ticket);
+  frame = Math.min(Math.max(Math.round(wanted), 0), last);
+  clock = motion.times[frame];
+  draw();
+}
+
+function play() {
+  if (frame === last) show(0);
+  playing = last > 0;
+  before = performance.now();
+  ticket = requestAnimationFrame(advance);
+}
+
+function advance(now) {
+  clock += speed * Math.max(0, now - before) / 1000;
+  before = now;
+  while (frame < last && motion.times[frame + 1] <= clock) frame++;
+  if (frame === last) return show(last);
+  draw();
+  ticket = requestAnimationFrame(advance);
+}
+
+// Played at life's speed, or slower where that is over before one has looked.
+const decimals = Math.max(2, Math.ceil(-Math.log10((motion.times[last] || 1) / Math.max(last, 1))));
+const speeds = [1, 1 / 2, 1 / 5, 1 / 10, 1 / 20, 1 / 50, 1 / 100, 1 / 200, 1 / 500, 1 / 1000];
+speed = speeds.find((value) => motion.times[last] / value >= 2) || speeds[speeds.length - 1];
+for (const value of speeds) {
+  const option = new Option(value === 1 ? "real time" : `1/${Math.round(1 / value)} speed`, value, false, value === speed);
+  element("speed").add(option);
+}
+element("speed").addEventListener("change", (event) => { speed = Number(event.target.value); });
+element("frame").max = last;
+element("frame").addEventListener("input", (event) => show(Number(event.target.value)));
+const toggle = () => (playing ? show(frame) : play());
+element("play").addEventListener("click", toggle);
+for (const id of ["cones", "forces"]) element(id).addEventListener("change", draw);
+addEventListener("keydown", (event) => {
+  if (event.ctrlKey || event.altKey || event.metaKey || event.target.tagName === "SELECT") return;
+  const far = event.shiftKey ? 10 : 1;
+  const keys = { " ": toggle, ArrowLeft: () => show(frame - far), ArrowRight: () => show(frame + far), Home: () => show(0), End: () => show(last) };
+  if (keys[event.key]) { event.preventDefault(); keys[event.key](); }
+});
+addEventListener("hashchange", fromHash);
+addEventListener("resize", draw);
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+
+function fromHash() {
+  const match = /^#frame=(\d+)$/.exec(location.hash);
+  show(match ? Number(match[1]) : 0);
+}
+
+fromHash();
+page.dataset.status = "ready";
