@@ -3,7 +3,7 @@
 from harness.plan import COLD, SHUFFLED, WARM, Plan, Source
 from problems.schemes import SCHEMES
 
-EXACT = ("lemke", "path_search", "interior_point", "nsgs")
+EXACT = ("hybrid", "lemke", "path_search", "interior_point", "nsgs")
 RELAXED = ("ccp[backend=clarabel]", "ccp[backend=osqp]", "ccp[backend=proxqp]", "ccp_cone")
 OTHERS = (
     *("fischer_newton", "minmap_newton", "dantzig", "murty"),
@@ -122,7 +122,7 @@ def scaling() -> Plan:
     return Plan(
         suite="scaling",
         sources=(*pushed, *heavy),
-        solvers=("hybrid", *EXACT, "apgd_coulomb", *RELAXED[:3]),
+        solvers=(*EXACT, "apgd_coulomb", *RELAXED[:3]),
         tolerances=(1e-4, 1e-8),
         time_limit=10.0,
     )

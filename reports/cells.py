@@ -1,6 +1,7 @@
 """The solves table made ready for a report: who ran (entry), on what (problem, problem class), and how long it took.
 
-    entry           the variant of a solver; a warm start makes it another entry
+    entry           the variant of a solver; another start makes it another entry, and so does another host: times of two
+                    machines never meet in one figure
     problem_id      a number for the problem of one time step
     problem_class   the scene; where a scene comes in several sizes, the scene and its band of sizes
     time            prepare and solve together, s
@@ -38,7 +39,9 @@ def annotate(solves: pd.DataFrame) -> pd.DataFrame:
     rows[texts] = rows[texts].fillna("")
     rows["trivial"] = rows["trivial"].eq(True)
     rows["claimed"] = rows["claimed"].eq(True)
-    rows["entry"] = rows["variant"].where(rows["start"] != "warm", rows["variant"] + ", warm")
+    rows["entry"] = rows["variant"].where(rows["start"].isin(["", "cold"]), rows["variant"] + ", " + rows["start"])
+    if rows["host"].nunique() > 1:
+        rows["entry"] += " on " + rows["host"]
     rows["problem_id"] = rows.groupby(_IDENTITY, dropna=False, sort=False).ngroup()
     rows["problem_class"] = _classes(rows)
     rows["time"] = rows["prepare_time"].fillna(0.0) + rows["solve_time"]

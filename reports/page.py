@@ -73,6 +73,7 @@ def _contents(folder: Path, manifest: dict[str, Any], rows: pd.DataFrame, drives
         "matrices": {target: _matrix(table) for target, table in summaries.items()},
         "races": {name: _race(summaries, name) for name in [ALL, *rows["problem_class"].unique()]},
         "solvability": tables.solvability(rows),
+        "overhead": tables.overhead(rows),
         "outcomes": tables.OUTCOMES,
         "verdicts": VERDICTS,
         "reasons": tables.reasons(rows),

@@ -99,3 +99,9 @@ def leaders(summary: pd.DataFrame) -> Leaders | None:
 def gaps(rows: pd.DataFrame) -> int:
     """How many pairs of a problem and an entry have no row at all, as in a run cut short."""
     return rows["problem_id"].nunique() * rows["entry"].nunique() - len(rows.drop_duplicates(["problem_id", "entry"]))
+
+
+def overhead(rows: pd.DataFrame) -> float | None:
+    """The share of the cells' time that was spent outside prepare and solve; None where it was not measured."""
+    measured = rows[rows["overhead"].notna() & (rows["wall_time"] > 0)]
+    return float(measured["overhead"].sum() / measured["wall_time"].sum()) if len(measured) else None

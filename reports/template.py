@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
 
 from reports.style import power, seconds
 
@@ -21,6 +22,7 @@ def environment() -> Environment:
         "share": lambda value: "–" if _absent(value) else f"{math.floor(100 * value + 1e-9)} %",
         "percent": lambda value: "–" if _absent(value) else f"{100 * value:.2g} %",
         "whole": lambda value: "–" if _absent(value) else f"{value:.0f}",
+        "breakable": lambda name: Markup("_<wbr>").join(str(name).split("_")),
         "flat": lambda value: list(_flat(value)),
         "records": lambda table: table.to_dict("records"),
     }
