@@ -40,7 +40,7 @@ def annotate(solves: pd.DataFrame) -> pd.DataFrame:
     rows["trivial"] = rows["trivial"].eq(True)
     rows["claimed"] = rows["claimed"].eq(True)
     rows["entry"] = rows["variant"].where(rows["start"].isin(["", "cold"]), rows["variant"] + ", " + rows["start"])
-    if rows["host"].nunique() > 1:
+    if len(set(rows["host"])) > 1:
         rows["entry"] += " on " + rows["host"]
     rows["problem_id"] = rows.groupby(_IDENTITY, dropna=False, sort=False).ngroup()
     rows["problem_class"] = _classes(rows)

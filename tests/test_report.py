@@ -274,3 +274,19 @@ def test_plain_text_for_figures():
     assert plain("_hidden") == " _hidden"
     assert plain("a\x00b\u4e2d") == "a?b?"
     assert len(plain("x" * 1000)) == 48
+
+
+def test_times_of_two_hosts_never_meet() -> None:
+    two = annotated(solve_row("lemke", "p", host="left"), solve_row("lemke", "q", host="right"))
+    assert two["entry"].tolist() == ["lemke on left", "lemke on right"]
+    assert annotated(solve_row("lemke", "p", start="warm"))["entry"].tolist() == ["lemke, warm"]
+
+
+def test_the_harness_own_share_by_hand() -> None:
+    rows = annotated(
+        solve_row("a", "p", wall_time=1.0, overhead=0.1),
+        solve_row("b", "p", wall_time=3.0, overhead=0.3),
+        lost_row("c", "p", "timeout"),
+    )
+    assert tables.overhead(rows) == pytest.approx(0.1)
+    assert tables.overhead(rows.tail(1)) is None
