@@ -14,7 +14,7 @@ References: Anitescu and Potra 1997; Acary and Brogliato 2008, chapter 10.
 
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from typing import Any, NamedTuple, Self
+from typing import Any, Self
 
 import numpy as np
 from scipy import sparse
@@ -24,17 +24,7 @@ from problems.check import Array, require
 from problems.delassus import delassus, delassus_diagonal, interleave
 from problems.lcp import LCP, content_hash, friction_lcp
 from problems.mass import invert_mass
-from problems.relaxation import QP, ConeProgram, relaxation_cone, relaxation_qp
-
-
-class VelocityForm(NamedTuple):
-    """The problem in its velocities, joints apart: M (v - v*) = J' r, u = J v + offset."""
-
-    mass: sparse.csr_array
-    inverse: sparse.csr_array
-    jacobian: sparse.csr_array
-    free_velocity: Array
-    offset: Array
+from problems.relaxation import QP, ConeProgram, Laws, VelocityForm, relaxation_cone, relaxation_qp
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -173,6 +163,10 @@ class FrictionProblem:
         offset[:, 0] = self.bias
         return VelocityForm(self.mass, self.inverse_mass, self.jacobian, self.free_velocity, offset.ravel())
 
+    @property
+    def _laws(self) -> Laws:
+        return Laws(self.friction, self.friction_bias, self.joints, self.joint_bias, self.dimension)
+
     def lcp(self, facets: int = 8) -> LCP:
         """The friction LCP. Exact in the plane; in space the cone's section is a polygon inscribed with `facets` corners."""
         if self.dimension == 2:
@@ -185,11 +179,11 @@ class FrictionProblem:
 
     def qp(self, facets: int = 8) -> QP:
         """The convex relaxation as a quadratic program in the velocities (Anitescu 2006); polygonal in space."""
-        return relaxation_qp(self, facets)
+        return relaxation_qp(self.velocity_form(), self._laws, facets)
 
     def cone(self) -> ConeProgram:
         """The convex relaxation as a second-order cone program in the velocities (Anitescu and Tasora 2010)."""
-        return relaxation_cone(self)
+        return relaxation_cone(self.velocity_form(), self._laws)
 
     @cached_property
     def hash(self) -> str:

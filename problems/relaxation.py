@@ -11,15 +11,32 @@ bias, carries the segment by which that contact's set K is wider than a cone.
 """
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 import numpy as np
 from scipy import sparse
 
 from problems.check import Array
 
-if TYPE_CHECKING:
-    from problems.friction import FrictionProblem
+
+class VelocityForm(NamedTuple):
+    """A friction problem in its velocities, joints apart: M (v - v*) = J' r, u = J v + offset."""
+
+    mass: sparse.csr_array
+    inverse: sparse.csr_array
+    jacobian: sparse.csr_array
+    free_velocity: Array
+    offset: Array
+
+
+class Laws(NamedTuple):
+    """What else a friction problem says: its cones |r_t| <= mu r_n + b_f (nc), its joints F v + b_F = 0, and d."""
+
+    friction: Array
+    friction_bias: Array
+    joints: sparse.csr_array
+    joint_bias: Array
+    dimension: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,9 +77,9 @@ class ConeProgram:
         return np.asarray(self.to_impulse @ z).reshape(self.contacts)
 
 
-def relaxation_qp(problem: "FrictionProblem", facets: int) -> QP:
+def relaxation_qp(form: VelocityForm, laws: Laws, facets: int) -> QP:
     """The relaxation with a polygonal section (exact in the plane) as a QP in x = (v, y)."""
-    nc, d = problem.contacts, problem.dimension
+    nc, d = len(laws.friction), laws.dimension
     if d == 2:
         section = np.array([[1.0], [-1.0]])
     else:
@@ -70,26 +87,26 @@ def relaxation_qp(problem: "FrictionProblem", facets: int) -> QP:
         section = np.column_stack([np.cos(angle), np.sin(angle)])
     K = len(section)
     # Facet rows (1, mu d_k) of every contact: u_n + mu d_k'u_t >= 0. Their multipliers add up to the impulse.
-    facet = _blocks(np.ones((nc, K, 1)), problem.friction[:, None, None] * section)
+    facet = _blocks(np.ones((nc, K, 1)), laws.friction[:, None, None] * section)
     # Slack rows y + d_k'u_t >= 0, for contacts with a friction bias only.
-    wide = np.flatnonzero(problem.friction_bias)
+    wide = np.flatnonzero(laws.friction_bias)
     segment = _blocks(np.zeros((nc, K, 1)), np.broadcast_to(section, (nc, K, d - 1)))
     segment = segment[(wide[:, None] * K + np.arange(K)).ravel()]
     slack = sparse.kron(sparse.eye_array(len(wide)), np.ones((K, 1)))
-    return QP(*_program(problem, facet, segment, slack), contacts=(nc, d))
+    return QP(*_program(form, laws, facet, segment, slack), contacts=(nc, d))
 
 
-def relaxation_cone(problem: "FrictionProblem") -> ConeProgram:
+def relaxation_cone(form: VelocityForm, laws: Laws) -> ConeProgram:
     """The relaxation with the circular section as a second-order cone program in x = (v, y)."""
-    nc, d = problem.contacts, problem.dimension
-    mu = np.broadcast_to(problem.friction[:, None, None], (nc, d, 1))
+    nc, d = len(laws.friction), laws.dimension
+    mu = np.broadcast_to(laws.friction[:, None, None], (nc, d, 1))
     identity = np.broadcast_to(np.eye(d), (nc, d, d))
     # Rows (u_n, mu u_t) of every contact lie in the cone; (y, u_t) of those with a friction bias too.
     facet = _blocks(identity[:, :, :1], identity[:, :, 1:] * mu)
-    wide = np.flatnonzero(problem.friction_bias)
+    wide = np.flatnonzero(laws.friction_bias)
     segment = _blocks(np.zeros((nc, d, 1)), identity[:, :, 1:])[(wide[:, None] * d + np.arange(d)).ravel()]
     slack = sparse.kron(sparse.eye_array(len(wide)), np.eye(d)[:, :1])
-    P, q, G, h, A, b, to_impulse = _program(problem, facet, segment, slack)
+    P, q, G, h, A, b, to_impulse = _program(form, laws, facet, segment, slack)
     return ConeProgram(P, q, G, h, (d,) * (nc + len(wide)), A, b, to_impulse, (nc, d))
 
 
@@ -97,18 +114,18 @@ _Program = tuple[sparse.csc_array, Array, sparse.csc_array, Array, sparse.csc_ar
 
 
 def _program(
-    problem: "FrictionProblem", facet: sparse.csr_array, segment: sparse.csr_array, slack: sparse.coo_array
+    form: VelocityForm, laws: Laws, facet: sparse.csr_array, segment: sparse.csr_array, slack: sparse.coo_array
 ) -> _Program:
     """P, q, G, h, A, b and the map from multipliers to impulses, for the constraint rows facet @ u and segment @ u + y."""
-    mass, _, jacobian, free, offset = problem.velocity_form()
+    mass, _, jacobian, free, offset = form
     ny = slack.shape[1]
     on_contacts = sparse.csr_array(sparse.vstack([facet, segment]))
     on_slack = sparse.vstack([sparse.csr_array((facet.shape[0], ny)), slack])
     G = -sparse.hstack([on_contacts @ jacobian, on_slack], format="csc")
     P = sparse.block_diag([mass, sparse.csr_array((ny, ny))], format="csc")
-    A = sparse.hstack([problem.joints, sparse.csr_array((problem.joints.shape[0], ny))], format="csc")
-    q = np.concatenate([-(mass @ free), problem.friction_bias[problem.friction_bias > 0]])
-    return P, q, G, on_contacts @ offset, A, -problem.joint_bias, sparse.csr_array(on_contacts.T)
+    A = sparse.hstack([laws.joints, sparse.csr_array((laws.joints.shape[0], ny))], format="csc")
+    q = np.concatenate([-(mass @ free), laws.friction_bias[laws.friction_bias > 0]])
+    return P, q, G, on_contacts @ offset, A, -laws.joint_bias, sparse.csr_array(on_contacts.T)
 
 
 def _blocks(normal: Array, tangent: Array) -> sparse.csr_array:
