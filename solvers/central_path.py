@@ -24,7 +24,8 @@ import numpy as np
 from numba import njit
 
 from problems.check import Array
-from solvers.contact_newton import Point, System, Work, direction, linearise, new_point
+from solvers.contact_newton import Point, Work, direction, linearise, new_point
+from solvers.contact_system import System
 from solvers.predictor_corrector import Best, judge, predictor_corrector
 
 NEAR = 0.3  # a correction, in logarithms, up to which a point counts as on the curve

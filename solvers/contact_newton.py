@@ -22,9 +22,6 @@ What is left is A dv = b in the velocities with
 a sum of small matrices, factorised by solvers.multifrontal. A is singular where the impulses are not unique, so delta, a tiny
 multiple of the contacts' own size, is added to the diagonals of B: Newton's matrix is inexact by it, the defects are not, and
 the error is driven out by the next step. A joint is a row of C = 1/delta for the same reason: redundant joints do no harm.
-
-Where only the Delassus matrix W is known, the impulses take the velocities' place: M = I, J' = I on the left of C and J = W on
-its right, so that an unsymmetric W is solved as given.
 """
 
 from typing import NamedTuple
@@ -32,57 +29,14 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy import sparse
 
 from problems.check import Array
-from problems.friction import DelassusProblem, FrictionProblem
-from solvers.multifrontal import Fronts, Index, analyse, factorise, solve
+from solvers.contact_system import JOINT_SOFTNESS, Elements, System
+from solvers.minimum_degree import Index
+from solvers.multifrontal import Fronts, factorise, solve
 
 SOFTNESS = 1e-13  # delta, relative to a contact's own mean diagonal of W; 1e-16 fails, 1e-12 slows stacks of thousands
-JOINT_SOFTNESS = 1e-8  # the same of a joint; its stiffness is added to a mass matrix of size 1, so not as small
 PIVOT = 1e-14  # the least pivot of A, whose mass matrix is scaled to the size of 1
-
-
-class Elements(NamedTuple):
-    """Constraints as elements of A: rows push and feel (entries, d) on the variables column[start[e]:start[e+1]].
-
-    u = feel v and M dv = push' r; the two differ for a Delassus problem only. front, place: where an element is added.
-    """
-
-    start: Index
-    column: Index
-    front: Index
-    place: Index
-    push: Array
-    feel: Array
-
-
-class System(NamedTuple):
-    """A friction problem in units of velocity `speed` and impulse `impulse`, its variables in order of elimination.
-
-    mass: values to be added at the entries `slot` of the fronts. inverse, indices, indptr: M^-1 by rows.
-    shift: 0 for Coulomb's law, mu for its convex relaxation. weight: s_i of problems.residual.
-    pairs: 4, or 1 where a contact has no friction at all.
-    """
-
-    fronts: Fronts
-    contacts: Elements
-    joints: Elements
-    slot: Index
-    mass: Array
-    inverse: Array
-    indices: Index
-    indptr: Index
-    free_velocity: Array
-    offset: Array
-    joint_bias: Array
-    friction: Array
-    friction_bias: Array
-    shift: Array
-    weight: Array
-    pairs: Index
-    speed: float
-    impulse: float
 
 
 class Point(NamedTuple):
@@ -100,91 +54,12 @@ class Work(NamedTuple):
     swap: Index
     pivot: Array
     stiffness: NDArray[np.float64]
-    joint_stiffness: NDArray[np.float64]
     right: Array
     impulse: Array
     velocity: Array
     joint_velocity: Array
     vector: Array
     momentum: Array
-
-
-def prepare(problem: FrictionProblem, relaxed: bool = False) -> System:
-    """Scale a planar problem, or its convex relaxation, find the order of elimination and lay out its matrices."""
-    nc, d = problem.contacts, problem.dimension
-    free = np.linalg.norm(problem.q.reshape(nc, d), axis=1)
-    speed = float(free.max(initial=0.0)) or 1.0
-    impulse = speed / float(np.exp(np.log(problem.scale).mean())) if nc else speed
-    mass, inverse, jacobian, free_velocity, offset = problem.velocity_form()
-    if isinstance(problem, DelassusProblem):
-        mass = inverse = push = sparse.eye_array(nc * d, format="csr")
-        feel = problem.W * (impulse / speed)
-        joints, free_velocity = sparse.csr_array((0, nc * d)), np.zeros(nc * d)
-    else:
-        # v = speed * unit * v^, with the units that make the diagonal of the mass matrix 1.
-        unit = np.sqrt(impulse / speed / mass.diagonal())
-        scale, unscale = sparse.diags_array(unit), sparse.diags_array(1 / unit)
-        mass = scale @ mass @ scale * (speed / impulse)
-        inverse = unscale @ inverse @ unscale * (impulse / speed)
-        push = feel = sparse.csr_array(jacobian @ scale)
-        joints = sparse.csr_array(problem.joints @ scale)
-        free_velocity = free_velocity / unit / speed
-    size = np.sqrt(np.asarray(joints.multiply(joints).sum(axis=1)).ravel())
-    size[size == 0] = 1.0
-    joints = sparse.csr_array(sparse.diags_array(1 / size) @ joints)
-    touched = _touched(push, d) + _touched(feel, d)
-    fronts, order = analyse(sparse.csr_array(sparse.vstack([touched, abs(joints), abs(mass)])))
-    mass = sparse.coo_array(sparse.csr_array(mass)[order][:, order])
-    home = fronts.home(np.minimum(mass.row, mass.col))
-    width = np.diff(fronts.first)[home]
-    inverse = sparse.csr_array(sparse.csr_array(inverse)[order][:, order])
-    rubs = (problem.friction > 0) | (problem.friction_bias > 0)
-    return System(
-        fronts,
-        _elements(fronts, order, push, feel, d),
-        _elements(fronts, order, joints, joints, 1),
-        fronts.start[home] + fronts.place(home, mass.row) * width + fronts.place(home, mass.col),
-        mass.data,
-        inverse.data,
-        inverse.indices.astype(np.int64),
-        inverse.indptr.astype(np.int64),
-        free_velocity[order],
-        offset.reshape(nc, d) / speed,
-        problem.joint_bias / size / speed,
-        problem.friction,
-        problem.friction_bias / impulse,
-        problem.friction if relaxed else np.zeros(nc),
-        problem.scale * (impulse / speed),
-        np.where(rubs, 4, 1),
-        speed,
-        impulse,
-    )
-
-
-def _touched(rows: sparse.csr_array, d: int) -> sparse.csr_array:
-    """Which variables each block of d rows touches."""
-    entry = sparse.coo_array(rows)
-    shape = (rows.shape[0] // d, rows.shape[1])
-    return sparse.csr_array((np.ones(entry.nnz), (entry.row // d, entry.col)), shape=shape)
-
-
-def _elements(fronts: Fronts, order: Index, push: sparse.csr_array, feel: sparse.csr_array, d: int) -> Elements:
-    count, n = push.shape[0] // d, push.shape[1]
-    position = np.empty(n, dtype=np.int64)
-    position[order] = np.arange(n)
-    entries = [sparse.coo_array(rows) for rows in ([push] if feel is push else [push, feel])]
-    keys = [entry.row // d * n + position[entry.col] for entry in entries]
-    key = np.unique(np.concatenate(keys)).astype(np.int64)
-    element, column = key // max(n, 1), key % max(n, 1)
-    start = np.concatenate([[0], np.cumsum(np.bincount(element, minlength=count))])
-    values = [np.zeros((len(key), d)) for _ in entries]
-    for value, entry, own in zip(values, entries, keys, strict=True):
-        value[np.searchsorted(key, own), entry.row % d] = entry.data
-    leader = np.zeros(count, dtype=np.int64)
-    some = np.diff(start) > 0
-    leader[some] = column[start[:-1][some]]
-    front = fronts.home(leader)
-    return Elements(start, column, front, fronts.place(front[element], column), values[0], values[-1])
 
 
 @njit(cache=True)
@@ -213,7 +88,6 @@ def new_work(system: System) -> Work:
         np.zeros(nv, dtype=np.int64),
         np.zeros((nc, 4)),
         np.zeros((nc, 2, 2)),
-        np.full((nj, 1, 1), 1 / JOINT_SOFTNESS),
         np.zeros((nc, 4)),
         np.zeros((nc, 2)),
         np.zeros((nc, 2)),
@@ -327,9 +201,8 @@ def linearise(system: System, point: Point, work: Work) -> None:
             C[i, 1, 1] = total - skew * skew * pivot[i, 3]
     work.storage[:] = 0
     for k in range(len(system.slot)):
-        work.storage[system.slot[k]] += system.mass[k]
+        work.storage[system.slot[k]] += system.constant[k]
     _add(system.contacts, C, system.fronts, work.storage)
-    _add(system.joints, work.joint_stiffness, system.fronts, work.storage)
     factorise(system.fronts, work.storage, work.swap, PIVOT)
 
 

@@ -15,7 +15,8 @@ from problems import FrictionProblem
 from problems.check import Array
 from problems.residual import residual
 from solvers.central_path import trace
-from solvers.contact_newton import System, new_work, prepare, start_point
+from solvers.contact_newton import new_work, start_point
+from solvers.contact_system import System, prepare
 from solvers.interface import Answer, Status, solver
 from solvers.predictor_corrector import Best, is_solved, predictor_corrector
 

@@ -13,21 +13,16 @@ elimination with little fill, the fronts, the place of each entry in them) is fo
 are compiled and allocate nothing. Rows are interchanged within the pivots of a front only, and a pivot below `floor` is
 replaced by it, so that `factorise` always ends; whoever asks for many digits refines (Li and Demmel 1998).
 
-The order is SuperLU's minimum degree, on the graph of the sets of variables with the same neighbours.
-References: Duff and Reid 1983; Liu 1992.
+The order is that of solvers.minimum_degree. References: Duff and Reid 1983; Liu 1992.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
-from scipy import sparse
-from scipy.sparse.linalg import splu
 
 from problems.check import Array
-
-Index = NDArray[np.int64]
+from solvers.minimum_degree import Index, minimum_degree, same_elements
 
 
 class Fronts(NamedTuple):
@@ -35,7 +30,7 @@ class Fronts(NamedTuple):
 
     variable: the variables of front f are variable[first[f]:first[f+1]], ascending, the pivots[f] eliminated ones first.
     above[j]: where variable[j] stands in the parent's front. parent: -1 at a root. start: front f is row-major
-    at start[f] of the storage of factorise, start[-1] numbers.
+    at start[f] of the storage of factorise, start[-1] numbers. owner (n,): the front that eliminates each variable.
     """
 
     first: Index
@@ -44,99 +39,88 @@ class Fronts(NamedTuple):
     pivots: Index
     parent: Index
     start: Index
-
-    @property
-    def size(self) -> int:
-        """The number of variables."""
-        return int(self.pivots.sum())
-
-    def home(self, leader: Index) -> Index:
-        """The front that eliminates each variable given."""
-        return np.searchsorted(np.cumsum(self.pivots), leader, side="right")
-
-    def place(self, front: Index, variable: Index) -> Index:
-        """Where each variable stands in the front given with it; both must belong together."""
-        n = self.size
-        owner = np.repeat(np.arange(len(self.pivots)), np.diff(self.first))
-        return np.searchsorted(owner * n + self.variable, front * n + variable) - self.first[front]
+    owner: Index
 
 
-def analyse(incidence: sparse.csr_array) -> tuple[Fronts, Index]:
-    """The fronts for elements whose variables are the nonzeros of the rows of incidence (ne, n), and the order (n,).
+@njit(cache=True)
+def analyse(start: Index, member: Index, n: int) -> tuple[Fronts, Index, Index]:
+    """The fronts, the place (n,) of each variable in the order of elimination, and the front to add each element to.
 
-    Variable k of the fronts is column order[k] of incidence. Every variable is given an entry on the diagonal.
+    Element e has the variables member[start[e]:start[e+1]], distinct. Every variable is given an entry on the diagonal.
     """
-    n = incidence.shape[1]
-    if not n:
-        none = np.zeros(0, dtype=np.int64)
-        return Fronts(np.zeros(1, dtype=np.int64), none, none, none, none, np.zeros(1, dtype=np.int64)), none
-    touch = sparse.csr_array((np.ones(incidence.nnz), incidence.indices, incidence.indptr), shape=incidence.shape)
-    touch = sparse.vstack([touch, sparse.eye_array(n)], format="csr")
-    group, groups = _same_neighbours(touch)
-    # A graph's Laplacian, slightly shifted, fills in wherever a matrix of its pattern can, without cancellation.
-    member = sparse.csr_array((np.ones(n), (np.arange(n), group)), shape=(n, groups))
-    clique = touch @ member
-    graph = sparse.csr_array(clique.T @ clique)
-    graph.data[:] = -1.0
-    graph = graph + sparse.diags_array(1e-3 - np.asarray(graph.sum(axis=1)).ravel())
-    lu = splu(
-        sparse.csc_array(graph),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        relax=1,
-        panel_size=1,
-        options={"SymmetricMode": True},
-    )
-    fill = lu.L.tocsc()
-    fill.sort_indices()
-    rank = np.argsort(lu.perm_c)
-    order = np.argsort(lu.perm_c[group], kind="stable")
-    width = np.bincount(group, minlength=groups)[rank]
-    return _fronts(fill.indptr.astype(np.int64), fill.indices.astype(np.int64), width), order
+    group, groups = same_elements(start, member, n)
+    width, seen = np.zeros(groups, np.int64), np.full(groups, -1)
+    for v in range(n):
+        width[group[v]] += 1
+    part, begin, end = np.empty(len(member), np.int64), np.zeros(len(start), np.int64), 0
+    for e in range(len(start) - 1):
+        for k in range(start[e], start[e + 1]):
+            if seen[group[member[k]]] != e:
+                seen[group[member[k]]] = e
+                part[end] = group[member[k]]
+                end += 1
+        begin[e + 1] = end
+    first, listed, pivots, parent, home = minimum_degree(begin, part[:end], width)
+    # Number groups, then their variables, as they are eliminated.
+    fronts, rank, turn = len(pivots), np.empty(groups, np.int64), 0
+    offset = np.zeros(groups + 1, np.int64)
+    for f in range(fronts):
+        for k in range(first[f], first[f] + pivots[f]):
+            rank[listed[k]] = turn
+            offset[turn + 1] = offset[turn] + width[listed[k]]
+            turn += 1
+    free, place = offset[:-1].copy(), np.empty(n, np.int64)
+    for v in range(n):
+        place[v] = free[rank[group[v]]]
+        free[rank[group[v]]] += 1
+    for k in range(len(listed)):
+        listed[k] = rank[listed[k]]
+    return _lay_out(first, listed, pivots, parent, offset), place, home
 
 
-def _same_neighbours(touch: sparse.csr_array) -> tuple[Index, int]:
-    """Number the variables so that those with the same neighbours share a number: the coordinates of one body, mostly."""
-    graph = touch.T @ touch
-    graph = sparse.csr_array((np.ones(graph.nnz, dtype=np.int64), graph.indices, graph.indptr), shape=graph.shape)
-    label = np.random.default_rng(0).integers(1 << 62, size=graph.shape[0])
-    kinds, group = np.unique(graph @ label, return_inverse=True)  # sums modulo 2^64: equal sets, equal sums
-    return group, len(kinds)
+@njit(cache=True)
+def _lay_out(first: Index, listed: Index, pivots: Index, parent: Index, offset: Index) -> Fronts:
+    """Fronts of variables from fronts of groups: group g, in order of elimination, is variables offset[g] to offset[g+1]."""
+    fronts, size = len(pivots), np.zeros(len(pivots) + 1, np.int64)
+    own, begin = np.zeros(fronts, np.int64), np.zeros(fronts + 1, np.int64)
+    owner = np.empty(offset[-1], np.int64)
+    for f in range(fronts):
+        listed[first[f] : first[f + 1]].sort()
+        for k in range(first[f], first[f + 1]):
+            g = listed[k]
+            size[f] += offset[g + 1] - offset[g]
+            if k < first[f] + pivots[f]:
+                own[f] += offset[g + 1] - offset[g]
+                owner[offset[g] : offset[g + 1]] = f
+        begin[f + 1] = begin[f] + size[f]
+    variable, above, start = np.empty(begin[-1], np.int64), np.full(begin[-1], -1), np.zeros(fronts + 1, np.int64)
+    at = 0
+    for f in range(fronts):
+        start[f + 1] = start[f] + size[f] ** 2
+        for k in range(first[f], first[f + 1]):
+            for v in range(offset[listed[k]], offset[listed[k] + 1]):
+                variable[at] = v
+                at += 1
+    for f in range(fronts):
+        k = begin[parent[f]]
+        for m in range(begin[f] + own[f], begin[f + 1]):
+            while variable[k] != variable[m]:
+                k += 1
+            above[m] = k - begin[parent[f]]
+    return Fronts(begin, variable, above, own, parent, start, owner)
 
 
-def _fronts(start: Index, row: Index, width: Index) -> Fronts:
-    """Fronts of columns with the same fill, from the filled lower triangle of the groups and the size of each group."""
-    groups = len(width)
-    count = np.diff(start)
-    parent = np.full(groups, -1)
-    inner = count > 1
-    parent[inner] = row[start[:-1][inner] + 1]
-    # A group joins the front of the one before it when that one is its child and adds nothing but itself.
-    joins = np.zeros(groups, dtype=bool)
-    joins[1:] = (parent[:-1] == np.arange(1, groups)) & (count[:-1] == count[1:] + 1)
-    leader = np.flatnonzero(~joins)
-    front = np.cumsum(~joins) - 1
-    last = np.append(leader[1:], groups) - 1
-    offset = np.concatenate([[0], np.cumsum(width)])
-
-    listed = _ranges(start[leader], count[leader])  # groups of each front, one front after another
-    owner = np.repeat(np.arange(len(leader)), count[leader])
-    member = row[listed]
-    variable = _ranges(offset[member], width[member])
-    size = np.bincount(np.repeat(owner, width[member]), minlength=len(leader))
-    first = np.concatenate([[0], np.cumsum(size)])
-    pivots = np.add.reduceat(width, leader)
-    up = np.where(parent[last] >= 0, front[parent[last]], -1)
-    fronts = Fronts(first, variable, np.full(len(variable), -1), pivots, up, np.concatenate([[0], np.cumsum(size**2)]))
-    child = np.repeat(np.arange(len(leader)), size)
-    border = np.flatnonzero(np.arange(len(variable)) >= (first[:-1] + pivots)[child])
-    fronts.above[border] = fronts.place(up[child[border]], variable[border])
-    return fronts
-
-
-def _ranges(start: Index, count: Index) -> Index:
-    """start[0] .. start[0] + count[0] - 1, start[1] .. and so on, in one array."""
-    return np.repeat(start - np.concatenate([[0], np.cumsum(count)[:-1]]), count) + np.arange(count.sum())
+@njit(cache=True)
+def find(fronts: Fronts, front: int, variable: int) -> int:
+    """Where a variable stands in a front, which must have it."""
+    low, high = fronts.first[front], fronts.first[front + 1] - 1
+    while low < high:
+        middle = (low + high) // 2
+        if fronts.variable[middle] < variable:
+            low = middle + 1
+        else:
+            high = middle
+    return int(low - fronts.first[front])
 
 
 @njit(cache=True)

@@ -18,7 +18,8 @@ from numba import njit
 
 from problems import FrictionProblem
 from problems.check import Array
-from solvers.contact_newton import Point, System, Work, direction, evaluate, linearise, new_point
+from solvers.contact_newton import Point, Work, direction, evaluate, linearise, new_point
+from solvers.contact_system import System
 
 TO_BOUNDARY = 0.995
 

@@ -10,7 +10,8 @@ import numpy as np
 from problems import FrictionProblem
 from problems.check import Array
 from problems.residual import relaxation_residual
-from solvers.contact_newton import System, new_work, prepare, start_point
+from solvers.contact_newton import new_work, start_point
+from solvers.contact_system import System, prepare
 from solvers.interface import Answer, Status, solver
 from solvers.predictor_corrector import Best, is_solved, predictor_corrector
 

@@ -11,7 +11,8 @@ from problems.random_problem import random_problem
 from problems.residual import relaxation_residual, residual
 from problems.scenes import scene
 from solvers import Status, solve
-from solvers.contact_newton import direction, evaluate, linearise, new_point, new_work, prepare, start_point
+from solvers.contact_newton import direction, evaluate, linearise, new_point, new_work, start_point
+from solvers.contact_system import prepare
 from solvers.predictor_corrector import longest
 from tests.friction_problems import block, nothing
 
