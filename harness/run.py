@@ -52,7 +52,7 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
         _record(plan, pool, progress)
     store.merge(folder, "solves", [cell.key for cell in solves])
     store.merge(folder, "drives", [cell.key for cell in drives])
-    store.write_manifest(folder, store.read_manifest(folder) | {"finished": _now()})
+    store.write_manifest(folder, store.read_manifest(folder) | {"problems": sorted(entries), "finished": _now()})
 
 
 def open_folder(plan: Plan, folder: Path) -> None:

@@ -89,7 +89,7 @@ def seeds() -> Plan:
         drive_solvers=solvers,
         schemes=tuple(sorted(SCHEMES)),
         time_limit=2.0,
-        drive_limit=60.0,
+        drive_limit=20.0,
     )
 
 

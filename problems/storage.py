@@ -14,6 +14,7 @@ from scipy import sparse
 from problems.check import InputError
 from problems.friction import DelassusProblem, FrictionProblem
 
+LARGEST = 4 * 2**30  # bytes unpacked; a larger problem is refused unread
 _SPARSE = ("mass", "normal", "tangent", "joints")
 _DENSE = ("friction", "free_velocity", "bias", "friction_bias", "joint_bias")
 
@@ -35,6 +36,7 @@ def save(problem: FrictionProblem, path: Path) -> None:
 def load(path: Path) -> FrictionProblem:
     """Read a problem. Errors: InputError naming the file, or the field in it that cannot be used."""
     try:
+        _refuse_giants(path)
         with np.load(path, allow_pickle=False) as stored:
             arrays = {name: stored[name] for name in stored.files}
     except FileNotFoundError:
@@ -52,6 +54,14 @@ def load(path: Path) -> FrictionProblem:
         raise InputError(f"{path}: field {error.args[0]} is missing") from None
     except ValueError as error:
         raise InputError(f"{path}: {error}") from None
+
+
+def _refuse_giants(path: Path) -> None:
+    """A small archive can unpack to more than memory holds: look at what it says of itself first."""
+    with zipfile.ZipFile(path) as archive:
+        unpacked = sum(entry.file_size for entry in archive.infolist())
+    if unpacked > LARGEST:
+        raise ValueError(f"unpacks to {unpacked / 2**30:.1f} GiB, more than {LARGEST / 2**30:g}")
 
 
 def _matrix(arrays: dict[str, Any], name: str) -> sparse.csr_array:

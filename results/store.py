@@ -23,6 +23,8 @@ from results.schema import TABLES, arrow_schema
 
 Row = dict[str, Any]
 LARGEST_LINE = 64 * 2**20  # bytes; a longer line is not a row of ours
+LARGEST_TABLE = 4 * 2**30  # bytes unpacked; a larger table is refused unread
+LARGEST_MANIFEST = 64 * 2**20  # bytes
 
 
 class ResultsError(ValueError):
@@ -91,6 +93,7 @@ def read_table(folder: Path, table: str) -> pd.DataFrame:
     if not path.exists():
         return _from_shards(folder, table, []).to_pandas()
     try:
+        _refuse_giants(path)
         data = pq.read_table(path)
     except (OSError, pa.ArrowException) as error:
         raise ResultsError(f"{path}: not a readable Parquet file ({error})") from None
@@ -101,6 +104,14 @@ def read_table(folder: Path, table: str) -> pd.DataFrame:
         if data.schema.field(field.name).type != field.type:
             raise ResultsError(f"{path}: column {field.name} is {data.schema.field(field.name).type}, not {field.type}")
     return data.select(schema.names).to_pandas()
+
+
+def _refuse_giants(path: Path) -> None:
+    """A small file can unpack to more than memory holds: look at what it says of itself first."""
+    facts = pq.read_metadata(path)
+    unpacked = sum(facts.row_group(i).total_byte_size for i in range(facts.num_row_groups))
+    if unpacked > LARGEST_TABLE:
+        raise ResultsError(f"{path}: unpacks to {unpacked / 2**30:.1f} GiB, more than {LARGEST_TABLE / 2**30:g}")
 
 
 def _from_shards(folder: Path, table: str, order: list[str]) -> pa.Table:
@@ -128,9 +139,13 @@ def read_manifest(folder: Path) -> Row:
     if not folder.is_dir():
         raise ResultsError(f"{folder}: no such results folder")
     try:
+        if path.stat().st_size > LARGEST_MANIFEST:
+            raise ResultsError(f"{path}: larger than {LARGEST_MANIFEST / 2**20:g} MiB")
         manifest = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise ResultsError(f"{folder}: not a results folder (it has no manifest.json)") from None
+    except ResultsError:
+        raise
     except (OSError, ValueError) as error:
         raise ResultsError(f"{path}: cannot be read ({error})") from None
     if not isinstance(manifest, dict) or not isinstance(manifest.get("settings"), dict):

@@ -16,6 +16,7 @@ from harness.choose import choose, resolve_solvers
 from harness.plan import Plan, Source
 from harness.progress import Progress
 from harness.run import run
+from problems import InputError, storage
 from results import store
 from results.store import ResultsError
 
@@ -102,7 +103,9 @@ def test_a_run_leaves_every_row_once_and_resumes(tmp_path) -> None:
     shard.write_text("".join(lines[:4]) + lines[4][:50], encoding="utf-8")
     run(small_plan(), folder, 1, quiet())
     assert verdicts(folder) == whole
-    assert json.loads((folder / "manifest.json").read_text(encoding="utf-8"))["finished"]
+    manifest = store.read_manifest(folder)
+    assert manifest["finished"]
+    assert set(manifest["problems"]) == set(store.read_table(folder, "solves")["problem"])
 
 
 def test_an_unlike_run_is_refused_and_nothing_is_lost(tmp_path) -> None:
@@ -162,6 +165,21 @@ def test_unreadable_results_are_named(tmp_path) -> None:
     (tmp_path / "solves.parquet").write_bytes(b"PAR1 no more")
     with pytest.raises(ResultsError, match=r"solves\.parquet: not a readable"):
         store.read_table(tmp_path, "solves")
+
+
+def test_what_unpacks_to_too_much_is_refused_unread(tmp_path, monkeypatch) -> None:
+    folder = tmp_path / "run"
+    run(small_plan(drives=()), folder, 1, quiet())
+    path = next((folder / "problems").glob("*.npz"))
+    monkeypatch.setattr(storage, "LARGEST", 100)
+    with pytest.raises(InputError, match="unpacks to"):
+        storage.load(path)
+    monkeypatch.setattr(store, "LARGEST_TABLE", 100)
+    with pytest.raises(ResultsError, match=r"solves\.parquet: unpacks to"):
+        store.read_table(folder, "solves")
+    monkeypatch.setattr(store, "LARGEST_MANIFEST", 100)
+    with pytest.raises(ResultsError, match=r"manifest\.json: larger than"):
+        store.read_manifest(folder)
 
 
 def test_a_run_killed_at_twenty_random_moments_resumes_to_the_same_table(tmp_path) -> None:
