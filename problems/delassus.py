@@ -28,6 +28,16 @@ def delassus(J: sparse.csr_array, inverse: sparse.csr_array) -> sparse.csr_array
     return sparse.csr_array(_delassus(*parts, inverse.indptr, inverse.indices, inverse.data), shape=(m, m))
 
 
+def push(J: sparse.csr_array, inverse: sparse.csr_array, velocity: Array, impulse: Array) -> Array:
+    """velocity + M^-1 J' impulse (nv,)."""
+    return _push(J.indptr, J.indices, J.data, inverse.indptr, inverse.indices, inverse.data, velocity, impulse)
+
+
+def apply(J: sparse.csr_array, velocity: Array) -> Array:
+    """J velocity (m,)."""
+    return _apply(J.indptr, J.indices, J.data, velocity)
+
+
 def delassus_diagonal(J: sparse.csr_array, inverse: sparse.csr_array) -> Array:
     """The diagonal (m,) of J M^-1 J'."""
     return _diagonal(J.indptr, J.indices, J.data, inverse.indptr, inverse.indices, inverse.data)
@@ -101,6 +111,29 @@ def _delassus(
             at += 1
         ptr[i + 1] = at
     return val[:at].copy(), col[:at].copy(), ptr
+
+
+@njit(cache=True)
+def _push(
+    j_ptr: Index, j_col: Index, j_val: Array, m_ptr: Index, m_col: Index, m_val: Array, velocity: Array, impulse: Array
+) -> Array:
+    momentum, pushed = np.zeros(len(velocity)), velocity.copy()
+    for i in range(len(impulse)):
+        for k in range(j_ptr[i], j_ptr[i + 1]):
+            momentum[j_col[k]] += j_val[k] * impulse[i]
+    for v in range(len(velocity)):
+        for m in range(m_ptr[v], m_ptr[v + 1]):
+            pushed[v] += m_val[m] * momentum[m_col[m]]
+    return pushed
+
+
+@njit(cache=True)
+def _apply(j_ptr: Index, j_col: Index, j_val: Array, velocity: Array) -> Array:
+    result = np.zeros(len(j_ptr) - 1)
+    for i in range(len(result)):
+        for k in range(j_ptr[i], j_ptr[i + 1]):
+            result[i] += j_val[k] * velocity[j_col[k]]
+    return result
 
 
 @njit(cache=True)

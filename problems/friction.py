@@ -21,7 +21,7 @@ from scipy import sparse
 
 from problems import check
 from problems.check import Array, require
-from problems.delassus import delassus, delassus_diagonal, interleave
+from problems.delassus import apply, delassus, delassus_diagonal, interleave, push
 from problems.lcp import LCP, content_hash, friction_lcp
 from problems.mass import invert_mass
 from problems.relaxation import QP, ConeProgram, Laws, VelocityForm, relaxation_cone, relaxation_qp
@@ -125,12 +125,12 @@ class FrictionProblem:
 
     def velocity(self, impulse: Array) -> Array:
         """v (nv,) after the contact impulses (nc, d) or (nc*d,), joints kept; computed without W."""
-        pushed = self.free_velocity + self.inverse_mass @ (self.jacobian.T @ np.asarray(impulse, dtype=float).ravel())
-        return self._on_joints(pushed, self.joint_bias)
+        r = np.asarray(impulse, dtype=float).ravel()
+        return self._on_joints(push(self.jacobian, self.inverse_mass, self.free_velocity, r), self.joint_bias)
 
     def contact_velocity(self, impulse: Array) -> Array:
         """u (nc, d), bias included, after the contact impulses (nc, d); computed without W."""
-        u = (self.jacobian @ self.velocity(impulse)).reshape(self.contacts, self.dimension)
+        u = apply(self.jacobian, self.velocity(impulse)).reshape(self.contacts, self.dimension)
         u[:, 0] += self.bias
         return u
 
@@ -228,7 +228,8 @@ class DelassusProblem(FrictionProblem):
         return (*super()._given, "W", "q")
 
     def contact_velocity(self, impulse: Array) -> Array:
-        return (self.W @ np.asarray(impulse, dtype=float).ravel() + self.q).reshape(self.contacts, self.dimension)
+        r = np.asarray(impulse, dtype=float).ravel()
+        return (apply(self.W, r) + self.q).reshape(self.contacts, self.dimension)
 
     def velocity_form(self) -> VelocityForm:
         return VelocityForm(self.mass, self.inverse_mass, self.jacobian, self.free_velocity, self.q)

@@ -26,6 +26,7 @@ from scipy import sparse
 
 from problems import check
 from problems.check import Array
+from problems.delassus import apply
 
 Index = NDArray[np.int64]
 
@@ -65,7 +66,7 @@ class LCP:
         """The contact impulses (nc, d), normal first, of a friction LCP's z; (0, 0) for a bare LCP."""
         if self.generators is None:
             return np.zeros((0, 0))
-        return np.asarray(self.generators @ z).reshape(self.contacts)
+        return apply(self.generators, z).reshape(self.contacts)
 
     def residual(self, z: Array) -> float:
         """max_i |min(z_i, w_i)| over max|q| (over 1 where q = 0): zero exactly at a solution, NaN counts as infinity."""

@@ -12,6 +12,7 @@ convex relaxation's own optimality.
 """
 
 import numpy as np
+from numba import njit
 
 from problems.check import Array
 from problems.friction import FrictionProblem
@@ -46,19 +47,55 @@ def _defect(problem: FrictionProblem, impulse: Array, shifted: bool) -> float:
         return 0.0
     if impulse.shape != (nc, d) or not np.isfinite(impulse).all():
         return np.inf
-    s, mu = problem.scale, problem.friction
-    with np.errstate(over="ignore", invalid="ignore"):
-        g = problem.contact_velocity(impulse)
-        if shifted:
-            g[:, 0] += mu * np.linalg.norm(g[:, 1:], axis=1)
-        nearest = project_cone(impulse - g / s[:, None], mu, problem.friction_bias)
-        worst = float(np.max(s * np.linalg.norm(impulse - nearest, axis=1)))
-    free = float(np.max(np.linalg.norm(problem.q.reshape(nc, d), axis=1)))
+    u = problem.contact_velocity(impulse)
+    worst = _worst(impulse, u, problem.scale, problem.friction, problem.friction_bias, shifted)
+    free = _largest(problem.q.reshape(nc, d))
     if not np.isfinite(worst):
         return np.inf
     if free == 0:
         return 0.0 if worst == 0 else np.inf
     return worst / free
+
+
+@njit(cache=True)
+def _worst(r: Array, u: Array, s: Array, mu: Array, b: Array, shifted: bool) -> float:
+    """max_i s_i |r_i - P_K(r_i - g(u_i)/s_i)|, contact by contact as project_cone has it; infinity where it is no number."""
+    nc, d = r.shape
+    worst = 0.0
+    for i in range(nc):
+        sliding = 0.0
+        for k in range(1, d):
+            sliding += u[i, k] * u[i, k]
+        n = r[i, 0] - (u[i, 0] + (mu[i] * np.sqrt(sliding) if shifted else 0.0)) / s[i]
+        size = 0.0
+        for k in range(1, d):
+            size += (r[i, k] - u[i, k] / s[i]) ** 2
+        size = np.sqrt(size)
+        nearest = n
+        if size > mu[i] * n + b[i]:
+            nearest = max((n + mu[i] * (size - b[i])) / (1 + mu[i] * mu[i]), 0.0)
+        elif n < 0:
+            nearest = 0.0
+        limit = mu[i] * nearest + b[i]
+        factor = limit / size if size > limit else 1.0
+        defect = (r[i, 0] - nearest) ** 2
+        for k in range(1, d):
+            defect += (r[i, k] - factor * (r[i, k] - u[i, k] / s[i])) ** 2
+        defect = s[i] * np.sqrt(defect)
+        worst = max(worst, defect) if defect < np.inf else np.inf
+    return worst
+
+
+@njit(cache=True)
+def _largest(q: Array) -> float:
+    """max_i |q_i|."""
+    largest = 0.0
+    for i in range(len(q)):
+        square = 0.0
+        for k in range(q.shape[1]):
+            square += q[i, k] * q[i, k]
+        largest = max(largest, square)
+    return np.sqrt(largest)
 
 
 def fclib_error(problem: FrictionProblem, impulse: Array) -> float:

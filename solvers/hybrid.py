@@ -12,7 +12,8 @@ then staggered projections, Anitescu and Hart's fixed point and Fischer's Newton
 circular cone: Gauss-Seidel, accelerated gradients, conjugate gradients, staggered projections, ADMM, the fixed point.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ import numpy as np
 from problems import FrictionProblem
 from problems.check import Array
 from problems.residual import residual
-from solvers.interface import Answer, Solver, Status, find, solver
+from solvers.interface import Answer, Solver, SolverInfo, Status, find, solver
 
 LARGE = 400  # unknowns of the LCP, four a contact: where an interior point overtakes pivoting on stacks
 SMALL_PLANAR = ("lemke", "path_search", "interior_point")
@@ -31,10 +32,10 @@ SPATIAL = ("nsgs", "apgd_coulomb", "nncg", "staggered", "admm_coulomb", "anitesc
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """The problem, the members' names in order, and the first of them, prepared."""
+    """The problem, the members in order with their facts, and the first of them, prepared."""
 
     problem: FrictionProblem
-    members: tuple[str, ...]
+    members: tuple[tuple[SolverInfo, Solver], ...]
     first: Any
 
 
@@ -46,29 +47,26 @@ class Hybrid:
     """
 
     def prepare(self, problem: FrictionProblem) -> Prepared:
-        if problem.dimension == 3:
-            members = SPATIAL
-        else:
-            members = (SMALL_PLANAR if 4 * problem.contacts <= LARGE else LARGE_PLANAR) + LAST_PLANAR
-        return Prepared(problem, members, _solver(members[0]).prepare(problem))
+        members = _members(problem.dimension, 4 * problem.contacts <= LARGE)
+        return Prepared(problem, members, members[0][1].prepare(problem))
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         problem = prepared.problem
-        best = Answer(np.zeros((problem.contacts, problem.dimension)), Status.STALLED)
-        least = np.inf
+        impulse, least, found_by = np.zeros((problem.contacts, problem.dimension)), np.inf, ""
         work: dict[str, int] = {}
-        for tried, name in enumerate(prepared.members, start=1):
-            member = _solver(name)
+        for tried, (info, member) in enumerate(prepared.members, start=1):
             stage = prepared.first if tried == 1 else member.prepare(problem)
-            answer = member.solve(stage, tol, limit, start if find(name)[0].warm_start else None)
-            work |= {f"{name} {unit}": count for unit, count in answer.work.items()} | {"members": tried}
+            answer = member.solve(stage, tol, limit, start if info.warm_start else None)
+            work |= {f"{info.name} {unit}": count for unit, count in answer.work.items()} | {"members": tried}
             found = residual(problem, answer.impulse)
             if found < least:
-                best, least = replace(answer, detail=name), found
+                impulse, least, found_by = answer.impulse, found, info.name
             if least <= tol:
-                return replace(best, status=Status.SOLVED, work=work)
-        return replace(best, status=Status.STALLED, work=work)
+                return Answer(impulse, Status.SOLVED, work, detail=found_by)
+        return Answer(impulse, Status.STALLED, work, detail=found_by)
 
 
-def _solver(name: str) -> Solver:
-    return find(name)[1]
+@cache
+def _members(dimension: int, small: bool) -> tuple[tuple[SolverInfo, Solver], ...]:
+    names = SPATIAL if dimension == 3 else (SMALL_PLANAR if small else LARGE_PLANAR) + LAST_PLANAR
+    return tuple(find(name) for name in names)

@@ -11,6 +11,7 @@ from problems import LCP, FrictionProblem, InputError
 from problems.random_problem import random_problem
 from problems.residual import fclib_error, project_cone, relaxation_residual, residual
 from problems.storage import load, save
+from tests.friction_problems import spatial
 
 
 def fields(**changes):
@@ -156,6 +157,21 @@ def test_a_known_answer_has_residual_zero() -> None:
     assert relaxation_residual(problem, r) > 0.01
     assert residual(problem, np.array([[np.nan, 0.0]])) == np.inf
     assert residual(problem, np.zeros((2, 2))) == np.inf
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_the_residual_is_its_formula(seed) -> None:
+    """The compiled loop over contacts against the projection of all of them at once."""
+    random = np.random.default_rng(seed)
+    for problem in (random_problem(seed, contacts=6), spatial(seed, contacts=4, friction_bias=bool(seed % 2))):
+        r = random.standard_normal((problem.contacts, problem.dimension)) * 10 ** random.uniform(-3, 2)
+        s, mu = problem.scale[:, None], problem.friction
+        q = np.linalg.norm(problem.q.reshape(r.shape), axis=1).max()
+        for measure, shift in ((residual, 1.0), (relaxation_residual, 0.0)):
+            g = problem.contact_velocity(r)
+            g[:, 0] += shift * mu * np.linalg.norm(g[:, 1:], axis=1)
+            defect = r - project_cone(r - g / s, mu, problem.friction_bias)
+            assert measure(problem, r) == pytest.approx(np.linalg.norm(s * defect, axis=1).max() / q, rel=1e-12)
 
 
 def test_friction_bias_widens_the_cone() -> None:
