@@ -13,6 +13,7 @@ from typing import Any
 from problems import InputError
 
 COLD, WARM, SHUFFLED = "cold", "warm", "shuffled"
+MOST_SHOWN = 100  # steps
 
 
 @dataclass(frozen=True)
@@ -118,6 +119,15 @@ class Plan:
             for scheme in self.schemes
             for variant in self.drive_solvers
         ]
+
+    def shown(self) -> list[Source]:
+        """What to record for the eye: every drive, and a short motion of each scene that none drives."""
+        driven = {drive.scene for drive in self.drives} | {"random"}
+        others: dict[str, Source] = {}
+        for source in self.sources:
+            if source.scene not in driven:
+                others.setdefault(source.scene, replace(source, steps=source.steps or MOST_SHOWN))
+        return [*self.drives, *others.values()]
 
 
 def origin(entry: dict[str, Any]) -> str:

@@ -96,8 +96,8 @@ def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Entry]:
 
 
 def _record(plan: Plan, pool: Pool, progress: Progress) -> None:
-    """Record the motions of the driven scenes, here; they are pictures, and one that cannot be made is no loss."""
-    tasks = [Task(f"motion of {drive.scene}", worker.run_motion, (drive,), plan.drive_limit) for drive in plan.drives]
+    """Record a motion of every scene, here; they are pictures, and one that cannot be made is no loss."""
+    tasks = [Task(f"motion of {shown.scene}", worker.run_motion, (shown,), plan.drive_limit) for shown in plan.shown()]
     if not tasks:
         return
     with progress.stage("motions", len(tasks), 0) as stage:
