@@ -35,7 +35,7 @@ HAND_OVER = np.log(1e-4)  # log t at which the predictor-corrector is tried, and
 END = np.log(1e-20)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def trace(system: System, point: Point, work: Work, best: Best, tol: float, patience: int, history: Array) -> int:
     """Follow the path from the point; stop where the residual is within tol, history is full, or the path is lost.
 
@@ -94,7 +94,7 @@ def trace(system: System, point: Point, work: Work, best: Best, tol: float, pati
     return used
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _aim(target: Array, t: float, product: Array, share: float, point: Point) -> None:
     """target = t product - share x s."""
     for i in range(len(target)):
@@ -102,7 +102,7 @@ def _aim(target: Array, t: float, product: Array, share: float, point: Point) ->
             target[i, k] = t * product[i, k] - share * point.x[i, k] * point.s[i, k]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _set(to: Point, factor: float, step: Point) -> None:
     """to = factor step."""
     for i in range(len(to.x)):
@@ -113,7 +113,7 @@ def _set(to: Point, factor: float, step: Point) -> None:
         to.joint[j, 0] = factor * step.joint[j, 0]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _add(to: Point, factor: float, step: Point) -> None:
     """to += factor step."""
     for i in range(len(to.x)):
@@ -124,7 +124,7 @@ def _add(to: Point, factor: float, step: Point) -> None:
         to.joint[j, 0] += factor * step.joint[j, 0]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _to_logarithms(system: System, point: Point, step: Point) -> None:
     for i in range(len(point.x)):
         for k in range(system.pairs[i]):
@@ -132,7 +132,7 @@ def _to_logarithms(system: System, point: Point, step: Point) -> None:
             step.s[i, k] /= point.s[i, k]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _dot(a: Point, b: Point) -> float:
     total = 0.0
     for i in range(len(a.x)):
@@ -141,7 +141,7 @@ def _dot(a: Point, b: Point) -> float:
     return total
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _size(step: Point) -> float:
     """The largest component, infinity where one is not a number."""
     largest = 0.0
@@ -153,7 +153,7 @@ def _size(step: Point) -> float:
     return largest
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _move(point: Point, step: Point, length: float) -> None:
     """Take a step in the logarithms of x and s."""
     for i in range(len(point.x)):

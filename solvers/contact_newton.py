@@ -28,7 +28,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from problems.check import Array
 from solvers.contact_system import JOINT_SOFTNESS, Elements, System
@@ -48,15 +47,14 @@ class Point(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Room for one system: the factors of A, the contacts' pivots and stiffness C, and vectors."""
+    """Room for one system: the factors of A, the contacts' 1/x, pivots and right sides, and vectors."""
 
     storage: Array
     swap: Index
+    inverse: Array
     pivot: Array
-    stiffness: NDArray[np.float64]
     right: Array
     impulse: Array
-    velocity: Array
     joint_velocity: Array
     vector: Array
     momentum: Array
@@ -68,7 +66,7 @@ def new_point(system: System) -> Point:
     return Point(np.zeros((nc, 4)), np.zeros((nc, 4)), np.zeros((nj, 1)))
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def start_point(system: System, impulse: float, speed: float) -> Point:
     """Impulses of `impulse` times what stops a unit velocity at their contact, and velocities of `speed`."""
     point = new_point(system)
@@ -86,10 +84,9 @@ def new_work(system: System) -> Work:
     return Work(
         np.zeros(system.fronts.start[-1]),
         np.zeros(nv, dtype=np.int64),
+        np.ones((nc, 4)),
         np.zeros((nc, 4)),
-        np.zeros((nc, 2, 2)),
         np.zeros((nc, 4)),
-        np.zeros((nc, 2)),
         np.zeros((nc, 2)),
         np.zeros((nj, 1)),
         np.zeros(nv),
@@ -97,116 +94,129 @@ def new_work(system: System) -> Work:
     )
 
 
-@njit(cache=True)
-def push(elements: Elements, impulse: Array, momentum: Array) -> None:
-    """momentum += push' impulse."""
-    for e in range(len(impulse)):
-        for a in range(elements.start[e], elements.start[e + 1]):
-            for i in range(impulse.shape[1]):
-                momentum[elements.column[a]] += elements.push[a, i] * impulse[e, i]
+@njit(cache=True, error_model="numpy")
+def _push(contacts: Elements, i: int, normal: float, tangent: float, momentum: Array) -> None:
+    """momentum += push' (normal, tangent) of contact i."""
+    for a in range(contacts.start[i], contacts.start[i + 1]):
+        momentum[contacts.column[a]] += contacts.push[a, 0] * normal + contacts.push[a, 1] * tangent
 
 
-@njit(cache=True)
-def feel(elements: Elements, v: Array, velocity: Array) -> None:
-    """velocity = feel v."""
-    for e in range(len(velocity)):
-        for i in range(velocity.shape[1]):
-            velocity[e, i] = 0
-        for a in range(elements.start[e], elements.start[e + 1]):
-            for i in range(velocity.shape[1]):
-                velocity[e, i] += elements.feel[a, i] * v[elements.column[a]]
+@njit(cache=True, error_model="numpy")
+def _feel(contacts: Elements, i: int, v: Array) -> tuple[float, float]:
+    """feel v of contact i."""
+    un = ut = 0.0
+    for a in range(contacts.start[i], contacts.start[i + 1]):
+        un += contacts.feel[a, 0] * v[contacts.column[a]]
+        ut += contacts.feel[a, 1] * v[contacts.column[a]]
+    return un, ut
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
+def _push_joints(joints: Elements, impulse: Array, momentum: Array) -> None:
+    for j in range(len(impulse)):
+        for a in range(joints.start[j], joints.start[j + 1]):
+            momentum[joints.column[a]] += joints.push[a, 0] * impulse[j, 0]
+
+
+@njit(cache=True, error_model="numpy")
+def _feel_joints(joints: Elements, v: Array, velocity: Array) -> None:
+    for j in range(len(velocity)):
+        velocity[j, 0] = 0.0
+        for a in range(joints.start[j], joints.start[j + 1]):
+            velocity[j, 0] += joints.feel[a, 0] * v[joints.column[a]]
+
+
+@njit(cache=True, error_model="numpy")
 def evaluate(system: System, point: Point, defect: Point, work: Work) -> float:
     """The residual of problems.residual at a point's impulses; defect: overwritten with H'u + K x - s and F v + b_F."""
-    x, s, r, u = point.x, point.s, work.impulse, work.velocity
+    x, s, r, v = point.x, point.s, work.impulse, work.vector
+    work.momentum[:] = 0
     for i in range(len(x)):
         r[i, 0] = x[i, 0]
         r[i, 1] = x[i, 1] - x[i, 2]
-    work.momentum[:] = 0
-    push(system.contacts, r, work.momentum)
-    push(system.joints, point.joint, work.momentum)
-    v = work.vector
+        _push(system.contacts, i, r[i, 0], r[i, 1], work.momentum)
+    _push_joints(system.joints, point.joint, work.momentum)
     for i in range(len(v)):
         v[i] = system.free_velocity[i]
         for k in range(system.indptr[i], system.indptr[i + 1]):
             v[i] += system.inverse[k] * work.momentum[system.indices[k]]
-    feel(system.contacts, v, u)
-    feel(system.joints, v, defect.joint)
+    _feel_joints(system.joints, v, defect.joint)
     worst = 0.0
     for j in range(len(defect.joint)):
         defect.joint[j, 0] += system.joint_bias[j]
         worst = max(worst, abs(defect.joint[j, 0]))
     for i in range(len(x)):
-        mu, bias = system.friction[i], system.friction_bias[i]
-        u[i, 0] += system.offset[i, 0]
-        u[i, 1] += system.offset[i, 1]
-        defect.x[i, 0] = u[i, 0] - system.shift[i] * x[i, 3] - s[i, 0]
+        mu, bias, shift = system.friction[i], system.friction_bias[i], system.shift[i]
+        un, ut = _feel(system.contacts, i, v)
+        un += system.offset[i, 0]
+        ut += system.offset[i, 1]
+        defect.x[i, 0] = un - shift * x[i, 3] - s[i, 0]
         if system.pairs[i] == 4:
-            defect.x[i, 1] = x[i, 3] + u[i, 1] - s[i, 1]
-            defect.x[i, 2] = x[i, 3] - u[i, 1] - s[i, 2]
+            defect.x[i, 1] = x[i, 3] + ut - s[i, 1]
+            defect.x[i, 2] = x[i, 3] - ut - s[i, 2]
             defect.x[i, 3] = mu * x[i, 0] - x[i, 1] - x[i, 2] + bias - s[i, 3]
-        worst = max(worst, _natural(r[i, 0], r[i, 1], u[i, 0], u[i, 1], mu, bias, system.shift[i], system.weight[i]))
+        worst = max(worst, _natural(r[i, 0], r[i, 1], un, ut, mu, bias, shift, system.weight[i]))
     return worst
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _natural(rn: float, rt: float, un: float, ut: float, mu: float, bias: float, shift: float, weight: float) -> float:
     """weight |r - P_K(r - (u + (mu - shift) |u_t| e_n) / weight)| for one contact."""
-    n, t = rn - (un + (mu - shift) * abs(ut)) / weight, rt - ut / weight
+    compliance = 1 / weight
+    n, t = rn - (un + (mu - shift) * abs(ut)) * compliance, rt - ut * compliance
     normal = n
-    if n < 0 or abs(t) > mu * n + bias:
-        normal = max((n + mu * (abs(t) - bias)) / (1 + mu * mu), 0.0) if abs(t) > mu * n + bias else 0.0
+    if abs(t) > mu * n + bias:
+        normal = max((n + mu * (abs(t) - bias)) / (1 + mu * mu), 0.0)
+    elif n < 0:
+        normal = 0.0
     limit = mu * normal + bias
-    return weight * np.hypot(rn - normal, rt - min(max(t, -limit), limit))
+    off, across = rn - normal, rt - min(max(t, -limit), limit)
+    return weight * np.sqrt(off * off + across * across)
 
 
-@njit(cache=True)
-def _add(elements: Elements, stiffness: NDArray[np.float64], fronts: Fronts, storage: Array) -> None:
-    """Add push' C feel of every element to its front."""
-    d = stiffness.shape[1]
-    for e in range(len(stiffness)):
-        lo, hi, f = elements.start[e], elements.start[e + 1], elements.front[e]
-        base, width = fronts.start[f], fronts.first[f + 1] - fronts.first[f]
-        for a in range(lo, hi):
-            row = base + elements.place[a] * width
-            for j in range(d):
-                pushed = 0.0
-                for i in range(d):
-                    pushed += elements.push[a, i] * stiffness[e, i, j]
-                if pushed != 0:
-                    for b in range(lo, hi):
-                        storage[row + elements.place[b]] += pushed * elements.feel[b, j]
-
-
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def linearise(system: System, point: Point, work: Work) -> None:
     """Newton's matrix at a point, factorised."""
-    x, s, pivot, C = point.x, point.s, work.pivot, work.stiffness
-    for i in range(len(x)):
-        soft = SOFTNESS * system.weight[i]
-        pivot[i, 0] = x[i, 0] / (s[i, 0] + soft * x[i, 0])
-        C[i, 0, 0] = pivot[i, 0]
-        if system.pairs[i] == 4:
-            pivot[i, 1] = x[i, 1] / (s[i, 1] + soft * x[i, 1])
-            pivot[i, 2] = x[i, 2] / (s[i, 2] + soft * x[i, 2])
-            total, skew = pivot[i, 1] + pivot[i, 2], pivot[i, 1] - pivot[i, 2]
-            mu, shift = system.friction[i], system.shift[i]
-            own = s[i, 3] / x[i, 3] + SOFTNESS / system.weight[i]
-            pivot[i, 3] = 1 / (own + total + mu * shift * pivot[i, 0])
-            C[i, 0, 0] -= mu * shift * pivot[i, 0] * pivot[i, 0] * pivot[i, 3]
-            C[i, 0, 1] = shift * skew * pivot[i, 3] * pivot[i, 0]
-            C[i, 1, 0] = mu * skew * pivot[i, 3] * pivot[i, 0]
-            C[i, 1, 1] = total - skew * skew * pivot[i, 3]
+    x, s, inverse, pivot = point.x, point.s, work.inverse, work.pivot
     work.storage[:] = 0
     for k in range(len(system.slot)):
         work.storage[system.slot[k]] += system.constant[k]
-    _add(system.contacts, C, system.fronts, work.storage)
+    for i in range(len(x)):
+        soft = SOFTNESS * system.weight[i]
+        inverse[i, 0] = 1 / x[i, 0]
+        pivot[i, 0] = 1 / (s[i, 0] * inverse[i, 0] + soft)
+        nn, nt, tn, tt = pivot[i, 0], 0.0, 0.0, 0.0
+        if system.pairs[i] == 4:
+            for k in range(1, 4):
+                inverse[i, k] = 1 / x[i, k]
+            pivot[i, 1] = 1 / (s[i, 1] * inverse[i, 1] + soft)
+            pivot[i, 2] = 1 / (s[i, 2] * inverse[i, 2] + soft)
+            total, skew = pivot[i, 1] + pivot[i, 2], pivot[i, 1] - pivot[i, 2]
+            mu, shift = system.friction[i], system.shift[i]
+            own = s[i, 3] * inverse[i, 3] + SOFTNESS / system.weight[i]
+            pivot[i, 3] = 1 / (own + total + mu * shift * nn)
+            nt = shift * skew * pivot[i, 3] * nn
+            tn = mu * skew * pivot[i, 3] * nn
+            tt = total - skew * skew * pivot[i, 3]
+            nn -= mu * shift * nn * nn * pivot[i, 3]
+        _add(system.contacts, i, nn, nt, tn, tt, system.fronts, work.storage)
     factorise(system.fronts, work.storage, work.swap, PIVOT)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
+def _add(contacts: Elements, i: int, nn: float, nt: float, tn: float, tt: float, fronts: Fronts, storage: Array) -> None:
+    """Add push' C feel of contact i, C = [[nn, nt], [tn, tt]], to its front."""
+    f, lo, hi = contacts.front[i], contacts.start[i], contacts.start[i + 1]
+    begin, width = fronts.start[f], fronts.first[f + 1] - fronts.first[f]
+    for a in range(lo, hi):
+        row = begin + contacts.place[a] * width
+        normal = contacts.push[a, 0] * nn + contacts.push[a, 1] * tn
+        tangent = contacts.push[a, 0] * nt + contacts.push[a, 1] * tt
+        for b in range(lo, hi):
+            storage[row + contacts.place[b]] += normal * contacts.feel[b, 0] + tangent * contacts.feel[b, 1]
+
+
+@njit(cache=True, error_model="numpy")
 def _contact(pivot: Array, mu: float, shift: float, g: Array, un: float, ut: float) -> tuple[float, float, float, float]:
     """B^-1 (g - H'u) of one contact."""
     c = pivot[0] * (g[0] - un)
@@ -215,30 +225,26 @@ def _contact(pivot: Array, mu: float, shift: float, g: Array, un: float, ut: flo
     return c + pivot[0] * shift * slide, plus - pivot[1] * slide, minus - pivot[2] * slide, slide
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def direction(system: System, point: Point, target: Array, defect: Point, step: Point, work: Work) -> None:
-    """The step with x ds + s dx = target that removes the defect, after linearise at the same point. Overwrites target."""
-    x, s, g, r, u = point.x, point.s, work.right, work.impulse, work.velocity
-    for i in range(len(x)):
+    """The step with x ds + s dx = target that removes the defect, after linearise at the same point."""
+    s, g, inverse, dv = point.s, work.right, work.inverse, work.vector
+    dv[:] = 0
+    for i in range(len(s)):
         for k in range(system.pairs[i]):
-            target[i, k] /= x[i, k]
-            g[i, k] = target[i, k] - defect.x[i, k]
+            g[i, k] = target[i, k] * inverse[i, k] - defect.x[i, k]
         c, plus, minus, _ = _contact(work.pivot[i], system.friction[i], system.shift[i], g[i], 0.0, 0.0)
-        r[i, 0] = c
-        r[i, 1] = plus - minus
+        _push(system.contacts, i, c, plus - minus, dv)
     for j in range(len(defect.joint)):
         step.joint[j, 0] = -defect.joint[j, 0] / JOINT_SOFTNESS
-    dv = work.vector
-    dv[:] = 0
-    push(system.contacts, r, dv)
-    push(system.joints, step.joint, dv)
+    _push_joints(system.joints, step.joint, dv)
     solve(system.fronts, work.storage, work.swap, dv)
-    feel(system.contacts, dv, u)
-    feel(system.joints, dv, work.joint_velocity)
-    for i in range(len(x)):
+    _feel_joints(system.joints, dv, work.joint_velocity)
+    for i in range(len(s)):
+        un, ut = _feel(system.contacts, i, dv)
         dx = step.x[i]
-        dx[0], dx[1], dx[2], dx[3] = _contact(work.pivot[i], system.friction[i], system.shift[i], g[i], u[i, 0], u[i, 1])
+        dx[0], dx[1], dx[2], dx[3] = _contact(work.pivot[i], system.friction[i], system.shift[i], g[i], un, ut)
         for k in range(system.pairs[i]):
-            step.s[i, k] = target[i, k] - s[i, k] / x[i, k] * dx[k]
+            step.s[i, k] = (target[i, k] - s[i, k] * dx[k]) * inverse[i, k]
     for j in range(len(defect.joint)):
         step.joint[j, 0] = -(defect.joint[j, 0] + work.joint_velocity[j, 0]) / JOINT_SOFTNESS

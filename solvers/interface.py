@@ -37,7 +37,7 @@ class Status(Enum):
     FAILED = "the outside library reports a failure"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False, slots=True)
 class Answer:
     """What a solver gives back.
 

@@ -123,16 +123,15 @@ def find(fronts: Fronts, front: int, variable: int) -> int:
     return int(low - fronts.first[front])
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def factorise(fronts: Fronts, storage: Array, swap: Index, floor: float) -> int:
     """Factorise in place what was added into storage (start[-1],); the number of pivots replaced.
 
-    swap: (n,), filled with the row interchanges.
+    swap: (n,), filled with the row interchanges. Pivots act on the rows below them three at a time, as a body has three.
     """
-    replaced = 0
-    eliminated = 0
+    replaced = eliminated = 0
     for f in range(len(fronts.pivots)):
-        p, w = fronts.pivots[f], fronts.first[f + 1] - fronts.first[f]
+        p, w, up = fronts.pivots[f], fronts.first[f + 1] - fronts.first[f], fronts.parent[f]
         F = storage[fronts.start[f] : fronts.start[f + 1]].reshape(w, w)
         for k in range(p):
             best = k
@@ -147,48 +146,56 @@ def factorise(fronts: Fronts, storage: Array, swap: Index, floor: float) -> int:
                 F[k, k] = -floor if F[k, k] < 0 else floor
                 replaced += 1
             F[k, k] = 1 / F[k, k]
-            for i in range(k + 1, w):
-                if F[i, k] != 0:
-                    F[i, k] *= F[k, k]
-                    factor = F[i, k]
-                    for j in range(k + 1, w):
-                        F[i, j] -= factor * F[k, j]
+            for i in range(k + 1, p):
+                F[i, k] *= F[k, k]
+                for j in range(k + 1, w):
+                    F[i, j] -= F[i, k] * F[k, j]
         eliminated += p
-        if p < w:
-            up = fronts.parent[f]
-            above = fronts.above[fronts.first[f] : fronts.first[f + 1]]
-            wide = fronts.first[up + 1] - fronts.first[up]
-            G = storage[fronts.start[up] : fronts.start[up + 1]].reshape(wide, wide)
-            for i in range(p, w):
+        if p == w:
+            continue
+        above = fronts.above[fronts.first[f] : fronts.first[f + 1]]
+        wide = fronts.first[up + 1] - fronts.first[up]
+        G = storage[fronts.start[up] : fronts.start[up + 1]].reshape(wide, wide)
+        for i in range(p, w):
+            for k in range(p):
+                for m in range(k):
+                    F[i, k] -= F[i, m] * F[m, k]
+                F[i, k] *= F[k, k]
+            done = p % 3
+            for k in range(done):
                 for j in range(p, w):
-                    G[above[i], above[j]] += F[i, j]
+                    F[i, j] -= F[i, k] * F[k, j]
+            for k in range(done, p, 3):
+                a, b, c = F[i, k], F[i, k + 1], F[i, k + 2]
+                for j in range(p, w):
+                    F[i, j] -= a * F[k, j] + b * F[k + 1, j] + c * F[k + 2, j]
+            for j in range(p, w):
+                G[above[i], above[j]] += F[i, j]
     return replaced
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def solve(fronts: Fronts, storage: Array, swap: Index, b: Array) -> None:
     """Overwrite b (n,) with A^-1 b, after factorise."""
     eliminated = 0
     for f in range(len(fronts.pivots)):
-        p, w = fronts.pivots[f], fronts.first[f + 1] - fronts.first[f]
-        F = storage[fronts.start[f] : fronts.start[f + 1]].reshape(w, w)
-        variable = fronts.variable[fronts.first[f] : fronts.first[f + 1]]
+        p, begin, w = fronts.pivots[f], fronts.first[f], fronts.first[f + 1] - fronts.first[f]
+        base = fronts.start[f]
         for k in range(p):
             best = eliminated + swap[eliminated + k]
-            b[eliminated + k], b[best] = b[best], b[eliminated + k]
-        for i in range(1, w):
-            total = 0.0
-            for k in range(min(i, p)):
-                total += F[i, k] * b[eliminated + k]
-            b[variable[i]] -= total
+            value = b[best]
+            b[best] = b[eliminated + k]
+            b[eliminated + k] = value
+        for k in range(p):
+            value = b[eliminated + k]
+            for i in range(k + 1, w):
+                b[fronts.variable[begin + i]] -= storage[base + i * w + k] * value
         eliminated += p
     for f in range(len(fronts.pivots) - 1, -1, -1):
-        p, w = fronts.pivots[f], fronts.first[f + 1] - fronts.first[f]
-        F = storage[fronts.start[f] : fronts.start[f + 1]].reshape(w, w)
-        variable = fronts.variable[fronts.first[f] : fronts.first[f + 1]]
+        p, begin, w = fronts.pivots[f], fronts.first[f], fronts.first[f + 1] - fronts.first[f]
         eliminated -= p
         for k in range(p - 1, -1, -1):
-            total = b[eliminated + k]
+            row, total = fronts.start[f] + k * w, b[eliminated + k]
             for j in range(k + 1, w):
-                total -= F[k, j] * b[variable[j]]
-            b[eliminated + k] = total * F[k, k]
+                total -= storage[row + j] * b[fronts.variable[begin + j]]
+            b[eliminated + k] = total * storage[row + k]

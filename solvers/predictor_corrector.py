@@ -45,7 +45,7 @@ def is_solved(best: Best, tol: float, system: System, problem: FrictionProblem, 
     return bool(best.residual[0] <= tol)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def judge(system: System, point: Point, defect: Point, work: Work, best: Best) -> float:
     """Evaluate a point and remember the best one."""
     residual = evaluate(system, point, defect, work)
@@ -57,7 +57,7 @@ def judge(system: System, point: Point, defect: Point, work: Work, best: Best) -
     return residual
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def predictor_corrector(system: System, point: Point, work: Work, best: Best, tol: float, patience: int, history: Array) -> int:
     """Move the point to a solution; stop where the residual is within tol, history is full, or no progress is made.
 
@@ -67,18 +67,17 @@ def predictor_corrector(system: System, point: Point, work: Work, best: Best, to
     x, s = point.x, point.s
     step, defect = new_point(system), new_point(system)
     target = np.zeros((len(x), 4))
-    pairs = 0
-    for i in range(len(x)):
-        pairs += system.pairs[i]
+    pairs = system.pairs.sum()
     milestone, since = np.inf, 0
     for iteration in range(len(history)):
         history[iteration] = judge(system, point, defect, work, best)
         gap, off = 0.0, 0.0
         for i in range(len(x)):
             for k in range(system.pairs[i]):
-                gap += x[i, k] * s[i, k] / pairs
+                gap += x[i, k] * s[i, k]
                 off = max(off, abs(defect.x[i, k]))
                 target[i, k] = -x[i, k] * s[i, k]
+        gap /= pairs
         since += 1
         if not gap + off > milestone / 2:
             milestone, since = gap + off, 0
@@ -90,8 +89,8 @@ def predictor_corrector(system: System, point: Point, work: Work, best: Best, to
         ahead = 0.0
         for i in range(len(x)):
             for k in range(system.pairs[i]):
-                ahead += (x[i, k] + length * step.x[i, k]) * (s[i, k] + length * step.s[i, k]) / pairs
-        sigma = (ahead / gap) ** 2
+                ahead += (x[i, k] + length * step.x[i, k]) * (s[i, k] + length * step.s[i, k])
+        sigma = (ahead / pairs / gap) ** 2
         for i in range(len(x)):
             for k in range(system.pairs[i]):
                 target[i, k] = sigma * gap - x[i, k] * s[i, k] - step.x[i, k] * step.s[i, k]
@@ -106,7 +105,7 @@ def predictor_corrector(system: System, point: Point, work: Work, best: Best, to
     return len(history)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def longest(system: System, point: Point, step: Point, limit: float) -> float:
     """How far along the step x and s stay nonnegative, at most limit."""
     length = limit
