@@ -148,9 +148,9 @@ def rerun(
     row: Annotated[str, typer.Argument(metavar="ROW", help="The row's key, as tables and reports give it.")],
 ) -> None:
     """Run one cell of a results folder again and show both rows."""
-    from harness.single import rerun_row
+    from harness.single import show_rerun
 
-    rerun_row(folder, row)
+    show_rerun(folder, row)
 
 
 @app.command()

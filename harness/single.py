@@ -38,8 +38,8 @@ def solve_one(problem: str, solver_specs: list[str], tol: float, time_limit: flo
     _show(title, [rows[cell.variant] for cell in cells])
 
 
-def rerun_row(folder: Path, key: str) -> None:
-    """Run the cell of a row again and print both rows. Errors: ResultsError where there is no such row."""
+def rerun_row(folder: Path, key: str) -> tuple[Row, Row]:
+    """Run the cell of a row again; the row and the new one. Errors: ResultsError where there is no such row."""
     settings = store.read_manifest(folder)["settings"]
     for table in ("solves", "drives"):
         row = store.read_rows(folder, table).get(key)
@@ -53,7 +53,12 @@ def rerun_row(folder: Path, key: str) -> None:
             (Path(name) / "problems").symlink_to((folder / "problems").resolve())
         with Pool(Path(name), 1, tuple(settings["plugins"]), settings["memory_limit"]) as pool:
             (outcome,) = pool.run([task])
-    again = outcome.value or row_of_the_dead(outcome)[1]
+    return row, outcome.value or row_of_the_dead(outcome)[1]
+
+
+def show_rerun(folder: Path, key: str) -> None:
+    """Run the cell of a row again and print both rows. Errors: ResultsError where there is no such row."""
+    row, again = rerun_row(folder, key)
     _show(f"{key}: {row['scene']} {row['parameters']}, tolerance {row['tol']:g}", [row, again])
 
 
