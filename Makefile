@@ -1,13 +1,14 @@
 # make bench   install, run the standard suite, write its results and report, and say where the report is
 # make test    install, check the style and the types, run the tests
 # make timing  install, time the kernels with pytest-benchmark
+# make regress install, run the smoke suite and compare it with the committed baseline
 
 PYTHON ?= python3
 BIN := .venv/bin
 REVISION := $(shell git describe --always --dirty --abbrev=12 2>/dev/null || echo unversioned)
 RUN ?= runs/standard-$(REVISION)
 
-.PHONY: bench test timing install clean
+.PHONY: bench test timing regress install clean
 install: .venv/installed
 
 .venv/installed: pyproject.toml constraints.txt
@@ -28,6 +29,10 @@ test: install
 
 timing: install
 	$(BIN)/python -m pytest tests/benchmarks --benchmark-only --override-ini addopts=
+
+regress: install
+	$(BIN)/frictionbench run smoke --out runs/smoke-$(REVISION)
+	$(BIN)/frictionbench compare results/baselines/smoke runs/smoke-$(REVISION)
 
 clean:
 	rm -rf .venv build *.egg-info

@@ -73,13 +73,14 @@ def _differences(held: Row, wanted: Row) -> list[str]:
     found = []
     for part, values in wanted.items():
         old = held.get(part, {})
-        names = sorted(values.keys() | old.keys())
-        found += [
-            f"{part}.{name}: {old.get(name)} there, {values.get(name)} now"
-            for name in names
-            if old.get(name) != values.get(name)
-        ]
+        names = (name for name in sorted(values.keys() | old.keys()) if old.get(name) != values.get(name))
+        found += [f"{part}.{name}: {_brief(old.get(name))} there, {_brief(values.get(name))} now" for name in names]
     return found
+
+
+def _brief(value: object) -> str:
+    text = str(value)
+    return text if len(text) <= 80 else f"{text[:60]}... ({len(text)} characters)"
 
 
 def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Entry]:

@@ -7,6 +7,7 @@ from typing import Any
 
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from harness import worker
 from harness.choose import resolve_solvers
@@ -16,6 +17,7 @@ from harness.pool import Pool, Task
 from harness.rows import PROBLEM_FACTS, Row
 from harness.run import row_of_the_dead
 from harness.spec import parse
+from harness.suites import RELAXED
 from problems import scene
 from problems.storage import load, save
 from results import store
@@ -25,7 +27,7 @@ from solvers import available
 
 def solve_one(problem: str, solver_specs: list[str], tol: float, time_limit: float, jobs: int) -> None:
     """Put solvers (all, if none are named) to one problem and print a table. Errors: InputError naming the field."""
-    variants, plugins = resolve_solvers(solver_specs) if solver_specs else (tuple(available()), ())
+    variants, plugins = resolve_solvers(solver_specs) if solver_specs else (_everyone(), ())
     plan = Plan("solve", (), variants, (tol,), time_limit=time_limit, plugins=plugins)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -36,6 +38,12 @@ def solve_one(problem: str, solver_specs: list[str], tol: float, time_limit: flo
             rows = {outcome.task.name: outcome.value or row_of_the_dead(outcome)[1] for outcome in pool.run(tasks)}
     title = f"{problem}: {entry['contacts']} contacts, LCP of {entry['size']} unknowns, tolerance {tol:g}"
     _show(title, [rows[cell.variant] for cell in cells])
+
+
+def _everyone() -> tuple[str, ...]:
+    """All solvers, the outside ones with each backend."""
+    outside = {variant.partition("[")[0] for variant in RELAXED}
+    return (*(name for name in sorted(available()) if name not in outside), *RELAXED)
 
 
 def rerun_row(folder: Path, key: str) -> tuple[Row, Row]:
@@ -88,7 +96,7 @@ def _task_again(row: Row, table: str, settings: dict[str, Any]) -> Task:
 
 
 def _show(title: str, rows: list[Row]) -> None:
-    table = Table(title=title, title_justify="left", box=None, pad_edge=False, header_style="bold")
+    table = Table(title=Text(title), title_justify="left", box=None, pad_edge=False, header_style="bold")
     for name in ("solver", "claims", "verdict", "residual", "of its model", "prepare", "solve", "work", "remark"):
         table.add_column(name, overflow="fold")
     for row in rows:
