@@ -39,7 +39,10 @@ PIVOT = 1e-14  # the least pivot of A, whose mass matrix is scaled to the size o
 
 
 class Point(NamedTuple):
-    """Unknowns x (nc, 4), their partners s (nc, 4), the joints' impulses (nj, 1); a step and a defect have the same shape."""
+    """Unknowns x (nc, 4), their partners s (nc, 4), the joints' impulses (nj, 1); a step and a defect have the same shape.
+
+    A contact without friction has its first pair alone; the others are zero, and so is all that is computed from them.
+    """
 
     x: Array
     s: Array
@@ -84,7 +87,7 @@ def new_work(system: System) -> Work:
     return Work(
         np.zeros(system.fronts.start[-1]),
         np.zeros(nv, dtype=np.int64),
-        np.ones((nc, 4)),
+        np.zeros((nc, 4)),
         np.zeros((nc, 4)),
         np.zeros((nc, 4)),
         np.zeros((nc, 2)),
@@ -231,7 +234,7 @@ def direction(system: System, point: Point, target: Array, defect: Point, step: 
     s, g, inverse, dv = point.s, work.right, work.inverse, work.vector
     dv[:] = 0
     for i in range(len(s)):
-        for k in range(system.pairs[i]):
+        for k in range(4):
             g[i, k] = target[i, k] * inverse[i, k] - defect.x[i, k]
         c, plus, minus, _ = _contact(work.pivot[i], system.friction[i], system.shift[i], g[i], 0.0, 0.0)
         _push(system.contacts, i, c, plus - minus, dv)
@@ -244,7 +247,7 @@ def direction(system: System, point: Point, target: Array, defect: Point, step: 
         un, ut = _feel(system.contacts, i, dv)
         dx = step.x[i]
         dx[0], dx[1], dx[2], dx[3] = _contact(work.pivot[i], system.friction[i], system.shift[i], g[i], un, ut)
-        for k in range(system.pairs[i]):
+        for k in range(4):
             step.s[i, k] = (target[i, k] - s[i, k] * dx[k]) * inverse[i, k]
     for j in range(len(defect.joint)):
         step.joint[j, 0] = -(defect.joint[j, 0] + work.joint_velocity[j, 0]) / JOINT_SOFTNESS

@@ -16,7 +16,7 @@ from scipy import sparse
 from problems.check import Array
 from problems.friction import DelassusProblem, FrictionProblem
 from solvers.minimum_degree import Index
-from solvers.multifrontal import Fronts, analyse, find
+from solvers.multifrontal import Fronts, Place, analyse, find
 
 JOINT_SOFTNESS = 1e-8  # delta of a joint; its stiffness is added to a mass matrix of size 1, so not as small as a contact's
 
@@ -28,11 +28,11 @@ class Elements(NamedTuple):
     """
 
     start: Index
-    column: Index
+    column: Place
     push: Array
     feel: Array
     front: Index
-    place: Index
+    place: Place
 
 
 class System(NamedTuple):
@@ -129,12 +129,14 @@ def _lay_out(
     nc, nj = len(contacts.front), len(joined.front)
     length = np.ones(nj)
     for j in range(nj):
-        lo, hi = joined.start[j], joined.start[j + 1]
-        size = np.sqrt((joined.feel[lo:hi] ** 2).sum())
-        if size > 0:
-            length[j] = size
-            joined.feel[lo:hi] /= size
-            joined.push[lo:hi] = joined.feel[lo:hi]
+        square = 0.0
+        for a in range(joined.start[j], joined.start[j + 1]):
+            square += joined.feel[a, 0] ** 2
+        if square > 0:
+            length[j] = np.sqrt(square)
+        for a in range(joined.start[j], joined.start[j + 1]):
+            joined.feel[a, 0] /= length[j]
+            joined.push[a, 0] = joined.feel[a, 0]
     # The elements one after another: contacts, joints, rows of the mass matrix with more than their diagonal.
     ptr, col, val = mass
     start = np.empty(nc + nj + n + 1, np.int64)
@@ -180,7 +182,7 @@ def _gather(push: Rows, feel: Rows, unit: Array, d: int) -> Elements:
     push_ptr, push_col, push_val = push
     feel_ptr, feel_col, feel_val = feel
     count, room = (len(push_ptr) - 1) // d, len(push_col) + len(feel_col)
-    start, column = np.zeros(count + 1, np.int64), np.empty(room, np.int64)
+    start, column = np.zeros(count + 1, np.int64), np.empty(room, np.uint32)
     pushing, feeling = np.zeros((room, d)), np.zeros((room, d))
     entry = np.full(len(unit), -1)
     end = 0
@@ -199,7 +201,7 @@ def _gather(push: Rows, feel: Rows, unit: Array, d: int) -> Elements:
                     end += 1
                 feeling[entry[v], i] = feel_val[k] * unit[v]
         start[e + 1] = end
-    front, place = np.zeros(count, np.int64), np.zeros(end, np.int64)
+    front, place = np.zeros(count, np.int64), np.zeros(end, np.uint32)
     return Elements(start, column[:end].copy(), pushing[:end].copy(), feeling[:end].copy(), front, place)
 
 

@@ -51,7 +51,7 @@ def same_elements(start: Index, member: Index, n: int) -> tuple[Index, int]:
 
 
 @njit(cache=True)
-def _transpose(start: Index, member: Index, n: int) -> tuple[Index, Index]:
+def transpose(start: Index, member: Index, n: int) -> tuple[Index, Index]:
     """The elements of each variable, ascending."""
     begin = np.zeros(n + 1, np.int64)
     for v in member:
@@ -74,7 +74,7 @@ def minimum_degree(start: Index, member: Index, width: Index) -> tuple[Index, In
     that takes up the rest, later than f, or -1; home[e] the one that takes up element e, whose variables must be distinct.
     """
     n, elements = len(width), len(start) - 1
-    begin, element = _transpose(start, member, n)
+    begin, element = transpose(start, member, n)
     count = begin[1:] - begin[:-1]
     total = width.sum()
     # Elements, the fronts' after the given ones: where their variables stand, their size, the front that took them up.

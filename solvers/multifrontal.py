@@ -20,22 +20,25 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from problems.check import Array
-from solvers.minimum_degree import Index, minimum_degree, same_elements
+from solvers.minimum_degree import Index, minimum_degree, same_elements, transpose
+
+Place = NDArray[np.uint32]  # unsigned, so that compiled code need not ask whether an index counts from the end
 
 
 class Fronts(NamedTuple):
     """The symbolic factorisation. Variables are numbered by their place in the order of elimination.
 
     variable: the variables of front f are variable[first[f]:first[f+1]], ascending, the pivots[f] eliminated ones first.
-    above[j]: where variable[j] stands in the parent's front. parent: -1 at a root. start: front f is row-major
+    above[j]: where variable[j] stands in the parent's front, 0 for a pivot. parent: -1 at a root. start: front f is row-major
     at start[f] of the storage of factorise, start[-1] numbers. owner (n,): the front that eliminates each variable.
     """
 
     first: Index
-    variable: Index
-    above: Index
+    variable: Place
+    above: Place
     pivots: Index
     parent: Index
     start: Index
@@ -75,6 +78,12 @@ def analyse(start: Index, member: Index, n: int) -> tuple[Fronts, Index, Index]:
         free[rank[group[v]]] += 1
     for k in range(len(listed)):
         listed[k] = rank[listed[k]]
+    begin, front = transpose(first, listed, groups)  # and back: so each front's groups come in ascending order
+    free = first[:-1].copy()
+    for g in range(groups):
+        for k in range(begin[g], begin[g + 1]):
+            listed[free[front[k]]] = g
+            free[front[k]] += 1
     return _lay_out(first, listed, pivots, parent, offset), place, home
 
 
@@ -85,15 +94,16 @@ def _lay_out(first: Index, listed: Index, pivots: Index, parent: Index, offset: 
     own, begin = np.zeros(fronts, np.int64), np.zeros(fronts + 1, np.int64)
     owner = np.empty(offset[-1], np.int64)
     for f in range(fronts):
-        listed[first[f] : first[f + 1]].sort()
         for k in range(first[f], first[f + 1]):
             g = listed[k]
             size[f] += offset[g + 1] - offset[g]
             if k < first[f] + pivots[f]:
                 own[f] += offset[g + 1] - offset[g]
-                owner[offset[g] : offset[g + 1]] = f
+                for v in range(offset[g], offset[g + 1]):
+                    owner[v] = f
         begin[f + 1] = begin[f] + size[f]
-    variable, above, start = np.empty(begin[-1], np.int64), np.full(begin[-1], -1), np.zeros(fronts + 1, np.int64)
+    variable, above = np.empty(begin[-1], np.uint32), np.zeros(begin[-1], np.uint32)
+    start = np.zeros(fronts + 1, np.int64)
     at = 0
     for f in range(fronts):
         start[f + 1] = start[f] + size[f] ** 2
@@ -157,20 +167,22 @@ def factorise(fronts: Fronts, storage: Array, swap: Index, floor: float) -> int:
         wide = fronts.first[up + 1] - fronts.first[up]
         G = storage[fronts.start[up] : fronts.start[up + 1]].reshape(wide, wide)
         for i in range(p, w):
-            for k in range(p):
-                for m in range(k):
-                    F[i, k] -= F[i, m] * F[m, k]
-                F[i, k] *= F[k, k]
             done = p % 3
             for k in range(done):
-                for j in range(p, w):
-                    F[i, j] -= F[i, k] * F[k, j]
+                a = F[i, k] * F[k, k]
+                F[i, k] = a
+                for j in range(k + 1, w):
+                    F[i, j] -= a * F[k, j]
             for k in range(done, p, 3):
-                a, b, c = F[i, k], F[i, k + 1], F[i, k + 2]
-                for j in range(p, w):
+                a = F[i, k] * F[k, k]
+                b = (F[i, k + 1] - a * F[k, k + 1]) * F[k + 1, k + 1]
+                c = (F[i, k + 2] - a * F[k, k + 2] - b * F[k + 1, k + 2]) * F[k + 2, k + 2]
+                F[i, k], F[i, k + 1], F[i, k + 2] = a, b, c
+                for j in range(k + 3, w):
                     F[i, j] -= a * F[k, j] + b * F[k + 1, j] + c * F[k + 2, j]
+            row = G[above[i]]
             for j in range(p, w):
-                G[above[i], above[j]] += F[i, j]
+                row[above[j]] += F[i, j]
     return replaced
 
 

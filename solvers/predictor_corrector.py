@@ -73,7 +73,7 @@ def predictor_corrector(system: System, point: Point, work: Work, best: Best, to
         history[iteration] = judge(system, point, defect, work, best)
         gap, off = 0.0, 0.0
         for i in range(len(x)):
-            for k in range(system.pairs[i]):
+            for k in range(4):
                 gap += x[i, k] * s[i, k]
                 off = max(off, abs(defect.x[i, k]))
                 target[i, k] = -x[i, k] * s[i, k]
@@ -88,16 +88,16 @@ def predictor_corrector(system: System, point: Point, work: Work, best: Best, to
         length = longest(system, point, step, 1.0)
         ahead = 0.0
         for i in range(len(x)):
-            for k in range(system.pairs[i]):
+            for k in range(4):
                 ahead += (x[i, k] + length * step.x[i, k]) * (s[i, k] + length * step.s[i, k])
         sigma = (ahead / pairs / gap) ** 2
         for i in range(len(x)):
-            for k in range(system.pairs[i]):
+            for k in range(4):
                 target[i, k] = sigma * gap - x[i, k] * s[i, k] - step.x[i, k] * step.s[i, k]
         direction(system, point, target, defect, step, work)
         length = min(1.0, TO_BOUNDARY * longest(system, point, step, 1 / TO_BOUNDARY))
         for i in range(len(x)):
-            for k in range(system.pairs[i]):
+            for k in range(4):
                 x[i, k] += length * step.x[i, k]
                 s[i, k] += length * step.s[i, k]
         for j in range(len(point.joint)):
@@ -110,7 +110,7 @@ def longest(system: System, point: Point, step: Point, limit: float) -> float:
     """How far along the step x and s stay nonnegative, at most limit."""
     length = limit
     for i in range(len(point.x)):
-        for k in range(system.pairs[i]):
+        for k in range(4):
             if point.x[i, k] + length * step.x[i, k] < 0:
                 length = -point.x[i, k] / step.x[i, k]
             if point.s[i, k] + length * step.s[i, k] < 0:
