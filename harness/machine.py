@@ -58,16 +58,31 @@ def bound_memory(limit: int) -> None:
 def hard_limit(seconds: float) -> Iterator[Callable[[float], None]]:
     """The kernel ends this process by SIGALRM when the block takes longer, whatever native code it is in.
 
-    Yields a function that sets the time left anew, in seconds.
+    The clock stands still while numba compiles. Yields a function that sets the time left anew, in seconds.
     """
+    from numba.core import event
 
     def alarm(left: float) -> None:
         signal.setitimer(signal.ITIMER_REAL, left)
 
+    class Pause(event.Listener):
+        depth, left = 0, 0.0  # compilations nest
+
+        def on_start(self, _: object) -> None:
+            if not self.depth:
+                self.left = signal.setitimer(signal.ITIMER_REAL, 0)[0]
+            self.depth += 1
+
+        def on_end(self, _: object) -> None:
+            self.depth -= 1
+            if not self.depth:
+                alarm(self.left)
+
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
     alarm(seconds)
     try:
-        yield alarm
+        with event.install_listener("numba:compile", Pause()):
+            yield alarm
     finally:
         alarm(0)
 

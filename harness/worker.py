@@ -23,7 +23,7 @@ from harness.record import keep
 from harness.rows import Row, drive_row, solve_row
 from harness.timing import Timing, time_solver
 from harness.verify import Finding, verify
-from problems import FrictionProblem
+from problems import FrictionProblem, scene
 from problems.stability import backward_error
 from results.schema import CRASHED, SKIPPED, TIMEOUT, WRONG
 from results.store import ShardWriter
@@ -35,7 +35,7 @@ class _Worker:
     folder: Path
     core: int
     shards: dict[str, ShardWriter]
-    warm: set[tuple[str, int]] = field(default_factory=set)
+    warm: set[tuple[str, int, bool]] = field(default_factory=set)
 
 
 _worker: _Worker
@@ -68,7 +68,7 @@ def run_solve(cell: SolveCell, entry: Entry, limit: float) -> Row:
     takes_start = info.warm_start or cell.start == COLD
     if reason := info.missing or info.refuses(problem) or (None if takes_start else f"{info.name} takes no start"):
         return _leave("solves", begun, row | {"verdict": SKIPPED, "reason": reason})
-    begun += _warm_up(cell.variant, problem.dimension)
+    begun += _warm_up(cell.variant, problem.dimension, problem.joints.shape[0] > 0)
     machine.forget_peak_memory()
     try:
         answer, timing = _timed(solver, problem, cell, limit)
@@ -90,7 +90,7 @@ def run_drive(cell: DriveCell, limit: float) -> Row:
     info, solver = find(cell.variant)
     if reason := refusal(cell, info):
         return _leave("drives", begun, row | {"verdict": SKIPPED, "reason": reason})
-    begun += _warm_up(cell.variant, 2)
+    begun += _warm_up(cell.variant, 2, bool(scene(cell.scene, **cell.parameters).hinges))
     machine.forget_peak_memory()
     try:
         with machine.hard_limit(limit):
@@ -154,25 +154,27 @@ def _leave(table: str, begun: float, row: Row, spent: float | None = None) -> Ro
     return row
 
 
-def _warm_up(variant: str, dimension: int) -> float:
+def _warm_up(variant: str, dimension: int, jointed: bool) -> float:
     """Load and compile what the solver needs, once a worker, on a sliding contact; the seconds it took.
 
     What goes wrong here goes wrong again in the cell.
     """
-    if (variant, dimension) in _worker.warm:
+    if (variant, dimension, jointed) in _worker.warm:
         return 0.0
     begun = time.perf_counter()
-    _worker.warm.add((variant, dimension))
+    _worker.warm.add((variant, dimension, jointed))
     _, solver = find(variant)
-    free = np.zeros(dimension)
+    free = np.zeros(dimension + 1)
     free[:2] = -1.0, 1.0
+    rows = np.eye(dimension + 1)
     problem = FrictionProblem(
-        mass=np.eye(dimension),
-        normal=np.eye(dimension)[:1],
-        tangent=np.eye(dimension)[1:],
+        mass=rows,
+        normal=rows[:1],
+        tangent=rows[1:dimension],
         friction=np.array([0.5]),
         free_velocity=free,
         bias=np.zeros(1),
+        joints=rows[dimension:] if jointed else rows[:0],
         dimension=dimension,
     )
     with suppress(Exception):

@@ -3,6 +3,7 @@
 import ctypes
 import os
 import signal
+from functools import cache
 
 import numpy as np
 from numba import njit
@@ -80,6 +81,23 @@ class EatsMemory(Bad):
         kept = []
         while True:
             kept.append(np.empty(2**24))
+
+
+@cache
+def slow_to_compile():
+    statements = "\n".join(f"    x = np.sin(x) * {i} + np.cumsum(x)" for i in range(60))
+    space = {"np": np}
+    exec(f"def slow(x):\n{statements}\n    return x", space)
+    return njit(space["slow"])
+
+
+@solver("compiles", family="bad", model="coulomb")
+class Compiles(Bad):
+    """Compiles longer than it may run, once, and then has no answer."""
+
+    def misbehave(self, problem):
+        slow_to_compile()(np.ones(3))
+        return Answer(np.zeros((problem.contacts, 2)), Status.STALLED)
 
 
 @solver("lies", family="bad", model="coulomb")

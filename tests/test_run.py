@@ -29,6 +29,7 @@ VERDICTS = {
     "exits": ("crashed", "exit code 0"),
     "hangs": ("timeout", "limit of 2 s"),
     "eats_memory": ("crashed", "MemoryError"),
+    "compiles": ("unsolved", "no further progress"),
     "lies": ("wrong", "claims"),
     "not_a_number": ("wrong", "not finite"),
     "wrong_shape": ("wrong", "shape"),
