@@ -28,7 +28,7 @@ test: install
 	$(BIN)/python -m pytest
 
 timing: install
-	$(BIN)/python -m pytest tests/benchmarks --benchmark-only --override-ini addopts=
+	$(BIN)/python -m pytest tests/benchmarks --benchmark-only --override-ini addopts= --import-mode=importlib
 
 regress: install
 	$(BIN)/frictionbench run smoke --out runs/smoke-$(REVISION)
