@@ -31,16 +31,18 @@ class _Driver:
         self._info, self._solver, self._tol = info, solver, tol
         self.verdicts: Counter[str] = Counter()
         self.most_contacts = 0
-        self.worst_residual = self.worst_defect = self.solver_time = 0.0
+        self.worst_residual = self.worst_defect = self.solver_time = self.overhead = 0.0
 
     def __call__(self, problem: FrictionProblem) -> Array:
         start = time.perf_counter()
         answer = self._solver.solve(self._solver.prepare(problem.fresh()), self._tol, None)
-        self.solver_time += time.perf_counter() - start
+        answered = time.perf_counter()
+        self.solver_time += answered - start
         finding = verify(problem, answer, self._info, self._tol)
         self.verdicts[finding.verdict] += 1
         self.most_contacts = max(self.most_contacts, problem.contacts)
         self.worst_residual = max(self.worst_residual, finding.residual)
+        self.overhead += time.perf_counter() - answered
         if not np.isfinite(finding.residual):
             return np.zeros((problem.contacts, problem.dimension))
         self.worst_defect = max(self.worst_defect, abs(finding.energy_defect))
@@ -62,10 +64,12 @@ def drive(cell: DriveCell, info: SolverInfo, solver: Solver) -> dict[str, Any]:
     broken_off = ""
     try:
         for step in simulate(stage, driver, SCHEMES[cell.scheme], planned):
+            begun = time.perf_counter()
             times.append(step.time)
             energies.append(stage.energy(step.q, step.v))
             kinetic.append(float(step.v @ (stage.mass @ step.v)) / 2)
             penetrations.append(penetration(stage, step.q))
+            driver.overhead += time.perf_counter() - begun
             if not np.isfinite(energies[-1]) or abs(energies[-1]) > DIVERGED * _scale(stage, energies[:-1], kinetic[:-1]):
                 broken_off = "the motion diverged"
                 break
@@ -93,6 +97,7 @@ def drive(cell: DriveCell, info: SolverInfo, solver: Solver) -> dict[str, Any]:
         "energy_rise": max(0.0, float(np.max(np.diff(energies), initial=0.0))) / scale,
         "worst_penetration": max(penetrations),
         "solver_time": driver.solver_time,
+        "overhead": driver.overhead,
         "times": times,
         "energies": energies,
         "penetrations": penetrations,

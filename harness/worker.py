@@ -80,7 +80,8 @@ def run_solve(cell: SolveCell, entry: Entry, limit: float) -> Row:
         _leave("solves", begun, row)
         os._exit(1)  # nothing in this process can be trusted any more
     finding = verify(problem, answer, info, cell.tol)
-    return _leave("solves", begun, row | _found(problem, answer, finding, timing, limit), timing.spent)
+    row |= _found(problem, answer, finding, timing, limit)
+    return _leave("solves", begun, row | {"overhead": time.perf_counter() - begun - timing.spent})
 
 
 def run_drive(cell: DriveCell, limit: float) -> Row:
@@ -97,7 +98,7 @@ def run_drive(cell: DriveCell, limit: float) -> Row:
             driven = drive(cell, info, solver)
     except Exception as error:
         return _leave("drives", begun, row | {"verdict": CRASHED, "reason": f"{type(error).__name__}: {error}"[:500]})
-    return _leave("drives", begun, row | driven | {"peak_memory": machine.peak_memory()}, driven["solver_time"])
+    return _leave("drives", begun, row | driven | {"peak_memory": machine.peak_memory()})
 
 
 def run_motion(source: Source) -> None:
@@ -146,10 +147,8 @@ def _problem(name: str) -> FrictionProblem:
     return stored(_worker.folder, name)
 
 
-def _leave(table: str, begun: float, row: Row, spent: float | None = None) -> Row:
-    """Write the row; spent: seconds inside prepare and solve."""
-    wall = time.perf_counter() - begun
-    row |= {"core": _worker.core, "wall_time": wall, "overhead": None if spent is None else wall - spent}
+def _leave(table: str, begun: float, row: Row) -> Row:
+    row |= {"core": _worker.core, "wall_time": time.perf_counter() - begun}
     _worker.shards[table].write(row)
     return row
 

@@ -46,17 +46,26 @@ class Contacts:
 
 def find_contacts(geometry: Geometry, q: Array, margin: float) -> Contacts:
     """All contacts with gap <= margin (m) at the coordinates q (nv,)."""
+    gap, place, feature, shape = _meet(geometry, q, margin)
+    point, direction = place[:, :2], place[:, 2:]
+    bodies = geometry.owner[shape]
+    turned = np.column_stack([direction[:, 1], -direction[:, 0]])
+    return Contacts(gap, point, direction, bodies, feature, _rows(q, bodies, point, direction), _rows(q, bodies, point, turned))
+
+
+def deepest_overlap(geometry: Geometry, q: Array) -> float:
+    """The deepest overlap (m) of two shapes at the coordinates q (nv,); 0 where none overlap."""
+    gap, *_ = _meet(geometry, q, 0.0)
+    return float(max(0.0, -gap.min(initial=0.0)))
+
+
+def _meet(geometry: Geometry, q: Array, margin: float) -> tuple[Array, Array, Index, Index]:
     corners = geometry.placed(q)
     start, owner, radius, endless = geometry.start, geometry.owner, geometry.radius, geometry.endless
     low = np.where(endless[:, None], -np.inf, _reduce(np.minimum, corners, start) - radius[:, None])
     high = np.where(endless[:, None], np.inf, _reduce(np.maximum, corners, start) + radius[:, None])
     pairs = near_pairs(low, high, owner, margin)
-    pairs = pairs[~geometry.hinged(pairs)]
-    gap, place, feature, shape = meet(pairs, corners, start, radius, endless, margin)
-    point, direction = place[:, :2], place[:, 2:]
-    bodies = owner[shape]
-    turned = np.column_stack([direction[:, 1], -direction[:, 0]])
-    return Contacts(gap, point, direction, bodies, feature, _rows(q, bodies, point, direction), _rows(q, bodies, point, turned))
+    return meet(pairs[~geometry.hinged(pairs)], corners, start, radius, endless, margin)
 
 
 def _reduce(extreme: np.ufunc, corners: Array, start: Index) -> Array:

@@ -48,7 +48,8 @@ def _defect(problem: FrictionProblem, impulse: Array, shifted: bool) -> float:
     if impulse.shape != (nc, d) or not np.isfinite(impulse).all():
         return np.inf
     u = problem.contact_velocity(impulse)
-    worst = _worst(impulse, u, problem.scale, problem.friction, problem.friction_bias, shifted)
+    s = problem.scale
+    worst = float(np.max(s * _defects(impulse, u, s, problem.friction, problem.friction_bias, shifted)))
     free = _largest(problem.q.reshape(nc, d))
     if not np.isfinite(worst):
         return np.inf
@@ -58,10 +59,10 @@ def _defect(problem: FrictionProblem, impulse: Array, shifted: bool) -> float:
 
 
 @njit(cache=True)
-def _worst(r: Array, u: Array, s: Array, mu: Array, b: Array, shifted: bool) -> float:
-    """max_i s_i |r_i - P_K(r_i - g(u_i)/s_i)|, contact by contact as project_cone has it; infinity where it is no number."""
+def _defects(r: Array, u: Array, s: Array, mu: Array, b: Array, shifted: bool) -> Array:
+    """|r_i - P_K(r_i - g(u_i)/s_i)| (nc,), contact by contact as project_cone has it."""
     nc, d = r.shape
-    worst = 0.0
+    defects = np.empty(nc)
     for i in range(nc):
         sliding = 0.0
         for k in range(1, d):
@@ -81,9 +82,8 @@ def _worst(r: Array, u: Array, s: Array, mu: Array, b: Array, shifted: bool) -> 
         defect = (r[i, 0] - nearest) ** 2
         for k in range(1, d):
             defect += (r[i, k] - factor * (r[i, k] - u[i, k] / s[i])) ** 2
-        defect = s[i] * np.sqrt(defect)
-        worst = max(worst, defect) if defect < np.inf else np.inf
-    return worst
+        defects[i] = np.sqrt(defect)
+    return defects
 
 
 @njit(cache=True)
@@ -107,10 +107,8 @@ def fclib_error(problem: FrictionProblem, impulse: Array) -> float:
         return 0.0
     if not np.isfinite(impulse).all():
         return np.inf
-    with np.errstate(over="ignore", invalid="ignore"):
-        g = problem.contact_velocity(impulse)
-        g[:, 0] += problem.friction * np.linalg.norm(g[:, 1:], axis=1)
-        error = float(np.linalg.norm(impulse - project_cone(impulse - g, problem.friction, problem.friction_bias)))
+    u, one = problem.contact_velocity(impulse), np.ones(problem.contacts)
+    error = float(np.linalg.norm(_defects(impulse, u, one, problem.friction, problem.friction_bias, True)))
     size = float(np.linalg.norm(problem.q))
     if not np.isfinite(error):
         return np.inf

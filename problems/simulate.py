@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from problems.check import Array
+from problems.collision import deepest_overlap
 from problems.friction import FrictionProblem
 from problems.scene import Scene
 from problems.schemes import Scheme, Solve, Step, anitescu_potra, start
@@ -39,4 +40,4 @@ def ledger_defect(problem: FrictionProblem, impulse: Array) -> float:
 
 def penetration(scene: Scene, q: Array) -> float:
     """The deepest overlap of two shapes, m; 0 where none overlap."""
-    return float(max(0.0, -scene.contacts(q, 0.0).gap.min(initial=0.0)))
+    return deepest_overlap(scene.geometry, q)

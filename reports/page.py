@@ -23,6 +23,7 @@ from reports.template import environment
 from results.schema import VERDICTS
 from results.store import read_manifest, read_table
 
+OWN = ["overhead", "wall_time"]
 GROWTH = TARGETS[1]  # of the chart of time against size
 MOST_CURVES = 24  # panels of energy curves on the page
 MOST_CLAIMS = 200  # wrong claims listed on the page
@@ -73,7 +74,7 @@ def _contents(folder: Path, manifest: dict[str, Any], rows: pd.DataFrame, drives
         "matrices": {target: _matrix(table) for target, table in summaries.items()},
         "races": {name: _race(summaries, name) for name in [ALL, *rows["problem_class"].unique()]},
         "solvability": tables.solvability(rows),
-        "overhead": tables.overhead(rows),
+        "overhead": tables.overhead(pd.concat([rows[OWN], drives[OWN]])),
         "outcomes": tables.OUTCOMES,
         "verdicts": VERDICTS,
         "reasons": tables.reasons(rows),

@@ -57,7 +57,7 @@ _CELL = (
     Column("host", _text, "", "machine that ran the cell"),
     Column("core", _whole, "", "processor core that ran the cell alone"),
     Column("wall_time", _real, "s", "the whole cell, verification and repeats included, loading and compiling not"),
-    Column("overhead", _real, "s", "of it, all that was not inside prepare and solve; of a drive, the scene's own motion too"),
+    Column("overhead", _real, "s", "of it, the harness's own: all but prepare and solve; of a drive, verifying and recording"),
     Column("peak_memory", _real, "B", "largest resident memory of the process during the cell"),
 )
 
