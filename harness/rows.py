@@ -1,13 +1,11 @@
 """The part of a row that is known before a cell runs, so that a cell that is killed leaves a row too."""
 
 import json
-from typing import Any
 
 from harness import machine
 from harness.plan import DriveCell, SolveCell
+from results.store import Row
 from solvers import find
-
-Row = dict[str, Any]
 
 PROBLEM_FACTS = (
     *("problem", "scene", "parameters", "step", "phase"),

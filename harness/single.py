@@ -14,14 +14,14 @@ from harness.choose import resolve_solvers
 from harness.collect import Entry, Met, collect, facts
 from harness.plan import COLD, DriveCell, Plan, SolveCell, Source, origin
 from harness.pool import Pool, Task
-from harness.rows import PROBLEM_FACTS, Row
+from harness.rows import PROBLEM_FACTS
 from harness.run import row_of_the_dead
 from harness.spec import parse
 from harness.suites import RELAXED
 from problems import scene
 from problems.storage import load, save
 from results import store
-from results.store import ResultsError
+from results.store import ResultsError, Row
 from solvers import available
 
 

@@ -1,10 +1,10 @@
-"""Names with settings, as the command line takes them: `stack[blocks=5,friction=0.5]`."""
+"""A scene's settings, as the command line takes them: `stack[blocks=5,friction=0.5]`."""
 
 import json
-import re
 from typing import Any
 
 from problems import InputError
+from problems.spec import split
 
 
 def parse(field: str, text: str) -> tuple[str, dict[str, Any]]:
@@ -12,15 +12,11 @@ def parse(field: str, text: str) -> tuple[str, dict[str, Any]]:
 
     Errors: InputError naming the field.
     """
-    match = re.fullmatch(r"\s*([\w.-]+)\s*(?:\[(.*)\])?\s*", text)
-    if match is None:
-        raise InputError(f"{field}: cannot read {text!r}; write name or name[setting=value,...]")
-    name, settings = match.groups()
+    name, settings = split(field, text)
     values: dict[str, Any] = {}
-    for setting in filter(None, (settings or "").split(",")):
-        key, equals, value = (part.strip() for part in setting.partition("="))
-        if not equals or not key:
-            raise InputError(f"{field}: cannot read the setting {setting!r} of {name}; write setting=value")
+    for key, value in settings.items():
+        if value is None or not key:
+            raise InputError(f"{field}: cannot read the setting {key!r} of {name}; write setting=value")
         values[key] = _value(value)
     return name, values
 

@@ -20,13 +20,13 @@ from harness.collect import Entry, collect, stored, stored_start
 from harness.drive import drive, refusal
 from harness.plan import COLD, DriveCell, SolveCell, Source
 from harness.record import keep
-from harness.rows import Row, drive_row, solve_row
+from harness.rows import drive_row, solve_row
 from harness.timing import Timing, time_solver
 from harness.verify import Finding, verify
 from problems import FrictionProblem, scene
 from problems.stability import backward_error
 from results.schema import CRASHED, SKIPPED, TIMEOUT, WRONG
-from results.store import ShardWriter
+from results.store import Row, ShardWriter
 from solvers import Answer, Solver, Status, find, plugins
 
 

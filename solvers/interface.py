@@ -13,7 +13,6 @@ sweeps, iterations), None for its default: wall-clock limits are the harness's b
 by others.
 """
 
-import re
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 from enum import Enum
@@ -22,6 +21,7 @@ from typing import Any, Literal, Protocol, TypeVar
 
 from problems import LCP, FrictionProblem, InputError
 from problems.check import Array
+from problems.spec import split
 
 Model = Literal["coulomb", "lcp", "relaxation"]
 
@@ -137,19 +137,15 @@ def find(spec: str) -> tuple[SolverInfo, Solver]:
 
     Errors: InputError naming the solver, or the setting, that is unknown or of the wrong kind.
     """
-    match = re.fullmatch(r"\s*([\w.-]+)\s*(?:\[(.*)\])?\s*", spec)
-    if match is None:
-        raise InputError(f"solver: cannot read {spec!r}; write name or name[field=value,...]")
-    name, settings = match.groups()
+    name, settings = split("solver", spec)
     if name not in _solvers:
         raise InputError(f"solver: unknown solver {name!r}; known are {', '.join(sorted(_solvers))}")
     info = _solvers[name]
     instance: Any = info.make()
     kinds = {entry.name: type(getattr(instance, entry.name)) for entry in fields(instance)}
     values = {}
-    for setting in filter(None, (settings or "").split(",")):
-        key, equals, text = (part.strip() for part in setting.partition("="))
-        if key not in kinds or not equals:
+    for key, text in settings.items():
+        if key not in kinds or text is None:
             raise InputError(f"solver: {name} has no setting {key!r}; it has {', '.join(kinds) or 'none'}")
         try:
             values[key] = _FLAGS[text.lower()] if kinds[key] is bool else kinds[key](text)
