@@ -1,12 +1,13 @@
-"""The central path of the friction LCP, followed around its folds.
+"""The central path of a friction problem, followed around its folds.
 
 From a start x0, s0 > 0 with defect d0, the curve of all (x, s, t) with
 
-    x s = t x0 s0,      H'u + K x - s = t d0,      F v + b_F = t times its value at the start,      t from 1 to 0,
+    x ∘ s = t x0 ∘ s0,      H'u + K x - s = t d0,      F v + b_F = t times its value at the start,      t from 1 to 0,
 
 leads to a solution. The problem is not monotone, so t need not decrease along it: the curve is followed by its length, in the
-logarithms of x, s and t, in which the constraints x, s > 0 disappear and the curve is straight near a solution, however fast
-the pairs vanish. Each iteration factorises Newton's matrix once (solvers.contact_newton), for both parts of a step:
+logarithms of x, s and t (the geodesics of solvers.contact_point), in which the cones' boundaries disappear and the curve is
+straight near a solution, however fast the pairs vanish. Each iteration factorises Newton's matrix once
+(solvers.contact_newton), for both parts of a step:
 
     correction   towards the curve, orthogonal to its tangent,
     prediction   along the tangent, oriented by the last one, so that a fold is passed through.
@@ -24,8 +25,9 @@ import numpy as np
 from numba import njit
 
 from problems.check import Array
-from solvers.contact_newton import Point, Work, direction, linearise, new_point
-from solvers.contact_system import System
+from solvers.contact_newton import direction, linearise
+from solvers.contact_point import Point, add_products, add_step, move_along, new_point, set_step, to_geodesics
+from solvers.contact_system import System, Work
 from solvers.predictor_corrector import Best, judge, predictor_corrector
 
 NEAR = 0.3  # a correction, in logarithms, up to which a point counts as on the curve
@@ -46,7 +48,7 @@ def trace(system: System, point: Point, work: Work, best: Best, tol: float, pati
     ahead, saved, trial = new_point(system), new_point(system), new_point(system)
     judge(system, point, first, work, best)
     product, target = np.zeros((len(point.x), 4)), np.zeros((len(point.x), 4))
-    _aim(product, 0.0, target, -1.0, point)
+    _aim(system, product, 0.0, target, -1.0, point)
     log_t, saved_log_t, ahead_log_t = 0.0, 0.0, -1.0
     length, hand_over = FIRST, HAND_OVER
     used = 0
@@ -57,79 +59,50 @@ def trace(system: System, point: Point, work: Work, best: Best, tol: float, pati
             return used
         linearise(system, point, work)
         t = np.exp(log_t)
-        _aim(target, t, product, 1.0, point)
-        _add(defect, -t, first)
+        _aim(system, target, t, product, 1.0, point)
+        add_step(defect, -t, first)
         direction(system, point, target, defect, correction, work)
-        _aim(target, t, product, 0.0, point)
-        _set(defect, -t, first)
+        _aim(system, target, t, product, 0.0, point)
+        set_step(defect, -t, first)
         direction(system, point, target, defect, tangent, work)
-        _to_logarithms(system, point, correction)
-        _to_logarithms(system, point, tangent)
+        to_geodesics(system, point, correction)
+        to_geodesics(system, point, tangent)
         back = -_dot(correction, tangent) / (1 + _dot(tangent, tangent))
-        _add(correction, back, tangent)
+        add_step(correction, back, tangent)
         off = max(_size(correction), abs(back))
         if off < FAR or used == 1:
-            _move(point, correction, 1.0)
+            move_along(system, point, correction, 1.0)
             log_t += back
             if off > NEAR:
                 continue
             if log_t < hand_over and used < len(history):
-                _set(trial, 1.0, point)
+                set_step(trial, 1.0, point)
                 used += predictor_corrector(system, trial, work, best, tol, patience, history[used:])
                 hand_over += HAND_OVER
             if used > 1:
                 length = min(LONGEST, length * min(2.0, max(0.3, np.sqrt(NEAR / 2 / max(off, 1e-9)))))
-            _set(saved, 1.0, point)
+            set_step(saved, 1.0, point)
             saved_log_t = log_t
             forward = ahead_log_t + _dot(ahead, tangent) > 0
             unit = (1.0 if forward else -1.0) / max(_size(tangent), 1.0)
-            _set(ahead, unit, tangent)
+            set_step(ahead, unit, tangent)
             ahead_log_t = unit
         else:
-            _set(point, 1.0, saved)
+            set_step(point, 1.0, saved)
             log_t = saved_log_t
             length /= 4
-        _move(point, ahead, length)
+        move_along(system, point, ahead, length)
         log_t += length * ahead_log_t
     return used
 
 
 @njit(cache=True, error_model="numpy")
-def _aim(target: Array, t: float, product: Array, share: float, point: Point) -> None:
-    """target = t product - share x s."""
+def _aim(system: System, target: Array, t: float, product: Array, share: float, point: Point) -> None:
+    """target = t product - share x ∘ s."""
     for i in range(len(target)):
         for k in range(4):
-            target[i, k] = t * product[i, k] - share * point.x[i, k] * point.s[i, k]
-
-
-@njit(cache=True, error_model="numpy")
-def _set(to: Point, factor: float, step: Point) -> None:
-    """to = factor step."""
-    for i in range(len(to.x)):
-        for k in range(4):
-            to.x[i, k] = factor * step.x[i, k]
-            to.s[i, k] = factor * step.s[i, k]
-    for j in range(len(to.joint)):
-        to.joint[j, 0] = factor * step.joint[j, 0]
-
-
-@njit(cache=True, error_model="numpy")
-def _add(to: Point, factor: float, step: Point) -> None:
-    """to += factor step."""
-    for i in range(len(to.x)):
-        for k in range(4):
-            to.x[i, k] += factor * step.x[i, k]
-            to.s[i, k] += factor * step.s[i, k]
-    for j in range(len(to.joint)):
-        to.joint[j, 0] += factor * step.joint[j, 0]
-
-
-@njit(cache=True, error_model="numpy")
-def _to_logarithms(system: System, point: Point, step: Point) -> None:
-    for i in range(len(point.x)):
-        for k in range(system.pairs[i]):
-            step.x[i, k] /= point.x[i, k]
-            step.s[i, k] /= point.s[i, k]
+            target[i, k] = t * product[i, k]
+    add_products(system, -share, point.x, point.s, target)
 
 
 @njit(cache=True, error_model="numpy")
@@ -151,14 +124,3 @@ def _size(step: Point) -> float:
                 if not value <= largest:
                     largest = value if value > largest else np.inf
     return largest
-
-
-@njit(cache=True, error_model="numpy")
-def _move(point: Point, step: Point, length: float) -> None:
-    """Take a step in the logarithms of x and s."""
-    for i in range(len(point.x)):
-        for k in range(4):
-            point.x[i, k] *= np.exp(length * step.x[i, k])
-            point.s[i, k] *= np.exp(length * step.s[i, k])
-    for j in range(len(point.joint)):
-        point.joint[j, 0] += length * step.joint[j, 0]

@@ -1,10 +1,11 @@
-"""A planar friction problem laid out for Newton's method in the velocities (solvers.contact_newton).
+"""A friction problem laid out for Newton's method in the velocities (solvers.contact_newton).
 
 All is in units of one velocity and one impulse, the velocities of the bodies in those in which the mass matrix has a unit
 diagonal. The variables are numbered in the order in which solvers.multifrontal eliminates them, contacts and joints are
 elements of its fronts, and what does not change from step to step, the mass matrix and the joints, is a list of numbers to be
-added to them. Where only the Delassus matrix W is known, the impulses take the velocities' place: M = I, J' = I on the left
-of C and J = W on its right, so that an unsymmetric W is solved as given.
+added to them. Where only the Delassus matrix W is known, the contact velocities take the place of the bodies': M = I, J' = W on
+the left of C and J = I on its right, so that an unsymmetric W is solved as given. (The other way round the rows of A = I + C W
+would be as unlike in size as sticking and open contacts, and partial pivoting misled.)
 """
 
 from typing import NamedTuple
@@ -18,6 +19,7 @@ from problems.friction import DelassusProblem, FrictionProblem
 from solvers.minimum_degree import Index
 from solvers.multifrontal import Fronts, Place, analyse, find
 
+SOFTNESS = 1e-13  # delta, relative to a contact's own mean diagonal of W; 1e-16 fails, 1e-12 slows stacks of thousands
 JOINT_SOFTNESS = 1e-8  # delta of a joint; its stiffness is added to a mass matrix of size 1, so not as small as a contact's
 
 
@@ -40,7 +42,7 @@ class System(NamedTuple):
 
     slot, constant: what M + F'F/delta adds to the fronts, and where. inverse, indices, indptr: M^-1 by rows.
     shift: 0 for Coulomb's law, mu for its convex relaxation. weight: s_i of problems.residual.
-    pairs: 4, or 1 where a contact has no friction at all.
+    pairs: the products of a contact (solvers.contact_point): 4 in the plane, 2 in space, 1 where there is no friction at all.
     """
 
     fronts: Fronts
@@ -63,8 +65,43 @@ class System(NamedTuple):
     impulse: float
 
 
+class Work(NamedTuple):
+    """Room for Newton's method on one system.
+
+    storage, swap: the factors of A. inverse, pivot, right (nc, 4): 1/x, the pivots' inverses and g, in the plane.
+    impulse (nc, d), vector and momentum (nv,), joint_velocity (nj, 1).
+    """
+
+    storage: Array
+    swap: Index
+    inverse: Array
+    pivot: Array
+    right: Array
+    impulse: Array
+    joint_velocity: Array
+    vector: Array
+    momentum: Array
+
+
+@njit(cache=True)
+def new_work(system: System) -> Work:
+    nc, d = system.offset.shape
+    nv, nj = len(system.free_velocity), len(system.joint_bias)
+    return Work(
+        np.zeros(system.fronts.start[-1]),
+        np.zeros(nv, dtype=np.int64),
+        np.zeros((nc, 4)),
+        np.zeros((nc, 4)),
+        np.zeros((nc, 4)),
+        np.zeros((nc, d)),
+        np.zeros((nj, 1)),
+        np.zeros(nv),
+        np.zeros(nv),
+    )
+
+
 def prepare(problem: FrictionProblem, relaxed: bool = False) -> System:
-    """Scale a planar problem, or its convex relaxation, find the order of elimination and lay out its matrices."""
+    """Scale a problem, or its convex relaxation, find the order of elimination and lay out its matrices."""
     nc, d = problem.contacts, problem.dimension
     q = problem.q.reshape(nc, d)
     speed = float(np.sqrt(np.einsum("ij,ij->i", q, q).max(initial=0.0))) or 1.0
@@ -72,8 +109,8 @@ def prepare(problem: FrictionProblem, relaxed: bool = False) -> System:
     mass, inverse, push, free_velocity, offset = problem.velocity_form()
     feel, joints, unit = push, problem.joints, np.sqrt(impulse / speed / mass.diagonal())
     if isinstance(problem, DelassusProblem):
-        mass = inverse = push = sparse.eye_array(nc * d, format="csr")
-        feel, joints = problem.W * (impulse / speed), sparse.csr_array((0, nc * d))
+        mass = inverse = feel = sparse.eye_array(nc * d, format="csr")
+        push, joints = sparse.csr_array(problem.W.T) * (impulse / speed), sparse.csr_array((0, nc * d))
         free_velocity, unit = np.zeros(nc * d), np.ones(nc * d)
     else:  # v = speed * unit * v^
         free_velocity = free_velocity / (unit * speed)
@@ -99,7 +136,7 @@ def prepare(problem: FrictionProblem, relaxed: bool = False) -> System:
         problem.friction_bias / impulse,
         problem.friction if relaxed else np.zeros(nc),
         problem.scale * (impulse / speed),
-        np.where(rubs, 4, 1),
+        np.where(rubs, 4 if d == 2 else 2, 1),
         speed,
         impulse,
     )

@@ -1,7 +1,8 @@
-"""Interior point methods for the planar friction LCP itself, sparse in the velocities of the bodies.
+"""Interior point methods for Coulomb friction itself, sparse in the velocities of the bodies.
 
-A step costs one sparse factorisation of the size of the mass matrix (solvers.contact_newton, solvers.multifrontal), as for the
-convex relaxation; the problem is Coulomb's. Mehrotra's predictor-corrector (solvers.predictor_corrector) comes first: about ten
+In the plane the problem is the friction LCP; in space it has the circular cone as it is (solvers.contact_point). A step costs
+one sparse factorisation of the size of the mass matrix (solvers.contact_newton, solvers.multifrontal), as for the convex
+relaxation. Mehrotra's predictor-corrector (solvers.predictor_corrector) comes first: about ten
 iterations, few more for a thousand boxes than for ten. The problem is not monotone, and in a few random instances of a hundred,
 hardly ever in a stack or a pyramid, it is trapped; then the central path is followed around its folds (solvers.central_path),
 from up to four starts.
@@ -15,8 +16,8 @@ from problems import FrictionProblem
 from problems.check import Array
 from problems.residual import residual
 from solvers.central_path import trace
-from solvers.contact_newton import new_work, start_point
-from solvers.contact_system import System, prepare
+from solvers.contact_point import start_point
+from solvers.contact_system import System, new_work, prepare
 from solvers.interface import Answer, Status, solver
 from solvers.predictor_corrector import Best, is_solved, predictor_corrector
 
@@ -24,9 +25,9 @@ STARTS = ((1.0, 1.0), (0.1, 10.0), (0.01, 10.0), (0.1, 1.0))  # impulses and spe
 PATIENCE = 12  # iterations of the predictor-corrector without progress: more than ever helped
 
 
-@solver("interior_point", family="interior point", model="coulomb", sparse=True)
+@solver("interior_point", family="interior point", model="coulomb", dimension=(2, 3), sparse=True)
 class InteriorPoint:
-    """Predictor-corrector on the friction LCP, then its central path; one sparse factorisation an iteration.
+    """Predictor-corrector on Coulomb's law, then its central path; one sparse factorisation an iteration.
 
     shortcut: try the predictor-corrector first; otherwise follow the path from the beginning.
     """

@@ -1,9 +1,10 @@
-"""Mehrotra's predictor-corrector method on the friction LCP, in the velocities of the bodies.
+"""Mehrotra's predictor-corrector method on a friction problem, in the velocities of the bodies.
 
-The iterates keep x > 0 and s > 0 and need not be feasible. Each iteration factorises Newton's matrix (solvers.contact_newton)
-once and solves with it twice: the predictor aims at x s = 0; how far it gets sets the centring sigma; the corrector aims at
+The iterates keep x and s inside their cones (solvers.contact_point) and need not be feasible. Each iteration factorises
+Newton's matrix (solvers.contact_newton) once and solves with it twice: the predictor aims at x ∘ s = 0; how far it gets sets
+the centring sigma; the corrector aims at
 
-    x s = sigma mean(x s),      sigma = (mean(x s) after the predictor / mean(x s))^2,
+    x ∘ s = sigma mean(x s),      sigma = (mean(x s) after the predictor / mean(x s))^2,
 
 with the predictor's second-order term, and goes .995 of the way to the boundary, x and s together, for the problem is not
 monotone. Nor is there a guarantee: where the central path folds, no step is left that decreases x s, and the method has to
@@ -18,17 +19,16 @@ from numba import njit
 
 from problems import FrictionProblem
 from problems.check import Array
-from solvers.contact_newton import Point, Work, direction, evaluate, linearise, new_point
-from solvers.contact_system import System
+from solvers.contact_newton import direction, evaluate, linearise
+from solvers.contact_point import Point, add_products, add_step, longest, new_point, set_identity
+from solvers.contact_system import System, Work
 
 TO_BOUNDARY = 0.995
-
-
 ROUNDING = 4 * np.finfo(float).eps
 
 
 class Best(NamedTuple):
-    """The impulses (nc, 2) with the smallest residual (1,) so far, in the system's units."""
+    """The impulses (nc, d) with the smallest residual (1,) so far, in the system's units."""
 
     impulse: Array
     residual: Array
@@ -52,8 +52,8 @@ def judge(system: System, point: Point, defect: Point, work: Work, best: Best) -
     if residual < best.residual[0]:
         best.residual[0] = residual
         for i in range(len(best.impulse)):
-            best.impulse[i, 0] = work.impulse[i, 0]
-            best.impulse[i, 1] = work.impulse[i, 1]
+            for k in range(best.impulse.shape[1]):
+                best.impulse[i, k] = work.impulse[i, k]
     return residual
 
 
@@ -76,7 +76,6 @@ def predictor_corrector(system: System, point: Point, work: Work, best: Best, to
             for k in range(4):
                 gap += x[i, k] * s[i, k]
                 off = max(off, abs(defect.x[i, k]))
-                target[i, k] = -x[i, k] * s[i, k]
         gap /= pairs
         since += 1
         if not gap + off > milestone / 2:
@@ -84,6 +83,8 @@ def predictor_corrector(system: System, point: Point, work: Work, best: Best, to
         if best.residual[0] <= tol or since > patience:
             return iteration + 1
         linearise(system, point, work)
+        target[:] = 0
+        add_products(system, -1.0, x, s, target)
         direction(system, point, target, defect, step, work)
         length = longest(system, point, step, 1.0)
         ahead = 0.0
@@ -91,28 +92,10 @@ def predictor_corrector(system: System, point: Point, work: Work, best: Best, to
             for k in range(4):
                 ahead += (x[i, k] + length * step.x[i, k]) * (s[i, k] + length * step.s[i, k])
         sigma = (ahead / pairs / gap) ** 2
-        for i in range(len(x)):
-            for k in range(4):
-                target[i, k] = sigma * gap - x[i, k] * s[i, k] - step.x[i, k] * step.s[i, k]
+        set_identity(system, sigma * gap, target)
+        add_products(system, -1.0, x, s, target)
+        add_products(system, -1.0, step.x, step.s, target)
         direction(system, point, target, defect, step, work)
         length = min(1.0, TO_BOUNDARY * longest(system, point, step, 1 / TO_BOUNDARY))
-        for i in range(len(x)):
-            for k in range(4):
-                x[i, k] += length * step.x[i, k]
-                s[i, k] += length * step.s[i, k]
-        for j in range(len(point.joint)):
-            point.joint[j, 0] += length * step.joint[j, 0]
+        add_step(point, length, step)
     return len(history)
-
-
-@njit(cache=True, error_model="numpy")
-def longest(system: System, point: Point, step: Point, limit: float) -> float:
-    """How far along the step x and s stay nonnegative, at most limit."""
-    length = limit
-    for i in range(len(point.x)):
-        for k in range(4):
-            if point.x[i, k] + length * step.x[i, k] < 0:
-                length = -point.x[i, k] / step.x[i, k]
-            if point.s[i, k] + length * step.s[i, k] < 0:
-                length = -point.s[i, k] / step.s[i, k]
-    return length

@@ -1,7 +1,8 @@
-"""Interior point for the convex relaxation, with the same factorisation as for the friction LCP itself.
+"""Interior point for the convex relaxation, with the same factorisation as for Coulomb's law itself.
 
 Where Coulomb's law has 0 <= c ⟂ u_n >= 0, the relaxation (problems.relaxation) has 0 <= c ⟂ u_n - mu lambda >= 0: a contact may
-slide only while it opens. One sign more makes the LCP monotone, and Mehrotra's method hardly ever fails (Wright 1997). Beside
+slide only while it opens. One sign more makes the problem monotone, and Mehrotra's method hardly ever fails (Wright 1997); in
+space, where products of Lorentz' cone do not commute, once in some hundred random problems, and starts anew. Beside
 interior_point it tells what the model saves: the matrix and the arithmetic are the same.
 """
 
@@ -10,15 +11,16 @@ import numpy as np
 from problems import FrictionProblem
 from problems.check import Array
 from problems.residual import relaxation_residual
-from solvers.contact_newton import new_work, start_point
-from solvers.contact_system import System, prepare
+from solvers.contact_point import start_point
+from solvers.contact_system import System, new_work, prepare
 from solvers.interface import Answer, Status, solver
 from solvers.predictor_corrector import Best, is_solved, predictor_corrector
 
+STARTS = ((0.1, 10.0), (10.0, 1.0))  # after the first: impulses and speeds, relative to a contact's own
 PATIENCE = 60  # a heavy body on a light one needs impulses a million times the first ones
 
 
-@solver("relaxation_ip", family="interior point", model="relaxation", sparse=True)
+@solver("relaxation_ip", family="interior point", model="relaxation", dimension=(2, 3), sparse=True)
 class RelaxationInteriorPoint:
     """Mehrotra's predictor-corrector on the convex relaxation, one sparse factorisation in the velocities an iteration."""
 
@@ -34,11 +36,18 @@ class RelaxationInteriorPoint:
             return Answer(np.zeros_like(system.offset), Status.SOLVED, {"iterations": 0, "factorisations": 0})
         history = np.empty((200 if limit is None else limit) + 1)
         best = Best(np.zeros_like(system.offset), np.array([np.inf]))
-        first = start_point(system, float(np.sqrt(problem.contacts)), 1.0)
-        used = predictor_corrector(system, first, new_work(system), best, tol / 2, PATIENCE, history)
-        if is_solved(best, tol, system, problem, relaxation_residual):
-            status = Status.SOLVED
-        else:
-            status = Status.WORK_LIMIT if used == len(history) else Status.STALLED
-        work = {"iterations": used, "factorisations": used - 1}
+        room = new_work(system)
+        used = phases = 0
+        status = Status.STALLED
+        for impulse, speed in ((float(np.sqrt(problem.contacts)), 1.0), *STARTS):
+            first = start_point(system, impulse, speed)
+            used += predictor_corrector(system, first, room, best, tol / 2, PATIENCE, history[used:])
+            phases += 1
+            if is_solved(best, tol, system, problem, relaxation_residual):
+                status = Status.SOLVED
+                break
+            if used == len(history):
+                status = Status.WORK_LIMIT
+                break
+        work = {"iterations": used, "factorisations": used - phases}
         return Answer(best.impulse * system.impulse, status, work, tuple(history[:used].tolist()))

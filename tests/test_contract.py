@@ -94,3 +94,11 @@ def test_a_bad_setting_is_named(tol, limit, field) -> None:
 def test_a_tight_limit_is_kept_and_said(name) -> None:
     answer = solve(scene("stack", blocks=20, push=1.0).problem(), name, tol=1e-10, limit=1)
     assert answer.status is not Status.SOLVED or name == "hybrid"
+
+
+@pytest.mark.parametrize("limit", [None, 50])
+def test_the_portfolio_goes_on_where_gauss_seidel_is_slow(limit) -> None:
+    answer = solve(spatial(103, contacts=20, nv=60, friction=3), "hybrid", limit=limit)
+    assert answer.status is Status.SOLVED
+    assert answer.detail == "interior_point"
+    assert answer.work["nsgs sweeps"] <= (limit or 300)

@@ -1,5 +1,6 @@
 """Interior point methods on the friction LCP and on its convex relaxation."""
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -11,17 +12,30 @@ from problems.random_problem import random_problem
 from problems.residual import relaxation_residual, residual
 from problems.scenes import scene
 from solvers import Status, solve
-from solvers.contact_newton import direction, evaluate, linearise, new_point, new_work, start_point
-from solvers.contact_system import prepare
-from solvers.predictor_corrector import longest
-from tests.friction_problems import block, nothing
+from solvers.contact_newton import direction, evaluate, linearise
+from solvers.contact_point import add_products, longest, move_along, new_point, set_step, start_point, to_geodesics
+from solvers.contact_system import new_work, prepare
+from solvers.lorentz import longest_in_cone
+from tests.friction_problems import block, nothing, spatial
 
 METHODS = ("interior_point", "interior_point[shortcut=false]")
 DATA = Path(__file__).parent / "data"
+RECORDED = os.environ.get("FRICTIONBENCH_RECORDED")  # problems of other projects, which are not part of this one
 
 
 def changed(problem, **fields):
-    names = ["mass", "normal", "tangent", "friction", "free_velocity", "bias", "friction_bias", "joints", "joint_bias"]
+    names = [
+        "mass",
+        "normal",
+        "tangent",
+        "friction",
+        "free_velocity",
+        "bias",
+        "friction_bias",
+        "joints",
+        "joint_bias",
+        "dimension",
+    ]
     return FrictionProblem(**{name: getattr(problem, name) for name in names} | fields)
 
 
@@ -45,6 +59,88 @@ def test_random_problems(seed, spec) -> None:
 @pytest.mark.parametrize(("name", "size"), [("stack", {"blocks": 50}), ("pyramid", {"rows": 8})])
 def test_stacks_and_pyramids_with_exact_ties(name, size, friction, spec) -> None:
     assert_solved(scene(name, friction=friction, **size).problem(), spec, tol=1e-9)
+
+
+SPATIAL = [(contacts, nv, friction) for contacts, nv in ((1, 6), (3, 12), (8, 18), (20, 60)) for friction in (0.1, 1.0, 3.0)]
+
+
+@pytest.mark.parametrize("spec", [*METHODS, "relaxation_ip"])
+@pytest.mark.parametrize(("contacts", "nv", "friction"), SPATIAL)
+def test_spatial_problems(contacts, nv, friction, spec) -> None:
+    for seed in range(5):
+        assert_solved(spatial(seed, contacts=contacts, nv=nv, friction=friction), spec)
+        biased = spatial(seed, contacts=contacts, nv=nv, friction=friction, friction_bias=True, joints=seed % 3)
+        assert_solved(biased, spec)
+
+
+@pytest.mark.parametrize(
+    ("contacts", "nv", "friction", "seed"), [(1, 6, 0.1, 23), (2, 6, 3, 14), (12, 18, 1, 0), (12, 18, 3, 21), (20, 60, 3, 12)]
+)
+def test_spatial_traps_are_left_along_the_path(contacts, nv, friction, seed) -> None:
+    """Where the predictor-corrector stops; the three in the middle from other starts, too."""
+    assert_solved(spatial(seed, contacts=contacts, nv=nv, friction=friction), "interior_point")
+
+
+def test_a_relaxation_whose_first_start_leads_nowhere() -> None:
+    """One contact: its y and z commute at the start and lose it on the way; the products' vector part then stops every step."""
+    assert_solved(spatial(13, contacts=1, nv=6, friction=1), "relaxation_ip")
+
+
+@pytest.mark.parametrize("spec", [*METHODS, "relaxation_ip"])
+def test_spatial_special_cases(spec) -> None:
+    known = spatial(4, contacts=6, nv=24)
+    mixed = known.friction * [0, 1, 0, 1, 1, 0]
+    for problem in (
+        nothing(3),
+        changed(known, friction=np.zeros(6)),
+        changed(known, friction=mixed),
+        changed(known, friction=mixed, friction_bias=np.full(6, 0.1)),
+        changed(known, friction=np.full(6, 1e-9)),
+        changed(known, friction=np.full(6, 50.0)),
+        changed(known, free_velocity=np.zeros(24)),
+        changed(known, bias=np.full(6, 1e3)),
+        changed(known, mass=known.mass * 1e9),
+        changed(known, mass=np.diag(np.tile([1.0, 1e6], 12))),
+    ):
+        assert_solved(problem, spec)
+
+
+def test_a_sliding_contact_is_solved_to_the_last_digits() -> None:
+    """The cone's boundary: u_t opposes r_t, |r_t| = mu r_n, by hand for a point mass pushed across the ground."""
+    problem = FrictionProblem(
+        mass=2 * np.eye(3),
+        normal=[[0.0, 0, 1]],
+        tangent=[[1.0, 0, 0], [0, 1, 0]],
+        friction=[0.5],
+        free_velocity=[0.3, 0.4, -0.2],
+        bias=[0.0],
+        dimension=3,
+    )
+    answer = solve(problem, "interior_point", tol=1e-14)
+    assert answer.impulse[0] == pytest.approx([0.4, -0.2 * 0.6, -0.2 * 0.8], abs=1e-13)
+    assert problem.velocity(answer.impulse) == pytest.approx([0.3 * 0.8, 0.4 * 0.8, 0.0], abs=1e-13)
+
+
+@pytest.mark.parametrize("spec", ["interior_point", "relaxation_ip"])
+def test_sticking_contacts_keep_their_rounding_out_of_the_slip(spec) -> None:
+    """A table on sixteen legs beside a mote that just opens, and is solved when slips are far below the rounding of W r."""
+    legs = [(x, y) for x in np.linspace(-1, 1, 4) for y in np.linspace(-1, 1, 4)]
+    normal, tangent = np.zeros((17, 9)), np.zeros((34, 9))
+    for i, (x, y) in enumerate(legs):
+        normal[i, :6] = 0, 0, 1, y, -x, 0
+        tangent[2 * i, :6], tangent[2 * i + 1, :6] = (1, 0, 0, 0, 0, -y), (0, 1, 0, 0, 0, x)
+    normal[16, 8] = tangent[32, 6] = tangent[33, 7] = 1
+    table = FrictionProblem(
+        mass=np.diag([1e5] * 6 + [1.0] * 3),
+        normal=normal,
+        tangent=tangent,
+        friction=np.full(17, 0.7),
+        free_velocity=[0.1, 0, -1, 0, 0, 0.05, 0, 0, 1e-7],
+        bias=np.zeros(17),
+        dimension=3,
+    )
+    known_by_delassus = FrictionProblem.from_delassus(table.W, table.q, table.friction, 3)
+    assert_solved(known_by_delassus, spec, tol=1e-10, at_most=40)
 
 
 def test_a_tall_stack_takes_few_iterations() -> None:
@@ -152,27 +248,38 @@ def test_relaxation_and_coulomb_differ_where_a_block_slides() -> None:
     assert relaxed[0, 0] == pytest.approx(0.5 * relaxed[0, 1], abs=1e-10)
 
 
+def with_every_kind_of_contact(dimension, joints=0) -> FrictionProblem:
+    """Friction biases, a frictionless contact and joints."""
+    known = random_problem(3, 8, bodies=9) if dimension == 2 else spatial(3, contacts=8, nv=27)
+    friction, bias = known.friction.copy(), np.arange(8.0)
+    friction[:2] = bias[:1] = 0
+    rows = np.random.default_rng(2).standard_normal((joints, 27))
+    return changed(known, friction=friction, friction_bias=bias, joints=rows, joint_bias=np.ones(joints))
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize("relaxed", [False, True])
 @pytest.mark.parametrize(("joints", "accuracy"), [(0, 1e-9), (2, 1e-5)])
-def test_a_full_newton_step_meets_its_target_and_removes_the_defect(joints, accuracy, relaxed) -> None:
-    """Also with friction biases and a frictionless contact; joints are soft, so they are met in two or three steps."""
-    known = random_problem(3, 8, bodies=9)
-    friction = known.friction.copy()
-    friction[0] = 0
-    rows = np.random.default_rng(2).standard_normal((joints, len(known.free_velocity)))
-    problem = changed(known, friction=friction, friction_bias=np.arange(8.0), joints=rows, joint_bias=np.ones(joints))
-    system = prepare(problem, relaxed)
+def test_a_full_newton_step_meets_its_target_and_removes_the_defect(joints, accuracy, relaxed, dimension) -> None:
+    """Joints are soft, so they are met in two or three steps."""
+    system = prepare(with_every_kind_of_contact(dimension, joints), relaxed)
     point, step, defect, work = start_point(system, 2.0, 1.0), new_point(system), new_point(system), new_work(system)
     random = np.random.default_rng(1)
-    point.x[:] *= random.uniform(0.5, 2, point.x.shape)
-    point.s[:] *= random.uniform(0.5, 2, point.s.shape)
-    target = random.standard_normal(point.x.shape)
+    for values in (point.x, point.s):
+        values[:] = values * random.uniform(0.5, 2, values.shape)
+        if dimension == 3:
+            values[system.pairs > 1, 1:3] = random.uniform(-0.1, 0.1, (7, 2)) * point.s[system.pairs > 1, 3:]
+    rubs = system.pairs[:, None] > 1
+    target = np.where(rubs, random.standard_normal(point.x.shape), 0) + np.array([1.0, 0, 0, 0])
     evaluate(system, point, defect, work)
     linearise(system, point, work)
     direction(system, point, target, defect, step, work)
-    used = np.arange(4) < system.pairs[:, None]
-    met = point.x * step.s + point.s * step.x
-    assert np.allclose(met[used], target[used], rtol=0, atol=1e-9)
+    met = np.zeros_like(target)
+    for x, partner in ((point.x, step.s), (step.x, point.s)):
+        add_products(system, 1.0, x, partner, met)
+    if dimension == 3:  # of a product there, x alone makes one half and s the other
+        met[:, 1:3] = sum(p.x[:, 1:3] * q.x[:, 3:] + p.s[:, 1:3] * q.s[:, 3:] for p, q in ((point, step), (step, point)))
+    assert np.allclose(met, target, rtol=0, atol=1e-9)
     for unknown, change in zip(point, step, strict=True):
         unknown[:] += change
     evaluate(system, point, defect, work)
@@ -180,13 +287,16 @@ def test_a_full_newton_step_meets_its_target_and_removes_the_defect(joints, accu
     assert np.abs(defect.joint).max(initial=0) < accuracy
 
 
-def test_the_residual_inside_is_the_residual_of_the_project() -> None:
-    for seed in range(20):
-        problem = changed(random_problem(seed, 6), friction_bias=np.abs(np.sin(np.arange(6.0))))
-        for relaxed, measure in ((False, residual), (True, relaxation_residual)):
-            system = prepare(problem, relaxed)
-            point, work = start_point(system, 1.0, 1.0), new_work(system)
-            point.x[:] = np.random.default_rng(seed).uniform(0, 3, point.x.shape)
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_residual_inside_is_the_residual_of_the_project(dimension) -> None:
+    problem = with_every_kind_of_contact(dimension)
+    for relaxed, measure in ((False, residual), (True, relaxation_residual)):
+        system = prepare(problem, relaxed)
+        point, work = start_point(system, 1.0, 1.0), new_work(system)
+        for seed in range(20):
+            point.x[:] = (
+                np.random.default_rng(seed).uniform(0, 3, point.x.shape) * np.where(system.pairs > 1, 1, [[1], [0], [0], [0]]).T
+            )
             inside = evaluate(system, point, new_point(system), work)
             assert inside == pytest.approx(measure(problem, work.impulse * system.impulse), rel=1e-10)
 
@@ -198,6 +308,45 @@ def test_the_longest_step_stops_at_the_first_zero() -> None:
     step.x[1, 2] = -4 * point.x[1, 2]
     step.s[0, 1] = -2 * point.s[0, 1]
     assert longest(system, point, step, 1.0) == pytest.approx(0.25)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_longest_step_ends_on_the_cone(seed) -> None:
+    random = np.random.default_rng(seed)
+    for _ in range(200):
+        a, step = random.standard_normal((2, 3))
+        a[0] = np.hypot(a[1], a[2]) * (1 + random.random() ** 4)
+        length = longest_in_cone(tuple(a), tuple(step), 10.0)
+        end = a + length * step
+        inside = end[0] - np.hypot(end[1], end[2])
+        assert inside == pytest.approx(0, abs=1e-12) if length < 10 else inside >= 0
+        before = a + 0.99 * length * step
+        assert before[0] >= np.hypot(before[1], before[2])
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_geodesics_leave_along_the_step_and_stay_inside(dimension) -> None:
+    system = prepare(with_every_kind_of_contact(dimension, joints=1))
+    point, step, there = start_point(system, 1.0, 2.0), new_point(system), new_point(system)
+    random = np.random.default_rng(0)
+    rubs = system.pairs > 1
+    for values, change in ((point.x, step.x), (point.s, step.s)):
+        if dimension == 3:
+            values[rubs, 1:3] = random.uniform(-0.3, 0.3, (rubs.sum(), 2)) * point.s[rubs, 3:]
+        change[:, 0] = random.standard_normal(8)
+        change[rubs, 1:] = random.standard_normal((rubs.sum(), 3))
+    straight = new_point(system)
+    set_step(straight, 1.0, step)
+    to_geodesics(system, point, step)
+    for length, accuracy in ((1e-4, 1e-7), (1e-5, 1e-9)):
+        set_step(there, 1.0, point)
+        move_along(system, there, step, length)
+        for end, begin, change in zip(there, point, straight, strict=True):
+            assert np.allclose(end, begin + length * change, rtol=0, atol=accuracy)
+    move_along(system, point, step, 5.0)
+    assert longest(system, point, new_point(system), 1.0) == 1.0
+    if dimension == 3:
+        assert np.all(point.s[rubs, 3] >= np.hypot(*point.x[rubs, 1:3].T))
 
 
 def from_lcp(M, q) -> FrictionProblem:
@@ -215,6 +364,19 @@ def test_recorded_steps_on_which_lemke_ends_on_a_false_ray(name, instances, spec
     with np.load(DATA / f"false_rays_{name}.npz") as data:
         for k in range(instances):
             assert_solved(from_lcp(data[f"M{k}"], data[f"q{k}"]), spec)
+
+
+@pytest.mark.parametrize("spec", ["interior_point", "relaxation_ip"])
+@pytest.mark.parametrize(
+    ("name", "at_most"),
+    [("gen_tower-s1", 15), ("gen_spheres-s1", 60), ("sliding_cube", 10)],  # 60: through a fold
+)
+def test_recorded_spatial_problems(name, at_most, spec) -> None:
+    if not RECORDED:
+        pytest.skip("FRICTIONBENCH_RECORDED does not name a folder of recorded problems")
+    with np.load(Path(RECORDED) / f"{name}.npz") as data:
+        W, q, mu = (data["W"], data["q"], data["mu"]) if "W" in data else (data["G"], data["g"].ravel(), data["mus"])
+        assert_solved(FrictionProblem.from_delassus(W, q, mu, 3), spec, at_most=at_most)
 
 
 @pytest.mark.parametrize("spec", METHODS)

@@ -5,8 +5,8 @@ import pytest
 
 from problems.scenes import scene
 from solvers import find
-from solvers.contact_newton import new_work, start_point
-from solvers.contact_system import prepare
+from solvers.contact_point import start_point
+from solvers.contact_system import new_work, prepare
 from solvers.multifrontal import factorise, solve
 from solvers.predictor_corrector import Best, predictor_corrector
 

@@ -1,0 +1,71 @@
+"""The cone of Lorentz, {a: a_0 >= |a_t|} with two components in a_t, as the positive elements of a Jordan algebra.
+
+    a ∘ b = (a_0 b_0 + a_t . b_t,  a_0 b_t + b_0 a_t),      identity (1, 0),      det a = a_0^2 - |a_t|^2.
+
+Every a has the eigenvalues a_0 ± |a_t|, and functions of a are those of its eigenvalues. At a point a of the interior the
+direction whose geodesic leaves along b is w with b = Q(sqrt a) w, and the geodesic a -> Q(sqrt a) exp(w), where
+
+    Q(a) b = 2 (a . b) a - det(a) (b_0, -b_t).
+
+For a number, Q(sqrt a) w = a w: a step relative to a, and the geodesic goes along its logarithm. (Faraut and Korányi 1994.)
+"""
+
+import numpy as np
+from numba import njit
+
+ROUNDING = 1e-15  # the least eigenvalue told from zero, relative to a_0
+
+Vector = tuple[float, float, float]
+
+
+@njit(cache=True, error_model="numpy")
+def longest_in_cone(a: Vector, step: Vector, limit: float) -> float:
+    """The largest length <= limit with a + length step in the cone, for a in it up to rounding."""
+    size = np.sqrt(a[1] * a[1] + a[2] * a[2])
+    det = max(a[0] - size, ROUNDING * a[0]) * (a[0] + size)
+    half = a[0] * step[0] - a[1] * step[1] - a[2] * step[2]
+    square = step[0] * step[0] - step[1] * step[1] - step[2] * step[2]
+    length = limit
+    if a[0] + length * step[0] < 0:
+        length = -a[0] / step[0]
+    inner = half * half - square * det
+    if inner >= 0:  # det(a + t step) = det + 2 half t + square t^2 has zeros; its first above 0, without cancellation
+        root = np.sqrt(inner)
+        if half <= 0 and det < length * (root - half):
+            length = det / (root - half)
+        elif half > 0 and half + root < -length * square:
+            length = -(half + root) / square
+    return length
+
+
+@njit(cache=True, error_model="numpy")
+def _quadratic(a: Vector, b: Vector) -> Vector:
+    """Q(a) b."""
+    twice = 2 * (a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
+    det = a[0] * a[0] - a[1] * a[1] - a[2] * a[2]
+    return twice * a[0] - det * b[0], twice * a[1] + det * b[1], twice * a[2] + det * b[2]
+
+
+@njit(cache=True, error_model="numpy")
+def _root(a: Vector, sign: float) -> Vector:
+    """a^(sign/2)."""
+    size = np.sqrt(a[1] * a[1] + a[2] * a[2])
+    high = (a[0] + size) ** (sign / 2)
+    low = max(a[0] - size, ROUNDING * a[0]) ** (sign / 2)
+    along = (high - low) / (2 * size) if size > 0 else 0.0
+    return (high + low) / 2, along * a[1], along * a[2]
+
+
+@njit(cache=True, error_model="numpy")
+def to_geodesic(a: Vector, step: Vector) -> Vector:
+    """w with step = Q(sqrt a) w."""
+    return _quadratic(_root(a, -1.0), step)
+
+
+@njit(cache=True, error_model="numpy")
+def along_geodesic(a: Vector, w: Vector) -> Vector:
+    """Q(sqrt a) exp(w)."""
+    size = np.sqrt(w[1] * w[1] + w[2] * w[2])
+    high, low = np.exp(w[0] + size), np.exp(w[0] - size)
+    along = (high - low) / (2 * size) if size > 0 else 0.0
+    return _quadratic(_root(a, 1.0), ((high + low) / 2, along * w[1], along * w[2]))
