@@ -8,7 +8,7 @@ hardly ever in a stack or a pyramid, it is trapped; then the central path is fol
 from up to four starts.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -16,10 +16,10 @@ from problems import FrictionProblem
 from problems.check import Array
 from problems.residual import residual
 from solvers.central_path import trace
-from solvers.contact_point import start_point
-from solvers.contact_system import System, new_work, prepare
-from solvers.interface import Answer, Status, solver
-from solvers.predictor_corrector import Best, is_solved, predictor_corrector
+from solvers.contact_system import System, prepare
+from solvers.interface import Answer, solver
+from solvers.interior_phases import Phase, run
+from solvers.predictor_corrector import predictor_corrector
 
 STARTS = ((1.0, 1.0), (0.1, 10.0), (0.01, 10.0), (0.1, 1.0))  # impulses and speeds, relative to a contact's own
 PATIENCE = 12  # iterations of the predictor-corrector without progress: more than ever helped
@@ -42,27 +42,10 @@ class InteriorPoint:
     ) -> Answer:
         """limit bounds the factorisations, 2000 by default."""
         problem, system = prepared
-        if not problem.q.any():
-            return Answer(np.zeros_like(system.offset), Status.SOLVED, {"iterations": 0, "factorisations": 0})
-        history = np.empty((2000 if limit is None else limit) + 1)
-        best = Best(np.zeros_like(system.offset), np.array([np.inf]))
-        room = new_work(system)
-        used = phases = 0
-        status = Status.STALLED
-        for phase, impulse, speed in self._phases(len(system.offset)):
-            used += phase(system, start_point(system, impulse, speed), room, best, tol / 2, PATIENCE, history[used:])
-            phases += 1
-            if is_solved(best, tol, system, problem, residual):
-                status = Status.SOLVED
-                break
-            if used == len(history):
-                status = Status.WORK_LIMIT
-                break
-        factorisations = used - phases  # a phase looks at one point more than it leaves
-        work = {"iterations": used, "factorisations": factorisations}
-        return Answer(best.impulse * system.impulse, status, work, tuple(history[:used].tolist()))
+        limit = 2000 if limit is None else limit
+        return run(problem, system, self._phases(problem.contacts), tol, limit, PATIENCE, residual)
 
-    def _phases(self, contacts: int) -> Iterator[tuple[Callable[..., int], float, float]]:
+    def _phases(self, contacts: int) -> Iterator[Phase]:
         """The methods in turn, with the impulses and speeds they start from."""
         if self.shortcut:
             yield predictor_corrector, float(np.sqrt(contacts)), 1.0  # between nothing and all the others on top

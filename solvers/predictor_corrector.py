@@ -11,20 +11,17 @@ monotone. Nor is there a guarantee: where the central path folds, no step is lef
 notice. References: Mehrotra 1992; Wright 1997, chapter 10.
 """
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
-from problems import FrictionProblem
 from problems.check import Array
 from solvers.contact_newton import direction, evaluate, linearise
 from solvers.contact_point import Point, add_products, add_step, longest, new_point, set_identity
 from solvers.contact_system import System, Work
 
 TO_BOUNDARY = 0.995
-ROUNDING = 4 * np.finfo(float).eps
 
 
 class Best(NamedTuple):
@@ -32,17 +29,6 @@ class Best(NamedTuple):
 
     impulse: Array
     residual: Array
-
-
-Measure = Callable[[FrictionProblem, Array], float]
-
-
-def is_solved(best: Best, tol: float, system: System, problem: FrictionProblem, residual: Measure) -> bool:
-    """Whether the best residual is within tol for certain; where rounding leaves a doubt, the problem itself is asked."""
-    rounding = ROUNDING * np.max(system.weight * best.impulse[:, 0], initial=0.0)
-    if best.residual[0] + rounding > tol:
-        best.residual[0] = residual(problem, best.impulse * system.impulse)
-    return bool(best.residual[0] <= tol)
 
 
 @njit(cache=True, error_model="numpy")

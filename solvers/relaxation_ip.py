@@ -11,10 +11,10 @@ import numpy as np
 from problems import FrictionProblem
 from problems.check import Array
 from problems.residual import relaxation_residual
-from solvers.contact_point import start_point
-from solvers.contact_system import System, new_work, prepare
-from solvers.interface import Answer, Status, solver
-from solvers.predictor_corrector import Best, is_solved, predictor_corrector
+from solvers.contact_system import System, prepare
+from solvers.interface import Answer, solver
+from solvers.interior_phases import run
+from solvers.predictor_corrector import predictor_corrector
 
 STARTS = ((0.1, 10.0), (10.0, 1.0))  # after the first: impulses and speeds, relative to a contact's own
 PATIENCE = 60  # a heavy body on a light one needs impulses a million times the first ones
@@ -32,22 +32,6 @@ class RelaxationInteriorPoint:
     ) -> Answer:
         """limit bounds the factorisations, 200 by default."""
         problem, system = prepared
-        if not problem.q.any():
-            return Answer(np.zeros_like(system.offset), Status.SOLVED, {"iterations": 0, "factorisations": 0})
-        history = np.empty((200 if limit is None else limit) + 1)
-        best = Best(np.zeros_like(system.offset), np.array([np.inf]))
-        room = new_work(system)
-        used = phases = 0
-        status = Status.STALLED
-        for impulse, speed in ((float(np.sqrt(problem.contacts)), 1.0), *STARTS):
-            first = start_point(system, impulse, speed)
-            used += predictor_corrector(system, first, room, best, tol / 2, PATIENCE, history[used:])
-            phases += 1
-            if is_solved(best, tol, system, problem, relaxation_residual):
-                status = Status.SOLVED
-                break
-            if used == len(history):
-                status = Status.WORK_LIMIT
-                break
-        work = {"iterations": used, "factorisations": used - phases}
-        return Answer(best.impulse * system.impulse, status, work, tuple(history[:used].tolist()))
+        starts = ((float(np.sqrt(problem.contacts)), 1.0), *STARTS)
+        phases = [(predictor_corrector, impulse, speed) for impulse, speed in starts]
+        return run(problem, system, phases, tol, 200 if limit is None else limit, PATIENCE, relaxation_residual)
