@@ -20,7 +20,7 @@ def push_planar(contacts: Elements, i: int, normal: float, tangent: float, momen
         momentum[contacts.column[a]] += contacts.push[a, 0] * normal + contacts.push[a, 1] * tangent
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def push_spatial(contacts: Elements, i: int, r: Vector, momentum: Array) -> None:
     """momentum += push' r of contact i."""
     for a in range(contacts.start[i], contacts.start[i + 1]):
@@ -38,7 +38,7 @@ def feel_planar(contacts: Elements, i: int, v: Array) -> tuple[float, float]:
     return un, ut
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def feel_spatial(contacts: Elements, i: int, v: Array) -> Vector:
     """feel v of contact i."""
     u0 = u1 = u2 = 0.0
@@ -63,7 +63,7 @@ def add_planar(contacts: Elements, i: int, nn: float, nt: float, tn: float, tt: 
             storage[row + contacts.place[b]] += normal * contacts.feel[b, 0] + tangent * contacts.feel[b, 1]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def add_spatial(contacts: Elements, i: int, n: Vector, s: Vector, t: Vector, fronts: Fronts, storage: Array) -> None:
     """Add push' C feel of contact i, C by its rows n, s, t, to its front."""
     f, lo, hi = contacts.front[i], contacts.start[i], contacts.start[i + 1]

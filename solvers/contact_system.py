@@ -69,7 +69,7 @@ class Work(NamedTuple):
     """Room for Newton's method on one system.
 
     storage, swap: the factors of A. inverse, pivot, right (nc, 4): 1/x, the pivots' inverses and g, in the plane.
-    impulse (nc, d), vector and momentum (nv,), joint_velocity (nj, 1).
+    impulse and velocity (nc, d), vector and momentum (nv,), joint_velocity (nj, 1).
     """
 
     storage: Array
@@ -78,6 +78,7 @@ class Work(NamedTuple):
     pivot: Array
     right: Array
     impulse: Array
+    velocity: Array
     joint_velocity: Array
     vector: Array
     momentum: Array
@@ -93,6 +94,7 @@ def new_work(system: System) -> Work:
         np.zeros((nc, 4)),
         np.zeros((nc, 4)),
         np.zeros((nc, 4)),
+        np.zeros((nc, d)),
         np.zeros((nc, d)),
         np.zeros((nj, 1)),
         np.zeros(nv),

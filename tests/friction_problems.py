@@ -1,6 +1,7 @@
 """Small problems that several tests share."""
 
 import numpy as np
+from scipy import sparse
 
 from problems import FrictionProblem
 
@@ -53,3 +54,37 @@ def with_joints(problem, joints, friction_bias=None) -> FrictionProblem:
     """A problem with joints F v = 0 and a friction bias added."""
     names = ("mass", "normal", "tangent", "friction", "free_velocity", "bias", "dimension")
     return FrictionProblem(**{name: getattr(problem, name) for name in names}, joints=joints, friction_bias=friction_bias)
+
+
+def spatial_stack(boxes, friction=0.5, push=0.0, heavy_top=1.0, h=0.01) -> FrictionProblem:
+    """Unit cubes upon each other, touching at their four corners: hyperstatic, with exact ties.
+
+    push: m/s, askew, and the faster the higher. heavy_top: the mass of the top one over that of the bottom one.
+    """
+    rows, columns, values = [], [], []
+    corners = [(x, y) for x in (-0.5, 0.5) for y in (-0.5, 0.5)]
+    for box in range(boxes):
+        for corner, (x, y) in enumerate(corners):
+            for body, sign, z in ((box, 1, -0.5), (box - 1, -1, 0.5)):
+                if body < 0:
+                    continue
+                arms = ([0, 0, 1, y, -x, 0], [1, 0, 0, 0, z, -y], [0, 1, 0, -z, 0, x])  # normal, two tangents: e and r x e
+                rows += np.repeat(3 * (4 * box + corner) + np.arange(3), 6).tolist()
+                columns += (6 * body + np.tile(np.arange(6), 3)).tolist()
+                values += (sign * np.ravel(arms)).tolist()
+    jacobian = sparse.csr_array((values, (rows, columns)), shape=(12 * boxes, 6 * boxes))
+    jacobian.eliminate_zeros()
+    each = np.arange(12 * boxes).reshape(-1, 3)
+    mass = np.geomspace(1, heavy_top, boxes) if boxes > 1 else np.ones(1)
+    v = np.zeros((boxes, 6))
+    v[:, 2] = -9.81 * h
+    v[:, :2] = push * np.outer(np.arange(1, boxes + 1) / boxes, [0.8, 0.6])
+    return FrictionProblem(
+        mass=sparse.diags_array(np.outer(mass, [1, 1, 1, 1 / 6, 1 / 6, 1 / 6]).ravel()),
+        normal=jacobian[each[:, 0]],
+        tangent=jacobian[each[:, 1:].ravel()],
+        friction=np.full(4 * boxes, friction),
+        free_velocity=v.ravel(),
+        bias=np.zeros(4 * boxes),
+        dimension=3,
+    )

@@ -16,7 +16,7 @@ from solvers.contact_newton import direction, evaluate, linearise
 from solvers.contact_point import add_products, longest, move_along, new_point, set_step, start_point, to_geodesics
 from solvers.contact_system import new_work, prepare
 from solvers.lorentz import longest_in_cone
-from tests.friction_problems import block, nothing, spatial
+from tests.friction_problems import block, nothing, spatial, spatial_stack
 
 METHODS = ("interior_point", "interior_point[shortcut=false]")
 DATA = Path(__file__).parent / "data"
@@ -71,6 +71,18 @@ def test_spatial_problems(contacts, nv, friction, spec) -> None:
         assert_solved(spatial(seed, contacts=contacts, nv=nv, friction=friction), spec)
         biased = spatial(seed, contacts=contacts, nv=nv, friction=friction, friction_bias=True, joints=seed % 3)
         assert_solved(biased, spec)
+
+
+@pytest.mark.parametrize("spec", [*METHODS, "relaxation_ip"])
+@pytest.mark.parametrize("push", [0.0, 1.0])
+@pytest.mark.parametrize("friction", [0.0, 0.05, 0.8])
+def test_spatial_stacks_with_exact_ties(friction, push, spec) -> None:
+    assert_solved(spatial_stack(30, friction=friction, push=push), spec, tol=1e-9)
+    assert_solved(spatial_stack(10, friction=friction, push=push, heavy_top=1e4), spec)
+
+
+def test_a_tall_spatial_stack_takes_few_iterations() -> None:
+    assert_solved(spatial_stack(400, push=1.0), "interior_point", at_most=25)
 
 
 @pytest.mark.parametrize(
