@@ -88,3 +88,25 @@ def spatial_stack(boxes, friction=0.5, push=0.0, heavy_top=1.0, h=0.01) -> Frict
         bias=np.zeros(4 * boxes),
         dimension=3,
     )
+
+
+def spatial_bodies(seed, contacts, friction=0.5) -> FrictionProblem:
+    """Contacts in random directions between random pairs of bodies, one body for two contacts: sparse, as scenes are."""
+    random = np.random.default_rng(seed)
+    bodies = max(2, contacts // 2)
+    jacobian = np.zeros((contacts, 3, bodies, 6))
+    for i in range(contacts):
+        frame = np.linalg.qr(random.standard_normal((3, 3)))[0]
+        for body, sign in zip(random.choice(bodies, 2, replace=False), (1, -1), strict=True):
+            arm = random.uniform(-0.5, 0.5, 3)
+            jacobian[i, :, body, :3], jacobian[i, :, body, 3:] = sign * frame, sign * np.cross(arm, frame)
+    rows = jacobian.reshape(contacts, 3, 6 * bodies)
+    return FrictionProblem(
+        mass=np.diag(np.outer(10 ** random.random(bodies), [1, 1, 1, 1 / 6, 1 / 6, 1 / 6]).ravel()),
+        normal=rows[:, 0],
+        tangent=rows[:, 1:].reshape(2 * contacts, -1),
+        friction=np.full(contacts, friction),
+        free_velocity=random.standard_normal(6 * bodies),
+        bias=np.zeros(contacts),
+        dimension=3,
+    )

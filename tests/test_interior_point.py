@@ -16,7 +16,7 @@ from solvers.contact_newton import direction, evaluate, linearise
 from solvers.contact_point import add_products, longest, move_along, new_point, set_step, start_point, to_geodesics
 from solvers.contact_system import new_work, prepare
 from solvers.lorentz import longest_in_cone
-from tests.friction_problems import block, nothing, spatial, spatial_stack
+from tests.friction_problems import block, nothing, spatial, spatial_bodies, spatial_stack
 
 METHODS = ("interior_point", "interior_point[shortcut=false]")
 DATA = Path(__file__).parent / "data"
@@ -71,6 +71,16 @@ def test_spatial_problems(contacts, nv, friction, spec) -> None:
         assert_solved(spatial(seed, contacts=contacts, nv=nv, friction=friction), spec)
         biased = spatial(seed, contacts=contacts, nv=nv, friction=friction, friction_bias=True, joints=seed % 3)
         assert_solved(biased, spec)
+
+
+@pytest.mark.parametrize("spec", ["interior_point", "hybrid", "relaxation_ip"])
+@pytest.mark.parametrize("friction", [0.05, 1.0, 3.0])
+def test_spatial_contacts_between_random_bodies(friction, spec) -> None:
+    for seed in range(4):
+        problem = spatial_bodies(seed, contacts=(1, 4, 20, 50)[seed], friction=friction)
+        answer = solve(problem, spec)
+        assert answer.status is Status.SOLVED
+        assert (relaxation_residual if spec == "relaxation_ip" else residual)(problem, answer.impulse) <= 1e-8
 
 
 @pytest.mark.parametrize("spec", [*METHODS, "relaxation_ip"])

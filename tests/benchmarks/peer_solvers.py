@@ -31,7 +31,7 @@ Prepare = Callable[[FrictionProblem], Solve]
 
 
 def clocked(call: Callable[[], Any], impulse: Callable[[Any], Array]) -> Solve:
-    """Least seconds of the call alone; turning its result into impulses (nc, 2) is not timed."""
+    """Least seconds of the call alone; turning its result into impulses (nc, d) is not timed."""
 
     def solve() -> tuple[float, Array]:
         best, end = np.inf, perf_counter() + BUDGET
@@ -132,16 +132,14 @@ def siconos(solver: str, number: dict[int, int], file: str) -> Prepare:
         return reply
 
     def prepare(problem: FrictionProblem) -> Solve:
-        lcp = problem.lcp()
-
         def solve() -> tuple[float, Array]:
             reply = ask(number[id(problem)])
             if not reply:
-                return np.inf, np.full((problem.contacts, 2), np.nan)
+                return np.inf, np.full((problem.contacts, problem.dimension), np.nan)
             seconds, answer = json.loads(reply)
             if solver.startswith("LCP"):
-                return seconds, lcp.impulse(np.array(answer))
-            return seconds, np.array(answer).reshape(problem.contacts, -1)[:, :2]
+                return seconds, problem.lcp().impulse(np.array(answer))
+            return seconds, np.array(answer).reshape(problem.contacts, -1)[:, : problem.dimension]
 
         return solve
 
@@ -167,8 +165,8 @@ def relaxation(backend: str, dense: bool = False, **settings: Any) -> Prepare:
     return prepare
 
 
-def makers(number: dict[int, int], file: str) -> dict[str, Callable[[], Prepare]]:
-    """Every solver of the comparison by its name in the tables; number and file as in siconos."""
+def planar_makers(number: dict[int, int], file: str) -> dict[str, Callable[[], Prepare]]:
+    """Every solver of the comparison in the plane by its name in the tables; number and file as in siconos."""
     gap = gap_tolerance(SOLVED, round_cones=False)
     piqp = {"eps_abs": SOLVED, "eps_rel": 0.0, "eps_duality_gap_abs": gap, "eps_duality_gap_rel": 0.0}
     return {
@@ -192,3 +190,15 @@ def makers(number: dict[int, int], file: str) -> dict[str, Callable[[], Prepare]
         "relaxation: quadprog": lambda: relaxation("quadprog", dense=True),
         "relaxation: relaxation_ip": lambda: ours("relaxation_ip"),
     }
+
+
+def spatial_makers(number: dict[int, int], file: str) -> dict[str, Callable[[], Prepare]]:
+    """The same in space, with the circular cone."""
+    exact = ("hybrid", "interior_point", "nsgs", "nncg", "apgd_coulomb", "admm_coulomb")
+    theirs = ("NSGS", "PROX", "ADMM", "NSN_AC")
+    relaxed = ("ccp_cone[backend=clarabel]", "apgd", "relaxation_ip")
+    return (
+        {spec: lambda spec=spec: ours(spec) for spec in exact}
+        | {f"Siconos {name}": lambda name=name: siconos(f"FRICTION_3D_{name}", number, file) for name in theirs}
+        | {f"relaxation: {spec}": lambda spec=spec: ours(spec) for spec in relaxed}
+    )

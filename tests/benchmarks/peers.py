@@ -1,12 +1,13 @@
-"""Our solvers beside those a user would pick instead: time, and residual recomputed, on stacks and pyramids of boxes.
+"""Our solvers beside those a user would pick instead: time, and residual recomputed, in the plane and in space.
 
-    python tests/benchmarks/peers.py [--sizes 8,40,80,200,400] [--repeat 5]      prints Markdown; docs/peers.md explains it
+    python tests/benchmarks/peers.py [--repeat 5] [--planar 8,40,80,200,400] [--spatial 4,20,40,100,200]
 
-A size n is that of the friction LCP, four unknowns a contact; its instances are a stack and the pyramid nearest in size, with
-mu = .05, .2 and .8, resting and pushed. Every solver meets every instance once a round, one after the other, so that drift of
-the machine hits all alike. An instance's time is the median over the rounds, a size's the median over its instances; an
-instance that is not solved counts as infinitely slow. A solve longer than SLOW is not asked for again. Solvers that are not
-installed are skipped with the reason.
+prints Markdown, which docs/peers.md explains. In the plane a size is that of the friction LCP, four unknowns a contact; its
+instances are a stack and the pyramid nearest in size, with mu = .05, .2 and .8, resting and pushed. In space a size is the
+number of contacts, with the circular cone; its instances are the same six stacks, of cubes, and six random problems. Every
+solver meets every instance once a round, one after the other, so that drift of the machine hits all alike. An instance's time
+is the median over the rounds, a size's the median over its instances; an instance that is not solved counts as infinitely
+slow. A solve longer than SLOW is not asked for again. Solvers that are not installed are skipped with the reason.
 """
 
 # ruff: noqa: E402
@@ -18,16 +19,20 @@ import argparse
 import sys
 import tempfile
 import warnings
+from collections.abc import Callable
 from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
-from peer_solvers import SOLVED, Prepare, makers
+from peer_solvers import SOLVED, Prepare, planar_makers, spatial_makers
 
 from problems import FrictionProblem, scene
 from problems.residual import relaxation_residual, residual
+from tests import friction_problems
 
 SLOW = 0.1  # s
+
+Makers = Callable[[dict[int, int], str], dict[str, Callable[[], Prepare]]]
 
 
 class Figures(NamedTuple):
@@ -39,7 +44,7 @@ class Figures(NamedTuple):
     relaxed: int
 
 
-def instances(n: int) -> list[FrictionProblem]:
+def planar(n: int) -> list[FrictionProblem]:
     """The twelve problems of about n unknowns: eight a box, in a stack or a pyramid."""
     rows = min(range(1, 100), key=lambda rows: abs(4 * rows * (rows + 1) - n))
     shapes: list[tuple[str, dict[str, int]]] = [("stack", {"blocks": n // 8}), ("pyramid", {"rows": rows})]
@@ -51,22 +56,24 @@ def instances(n: int) -> list[FrictionProblem]:
     ]
 
 
+def spatial(contacts: int) -> list[FrictionProblem]:
+    """The twelve problems with so many spatial contacts: stacks of cubes, and random ones between half as many bodies."""
+    pushes = [(mu, push) for mu in (0.05, 0.2, 0.8) for push in (0.0, 1.0)]
+    stacks = [friction_problems.spatial_stack(contacts // 4, friction=mu, push=push) for mu, push in pushes]
+    return stacks + [friction_problems.spatial_bodies(seed, contacts, mu) for mu in (0.1, 0.5, 1.0) for seed in (0, 1)]
+
+
 def write(problems: list[FrictionProblem], file: str) -> None:
-    """The problems for a child process: W{k}, q{k}, mu{k} and the LCP's M{k}, b{k}."""
+    """The problems for a child process: W{k}, q{k}, mu{k}, and in the plane the LCP's M{k}, b{k}."""
     arrays = {}
     for k, problem in enumerate(problems):
-        lcp = problem.lcp()
-        arrays |= {
-            f"W{k}": problem.W.toarray(),
-            f"q{k}": problem.q,
-            f"mu{k}": problem.friction,
-            f"M{k}": lcp.dense,
-            f"b{k}": lcp.q,
-        }
+        arrays |= {f"W{k}": problem.W.toarray(), f"q{k}": problem.q, f"mu{k}": problem.friction}
+        if problem.dimension == 2:
+            arrays |= {f"M{k}": problem.lcp().dense, f"b{k}": problem.lcp().q}
     np.savez(file, **arrays)
 
 
-def present(problems: list[FrictionProblem], file: str) -> tuple[dict[str, Prepare], dict[str, str]]:
+def present(problems: list[FrictionProblem], makers: Makers, file: str) -> tuple[dict[str, Prepare], dict[str, str]]:
     """The solvers that run here, and why the others do not."""
     here, skipped = {}, {}
     for name, make in makers({id(problem): k for k, problem in enumerate(problems)}, file).items():
@@ -77,11 +84,12 @@ def present(problems: list[FrictionProblem], file: str) -> tuple[dict[str, Prepa
     return here, skipped
 
 
-def measure(n: int, repeat: int, file: str) -> tuple[dict[str, Figures], dict[str, str]]:
-    """Every solver's figures at size n, and the reasons of those skipped."""
-    problems = instances(n)
+def measure(
+    problems: list[FrictionProblem], makers: Makers, repeat: int, file: str
+) -> tuple[dict[str, Figures], dict[str, str]]:
+    """Every solver's figures on these problems, and the reasons of those skipped."""
     write(problems, file)
-    prepares, skipped = present(problems, file)
+    prepares, skipped = present(problems, makers, file)
     solve, prepare = np.full((2, len(prepares), len(problems), repeat), np.nan)
     exact, relaxed = np.zeros((2, len(prepares), len(problems)), dtype=bool)
     for k, problem in enumerate(problems):
@@ -110,9 +118,9 @@ def measure(n: int, repeat: int, file: str) -> tuple[dict[str, Figures], dict[st
     return figures, skipped
 
 
-def table(head: str, sizes: list[int], rows: dict[str, list[str]]) -> str:
+def table(head: str, sizes: list[str], rows: dict[str, list[str]]) -> str:
     lines = [
-        [head, *(f"n = {n}" for n in sizes)],
+        [head, *sizes],
         ["---"] + ["--:"] * len(sizes),
         *([name, *row] for name, row in rows.items()),
     ]
@@ -124,34 +132,43 @@ def number(x: float) -> str:
     return "–" if not np.isfinite(x) else f"{x:.2g}" if x < 10 else f"{x:.0f}"
 
 
-def main() -> None:
-    arguments = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    arguments.add_argument("--sizes", default="8,40,80,200,400")
-    arguments.add_argument("--repeat", type=int, default=5)
-    given = arguments.parse_args()
-    sizes = [int(n) for n in given.sizes.split(",")]
-    warnings.simplefilter("ignore")  # qpsolvers' word on a failure
+def compare(name: str, sizes: list[int], family: Callable[[int], list[FrictionProblem]], makers: Makers, repeat: int) -> None:
+    """Measure one family over its sizes and print its tables."""
     results, skipped = [], {}
     with tempfile.TemporaryDirectory() as folder:
-        for n in sizes:
-            figures, reasons = measure(n, given.repeat, f"{folder}/problems-{n}.npz")
+        for size in sizes:
+            figures, reasons = measure(family(size), makers, repeat, f"{folder}/problems-{size}.npz")
             results.append(figures)
             skipped |= reasons
-            print(f"n = {n} measured", file=sys.stderr)
+            print(f"{name} = {size} measured", file=sys.stderr)
     times, solved, prepared = {}, {}, {}
-    for name in [name for name in results[0] if all(name in figures for figures in results)]:
-        rows = [figures[name] for figures in results]
-        times[name] = [
+    for solver in [solver for solver in results[0] if all(solver in figures for figures in results)]:
+        rows = [figures[solver] for figures in results]
+        times[solver] = [
             f"{number(row.solve)} ({number(row.solve / figures['hybrid'].solve)})"
             for row, figures in zip(rows, results, strict=True)
         ]
-        solved[name] = [f"{row.exact}, {row.relaxed}" if name.startswith("relaxation") else str(row.exact) for row in rows]
+        solved[solver] = [f"{row.exact}, {row.relaxed}" if solver.startswith("relaxation") else str(row.exact) for row in rows]
         if np.isfinite(rows[0].prepare):
-            prepared[name] = [number(row.prepare) for row in rows]
-    print(table("solve, ms (over hybrid's)", sizes, times))
-    print(table(f"of 12 solved to {SOLVED:g} (a relaxation: exactly, as such)", sizes, solved))
-    print(table("prepare, ms", sizes, prepared))
-    print("\n".join(f"skipped: {name}: {reason}" for name, reason in skipped.items()))
+            prepared[solver] = [number(row.prepare) for row in rows]
+    columns = [f"{name} = {size}" for size in sizes]
+    print(table("solve, ms (over hybrid's)", columns, times))
+    print(table(f"of 12 solved to {SOLVED:g} (a relaxation: exactly, as such)", columns, solved))
+    print(table("prepare, ms", columns, prepared))
+    print("\n".join(f"skipped: {solver}: {reason}" for solver, reason in skipped.items()))
+
+
+def main() -> None:
+    arguments = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    arguments.add_argument("--planar", default="8,40,80,200,400")
+    arguments.add_argument("--spatial", default="4,20,40,100,200")
+    arguments.add_argument("--repeat", type=int, default=5)
+    given = arguments.parse_args()
+    warnings.simplefilter("ignore")  # qpsolvers' word on a failure
+    families = (("n", given.planar, planar, planar_makers), ("contacts", given.spatial, spatial, spatial_makers))
+    for name, sizes, family, makers in families:
+        if sizes:
+            compare(name, [int(size) for size in sizes.split(",")], family, makers, given.repeat)
 
 
 if __name__ == "__main__":

@@ -2,9 +2,9 @@
 
     siconos_child.py PROBLEMS.npz SOLVER
 
-PROBLEMS.npz holds for problem i its W{i}, q{i}, mu{i} (normal first) and its LCP's M{i}, b{i}. A line with a number i asks for
-problem i; the reply is one line of JSON, [least seconds of a solve, the answer]. Siconos may print, abort or hang: replies have
-a stream of their own, and whoever started this process kills it.
+PROBLEMS.npz holds for problem i its W{i}, q{i}, mu{i} (normal first) and in the plane its LCP's M{i}, b{i}. A line with a
+number i asks for problem i; the reply is one line of JSON, [least seconds of a solve, the answer]. Siconos may print, abort or
+hang: replies have a stream of their own, and whoever started this process kills it.
 """
 
 import json
@@ -60,15 +60,16 @@ def main():
     problems, solver = np.load(sys.argv[1]), sys.argv[2]
     kind = getattr(sn, "SICONOS_" + solver)
     for line in sys.stdin:
-        W, q, mu, M, b = (problems[name + line.strip()] for name in ("W", "q", "mu", "M", "b"))
+        W, q, mu = (problems[name + line.strip()] for name in ("W", "q", "mu"))
         if solver.startswith("LCP"):
+            M, b = problems["M" + line.strip()], problems["b" + line.strip()]
             given, options = sn.LCP(M, b), sn.SolverOptions(kind)
             driver = sn.linearComplementarity_driver
             reply = least(lambda: from_zero(driver, given, len(b), options))  # noqa: B023
         elif solver.startswith("FRICTION_2D"):
             reply = friction(W, q, mu, 2, kind)
         else:
-            reply = friction(*raised(W, q), mu, 3, kind)
+            reply = friction(*(raised(W, q) if len(q) == 2 * len(mu) else (W, q)), mu, 3, kind)
         replies.write(json.dumps(reply) + "\n")
 
 
