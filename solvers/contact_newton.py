@@ -93,7 +93,7 @@ def direction(system: System, point: Point, target: Array, defect: Point, step: 
     dv, planar = work.vector, system.offset.shape[1] == 2
     dv[:] = 0
     if planar:
-        push_planar_response(system, point, target, defect.x, step, work)
+        push_planar_response(system, target, defect.x, work)
     else:
         push_spatial_response(system, point, target, defect.x, step, work)
     for j in range(len(defect.joint)):
@@ -101,7 +101,7 @@ def direction(system: System, point: Point, target: Array, defect: Point, step: 
     _push_joints(system.joints, step.joint, dv)
     solve(system.fronts, work.storage, work.swap, dv)
     if planar:
-        planar_steps(system, point, target, defect.x, step, work)
+        planar_steps(system, point, target, step, work)
     else:
         spatial_steps(system, point, target, defect.x, step, work)
     _feel_joints(system.joints, dv, work.joint_velocity)

@@ -2,10 +2,10 @@
 
 No single method is fast, accurate and reliable on every friction problem. An interior point's iteration costs one sparse
 factorisation and its preparation a pass over the contacts, so that, prepared and solved, it is ahead at every size in the
-plane; in space a few hundred sweeps of Gauss-Seidel come first, which end most small problems and cost little where they do
-not. Pivoting ends on an exact basis; each method fails on some instances that another solves. A portfolio stops at the first
-answer whose residual, computed here from the problem's own velocities, is within the tolerance: so it solves what any of its
-members does, and says so when none does. (Algorithm portfolios: Gomes and Selman 2001.)
+plane; in space a few sweeps of Gauss-Seidel come first, which end the smallest problems and cost little where they do not.
+Pivoting ends on an exact basis; each method fails on some instances that another solves. A portfolio stops at the first answer
+whose residual, computed here from the problem's own velocities, is within the tolerance: so it solves what any of its members
+does, and says so when none does. (Algorithm portfolios: Gomes and Selman 2001.)
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ from solvers.interface import Answer, Solver, SolverInfo, Status, find, solver
 
 PLANAR = ("interior_point", "lemke", "path_search", "staggered", "anitescu_hart", "fischer_newton")
 SPATIAL = ("nsgs", "interior_point", "nncg", "apgd_coulomb", "staggered", "admm_coulomb", "anitescu_hart")
-SWEEPS = 300  # of nsgs, where it comes first
+SWEEPS = 30  # of nsgs, where it comes first: a fraction of the interior point's time at any size
 
 
 @dataclass(frozen=True, eq=False)

@@ -77,7 +77,7 @@ def _unknowns(pivot: Array, mu: float, shift: float, g: Array, un: float, ut: fl
 
 
 @njit(cache=True, error_model="numpy")
-def push_planar_response(system: System, point: Point, target: Array, defect: Array, step: Point, work: Work) -> None:
+def push_planar_response(system: System, target: Array, defect: Array, work: Work) -> None:
     """Add J'H B^-1 g to work.vector, and keep g."""
     g, inverse = work.right, work.inverse
     for i in range(len(g)):
@@ -88,7 +88,7 @@ def push_planar_response(system: System, point: Point, target: Array, defect: Ar
 
 
 @njit(cache=True, error_model="numpy")
-def planar_steps(system: System, point: Point, target: Array, defect: Array, step: Point, work: Work) -> None:
+def planar_steps(system: System, point: Point, target: Array, step: Point, work: Work) -> None:
     """dx = B^-1 (g - H'du) and ds, du from the velocities in work.vector."""
     s, g, inverse = point.s, work.right, work.inverse
     for i in range(len(s)):
