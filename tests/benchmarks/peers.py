@@ -1,6 +1,6 @@
 """Our solvers beside those a user would pick instead: time, and residual recomputed, in the plane and in space.
 
-    python tests/benchmarks/peers.py [--repeat 5] [--planar 8,40,80,200,400] [--spatial 4,20,40,100,200]
+    PYTHONPATH=. python tests/benchmarks/peers.py [--repeat 5] [--planar 8,40,80,200,400] [--spatial 4,20,40,100,200]
 
 prints Markdown, which docs/peers.md explains. In the plane a size is that of the friction LCP, four unknowns a contact; its
 instances are a stack and the pyramid nearest in size, with mu = .05, .2 and .8, resting and pushed. In space a size is the
