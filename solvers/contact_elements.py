@@ -8,9 +8,8 @@ from numba import njit
 
 from problems.check import Array
 from solvers.contact_system import Elements
+from solvers.lorentz import Vector
 from solvers.multifrontal import Fronts
-
-Vector = tuple[float, float, float]
 
 
 @njit(cache=True, error_model="numpy")

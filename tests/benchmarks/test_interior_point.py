@@ -9,14 +9,21 @@ from solvers.contact_point import start_point
 from solvers.contact_system import new_work, prepare
 from solvers.multifrontal import factorise, solve
 from solvers.predictor_corrector import Best, predictor_corrector
+from tests.friction_problems import spatial_stack
 
-SCENES = [("stack", {"blocks": 50}), ("stack", {"blocks": 1000}), ("pyramid", {"rows": 15})]
+PROBLEMS = {
+    "stack of 50": scene("stack", blocks=50).problem(),
+    "stack of 1000": scene("stack", blocks=1000).problem(),
+    "pyramid of 15 rows": scene("pyramid", rows=15).problem(),
+    "50 cubes": spatial_stack(50),
+    "1000 cubes": spatial_stack(1000),
+}
 
 
-@pytest.mark.parametrize(("name", "size"), SCENES)
+@pytest.mark.parametrize("name", PROBLEMS)
 @pytest.mark.parametrize("kernel", ["factorise", "solve"])
-def test_factors(benchmark, kernel, name, size) -> None:
-    system = prepare(scene(name, **size).problem())
+def test_factors(benchmark, kernel, name) -> None:
+    system = prepare(PROBLEMS[name])
     work = new_work(system)
     fill = np.random.default_rng(0).standard_normal(len(work.storage))
     factorise(system.fronts, fill, work.swap, 1e-3)
@@ -28,9 +35,9 @@ def test_factors(benchmark, kernel, name, size) -> None:
         benchmark(solve, system.fronts, fill, work.swap, work.vector)
 
 
-@pytest.mark.parametrize(("name", "size"), SCENES)
-def test_ten_iterations(benchmark, name, size) -> None:
-    system = prepare(scene(name, **size).problem())
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_ten_iterations(benchmark, name) -> None:
+    system = prepare(PROBLEMS[name])
     work = new_work(system)
 
     def iterate() -> int:
@@ -44,8 +51,9 @@ def test_ten_iterations(benchmark, name, size) -> None:
 
 @pytest.mark.parametrize("step", ["prepare", "solve"])
 @pytest.mark.parametrize("spec", ["interior_point", "relaxation_ip"])
-def test_a_whole_problem(benchmark, spec, step) -> None:
-    problem, (_, method) = scene("stack", blocks=50).problem(), find(spec)
+@pytest.mark.parametrize("name", ["stack of 50", "50 cubes"])
+def test_a_whole_problem(benchmark, name, spec, step) -> None:
+    problem, (_, method) = PROBLEMS[name], find(spec)
     prepared = method.prepare(problem)
     method.solve(prepared, 1e-8, None)
     if step == "prepare":
