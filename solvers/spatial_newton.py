@@ -15,6 +15,8 @@ which is 2 y_0 z_0 where the contact slides, r_t opposite to u_t, and positive f
     dz_t = du_t + defect_t,
     dlambda = (z_0 t_0 - z_t . t_t - (z_0 y_t - y_0 z_t) . dz_t - det(z) dy_0) / D,      dy_0 = mu dc + defect_3,
     dy_t = (t_t - y_0 dz_t - y_t dlambda - z_t dy_0) / z_0.
+
+The delta of solvers.contact_newton comes in as z + delta y in place of z, which adds delta dy to dz.
 """
 
 from numba import njit
