@@ -13,8 +13,8 @@ What keeps that true in floating point:
   part with iterative refinement against M; where that is no longer accurate the inverse is computed afresh.
 * Ties. q is perturbed along a vector with random positive entries, which makes every basis nondegenerate with probability
   one, and a path through nondegenerate bases cannot return to one of them. Near ties go to the largest pivot (Harris 1973).
-  The last basis is solved for q itself; if that shows a negative entry, the method goes on from this basis with a smaller
-  perturbation and with d taken in this basis's own coordinates.
+  The last basis is solved for q itself; if a negative entry leaves more of a residual than round-off does, the method goes on
+  from this basis with a smaller perturbation and with d taken in this basis's own coordinates.
 * An answer counts as solved only after its residual has been computed, a secondary ray only with its certificate checked.
   Otherwise the method restarts with other covering vectors, from a fixed sequence. It does so after a ray too, but that need
   not help: on a bimatrix game every d leads to a ray at once, though there are solutions. On a bare LCP lemke[restarts=0]
@@ -47,6 +47,7 @@ from solvers.pivoting_path import (
 
 PERTURBATION = 1e-7  # of q, whose largest entry is 1
 HARRIS = 1e-4  # how far below zero near ties may reach, relative to the perturbation
+EXACT = 1e-12  # a residual of round-off, below which no smaller perturbation is tried
 CERTIFICATE = 1e-9  # how exactly a ray must hold, relative to its size
 
 
@@ -119,7 +120,7 @@ def lemke(
                 if error < best:
                     best = error
                     best_y[:] = y
-                if size < 1e-12 or x[:n].min() >= -4e-16 * x[:n].max():  # no more than round-off
+                if size < 1e-12 or error <= min(tol, EXACT) or x[:n].min() >= -4e-16 * x[:n].max():
                     break
                 size, cold = size * 1e-2, False
         if best <= tol:

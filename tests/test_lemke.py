@@ -260,6 +260,15 @@ def test_a_large_pyramid_of_exact_ties_takes_no_detour():
     assert answer.work["restarts"] == 0
 
 
+@pytest.mark.parametrize("friction", [0.05, 0.8])
+def test_a_basis_is_not_left_for_round_off(friction):
+    """A resting stack of 50 boxes takes one pivot a contact and one for z0; round-off in the last basis once cost 49 more."""
+    problem = stack(50, friction)
+    answer = solve(problem, "lemke")
+    assert_solved(problem, answer)
+    assert answer.work["pivots"] == problem.contacts + 1
+
+
 def test_the_limit_counts_pivots():
     answer = solve(murty(10), "lemke", limit=100)
     assert answer.status is Status.WORK_LIMIT
