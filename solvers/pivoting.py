@@ -27,11 +27,12 @@ Index = NDArray[np.int64]
 class Matrix(NamedTuple):
     """A square matrix on its symmetrised pattern.
 
-    For start[j] <= e < start[j+1] and i = rows[e], column[e] is M_ij and row[e] is M_ji.
+    For start[j] <= e < start[j+1] and i = rows[e], column[e] is M_ij and row[e] is M_ji. The rows are unsigned and short, as
+    they are read throughout: no check for a negative index, and half the bytes.
     """
 
     start: Index
-    rows: Index
+    rows: NDArray[np.uint32]
     column: Array
     row: Array
 
@@ -57,7 +58,7 @@ def compress(M: sparse.csr_array, D: Array) -> Matrix:
 
 
 @njit(cache=True, error_model="numpy")
-def _symmetrised(indptr: Index, indices: Index, data: Array, D: Array) -> tuple[Index, Index, Array, Array]:
+def _symmetrised(indptr: Index, indices: Index, data: Array, D: Array) -> tuple[Index, NDArray[np.uint32], Array, Array]:
     n, entries = len(indptr) - 1, len(indices)
     below = np.zeros(n + 1, np.int64)  # the columns of M, by counting
     for j in indices:
@@ -88,7 +89,7 @@ def _symmetrised(indptr: Index, indices: Index, data: Array, D: Array) -> tuple[
                 m += 1
             at += 1
         start[j + 1] = at
-    return start, rows[:at].copy(), column[:at].copy(), row[:at].copy()
+    return start, rows[:at].astype(np.uint32), column[:at].copy(), row[:at].copy()
 
 
 @njit(cache=True, error_model="numpy")
@@ -130,10 +131,10 @@ def transform(M: Matrix, d: Array, basis: Basis, rhs: Array, a: Array, out: Arra
         for i in range(n):
             out[i] = a[n] * d[i] - rhs[i]
         for r in range(k):
-            j = basis.z[r]
-            if a[j] != 0.0 and j < n:
+            j, entry = basis.z[r], g[r]
+            if entry != 0.0 and j < n:
                 for e in range(M.start[j], M.start[j + 1]):
-                    out[M.rows[e]] += M.column[e] * a[j]
+                    out[M.rows[e]] += M.column[e] * entry
         defect = 0.0
         for c in range(k):
             size = max(size, abs(rhs[basis.w[c]]))
