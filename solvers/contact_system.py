@@ -19,7 +19,7 @@ from problems.friction import DelassusProblem, FrictionProblem
 from solvers.minimum_degree import Index
 from solvers.multifrontal import Fronts, Place, analyse, find
 
-SOFTNESS = 1e-13  # delta, relative to a contact's own mean diagonal of W; 1e-16 fails, 1e-12 slows stacks of thousands
+SOFTNESS = 1e-14  # delta, relative to a contact's own mean diagonal of W; 1e-16 fails, 1e-12 slows stacks of thousands
 JOINT_SOFTNESS = 1e-8  # delta of a joint; its stiffness is added to a mass matrix of size 1, so not as small as a contact's
 
 
