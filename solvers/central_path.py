@@ -25,6 +25,7 @@ import numpy as np
 from numba import njit
 
 from problems.check import Array
+from solvers.contact_elements import larger
 from solvers.contact_newton import direction, linearise
 from solvers.contact_point import Point, add_products, add_step, move_along, new_point, set_step, to_geodesics
 from solvers.contact_system import System, Work
@@ -120,7 +121,5 @@ def _size(step: Point) -> float:
     largest = 0.0
     for i in range(len(step.x)):
         for k in range(4):
-            for value in (abs(step.x[i, k]), abs(step.s[i, k])):
-                if not value <= largest:
-                    largest = value if value > largest else np.inf
+            largest = larger(larger(largest, abs(step.x[i, k])), abs(step.s[i, k]))
     return largest

@@ -77,6 +77,14 @@ def add_spatial(contacts: Elements, i: int, n: Vector, s: Vector, t: Vector, fro
 
 
 @njit(cache=True, error_model="numpy")
+def larger(a: float, b: float) -> float:
+    """max(a, b) for a >= 0, infinity where b is not a number."""
+    if b <= a:
+        return a
+    return b if b > a else np.inf
+
+
+@njit(cache=True, error_model="numpy")
 def _norm(a: float, b: float) -> float:
     return np.sqrt(a * a + b * b) if b else abs(a)  # in the plane b is 0, and a root a good part of a contact's time
 

@@ -19,6 +19,7 @@ the error is driven out by the next step. A joint is a row of C = 1/delta for th
 from numba import njit
 
 from problems.check import Array
+from solvers.contact_elements import larger
 from solvers.contact_point import Point
 from solvers.contact_system import JOINT_SOFTNESS, Elements, System, Work
 from solvers.multifrontal import factorise, solve
@@ -51,7 +52,10 @@ def _feel_joints(joints: Elements, v: Array, velocity: Array) -> None:
 
 @njit(cache=True, error_model="numpy")
 def evaluate(system: System, point: Point, defect: Point, work: Work) -> float:
-    """The residual of problems.residual at a point's impulses; defect: overwritten with H'u + K x - s and F v + b_F."""
+    """The residual of problems.residual at a point's impulses, infinity where it is not a number.
+
+    defect: overwritten with H'u + K x - s and F v + b_F.
+    """
     v, planar = work.vector, system.offset.shape[1] == 2
     work.momentum[:] = 0
     if planar:
@@ -70,7 +74,7 @@ def evaluate(system: System, point: Point, defect: Point, work: Work) -> float:
         worst = spatial_defects(system, point, v, work.impulse, defect.x)
     for j in range(len(defect.joint)):
         defect.joint[j, 0] += system.joint_bias[j]
-        worst = max(worst, abs(defect.joint[j, 0]))
+        worst = larger(worst, abs(defect.joint[j, 0]))
     return worst
 
 

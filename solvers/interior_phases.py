@@ -6,14 +6,15 @@ import numpy as np
 
 from problems import FrictionProblem
 from problems.check import Array
-from solvers.contact_point import start_point
+from solvers.contact_point import Point
 from solvers.contact_system import System, new_work
 from solvers.interface import Answer, Status
 from solvers.predictor_corrector import Best
 
 ROUNDING = 4 * np.finfo(float).eps
+SHARE = 250  # factorisations for one phase: hardly any path that arrived was longer
 
-Phase = tuple[Callable[..., int], float, float]  # the method, and the impulses and speeds it starts from
+Phase = tuple[Callable[..., int], Point]  # the method, and the point it starts from, to be moved
 Measure = Callable[[FrictionProblem, Array], float]
 
 
@@ -22,6 +23,7 @@ def run(
 ) -> Answer:
     """Solve a prepared problem within limit factorisations; measure: the residual that counts.
 
+    phases: made one by one, as the one before fails.
     patience: iterations of the predictor-corrector without progress.
     """
     if not problem.q.any():
@@ -31,8 +33,8 @@ def run(
     room = new_work(system)
     used = tried = 0
     status = Status.STALLED
-    for phase, impulse, speed in phases:
-        used += phase(system, start_point(system, impulse, speed), room, best, tol / 2, patience, history[used:])
+    for method, point in phases:
+        used += method(system, point, room, best, tol / 2, patience, history[used : used + SHARE])
         tried += 1
         if _is_solved(best, tol, system, problem, measure):
             status = Status.SOLVED

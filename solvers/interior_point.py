@@ -2,10 +2,16 @@
 
 In the plane the problem is the friction LCP; in space it has the circular cone as it is (solvers.contact_point). A step costs
 one sparse factorisation of the size of the mass matrix (solvers.contact_newton, solvers.multifrontal), as for the convex
-relaxation. Mehrotra's predictor-corrector (solvers.predictor_corrector) comes first: about ten
-iterations, few more for a thousand boxes than for ten. The problem is not monotone, and in a few random instances of a hundred,
-hardly ever in a stack or a pyramid, it is trapped; then the central path is followed around its folds (solvers.central_path),
-from up to four starts.
+relaxation. Mehrotra's predictor-corrector (solvers.predictor_corrector) comes first: about ten iterations, few more for a
+thousand boxes than for ten.
+
+The problem is not monotone, and the predictor-corrector can be trapped: in a few random instances of a hundred, and in large
+sheared pyramids with much friction. Then the central path is followed around its folds (solvers.central_path), first from
+where Gauss-Seidel gets in SWEEPS sweeps (solvers.centred_point), which shows how the contacts are loaded; then from up to four
+starts that know nothing.
+
+Given impulses to start from, the predictor-corrector sets out from the centred point around them. As this keeps the distance
+from the boundary that their residual suggests, a good start saves most of the iterations, and a bad one does no harm.
 """
 
 from collections.abc import Iterator
@@ -16,16 +22,20 @@ from problems import FrictionProblem
 from problems.check import Array
 from problems.residual import residual
 from solvers.central_path import trace
+from solvers.centred_point import centred_point
+from solvers.contact_point import Point, start_point
 from solvers.contact_system import System, prepare
-from solvers.interface import Answer, solver
+from solvers.interface import Answer, solve, solver
 from solvers.interior_phases import Phase, run
 from solvers.predictor_corrector import predictor_corrector
 
 STARTS = ((1.0, 1.0), (0.1, 10.0), (0.01, 10.0), (0.1, 1.0))  # impulses and speeds, relative to a contact's own
+SWEEPS = 1000  # before the central path is followed: as dear as ten or twenty factorisations
+NEAR, FAR = 1e-10, 0.3  # a start's least distance from the boundary, in residuals: to step on from, and to follow a path
 PATIENCE = 12  # iterations of the predictor-corrector without progress: more than ever helped
 
 
-@solver("interior_point", family="interior point", model="coulomb", dimension=(2, 3), sparse=True)
+@solver("interior_point", family="interior point", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True)
 class InteriorPoint:
     """Predictor-corrector on Coulomb's law, then its central path; one sparse factorisation an iteration.
 
@@ -43,11 +53,20 @@ class InteriorPoint:
         """limit bounds the factorisations, 2000 by default."""
         problem, system = prepared
         limit = 2000 if limit is None else limit
-        return run(problem, system, self._phases(problem.contacts), tol, limit, PATIENCE, residual)
+        return run(problem, system, self._phases(problem, system, start), tol, limit, PATIENCE, residual)
 
-    def _phases(self, contacts: int) -> Iterator[Phase]:
-        """The methods in turn, with the impulses and speeds they start from."""
-        if self.shortcut:
-            yield predictor_corrector, float(np.sqrt(contacts)), 1.0  # between nothing and all the others on top
+    def _phases(self, problem: FrictionProblem, system: System, start: Array | None) -> Iterator[Phase]:
+        """The methods in turn, with the points they start from."""
+        if start is not None:
+            yield predictor_corrector, _around(problem, system, start, NEAR)
+        if self.shortcut:  # from between nothing and the weight of all the others on top
+            yield predictor_corrector, start_point(system, float(np.sqrt(problem.contacts)), 1.0)
+        yield trace, _around(problem, system, solve(problem, "nsgs", limit=SWEEPS).impulse, FAR)
         for impulse, speed in STARTS:
-            yield trace, impulse, speed
+            yield trace, start_point(system, impulse, speed)
+
+
+def _around(problem: FrictionProblem, system: System, impulse: Array, least: float) -> Point:
+    """The centred point around impulses (nc, d), as far from the boundary as they are from a solution, or by `least`."""
+    distance = max(residual(problem, impulse), least)
+    return centred_point(system, impulse, problem.contact_velocity(impulse), distance)

@@ -9,7 +9,7 @@ every pivot is a sum of positive numbers.
 from numba import njit
 
 from problems.check import Array
-from solvers.contact_elements import add_planar, feel_planar, natural, push_planar
+from solvers.contact_elements import add_planar, feel_planar, larger, natural, push_planar
 from solvers.contact_point import Point
 from solvers.contact_system import SOFTNESS, System, Work
 
@@ -38,7 +38,7 @@ def planar_defects(system: System, point: Point, v: Array, impulse: Array, defec
             defect[i, 2] = x[i, 3] - ut - s[i, 2]
             defect[i, 3] = mu * x[i, 0] - x[i, 1] - x[i, 2] + bias - s[i, 3]
         r = (impulse[i, 0], impulse[i, 1], 0.0)
-        worst = max(worst, natural(r, (un, ut, 0.0), mu, bias, mu - shift, system.weight[i]))
+        worst = larger(worst, natural(r, (un, ut, 0.0), mu, bias, mu - shift, system.weight[i]))
     return worst
 
 

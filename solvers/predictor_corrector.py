@@ -66,7 +66,7 @@ def predictor_corrector(system: System, point: Point, work: Work, best: Best, to
         since += 1
         if not gap + off > milestone / 2:
             milestone, since = gap + off, 0
-        if best.residual[0] <= tol or since > patience:
+        if best.residual[0] <= tol or since > patience or not gap + off < np.inf:
             return iteration + 1
         linearise(system, point, work)
         target[:] = 0

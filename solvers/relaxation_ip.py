@@ -11,6 +11,7 @@ import numpy as np
 from problems import FrictionProblem
 from problems.check import Array
 from problems.residual import relaxation_residual
+from solvers.contact_point import start_point
 from solvers.contact_system import System, prepare
 from solvers.interface import Answer, solver
 from solvers.interior_phases import run
@@ -33,5 +34,5 @@ class RelaxationInteriorPoint:
         """limit bounds the factorisations, 200 by default."""
         problem, system = prepared
         starts = ((float(np.sqrt(problem.contacts)), 1.0), *STARTS)
-        phases = [(predictor_corrector, impulse, speed) for impulse, speed in starts]
+        phases = ((predictor_corrector, start_point(system, impulse, speed)) for impulse, speed in starts)
         return run(problem, system, phases, tol, 200 if limit is None else limit, PATIENCE, relaxation_residual)

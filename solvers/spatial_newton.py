@@ -22,7 +22,7 @@ The delta of solvers.contact_newton comes in as z + delta y in place of z, which
 from numba import njit
 
 from problems.check import Array
-from solvers.contact_elements import add_spatial, feel_spatial, natural, push_spatial
+from solvers.contact_elements import add_spatial, feel_spatial, larger, natural, push_spatial
 from solvers.contact_point import Point
 from solvers.contact_system import SOFTNESS, System, Work
 
@@ -54,7 +54,7 @@ def spatial_defects(system: System, point: Point, v: Array, impulse: Array, defe
             defect[i, 2] = u2 - s[i, 2]
             defect[i, 3] = mu * x[i, 0] + bias - s[i, 3]
         r = (impulse[i, 0], impulse[i, 1], impulse[i, 2])
-        worst = max(worst, natural(r, (u0, u1, u2), mu, bias, mu - shift, system.weight[i]))
+        worst = larger(worst, natural(r, (u0, u1, u2), mu, bias, mu - shift, system.weight[i]))
     return worst
 
 

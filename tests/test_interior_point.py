@@ -12,8 +12,18 @@ from problems.random_problem import random_problem
 from problems.residual import relaxation_residual, residual
 from problems.scenes import scene
 from solvers import Status, solve
+from solvers.centred_point import centred_point
 from solvers.contact_newton import direction, evaluate, linearise
-from solvers.contact_point import add_products, longest, move_along, new_point, set_step, start_point, to_geodesics
+from solvers.contact_point import (
+    add_products,
+    longest,
+    move_along,
+    new_point,
+    set_identity,
+    set_step,
+    start_point,
+    to_geodesics,
+)
 from solvers.contact_system import new_work, prepare
 from solvers.lorentz import longest_in_cone
 from tests.friction_problems import block, nothing, spatial, spatial_bodies, spatial_stack
@@ -180,6 +190,45 @@ def test_folds_of_the_path_that_ten_restarts_did_not_avoid(seed) -> None:
     assert_solved(random_problem(seed, 1 + seed % 50), "interior_point[shortcut=false]")
 
 
+def sheared(name, shear, friction, **size) -> FrictionProblem:
+    """Bodies upon each other, the faster (shear, 1/s) the higher they are."""
+    made = scene(name, friction=friction, **size)
+    problem, velocity = made.problem(), made.problem().free_velocity.copy()
+    velocity[0::3] += shear * made.q0[1::3]
+    return changed(problem, free_velocity=velocity)
+
+
+@pytest.mark.parametrize("spec", METHODS)
+@pytest.mark.parametrize(("friction", "shear"), [(0.7, 1.0), (0.8, 1.0), (0.8, 10.0)])
+def test_sheared_pyramids_are_solved_from_where_sweeps_get(friction, shear, spec) -> None:
+    """Without a hint how the boxes are loaded, the central path from any start wound on for thousands of iterations."""
+    assert_solved(sheared("pyramid", shear, friction, rows=20), spec, at_most=200)
+
+
+def test_ten_thousand_sheared_boxes() -> None:
+    """With a delta of 1e-13 in place of 1e-14 the residual stopped at 2e-7."""
+    assert_solved(sheared("stack", 1e-4, 0.8, blocks=10_000), "interior_point", at_most=100)
+
+
+@pytest.mark.parametrize("problem", [random_problem(5, 30), spatial_bodies(5, 60, 0.5), scene("stack", blocks=50).problem()])
+def test_a_start_near_the_solution_saves_iterations(problem) -> None:
+    cold = solve(problem, "interior_point")
+    assert solve(problem, "interior_point", start=cold.impulse).work["iterations"] <= 2
+    noise = np.random.default_rng(0).standard_normal(cold.impulse.shape)
+    near = solve(problem, "interior_point", start=cold.impulse * (1 + 1e-5 * noise))
+    assert near.status is Status.SOLVED
+    assert near.work["iterations"] <= 0.7 * cold.work["iterations"]
+
+
+@pytest.mark.parametrize("problem", [random_problem(5, 30), spatial_bodies(5, 60, 0.5)])
+@pytest.mark.parametrize("wrong", [-1.0, 1e12, np.nan, np.inf])
+def test_a_start_far_from_any_solution_does_no_harm(problem, wrong) -> None:
+    start = np.full((problem.contacts, problem.dimension), wrong)
+    answer = solve(problem, "interior_point", start=start)
+    assert answer.status is Status.SOLVED
+    assert residual(problem, answer.impulse) <= 1e-8
+
+
 @pytest.mark.parametrize("spec", [*METHODS, "relaxation_ip"])
 @pytest.mark.parametrize("ratio", [1e-6, 1e3, 1e6])
 def test_mass_ratios(ratio, spec) -> None:
@@ -321,6 +370,26 @@ def test_the_residual_inside_is_the_residual_of_the_project(dimension) -> None:
             )
             inside = evaluate(system, point, new_point(system), work)
             assert inside == pytest.approx(measure(problem, work.impulse * system.impulse), rel=1e-10)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_centred_point_keeps_the_distance_it_is_asked_for(dimension) -> None:
+    """x ∘ s = g^2 in units of velocity; and around a solution, as g goes to 0, the solution and no defect."""
+    problem = with_every_kind_of_contact(dimension)
+    system, r = prepare(problem), solve(problem, "hybrid", tol=1e-13).impulse
+    u = problem.contact_velocity(r)
+    for g in (1e-3, 0.3, 10.0):
+        point = centred_point(system, r, u, g)
+        product, one = np.zeros((2, problem.contacts, 4))
+        add_products(system, 1.0, point.x, point.s, product)
+        set_identity(system, g * g, one)
+        one[system.pairs == 1, 1:] = 0
+        assert np.allclose(product * system.weight[:, None], one, rtol=1e-9, atol=1e-9 * g * g)
+        assert longest(system, point, new_point(system), 1.0) == 1.0
+    point, defect, work = centred_point(system, r, u, 1e-12), new_point(system), new_work(system)
+    assert evaluate(system, point, defect, work) < 1e-10
+    assert np.abs(defect.x).max() < 1e-10
+    assert np.allclose(work.impulse * system.impulse, r, rtol=0, atol=1e-10)
 
 
 def test_the_longest_step_stops_at_the_first_zero() -> None:
