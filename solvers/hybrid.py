@@ -2,10 +2,11 @@
 
 No single method is fast, accurate and reliable on every friction problem. An interior point's iteration costs one sparse
 factorisation and its preparation a pass over the contacts, so that, prepared and solved, it is ahead at every size in the
-plane; in space a few sweeps of Gauss-Seidel come first, which end the smallest problems and cost little where they do not.
-Pivoting ends on an exact basis; each method fails on some instances that another solves. A portfolio stops at the first answer
-whose residual, computed here from the problem's own velocities, is within the tolerance: so it solves what any of its members
-does, and says so when none does. (Algorithm portfolios: Gomes and Selman 2001.)
+plane. In space a few sweeps of Gauss-Seidel come first: they end the smallest problems, and where they get near in others the
+interior point starts from there and saves most of its iterations. Pivoting ends on an exact basis; each method fails on some
+instances that another solves. A portfolio stops at the first answer whose residual, computed here from the problem's own
+velocities, is within the tolerance: so it solves what any of its members does, and says so when none does. (Algorithm
+portfolios: Gomes and Selman 2001.)
 """
 
 from dataclasses import dataclass
@@ -22,6 +23,7 @@ from solvers.interface import Answer, Solver, SolverInfo, Status, find, solver
 PLANAR = ("interior_point", "lemke", "path_search", "staggered", "anitescu_hart", "fischer_newton")
 SPATIAL = ("nsgs", "interior_point", "nncg", "apgd_coulomb", "staggered", "admm_coulomb", "anitescu_hart")
 SWEEPS = 30  # of nsgs, where it comes first: a fraction of the interior point's time at any size
+CLOSE = 0.01  # the residual up to which what a member leaves makes a better start than nothing
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +53,8 @@ class Hybrid:
         for tried, (info, member) in enumerate(prepared.members, start=1):
             stage = prepared.first if tried == 1 else member.prepare(problem)
             own_limit = min(SWEEPS, limit or SWEEPS) if info.name == "nsgs" else limit
-            answer = member.solve(stage, tol, own_limit, start if info.warm_start else None)
+            guess = impulse if least <= CLOSE else start
+            answer = member.solve(stage, tol, own_limit, guess if info.warm_start else None)
             work |= {f"{info.name} {unit}": count for unit, count in answer.work.items()} | {"members": tried}
             found = residual(problem, answer.impulse)
             if found < least:
