@@ -28,7 +28,7 @@ from problems.check import Array
 from solvers.contact_elements import larger
 from solvers.contact_newton import direction, linearise
 from solvers.contact_point import Point, add_products, add_step, move_along, new_point, set_step, to_geodesics
-from solvers.contact_system import System, Work
+from solvers.contact_system import System, new_work
 from solvers.predictor_corrector import Best, judge, predictor_corrector
 
 NEAR = 0.3  # a correction, in logarithms, up to which a point counts as on the curve
@@ -39,14 +39,14 @@ END = np.log(1e-20)
 
 
 @njit(cache=True, error_model="numpy")
-def trace(system: System, point: Point, work: Work, best: Best, tol: float, patience: int, history: Array) -> int:
+def trace(system: System, point: Point, best: Best, tol: float, patience: int, history: Array) -> int:
     """Follow the path from the point; stop where the residual is within tol, history is full, or the path is lost.
 
     patience: that of the predictor-corrector, where it is tried. history receives the residual of every iterate; their
     number is returned.
     """
     first, defect, correction, tangent = new_point(system), new_point(system), new_point(system), new_point(system)
-    ahead, saved, trial = new_point(system), new_point(system), new_point(system)
+    ahead, saved, trial, work = new_point(system), new_point(system), new_point(system), new_work(system)
     judge(system, point, first, work, best)
     product, target = np.zeros((len(point.x), 4)), np.zeros((len(point.x), 4))
     _aim(system, product, 0.0, target, -1.0, point)
@@ -78,7 +78,7 @@ def trace(system: System, point: Point, work: Work, best: Best, tol: float, pati
                 continue
             if log_t < hand_over and used < len(history):
                 set_step(trial, 1.0, point)
-                used += predictor_corrector(system, trial, work, best, tol, patience, history[used:])
+                used += predictor_corrector(system, trial, best, tol, patience, history[used:])
                 hand_over += HAND_OVER
             if used > 1:
                 length = min(LONGEST, length * min(2.0, max(0.3, np.sqrt(NEAR / 2 / max(off, 1e-9)))))

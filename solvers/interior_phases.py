@@ -7,7 +7,7 @@ import numpy as np
 from problems import FrictionProblem
 from problems.check import Array
 from solvers.contact_point import Point
-from solvers.contact_system import System, new_work
+from solvers.contact_system import System
 from solvers.interface import Answer, Status
 from solvers.predictor_corrector import Best
 
@@ -30,11 +30,10 @@ def run(
         return Answer(np.zeros_like(system.offset), Status.SOLVED, {"iterations": 0, "factorisations": 0})
     history = np.empty(limit + 1)
     best = Best(np.zeros_like(system.offset), np.array([np.inf]))
-    room = new_work(system)
     used = tried = 0
     status = Status.STALLED
     for method, point in phases:
-        used += method(system, point, room, best, tol / 2, patience, history[used : used + SHARE])
+        used += method(system, point, best, tol / 2, patience, history[used : used + SHARE])
         tried += 1
         if _is_solved(best, tol, system, problem, measure):
             status = Status.SOLVED

@@ -19,7 +19,7 @@ from numba import njit
 from problems.check import Array
 from solvers.contact_newton import direction, evaluate, linearise
 from solvers.contact_point import Point, add_products, add_step, longest, new_point, set_identity
-from solvers.contact_system import System, Work
+from solvers.contact_system import System, Work, new_work
 
 TO_BOUNDARY = 0.995
 
@@ -44,15 +44,31 @@ def judge(system: System, point: Point, defect: Point, work: Work, best: Best) -
 
 
 @njit(cache=True, error_model="numpy")
-def predictor_corrector(system: System, point: Point, work: Work, best: Best, tol: float, patience: int, history: Array) -> int:
+def predictor_corrector(system: System, point: Point, best: Best, tol: float, patience: int, history: Array) -> int:
     """Move the point to a solution; stop where the residual is within tol, history is full, or no progress is made.
 
     Progress is that mean(x s) and the largest defect, added, halve within `patience` iterations.
     history receives the residual of every iterate; their number is returned.
     """
+    step, defect, target = new_point(system), new_point(system), np.zeros((len(point.x), 4))
+    return _iterate(system, point, step, defect, target, new_work(system), best, tol, patience, history)
+
+
+@njit(cache=True, error_model="numpy")
+def _iterate(
+    system: System,
+    point: Point,
+    step: Point,
+    defect: Point,
+    target: Array,
+    work: Work,
+    best: Best,
+    tol: float,
+    patience: int,
+    history: Array,
+) -> int:
+    """The iterations, with room to work in: a loop over arrays of its own would count references to them at every call."""
     x, s = point.x, point.s
-    step, defect = new_point(system), new_point(system)
-    target = np.zeros((len(x), 4))
     pairs = system.pairs.sum()
     milestone, since = np.inf, 0
     for iteration in range(len(history)):

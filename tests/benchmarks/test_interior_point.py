@@ -38,11 +38,10 @@ def test_factors(benchmark, kernel, name) -> None:
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_ten_iterations(benchmark, name) -> None:
     system = prepare(PROBLEMS[name])
-    work = new_work(system)
 
     def iterate() -> int:
         best = Best(np.zeros_like(system.offset), np.array([np.inf]))
-        return predictor_corrector(system, start_point(system, 1.0, 1.0), work, best, 0.0, 12, np.empty(11))
+        return predictor_corrector(system, start_point(system, 1.0, 1.0), best, 0.0, 12, np.empty(11))
 
     assert iterate() == 11
     benchmark.extra_info["contacts"] = len(system.friction)
