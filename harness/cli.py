@@ -48,7 +48,7 @@ class Listing(StrEnum):
 @app.command("list")
 def list_(what: Annotated[Listing, typer.Argument()]) -> None:
     """List the scenes, the solvers or the suites, a line of meaning each."""
-    from harness import listing
+    from harness.commands import listing
 
     listing.show(what.value)
 
@@ -73,7 +73,7 @@ def run(
     ] = None,
 ) -> None:
     """Run a suite, or what of it the options choose. The same command resumes a broken-off run."""
-    from harness.choose import choose
+    from harness.plans.choose import choose
     from harness.progress import Progress
     from harness.run import run as run_plan
 
@@ -119,7 +119,7 @@ def solve(
     jobs: Jobs = None,
 ) -> None:
     """Put every solver to one problem and show a table."""
-    from harness.single import solve_one
+    from harness.commands.single import solve_one
 
     solve_one(problem, solver or [], tol, time_limit, _jobs(jobs))
 
@@ -133,7 +133,7 @@ def show(
     out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE.html", help="SCENE.html by default.")] = None,
 ) -> None:
     """Animate a scene: one HTML page with its bodies, contact impulses, friction cones and energy."""
-    from harness.record import record_named
+    from harness.cells.record import record_named
     from reports.animation import write_animation
 
     motion = record_named(scene, solver, scheme, steps)
@@ -148,7 +148,7 @@ def rerun(
     row: Annotated[str, typer.Argument(metavar="ROW", help="The row's key, as tables and reports give it.")],
 ) -> None:
     """Run one cell of a results folder again and show both rows."""
-    from harness.single import show_rerun
+    from harness.commands.single import show_rerun
 
     show_rerun(folder, row)
 
@@ -159,7 +159,7 @@ def shrink(
     row: Annotated[str, typer.Argument(metavar="ROW", help="The key of a solve row that failed.")],
 ) -> None:
     """Make a failing cell's problem as small as it can be while it still fails, and keep it as a file."""
-    from harness.shrink import shrink as shrink_row
+    from harness.commands.shrink import shrink as shrink_row
 
     path, problem, trials = shrink_row(folder, row)
     typer.echo(f"{problem.contacts} contacts and {len(problem.free_velocity)} velocities left after {trials} trials: {path}")

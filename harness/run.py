@@ -9,13 +9,14 @@ from contextlib import nullcontext
 from datetime import UTC, datetime
 from pathlib import Path
 
-from harness import machine, worker
-from harness.cluster import Cluster
-from harness.collect import Entry
-from harness.plan import DriveCell, Plan, SolveCell
-from harness.pool import Outcome, Pool, Task
+from harness import machine
+from harness.cells import worker
+from harness.cells.collect import Entry
+from harness.cells.rows import drive_row, solve_row
+from harness.plans.plan import DriveCell, Plan, SolveCell
 from harness.progress import Progress
-from harness.rows import drive_row, solve_row
+from harness.workers.cluster import Cluster
+from harness.workers.pool import Outcome, Pool, Task
 from problems import InputError
 from results import store
 from results.store import ResultsError, Row, ShardWriter

@@ -21,10 +21,10 @@ from scipy import sparse
 
 from problems import check
 from problems.check import Array, require
-from problems.delassus import apply, delassus, delassus_diagonal, interleave, push
-from problems.lcp import LCP, content_hash, friction_lcp
-from problems.mass import invert_mass
-from problems.relaxation import QP, ConeProgram, Laws, VelocityForm, relaxation_cone, relaxation_qp
+from problems.forms.delassus import apply, delassus, delassus_diagonal, interleave, push
+from problems.forms.lcp import LCP, content_hash, friction_lcp
+from problems.forms.mass import invert_mass
+from problems.forms.relaxation import QP, ConeProgram, Laws, VelocityForm, relaxation_cone, relaxation_qp
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

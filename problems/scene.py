@@ -15,10 +15,10 @@ from scipy import sparse
 
 from problems import check
 from problems.check import Array, require
-from problems.collision import Contacts, find_contacts
 from problems.friction import FrictionProblem
-from problems.joints import Hinge, hinge_equations
-from problems.planar import Body, Geometry, Shape
+from problems.planar.bodies import Body, Geometry, Shape
+from problems.planar.collision import Contacts, find_contacts
+from problems.planar.joints import Hinge, hinge_equations
 
 GRAVITY = 9.81
 

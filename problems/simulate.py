@@ -5,10 +5,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from problems.check import Array
-from problems.collision import deepest_overlap
 from problems.friction import FrictionProblem
+from problems.planar.collision import deepest_overlap
 from problems.scene import Scene
-from problems.schemes import Scheme, Solve, Step, anitescu_potra, start
+from problems.schemes import Scheme, Solve, Step, start
+from problems.schemes.anitescu_potra import anitescu_potra
 
 
 def simulate(scene: Scene, solve: Solve, scheme: Scheme = anitescu_potra, steps: int | None = None) -> Iterator[Step]:

@@ -1,29 +1,10 @@
-"""One file a method or outside library, one signature for all: see solvers.interface."""
+"""One file a method, one signature for all, each listed by its decorator: see solvers.interface."""
 
-from solvers import (
-    admm,
-    anitescu_hart,
-    apgd,
-    ccp,
-    ccp_cone,
-    dantzig,
-    fischer_newton,
-    hybrid,
-    interior_point,
-    lemke,
-    minmap_newton,
-    murty,
-    nncg,
-    nsgs,
-    path_search,
-    relaxation_ip,
-    staggered,
-)
+from problems.discover import import_all
+from solvers import outside
 from solvers.interface import Answer, Solver, SolverInfo, Status, available, find, solve, solver
 
-METHODS = (
-    *(admm, anitescu_hart, apgd, ccp, ccp_cone, dantzig, fischer_newton, hybrid),
-    *(interior_point, lemke, minmap_newton, murty, nncg, nsgs, path_search, relaxation_ip, staggered),
-)
+import_all(__name__, __path__)
+import_all(outside.__name__, outside.__path__)
 
-__all__ = ["METHODS", "Answer", "Solver", "SolverInfo", "Status", "available", "find", "solve", "solver"]
+__all__ = ["Answer", "Solver", "SolverInfo", "Status", "available", "find", "solve", "solver"]

@@ -24,10 +24,10 @@ from scipy.sparse.linalg import splu
 from problems import FrictionProblem
 from problems.check import Array
 from solvers.apgd import step
-from solvers.contact_form import ContactForm, Index, contact_form, state, velocity
-from solvers.contact_laws import defect
 from solvers.interface import Answer, solver
-from solvers.progress import ENDS, GOING, ended, progress
+from solvers.sweeps.form import ContactForm, Index, contact_form, state, velocity
+from solvers.sweeps.laws import defect
+from solvers.sweeps.stopping import ENDS, GOING, ended, progress
 
 LIMIT = 10_000
 PATIENCE = 2500  # iterations in which the residual must fall by a hundredth

@@ -18,10 +18,10 @@ import numpy as np
 from problems import FrictionProblem
 from problems.check import Array, require
 from solvers.apgd import descend
-from solvers.contact_form import ContactForm, contact_form, state, velocity
-from solvers.contact_laws import defect
 from solvers.interface import Answer, Status, solver
-from solvers.progress import ENDS, GOING, ended, progress
+from solvers.sweeps.form import ContactForm, contact_form, state, velocity
+from solvers.sweeps.laws import defect
+from solvers.sweeps.stopping import ENDS, GOING, ended, progress
 
 LIMIT = 500
 PATIENCE = 100  # relaxations in which the residual must fall by a hundredth

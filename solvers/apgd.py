@@ -19,10 +19,10 @@ from numba import njit
 
 from problems import FrictionProblem
 from problems.check import Array
-from solvers.contact_form import ContactForm, contact_form, state, velocity
-from solvers.contact_laws import defect
 from solvers.interface import Answer, solver
-from solvers.progress import ENDS, GOING, ended, progress
+from solvers.sweeps.form import ContactForm, contact_form, state, velocity
+from solvers.sweeps.laws import defect
+from solvers.sweeps.stopping import ENDS, GOING, ended, progress
 
 LIMIT = 20_000
 PATIENCE = 5000  # iterations in which the residual must fall by a hundredth

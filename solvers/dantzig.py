@@ -22,9 +22,9 @@ from numba import njit
 from problems import LCP, FrictionProblem
 from problems.check import Array
 from solvers.interface import Answer, solver
-from solvers.pivoting import Index, Matrix, slack_basis
-from solvers.pivoting_form import ScaledLCP, finish, scaled_lcp
-from solvers.pivoting_path import ACCURACY, COMPLEMENTARY, LOST, RAY, STUCK, add_coordinates, draw, evaluate, follow
+from solvers.pivots.inverse_basis import Index, Matrix, slack_basis
+from solvers.pivots.lemke_path import ACCURACY, COMPLEMENTARY, LOST, RAY, STUCK, add_coordinates, draw, evaluate, follow
+from solvers.pivots.scaled_lcp import ScaledLCP, finish, scaled_lcp
 
 PERTURBATION = 1e-7  # of q, whose largest entry is 1
 HARRIS = 1e-4  # how far below zero near ties may reach, relative to the perturbation

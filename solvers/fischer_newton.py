@@ -28,9 +28,9 @@ from numba import njit
 
 from problems import LCP, FrictionProblem
 from problems.check import Array, require
-from solvers.dense_lcp import DenseLCP, answer, dense_lcp, solve_dense
 from solvers.interface import Answer, Status, solver
-from solvers.natural import MARGIN, natural_residual
+from solvers.pivots.dense_lcp import DenseLCP, answer, dense_lcp, solve_dense
+from solvers.pivots.natural import MARGIN, natural_residual
 
 ARMIJO = 1e-4  # sigma, the share of the predicted decrease asked for
 DESCENT = 1e-8  # a direction of descent has -d'H'Phi of at least this times |d|^2.1

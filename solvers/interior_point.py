@@ -1,14 +1,14 @@
 """Interior point methods for Coulomb friction itself, sparse in the velocities of the bodies.
 
-In the plane the problem is the friction LCP; in space it has the circular cone as it is (solvers.contact_point). A step costs
-one sparse factorisation of the size of the mass matrix (solvers.contact_newton, solvers.multifrontal), as for the convex
-relaxation. Mehrotra's predictor-corrector (solvers.predictor_corrector) comes first: about ten iterations, few more for a
-thousand boxes than for ten.
+In the plane the problem is the friction LCP; in space it has the circular cone as it is (solvers.interior.point). A step costs
+one sparse factorisation of the size of the mass matrix (solvers.interior.newton, solvers.sparse_lu.multifrontal), as for the
+convex relaxation. Mehrotra's predictor-corrector (solvers.interior.predictor_corrector) comes first: about ten iterations, few
+more for a thousand boxes than for ten.
 
 The problem is not monotone, and the predictor-corrector can be trapped: in a few random instances of a hundred, and in large
-sheared pyramids with much friction. Then the central path is followed around its folds (solvers.central_path), first from
-where Gauss-Seidel gets in SWEEPS sweeps (solvers.centred_point), which shows how the contacts are loaded; then from up to
-six starts that know nothing.
+sheared pyramids with much friction. Then the central path is followed around its folds (solvers.interior.central_path), first
+from where Gauss-Seidel gets in SWEEPS sweeps (solvers.interior.centred_point), which shows how the contacts are loaded; then
+from up to six starts that know nothing.
 
 Given impulses to start from, the predictor-corrector sets out from the centred point around them. As this keeps the distance
 from the boundary that their residual suggests, a good start saves most of the iterations, and a bad one does no harm.
@@ -21,13 +21,13 @@ import numpy as np
 from problems import FrictionProblem
 from problems.check import Array
 from problems.residual import residual
-from solvers.central_path import trace
-from solvers.centred_point import centred_point
-from solvers.contact_point import Point, start_point
-from solvers.contact_system import System, prepare
 from solvers.interface import Answer, solve, solver
-from solvers.interior_phases import Phase, run
-from solvers.predictor_corrector import predictor_corrector
+from solvers.interior.central_path import trace
+from solvers.interior.centred_point import centred_point
+from solvers.interior.phases import Phase, run
+from solvers.interior.point import Point, start_point
+from solvers.interior.predictor_corrector import predictor_corrector
+from solvers.interior.system import System, prepare
 
 # Impulses and speeds, relative to a contact's own: each of these arrives at a solution in three of four trapped instances.
 STARTS = ((0.1, 10.0), (1.0, 10.0), (0.1, 100.0), (1.0, 100.0), (10.0, 1.0), (1.0, 1.0))

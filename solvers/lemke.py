@@ -9,8 +9,8 @@ the LCP, or on a secondary ray. For a friction step with b >= 0 there is no seco
 
 What keeps that true in floating point:
 
-* The problem is scaled (solvers.scaling), so tolerances are pure numbers. Pivoting uses the inverse of the basis's active
-  part with iterative refinement against M; where that is no longer accurate the inverse is computed afresh.
+* The problem is scaled (solvers.pivots.scaling), so tolerances are pure numbers. Pivoting uses the inverse of the basis's
+  active part with iterative refinement against M; where that is no longer accurate the inverse is computed afresh.
 * Ties. q is perturbed along a vector with random positive entries, which makes every basis nondegenerate with probability
   one, and a path through nondegenerate bases cannot return to one of them. Near ties go to the largest pivot (Harris 1973).
   The last basis is solved for q itself; if a negative entry leaves more of a residual than round-off does, the method goes on
@@ -30,9 +30,8 @@ from numba import njit
 from problems import LCP, FrictionProblem
 from problems.check import Array
 from solvers.interface import Answer, solver
-from solvers.pivoting import Index, Matrix, invert, slack_basis
-from solvers.pivoting_form import ScaledLCP, finish, residual, scaled_lcp
-from solvers.pivoting_path import (
+from solvers.pivots.inverse_basis import Index, Matrix, invert, slack_basis
+from solvers.pivots.lemke_path import (
     ACCURACY,
     COMPLEMENTARY,
     LIMIT,
@@ -44,6 +43,7 @@ from solvers.pivoting_path import (
     evaluate,
     follow,
 )
+from solvers.pivots.scaled_lcp import ScaledLCP, finish, residual, scaled_lcp
 
 PERTURBATION = 1e-7  # of q, whose largest entry is 1
 HARRIS = 1e-4  # how far below zero near ties may reach, relative to the perturbation

@@ -26,9 +26,9 @@ from numba import njit
 
 from problems import LCP, FrictionProblem
 from problems.check import Array, require
-from solvers.dense_lcp import DenseLCP, answer, dense_lcp, solve_dense
 from solvers.interface import Answer, Status, solver
-from solvers.natural import MARGIN, natural_residual
+from solvers.pivots.dense_lcp import DenseLCP, answer, dense_lcp, solve_dense
+from solvers.pivots.natural import MARGIN, natural_residual
 
 DECREASE = 1e-4  # sigma
 MEMORY = 15  # merits the nonmonotone search looks back on

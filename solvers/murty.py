@@ -16,9 +16,9 @@ from numba import njit
 from problems import LCP, FrictionProblem
 from problems.check import Array
 from solvers.interface import Answer, solver
-from solvers.pivoting import Matrix, exchange, refactor, slack_basis, transform
-from solvers.pivoting_form import ScaledLCP, finish, scaled_lcp
-from solvers.pivoting_path import ACCURACY, COMPLEMENTARY, LIMIT, LOSS, LOST, PIVOT, STUCK, enter, evaluate
+from solvers.pivots.inverse_basis import Matrix, exchange, refactor, slack_basis, transform
+from solvers.pivots.lemke_path import ACCURACY, COMPLEMENTARY, LIMIT, LOSS, LOST, PIVOT, STUCK, enter, evaluate
+from solvers.pivots.scaled_lcp import ScaledLCP, finish, scaled_lcp
 
 NEGATIVE = 1e-13  # of the largest basic variable: what is less negative counts as zero
 

@@ -16,11 +16,11 @@ from numba import njit
 
 from problems import FrictionProblem
 from problems.check import Array
-from solvers.contact_form import ContactForm, contact_form, state, velocity
-from solvers.contact_laws import defect
 from solvers.interface import Answer, solver
 from solvers.nsgs import CHECK, LIMIT, PATIENCE, planar_sweeps, spatial_sweeps
-from solvers.progress import ENDS, GOING, ended, progress
+from solvers.sweeps.form import ContactForm, contact_form, state, velocity
+from solvers.sweeps.laws import defect
+from solvers.sweeps.stopping import ENDS, GOING, ended, progress
 
 
 @solver("nncg", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True)

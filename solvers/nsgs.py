@@ -17,10 +17,10 @@ from numba import njit
 
 from problems import FrictionProblem
 from problems.check import Array, require
-from solvers.contact_form import ContactForm, contact_form, state, velocity
-from solvers.contact_laws import defect, planar_contact, spatial_contact
 from solvers.interface import Answer, solver
-from solvers.progress import ENDS, GOING, ended, progress
+from solvers.sweeps.form import ContactForm, contact_form, state, velocity
+from solvers.sweeps.laws import defect, planar_contact, spatial_contact
+from solvers.sweeps.stopping import ENDS, GOING, ended, progress
 
 LIMIT = 10_000
 CHECK = 10  # sweeps between two residuals, each with the state computed anew

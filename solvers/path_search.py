@@ -28,7 +28,7 @@ What differs from PATH, and why.
 * det M_AA > 0 is asked of the crash basis. Along a path t rises with the sign of det B: from a negative one it can only
   reach solutions of index -1, of which there is usually one fewer than of index +1, often none. Where no basis is found
   the path starts at z = 0, and is then Lemke's with the covering vector delta (PATH's ray start).
-* PATH factorises sparse; here an LU in reverse Cuthill-McKee order skips zeros (solvers.lcp_basis).
+* PATH factorises sparse; here an LU in reverse Cuthill-McKee order skips zeros (solvers.pivots.lu_basis).
 
 References: Dirkse and Ferris, The PATH solver, Optimization Methods and Software 5 (1995); Ralph, Global convergence of
 damped Newton's method for nonsmooth equations via the path search, Mathematics of Operations Research 19 (1994).
@@ -44,7 +44,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 from problems import LCP, FrictionProblem
 from problems.check import Array, require
 from solvers.interface import Answer, Status, solver
-from solvers.lcp_basis import (
+from solvers.pivots.lu_basis import (
     Basis,
     Columns,
     Indices,
@@ -57,9 +57,9 @@ from solvers.lcp_basis import (
     new_basis,
     orientation,
 )
-from solvers.natural import MARGIN, exact_residual, natural_residual, natural_weight
-from solvers.pivotal_path import FACTORISATIONS, LIMIT, NEWTON, RAY, SINGULAR, follow, is_ray
-from solvers.scaling import Scaling, scaling
+from solvers.pivots.natural import MARGIN, exact_residual, natural_residual, natural_weight
+from solvers.pivots.newton_path import FACTORISATIONS, LIMIT, NEWTON, RAY, SINGULAR, follow, is_ray
+from solvers.pivots.scaling import Scaling, scaling
 
 SHIFT = 0.3  # size of a crash point's residual, relative to the largest scaled q
 SPREAD = 0.1  # randomness of its entries

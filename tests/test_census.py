@@ -5,10 +5,10 @@ import pytest
 
 import solvers
 from problems import LCP, FrictionProblem, InputError, scene
-from problems.census import census, census_labels, lcp_census, mode
 from problems.check import Array
-from problems.force_level import Regime, force_level_lcp, regime
-from problems.polyhedra import Polyhedron, Shape, contains, cut, is_subset, polyhedron, shape, simplicial
+from problems.forms.force_level import Regime, force_level_lcp, regime
+from problems.nature.census import census, census_labels, lcp_census, mode
+from problems.nature.polyhedra import Polyhedron, Shape, contains, cut, is_subset, polyhedron, shape, simplicial
 from problems.random_problem import random_problem
 from problems.residual import residual
 from tests.friction_problems import block, nothing, spatial, with_joints
@@ -180,7 +180,7 @@ def test_round_off_that_looks_like_solutions_is_found_out(monkeypatch) -> None:
     found = census(problem)
     assert (found.shape, found.velocity_shape) == (Shape.CONVEX, Shape.ONE)
     assert max(residual(problem, r.reshape(7, 2)) for piece in found.pieces for r in piece.vertices) <= 1e-10
-    monkeypatch.setattr("problems.census.TIES", (1e-12,))
+    monkeypatch.setattr("problems.nature.census.TIES", (1e-12,))
     with pytest.raises(ArithmeticError, match="badly conditioned"):
         census(problem)
     assert set(census_labels(problem).values()) == {None}

@@ -7,8 +7,19 @@ import pytest
 from scipy.spatial import ConvexHull
 
 from problems import InputError
-from problems.collision import find_contacts
-from problems.planar import Body, Geometry, Shape, box, half_plane, hollow, rigid_box, rigid_disc, rigid_rod, vertical_wall
+from problems.planar.bodies import (
+    Body,
+    Geometry,
+    Shape,
+    box,
+    half_plane,
+    hollow,
+    rigid_box,
+    rigid_disc,
+    rigid_rod,
+    vertical_wall,
+)
+from problems.planar.collision import find_contacts
 
 
 def random_polygon(random: np.random.Generator) -> Body:

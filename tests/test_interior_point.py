@@ -12,9 +12,10 @@ from problems.random_problem import random_problem
 from problems.residual import relaxation_residual, residual
 from problems.scenes import scene
 from solvers import Status, solve
-from solvers.centred_point import centred_point
-from solvers.contact_newton import direction, evaluate, linearise
-from solvers.contact_point import (
+from solvers.interior.centred_point import centred_point
+from solvers.interior.lorentz import longest_in_cone
+from solvers.interior.newton import direction, evaluate, linearise
+from solvers.interior.point import (
     add_products,
     longest,
     move_along,
@@ -24,8 +25,7 @@ from solvers.contact_point import (
     start_point,
     to_geodesics,
 )
-from solvers.contact_system import new_work, prepare
-from solvers.lorentz import longest_in_cone
+from solvers.interior.system import new_work, prepare
 from tests.friction_problems import block, nothing, spatial, spatial_bodies, spatial_stack
 
 METHODS = ("interior_point", "interior_point[shortcut=false]")

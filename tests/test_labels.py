@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from problems import FrictionProblem, scene
-from problems.labels import labels, pointedness
-from problems.planar import half_plane, rigid_box
+from problems.nature.labels import labels, pointedness
+from problems.planar.bodies import half_plane, rigid_box
 from problems.random_problem import random_problem
 from problems.scene import Scene
 

@@ -5,8 +5,8 @@ import pytest
 from scipy import sparse
 
 from problems.scenes import scene
-from solvers.minimum_degree import same_elements
-from solvers.multifrontal import analyse, factorise, find, solve
+from solvers.sparse_lu.minimum_degree import same_elements
+from solvers.sparse_lu.multifrontal import analyse, factorise, find, solve
 
 
 def pattern(name, **parameters):

@@ -10,9 +10,9 @@ from problems.random_problem import random_problem
 from problems.residual import residual
 from problems.scenes import scene
 from solvers import Status, solve
-from solvers.dense_lcp import solve_dense
 from solvers.fischer_newton import fischer, jacobian
 from solvers.minmap_newton import CYCLE, NEWTON, iterate
+from solvers.pivots.dense_lcp import solve_dense
 from tests.friction_problems import block, nothing, spatial
 
 BOTH = ["fischer_newton", "minmap_newton"]

@@ -8,9 +8,9 @@ from problems.random_problem import random_problem
 from problems.residual import relaxation_residual, residual
 from problems.scenes import scene
 from solvers import Status, find, solve
-from solvers.contact_form import contact_form, state, velocity
-from solvers.contact_laws import defect, planar_contact, spatial_contact
 from solvers.nsgs import LIMIT
+from solvers.sweeps.form import contact_form, state, velocity
+from solvers.sweeps.laws import defect, planar_contact, spatial_contact
 from tests.friction_problems import block, nothing, spatial, with_joints
 
 

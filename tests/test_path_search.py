@@ -11,10 +11,10 @@ from problems.random_problem import random_problem
 from problems.residual import residual
 from problems.scenes import scene
 from solvers import Status, find, solve
-from solvers.lcp_basis import Columns, column, exchange, factorise, ftran, held, hold, new_basis, orientation
-from solvers.natural import MARGIN, natural_residual, natural_weight
-from solvers.pivotal_path import is_ray
-from solvers.scaling import scaling
+from solvers.pivots.lu_basis import Columns, column, exchange, factorise, ftran, held, hold, new_basis, orientation
+from solvers.pivots.natural import MARGIN, natural_residual, natural_weight
+from solvers.pivots.newton_path import is_ray
+from solvers.pivots.scaling import scaling
 from tests.friction_problems import block, nothing, spatial, with_joints
 
 DATA = Path(__file__).parent / "data"

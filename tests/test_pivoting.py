@@ -9,8 +9,8 @@ from problems.residual import residual
 from solvers.dantzig import Dantzig, contact_order
 from solvers.interface import Status, solve
 from solvers.murty import Murty
-from solvers.pivoting import compress, exchange, invert, slack_basis, transform
-from solvers.pivoting_path import enter, follow
+from solvers.pivots.inverse_basis import compress, exchange, invert, slack_basis, transform
+from solvers.pivots.lemke_path import enter, follow
 
 PRINCIPAL = {"dantzig": Dantzig, "murty": Murty}
 

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from harness.choose import choose, resolve_solvers
-from harness.plan import Plan, Source
+from harness.commands.single import rerun_row
+from harness.plans.choose import choose, resolve_solvers
+from harness.plans.plan import Plan, Source
 from harness.progress import Progress
 from harness.run import run
-from harness.single import rerun_row
 from problems import InputError, storage
 from results import store
 from results.store import ResultsError

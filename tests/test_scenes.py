@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from problems import InputError, scene, scenes
-from problems.joints import Hinge
-from problems.planar import Geometry, half_plane, hollow, rigid_box
+from problems.planar.bodies import Geometry, half_plane, hollow, rigid_box
+from problems.planar.joints import Hinge
 from problems.scene import Scene
 
 SMALL = {"stack": {"blocks": 4}, "wall": {"rows": 3, "columns": 3}, "pyramid": {"rows": 3}}

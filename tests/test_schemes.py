@@ -8,10 +8,11 @@ import pytest
 import solvers
 from problems import FrictionProblem, InputError, scene, scenes
 from problems.check import Array
-from problems.planar import Shape, half_plane, rigid_box, rigid_disc
+from problems.planar.bodies import Shape, half_plane, rigid_box, rigid_disc
 from problems.residual import residual
 from problems.scene import Scene
-from problems.schemes import SCHEMES, NoSolution, Step, anitescu_potra, start
+from problems.schemes import SCHEMES, NoSolution, Step, start
+from problems.schemes.anitescu_potra import anitescu_potra
 from problems.simulate import ledger_defect, penetration, simulate
 
 

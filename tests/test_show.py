@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from harness.plan import Source
-from harness.record import keep, record, record_named
+from harness.cells.record import keep, record, record_named
+from harness.plans.plan import Source
 from problems import InputError, scene, scenes
 from problems.schemes import SCHEMES
 from problems.simulate import simulate
@@ -115,7 +115,7 @@ def test_a_solver_without_an_answer_ends_the_motion(tmp_path) -> None:
 
 
 def test_a_motion_that_diverges_ends(monkeypatch) -> None:
-    monkeypatch.setattr("harness.record.DIVERGED", 1e-2)  # the block loses its 1 J; its measure is 23 J
+    monkeypatch.setattr("harness.cells.record.DIVERGED", 1e-2)  # the block loses its 1 J; its measure is 23 J
     motion = record(scene("stopping_block"), "lemke")
     assert motion.ended == f"diverged in step {len(motion.times)}"
     assert 1 < len(motion.times) < 20

@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.choose import resolve_solvers
-from harness.plan import Plan, Source
+from harness.commands.shrink import shrink, smallest
+from harness.plans.choose import resolve_solvers
+from harness.plans.plan import Plan, Source
 from harness.run import run
-from harness.shrink import shrink, smallest
 from problems import FrictionProblem, InputError, scene
 from problems.random_problem import random_problem
 from problems.reduce import keep_contacts

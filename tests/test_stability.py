@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from problems import FrictionProblem
+from problems.nature.stability import backward_error, response
 from problems.random_problem import random_problem
-from problems.stability import backward_error, response
 from solvers import solve
 from tests.friction_problems import block, nothing
 

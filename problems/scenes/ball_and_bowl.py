@@ -2,11 +2,13 @@
 
 import numpy as np
 
-from problems.planar import Body, Shape, half_plane, hollow, rigid_disc
+from problems.planar.bodies import Body, Shape, half_plane, hollow, rigid_disc
 from problems.scene import Scene
+from problems.scenes.catalogue import generator
 from problems.scenes.parameters import number
 
 
+@generator()
 def bouncing_ball(
     height: float = 1.0,
     restitution: float = 0.8,
@@ -33,6 +35,7 @@ def bouncing_ball(
     )
 
 
+@generator()
 def bowl(friction: float = 0.1, radius: float = 1.0, angle: float = 1.0, step: float = 0.01, duration: float = 2.0) -> Scene:
     """A bead slides to and fro in a round bowl: curved ground, which a straight step leaves.
 

@@ -2,14 +2,16 @@
 
 import numpy as np
 
-from problems.planar import half_plane, rigid_disc, vertical_wall
+from problems.planar.bodies import half_plane, rigid_disc, vertical_wall
 from problems.scene import Scene
+from problems.scenes.catalogue import generator
 from problems.scenes.parameters import number
 
 RADIUS = 0.5
 DENSITY = 1 / (np.pi * RADIUS**2)  # of a disc of 1 kg
 
 
+@generator()
 def jam(friction: float = 0.5, speed: float = 1.0, overlap: float = 0.0, step: float = 0.01, duration: float = 1.0) -> Scene:
     """A disc of 1 kg slides up between two upright walls that just hold it: the talk's difficult friction configuration.
 
@@ -30,6 +32,7 @@ def jam(friction: float = 0.5, speed: float = 1.0, overlap: float = 0.0, step: f
     )
 
 
+@generator()
 def wedge(angle: float = 0.5, friction: float = 0.3, speed: float = 1.0, step: float = 0.01, duration: float = 1.0) -> Scene:
     """A disc of 1 kg hits both walls of an upright wedge at once, and stays.
 

@@ -2,11 +2,13 @@
 
 import numpy as np
 
-from problems.planar import box, rigid_box
+from problems.planar.bodies import box, rigid_box
 from problems.scene import Scene
+from problems.scenes.catalogue import generator
 from problems.scenes.parameters import number
 
 
+@generator(example_3={"friction": 0.02}, example_4={"friction": 0.1})
 def two_blocks(
     friction: float = 0.02, restitution: float = 0.2, speed: float = 3.0, step: float = 0.01, duration: float = 3.0
 ) -> Scene:
@@ -28,6 +30,7 @@ def two_blocks(
     )
 
 
+@generator(example_6={"friction": 0.05})
 def three_blocks(
     friction: float = 0.05, restitution: float = 0.6, speed: float = 5.0, step: float = 0.01, duration: float = 3.0
 ) -> Scene:

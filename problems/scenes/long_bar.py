@@ -4,11 +4,13 @@ import math
 
 import numpy as np
 
-from problems.planar import box, rigid_box
+from problems.planar.bodies import box, rigid_box
 from problems.scene import Scene
+from problems.scenes.catalogue import generator
 from problems.scenes.parameters import number
 
 
+@generator(example_1={"friction": 0.05}, example_2={"friction": 0.2})
 def long_bar(
     friction: float = 0.05, restitution: float = 0.6, tilt: float = math.radians(6), speed: float = 2.0, step: float = 0.01
 ) -> Scene:

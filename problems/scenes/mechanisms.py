@@ -2,12 +2,14 @@
 
 import numpy as np
 
-from problems.joints import Hinge
-from problems.planar import Body, box, rigid_rod
+from problems.planar.bodies import Body, box, rigid_rod
+from problems.planar.joints import Hinge
 from problems.scene import Scene
+from problems.scenes.catalogue import generator
 from problems.scenes.parameters import number
 
 
+@generator()
 def pendulum(angle: float = 1.0, length: float = 1.0, spin: float = 0.0, step: float = 0.01, duration: float = 2.0) -> Scene:
     """A uniform rod hung up at one end, without any contact.
 
@@ -27,6 +29,7 @@ def pendulum(angle: float = 1.0, length: float = 1.0, spin: float = 0.0, step: f
     )
 
 
+@generator()
 def slider_crank(
     friction: float = 0.01,
     restitution: float = 0.4,

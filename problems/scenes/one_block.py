@@ -2,11 +2,13 @@
 
 import numpy as np
 
-from problems.planar import half_plane, rigid_box
+from problems.planar.bodies import half_plane, rigid_box
 from problems.scene import Scene
+from problems.scenes.catalogue import generator
 from problems.scenes.parameters import number
 
 
+@generator()
 def two_corner_block(
     aspect: float = 1.0,
     friction: float = 0.5,
@@ -34,6 +36,7 @@ def two_corner_block(
     )
 
 
+@generator()
 def incline(angle: float = 0.5, friction: float = 0.3, speed: float = 0.0, step: float = 0.01, duration: float = 1.0) -> Scene:
     """A block, 2 by 1, on a slope.
 
@@ -53,6 +56,7 @@ def incline(angle: float = 0.5, friction: float = 0.3, speed: float = 0.0, step:
     )
 
 
+@generator()
 def rocking_block(
     slenderness: float = 0.25,
     friction: float = 1.0,

@@ -4,11 +4,13 @@ import math
 
 import numpy as np
 
-from problems.planar import half_plane, rigid_rod
+from problems.planar.bodies import half_plane, rigid_rod
 from problems.scene import Scene
+from problems.scenes.catalogue import generator
 from problems.scenes.parameters import number
 
 
+@generator()
 def painleve_rod(
     angle: float = math.atan(2.0),
     friction: float = 1.5,

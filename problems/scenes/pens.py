@@ -2,11 +2,13 @@
 
 import numpy as np
 
-from problems.planar import Shape, half_plane, rigid_box, vertical_wall
+from problems.planar.bodies import Shape, half_plane, rigid_box, vertical_wall
 from problems.scene import Scene
+from problems.scenes.catalogue import generator
 from problems.scenes.parameters import number
 
 
+@generator(example_5={})
 def multiple_collisions(
     friction: float = 0.3, restitution: float = 0.9, speed: float = 4.0, step: float = 0.005, duration: float = 2.0
 ) -> Scene:
@@ -28,6 +30,7 @@ def multiple_collisions(
     )
 
 
+@generator(example_7={})
 def several_blocks(
     friction: float = 0.2, restitution: float = 1.0, drop: float = 1.0, step: float = 0.005, duration: float = 2.0
 ) -> Scene:

@@ -2,11 +2,13 @@
 
 import numpy as np
 
-from problems.planar import Body, Shape, box, half_plane
+from problems.planar.bodies import Body, Shape, box, half_plane
 from problems.scene import Scene
+from problems.scenes.catalogue import generator
 from problems.scenes.parameters import count, number
 
 
+@generator()
 def redundant_table(
     legs: int = 4, friction: float = 0.5, speed: float = 0.0, step: float = 0.01, duration: float = 1.0
 ) -> Scene:

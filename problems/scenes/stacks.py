@@ -2,11 +2,13 @@
 
 import numpy as np
 
-from problems.planar import half_plane, rigid_box
+from problems.planar.bodies import half_plane, rigid_box
 from problems.scene import Scene
+from problems.scenes.catalogue import generator
 from problems.scenes.parameters import count, number
 
 
+@generator()
 def stack(blocks: int = 10, friction: float = 0.5, mass_ratio: float = 1.0, push: float = 0.0, step: float = 0.01) -> Scene:
     """A straight stack of unit boxes, the lowest pushed sideways.
 
@@ -30,6 +32,7 @@ def stack(blocks: int = 10, friction: float = 0.5, mass_ratio: float = 1.0, push
     )
 
 
+@generator()
 def wall(rows: int = 5, columns: int = 5, friction: float = 0.5, push: float = 0.0, step: float = 0.01) -> Scene:
     """A brick wall in running bond, bricks 2 by 1, flush on all sides, the lowest left one pushed towards the others.
 
@@ -50,6 +53,7 @@ def wall(rows: int = 5, columns: int = 5, friction: float = 0.5, push: float = 0
     )
 
 
+@generator()
 def pyramid(rows: int = 5, friction: float = 0.5, push: float = 0.0, step: float = 0.01) -> Scene:
     """A pyramid of unit boxes, each resting on two that stand apart, the topmost pushed sideways.
 

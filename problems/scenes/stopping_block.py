@@ -2,11 +2,13 @@
 
 import numpy as np
 
-from problems.planar import half_plane, rigid_box
+from problems.planar.bodies import half_plane, rigid_box
 from problems.scene import Scene
+from problems.scenes.catalogue import generator
 from problems.scenes.parameters import number
 
 
+@generator()
 def stopping_block(friction: float = 0.5, speed: float = 1.0, step: float = 0.01, duration: float = 1.0) -> Scene:
     """A block, 2 by 1, slides on the ground to a stop.
 

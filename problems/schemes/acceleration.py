@@ -6,7 +6,7 @@
 at the contacts that touch at q; a dot is the rate along v, taken by differences. (The law is put on n'v + h (n'a + n'. v),
 which is the same where n'v = 0, so that round-off in n'v does not grow; and a contact slides if one step of the external
 force cannot stop it.) Where a touching contact approaches, an impact goes first (problems.schemes.impact). The problem of
-sliding contacts by itself is in problems.force_level.
+sliding contacts by itself is in problems.forms.force_level.
 
 With the direction of sliding given there need not be a force: Painlevé's rod slides with p = n'M^-1 (n - mu sign(t'v) t) < 0
 and falls faster for every f_n > 0. Then NoSolution is raised.
@@ -23,9 +23,9 @@ import numpy as np
 from scipy import sparse
 
 from problems.check import Array
-from problems.collision import Contacts
 from problems.friction import FrictionProblem
-from problems.narrow_phase import Index
+from problems.planar.collision import Contacts
+from problems.planar.narrow_phase import Index
 from problems.residual import residual
 from problems.scene import Scene
 from problems.schemes.impact import approaching, impact
@@ -36,7 +36,7 @@ RIGHT = 1e-6  # the residual up to which an answer says something about the sche
 NUDGE = 1e-5  # the way over which rates are taken, in units of the largest body: balances round-off and curvature
 
 
-@scheme()
+@scheme("acceleration")
 def acceleration(scene: Scene, now: Step, solve: Solve) -> Step:
     """One step of length scene.step. Errors: NoSolution where no force satisfies the law."""
     h, q, v = scene.step, now.q, now.v

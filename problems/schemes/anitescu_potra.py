@@ -14,7 +14,7 @@ from problems.schemes.impact import approaching, impact
 from problems.schemes.stepping import Solve, Solved, Step, free_velocity, respond, scheme
 
 
-@scheme()
+@scheme("anitescu_potra")
 def anitescu_potra(scene: Scene, now: Step, solve: Solve) -> Step:
     """One step of length scene.step."""
     h, q, v = scene.step, now.q, now.v

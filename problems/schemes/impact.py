@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from problems.check import Array
-from problems.collision import Contacts
+from problems.planar.collision import Contacts
 from problems.scene import Scene
 from problems.schemes.stepping import Solve, Solved, respond
 

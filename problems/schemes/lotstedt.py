@@ -16,7 +16,7 @@ from problems.scene import Scene
 from problems.schemes.stepping import Solve, Step, free_velocity, respond, scheme
 
 
-@scheme(lacks=("restitution",))
+@scheme("lotstedt", lacks=("restitution",))
 def lotstedt(scene: Scene, now: Step, solve: Solve) -> Step:
     """One step of length scene.step."""
     h, q = scene.step, now.q

@@ -11,12 +11,13 @@ Reference: Acary and Brogliato 2008, chapter 10.
 """
 
 from problems.scene import Scene
-from problems.schemes.stepping import Scheme, Solve, Step, respond
+from problems.schemes.stepping import Scheme, Solve, Step, respond, scheme
 
 
-def theta_scheme(theta: float) -> Scheme:
+def theta_scheme(name: str, theta: float) -> Scheme:
     """The scheme with this theta in [0, 1]."""
 
+    @scheme(name)
     def advance(scene: Scene, now: Step, solve: Solve) -> Step:
         h, q, v, t = scene.step, now.q, now.v, now.time
         middle = q + h / 2 * v
@@ -27,8 +28,8 @@ def theta_scheme(theta: float) -> Scheme:
         step, after = respond("step", problem, solve)
         return Step(t + h, q + h * ((1 - theta) * v + theta * after), after, contacts, (step,))
 
-    return Scheme(advance)
+    return advance
 
 
-moreau = theta_scheme(0.5)
-moreau_euler = theta_scheme(1.0)
+moreau = theta_scheme("moreau", 0.5)
+moreau_euler = theta_scheme("moreau_euler", 1.0)

@@ -13,7 +13,7 @@ from problems.scene import Scene
 from problems.schemes.stepping import Solve, Step, contacts_within_reach, free_velocity, respond, scheme
 
 
-@scheme(lacks=("friction",))
+@scheme("paoli_schatzman", lacks=("friction",))
 def paoli_schatzman(scene: Scene, now: Step, solve: Solve) -> Step:
     """One step of length scene.step."""
     h, e, q, v = scene.step, scene.restitution, now.q, now.v

@@ -3,7 +3,7 @@
 A scheme takes a scene, the step before, and a way to solve friction problems, and returns the next step. It knows no solver:
 `solve` maps a FrictionProblem to its impulses (nc, d). Every problem it had solved is kept in the step.
 
-    @scheme(lacks=("restitution",))
+    @scheme("lotstedt", lacks=("restitution",))
     def lotstedt(scene, now, solve): ...
 
 A scheme says beforehand which scenes it does not treat (`refuses`), and raises NoSolution where its own equations have no
@@ -17,8 +17,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from problems.check import Array, require
-from problems.collision import Contacts
 from problems.friction import FrictionProblem
+from problems.planar.collision import Contacts
 from problems.scene import Scene
 
 Solve = Callable[[FrictionProblem], Array]
@@ -68,9 +68,17 @@ class Scheme:
         return self.advance(scene, now, solve)
 
 
-def scheme(lacks: tuple[Feature, ...] = ()) -> Callable[[Callable[[Scene, Step, Solve], Step]], Scheme]:
-    """Make a function a Scheme."""
-    return lambda advance: Scheme(advance, lacks)
+SCHEMES: dict[str, Scheme] = {}
+
+
+def scheme(name: str, lacks: tuple[Feature, ...] = ()) -> Callable[[Callable[[Scene, Step, Solve], Step]], Scheme]:
+    """Make a function a Scheme, and list it under `name`."""
+
+    def register(advance: Callable[[Scene, Step, Solve], Step]) -> Scheme:
+        SCHEMES[name] = Scheme(advance, lacks)
+        return SCHEMES[name]
+
+    return register
 
 
 def start(scene: Scene) -> Step:

@@ -19,7 +19,7 @@ from problems.schemes.impact import approaching, impact
 from problems.schemes.stepping import Solve, Solved, Step, contacts_within_reach, free_velocity, respond, scheme
 
 
-@scheme()
+@scheme("stewart_trinkle")
 def stewart_trinkle(scene: Scene, now: Step, solve: Solve) -> Step:
     """One step of length scene.step."""
     h, q, v = scene.step, now.q, now.v

@@ -19,7 +19,7 @@ import numpy as np
 from problems import FrictionProblem, scene
 from problems.check import Array
 from solvers import find
-from solvers.scaled_program import gap_tolerance, scaled_program
+from solvers.outside.scaled_program import gap_tolerance, scaled_program
 
 SOLVED = 1e-8  # the residual to reach; our solvers and the relaxation's are asked for it
 TOLERANCE = 1e-9  # asked of the other libraries, whose tolerance is of another measure

@@ -5,10 +5,10 @@ import pytest
 
 from problems.scenes import scene
 from solvers import find
-from solvers.contact_point import start_point
-from solvers.contact_system import new_work, prepare
-from solvers.multifrontal import factorise, solve
-from solvers.predictor_corrector import Best, predictor_corrector
+from solvers.interior.point import start_point
+from solvers.interior.predictor_corrector import Best, predictor_corrector
+from solvers.interior.system import new_work, prepare
+from solvers.sparse_lu.multifrontal import factorise, solve
 from tests.friction_problems import spatial_stack
 
 PROBLEMS = {

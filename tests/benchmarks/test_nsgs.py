@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from problems.scenes import scene
-from solvers.contact_form import contact_form
 from solvers.nsgs import planar_sweeps, spatial_sweeps
+from solvers.sweeps.form import contact_form
 from tests.friction_problems import spatial
 
 

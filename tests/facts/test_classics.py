@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from problems import LCP
-from problems.census import lcp_census
-from problems.polyhedra import Shape
+from problems.nature.census import lcp_census
+from problems.nature.polyhedra import Shape
 from solvers import Status, solve
 
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from problems import FrictionProblem, scene
-from problems.census import census, lcp_census, mode
-from problems.force_level import Regime, force_level_lcp, regime
-from problems.polyhedra import Shape
+from problems.forms.force_level import Regime, force_level_lcp, regime
+from problems.nature.census import census, lcp_census, mode
+from problems.nature.polyhedra import Shape
 from solvers import Status, solve
 
 G = 9.81

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from problems import FrictionProblem
-from problems.census import census
+from problems.nature.census import census
 from solvers import anitescu_hart, solve, staggered  # noqa: F401  # registers them
 
 

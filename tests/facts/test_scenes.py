@@ -9,7 +9,7 @@ import pytest
 import solvers
 from problems import FrictionProblem, scene
 from problems.check import Array
-from problems.labels import pointedness
+from problems.nature.labels import pointedness
 from problems.residual import residual
 from problems.schemes import Step
 from problems.simulate import ledger_defect, simulate

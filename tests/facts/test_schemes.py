@@ -8,7 +8,7 @@ import pytest
 import solvers
 from problems import FrictionProblem, scene
 from problems.check import Array
-from problems.force_level import force_level_lcp
+from problems.forms.force_level import force_level_lcp
 from problems.residual import relaxation_residual, residual
 from problems.scene import Scene
 from problems.schemes import SCHEMES, NoSolution, Step

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from problems import FrictionProblem, scene
-from problems.census import census
-from problems.labels import pointedness
-from problems.polyhedra import Shape
+from problems.nature.census import census
+from problems.nature.labels import pointedness
+from problems.nature.polyhedra import Shape
 from problems.random_problem import random_problem
 from problems.residual import residual
 from solvers import Status, solve

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from problems import FrictionProblem
-from problems.census import census
-from problems.polyhedra import Shape
+from problems.nature.census import census
+from problems.nature.polyhedra import Shape
 from problems.residual import residual
 from solvers import Status, solve
 

@@ -1,0 +1,1 @@
+"""What happens inside a worker: problems collected, cells solved and driven, rows written."""

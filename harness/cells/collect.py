@@ -1,0 +1,155 @@
+"""Problems for the cells: recorded while the reference solver drives a scene, labelled and stored by their hash.
+
+A recorded problem has starts too, the same for every solver that takes one: `warm`, the impulses of the problem of the same
+phase before it, and `shuffled`, those of one drawn from the whole motion; both carried over contact by contact.
+"""
+
+import json
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from harness.plans.plan import COLD, SHUFFLED, WARM, Source
+from problems import FrictionProblem, scene
+from problems.check import Array
+from problems.nature.census import census_labels
+from problems.nature.labels import labels
+from problems.nature.stability import response
+from problems.planar.collision import Contacts
+from problems.random_problem import random_problem
+from problems.residual import residual
+from problems.schemes.stepping import Phase
+from problems.simulate import simulate
+from problems.storage import load, save
+from solvers import solve
+
+REFERENCE = "lemke"
+MOST_PERTURBED = 30  # contacts; larger problems' response costs more than it tells
+MOST_COUNTED = 6  # contacts; the modes to enumerate grow like 4^contacts
+Entry = dict[str, Any]
+
+
+class Met(NamedTuple):
+    """A problem as it was met, the contacts it is about, and its answer."""
+
+    step: int
+    phase: Phase
+    problem: FrictionProblem
+    contacts: Contacts | None = None
+    impulse: Array | None = None
+
+
+def collect(folder: Path, source: Source) -> list[Entry]:
+    """The source's problems, stored under folder/problems, as plain rows of facts; stored once, then read."""
+    store = folder / "problems"
+    listed = store / f"{source.key}.json"
+    if listed.exists():
+        return json.loads(listed.read_text(encoding="utf-8"))
+    store.mkdir(parents=True, exist_ok=True)
+    entries: dict[str, Entry] = {}
+    for met, starts in _chosen(source):
+        name = met.problem.hash
+        if name not in entries:
+            save(met.problem, store / f"{name}.npz")
+            if starts:
+                np.savez(store / f"{name}.starts.npz", **starts)  # type: ignore[arg-type]
+            entries[name] = facts(source, met) | {"starts": [COLD, *starts]}
+    partial = listed.with_suffix(".partial")
+    partial.write_text(json.dumps(list(entries.values())), encoding="utf-8")
+    partial.replace(listed)
+    return list(entries.values())
+
+
+def stored(folder: Path, problem: str) -> FrictionProblem:
+    """A stored problem by its hash. Errors: InputError where the file is missing or damaged."""
+    return load(folder / "problems" / f"{problem}.npz")
+
+
+def stored_start(folder: Path, problem: str, start: str) -> Array | None:
+    """The impulses (nc, d) to start from; None for a cold start."""
+    if start == COLD:
+        return None
+    with np.load(folder / "problems" / f"{problem}.starts.npz", allow_pickle=False) as starts:
+        return starts[start]
+
+
+def _chosen(source: Source) -> list[tuple[Met, dict[str, Array]]]:
+    """The source's problems, each with its starts by name."""
+    if source.scene == "random":
+        return [(Met(0, "step", random_problem(**source.parameters)), {})]
+    stage = scene(source.scene, **source.parameters)
+    if source.pick == 0:
+        return [(Met(0, "step", stage.problem()), {})]
+    met = [
+        Met(index, solved.phase, solved.problem, step.contacts, solved.impulse)
+        for index, step in enumerate(simulate(stage, _reference, steps=source.steps))
+        for solved in step.solved
+        if _worth_solving(solved.problem)
+    ]
+    chosen = np.unique(np.linspace(0, len(met) - 1, min(source.pick, len(met))).astype(int))
+    return [(met[i], _starts(met, int(i))) for i in chosen]
+
+
+def _reference(problem: FrictionProblem) -> Array:
+    return solve(problem, REFERENCE, tol=1e-10).impulse
+
+
+def _worth_solving(problem: FrictionProblem) -> bool:
+    return residual(problem, np.zeros((problem.contacts, problem.dimension))) > 0
+
+
+def _starts(met: list[Met], i: int) -> dict[str, Array]:
+    before = [j for j in range(i) if met[j].phase == met[i].phase]
+    others = [j for j in range(len(met)) if j != i and met[j].phase == met[i].phase]
+    starts = {}
+    if before:
+        starts[WARM] = _carried(met[before[-1]], met[i])
+    if others:
+        starts[SHUFFLED] = _carried(met[int(np.random.default_rng(i).choice(others))], met[i])
+    return starts
+
+
+def _carried(known: Met, wanted: Met) -> Array:
+    """The impulses known, at the contacts wanted; zero at those that were not there."""
+    assert known.contacts is not None
+    assert wanted.contacts is not None
+    assert known.impulse is not None
+    there = {tuple(feature): impulse for feature, impulse in zip(known.contacts.feature.tolist(), known.impulse, strict=True)}
+    nothing = np.zeros(wanted.problem.dimension)
+    carried = [there.get(tuple(feature), nothing) for feature in wanted.contacts.feature.tolist()]
+    return np.array(carried).reshape(wanted.problem.contacts, wanted.problem.dimension)
+
+
+def _solution_set(problem: FrictionProblem) -> dict[str, Any]:
+    """The shape of the set of solutions and of their velocities, where the problem is small enough to enumerate."""
+    if problem.dimension != 2 or problem.contacts > MOST_COUNTED:
+        return {"solutions": None, "outcomes": None}
+    found = census_labels(problem)
+    return {"solutions": found["solutions"], "outcomes": found["velocity_count"]}
+
+
+def facts(source: Source, met: Met) -> Entry:
+    """What a row says of a problem: harness.cells.rows.PROBLEM_FACTS."""
+    problem = met.problem
+    found = labels(problem)
+    return {
+        "problem": problem.hash,
+        "scene": source.scene,
+        "parameters": json.dumps(source.parameters, sort_keys=True),
+        "step": met.step,
+        "phase": met.phase,
+        "contacts": problem.contacts,
+        "dimension": problem.dimension,
+        "velocities": len(problem.free_velocity),
+        "size": found.size,
+        "rank": found.rank,
+        "condition": found.condition,
+        "redundancy": None if found.rank is None else problem.contacts * problem.dimension - found.rank,
+        "pointedness": found.pointedness,
+        "p0_margin": found.p0_margin,
+        "mass_ratio": found.mass_ratio,
+        "trivial": bool(found.trivial),
+        **_solution_set(problem),
+        "response": response(problem, _reference) if problem.contacts <= MOST_PERTURBED else None,
+    }

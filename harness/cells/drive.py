@@ -1,0 +1,119 @@
+"""A scene in closed loop: the solver's own answers move the bodies, and each answer is verified as it comes.
+
+An answer that is no answer (wrong shape, not finite) moves nothing: the contacts are then left without impulses. A motion
+whose energy is no longer finite, or a million times the scene's, is broken off as diverged; a scheme whose equations have no
+solution ends it too.
+"""
+
+import time
+from collections import Counter
+from typing import Any
+
+import numpy as np
+
+from harness.plans.plan import DriveCell
+from harness.verify import verify
+from problems import FrictionProblem, scene
+from problems.check import Array
+from problems.scene import Scene
+from problems.schemes import SCHEMES, NoSolution
+from problems.simulate import penetration, simulate
+from results.schema import RELAXED, SOLVED, UNSOLVED, WRONG
+from solvers import Solver, SolverInfo
+
+DIVERGED = 1e6
+
+
+class _Driver:
+    """The solver as a scheme calls it; keeps what was found on the way."""
+
+    def __init__(self, info: SolverInfo, solver: Solver, tol: float) -> None:
+        self._info, self._solver, self._tol = info, solver, tol
+        self.verdicts: Counter[str] = Counter()
+        self.most_contacts = 0
+        self.worst_residual = self.worst_defect = self.solver_time = self.overhead = 0.0
+
+    def __call__(self, problem: FrictionProblem) -> Array:
+        start = time.perf_counter()
+        answer = self._solver.solve(self._solver.prepare(problem.fresh()), self._tol, None)
+        answered = time.perf_counter()
+        self.solver_time += answered - start
+        finding = verify(problem, answer, self._info, self._tol)
+        self.verdicts[finding.verdict] += 1
+        self.most_contacts = max(self.most_contacts, problem.contacts)
+        self.worst_residual = max(self.worst_residual, finding.residual)
+        self.overhead += time.perf_counter() - answered
+        if not np.isfinite(finding.residual):
+            return np.zeros((problem.contacts, problem.dimension))
+        self.worst_defect = max(self.worst_defect, abs(finding.energy_defect))
+        return np.asarray(answer.impulse, dtype=float)
+
+    def verdict(self) -> tuple[str, str]:
+        """The worst verdict of any problem, and how many have which."""
+        worst = next((verdict for verdict in (WRONG, UNSOLVED, RELAXED) if self.verdicts[verdict]), SOLVED)
+        missed = [f"{count} {verdict}" for verdict, count in sorted(self.verdicts.items()) if verdict != SOLVED]
+        return worst, f"of {self.verdicts.total()} problems {', '.join(missed)}" if missed else ""
+
+
+def drive(cell: DriveCell, info: SolverInfo, solver: Solver) -> dict[str, Any]:
+    """The drive's part of a row of results.schema.DRIVES."""
+    stage = scene(cell.scene, **cell.parameters)
+    planned = stage.steps if cell.steps is None else cell.steps
+    driver = _Driver(info, solver, cell.tol)
+    times, energies, kinetic, penetrations = [], [], [], []
+    broken_off = ""
+    try:
+        for step in simulate(stage, driver, SCHEMES[cell.scheme], planned):
+            begun = time.perf_counter()
+            times.append(step.time)
+            energies.append(stage.energy(step.q, step.v))
+            kinetic.append(float(step.v @ (stage.mass @ step.v)) / 2)
+            penetrations.append(penetration(stage, step.q))
+            driver.overhead += time.perf_counter() - begun
+            if not np.isfinite(energies[-1]) or abs(energies[-1]) > DIVERGED * _scale(stage, energies[:-1], kinetic[:-1]):
+                broken_off = "the motion diverged"
+                break
+    except NoSolution as nothing:
+        broken_off = f"the scheme has no solution: {nothing}"
+    scale = _scale(stage, energies, kinetic)
+    done = len(times) - 1
+    verdict, reason = driver.verdict()
+    if broken_off:
+        verdict = UNSOLVED if verdict == SOLVED else verdict
+        reason = f"{broken_off} (after {done} steps)" + (f"; {reason}" if reason else "")
+    return {
+        "verdict": verdict,
+        "reason": reason,
+        "step_size": stage.step,
+        "steps": planned,
+        "steps_done": done,
+        "problems": driver.verdicts.total(),
+        "unsolved": driver.verdicts.total() - driver.verdicts[SOLVED],
+        "most_contacts": driver.most_contacts,
+        "worst_residual": driver.worst_residual,
+        "worst_energy_defect": driver.worst_defect / scale,
+        "energy_scale": scale,
+        "energy_drift": (energies[-1] - energies[0]) / scale,
+        "energy_rise": max(0.0, float(np.max(np.diff(energies), initial=0.0))) / scale,
+        "worst_penetration": max(penetrations),
+        "solver_time": driver.solver_time,
+        "overhead": driver.overhead,
+        "times": times,
+        "energies": energies,
+        "penetrations": penetrations,
+    }
+
+
+def refusal(cell: DriveCell, info: SolverInfo) -> str | None:
+    """Why this drive is not for this solver or this scheme, or None."""
+    return info.missing or SCHEMES[cell.scheme].refuses(scene(cell.scene, **cell.parameters))
+
+
+def _scale(stage: Scene, energies: list[float], kinetic: list[float]) -> float:
+    """The largest kinetic energy plus the range of the potential, J; where nothing moves, what one step of fall gives."""
+    if not energies:
+        return np.inf
+    potential = np.array(energies) - np.array(kinetic)
+    scale = max(kinetic) + float(np.ptp(potential))
+    push = stage.step * stage.force(stage.q0, stage.v0, 0.0)
+    return max(scale, float(push @ (push / stage.weights)) / 2)

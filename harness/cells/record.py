@@ -1,0 +1,162 @@
+"""The motion of a scene as plain arrays (results.motion), with the impulses at its contacts and the ledger of its energy.
+
+A step takes v to v+ in one or more phases, each M (v+ - v) = p + J'r + F'lam, with p the external impulse, so that with the
+middle velocity w = (v + v+)/2 the kinetic energy changes by exactly
+
+    p'w + r'J w + lam'F w:      external force, contacts (tangential and normal apart), hinges.
+"""
+
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from harness.cells.collect import REFERENCE
+from harness.cells.drive import DIVERGED
+from harness.plans.choose import resolve_solvers
+from harness.plans.plan import Source
+from harness.plans.spec import parse
+from problems import FrictionProblem, InputError, scene
+from problems.check import Array
+from problems.residual import residual
+from problems.scene import Scene
+from problems.schemes import SCHEMES, NoSolution, Step
+from problems.simulate import simulate
+from results.motion import Motion, Outline, write_motion
+from solvers import solve
+
+TOLERANCE = 1e-8
+
+
+def record_named(scene_spec: str, solver_spec: str, scheme: str, steps: int | None) -> Motion:
+    """The motion of a scene and by a solver as the command line names them. Errors: InputError naming the field."""
+    if scheme not in SCHEMES:
+        raise InputError(f"scheme: unknown scheme {scheme!r}; known are {', '.join(SCHEMES)}")
+    variants, _ = resolve_solvers([solver_spec])
+    if len(variants) != 1:
+        raise InputError(f"solver: {solver_spec} stands for {len(variants)} solvers; name one")
+    name, settings = parse("scene", scene_spec)
+    return record(scene(name, **settings), variants[0], scheme, steps)
+
+
+def keep(folder: Path, source: Source) -> None:
+    """Leave the source's motion by the reference solver in folder/motion, unless it is there."""
+    path = folder / "motion" / f"{source.scene}-{source.key.removeprefix('source-')}.json"
+    if not path.exists():
+        write_motion(path, record(scene(source.scene, **source.parameters), REFERENCE, steps=source.steps))
+
+
+def record(stage: Scene, solver: str, scheme: str = "anitescu_potra", steps: int | None = None) -> Motion:
+    """The scene driven by a solver, up to where the scheme has no solution, or the solver no answer, or the energy changes
+    beyond all measure. Errors: InputError where the solver cannot be used or the scheme refuses the scene."""
+    taken: list[Step] = []
+    ended, start = "", stage.energy(stage.q0, stage.v0)
+    try:
+        for step in simulate(stage, lambda problem: _usable(problem, solver), SCHEMES[scheme], steps):
+            if not abs(stage.energy(step.q, step.v) - start) <= DIVERGED * _measure(stage):
+                ended = f"diverged in step {len(taken)}"
+                break
+            taken.append(step)
+    except (NoSolution, _NoAnswer) as finding:
+        ended = str(finding)
+    parts = [_account(stage, before, after) for before, after in pairwise(taken)]
+    work = np.cumsum([np.zeros(3), *(work for _, work, _ in parts)], axis=0)
+    return Motion(
+        scene=stage.name,
+        parameters=stage.parameters,
+        solver=solver,
+        scheme=scheme,
+        step=stage.step,
+        coefficient=stage.friction,
+        restitution=stage.restitution,
+        ended=ended,
+        outlines=_outlines(stage),
+        hinges=_pins(stage),
+        times=np.array([step.time for step in taken]),
+        poses=np.array([step.q.reshape(-1, 3) for step in taken]),
+        contacts=(*(contacts for contacts, _, _ in parts), np.zeros((0, 6))),
+        energy=np.array([stage.energy(step.q, step.v) for step in taken]),
+        kinetic=np.array([float(step.v @ (stage.weights * step.v)) / 2 for step in taken]),
+        friction=work[:, 0],
+        normal=work[:, 1],
+        joints=work[:, 2],
+        residual=np.array([*(worst for _, _, worst in parts), 0.0]),
+    )
+
+
+class _NoAnswer(Exception):  # noqa: N818  # a finding about the solver, which ends the motion
+    pass
+
+
+def _usable(problem: FrictionProblem, solver: str) -> Array:
+    answer = solve(problem, solver, tol=TOLERANCE)
+    impulse = np.asarray(answer.impulse, dtype=float)
+    if impulse.shape != (problem.contacts, problem.dimension) or not np.isfinite(impulse).all():
+        raise _NoAnswer(f"{solver} gave no answer: {answer.detail or answer.status.value}")
+    return impulse
+
+
+def _measure(stage: Scene) -> float:
+    """The scene's energy, J: kinetic at the start, and what lifts its bodies by the size of one of them."""
+    force = stage.force(stage.q0, stage.v0, 0.0)
+    return float(stage.v0 @ (stage.weights * stage.v0) / 2 + np.abs(force).sum() * stage.geometry.reach)
+
+
+def _account(stage: Scene, before: Step, after: Step) -> tuple[Array, Array, float]:
+    """A step's contacts (nc, 6) as in results.motion, the work (3,) of friction, normal impulses and hinges, and the largest
+    residual of its answers."""
+    nv, v, work, worst = len(before.v), before.v, np.zeros(3), 0.0
+    met, compressed = [np.zeros((0, 6))], np.zeros(0)
+    for phase, problem, impulse in after.solved:
+        J, whole = problem.jacobian[:, :nv], impulse.copy()  # a scheme may add velocities of its own behind the scene's
+        after_phase = problem.velocity(impulse)[:nv]
+        held = stage.weights * (after_phase - problem.free_velocity[:nv]) - J.T @ impulse.ravel()
+        if phase == "decompression":  # its problem starts from what compression returns
+            whole[:, 0] += stage.restitution * compressed
+        middle = (v + after_phase) / 2
+        normal, tangential = (whole * (J @ middle).reshape(-1, 2)).sum(axis=0)
+        work += tangential, normal, held @ middle
+        worst = max(worst, residual(problem, impulse))
+        met.append(np.column_stack([_places(problem, before.q), whole]))
+        v, compressed = after_phase, impulse[:, 0].clip(min=0)
+    return _merged(np.vstack(met)), work, worst
+
+
+def _places(problem: FrictionProblem, q: Array) -> Array:
+    """Each contact's point and unit normal (nc, 4), towards the body that is pushed; of two, the upper one.
+
+    They are in the contact's rows for that body, (e, a x e) for the normal e and for e turned by -90 degrees, a the arm.
+    """
+    shape = (problem.contacts, len(q) // 3, 3)
+    N, T = (rows[:, : len(q)].toarray().reshape(shape) for rows in (problem.normal, problem.tangent))
+    height = np.where(N[:, :, :2].any(axis=2), N[:, :, 1], -np.inf)
+    contact, body = np.arange(len(N)), height.argmax(axis=1)
+    normal, tangent = N[contact, body], T[contact, body]
+    arm = normal[:, 2:] * tangent[:, :2] - tangent[:, 2:] * normal[:, :2]
+    return np.column_stack([q.reshape(-1, 3)[body, :2] + arm, normal[:, :2]])
+
+
+def _merged(contacts: Array) -> Array:
+    """The phases' contacts of one step, the impulses at one place added up: phases find the same contact at the same place
+    to the last bit, for they look at the same positions."""
+    place, which = np.unique(contacts[:, :4], axis=0, return_inverse=True)
+    impulse = np.zeros((len(place), 2))
+    np.add.at(impulse, which.reshape(-1), contacts[:, 4:])
+    return np.column_stack([place, impulse])
+
+
+def _outlines(stage: Scene) -> tuple[Outline, ...]:
+    """All shapes; a body without any is drawn as the rod through its pins."""
+    shapes = [(i, shape) for i, body in enumerate(stage.bodies) for shape in body.shapes]
+    drawn = [Outline(i, s.corners, s.radius, s.endless) for i, s in [*shapes, *((-1, s) for s in stage.obstacles)]]
+    pins = _pins(stage)
+    for i, body in enumerate(stage.bodies):
+        if not body.shapes:
+            drawn.append(Outline(i, np.vstack([pins[pins[:, 0] == i][:2, 1:], np.zeros((2, 2))])[:2], 0.0, False))
+    return tuple(drawn)
+
+
+def _pins(stage: Scene) -> Array:
+    """(pins, 3): each hinge's bodies and its place in their frames."""
+    ends = [(i, *point) for hinge in stage.hinges for i, point in zip(hinge.bodies, hinge.points, strict=True)]
+    return np.array(ends, dtype=float).reshape(-1, 3)

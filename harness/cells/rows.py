@@ -1,0 +1,46 @@
+"""The part of a row that is known before a cell runs, so that a cell that is killed leaves a row too."""
+
+import json
+
+from harness import machine
+from harness.plans.plan import DriveCell, SolveCell
+from results.store import Row
+from solvers import find
+
+PROBLEM_FACTS = (
+    *("problem", "scene", "parameters", "step", "phase"),
+    *("contacts", "dimension", "velocities", "size"),
+    *("rank", "condition", "redundancy", "pointedness", "p0_margin", "mass_ratio", "trivial"),
+    *("solutions", "outcomes", "response"),
+)
+
+
+def solve_row(cell: SolveCell, entry: Row, limit: float) -> Row:
+    """The solve cell, the facts of its problem and of its solver."""
+    known = {name: entry[name] for name in PROBLEM_FACTS}
+    return known | _solver_row(cell.variant) | {"key": cell.key, "tol": cell.tol, "time_limit": limit, "start": cell.start}
+
+
+def drive_row(cell: DriveCell, limit: float) -> Row:
+    """The drive cell and the facts of its solver."""
+    facts = {
+        "key": cell.key,
+        "scene": cell.scene,
+        "parameters": json.dumps(cell.parameters, sort_keys=True),
+        "scheme": cell.scheme,
+        "tol": cell.tol,
+        "time_limit": limit,
+    }
+    return facts | _solver_row(cell.variant)
+
+
+def _solver_row(variant: str) -> Row:
+    info, _ = find(variant)
+    return {
+        "solver": info.name,
+        "variant": variant,
+        "family": info.family,
+        "model": info.model,
+        "version": machine.version_of(info.needs),
+        "host": machine.host(),
+    }

@@ -1,0 +1,47 @@
+"""The lists of `frictionbench list`."""
+
+from rich.console import Console
+from rich.table import Table
+
+from harness.plans.suites import SUITES
+from problems import scenes
+from solvers import available
+
+
+def show(what: str) -> None:
+    """Print the scenes, solvers or suites."""
+    table = {"scenes": _scenes, "solvers": _solvers, "suites": _suites}[what]()
+    Console().print(table)
+
+
+def _table(*columns: str) -> Table:
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for column in columns:
+        table.add_column(column, overflow="fold")
+    return table
+
+
+def _scenes() -> Table:
+    table = _table("scene", "parameters", "")
+    for name, generator in sorted(scenes().items()):
+        parameters = ", ".join(f"{key}={value}" for key, value in generator.parameters.items())
+        table.add_row(name, parameters, generator.summary)
+    return table
+
+
+def _solvers() -> Table:
+    table = _table("solver", "family", "model", "dimension", "")
+    for name, info in sorted(available().items()):
+        remark = f"not available: {info.missing}" if info.missing else info.summary
+        table.add_row(name, info.family, info.model, ", ".join(map(str, info.dimension)), remark)
+    return table
+
+
+def _suites() -> Table:
+    table = _table("suite", "sources", "solvers", "tolerances", "drives", "")
+    for name, make in SUITES.items():
+        plan = make()
+        tolerances = ", ".join(f"{tol:g}" for tol in plan.tolerances)
+        numbers = str(len(plan.sources)), str(len(plan.solvers)), tolerances, str(len(plan.drives))
+        table.add_row(name, *numbers, (make.__doc__ or "").strip())
+    return table

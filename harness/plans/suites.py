@@ -1,0 +1,131 @@
+"""The suites: named plans."""
+
+from harness.plans.plan import COLD, SHUFFLED, WARM, Plan, Source
+from problems.schemes import SCHEMES
+
+EXACT = ("hybrid", "lemke", "path_search", "interior_point", "nsgs")
+RELAXED = ("ccp[backend=clarabel]", "ccp[backend=osqp]", "ccp[backend=proxqp]", "ccp_cone")
+OTHERS = (
+    *("fischer_newton", "minmap_newton", "dantzig", "murty"),
+    *("staggered", "nncg", "anitescu_hart", "apgd_coulomb", "admm_coulomb", "apgd", "admm"),
+)
+LADDER = (1e-4, 1e-6, 1e-8)
+EXAMPLES = tuple(f"example_{i}" for i in range(1, 8))
+
+
+def smoke() -> Plan:
+    """A look at everything in under a minute: a few small problems, two short drives."""
+    return Plan(
+        suite="smoke",
+        sources=(
+            Source("long_bar", {"friction": 0.2}, pick=2, steps=60),
+            Source("two_blocks", {"friction": 0.1}, pick=2, steps=100),
+            Source("stack", {"blocks": 1}),
+            Source("stack", {"blocks": 5}),
+            Source("pyramid", {"rows": 3}),
+            Source("painleve_rod", {}),
+        ),
+        solvers=(*EXACT, *RELAXED),
+        tolerances=(1e-4, 1e-8),
+        drives=(Source("two_blocks", {"friction": 0.1}, steps=100),),
+        drive_solvers=(*EXACT, "ccp[backend=clarabel]"),
+        time_limit=2.0,
+        drive_limit=20.0,
+    )
+
+
+def standard() -> Plan:
+    """Every scene and every solver: what a first comparison needs, in under five minutes on two cores."""
+    talk = (
+        Source("long_bar", {"friction": 0.05}, pick=5),
+        Source("long_bar", {"friction": 0.2}, pick=5),
+        Source("two_blocks", {"friction": 0.02}, pick=4),
+        Source("two_blocks", {"friction": 0.1}, pick=4),
+        Source("three_blocks", {}, pick=5),
+        Source("multiple_collisions", {}, pick=5),
+        Source("several_blocks", {}, pick=5),
+    )
+    still = tuple(
+        Source(name, {size: n, "friction": mu})
+        for name, size, numbers in (
+            ("stack", "blocks", (1, 2, 5, 10, 20, 50)),
+            ("pyramid", "rows", (3, 5, 8)),
+            ("wall", "rows", (3, 5, 8)),
+        )
+        for n in numbers
+        for mu in (0.05, 0.5)
+    )
+    heavy = tuple(Source("stack", {"blocks": 5, "mass_ratio": ratio}) for ratio in (1e2, 1e4, 1e6))
+    rods = tuple(Source("painleve_rod", {"friction": mu}) for mu in (0.5, 1.5, 2.5))
+    corners = tuple(Source("two_corner_block", {"friction": mu, "fall": 1.0}) for mu in (0.5, 2.0))
+    single = (
+        *(Source("stopping_block", {}, pick=2), Source("jam", {}, pick=2), Source("wedge", {}, pick=2)),
+        *(Source("redundant_table", {"speed": 1.0}, pick=2), Source("slider_crank", {}, pick=3, steps=200)),
+    )
+    random = tuple(Source("random", {"seed": seed, "contacts": n}) for n in (3, 10, 30) for seed in range(4))
+    drives = (*talk, Source("stack", {"blocks": 5}, steps=50), Source("pyramid", {"rows": 3}, steps=50))
+    return Plan(
+        suite="standard",
+        sources=(*talk, *still, *heavy, *rods, *corners, *single, *random),
+        solvers=(*EXACT, *RELAXED),
+        tolerances=LADDER,
+        drives=drives,
+        drive_solvers=(*EXACT, *RELAXED),
+        time_limit=2.0,
+        drive_limit=60.0,
+    )
+
+
+def seeds() -> Plan:
+    """The talk's seven examples, the rod and the jam, with every solver and every scheme that applies: about a quarter hour."""
+    scenes = (*EXAMPLES, "painleve_rod", "jam")
+    solvers = (*EXACT, *RELAXED, *OTHERS)
+    return Plan(
+        suite="seeds",
+        sources=tuple(Source(name, pick=4) for name in scenes),
+        solvers=solvers,
+        tolerances=LADDER,
+        drives=tuple(Source(name) for name in scenes),
+        drive_solvers=solvers,
+        schemes=tuple(sorted(SCHEMES)),
+        time_limit=2.0,
+        drive_limit=20.0,
+    )
+
+
+def replay() -> Plan:
+    """Recorded motions, every step solved cold, warm from the step before, and warm in shuffled order."""
+    return Plan(
+        suite="replay",
+        sources=tuple(Source(name, pick=20, steps=150) for name in EXAMPLES),
+        solvers=(*EXACT, *OTHERS),
+        tolerances=(1e-6, 1e-8),
+        starts=(COLD, WARM, SHUFFLED),
+        time_limit=2.0,
+    )
+
+
+def scaling() -> Plan:
+    """Time against size: stacks, pyramids and walls of 1 to 1000 boxes, three frictions, mass ratios to 1e6."""
+    sizes = {
+        "stack": [{"blocks": n} for n in (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)],
+        "pyramid": [{"rows": n} for n in (4, 9, 13, 31, 44)],
+        "wall": [{"rows": n, "columns": n} for n in (3, 7, 10, 22, 32)],
+    }
+    pushed = [
+        Source(name, {**size, "friction": mu, "push": 1.0})
+        for name, grid in sizes.items()
+        for size in grid
+        for mu in (0.05, 0.2, 0.8)
+    ]
+    heavy = [Source("stack", {"blocks": n, "mass_ratio": ratio}) for n in (10, 100) for ratio in (1e2, 1e4, 1e6)]
+    return Plan(
+        suite="scaling",
+        sources=(*pushed, *heavy),
+        solvers=(*EXACT, "apgd_coulomb", *RELAXED[:3]),
+        tolerances=(1e-4, 1e-8),
+        time_limit=10.0,
+    )
+
+
+SUITES = {"smoke": smoke, "standard": standard, "seeds": seeds, "replay": replay, "scaling": scaling}

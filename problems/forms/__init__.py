@@ -1,0 +1,1 @@
+"""The forms a friction problem is written in: Delassus matrix, LCP, convex relaxation."""

@@ -1,0 +1,1 @@
+"""What a problem is like, whoever solves it: labels, stability, the census of its solutions."""

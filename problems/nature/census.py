@@ -1,0 +1,238 @@
+"""The census of a small planar friction problem: all of its solutions, none overlooked.
+
+Coulomb's law is a choice between linear pieces. In a mode, which says of every contact whether it is open, sticks or slides
+to the left or right, the solutions are a polyhedron:
+
+    open    r_n = 0, u_n >= 0                        stick   u_t = 0, |r_t| <= mu r_n + b_f
+    closed  r_n >= 0, u_n = 0                        right   u_t >= 0, r_t = -(mu r_n + b_f)      left the mirror image
+
+The census goes through the modes contact by contact, keeps the polyhedron of the choices made by its vertices and rays
+(problems.nature.polyhedra), and drops a branch where nothing is left. So it finds segments, faces and rays of solutions as
+well as points, which the bases of the LCP alone do not show: hyperstatic impulses, and the jam whose solutions are not convex.
+The same walk over the choices z_i = 0 or w_i = 0 takes the census of a bare LCP.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from math import prod
+from typing import NamedTuple
+
+import numpy as np
+
+from problems.check import Array, InputError, require
+from problems.forms.lcp import LCP
+from problems.friction import FrictionProblem
+from problems.nature.polyhedra import (
+    SAME,
+    Cone,
+    Polyhedron,
+    Shape,
+    contains,
+    cut,
+    distinct,
+    is_face,
+    is_subset,
+    maximal,
+    polyhedron,
+    samples,
+    shape,
+    simplicial,
+)
+from problems.residual import residual
+
+MODES = 4**8  # the most modes that a census goes through
+TIES = (1e-12, 1e-11, 1e-10, 1e-9)  # how small a velocity counts as zero, relative to the largest free one; the first that does
+WRONG = 1e-7  # what has a larger residual is no solution
+
+
+Cut = tuple[Array, bool]  # row'(x, 1) >= 0, or = 0 if the flag is set
+
+
+class Choice(NamedTuple):
+    """One way a contact, or a complementary pair, can go."""
+
+    name: str
+    cuts: tuple[Cut, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Census:
+    """All solutions x of a problem, and the velocities y that belong to them.
+
+    For a friction problem x is the impulse (nc*d, N s) and y the contact velocity u (m/s); for an LCP x is z and y is w.
+    pieces: maximal polyhedra of solutions, each with its mode, a letter per contact ("o"pen, "s"tick, "l"eft, "r"ight,
+    "c"losed without friction, and in capitals open contacts with friction at hand) or pair ("z" or "w" is nonzero).
+    velocities: the same pieces in y, maximal ones; several impulses may have one velocity.
+    shape, velocity_shape: whether there is none, one, a convex set of several, isolated ones, or else a set not convex.
+    witness: two solutions whose midpoint is none, where the solutions are isolated or not convex; see
+    problems.nature.polyhedra.shape.
+    """
+
+    pieces: tuple[Polyhedron, ...]
+    velocities: tuple[Polyhedron, ...]
+    shape: Shape
+    velocity_shape: Shape
+    witness: tuple[Array, Array] | None
+
+    @property
+    def count(self) -> int | None:
+        """How many solutions there are, None where infinitely many."""
+        return _count(self.pieces)
+
+    @property
+    def velocity_count(self) -> int | None:
+        """How many velocities the solutions have, None where infinitely many."""
+        return _count(self.velocities)
+
+
+def census(problem: FrictionProblem) -> Census:
+    """All solutions of a planar friction problem.
+
+    It works with impulses in units of |q|/s, s the mean diagonal of a contact's block of W, so its tolerances are relative:
+    impulses 1e-7 apart are the same; velocities below 1e-12 of the largest free one are zero, impulses beyond 1e12 |q|/s
+    infinite. Where a generator so found is no solution, as round-off in a badly conditioned W can have it, these two give way
+    by powers of ten, down to 1e-9.
+    A few contacts take milliseconds, eight up to some seconds where most modes are possible.
+    Errors: InputError for spatial problems and for more than 4^8 modes: 8 contacts with friction, fewer with friction_bias.
+    ArithmeticError where no such tolerance will do.
+    """
+    require(problem.dimension == 2, "dimension", "a census needs planar contacts")
+    nc = problem.contacts
+    root = np.sqrt(np.repeat(problem.scale, 2))
+    free = np.abs(problem.q / root).max(initial=0.0) or 1.0
+    eye = np.eye(2 * nc + 1)
+    velocity = np.column_stack([problem.W.toarray() / root / root[:, None], problem.q / root / free])
+    facets: list[Array] = [eye[-1]]
+    cuts: list[Cut] = []
+    choices: list[list[Choice]] = []
+    for i in range(nc):
+        mu, b = problem.friction[i], problem.friction_bias[i] * root[2 * i] / free
+        r_n, r_t, u_n, u_t = eye[2 * i], eye[2 * i + 1], velocity[2 * i], velocity[2 * i + 1]
+        limit = mu * r_n + b * eye[-1]
+        wide = limit if mu else r_n + limit  # without friction the cone is a half-line, which no two facets bound
+        facets += [wide + r_t, wide - r_t]
+        cuts += [(r_n, False), (limit + r_t, False), (limit - r_t, False)]
+        # The impulse's own cuts come first: they only select a face, and leave less to cut.
+        slips: list[tuple[str, tuple[Cut, ...], tuple[Cut, ...]]] = [
+            ("s", (), ((u_t, True),)),
+            ("l", ((limit - r_t, True),), ((-u_t, False),)),
+            ("r", ((limit + r_t, True),), ((u_t, False),)),
+        ]
+        frictionless = [("", (), ())]
+        closed = [Choice(name or "c", (*r, (u_n, True), *u)) for name, r, u in (slips if mu or b else frictionless)]
+        opened = [
+            Choice(name.upper() or "o", (*r, (r_n, True), (u_n, False), *u)) for name, r, u in (slips if b else frictionless)
+        ]
+        choices.append(closed + opened)
+    _require_few("contacts", choices)
+
+    def is_solution(r: Array) -> bool:
+        return residual(problem, r.reshape(nc, 2)) <= WRONG
+
+    return _census(np.array(facets), cuts, choices, velocity, free / root, free * root, is_solution)
+
+
+def lcp_census(lcp: LCP) -> Census:
+    """All solutions of an LCP, q scaled to unit size. Errors: InputError for more than 16 pairs."""
+    n = lcp.size
+    free = np.abs(lcp.q).max(initial=0.0) or 1.0
+    z, w = np.eye(n + 1), np.column_stack([lcp.dense, lcp.q / free])
+    choices = [[Choice("z", ((w[i], True),)), Choice("w", ((z[i], True), (w[i], False)))] for i in range(n)]
+    _require_few("size", choices)
+    unit = np.full(n, free)
+    return _census(z, [], choices, w, unit, unit, lambda x: lcp.residual(x) <= WRONG)
+
+
+def census_labels(problem: FrictionProblem) -> dict[str, str | int | None]:
+    """The census in plain values, for a table; all None where it is not possible.
+
+    solutions, velocities: the value of a Shape: "none", "one", "convex", "isolated" or "not convex", of the impulses and of
+    the velocities. velocity_count: how many velocities, None also where infinitely many.
+    """
+    try:
+        found = census(problem)
+    except (InputError, ArithmeticError):
+        return {"solutions": None, "velocities": None, "velocity_count": None}
+    return {
+        "solutions": found.shape.value,
+        "velocities": found.velocity_shape.value,
+        "velocity_count": found.velocity_count,
+    }
+
+
+def mode(problem: FrictionProblem, impulse: Array, tol: float = 1e-6) -> str:
+    """What an answer (nc, 2) makes of each planar contact: "o"pen, "s"ticking, sliding "l"eft or "r"ight.
+
+    An impulse below tol |q|/s is none, a velocity below tol |q| is rest, q the largest free contact velocity.
+    """
+    require(problem.dimension == 2, "dimension", "modes need planar contacts")
+    u = problem.contact_velocity(impulse)
+    free = np.abs(problem.q).max(initial=0.0)
+    opened = problem.scale * np.abs(impulse).max(axis=1, initial=0.0) <= tol * free
+    slip = np.where(np.abs(u[:, 1]) <= tol * free, 0, np.sign(u[:, 1])).astype(int)
+    return "".join(np.where(opened, "o", np.array(["s", "r", "l"])[slip]))
+
+
+def _require_few(field: str, choices: list[list[Choice]]) -> None:
+    modes = prod(len(several) for several in choices)
+    require(modes <= MODES, field, f"a census goes through at most {MODES} modes, here are {modes}")
+
+
+def _walk(cone: Cone, choices: list[list[Choice]], mode: str = "") -> Iterator[Polyhedron]:
+    """The polyhedra of solutions of all modes that begin with the choices made so far."""
+    here = polyhedron(cone, mode)
+    if here is None:
+        return
+    if len(mode) == len(choices):
+        yield here
+        return
+    for name, cuts in choices[len(mode)]:
+        rest = cone
+        for row, equality in cuts:
+            rest = cut(rest, row, equality)
+        yield from _walk(rest, choices, mode + name)
+
+
+def _census(
+    facets: Array,
+    cuts: list[Cut],
+    choices: list[list[Choice]],
+    y: Array,
+    x_unit: Array,
+    y_unit: Array,
+    is_solution: Callable[[Array], bool],
+) -> Census:
+    """The census of the x with facets (x, 1) >= 0 and the cuts; y (x, 1) are the velocities, the units those of x and y."""
+    for tie in TIES:
+        cone = simplicial(facets, tie)
+        for row, equality in cuts:
+            cone = cut(cone, row, equality)
+        pieces = maximal(_walk(cone, choices), is_face)
+        if all(is_solution(x * x_unit) for piece in pieces for x in samples(piece)):
+            break
+    else:
+        raise ArithmeticError("census: the problem is too badly conditioned to tell its solutions apart")
+    images = maximal((_image(piece, y) for piece in pieces), is_subset)
+    found, witness = shape(pieces, lambda x: is_solution(x * x_unit))
+    found_y, _ = shape(images, lambda y: any(contains(image, y) for image in images))
+    return Census(
+        tuple(_scaled(piece, x_unit) for piece in pieces),
+        tuple(_scaled(image, y_unit) for image in images),
+        found,
+        found_y,
+        witness and (witness[0] * x_unit, witness[1] * x_unit),
+    )
+
+
+def _image(piece: Polyhedron, y: Array) -> Polyhedron:
+    """The piece under x -> y @ (x, 1); impulses that differ may have one velocity."""
+    vertices, rays = piece.vertices @ y[:, :-1].T + y[:, -1], piece.rays @ y[:, :-1].T
+    return Polyhedron(distinct(vertices), rays[np.abs(rays).max(axis=1, initial=0.0) > SAME], piece.mode)
+
+
+def _scaled(piece: Polyhedron, unit: Array) -> Polyhedron:
+    return Polyhedron(piece.vertices * unit, piece.rays * unit, piece.mode)
+
+
+def _count(pieces: tuple[Polyhedron, ...]) -> int | None:
+    return None if any(len(piece.vertices) + len(piece.rays) > 1 for piece in pieces) else len(pieces)

@@ -1,0 +1,1 @@
+"""Planar geometry: bodies, collision, joints."""

@@ -1,0 +1,68 @@
+"""The scenes by name.
+
+    @generator(example_3={"friction": 0.02}, example_4={"friction": 0.1})
+    def two_blocks(friction: float = 0.02, ...) -> Scene: ...
+
+lists a function under its own name and under others with defaults of their own.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from inspect import getdoc, signature
+from typing import Any, TypeVar
+
+from problems.check import require
+from problems.scene import Scene
+from problems.scenes.parameters import number
+
+
+@dataclass(frozen=True)
+class SceneInfo:
+    """A scene's name, its generator, the generator's parameters with their defaults, and what it says of itself."""
+
+    name: str
+    make: Callable[..., Scene]
+    parameters: dict[str, Any]
+    description: str
+
+    @property
+    def summary(self) -> str:
+        return self.description.splitlines()[0]
+
+
+_scenes: dict[str, SceneInfo] = {}
+Generator = TypeVar("Generator", bound=Callable[..., Scene])
+
+
+def generator(**others: dict[str, Any]) -> Callable[[Generator], Generator]:
+    """List a scene's generator under its name, and under each name in `others` with the defaults given there."""
+
+    def register(make: Generator) -> Generator:
+        defaults = {key: parameter.default for key, parameter in signature(make).parameters.items()}
+        for name, own in {make.__name__: {}, **others}.items():
+            if name in _scenes:
+                raise ValueError(f"scene: the name {name!r} is taken by {_scenes[name].make}")
+            _scenes[name] = SceneInfo(name, make, defaults | own, getdoc(make) or "")
+        return make
+
+    return register
+
+
+def scenes() -> dict[str, SceneInfo]:
+    """All scenes by name, in the order of the alphabet."""
+    return dict(sorted(_scenes.items()))
+
+
+def scene(name: str, **parameters: Any) -> Scene:
+    """The named scene, with the parameters given in place of its defaults.
+
+    Errors: InputError naming the scene or parameter that is unknown, or the parameter that is out of range.
+    """
+    require(name in _scenes, "scene", f"unknown scene {name!r}; known are {', '.join(scenes())}")
+    info = _scenes[name]
+    for key in parameters:
+        require(key in info.parameters, key, f"the scene {name} has no such parameter; it has {', '.join(info.parameters)}")
+    chosen = info.parameters | parameters
+    for key in {"friction", "restitution", "step", "duration"} & chosen.keys():
+        number(key, chosen[key])
+    return replace(info.make(**chosen), name=name, parameters=chosen)

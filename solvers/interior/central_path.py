@@ -1,0 +1,125 @@
+"""The central path of a friction problem, followed around its folds.
+
+From a start x0, s0 > 0 with defect d0, the curve of all (x, s, t) with
+
+    x ∘ s = t x0 ∘ s0,      H'u + K x - s = t d0,      F v + b_F = t times its value at the start,      t from 1 to 0,
+
+leads to a solution. The problem is not monotone, so t need not decrease along it: the curve is followed by its length, in the
+logarithms of x, s and t (the geodesics of solvers.interior.point), in which the cones' boundaries disappear and the curve is
+straight near a solution, however fast the pairs vanish. Each iteration factorises Newton's matrix once
+(solvers.interior.newton), for both parts of a step:
+
+    correction   towards the curve, orthogonal to its tangent,
+    prediction   along the tangent, oriented by the last one, so that a fold is passed through.
+
+The step's length follows from the size of the correction it caused; a correction too large is taken back. Where t is small and
+the point on the curve, the faster predictor_corrector is tried from there.
+
+It may also leave to t > 1, or wind on for long; then another start is tried. Speeds s0 large against W x0 make that rare: the
+problem at t = 1 then has nearly q > 0, as for the ray on which Lemke's method starts. This is an observation and not a theorem.
+
+References: Kojima, Megiddo, Noda and Yoshise 1991 (the path); Allgower and Georg 1990, chapters 2 to 6 (tracing a curve).
+"""
+
+import numpy as np
+from numba import njit
+
+from problems.check import Array
+from solvers.interior.elements import larger
+from solvers.interior.newton import direction, linearise
+from solvers.interior.point import Point, add_products, add_step, move_along, new_point, set_step, to_geodesics
+from solvers.interior.predictor_corrector import Best, judge, predictor_corrector
+from solvers.interior.system import System, new_work
+
+NEAR = 0.3  # a correction, in logarithms, up to which a point counts as on the curve
+FAR = 1.0  # and from which the prediction is taken back
+FIRST, LONGEST, SHORTEST = 0.1, 3.0, 1e-8  # predictions, in logarithms
+HAND_OVER = np.log(1e-4)  # log t at which the predictor-corrector is tried, and again by each of these further on
+END = np.log(1e-20)
+
+
+@njit(cache=True, error_model="numpy")
+def trace(system: System, point: Point, best: Best, tol: float, patience: int, history: Array) -> int:
+    """Follow the path from the point; stop where the residual is within tol, history is full, or the path is lost.
+
+    patience: that of the predictor-corrector, where it is tried. history receives the residual of every iterate; their
+    number is returned.
+    """
+    first, defect, correction, tangent = new_point(system), new_point(system), new_point(system), new_point(system)
+    ahead, saved, trial, work = new_point(system), new_point(system), new_point(system), new_work(system)
+    judge(system, point, first, work, best)
+    product, target = np.zeros((len(point.x), 4)), np.zeros((len(point.x), 4))
+    _aim(system, product, 0.0, target, -1.0, point)
+    log_t, saved_log_t, ahead_log_t = 0.0, 0.0, -1.0
+    length, hand_over = FIRST, HAND_OVER
+    used = 0
+    while used < len(history):
+        history[used] = judge(system, point, defect, work, best)
+        used += 1
+        if best.residual[0] <= tol or length < SHORTEST or not END < log_t < 1:
+            return used
+        linearise(system, point, work)
+        t = np.exp(log_t)
+        _aim(system, target, t, product, 1.0, point)
+        add_step(defect, -t, first)
+        direction(system, point, target, defect, correction, work)
+        _aim(system, target, t, product, 0.0, point)
+        set_step(defect, -t, first)
+        direction(system, point, target, defect, tangent, work)
+        to_geodesics(system, point, correction)
+        to_geodesics(system, point, tangent)
+        back = -_dot(correction, tangent) / (1 + _dot(tangent, tangent))
+        add_step(correction, back, tangent)
+        off = max(_size(correction), abs(back))
+        if off < FAR or used == 1:
+            move_along(system, point, correction, 1.0)
+            log_t += back
+            if off > NEAR:
+                continue
+            if log_t < hand_over and used < len(history):
+                set_step(trial, 1.0, point)
+                used += predictor_corrector(system, trial, best, tol, patience, history[used:])
+                hand_over += HAND_OVER
+            if used > 1:
+                length = min(LONGEST, length * min(2.0, max(0.3, np.sqrt(NEAR / 2 / max(off, 1e-9)))))
+            set_step(saved, 1.0, point)
+            saved_log_t = log_t
+            forward = ahead_log_t + _dot(ahead, tangent) > 0
+            unit = (1.0 if forward else -1.0) / max(_size(tangent), 1.0)
+            set_step(ahead, unit, tangent)
+            ahead_log_t = unit
+        else:
+            set_step(point, 1.0, saved)
+            log_t = saved_log_t
+            length /= 4
+        move_along(system, point, ahead, length)
+        log_t += length * ahead_log_t
+    return used
+
+
+@njit(cache=True, error_model="numpy")
+def _aim(system: System, target: Array, t: float, product: Array, share: float, point: Point) -> None:
+    """target = t product - share x ∘ s."""
+    for i in range(len(target)):
+        for k in range(4):
+            target[i, k] = t * product[i, k]
+    add_products(system, -share, point.x, point.s, target)
+
+
+@njit(cache=True, error_model="numpy")
+def _dot(a: Point, b: Point) -> float:
+    total = 0.0
+    for i in range(len(a.x)):
+        for k in range(4):
+            total += a.x[i, k] * b.x[i, k] + a.s[i, k] * b.s[i, k]
+    return total
+
+
+@njit(cache=True, error_model="numpy")
+def _size(step: Point) -> float:
+    """The largest component, infinity where one is not a number."""
+    largest = 0.0
+    for i in range(len(step.x)):
+        for k in range(4):
+            largest = larger(larger(largest, abs(step.x[i, k])), abs(step.s[i, k]))
+    return largest

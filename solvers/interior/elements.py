@@ -1,0 +1,106 @@
+"""What one contact does: its rows on the velocities, in the plane and in space, and the residual of its law.
+
+Scalars in and scalars out, as these are the innermost loops of the interior point methods.
+"""
+
+import numpy as np
+from numba import njit
+
+from problems.check import Array
+from solvers.interior.lorentz import Vector
+from solvers.interior.system import Elements
+from solvers.sparse_lu.multifrontal import Fronts
+
+
+@njit(cache=True, error_model="numpy")
+def push_planar(contacts: Elements, i: int, normal: float, tangent: float, momentum: Array) -> None:
+    """momentum += push' (normal, tangent) of contact i."""
+    for a in range(contacts.start[i], contacts.start[i + 1]):
+        momentum[contacts.column[a]] += contacts.push[a, 0] * normal + contacts.push[a, 1] * tangent
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def push_spatial(contacts: Elements, i: int, r: Vector, momentum: Array) -> None:
+    """momentum += push' r of contact i."""
+    for a in range(contacts.start[i], contacts.start[i + 1]):
+        along = contacts.push[a, 0] * r[0] + contacts.push[a, 1] * r[1] + contacts.push[a, 2] * r[2]
+        momentum[contacts.column[a]] += along
+
+
+@njit(cache=True, error_model="numpy")
+def feel_planar(contacts: Elements, i: int, v: Array) -> tuple[float, float]:
+    """feel v of contact i."""
+    un = ut = 0.0
+    for a in range(contacts.start[i], contacts.start[i + 1]):
+        un += contacts.feel[a, 0] * v[contacts.column[a]]
+        ut += contacts.feel[a, 1] * v[contacts.column[a]]
+    return un, ut
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def feel_spatial(contacts: Elements, i: int, v: Array) -> Vector:
+    """feel v of contact i."""
+    u0 = u1 = u2 = 0.0
+    for a in range(contacts.start[i], contacts.start[i + 1]):
+        along = v[contacts.column[a]]
+        u0 += contacts.feel[a, 0] * along
+        u1 += contacts.feel[a, 1] * along
+        u2 += contacts.feel[a, 2] * along
+    return u0, u1, u2
+
+
+@njit(cache=True, error_model="numpy")
+def add_planar(contacts: Elements, i: int, nn: float, nt: float, tn: float, tt: float, fronts: Fronts, storage: Array) -> None:
+    """Add push' C feel of contact i, C = [[nn, nt], [tn, tt]], to its front."""
+    f, lo, hi = contacts.front[i], contacts.start[i], contacts.start[i + 1]
+    begin, width = fronts.start[f], fronts.first[f + 1] - fronts.first[f]
+    for a in range(lo, hi):
+        row = begin + contacts.place[a] * width
+        normal = contacts.push[a, 0] * nn + contacts.push[a, 1] * tn
+        tangent = contacts.push[a, 0] * nt + contacts.push[a, 1] * tt
+        for b in range(lo, hi):
+            storage[row + contacts.place[b]] += normal * contacts.feel[b, 0] + tangent * contacts.feel[b, 1]
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def add_spatial(contacts: Elements, i: int, n: Vector, s: Vector, t: Vector, fronts: Fronts, storage: Array) -> None:
+    """Add push' C feel of contact i, C by its rows n, s, t, to its front."""
+    f, lo, hi = contacts.front[i], contacts.start[i], contacts.start[i + 1]
+    begin, width = fronts.start[f], fronts.first[f + 1] - fronts.first[f]
+    for a in range(lo, hi):
+        row = begin + contacts.place[a] * width
+        p0, p1, p2 = contacts.push[a, 0], contacts.push[a, 1], contacts.push[a, 2]
+        c0, c1, c2 = p0 * n[0] + p1 * s[0] + p2 * t[0], p0 * n[1] + p1 * s[1] + p2 * t[1], p0 * n[2] + p1 * s[2] + p2 * t[2]
+        for b in range(lo, hi):
+            along = c0 * contacts.feel[b, 0] + c1 * contacts.feel[b, 1] + c2 * contacts.feel[b, 2]
+            storage[row + contacts.place[b]] += along
+
+
+@njit(cache=True, error_model="numpy")
+def larger(a: float, b: float) -> float:
+    """max(a, b) for a >= 0, infinity where b is not a number."""
+    if b <= a:
+        return a
+    return b if b > a else np.inf
+
+
+@njit(cache=True, error_model="numpy")
+def _norm(a: float, b: float) -> float:
+    return np.sqrt(a * a + b * b) if b else abs(a)  # in the plane b is 0, and a root a good part of a contact's time
+
+
+@njit(cache=True, error_model="numpy")
+def natural(r: Vector, u: Vector, mu: float, bias: float, shift: float, weight: float) -> float:
+    """weight |r - P_K(r - (u + shift |u_t| e_n) / weight)| for one contact (problems.residual)."""
+    compliance = 1 / weight
+    n = r[0] - (u[0] + shift * _norm(u[1], u[2])) * compliance
+    t1, t2 = r[1] - u[1] * compliance, r[2] - u[2] * compliance
+    size, normal = _norm(t1, t2), n
+    if size > mu * n + bias:
+        normal = max((n + mu * (size - bias)) / (1 + mu * mu), 0.0)
+    elif n < 0:
+        normal = 0.0
+    limit = mu * normal + bias
+    kept = limit / size if size > limit else 1.0
+    off, off1, off2 = r[0] - normal, r[1] - kept * t1, r[2] - kept * t2
+    return weight * np.sqrt(off * off + off1 * off1 + off2 * off2)

@@ -1,0 +1,120 @@
+"""Newton's method on contacts with Coulomb friction, reduced to the velocities.
+
+With the unknowns x and partners s of solvers.interior.point, r = H x a contact's impulse and K for the parts in which its own
+unknowns act on its s, a step of an interior point method is the linear system
+
+    x ∘ ds + dx ∘ s = target,      ds = H'du + K dx + defect,      M dv = J'H dx + F'dlam,      du = J dv,
+    F dv = -joint defect.
+
+Given du, each contact is four equations for itself, B dx = g - H'du, solved by formula (solvers.interior.planar_newton and
+solvers.interior.spatial_newton). What is left is A dv = b in the velocities with
+
+    A = M + sum_i J_i' C_i J_i + F'F/delta,      C_i = H B^-1 H',
+
+a sum of small matrices, factorised by solvers.sparse_lu.multifrontal. A is singular where the impulses are not unique, so
+delta, a tiny multiple of the contacts' own size, is added to the diagonals of B: Newton's matrix is inexact by it, the defects
+are not, and the error is driven out by the next step. A joint is a row of C = 1/delta for the same reason: redundant joints do
+no harm.
+"""
+
+from numba import njit
+
+from problems.check import Array
+from solvers.interior.elements import larger
+from solvers.interior.planar_newton import (
+    add_planar_stiffness,
+    planar_defects,
+    planar_steps,
+    push_planar_impulses,
+    push_planar_response,
+)
+from solvers.interior.point import Point
+from solvers.interior.spatial_newton import (
+    add_spatial_stiffness,
+    push_spatial_impulses,
+    push_spatial_response,
+    spatial_defects,
+    spatial_steps,
+)
+from solvers.interior.system import JOINT_SOFTNESS, Elements, System, Work
+from solvers.sparse_lu.multifrontal import factorise, solve
+
+PIVOT = 1e-14  # the least pivot of A, whose mass matrix is scaled to the size of 1
+
+
+@njit(cache=True, error_model="numpy")
+def _push_joints(joints: Elements, impulse: Array, momentum: Array) -> None:
+    for j in range(len(impulse)):
+        for a in range(joints.start[j], joints.start[j + 1]):
+            momentum[joints.column[a]] += joints.push[a, 0] * impulse[j, 0]
+
+
+@njit(cache=True, error_model="numpy")
+def _feel_joints(joints: Elements, v: Array, velocity: Array) -> None:
+    for j in range(len(velocity)):
+        velocity[j, 0] = 0.0
+        for a in range(joints.start[j], joints.start[j + 1]):
+            velocity[j, 0] += joints.feel[a, 0] * v[joints.column[a]]
+
+
+@njit(cache=True, error_model="numpy")
+def evaluate(system: System, point: Point, defect: Point, work: Work) -> float:
+    """The residual of problems.residual at a point's impulses, infinity where it is not a number.
+
+    defect: overwritten with H'u + K x - s and F v + b_F.
+    """
+    v, planar = work.vector, system.offset.shape[1] == 2
+    work.momentum[:] = 0
+    if planar:
+        push_planar_impulses(system, point.x, work.impulse, work.momentum)
+    else:
+        push_spatial_impulses(system, point.x, work.impulse, work.momentum)
+    _push_joints(system.joints, point.joint, work.momentum)
+    for i in range(len(v)):
+        v[i] = system.free_velocity[i]
+        for k in range(system.indptr[i], system.indptr[i + 1]):
+            v[i] += system.inverse[k] * work.momentum[system.indices[k]]
+    _feel_joints(system.joints, v, defect.joint)
+    if planar:
+        worst = planar_defects(system, point, v, work.impulse, defect.x)
+    else:
+        worst = spatial_defects(system, point, v, work.impulse, defect.x)
+    for j in range(len(defect.joint)):
+        defect.joint[j, 0] += system.joint_bias[j]
+        worst = larger(worst, abs(defect.joint[j, 0]))
+    return worst
+
+
+@njit(cache=True, error_model="numpy")
+def linearise(system: System, point: Point, work: Work) -> None:
+    """Newton's matrix at a point, factorised."""
+    work.storage[:] = 0
+    for k in range(len(system.slot)):
+        work.storage[system.slot[k]] += system.constant[k]
+    if system.offset.shape[1] == 2:
+        add_planar_stiffness(system, point, work)
+    else:
+        add_spatial_stiffness(system, point, work)
+    factorise(system.fronts, work.storage, work.swap, PIVOT)
+
+
+@njit(cache=True, error_model="numpy")
+def direction(system: System, point: Point, target: Array, defect: Point, step: Point, work: Work) -> None:
+    """The step with x ∘ ds + dx ∘ s = target that removes the defect, after linearise at the same point."""
+    dv, planar = work.vector, system.offset.shape[1] == 2
+    dv[:] = 0
+    if planar:
+        push_planar_response(system, target, defect.x, work)
+    else:
+        push_spatial_response(system, point, target, defect.x, step, work)
+    for j in range(len(defect.joint)):
+        step.joint[j, 0] = -defect.joint[j, 0] / JOINT_SOFTNESS
+    _push_joints(system.joints, step.joint, dv)
+    solve(system.fronts, work.storage, work.swap, dv)
+    if planar:
+        planar_steps(system, point, target, step, work)
+    else:
+        spatial_steps(system, point, target, defect.x, step, work)
+    _feel_joints(system.joints, dv, work.joint_velocity)
+    for j in range(len(defect.joint)):
+        step.joint[j, 0] = -(defect.joint[j, 0] + work.joint_velocity[j, 0]) / JOINT_SOFTNESS

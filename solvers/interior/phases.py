@@ -1,0 +1,54 @@
+"""The frame of the interior point methods: one phase after another, each from a start of its own, until one ends well."""
+
+from collections.abc import Callable, Iterable
+
+import numpy as np
+
+from problems import FrictionProblem
+from problems.check import Array
+from solvers.interface import Answer, Status
+from solvers.interior.point import Point
+from solvers.interior.predictor_corrector import Best
+from solvers.interior.system import System
+
+ROUNDING = 4 * np.finfo(float).eps
+SHARE = 250  # factorisations for one phase: hardly any path that arrived was longer
+
+Phase = tuple[Callable[..., int], Point]  # the method, and the point it starts from, to be moved
+Measure = Callable[[FrictionProblem, Array], float]
+
+
+def run(
+    problem: FrictionProblem, system: System, phases: Iterable[Phase], tol: float, limit: int, patience: int, measure: Measure
+) -> Answer:
+    """Solve a prepared problem within limit factorisations; measure: the residual that counts.
+
+    phases: made one by one, as the one before fails.
+    patience: iterations of the predictor-corrector without progress.
+    """
+    if not problem.q.any():
+        return Answer(np.zeros_like(system.offset), Status.SOLVED, {"iterations": 0, "factorisations": 0})
+    history = np.empty(limit + 1)
+    best = Best(np.zeros_like(system.offset), np.array([np.inf]))
+    used = tried = 0
+    status = Status.STALLED
+    for method, point in phases:
+        used += method(system, point, best, tol / 2, patience, history[used : used + SHARE])
+        tried += 1
+        if _is_solved(best, tol, system, problem, measure):
+            status = Status.SOLVED
+            break
+        if used == len(history):
+            status = Status.WORK_LIMIT
+            break
+    factorisations = used - tried  # a phase looks at one point more than it leaves
+    work = {"iterations": used, "factorisations": factorisations}
+    return Answer(best.impulse * system.impulse, status, work, tuple(history[:used].tolist()))
+
+
+def _is_solved(best: Best, tol: float, system: System, problem: FrictionProblem, measure: Measure) -> bool:
+    """Whether the best residual is within tol for certain; where rounding leaves a doubt, the problem itself is asked."""
+    rounding = ROUNDING * np.max(system.weight * best.impulse[:, 0], initial=0.0)
+    if best.residual[0] + rounding > tol:
+        best.residual[0] = measure(problem, best.impulse * system.impulse)
+    return bool(best.residual[0] <= tol)

@@ -1,0 +1,98 @@
+"""The convex relaxation as a second-order cone program, by an outside library through CVXPY.
+
+    min  ½ x'Px + q'x    subject to    h - G x in {s_0 >= |s_1:|} for every contact,    A x = b
+
+with the circular cone in space and Coulomb's own cone in the plane. It is another model than Coulomb's: see
+problems.forms.relaxation. CVXPY builds and canonicalises in `prepare`; `solve` is the backend's time and CVXPY's unpacking.
+
+The program is scaled to pure numbers (solvers.outside.scaled_program), so that eps below stands for tol in the project's
+measure:
+
+    clarabel   interior point. tol_feas = eps for the primal and dual residuals, tol_gap_abs = tol_gap_rel = eps^2.
+    scs        ADMM on the self-dual embedding. eps_abs = eps/10 for both residuals and the gap, eps_rel = 0.
+
+References: Anitescu and Tasora 2010 for the model; Diamond and Boyd 2016 (CVXPY); Goulart and Chen 2024 (Clarabel);
+O'Donoghue and others 2016 (SCS).
+"""
+
+import warnings
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from problems import FrictionProblem
+from problems.check import Array, require
+from problems.forms.relaxation import ConeProgram
+from solvers.interface import Answer, Status, solver
+from solvers.outside.scaled_program import ScaledProgram, gap_tolerance, scaled_program
+
+_BACKENDS = ("clarabel", "scs")
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """The scaled program, the CVXPY problem and its canonical data; none of the latter two without contacts."""
+
+    scaled: ScaledProgram[ConeProgram]
+    problem: Any = None
+    data: tuple[Any, Any, Any] = (None, None, None)
+
+
+@solver("ccp_cone", family="relaxation", model="relaxation", dimension=(2, 3), sparse=True, needs=("cvxpy", "clarabel"))
+class CCPCone:
+    """The convex relaxation with circular cones, by CVXPY with Clarabel or SCS.
+
+    backend: clarabel or scs. Work: the backend's iterations.
+    """
+
+    backend: str = "clarabel"
+
+    def __post_init__(self) -> None:
+        require(self.backend in _BACKENDS, "backend", f"must be one of {', '.join(_BACKENDS)}, got {self.backend!r}")
+
+    def prepare(self, problem: FrictionProblem) -> Prepared:
+        cvxpy: Any = import_module("cvxpy")
+
+        scaled = scaled_program(problem, problem.cone())
+        if not problem.contacts:
+            return Prepared(scaled)
+        d = problem.dimension
+        x = cvxpy.Variable(len(scaled.q))
+        s = scaled.h - scaled.G @ x
+        constraints = [cvxpy.SOC(s[::d], cvxpy.vstack([s[j::d] for j in range(1, d)]))]
+        if scaled.A.shape[0]:
+            constraints.append(scaled.A @ x == scaled.b)
+        objective = cvxpy.Minimize(cvxpy.quad_form(x, scaled.P, assume_PSD=True) / 2 + scaled.q @ x)
+        built = cvxpy.Problem(objective, constraints)
+        return Prepared(scaled, built, built.get_problem_data(self.backend.upper(), solver_opts={}))
+
+    def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        cvxpy: Any = import_module("cvxpy")
+
+        scaled, built = prepared.scaled, prepared.problem
+        if built is None:
+            return Answer(scaled.impulse(scaled.h), Status.SOLVED)
+        data, chain, inverse = prepared.data
+        eps, d = tol * scaled.share, scaled.program.contacts[1]
+        settings = self._settings(eps, gap_tolerance(eps, round_cones=d > 2), limit)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # CVXPY's word on an inaccurate solution; it is in the status
+            raw = chain.solve_via_data(built, data, solver_opts=settings)
+            try:
+                built.unpack_results(raw, chain, inverse)
+            except cvxpy.SolverError as error:
+                return Answer(np.zeros(scaled.program.contacts), Status.FAILED, detail=str(error))
+        status = Status.SOLVED if built.status == cvxpy.OPTIMAL else Status.FAILED
+        work = {"iterations": int(built.solver_stats.num_iters)}
+        multiplier = built.constraints[0].dual_value
+        if multiplier[0] is None:
+            return Answer(np.zeros(scaled.program.contacts), Status.FAILED, work, detail=built.status)
+        z = np.column_stack([np.ravel(multiplier[0]), np.reshape(multiplier[1], (d - 1, -1)).T])
+        return Answer(scaled.impulse(z.ravel()), status, work, detail=built.status)
+
+    def _settings(self, eps: float, gap: float, limit: int | None) -> dict[str, float]:
+        if self.backend == "clarabel":
+            return {"tol_feas": eps, "tol_gap_abs": gap, "tol_gap_rel": gap, "max_iter": limit or 200}
+        return {"eps_abs": eps / 10, "eps_rel": 0.0, "max_iters": limit or 100_000}

@@ -1,0 +1,148 @@
+"""Following the path of Lemke's method from a complementary basis, in floating point.
+
+The problem is scaled, so that the tolerances here are pure numbers. Entering columns come from the inverse of the basis's
+active part with iterative refinement against M; where that is no longer accurate the inverse is computed afresh. Near ties
+go to the largest pivot (Harris 1973); exact ties the caller excludes by perturbing q.
+"""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from problems.check import Array
+from solvers.pivots.inverse_basis import Basis, Index, Matrix, exchange, refactor, transform
+
+Flags = NDArray[np.bool_]
+
+COMPLEMENTARY, RAY, LIMIT, LOST, STUCK = range(5)  # how a path ends
+PIVOT = 1e-10  # the smallest pivot, relative to its column
+ACCURACY = 1e-12  # a transformed column with a larger relative defect is refined
+LOSS = 1e-9  # one that then still has a larger defect needs a new inverse
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def ratio_test(x: Array, a: Array, watched: Flags, least: float, slack: float) -> int:
+    """The pair whose basic variable blocks x - t a >= 0 first, z0 if it may; the largest pivot among near ties; -1 on a ray.
+
+    watched (n+1,): which variables block. least: the smallest entry of a that counts. slack: how far below zero a variable
+    may go for the sake of a larger pivot.
+    """
+    n = len(x) - 1
+    bound = np.inf
+    for i in range(n + 1):
+        if a[i] > least and watched[i]:
+            bound = min(bound, (max(x[i], 0.0) + slack) / a[i])
+    if a[n] > least and x[n] <= bound * a[n]:
+        return n
+    best, pivot = -1, least
+    for i in range(n):
+        if a[i] > pivot and watched[i] and x[i] <= bound * a[i]:
+            best, pivot = i, a[i]
+    return best
+
+
+@njit(cache=True, error_model="numpy")
+def evaluate(M: Matrix, d: Array, basis: Basis, q: Array, x: Array, out: Array, accuracy: float) -> float:
+    """x (n+1,) = the basic variables' values for the right side q; returns the relative defect."""
+    return transform(M, d, basis, -q, x, out, accuracy)[0]
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def enter(M: Matrix, p: int, z_enters: bool, rhs: Array) -> None:
+    """rhs = M_p where z_p enters, -e_p where w_p does: the right side whose transform is the entering column."""
+    for i in range(len(rhs)):
+        rhs[i] = 0.0
+    if z_enters:
+        for e in range(M.start[p], M.start[p + 1]):
+            rhs[M.rows[e]] = M.column[e]
+    else:
+        rhs[p] = -1.0
+
+
+@njit(cache=True, error_model="numpy")
+def follow(
+    M: Matrix, q: Array, d: Array, basis: Basis, x: Array, a: Array, watched: Flags, slack: float, limit: int, work: Index
+) -> int:
+    """Follow Lemke's path from a complementary basis in which z0 lets every basic variable rise, and say how it ended.
+
+    x (n+1,): the values of the basic variables, updated. a (n+1,): at the end of a ray its direction (z, z0).
+    watched (n+1,): the variables to keep nonnegative. slack: how far near ties may reach. work: counts of pivots and
+    inversions, updated.
+    """
+    n = len(q)
+    rhs, out = d.copy(), np.empty(n)
+    p, z_enters, fresh = n, True, True  # z0 enters first
+    while True:
+        defect, size = transform(M, d, basis, rhs, a, out, ACCURACY)
+        if p < n:
+            s = ratio_test(x, a, watched, PIVOT * size, slack)
+            t = max(x[s], 0.0) / a[s] if s >= 0 else 0.0
+        else:  # to the level at which the last basic variable becomes nonnegative
+            s, t = -1, 0.0
+            for i in range(n):
+                if watched[i] and x[i] < t * a[i]:
+                    s, t = i, x[i] / a[i]
+            if s < 0:
+                return COMPLEMENTARY
+        if not fresh and (s < 0 or defect > LOSS):
+            work[1] += 1
+            if not refactor(M, d, basis):
+                return LOST
+            evaluate(M, d, basis, q, x, out, ACCURACY)
+            fresh = True
+            continue
+        if defect > LOSS:
+            return LOST
+        if s < 0:
+            for i in range(n + 1):
+                a[i] = -a[i] if basis.row[i] >= 0 else 0.0
+            if z_enters:
+                a[p] = 1.0
+            return RAY
+        if work[0] >= limit:
+            return LIMIT
+
+        w_leaves = basis.row[s] < 0
+        exchange(M, d, basis, a, p, z_enters, s)
+        for i in range(n + 1):
+            x[i] -= t * a[i]
+        x[s], x[p] = 0.0, t
+        work[0] += 1
+        if s == n:
+            return COMPLEMENTARY
+        if work[0] % 64 == 0:
+            evaluate(M, d, basis, q, x, out, ACCURACY)
+        p, z_enters, fresh = s, w_leaves, False
+        enter(M, p, z_enters, rhs)
+
+
+@njit(cache=True, error_model="numpy")
+def add_product(M: Matrix, v: Array, u: Array) -> None:
+    """u += M v."""
+    for j in range(len(u)):
+        if v[j] != 0.0:
+            for e in range(M.start[j], M.start[j + 1]):
+                u[M.rows[e]] += M.column[e] * v[j]
+
+
+@njit(cache=True, error_model="numpy")
+def add_coordinates(M: Matrix, basis: Basis, y: Array, size: float, v: Array, z: Array) -> None:
+    """v += the vector whose coordinates in a complementary basis are size * y, that is y_w - M y_z; z (n,) is workspace."""
+    for i in range(len(v)):
+        if basis.row[i] < 0:
+            z[i] = 0.0
+            v[i] += size * y[i]
+        else:
+            z[i] = -size * y[i]
+    if basis.size[0]:
+        add_product(M, z, v)
+
+
+@njit(cache=True, error_model="numpy")
+def draw(seed: int, drawn: Array) -> None:
+    """Numbers from [1, 2), the same ones for the same seed, by Knuth's MMIX congruence."""
+    state = np.uint64(seed)
+    for i in range(-4, len(drawn)):
+        state = state * np.uint64(6364136223846793005) + np.uint64(1442695040888963407)
+        if i >= 0:
+            drawn[i] = 1.0 + np.float64(state >> np.uint64(11)) / 9007199254740992.0

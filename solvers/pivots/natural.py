@@ -1,0 +1,56 @@
+"""The natural residual of a scaled LCP, in the measure of problems.residual.
+
+With z = theta D y and w = theta w^ / D (solvers.pivots.scaling) it is max_i g_i |min(y_i, w^_i)|, where
+
+    g_i = (1 + m) theta D_i s_i / max|q|,      s_i = M_ii, or 1 for a row without a diagonal,
+
+which in the problem's own units is (1 + m) max_i |min(M_ii z_i, w_i)| / max|q|: heavy and light bodies count alike, and units
+do not count. Where the LCP is a friction problem's, s_i is at least the contact's s, the step in problems.residual. m is the
+largest scaled entry of a row without a diagonal: the friction coefficient, or 1, with which a defect in the tangent comes back
+in the normal. That makes it a bound of the exact residual up to a small factor: solvers stop at MARGIN times the tolerance,
+and look at the exact residual at the end.
+"""
+
+import numpy as np
+from numba import njit
+from scipy import sparse
+
+from problems import LCP, FrictionProblem
+from problems.check import Array
+from problems.residual import residual
+from solvers.pivots.scaling import Scaling
+
+MARGIN = 0.1
+
+
+def natural_weight(problem: FrictionProblem | LCP, lcp: LCP, scale: Scaling) -> Array:
+    """g (n,) for the LCP of a problem, or a bare one, and its scaling."""
+    step = np.abs(lcp.M.diagonal())
+    bare = step == 0
+    step[bare] = 1
+    if isinstance(problem, FrictionProblem) and lcp.generators is not None:
+        acts = lcp.generators.tocoo()
+        step[acts.col] = np.maximum(step[acts.col], problem.scale[acts.row // problem.dimension])
+    rows = abs(sparse.diags_array(scale.D) @ lcp.M @ sparse.diags_array(scale.D))[bare]
+    m = rows.max() if rows.nnz else 0.0
+    return (1 + m) * scale.theta * scale.D * step / (np.abs(lcp.q).max(initial=0.0) or 1.0)
+
+
+def exact_residual(problem: FrictionProblem | LCP, lcp: LCP, z: Array, impulse: Array) -> float:
+    """The residual that `tol` is about: the friction problem's own in the plane, the LCP's where it is but a model or bare."""
+    if isinstance(problem, FrictionProblem) and problem.dimension == 2:
+        return residual(problem, impulse)
+    return lcp.residual(z)
+
+
+@njit(cache=True)
+def natural_residual(weight, y, w):  # type: ignore[no-untyped-def]
+    """max_i g_i |min(y_i, w_i)|, infinity if an entry is NaN; weight, y, w: (n,)."""
+    worst = 0.0
+    for i in range(len(y)):
+        defect = weight[i] * abs(min(y[i], w[i]))
+        if not defect <= worst:
+            worst = defect
+            if np.isnan(defect):
+                return np.inf
+    return worst

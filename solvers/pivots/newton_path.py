@@ -1,0 +1,110 @@
+"""A pivotal path: from a basic point at t = 0 towards t = 1 along  M z - w + t cover = b,  0 <= z ⟂ w >= 0.
+
+t enters the basis first; from then on the complement of what left, as in Lemke's method, until t reaches 1. The ratio test
+is Harris's (1973): among the basic variables that would be the first to pass a small slip below zero, the one with the
+largest pivot leaves. No pivot is small and no ray is believed but on a fresh factorisation. Ties are not ordered: a caller
+who starts from a random point meets none before t = 1, where they no longer matter.
+"""
+
+import numpy as np
+from numba import njit
+
+from solvers.pivots.lu_basis import add_product, column, exchange, factorise, ftran, largest
+
+DEPENDENT = 1e-12  # a column keeping less of its size in elimination depends on the others
+PIVOT = 1e-9  # smaller rates of change, relative to the direction's largest, count as zero
+DOUBTFUL = 1e-5  # smaller ones are believed only from a fresh factorisation
+SLIP = 1e-12  # how far below zero a basic variable may go for the sake of a larger pivot
+LAST_SLIP = 1e-10  # the same in the step to t = 1, which round-off might else keep a path from reaching
+
+NEWTON, RETURNED, RAY, LIMIT, SINGULAR = range(5)  # how a path ends: at t = 1, at t = 0, ..., in a basis lost to round-off
+PIVOTS, FACTORISATIONS = 0, 1  # counted in work
+
+
+@njit(cache=True)
+def follow(basis, columns, b, v, limit, work):  # type: ignore[no-untyped-def]
+    """Follow M z - w + t cover = b from the factorised basis at t = 0 towards t = 1; how the path ends.
+
+    v (n,) receives z: at NEWTON of the end point, whose basis is then held, at RAY of the ray.
+    """
+    n = len(b)
+    t = entering = 2 * n
+    t_at = -1
+    d, x = np.empty(n), b.copy()
+    ftran(basis, x)
+    while True:
+        column(columns, entering, d)
+        ftran(basis, d)
+        size = max(largest(d), 1.0)
+        if size == np.inf:
+            return SINGULAR
+        room = 1.0 if entering == t else np.inf  # until t = 1
+        if t_at >= 0 and d[t_at] < -PIVOT * size:
+            room = max(1.0 - x[t_at], 0.0) / -d[t_at]
+        reach = end = np.inf  # until a basic variable is at zero, but for the slip
+        for i in range(n):
+            if d[i] > PIVOT * size:
+                reach = min(reach, (max(x[i], 0.0) + SLIP) / d[i])
+                end = min(end, (max(x[i], 0.0) + LAST_SLIP) / d[i])
+        if room <= end and room < np.inf:
+            for i in range(n):
+                x[i] -= room * d[i]
+            if entering != t:
+                basis.head[t_at] = entering
+                x[t_at] = room
+            write_z(basis, x, v)
+            return NEWTON
+        p = -1
+        for i in range(n):
+            if d[i] > PIVOT * size and x[i] <= reach * d[i] and (p < 0 or d[i] > d[p]):
+                p = i
+        renew = basis.size[1] > 0 and (p < 0 or d[p] < DOUBTFUL * size)
+        if not renew:
+            if p < 0:
+                write_z(basis, -d, v)
+                if entering < n:
+                    v[entering] = 1.0
+                return RAY
+            if p == t_at:
+                return RETURNED
+            if work[PIVOTS] == limit:
+                return LIMIT
+            step = max(x[p], 0.0) / d[p]
+            for i in range(n):
+                x[i] -= step * d[i]
+            x[p] = step
+            t_at = p if entering == t else t_at
+            leaving = basis.head[p]
+            renew = exchange(basis, p, entering, d)
+            entering = leaving + n if leaving < n else leaving - n
+            work[PIVOTS] += 1
+        if renew:
+            if factorise(basis, columns, DEPENDENT):
+                return SINGULAR
+            work[FACTORISATIONS] += 1
+            x[:] = b
+            ftran(basis, x)
+            for i in range(n):
+                if basis.head[i] == t:
+                    t_at = i
+
+
+@njit(cache=True)
+def write_z(basis, x, z):  # type: ignore[no-untyped-def]
+    """Write over z (n,) the z among the basic variables' values x (n,)."""
+    z[:] = 0.0
+    for i in range(len(z)):
+        if basis.head[i] < len(z):
+            z[basis.head[i]] = x[i]
+
+
+@njit(cache=True)
+def is_ray(columns, v):  # type: ignore[no-untyped-def]
+    """Whether 0 != v >= 0, Mv >= 0 and v_i (Mv)_i = 0, up to 1e-9 of the largest v."""
+    size = largest(v)
+    Mv = np.zeros(len(v))
+    add_product(columns, v / size if size > 0.0 else v, Mv)
+    for i in range(len(v)):
+        if v[i] < -1e-9 * size or Mv[i] < -1e-9 or abs(v[i] * Mv[i]) > 1e-9 * size:
+            return False
+    return 0.0 < size < np.inf

@@ -1,0 +1,82 @@
+"""What every pivoting method here works on: the scaled LCP, and the way back to impulses."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from problems import LCP, FrictionProblem
+from problems.check import Array
+from solvers.interface import Answer, Status
+from solvers.pivots.inverse_basis import Basis, Matrix, compress
+from solvers.pivots.lemke_path import COMPLEMENTARY, LIMIT, LOST, RAY, STUCK, add_product, evaluate
+from solvers.pivots.scaling import Scaling, scaling
+
+STATUS = {
+    COMPLEMENTARY: Status.SOLVED,
+    RAY: Status.RAY,
+    LIMIT: Status.WORK_LIMIT,
+    LOST: Status.BREAKDOWN,
+    STUCK: Status.STALLED,
+}
+
+
+class ScaledLCP(NamedTuple):
+    """w = M y + q, scaled; unit (2, n) is what the residual multiplies y and w by."""
+
+    lcp: LCP
+    scale: Scaling
+    M: Matrix
+    q: Array
+    unit: Array
+
+    def answer(self, y: Array, ended: int, **work: int) -> Answer:
+        z = self.scale.solution(y)
+        return Answer(self.lcp.impulse(z), STATUS[ended], work, z=z)
+
+
+def scaled_lcp(problem: FrictionProblem | LCP) -> ScaledLCP:
+    """The scaled LCP of a friction problem, or a bare LCP scaled."""
+    lcp = problem if isinstance(problem, LCP) else problem.lcp()
+    scale = scaling(lcp)
+    M = compress(lcp.M, scale.D)
+    unit = scale.theta * np.array([scale.D, 1 / scale.D])
+    if isinstance(problem, FrictionProblem):
+        unit *= _in_velocities(problem, lcp.size)
+    else:
+        unit /= np.abs(lcp.q).max(initial=0.0) or 1.0
+    return ScaledLCP(lcp, scale, M, scale.vector(lcp.q), unit)
+
+
+def _in_velocities(problem: FrictionProblem, n: int) -> Array:
+    """(2, n): what turns z and w into velocities relative to the largest free one, as problems.residual measures them.
+
+    An impulse counts s times, in its own row and in the friction row mu c - e'beta; a tangential defect counts 1 + mu times.
+    """
+    nc = problem.contacts
+    contact = np.concatenate([np.arange(nc), np.repeat(np.arange(nc), (n - 2 * nc) // max(nc, 1)), np.arange(nc)])
+    s, row = problem.scale[contact], np.arange(n)
+    unit = np.where(row < n - nc, [s, np.ones(n)], [np.ones(n), s]) * np.where(row < nc, 1.0, 1.0 + problem.friction[contact])
+    free = np.linalg.norm(problem.q.reshape(nc, problem.dimension), axis=1).max(initial=0.0)
+    return unit / (free or 1.0)
+
+
+@njit(cache=True, error_model="numpy")
+def residual(M: Matrix, q: Array, unit: Array, y: Array, w: Array) -> float:
+    """max |min(unit_0 y, unit_1 w)|, w = M y + q; infinity where that is not a number."""
+    w[:] = q
+    add_product(M, y, w)
+    worst = 0.0
+    for i in range(len(q)):
+        defect = abs(min(unit[0, i] * y[i], unit[1, i] * w[i]))
+        worst = max(worst, defect) if defect < np.inf else np.inf
+    return worst
+
+
+@njit(cache=True, error_model="numpy")
+def finish(M: Matrix, d: Array, basis: Basis, q: Array, unit: Array, x: Array, y: Array, out: Array) -> float:
+    """Solve a complementary basis for q itself, as exactly as can be: x (n+1,), y = its z part, cut off at 0; the residual."""
+    evaluate(M, d, basis, q, x, out, 4e-16)  # twice the rounding: asking for less refines in vain
+    for i in range(len(q)):
+        y[i] = max(x[i], 0.0) if basis.row[i] >= 0 else 0.0
+    return residual(M, q, unit, y, out)

@@ -1,0 +1,1 @@
+"""A sparse LU factorisation for matrices put together from small dense blocks."""

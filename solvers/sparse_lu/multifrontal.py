@@ -1,0 +1,213 @@
+"""Sparse LU of a sum of small dense matrices, by the multifrontal method.
+
+    A = sum_e A_e,      A_e nonzero only where rows and columns belong to the few variables of element e,
+
+unsymmetric in value, symmetric in pattern: a mass matrix and one matrix for each contact, say. Eliminating a set of variables
+with the same neighbours is dense work on a front,
+
+    [ P  R ]        P = LU of the pivots,        S <- S - C P^-1 R,
+    [ C  S ]
+
+whose S is added to the front of the first variable left in it. Everything that depends on the pattern alone (an order of
+elimination with little fill, the fronts, the place of each entry in them) is found once, by `analyse`; `factorise` and `solve`
+are compiled and allocate nothing. Rows are interchanged within the pivots of a front only, and a pivot below `floor` is
+replaced by it, so that `factorise` always ends; whoever asks for many digits refines (Li and Demmel 1998).
+
+The order is that of solvers.sparse_lu.minimum_degree. References: Duff and Reid 1983; Liu 1992.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from problems.check import Array
+from solvers.sparse_lu.minimum_degree import Index, minimum_degree, same_elements, transpose
+
+Place = NDArray[np.uint32]  # unsigned, so that compiled code need not ask whether an index counts from the end
+
+
+class Fronts(NamedTuple):
+    """The symbolic factorisation. Variables are numbered by their place in the order of elimination.
+
+    variable: the variables of front f are variable[first[f]:first[f+1]], ascending, the pivots[f] eliminated ones first.
+    above[j]: where variable[j] stands in the parent's front, 0 for a pivot. parent: -1 at a root. start: front f is row-major
+    at start[f] of the storage of factorise, start[-1] numbers. owner (n,): the front that eliminates each variable.
+    """
+
+    first: Index
+    variable: Place
+    above: Place
+    pivots: Index
+    parent: Index
+    start: Index
+    owner: Index
+
+
+@njit(cache=True)
+def analyse(start: Index, member: Index, n: int) -> tuple[Fronts, Index, Index]:
+    """The fronts, the place (n,) of each variable in the order of elimination, and the front to add each element to.
+
+    Element e has the variables member[start[e]:start[e+1]], distinct. Every variable is given an entry on the diagonal.
+    """
+    group, groups = same_elements(start, member, n)
+    width, seen = np.zeros(groups, np.int64), np.full(groups, -1)
+    for v in range(n):
+        width[group[v]] += 1
+    part, begin, end = np.empty(len(member), np.int64), np.zeros(len(start), np.int64), 0
+    for e in range(len(start) - 1):
+        for k in range(start[e], start[e + 1]):
+            if seen[group[member[k]]] != e:
+                seen[group[member[k]]] = e
+                part[end] = group[member[k]]
+                end += 1
+        begin[e + 1] = end
+    first, listed, pivots, parent, home = minimum_degree(begin, part[:end], width)
+    # Number groups, then their variables, as they are eliminated.
+    fronts, rank, turn = len(pivots), np.empty(groups, np.int64), 0
+    offset = np.zeros(groups + 1, np.int64)
+    for f in range(fronts):
+        for k in range(first[f], first[f] + pivots[f]):
+            rank[listed[k]] = turn
+            offset[turn + 1] = offset[turn] + width[listed[k]]
+            turn += 1
+    free, place = offset[:-1].copy(), np.empty(n, np.int64)
+    for v in range(n):
+        place[v] = free[rank[group[v]]]
+        free[rank[group[v]]] += 1
+    for k in range(len(listed)):
+        listed[k] = rank[listed[k]]
+    begin, front = transpose(first, listed, groups)  # and back: so each front's groups come in ascending order
+    free = first[:-1].copy()
+    for g in range(groups):
+        for k in range(begin[g], begin[g + 1]):
+            listed[free[front[k]]] = g
+            free[front[k]] += 1
+    return _lay_out(first, listed, pivots, parent, offset), place, home
+
+
+@njit(cache=True)
+def _lay_out(first: Index, listed: Index, pivots: Index, parent: Index, offset: Index) -> Fronts:
+    """Fronts of variables from fronts of groups: group g, in order of elimination, is variables offset[g] to offset[g+1]."""
+    fronts, size = len(pivots), np.zeros(len(pivots) + 1, np.int64)
+    own, begin = np.zeros(fronts, np.int64), np.zeros(fronts + 1, np.int64)
+    owner = np.empty(offset[-1], np.int64)
+    for f in range(fronts):
+        for k in range(first[f], first[f + 1]):
+            g = listed[k]
+            size[f] += offset[g + 1] - offset[g]
+            if k < first[f] + pivots[f]:
+                own[f] += offset[g + 1] - offset[g]
+                for v in range(offset[g], offset[g + 1]):
+                    owner[v] = f
+        begin[f + 1] = begin[f] + size[f]
+    variable, above = np.empty(begin[-1], np.uint32), np.zeros(begin[-1], np.uint32)
+    start = np.zeros(fronts + 1, np.int64)
+    at = 0
+    for f in range(fronts):
+        start[f + 1] = start[f] + size[f] ** 2
+        for k in range(first[f], first[f + 1]):
+            for v in range(offset[listed[k]], offset[listed[k] + 1]):
+                variable[at] = v
+                at += 1
+    for f in range(fronts):
+        k = begin[parent[f]]
+        for m in range(begin[f] + own[f], begin[f + 1]):
+            while variable[k] != variable[m]:
+                k += 1
+            above[m] = k - begin[parent[f]]
+    return Fronts(begin, variable, above, own, parent, start, owner)
+
+
+@njit(cache=True)
+def find(fronts: Fronts, front: int, variable: int) -> int:
+    """Where a variable stands in a front, which must have it."""
+    low, high = fronts.first[front], fronts.first[front + 1] - 1
+    while low < high:
+        middle = (low + high) // 2
+        if fronts.variable[middle] < variable:
+            low = middle + 1
+        else:
+            high = middle
+    return int(low - fronts.first[front])
+
+
+@njit(cache=True, error_model="numpy")
+def factorise(fronts: Fronts, storage: Array, swap: Index, floor: float) -> int:
+    """Factorise in place what was added into storage (start[-1],); the number of pivots replaced.
+
+    swap: (n,), filled with the row interchanges. Pivots act on the rows below them three at a time, as a body has three.
+    """
+    replaced = eliminated = 0
+    for f in range(len(fronts.pivots)):
+        p, w, up = fronts.pivots[f], fronts.first[f + 1] - fronts.first[f], fronts.parent[f]
+        F = storage[fronts.start[f] : fronts.start[f + 1]].reshape(w, w)
+        for k in range(p):
+            best = k
+            for i in range(k + 1, p):
+                if abs(F[i, k]) > abs(F[best, k]):
+                    best = i
+            swap[eliminated + k] = best
+            if best != k:
+                for j in range(w):
+                    F[k, j], F[best, j] = F[best, j], F[k, j]
+            if not abs(F[k, k]) >= floor:
+                F[k, k] = -floor if F[k, k] < 0 else floor
+                replaced += 1
+            F[k, k] = 1 / F[k, k]
+            for i in range(k + 1, p):
+                F[i, k] *= F[k, k]
+                for j in range(k + 1, w):
+                    F[i, j] -= F[i, k] * F[k, j]
+        eliminated += p
+        if p == w:
+            continue
+        above = fronts.above[fronts.first[f] : fronts.first[f + 1]]
+        wide = fronts.first[up + 1] - fronts.first[up]
+        G = storage[fronts.start[up] : fronts.start[up + 1]].reshape(wide, wide)
+        for i in range(p, w):
+            done = p % 3
+            for k in range(done):
+                a = F[i, k] * F[k, k]
+                F[i, k] = a
+                for j in range(k + 1, w):
+                    F[i, j] -= a * F[k, j]
+            for k in range(done, p, 3):
+                a = F[i, k] * F[k, k]
+                b = (F[i, k + 1] - a * F[k, k + 1]) * F[k + 1, k + 1]
+                c = (F[i, k + 2] - a * F[k, k + 2] - b * F[k + 1, k + 2]) * F[k + 2, k + 2]
+                F[i, k], F[i, k + 1], F[i, k + 2] = a, b, c
+                for j in range(k + 3, w):
+                    F[i, j] -= a * F[k, j] + b * F[k + 1, j] + c * F[k + 2, j]
+            row = G[above[i]]
+            for j in range(p, w):
+                row[above[j]] += F[i, j]
+    return replaced
+
+
+@njit(cache=True, error_model="numpy")
+def solve(fronts: Fronts, storage: Array, swap: Index, b: Array) -> None:
+    """Overwrite b (n,) with A^-1 b, after factorise."""
+    eliminated = 0
+    for f in range(len(fronts.pivots)):
+        p, begin, w = fronts.pivots[f], fronts.first[f], fronts.first[f + 1] - fronts.first[f]
+        base = fronts.start[f]
+        for k in range(p):
+            best = eliminated + swap[eliminated + k]
+            value = b[best]
+            b[best] = b[eliminated + k]
+            b[eliminated + k] = value
+        for k in range(p):
+            value = b[eliminated + k]
+            for i in range(k + 1, w):
+                b[fronts.variable[begin + i]] -= storage[base + i * w + k] * value
+        eliminated += p
+    for f in range(len(fronts.pivots) - 1, -1, -1):
+        p, begin, w = fronts.pivots[f], fronts.first[f], fronts.first[f + 1] - fronts.first[f]
+        eliminated -= p
+        for k in range(p - 1, -1, -1):
+            row, total = fronts.start[f] + k * w, b[eliminated + k]
+            for j in range(k + 1, w):
+                total -= storage[row + j] * b[fronts.variable[begin + j]]
+            b[eliminated + k] = total * storage[row + k]
