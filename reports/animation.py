@@ -15,8 +15,8 @@ from urllib.parse import quote
 import numpy as np
 from markupsafe import Markup
 
-from reports.energy import scene_title
-from reports.template import environment
+from reports.drawing.text import scene_title
+from reports.templates import environment
 from results.motion import Array, Motion, Outline, plain, read_motion
 from results.store import ResultsError
 

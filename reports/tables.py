@@ -1,21 +1,21 @@
-"""The report's tables of who solves what, from the annotated solves table and the drives table."""
+"""The report's tables: who solves what, and how fast."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pandas as pd
 
 from reports.accuracy import ALL
-from reports.cells import contested
+from reports.run import Run
 from results.schema import CRASHED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNSOLVED, WRONG
 
 OUTCOMES = (SOLVED, RELAXED, WRONG, UNSOLVED, TIMEOUT, CRASHED, SKIPPED)
 NEARLY = 0.9  # as many problems as the best
 
 
-def solvability(rows: pd.DataFrame) -> pd.DataFrame:
+def solvability(run: Run) -> pd.DataFrame:
     """A row per entry: trivial (cells left out of all that follows), cells, claimed, and the count of each verdict."""
-    real = contested(rows)
-    table = pd.DataFrame({"trivial": rows.groupby("entry", sort=False)["trivial"].sum()})
+    real = run.contested
+    table = pd.DataFrame({"trivial": run.rows.groupby("entry", sort=False)["trivial"].sum()})
     table["cells"] = real.groupby("entry").size()
     table["claimed"] = real.groupby("entry")["claimed"].sum()
     for verdict in OUTCOMES:
@@ -23,19 +23,21 @@ def solvability(rows: pd.DataFrame) -> pd.DataFrame:
     return table.fillna(0).astype(int).reset_index()
 
 
-def wrong_claims(rows: pd.DataFrame) -> pd.DataFrame:
+def wrong_claims(run: Run) -> pd.DataFrame:
     """All cells, trivial ones too, that were claimed solved and are not, the worst residual first."""
-    return rows[rows["verdict"] == WRONG].sort_values("residual", ascending=False, kind="stable", na_position="first")
+    wrong = run.rows[run.rows["verdict"] == WRONG]
+    return wrong.sort_values("residual", ascending=False, kind="stable", na_position="first")
 
 
-def reasons(rows: pd.DataFrame) -> pd.DataFrame:
+def reasons(run: Run) -> pd.DataFrame:
     """A row per entry, verdict and reason given: cells."""
-    given = rows[rows["reason"] != ""]
+    given = run.rows[run.rows["reason"] != ""]
     return given.groupby(["entry", "verdict", "reason"], sort=False).size().rename("cells").reset_index()
 
 
-def by_class(rows: pd.DataFrame) -> pd.DataFrame:
+def by_class(run: Run) -> pd.DataFrame:
     """A row per class, entry and tolerance: cells, solved, and medians of residuals and times; worst: largest residual."""
+    rows = run.contested
     answers = rows.assign(
         solved=rows["verdict"] == SOLVED,
         ran=rows["verdict"] != SKIPPED,
@@ -58,9 +60,9 @@ def by_class(rows: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def problem_classes(rows: pd.DataFrame) -> pd.DataFrame:
+def problem_classes(run: Run) -> pd.DataFrame:
     """A row per class: problems, trivial ones among them, and the ranges of contacts, unknowns and condition."""
-    problems = rows.sort_values("size").drop_duplicates("problem_id").sort_index()
+    problems = run.rows.sort_values("size").drop_duplicates("problem_id").sort_index()
     return (
         problems.groupby("problem_class", sort=False)
         .agg(
@@ -75,6 +77,24 @@ def problem_classes(rows: pd.DataFrame) -> pd.DataFrame:
         )
         .reset_index()
     )
+
+
+def best_first(summary: pd.DataFrame, problem_class: str = ALL) -> pd.DataFrame:
+    """The class's rows of a summary by entry, the most problems reached first, the faster first among equals."""
+    own = summary[summary["problem_class"] == problem_class].set_index("entry")
+    return own.sort_values(["reached", "mean"], ascending=[False, True])
+
+
+def matrix(summary: pd.DataFrame) -> list[tuple[str, dict[str, Any]]]:
+    """The entries, best over all first, each with its row per class."""
+    cells = {entry: group.set_index("problem_class").to_dict("index") for entry, group in summary.groupby("entry")}
+    return [(entry, cells[entry]) for entry in best_first(summary).index]
+
+
+def race(summaries: dict[float, pd.DataFrame], problem_class: str = ALL) -> list[tuple[str, list[dict[str, Any]]]]:
+    """The entries of a class, best at the finest target first, each with its row at each target."""
+    own = {target: best_first(table, problem_class) for target, table in summaries.items()}
+    return [(entry, [table.loc[entry].to_dict() for table in own.values()]) for entry in own[min(own)].index]
 
 
 class Leaders(NamedTuple):
@@ -96,12 +116,14 @@ def leaders(summary: pd.DataFrame) -> Leaders | None:
     return Leaders(equals.iloc[0], len(equals), nearly.iloc[0])
 
 
-def gaps(rows: pd.DataFrame) -> int:
+def gaps(run: Run) -> int:
     """How many pairs of a problem and an entry have no row at all, as in a run cut short."""
+    rows = run.contested
     return rows["problem_id"].nunique() * rows["entry"].nunique() - len(rows.drop_duplicates(["problem_id", "entry"]))
 
 
-def overhead(rows: pd.DataFrame) -> float | None:
+def overhead(run: Run) -> float | None:
     """The share of the cells' time that was spent outside prepare and solve; None where it was not measured."""
+    rows = pd.concat([table[["overhead", "wall_time"]] for table in (run.rows, run.drives)])
     measured = rows[rows["overhead"].notna() & (rows["wall_time"] > 0)]
     return float(measured["overhead"].sum() / measured["wall_time"].sum()) if len(measured) else None

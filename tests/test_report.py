@@ -1,26 +1,38 @@
 """The report's numbers on tables small enough to check by hand, and its page on folders of every kind."""
 
+from collections import Counter
 from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pyarrow as pa
 import pytest
+from markupsafe import Markup
 
 from reports import accuracy, tables
-from reports.cells import annotate, contested
-from reports.figures import save_sheet
+from reports.charts import CHARTS, speed_accuracy
+from reports.drawing.figures import save_sheet
+from reports.drawing.style import looks
+from reports.drawing.text import plain, seconds
 from reports.page import write_report
 from reports.paper import booktabs, write_paper
-from reports.speed_accuracy import panels
-from reports.style import looks, plain, seconds
-from results.schema import SOLVES, VERDICTS
+from reports.run import Run, annotate, annotate_drives, read_run
+from results.schema import SOLVES, VERDICTS, arrow_schema
 from results.store import ResultsError
 from tests.made_results import drive_row, lost_row, solve_row, write_folder
 
 
+def table(name, rows):
+    return pa.Table.from_pylist(list(rows), arrow_schema(name)).to_pandas()
+
+
 def annotated(*rows):
-    return annotate(pd.DataFrame(list(rows), columns=[column.name for column in SOLVES]))
+    return annotate(table("solves", rows))
+
+
+def run_of(*rows):
+    return Run({}, annotated(*rows), annotate_drives(table("drives", [])))
 
 
 def by_entry(table, problem_class="bar"):
@@ -76,17 +88,17 @@ def test_a_class_skipped_as_a_whole_has_no_figure():
 
 
 def test_trivial_problems_enter_no_headline_and_are_counted_apart():
-    rows = annotated(solve_row("a", "p"), solve_row("a", "q", trivial=True), solve_row("a", "r", verdict="wrong", trivial=True))
-    assert accuracy.summary(accuracy.times_to(contested(rows), 1e-8))["problems"].tolist() == [1, 1]
-    row = tables.solvability(rows).iloc[0]
+    run = run_of(solve_row("a", "p"), solve_row("a", "q", trivial=True), solve_row("a", "r", verdict="wrong", trivial=True))
+    assert run.summaries[1e-8]["problems"].tolist() == [1, 1]
+    row = tables.solvability(run).iloc[0]
     assert (row["cells"], row["trivial"], row["solved"], row["wrong"]) == (1, 2, 1, 0)
-    assert tables.wrong_claims(rows)["problem"].tolist() == ["r"]
+    assert tables.wrong_claims(run)["problem"].tolist() == ["r"]
 
 
 def test_solvability_counts_every_verdict():
     answers = [solve_row("a", v, verdict=v, claimed=v != "unsolved") for v in ("solved", "relaxed", "wrong", "unsolved")]
     lost = [lost_row("a", v, v) for v in ("timeout", "crashed", "skipped")]
-    row = tables.solvability(annotated(*answers, *lost)).iloc[0]
+    row = tables.solvability(run_of(*answers, *lost)).iloc[0]
     assert (row["cells"], row["claimed"]) == (7, 3)
     assert all(row[verdict] == 1 for verdict in VERDICTS)
 
@@ -129,7 +141,7 @@ def test_leaders_are_the_most_frequent_and_the_fastest_of_nearly_as_frequent():
 
 
 def test_an_unfinished_run_has_gaps():
-    assert tables.gaps(annotated(solve_row("a", "p"), solve_row("a", "q"), solve_row("b", "p"))) == 1
+    assert tables.gaps(run_of(solve_row("a", "p"), solve_row("a", "q"), solve_row("b", "p"))) == 1
 
 
 class _Page(HTMLParser):
@@ -137,14 +149,14 @@ class _Page(HTMLParser):
 
     def __init__(self, path: Path) -> None:
         super().__init__()
-        self.tags: set[str] = set()
+        self.count: Counter[str] = Counter()
         self.references: list[str] = []
         self.handlers: list[str] = []
         self.text = ""
         self.feed(path.read_text(encoding="utf-8"))
 
     def handle_starttag(self, tag, attrs):
-        self.tags.add(tag)
+        self.count[tag] += 1
         self.references += [value or "" for name, value in attrs if name.split(":")[-1] in ("href", "src")]
         self.handlers += [name for name, _ in attrs if name.startswith("on")]
 
@@ -172,11 +184,8 @@ def test_the_page_has_all_its_parts_and_stands_alone(tmp_path):
     assert f"frictionbench rerun {tmp_path / 'run'} 'cell with '\"'\"'quotes'\"'\"'; and a blank'" in page.text
     assert "energy gained" in page.text
     assert "has not finished" not in page.text
-    assert not page.tags & {"script", "link", "iframe", "object", "form"}
+    assert not page.count.keys() & {"script", "link", "iframe", "object", "form"}
     assert all(reference.startswith(("#", "data:image/png")) for reference in page.references)
-    figures = {file.name for file in (tmp_path / "run" / "figures").iterdir()}
-    names = ("speed_accuracy", "profiles", "growth", "energy")
-    assert figures == {f"{name}.{kind}" for name in names for kind in ("svg", "pdf")}
 
 
 @pytest.mark.parametrize(
@@ -210,7 +219,7 @@ def test_strangers_text_stays_text(tmp_path):
         write_folder(tmp_path, [row | {"parameters": evil}, row | {"key": "b", "scene": "c"}], [drive], **manifest)
     )
     page = _Page(path)
-    assert "script" not in page.tags
+    assert "script" not in page.count
     assert page.handlers == []
     assert "alert(1)" in page.text
     assert "{{ 7 * 7 }}" in page.text
@@ -226,8 +235,8 @@ def test_a_folder_that_is_none_is_refused(tmp_path):
 
 
 def test_the_same_tables_make_the_same_figures(tmp_path):
-    rows = annotated(*RUN)
-    sheets = [save_sheet(panels(rows, look), look, tmp_path / name) for name in "ab" for look in [looks(rows["entry"])]]
+    runs = {name: run_of(*RUN) for name in "ab"}
+    sheets = [save_sheet(speed_accuracy.panels(run), run.looks, tmp_path / name) for name, run in runs.items()]
     for first, second in zip(*sheets, strict=True):
         assert first.read_bytes() == second.read_bytes()
 
@@ -238,9 +247,22 @@ def test_an_entry_looks_the_same_whatever_the_order():
     assert len(set(looks(names).values())) == 30
 
 
-def test_paper_has_figures_and_tables(tmp_path):
+def test_every_chart_is_on_the_page_and_in_the_paper(tmp_path):
+    folder = write_folder(tmp_path, RUN, [drive_row("nsgs")])
+    page, paper = _Page(write_report(folder)), write_paper(folder)
+    run = read_run(folder)
+    files = {f"{chart.name}.{kind}" for chart in CHARTS for kind in ("svg", "pdf")}
+    assert {file.name for file in (folder / "figures").iterdir()} == files
+    assert {file.name for file in paper.iterdir() if file.suffix != ".tex"} == files
+    assert page.count["figure"] == sum(len(chart.panels(run)[chart.on_page]) for chart in CHARTS)
+    for chart in CHARTS:
+        assert chart.title in page.text
+        assert Markup(chart.caption).striptags() in page.text
+
+
+def test_paper_has_tables(tmp_path):
     paper = write_paper(write_folder(tmp_path, RUN, [drive_row("nsgs")]))
-    assert {file.suffix for file in paper.iterdir()} == {".pdf", ".svg", ".tex"}
+    assert {file.name for file in paper.glob("*.tex")} == {"classes.tex", "solvability.tex", "times.tex"}
     times = (paper / "times.tex").read_text()
     assert "nsgs & 3/4 &" in times
     assert times.count(r"\midrule") == 1
@@ -283,10 +305,7 @@ def test_times_of_two_hosts_never_meet() -> None:
 
 
 def test_the_harness_own_share_by_hand() -> None:
-    rows = annotated(
-        solve_row("a", "p", wall_time=1.0, overhead=0.1),
-        solve_row("b", "p", wall_time=3.0, overhead=0.3),
-        lost_row("c", "p", "timeout"),
-    )
-    assert tables.overhead(rows) == pytest.approx(0.1)
-    assert tables.overhead(rows.tail(1)) is None
+    rows = [solve_row("a", "p", wall_time=1.0, overhead=0.1), solve_row("b", "p", wall_time=3.0, overhead=0.3)]
+    lost = lost_row("c", "p", "timeout")
+    assert tables.overhead(run_of(*rows, lost)) == pytest.approx(0.1)
+    assert tables.overhead(run_of(lost)) is None

@@ -11,7 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from reports.style import INK, RC, Look, plain
+from reports.drawing.style import INK, RC, Look
+from reports.drawing.text import plain
 
 PANEL = (3.9, 2.9)  # inches
 IMAGE = 200  # dots an inch of what is drawn as an image

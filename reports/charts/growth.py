@@ -5,24 +5,26 @@ from functools import partial
 import pandas as pd
 from matplotlib.axes import Axes
 
-from reports.accuracy import shifted_geometric_mean, times_to
-from reports.cells import contested
-from reports.figures import Panel
-from reports.style import Look, log_ticks, time_axis
+from reports.accuracy import TARGETS, shifted_geometric_mean
+from reports.charts.chart import Chart
+from reports.drawing.figures import Panel
+from reports.drawing.style import Look, log_ticks, time_axis
+from reports.drawing.text import power
+from reports.run import Run
 
+TARGET = TARGETS[1]
 SIZES = 3  # fewer make no curve
 
 
-def panels(rows: pd.DataFrame, looks: dict[str, Look], target: float) -> list[Panel]:
-    """A panel per scene that comes in three sizes or more; rows: the annotated solves table."""
-    made = []
-    for scene, group in contested(rows).groupby("scene", sort=False):
-        if group["contacts"].nunique() >= SIZES:
-            times = times_to(group, target)
-            contacts = group.groupby("problem_id")["contacts"].max()
-            times["contacts"] = times["problem_id"].map(contacts)
-            made.append(Panel(scene, partial(_draw, times=times, looks=looks)))
-    return made
+def panels(run: Run) -> list[Panel]:
+    """A panel per scene that comes in three sizes or more."""
+    problems = run.contested.groupby("problem_id").agg(scene=("scene", "first"), contacts=("contacts", "max"))
+    scenes = run.times[TARGET].join(problems, on="problem_id").groupby("scene", sort=False)
+    return [
+        Panel(scene, partial(_draw, times=times, looks=run.looks))
+        for scene, times in scenes
+        if times["contacts"].nunique() >= SIZES
+    ]
 
 
 def _draw(ax: Axes, times: pd.DataFrame, looks: dict[str, Look]) -> None:
@@ -41,3 +43,12 @@ def _draw(ax: Axes, times: pd.DataFrame, looks: dict[str, Look]) -> None:
     ax.grid(lw=0.4, alpha=0.3)
     ax.set_xlabel("contacts")
     ax.set_ylabel("time to the target")
+
+
+CHART = Chart(
+    name="growth",
+    panels=panels,
+    section="time",
+    title=f"Time against size, residual within {power(TARGET)}",
+    caption="Crosses: at least one problem of that size was missed and is charged at the time limit.",
+)

@@ -3,10 +3,11 @@
 from collections.abc import Iterable
 from typing import Any, Literal, NamedTuple
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+
+from reports.drawing.text import seconds
 
 INK = "#20242b"  # text and axes; a page replaces it by its own ink
 ALARM = "#d62728"
@@ -63,30 +64,6 @@ def looks(entries: Iterable[str]) -> dict[str, Look]:
     """A look for each entry, the same whatever the order of the rows."""
     names = sorted(set(entries))
     return {name: Look(_COLOURS[i % len(_COLOURS)], _MARKERS[i % len(_MARKERS)]) for i, name in enumerate(names)}
-
-
-def plain(text: str, longest: int = 48) -> str:
-    """Text a figure can hold: what the font or XML lacks replaced, cut to length, and no leading underscore, which hides
-    a legend's entry."""
-    latin = text.encode("latin-1", "replace").decode("latin-1")
-    shown = "".join(c if c.isprintable() else "?" for c in latin)
-    shown = shown if len(shown) <= longest else shown[: longest - 3] + "..."
-    return " " + shown if shown.startswith("_") else shown
-
-
-def seconds(value: float) -> str:
-    """A time in s with a unit that suits it: 12 µs, 3.4 ms, 0.56 s."""
-    if not np.isfinite(value):
-        return "–"
-    for scale, unit in ((1e-6, "µs"), (1e-3, "ms")):
-        if abs(value) < 999.5 * scale:
-            return f"{value / scale:.2g} {unit}" if abs(value) < 99.5 * scale else f"{value / scale:.0f} {unit}"
-    return f"{value:.2g} s" if abs(value) < 99.5 else f"{value:.0f} s"
-
-
-def power(value: float) -> str:
-    """A power of ten as a reader of numbers writes it: 1e-8."""
-    return f"1e{round(np.log10(value))}" if value > 0 else "0"
 
 
 def time_axis(ax: Axes, which: Literal["x", "y"]) -> None:

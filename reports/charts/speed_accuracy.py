@@ -10,11 +10,13 @@ from functools import partial
 import matplotlib as mpl
 import numpy as np
 import pandas as pd
+from markupsafe import Markup
 from matplotlib.axes import Axes
 
-from reports.cells import contested
-from reports.figures import Panel
-from reports.style import ALARM, INK, Look, log_ticks, time_axis
+from reports.charts.chart import Chart
+from reports.drawing.figures import Panel
+from reports.drawing.style import ALARM, INK, Look, log_ticks, time_axis
+from reports.run import Run
 from results.schema import RELAXED, SKIPPED, WRONG
 
 ZERO = 1e-17  # where a residual of exactly zero is drawn
@@ -23,10 +25,10 @@ STRIP = 2e3  # the strip above WORST
 CROWD = 1500  # dots beyond which they are drawn as an image
 
 
-def panels(rows: pd.DataFrame, looks: dict[str, Look]) -> list[Panel]:
-    """A panel per problem class; rows: the annotated solves table."""
-    classes = contested(rows).groupby("problem_class", sort=False)
-    return [Panel(name, partial(_draw, rows=group, looks=looks)) for name, group in classes]
+def panels(run: Run) -> list[Panel]:
+    """A panel per problem class."""
+    classes = run.contested.groupby("problem_class", sort=False)
+    return [Panel(name, partial(_draw, rows=group, looks=run.looks)) for name, group in classes]
 
 
 def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
@@ -79,3 +81,16 @@ def _misses(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
     for i, (entry, count) in enumerate(lost.items()):
         x, colour = 0.25 + 0.75 * i / max(6, len(lost)), looks[str(entry)].colour
         ax.text(x, 0.95, f"×{count}", transform=ax.transAxes, va="center", fontsize="small", weight="bold", color=colour)
+
+
+CHART = Chart(
+    name="speed_accuracy",
+    panels=panels,
+    section="chart",
+    caption=Markup(
+        "Lower is more accurate, further left is faster. Dots are cells; a line joins a solver's medians along its tolerances. "
+        "A dotted line with hollow markers is a relaxation's residual on its own model, the dashed line the error of that "
+        'model. <span class="alarm">Red rings</span> are wrong claims; the strip on top counts cells without an answer.'
+    ),
+    columns=3,
+)

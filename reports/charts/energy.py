@@ -1,6 +1,5 @@
 """Energy over time in closed loop, relative to the scene's energy scale: a rise is energy from nowhere."""
 
-import json
 from functools import partial
 
 import numpy as np
@@ -8,30 +7,25 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import PercentFormatter
 
-from reports.figures import Panel
-from reports.style import ALARM, INK, Look
+from reports.charts.chart import Chart
+from reports.drawing.figures import Panel
+from reports.drawing.style import ALARM, INK, Look
+from reports.drawing.text import scene_title
+from reports.run import Run
 
 POINTS = 200  # of a curve
+MOST = 24  # panels on the page
 
 
-def scene_title(scene: str, parameters: str) -> str:
-    """The scene with its parameters, as one line: stack(blocks=10, friction=0.5)."""
-    try:
-        values = json.loads(parameters or "{}")
-    except (ValueError, RecursionError):
-        values = {}
-    shown = ", ".join(f"{key}={value}" for key, value in values.items()) if isinstance(values, dict) else ""
-    return f"{scene}({shown})" if shown else scene
-
-
-def panels(drives: pd.DataFrame, looks: dict[str, Look]) -> list[Panel]:
+def panels(run: Run) -> list[Panel]:
     """A panel per scene and parameters and scheme that has a curve."""
+    drives = run.drives
     lengths = [min(_length(t), _length(e)) for t, e in zip(drives["times"], drives["energies"], strict=True)]
     with_curve = drives[np.array(lengths, dtype=int) > 1]
     groups = with_curve.groupby(["scene", "parameters", "scheme"], sort=False)
     several = len(with_curve["scheme"].unique()) > 1
     return [
-        Panel(scene_title(scene, parameters) + f", {scheme}" * several, partial(_draw, drives=group, looks=looks))
+        Panel(scene_title(scene, parameters) + f", {scheme}" * several, partial(_draw, drives=group, looks=run.looks))
         for (scene, parameters, scheme), group in groups
     ]
 
@@ -60,3 +54,14 @@ def _draw(ax: Axes, drives: pd.DataFrame, looks: dict[str, Look]) -> None:
     ax.grid(lw=0.4, alpha=0.3)
     ax.set_xlabel("time in s")
     ax.set_ylabel("change of energy")
+
+
+CHART = Chart(
+    name="energy",
+    panels=panels,
+    section="energy",
+    caption="Change of kinetic and potential energy since the start, relative to the scene's energy scale. Friction and "
+    "impacts take energy away: where no applied force gives any, a rise is an error of the scheme or the solver.",
+    columns=3,
+    on_page=slice(MOST),
+)

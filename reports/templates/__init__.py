@@ -7,7 +7,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from reports.style import power, seconds
+from reports.drawing.text import power, seconds
 
 
 def environment() -> Environment:

@@ -1,41 +1,76 @@
-"""The solves table made ready for a report: who ran (entry), on what (problem, problem class), and how long it took.
+"""A run as a report reads it: its manifest, and its tables made ready for figures. Page, paper and charts share this value.
+
+To the solves table come the columns
 
     entry           the variant of a solver; another start makes it another entry, and so does another host: times of two
                     machines never meet in one figure
     problem_id      a number for the problem of one time step
     problem_class   the scene; where a scene comes in several sizes, the scene and its band of sizes
     time            prepare and solve together, s
+    answered        there is an answer, verified and timed
 
-Trivial problems never enter a headline: `contested` leaves them out.
+Trivial problems never enter a headline: `Run.contested` leaves them out.
 """
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from reports.accuracy import TARGETS, summary, times_to
+from reports.drawing.style import Look, looks
 from results.schema import CRASHED, SKIPPED, TIMEOUT
+from results.store import read_manifest, read_table
 
 BANDS = (100, 1000)  # unknowns of the friction LCP: dense methods win below, sparse ones above
 NO_ANSWER = (TIMEOUT, CRASHED, SKIPPED)
 _IDENTITY = ["scene", "parameters", "step", "phase", "problem"]
 
 
+@dataclass(frozen=True, eq=False)
+class Run:
+    """The manifest and the two tables, annotated, of a results folder; what several readers need of them is made once."""
+
+    manifest: dict[str, Any]
+    rows: pd.DataFrame  # solves
+    drives: pd.DataFrame
+
+    @cached_property
+    def contested(self) -> pd.DataFrame:
+        """The rows of problems that are not trivial."""
+        return self.rows[~self.rows["trivial"]]
+
+    @cached_property
+    def looks(self) -> dict[str, Look]:
+        """The look of every entry that ran at all."""
+        tables = (self.rows, self.drives)
+        return looks(entry for table in tables for entry in table.loc[table["verdict"] != SKIPPED, "entry"])
+
+    @cached_property
+    def times(self) -> dict[float, pd.DataFrame]:
+        """Of each target the times to it, per problem and entry: see reports.accuracy."""
+        return {target: times_to(self.contested, target) for target in TARGETS}
+
+    @cached_property
+    def summaries(self) -> dict[float, pd.DataFrame]:
+        """Of each target its times summed up, per class and entry."""
+        return {target: summary(times) for target, times in self.times.items()}
+
+
+def read_run(folder: Path) -> Run:
+    """The run in a results folder. Errors: results.store.ResultsError where it is none or a table cannot be read."""
+    manifest = read_manifest(folder)
+    return Run(manifest, annotate(read_table(folder, "solves")), annotate_drives(read_table(folder, "drives")))
+
+
 def annotate(solves: pd.DataFrame) -> pd.DataFrame:
     """A copy of the solves table with the columns entry, problem_id, problem_class, time and answered."""
     rows = solves.reset_index(drop=True)
-    texts = [
-        "scene",
-        "parameters",
-        "solver",
-        "variant",
-        "model",
-        "verdict",
-        "reason",
-        "phase",
-        "problem",
-        "start",
-        "key",
-        "host",
-    ]
+    texts = ["scene", "parameters", "solver", "variant", "model", "verdict", "reason"]
+    texts += ["phase", "problem", "start", "key", "host"]
     rows[texts] = rows[texts].fillna("")
     rows["trivial"] = rows["trivial"].eq(True)
     rows["claimed"] = rows["claimed"].eq(True)
@@ -55,16 +90,6 @@ def annotate_drives(drives: pd.DataFrame) -> pd.DataFrame:
     texts = ["scene", "parameters", "variant", "verdict", "reason", "scheme"]
     rows[texts] = rows[texts].fillna("")
     return rows.assign(entry=rows["variant"])
-
-
-def contested(rows: pd.DataFrame) -> pd.DataFrame:
-    """The annotated rows of problems that are not trivial."""
-    return rows[~rows["trivial"]]
-
-
-def entrants(table: pd.DataFrame) -> list[str]:
-    """The entries of a table that ran at all; table: solves or drives with the column entry."""
-    return table.loc[table["verdict"] != SKIPPED, "entry"].drop_duplicates().tolist()
 
 
 def _classes(rows: pd.DataFrame) -> pd.Series:

@@ -1,0 +1,22 @@
+"""What a chart is to the page and the paper, which both walk the list in reports.charts."""
+
+from collections.abc import Callable, Sequence
+from typing import Literal, NamedTuple
+
+from reports.drawing.figures import Panel
+from reports.run import Run
+
+Section = Literal["solvability", "chart", "time", "energy"]  # of the page, by the id of its heading
+
+
+class Chart(NamedTuple):
+    """One or more panels under a name, without which there is nothing to see and the chart is left out."""
+
+    name: str  # of its files
+    panels: Callable[[Run], Sequence[Panel]]
+    section: Section
+    caption: str  # text, or markup of our own
+    title: str = ""  # none where the section's own will do
+    columns: int = 1  # of panels in the paper: one fills a column of text, several the width of the page
+    on_page: slice = slice(None)  # which of the panels the page shows
+    in_paper: slice = slice(None)  # which the paper shows

@@ -1,0 +1,1 @@
+"""How figures look, what they are drawn on, and how names and numbers are written."""

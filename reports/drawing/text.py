@@ -1,0 +1,39 @@
+"""How names and numbers are written, in figures, tables and pages alike."""
+
+import json
+
+import numpy as np
+
+
+def scene_title(scene: str, parameters: str) -> str:
+    """The scene with its parameters, as one line: stack(blocks=10, friction=0.5)."""
+    try:
+        values = json.loads(parameters or "{}")
+    except (ValueError, RecursionError):
+        values = {}
+    shown = ", ".join(f"{key}={value}" for key, value in values.items()) if isinstance(values, dict) else ""
+    return f"{scene}({shown})" if shown else scene
+
+
+def plain(text: str, longest: int = 48) -> str:
+    """Text a figure can hold: what the font or XML lacks replaced, cut to length, and no leading underscore, which hides
+    a legend's entry."""
+    latin = text.encode("latin-1", "replace").decode("latin-1")
+    shown = "".join(c if c.isprintable() else "?" for c in latin)
+    shown = shown if len(shown) <= longest else shown[: longest - 3] + "..."
+    return " " + shown if shown.startswith("_") else shown
+
+
+def seconds(value: float) -> str:
+    """A time in s with a unit that suits it: 12 µs, 3.4 ms, 0.56 s."""
+    if not np.isfinite(value):
+        return "–"
+    for scale, unit in ((1e-6, "µs"), (1e-3, "ms")):
+        if abs(value) < 999.5 * scale:
+            return f"{value / scale:.2g} {unit}" if abs(value) < 99.5 * scale else f"{value / scale:.0f} {unit}"
+    return f"{value:.2g} s" if abs(value) < 99.5 else f"{value:.0f} s"
+
+
+def power(value: float) -> str:
+    """A power of ten as a reader of numbers writes it: 1e-8."""
+    return f"1e{round(np.log10(value))}" if value > 0 else "0"
