@@ -6,6 +6,7 @@ loads nothing, and figures are drawn without interpreting names.
 """
 
 import shlex
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ from reports.accuracy import ALL
 from reports.animation import write_animations
 from reports.charts import CHARTS
 from reports.charts.chart import Chart
-from reports.drawing.figures import inline_svg, save_sheet, swatch
+from reports.drawing.figures import Panel, inline_svg, save_sheet, swatch
 from reports.drawing.text import power, scene_title, seconds
 from reports.run import Run, read_run
 from reports.templates import environment
@@ -42,15 +43,13 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
     scene_of = dict(zip(run.rows["problem_class"], run.rows["scene"], strict=True))
     return {
         "folder": folder.resolve().name,
-        "manifest": run.manifest,
+        "run": run,
         "setup": _setup(run.manifest),
         "finished": "finished" in run.manifest,
-        "rows": run.rows,
         "problems": run.rows["problem_id"].nunique(),
         "contested": run.contested["problem_id"].nunique(),
         "gaps": tables.gaps(run),
         "headline": headline(run),
-        "looks": run.looks,
         "swatches": {entry: Markup(swatch(one)) for entry, one in run.looks.items()},
         "matrices": {target: tables.matrix(table) for target, table in run.summaries.items()},
         "races": {name: tables.race(run.summaries, name) for name in [ALL, *scene_of]},
@@ -59,10 +58,10 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
         "outcomes": tables.OUTCOMES,
         "verdicts": VERDICTS,
         "reasons": tables.reasons(run),
-        "charts": _drawn(folder, run),
+        "charts": _charts(folder, run),
+        "svg": lambda panel: Markup(inline_svg(panel)),
         "by_class": tables.by_class(run),
         "classes": tables.problem_classes(run),
-        "drives": run.drives,
         "animations": animations,
         "animations_of": lambda name: [page for page in animations if page["scene"] == scene_of[name]],
         "claims": claims.head(MOST_CLAIMS),
@@ -106,14 +105,12 @@ def _setup(manifest: dict[str, Any]) -> str:
     return " · ".join(told)
 
 
-def _drawn(folder: Path, run: Run) -> dict[str, list[tuple[Chart, list[tuple[str, Markup]]]]]:
-    """Of each section of the page its charts, each with its panels by title; they are saved in DIR/figures/, too."""
-    figures = folder / "figures"
-    drawn: dict[str, list[tuple[Chart, list[tuple[str, Markup]]]]] = {}
+def _charts(folder: Path, run: Run) -> dict[str, list[tuple[Chart, Sequence[Panel]]]]:
+    """Of each section of the page the charts that have something to show, with their panels; saved in DIR/figures/, too."""
+    found: dict[str, list[tuple[Chart, Sequence[Panel]]]] = {}
     for chart in CHARTS:
         if panels := chart.panels(run)[chart.on_page]:
-            figures.mkdir(exist_ok=True)
-            save_sheet(panels, run.looks, figures / chart.name)
-            drawings = [(panel.title, Markup(inline_svg(panel))) for panel in panels]
-            drawn.setdefault(chart.section, []).append((chart, drawings))
-    return drawn
+            (folder / "figures").mkdir(exist_ok=True)
+            save_sheet(panels, run.looks, folder / "figures" / chart.name)
+            found.setdefault(chart.section, []).append((chart, panels))
+    return found

@@ -23,7 +23,7 @@ class Panel:
     """One drawing on one pair of axes."""
 
     title: str
-    draw: Callable[[Axes], None]
+    draw: Callable[[Axes], object]
 
 
 def inline_svg(panel: Panel, size: tuple[float, float] = PANEL) -> str:

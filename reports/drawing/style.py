@@ -37,18 +37,8 @@ RC: Any = {
     "pdf.fonttype": 42,
 }
 _COLOURS = (
-    "#0077bb",
-    "#e69f00",
-    "#009e73",
-    "#cc79a7",
-    "#56b4e9",
-    "#a6761d",
-    "#8c6bb1",
-    "#8a9a3b",
-    "#e7298a",
-    "#00a5a5",
-    "#c49a6c",
-    "#7f7f7f",
+    *("#0077bb", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#a6761d"),
+    *("#8c6bb1", "#8a9a3b", "#e7298a", "#00a5a5", "#c49a6c", "#7f7f7f"),
 )
 _MARKERS = ("o", "s", "^", "D", "v")  # 5 and 12 are coprime: 60 looks before one repeats
 
