@@ -21,10 +21,13 @@ from scipy import sparse
 
 from problems import check
 from problems.check import Array, require
+from problems.forms.definite import spectrum_ends
 from problems.forms.delassus import apply, delassus, delassus_diagonal, interleave, push
 from problems.forms.lcp import LCP, content_hash, friction_lcp
 from problems.forms.mass import invert_mass
 from problems.forms.relaxation import QP, ConeProgram, Laws, VelocityForm, relaxation_cone, relaxation_qp
+
+INDEFINITE = 1e-6  # of W's largest eigenvalue: recorded problems are indefinite by what their files' digits lost
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -82,7 +85,8 @@ class FrictionProblem:
 
         W: (nc*d, nc*d), kept as given, also where it is slightly unsymmetric. Errors: InputError naming the field.
         """
-        return DelassusProblem._known_by(W, q, friction, d, friction_bias)  # type: ignore[return-value]
+        require(d in (2, 3), "d", f"must be 2 or 3, got {d!r}")
+        return DelassusProblem(W=W, q=q, friction=friction, friction_bias=friction_bias, dimension=d)  # type: ignore[return-value]
 
     def fresh(self) -> Self:
         """The same problem without anything derived from it: what preparing it costs is met again."""
@@ -192,40 +196,78 @@ class FrictionProblem:
         return content_hash(dimension=self.dimension, **{name: getattr(self, name) for name in names})
 
 
-class DelassusProblem(FrictionProblem):
-    """A friction problem known only by u = W r + q; its velocities are those of the symmetric root of W, with unit mass."""
+def _every(first: int) -> cached_property[sparse.csr_array]:
+    """The rows of a DelassusProblem's Jacobian that are normal (first = 0) or tangential (1)."""
 
-    @classmethod
-    def _known_by(cls, W: Any, q: Any, friction: Any, d: int, friction_bias: Any) -> "DelassusProblem":
-        require(d in (2, 3), "d", f"must be 2 or 3, got {d!r}")
-        mu = check.vector("friction", friction)
-        q = check.vector("q", q, len(mu) * d)
-        W = check.matrix("W", W, (len(q), len(q)))
-        value, basis = np.linalg.eigh((W + W.T).toarray() / 2)
-        floor = np.finfo(float).eps * len(q) * max(abs(value).max(initial=0.0), np.finfo(float).tiny)
-        require(bool(np.all(value >= -1e-6 * abs(value).max(initial=0.0))), "W", "not positive semidefinite")
-        keep = value > floor
-        root = basis[:, keep] * np.sqrt(value[keep])
-        nv = root.shape[1]
-        rows = np.arange(len(q)).reshape(len(mu), d)
-        problem = cls(
-            mass=sparse.eye_array(nv),
-            normal=root[rows[:, 0]],
-            tangent=root[rows[:, 1:].ravel()],
-            friction=mu,
-            free_velocity=np.zeros(nv),
-            bias=q[rows[:, 0]],
-            friction_bias=friction_bias,
-            dimension=d,
-        )
-        problem.__dict__["W"] = W
-        problem.__dict__["q"] = q
-        problem.__dict__["scale"] = _mean_diagonal(W.diagonal(), d)
-        return problem
+    def rows(problem: "DelassusProblem") -> sparse.csr_array:
+        row = np.arange(len(problem.q)) % problem.dimension
+        return problem.jacobian[(row == 0) if first == 0 else (row > 0)]
+
+    return cached_property(rows)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DelassusProblem(FrictionProblem):
+    """A friction problem known only by u = W r + q.
+
+    W: (nc*d, nc*d), rows per contact, normal first, kept as given, also where it is slightly unsymmetric or has negative
+    eigenvalues down to -INDEFINITE of the largest (as far as problems.forms.definite sees). q: (nc*d,).
+
+    Its velocities (nc*d) are those of the symmetric root of W, with unit mass. The root is dense, and taken only where a method
+    asks for the Jacobian, its normal or its tangent rows. Errors: InputError naming the field.
+    """
+
+    W: sparse.csr_array = field()
+    q: Array = field()
+    mass: sparse.csr_array = field(init=False, repr=False)
+    free_velocity: Array = field(init=False, repr=False)
+    bias: Array = field(init=False, repr=False)
+    joints: sparse.csr_array = field(init=False, repr=False)
+    joint_bias: Array = field(init=False, repr=False)
+    normal: sparse.csr_array = field(init=False, repr=False, default=_every(0))
+    tangent: sparse.csr_array = field(init=False, repr=False, default=_every(1))
+
+    def __post_init__(self) -> None:
+        d = self.dimension
+        require(d in (2, 3), "dimension", f"must be 2 or 3, got {d!r}")
+        mu = check.vector("friction", self.friction)
+        nc = len(mu)
+        q = check.vector("q", self.q, nc * d)
+        identity = check.matrix("mass", sparse.eye_array(nc * d), (None, None))
+        checked = {
+            "friction": mu,
+            "q": q,
+            "W": check.matrix("W", self.W, (nc * d, nc * d)),
+            "friction_bias": check.vector("friction_bias", _or_zeros(self.friction_bias, nc), nc),
+            "mass": identity,
+            "inverse_mass": identity,
+            "free_velocity": check.vector("free_velocity", np.zeros(nc * d)),
+            "bias": check.vector("q", q[::d]),
+            "joints": check.matrix("joints", sparse.csr_array((0, nc * d)), (None, None)),
+            "joint_bias": check.vector("joint_bias", np.zeros(0)),
+        }
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
+        require(bool(np.all(mu >= 0)), "friction", "must not be negative")
+        require(bool(np.all(self.friction_bias >= 0)), "friction_bias", "must not be negative")
+        least, largest = spectrum_ends(self.W)
+        require(least >= -INDEFINITE * max(largest, 0.0), "W", "not positive semidefinite")
 
     @property
     def _given(self) -> tuple[str, ...]:
-        return (*super()._given, "W", "q")
+        return tuple(name for name in super()._given if name not in ("normal", "tangent"))
+
+    @cached_property
+    def jacobian(self) -> sparse.csr_array:
+        """J (nc*d, nc*d), with J J' the symmetric part of W; dense but for the columns of W's null space, which are empty."""
+        value, basis = np.linalg.eigh((self.W + self.W.T).toarray() / 2)
+        floor = np.finfo(float).eps * len(value) * abs(value).max(initial=0.0)
+        return sparse.csr_array(basis * np.sqrt(np.where(value > floor, value, 0.0)))
+
+    @cached_property
+    def scale(self) -> Array:
+        """s (nc,): the mean diagonal of each contact's block of W, 1/kg; 1 where it vanishes."""
+        return _mean_diagonal(self.W.diagonal(), self.dimension)
 
     def contact_velocity(self, impulse: Array) -> Array:
         r = np.asarray(impulse, dtype=float).ravel()

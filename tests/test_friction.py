@@ -1,5 +1,9 @@
 """The friction problem: its fields are checked, its forms agree, its hash and residual mean what they say."""
 
+import pickle
+from copy import copy, deepcopy
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -8,9 +12,11 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from problems import LCP, FrictionProblem, InputError
+from problems.forms.delassus import interleave
 from problems.random_problem import random_problem
 from problems.residual import fclib_error, project_cone, relaxation_residual, residual
 from problems.storage import load, save
+from solvers import solve
 from tests.friction_problems import spatial
 
 
@@ -250,6 +256,58 @@ def test_equal_problems_have_equal_hashes_and_files(tmp_path) -> None:
     assert load(tmp_path / "w.npz").hash == known.hash
     r = np.random.default_rng(0).random((4, 2))
     assert same_up_to_roundoff(residual(known, r), residual(problem, r))
+
+
+def known_by_W(seed: int = 0, contacts: int = 4) -> FrictionProblem:
+    base = spatial(seed, contacts=contacts)
+    return FrictionProblem.from_delassus(base.W, base.q, base.friction, 3, np.full(contacts, 0.1))
+
+
+def test_a_problem_known_by_W_is_copied_and_changed_like_any_other() -> None:
+    problem = known_by_W()
+    problem.normal  # noqa: B018  # what was derived belongs to this problem, not to its copies
+    for same in (copy(problem), deepcopy(problem), replace(problem), problem.fresh(), pickle.loads(pickle.dumps(problem))):
+        assert same.hash == problem.hash
+        assert np.array_equal(same.scale, problem.scale)
+    rough = replace(problem, friction=2 * problem.friction)
+    assert np.array_equal(rough.friction, 2 * problem.friction)
+    assert rough.hash != problem.hash
+    assert np.allclose(replace(problem, W=2 * problem.W).normal.toarray(), np.sqrt(2) * problem.normal.toarray())
+
+
+def test_the_velocities_of_a_problem_known_by_W_are_those_of_its_root() -> None:
+    problem = known_by_W()
+    r = np.random.default_rng(1).standard_normal((4, 3))
+    form = problem.velocity_form()
+    assert np.allclose((form.jacobian @ form.jacobian.T).toarray(), problem.W.toarray(), atol=1e-12)
+    assert np.allclose((problem.jacobian @ problem.velocity(r) + problem.q).reshape(4, 3), problem.contact_velocity(r))
+    assert np.array_equal(interleave(problem.normal, problem.tangent, 3).toarray(), problem.jacobian.toarray())
+
+
+def test_W_is_not_taken_apart_where_nobody_asks_for_velocities(monkeypatch) -> None:
+    def refuse(*_):
+        raise AssertionError("W was taken apart")
+
+    monkeypatch.setattr(np.linalg, "eigh", refuse)
+    problem = known_by_W(contacts=60)
+    for name in ("nsgs", "interior_point", "hybrid", "apgd_coulomb"):
+        assert residual(problem, solve(problem, name, tol=1e-6).impulse) <= 1e-6
+    with pytest.raises(AssertionError, match="taken apart"):
+        problem.velocity_form()
+
+
+@pytest.mark.parametrize(("negative", "accepted"), [(1e-8, True), (1e-4, False), (1.0, False)])
+def test_slight_indefiniteness_is_accepted(negative, accepted) -> None:
+    random = np.random.default_rng(0)
+    basis = np.linalg.qr(random.standard_normal((300, 300)))[0]
+    value = np.sort(random.uniform(0, 1, 300))
+    value[0] = -negative
+    W = basis * value @ basis.T
+    if accepted:
+        assert np.array_equal(FrictionProblem.from_delassus(W, np.ones(300), np.ones(100), 3).W.toarray(), W)
+    else:
+        with pytest.raises(InputError, match=r"^W: not positive semidefinite"):
+            FrictionProblem.from_delassus(W, np.ones(300), np.ones(100), 3)
 
 
 def test_a_damaged_file_is_named(tmp_path) -> None:

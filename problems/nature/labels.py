@@ -11,7 +11,7 @@ from scipy import sparse
 from scipy.linalg import cholesky, svdvals
 from scipy.optimize import linprog
 
-from problems.friction import FrictionProblem
+from problems.friction import DelassusProblem, FrictionProblem
 from problems.residual import residual
 
 DENSE_ROWS = 600
@@ -72,9 +72,13 @@ def _trivial(problem: FrictionProblem) -> str:
 
 def _rank_condition(problem: FrictionProblem) -> tuple[int, float | None]:
     """Rank and condition of W = A A', from the singular values of A, which are the roots of those of W: half the digits of a
-    badly conditioned W are lost in forming it."""
+    badly conditioned W are lost in forming it. Where W is all that is known they are its own."""
     if not problem.contacts:
         return 0, None
+    if isinstance(problem, DelassusProblem):
+        values = svdvals(problem.W.toarray())
+        rank = int(np.sum(values > len(values) * np.finfo(float).eps * values[0]))
+        return rank, float(values[0] / values[rank - 1]) if rank else None
     root = cholesky(problem.inverse_mass.toarray(), lower=True)
     A, G = problem.jacobian @ root, problem.joints @ root
     values = svdvals(A - (A @ np.linalg.pinv(G)) @ G if len(G) else A)
@@ -86,7 +90,8 @@ def pointedness(problem: FrictionProblem) -> float:
     """max { sum c : J'(c, beta) + F' lam = 0, |beta| <= mu c, 0 <= c <= 1 }, by linear programming; polygonal in space.
 
     The amount of normal impulse that the contacts can exchange without moving anything: 0 where the friction cone is pointed,
-    and then the impulses are bounded by the data. A body jammed between two walls has 2.
+    and then the impulses are bounded by the data. A body jammed between two walls has 2. Where only W is known the program is
+    too dense to be worth its time above DENSE_ROWS rows: NaN, as where it is not solved.
     """
     nc, d = problem.contacts, problem.dimension
     if not nc:
@@ -95,8 +100,14 @@ def pointedness(problem: FrictionProblem) -> float:
     directions = np.array([[1.0, -1.0]]) if d == 2 else np.array([np.cos(angle), np.sin(angle)])
     K = directions.shape[1]
     eye = sparse.eye_array(nc)
-    D = problem.tangent.T @ sparse.kron(eye, directions)
-    momentum = sparse.hstack([problem.normal.T, D, problem.joints.T], format="csr")
+    # W r = 0 where J' r = 0 and, symmetric and positive semidefinite, only there.
+    known_by_W = isinstance(problem, DelassusProblem)
+    if known_by_W and nc * d > DENSE_ROWS:
+        return np.nan
+    push = problem.W / (problem.W.max() or 1.0) if known_by_W else sparse.csr_array(problem.jacobian.T)
+    tangential = np.arange(nc * d) % d > 0
+    D = push[:, tangential] @ sparse.kron(eye, directions)
+    momentum = sparse.hstack([push[:, ~tangential], D, problem.joints.T], format="csr")
     nj = problem.joints.shape[0]
     cone = sparse.hstack(
         [-sparse.diags_array(problem.friction), sparse.kron(eye, np.ones((1, K))), sparse.csr_array((nc, nj))], format="csr"

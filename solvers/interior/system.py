@@ -108,17 +108,16 @@ def prepare(problem: FrictionProblem, relaxed: bool = False) -> System:
     q = problem.q.reshape(nc, d)
     speed = float(np.sqrt(np.einsum("ij,ij->i", q, q).max(initial=0.0))) or 1.0
     impulse = speed / float(np.exp(np.log(problem.scale).mean())) if nc else speed
-    mass, inverse, push, free_velocity, offset = problem.velocity_form()
-    feel, joints, unit = push, problem.joints, np.sqrt(impulse / speed / mass.diagonal())
     if isinstance(problem, DelassusProblem):
-        mass = inverse = feel = sparse.eye_array(nc * d, format="csr")
-        push, joints = sparse.csr_array(problem.W.T) * (impulse / speed), sparse.csr_array((0, nc * d))
-        free_velocity, unit = np.zeros(nc * d), np.ones(nc * d)
+        mass = inverse = feel = problem.mass
+        push, free_velocity, offset = sparse.csr_array(problem.W.T) * (impulse / speed), problem.free_velocity, q
+        unit, ratio = np.ones(nc * d), 1.0
     else:  # v = speed * unit * v^
+        mass, inverse, push, free_velocity, offset = problem.velocity_form()
+        feel, unit, ratio = push, np.sqrt(impulse / speed / mass.diagonal()), speed / impulse
         free_velocity = free_velocity / (unit * speed)
-    ratio = 1.0 if isinstance(problem, DelassusProblem) else speed / impulse
     fronts, place, contacts, joined, length, slot, constant = _lay_out(
-        _entries(push), _entries(feel), _entries(joints), _entries(mass), unit, ratio, d
+        _entries(push), _entries(feel), _entries(problem.joints), _entries(mass), unit, ratio, d
     )
     value, index, start = _reorder(_entries(inverse), place, unit, ratio)
     rubs = (problem.friction > 0) | (problem.friction_bias > 0)
