@@ -72,7 +72,7 @@ def show_rerun(folder: Path, key: str) -> None:
 
 def _stage(problem: str, folder: Path) -> Entry:
     """Store the problem of a file or the first problem of a scene under folder."""
-    if Path(problem).suffix:
+    if Path(problem).is_file() or Path(problem.partition("[")[0]).suffix:
         loaded = load(Path(problem))
         (folder / "problems").mkdir()
         save(loaded, folder / "problems" / f"{loaded.hash}.npz")

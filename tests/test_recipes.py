@@ -1,0 +1,67 @@
+"""The recipes of docs/house.md, followed word for word in a copy of the house."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+RECIPES = dict(
+    re.findall(r"^### (.+?)\n(.*?)(?=^### |\Z)", (ROOT / "docs" / "house.md").read_text(encoding="utf-8"), re.M | re.S)
+)
+PIPED = {"capture_output": True, "text": True, "check": False, "timeout": 300}
+# What each recipe's last command must show; a claim that is wrong must be seen to be.
+SHOWS = {
+    "Add a scene": ("lemke", "solved"),
+    "Add a solver": ("jacobi", "solved"),
+    "Add an outside solver": ("scipy_nnls", "wrong"),
+    "Add a chart": ("report:", "paper:"),
+}
+
+
+@pytest.fixture(scope="module")
+def house(tmp_path_factory) -> Path:
+    copy = tmp_path_factory.mktemp("house")
+    for folder in ("problems", "solvers", "harness", "results", "reports"):
+        shutil.copytree(ROOT / folder, copy / folder)
+    return copy
+
+
+def follow(recipe: str, house: Path) -> str:
+    """Write the files that a recipe gives, name its chart in the list, run its commands; what the last one printed."""
+    for name, text in re.findall(r"Write `([\w/.]+)`:\n\n```python\n(.*?)```", recipe, re.S):
+        lines = [line for line in text.splitlines() if line.strip()]
+        assert len(lines) <= 20, f"{name} is no recipe of a few lines"
+        (house / name).write_text(text, encoding="utf-8")
+    if chart := re.search(r"add `(\w+)\.CHART` to `CHARTS`", recipe):
+        charts = house / "reports" / "charts" / "__init__.py"
+        text = charts.read_text(encoding="utf-8")
+        text = re.sub(r"^(from reports.charts import .*)$", rf"\1, {chart[1]}", text, flags=re.M)
+        charts.write_text(
+            re.sub(r"^CHARTS = \((.*)\)$", rf"CHARTS = (\1, {chart[1]}.CHART)", text, flags=re.M), encoding="utf-8"
+        )
+    printed = ""
+    for command in re.findall(r"^    frictionbench (.+)$", recipe, re.M):
+        call = [sys.executable, "-c", "from harness.cli import main; main()", *command.split()]
+        done = subprocess.run(call, cwd=house, env=dict(os.environ, PYTHONPATH=str(house), COLUMNS="200"), **PIPED)
+        assert done.returncode == 0, done.stderr
+        printed = done.stdout
+    return printed
+
+
+@pytest.mark.parametrize("name", RECIPES)
+def test_the_recipe_works(name, house) -> None:
+    printed = follow(RECIPES[name], house)
+    for word in SHOWS[name]:
+        assert word in printed
+
+
+def test_the_chart_is_on_the_page_and_in_the_paper(house) -> None:
+    follow("".join(RECIPES.values()), house)
+    run = house / "runs" / "brick"
+    assert "Cells solved, trivial problems left out." in (run / "report.html").read_text(encoding="utf-8")
+    assert (run / "paper" / "solved.pdf").exists()
