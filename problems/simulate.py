@@ -1,6 +1,7 @@
 """A scene driven through time, and what the energy says about it."""
 
 from collections.abc import Iterator
+from contextlib import suppress
 
 import numpy as np
 
@@ -8,7 +9,7 @@ from problems.check import Array
 from problems.friction import FrictionProblem
 from problems.planar.collision import deepest_overlap
 from problems.scene import Scene
-from problems.schemes import Scheme, Solve, Step, start
+from problems.schemes import NoSolution, Scheme, Solve, Step, start
 from problems.schemes.anitescu_potra import anitescu_potra
 
 
@@ -22,6 +23,19 @@ def simulate(scene: Scene, solve: Solve, scheme: Scheme = anitescu_potra, steps:
     for _ in range(scene.steps if steps is None else steps):
         step = scheme(scene, step, solve)
         yield step
+
+
+def first_problem(scene: Scene, scheme: Scheme = anitescu_potra) -> FrictionProblem:
+    """The first friction problem that a scheme meets in a scene. Errors: InputError where the scheme refuses the scene."""
+    met: list[FrictionProblem] = []
+
+    def meet(problem: FrictionProblem) -> Array:
+        met.append(problem)
+        return np.zeros((problem.contacts, problem.dimension))
+
+    with suppress(NoSolution):
+        scheme(scene, start(scene), meet)
+    return met[0]
 
 
 def ledger_defect(problem: FrictionProblem, impulse: Array) -> float:

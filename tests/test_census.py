@@ -7,7 +7,8 @@ import solvers
 from problems import LCP, FrictionProblem, InputError, scene
 from problems.check import Array
 from problems.forms.force_level import Regime, force_level_lcp, regime
-from problems.nature.census import census, census_labels, lcp_census, mode
+from problems.nature.census import census, census_labels, lcp_census
+from problems.nature.mode import mode
 from problems.nature.polyhedra import Polyhedron, Shape, contains, cut, is_subset, polyhedron, shape, simplicial
 from problems.random_problem import random_problem
 from problems.residual import residual

@@ -60,7 +60,7 @@ def test_unknown_names_and_values_are_refused_by_name() -> None:
         ("stopping_block", "friction", 3.0),
         ("multiple_collisions", "speed", float("nan")),
         ("several_blocks", "drop", 0.0),
-        ("jam", "overlap", -0.1),
+        ("jam", "overlap", -0.6),
         ("wedge", "angle", 0.0),
         ("incline", "angle", 1.5),
         ("rocking_block", "tilt", -0.1),

@@ -11,19 +11,24 @@ from hashlib import sha256
 from typing import Any
 
 from problems import InputError
+from results.maps import Map
 
+USUAL = "anitescu_potra"  # scheme
 COLD, WARM, SHUFFLED = "cold", "warm", "shuffled"
+KEEP_ANSWER, KEEP_VELOCITY, RELAX = "answer", "velocity", "relaxation"  # after a failed step
 MOST_SHOWN = 100  # steps
 
 
 @dataclass(frozen=True)
 class Source:
-    """Problems of one scene. pick: how many, spread over its motion; 0 for the first step's alone, met without a solver."""
+    """Problems of one scene. pick: how many, spread over its motion; 0 for the first step's alone, met without a solver, as
+    the scheme has it."""
 
     scene: str
     parameters: dict[str, Any] = field(default_factory=dict)
     pick: int = 0
     steps: int | None = None
+    scheme: str = USUAL
 
     @property
     def key(self) -> str:
@@ -53,14 +58,15 @@ class SolveCell:
 
 @dataclass(frozen=True)
 class DriveCell:
-    """One scene driven in closed loop by one solver."""
+    """One scene driven in closed loop by one solver. after: how it goes on from a failed step, see harness.cells.drive."""
 
     scene: str
     parameters: dict[str, Any]
     variant: str
     tol: float
-    scheme: str = "anitescu_potra"
+    scheme: str = USUAL
     steps: int | None = None
+    after: str = KEEP_ANSWER
 
     table = "drives"
 
@@ -83,7 +89,9 @@ class Plan:
     starts: tuple[str, ...] = (COLD,)
     drives: tuple[Source, ...] = ()
     drive_solvers: tuple[str, ...] = ()
-    schemes: tuple[str, ...] = ("anitescu_potra",)
+    schemes: tuple[str, ...] = (USUAL,)
+    after_failure: tuple[str, ...] = (KEEP_ANSWER,)
+    maps: tuple[Map, ...] = ()
     drive_tol: float = 1e-8
     time_limit: float = 10.0
     drive_limit: float = 60.0
@@ -114,10 +122,11 @@ class Plan:
 
     def drive_cells(self) -> list[DriveCell]:
         return [
-            DriveCell(drive.scene, drive.parameters, variant, self.drive_tol, scheme, drive.steps)
+            DriveCell(drive.scene, drive.parameters, variant, self.drive_tol, scheme, drive.steps, after)
             for drive in self.drives
             for scheme in self.schemes
             for variant in self.drive_solvers
+            for after in self.after_failure
         ]
 
     def shown(self) -> list[Source]:
@@ -141,4 +150,6 @@ def _check(condition: bool, field: str, complaint: str) -> None:
 
 
 def _key(kind: str, value: Source | SolveCell | DriveCell) -> str:
-    return kind + "-" + sha256(json.dumps(asdict(value), sort_keys=True).encode()).hexdigest()[:16]
+    """A hash of what makes the value what it is; going on with the answer after a failure is not told, as ever."""
+    told = {name: part for name, part in asdict(value).items() if (name, part) != ("after", KEEP_ANSWER)}
+    return kind + "-" + sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()[:16]

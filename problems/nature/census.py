@@ -160,19 +160,6 @@ def census_labels(problem: FrictionProblem) -> dict[str, str | int | None]:
     }
 
 
-def mode(problem: FrictionProblem, impulse: Array, tol: float = 1e-6) -> str:
-    """What an answer (nc, 2) makes of each planar contact: "o"pen, "s"ticking, sliding "l"eft or "r"ight.
-
-    An impulse below tol |q|/s is none, a velocity below tol |q| is rest, q the largest free contact velocity.
-    """
-    require(problem.dimension == 2, "dimension", "modes need planar contacts")
-    u = problem.contact_velocity(impulse)
-    free = np.abs(problem.q).max(initial=0.0)
-    opened = problem.scale * np.abs(impulse).max(axis=1, initial=0.0) <= tol * free
-    slip = np.where(np.abs(u[:, 1]) <= tol * free, 0, np.sign(u[:, 1])).astype(int)
-    return "".join(np.where(opened, "o", np.array(["s", "r", "l"])[slip]))
-
-
 def _require_few(field: str, choices: list[list[Choice]]) -> None:
     modes = prod(len(several) for several in choices)
     require(modes <= MODES, field, f"a census goes through at most {MODES} modes, here are {modes}")

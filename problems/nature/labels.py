@@ -108,6 +108,8 @@ def pointedness(problem: FrictionProblem) -> float:
     tangential = np.arange(nc * d) % d > 0
     D = push[:, tangential] @ sparse.kron(eye, directions)
     momentum = sparse.hstack([push[:, ~tangential], D, problem.joints.T], format="csr")
+    size = abs(momentum).max(axis=1).toarray().ravel()
+    momentum = sparse.diags_array(1 / np.where(size > 0, size, 1.0)) @ momentum  # a moment must not be small for its units
     nj = problem.joints.shape[0]
     cone = sparse.hstack(
         [-sparse.diags_array(problem.friction), sparse.kron(eye, np.ones((1, K))), sparse.csr_array((nc, nj))], format="csr"

@@ -12,20 +12,27 @@ DENSITY = 1 / (np.pi * RADIUS**2)  # of a disc of 1 kg
 
 
 @generator()
-def jam(friction: float = 0.5, speed: float = 1.0, overlap: float = 0.0, step: float = 0.01, duration: float = 1.0) -> Scene:
+def jam(
+    friction: float = 0.5,
+    speed: float = 1.0,
+    overlap: float = 0.0,
+    sideways: float = 0.0,
+    step: float = 0.01,
+    duration: float = 1.0,
+) -> Scene:
     """A disc of 1 kg slides up between two upright walls that just hold it: the talk's difficult friction configuration.
 
     The normals cancel, so normal impulses of any size do nothing, and the friction cone is not pointed. The solutions are not
     unique nor their set convex: with V = speed - g h, normal impulses c = s V/(2 mu) on both walls slow the disc to (1-s) V,
-    for s in [0, 1], and any larger ones stop it (page 22 of Anitescu 1999). overlap: m, by which the walls stand too close; a
-    scheme on gaps then has no solution.
+    for s in [0, 1], and any larger ones stop it (page 22 of Anitescu 1999). overlap: m, by which the walls stand too close, so
+    that a scheme on gaps has no solution; negative where they leave a gap. speed, sideways: m/s, up and to the right.
     """
-    squeeze = number("overlap", overlap, least=0, most=RADIUS) / 2
+    squeeze = number("overlap", overlap, least=-RADIUS, most=RADIUS) / 2
     return Scene(
         bodies=(rigid_disc(RADIUS, DENSITY),),
         obstacles=(vertical_wall(squeeze - RADIUS, side=-1), vertical_wall(RADIUS - squeeze, side=1)),
         q0=np.zeros(3),
-        v0=np.array([0.0, number("speed", speed), 0.0]),
+        v0=np.array([number("sideways", sideways), number("speed", speed), 0.0]),
         friction=friction,
         step=step,
         duration=duration,
@@ -33,17 +40,25 @@ def jam(friction: float = 0.5, speed: float = 1.0, overlap: float = 0.0, step: f
 
 
 @generator()
-def wedge(angle: float = 0.5, friction: float = 0.3, speed: float = 1.0, step: float = 0.01, duration: float = 1.0) -> Scene:
+def wedge(
+    angle: float = 0.5,
+    friction: float = 0.3,
+    speed: float = 1.0,
+    depth: float = 0.0,
+    step: float = 0.01,
+    duration: float = 1.0,
+) -> Scene:
     """A disc of 1 kg hits both walls of an upright wedge at once, and stays.
 
     It stops in every solution, u = 0. The impulses are bounded for friction < tan(angle); from there on the walls can press
     against each other through the disc, and it locks. angle: rad, of each wall from the vertical. speed: m/s, downwards.
+    depth: m, by which the disc overlaps both walls at first.
     """
     angle = number("angle", angle, above=0, most=1.5)
     return Scene(
         bodies=(rigid_disc(RADIUS, DENSITY),),
         obstacles=(half_plane(slope=angle - np.pi / 2), half_plane(slope=np.pi / 2 - angle)),
-        q0=np.array([0.0, RADIUS / np.sin(angle), 0.0]),
+        q0=np.array([0.0, (RADIUS - number("depth", depth, least=0, most=RADIUS)) / np.sin(angle), 0.0]),
         v0=np.array([0.0, -number("speed", speed), 0.0]),
         friction=friction,
         step=step,

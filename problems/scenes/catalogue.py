@@ -3,7 +3,8 @@
     @generator(example_3={"friction": 0.02}, example_4={"friction": 0.1})
     def two_blocks(friction: float = 0.02, ...) -> Scene: ...
 
-lists a function under its own name and under others with defaults of their own.
+lists a function under its own name and under others with defaults of their own. Every scene also takes mass_unit and
+length_unit, in which its masses and lengths are then counted: the same motion in other numbers.
 """
 
 from collections.abc import Callable
@@ -14,6 +15,7 @@ from typing import Any, TypeVar
 from problems.check import require
 from problems.scene import Scene
 from problems.scenes.parameters import number
+from problems.scenes.units import in_units
 
 
 @dataclass(frozen=True)
@@ -30,6 +32,7 @@ class SceneInfo:
         return self.description.splitlines()[0]
 
 
+UNITS = ("mass_unit", "length_unit")
 _scenes: dict[str, SceneInfo] = {}
 Generator = TypeVar("Generator", bound=Callable[..., Scene])
 
@@ -60,9 +63,13 @@ def scene(name: str, **parameters: Any) -> Scene:
     """
     require(name in _scenes, "scene", f"unknown scene {name!r}; known are {', '.join(scenes())}")
     info = _scenes[name]
-    for key in parameters:
+    units = {key: number(key, parameters[key], above=0) for key in UNITS if key in parameters}
+    for key in parameters.keys() - units:
         require(key in info.parameters, key, f"the scene {name} has no such parameter; it has {', '.join(info.parameters)}")
     chosen = info.parameters | parameters
     for key in {"friction", "restitution", "step", "duration"} & chosen.keys():
         number(key, chosen[key])
-    return replace(info.make(**chosen), name=name, parameters=chosen)
+    made = info.make(**{key: value for key, value in chosen.items() if key not in units})
+    if units:
+        made = in_units(made, units.get("mass_unit", 1.0), units.get("length_unit", 1.0))
+    return replace(made, name=name, parameters=chosen)

@@ -16,6 +16,7 @@ def painleve_rod(
     friction: float = 1.5,
     tip_velocity: float = -1.0,
     spin: float = 0.0,
+    lift: float = 0.0,
     mass: float = 1.0,
     half_length: float = 1.0,
     step: float = 0.01,
@@ -29,7 +30,9 @@ def painleve_rod(
 
         r_n = 3/4 m sin cos |v_t|,    r_t = 1/4 m (1 + 3 cos^2) |v_t|,    losing m (1 + 3 cos^2) v_t^2 / 8.
 
-    angle: rad from the ground. tip_velocity: m/s along the ground, to the left negative. spin: rad/s.
+    Where p < 0 and the tip lifts, by lift > g h, an impulse problem has three solutions: it opens, sticks or slides.
+
+    angle: rad from the ground. tip_velocity: m/s along the ground, to the left negative. lift: m/s, of the tip. spin: rad/s.
     """
     angle = number("angle", angle, above=0, most=np.pi / 2)
     spin, speed = number("spin", spin), number("tip_velocity", tip_velocity)
@@ -39,7 +42,7 @@ def painleve_rod(
         bodies=(rigid_rod(length, number("mass", mass, above=0)),),
         obstacles=(half_plane(),),
         q0=np.array([cos, sin, angle]),
-        v0=np.array([speed - spin * sin, spin * cos, spin]),
+        v0=np.array([speed - spin * sin, number("lift", lift) + spin * cos, spin]),
         friction=friction,
         step=step,
         duration=duration,

@@ -9,23 +9,35 @@ from problems.scenes.parameters import count, number
 
 
 @generator()
-def stack(blocks: int = 10, friction: float = 0.5, mass_ratio: float = 1.0, push: float = 0.0, step: float = 0.01) -> Scene:
+def stack(
+    blocks: int = 10,
+    friction: float = 0.5,
+    mass_ratio: float = 1.0,
+    push: float = 0.0,
+    shear: float = 0.0,
+    jitter: float = 0.0,
+    step: float = 0.01,
+) -> Scene:
     """A straight stack of unit boxes, the lowest pushed sideways.
 
     With push = 0 it rests, and interface i carries the weight of all above it, however the two contacts share it: with equal
     masses, m g h (blocks - i). mass_ratio: the densities grow by one factor from each box to the next, the topmost box having
-    mass_ratio times the lowest one's: iterations over contacts suffer where it is large. push: m/s, of the lowest box.
+    mass_ratio times the lowest one's: iterations over contacts suffer where it is large. push: m/s, of the lowest box. shear:
+    1/s, the boxes being the faster the higher they are. jitter: how unlike the boxes are, up to this share of their mass and
+    of the way they stand aside: 0 makes every contact an exact tie.
     """
     n = count("blocks", blocks)
     ratio = number("mass_ratio", mass_ratio, above=0)
-    density = ratio ** (np.arange(n) / max(n - 1, 1))
     level = np.arange(n)
+    aside, heavier = number("jitter", jitter, least=0, most=0.4) * np.random.default_rng(0).uniform(-1, 1, (n, 2)).T + 0.0
+    density = ratio ** (level / max(n - 1, 1)) * (1 + heavier)
     velocity = np.zeros((n, 3))
-    velocity[0, 0] = number("push", push)
+    velocity[:, 0] = number("shear", shear) * (level + 0.5)
+    velocity[0, 0] += number("push", push)
     return Scene(
         bodies=tuple(rigid_box(1.0, 1.0, float(rho)) for rho in density),
         obstacles=(half_plane(),),
-        q0=np.column_stack([np.zeros(n), level + 0.5, np.zeros(n)]),
+        q0=np.column_stack([aside, level + 0.5, np.zeros(n)]),
         v0=velocity,
         friction=friction,
         step=step,
@@ -54,15 +66,17 @@ def wall(rows: int = 5, columns: int = 5, friction: float = 0.5, push: float = 0
 
 
 @generator()
-def pyramid(rows: int = 5, friction: float = 0.5, push: float = 0.0, step: float = 0.01) -> Scene:
+def pyramid(rows: int = 5, friction: float = 0.5, push: float = 0.0, shear: float = 0.0, step: float = 0.01) -> Scene:
     """A pyramid of unit boxes, each resting on two that stand apart, the topmost pushed sideways.
 
-    With push = 0 it rests. The boxes of a row are 0.2 apart. push: m/s, of the topmost box.
+    With push = 0 it rests. The boxes of a row are 0.2 apart. push: m/s, of the topmost box. shear: 1/s, the boxes being the
+    faster the higher they are.
     """
     rows = count("rows", rows)
     place = [(1.2 * (i + row / 2), row + 0.5, 0.0) for row in range(rows) for i in range(rows - row)]
     velocity = np.zeros((len(place), 3))
-    velocity[-1, 0] = number("push", push)
+    velocity[:, 0] = number("shear", shear) * np.array(place)[:, 1]
+    velocity[-1, 0] += number("push", push)
     return Scene(
         bodies=tuple(rigid_box(1.0, 1.0) for _ in place),
         obstacles=(half_plane(),),

@@ -5,7 +5,8 @@ import pytest
 
 from problems import FrictionProblem, scene
 from problems.forms.force_level import Regime, force_level_lcp, regime
-from problems.nature.census import census, lcp_census, mode
+from problems.nature.census import census, lcp_census
+from problems.nature.mode import mode
 from problems.nature.polyhedra import Shape
 from solvers import Status, solve
 

@@ -1,0 +1,48 @@
+"""An arch of voussoirs, held up by its own thrust: what interlocks needs no friction to stay, and some not to slide."""
+
+import numpy as np
+
+from problems.planar.bodies import Body, Shape, half_plane
+from problems.scene import Scene
+from problems.scenes.catalogue import generator
+from problems.scenes.parameters import count, number
+
+
+@generator()
+def arch(
+    stones: int = 7, friction: float = 0.5, thickness: float = 0.3, push: float = 0.0, step: float = 0.01, duration: float = 1.0
+) -> Scene:
+    """A half circle of equal stones on the ground, joint against joint.
+
+    It stands iff it is thick enough for a line of thrust (for many stones thickness >= 0.107, Heyman 1969) and rough enough
+    that no joint slides. The middle line has the radius 1 m. thickness: m. push: m/s, of the middle stone, to the right.
+    """
+    n, thick = count("stones", stones, least=2), number("thickness", thickness, above=0, most=1)
+    half = np.pi / n / 2
+    inner, outer = 1 - thick / 2, 1 + thick / 2
+    corners = np.array([[outer, -half], [outer, half], [inner, half], [inner, -half]])
+    stone = corners[:, :1] * np.column_stack([np.cos(corners[:, 1]), np.sin(corners[:, 1])])
+    mass, centre, inertia = _homogeneous(stone)
+    bodies = tuple(Body(mass, inertia, (Shape(stone - centre),)) for _ in range(n))
+    turn = np.pi - half * (2 * np.arange(n) + 1)
+    velocity = np.zeros((n, 3))
+    velocity[n // 2, 0] = number("push", push)
+    return Scene(
+        bodies=bodies,
+        obstacles=(half_plane(),),
+        q0=np.column_stack([centre[0] * np.cos(turn), centre[0] * np.sin(turn), turn]),
+        v0=velocity,
+        friction=friction,
+        step=step,
+        duration=duration,
+    )
+
+
+def _homogeneous(corners: np.ndarray) -> tuple[float, np.ndarray, float]:
+    """Mass, centre and inertia about it of a polygon (k, 2) of density 1, by triangles at the origin."""
+    a, b = corners, np.roll(corners, -1, axis=0)
+    twice = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    mass = twice.sum() / 2
+    centre = ((a + b) * twice[:, None]).sum(axis=0) / (6 * mass)
+    about_origin = (twice * (a * a + a * b + b * b).sum(axis=1)).sum() / 12
+    return float(mass), centre, float(about_origin - mass * centre @ centre)

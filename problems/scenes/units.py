@@ -1,0 +1,32 @@
+"""A scene in other units of mass and length, time as it is: the same motion in other numbers.
+
+No solver may notice: what works in one set of units and not in another has an absolute tolerance somewhere.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from problems.planar.bodies import Body, Shape
+from problems.planar.joints import Hinge
+from problems.scene import Scene
+
+
+def in_units(scene: Scene, mass: float, length: float) -> Scene:
+    """The scene with every mass multiplied by `mass` and every length by `length`."""
+
+    def scaled(shape: Shape) -> Shape:
+        return replace(shape, corners=shape.corners * length, radius=shape.radius * length)
+
+    unit = np.tile([length, length, 1.0], len(scene.bodies))
+    return replace(
+        scene,
+        bodies=tuple(
+            Body(body.mass * mass, body.inertia * mass * length**2, tuple(map(scaled, body.shapes))) for body in scene.bodies
+        ),
+        obstacles=tuple(map(scaled, scene.obstacles)),
+        hinges=tuple(Hinge(hinge.bodies, hinge.points * length) for hinge in scene.hinges),
+        q0=scene.q0 * unit,
+        v0=scene.v0 * unit,
+        gravity=(scene.gravity[0] * length, scene.gravity[1] * length),
+    )
