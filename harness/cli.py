@@ -32,7 +32,7 @@ Solvers = Annotated[
 ]
 Tolerances = Annotated[str | None, typer.Option("--tol", metavar="T,T,...", help="Residuals to ask for, like 1e-4,1e-6,1e-8.")]
 Limit = Annotated[
-    float | None, typer.Option("--time-limit", metavar="S", help="Seconds for prepare and solve together, enforced.")
+    float | None, typer.Option("--time-limit", metavar="S", help="Seconds for form, setup and solve together, enforced.")
 ]
 Jobs = Annotated[int | None, typer.Option("--jobs", min=1, help="Worker processes, one core each; all cores by default.")]
 

@@ -1,12 +1,20 @@
 """What an answer is worth, found from the problem alone. Nothing that a solver says is believed; nothing else decides.
 
-    solved      the residual of the exact problem is within the tolerance, whatever the solver says of itself
-    relaxed     it is not, but the model that the solver was given is solved within the tolerance
-    wrong       neither, and the solver claims to have solved it; or what came back is no answer at all
-    unsolved    neither, and the solver says so
+    solved        the residual of the exact problem is within the tolerance, whatever the solver says of itself
+    relaxed       it is not, but the model that the solver was given is solved within the tolerance
+    missed        neither, the solver claims to have solved it, and the nearer of the two is off by less than a factor of ten
+    unjudgeable   it claims so, and its residual may be nothing but rounding, which alone is above the tolerance
+    wrong         it claims so, and is off by more; or what came back is no answer at all
+    unsolved      none of the first two, and the solver says so
 
 The exact problem's residual and the model's are measured apart: the first is model error and solver error together, the
-second the solver's alone.
+second the solver's alone. Verdicts are no finer than arithmetic: see residual_floor in problems.residual.
+
+What tol means, and the margins that solvers keep. tol is a bound of the residual of the solver's own model, in the measure of
+problems.residual, which is the worst contact's. A solver that computes this very residual stops at tol. One that stops by
+another measure is to ask for as much less as that measure can fall short of this one, tol times a margin that stands where
+it is used, with its reason; so no solver does more work than its measure needs, and none is paid for claiming early. What a
+bound between two norms cannot promise is `missed` where it comes close and `wrong` where it does not.
 """
 
 from dataclasses import dataclass
@@ -15,20 +23,24 @@ import numpy as np
 
 from problems import LCP, FrictionProblem
 from problems.check import Array
-from problems.residual import fclib_error, relaxation_residual, residual
+from problems.residual import energy_within, fclib_error, relaxation_residual, residual, residual_floor
 from problems.simulate import ledger_defect
-from results.schema import RELAXED, SOLVED, UNSOLVED, WRONG
+from results.schema import MISSED, RELAXED, SOLVED, UNJUDGEABLE, UNSOLVED, WRONG
 from solvers import Answer, SolverInfo, Status
+
+NEAR = 10.0  # times the tolerance: an honest difference of norms
+FAR = 10.0  # times the energy defect that the tolerance allows: a reason to look
 
 
 @dataclass(frozen=True)
 class Finding:
-    """The verdict and what it rests on; residuals as in problems.residual, energy_defect in joules."""
+    """The verdict and what it rests on; residuals and their floor as in problems.residual, energy_defect in joules."""
 
     verdict: str
     reason: str
     residual: float
     model_residual: float
+    floor: float
     fclib_error: float
     energy_defect: float
 
@@ -38,14 +50,19 @@ def verify(problem: FrictionProblem, answer: Answer, info: SolverInfo, tol: floa
     claimed = answer.status is Status.SOLVED
     impulse = np.asarray(answer.impulse, dtype=float)
     if complaint := _complaint(problem, impulse):
-        return Finding(WRONG if claimed else UNSOLVED, complaint, *(np.inf,) * 4)
-    exact = residual(problem, impulse)
+        return Finding(WRONG if claimed else UNSOLVED, complaint, *(np.inf,) * 5)
+    exact, floor = residual(problem, impulse), residual_floor(problem, impulse)
     model = _model_residual(problem, answer, info, exact)
-    verdict = _verdict(exact, model, claimed, tol)
-    reason = answer.detail or (answer.status.value if verdict == UNSOLVED else "")
-    if verdict == WRONG:
-        reason = f"claims a residual within {tol:g}, has {exact:.2g}" + (f"; {answer.detail}" if answer.detail else "")
-    return Finding(verdict, reason, exact, model, fclib_error(problem, impulse), ledger_defect(problem, impulse))
+    verdict = _verdict(exact, model, floor, claimed, tol)
+    defect = ledger_defect(problem, impulse)
+    reasons = [
+        _reason(verdict, exact, model, floor, tol),
+        answer.detail or (answer.status.value if verdict == UNSOLVED else ""),
+    ]
+    allowed = energy_within(problem, impulse, max(exact, tol))
+    if abs(defect) > FAR * allowed:
+        reasons.append(f"look: an energy defect of {abs(defect):.2g} J, where such a residual explains {allowed:.2g}")
+    return Finding(verdict, "; ".join(filter(None, reasons)), exact, model, floor, fclib_error(problem, impulse), defect)
 
 
 def _complaint(problem: FrictionProblem, impulse: Array) -> str | None:
@@ -66,17 +83,33 @@ def _model_residual(problem: FrictionProblem, answer: Answer, info: SolverInfo, 
 
 
 def verify_lcp(lcp: LCP, answer: Answer, tol: float) -> Finding:
-    """The finding on an answer to a bare LCP; FCLIB's error and the energy have no meaning there."""
+    """The finding on an answer to a bare LCP; its rounding, FCLIB's error and the energy are not measured there."""
     claimed = answer.status is Status.SOLVED
     if answer.z is None or np.shape(answer.z) != (lcp.size,):
-        return Finding(WRONG if claimed else UNSOLVED, "z is missing or of the wrong shape", *(np.inf,) * 4)
+        return Finding(WRONG if claimed else UNSOLVED, "z is missing or of the wrong shape", *(np.inf,) * 5)
     found = lcp.residual(answer.z)
-    return Finding(_verdict(found, found, claimed, tol), answer.detail, found, found, np.nan, np.nan)
+    verdict = _verdict(found, found, 0.0, claimed, tol)
+    reason = "; ".join(filter(None, (_reason(verdict, found, found, 0.0, tol), answer.detail)))
+    return Finding(verdict, reason, found, found, 0.0, np.nan, np.nan)
 
 
-def _verdict(exact: float, model: float, claimed: bool, tol: float) -> str:
+def _verdict(exact: float, model: float, floor: float, claimed: bool, tol: float) -> str:
+    if floor > tol and min(exact, model) <= floor:
+        return UNJUDGEABLE if claimed else UNSOLVED
     if exact <= tol:
         return SOLVED
     if model <= tol:
         return RELAXED
-    return WRONG if claimed else UNSOLVED
+    if not claimed:
+        return UNSOLVED
+    return MISSED if min(exact, model) < NEAR * tol else WRONG
+
+
+def _reason(verdict: str, exact: float, model: float, floor: float, tol: float) -> str:
+    if verdict == UNJUDGEABLE:
+        return f"rounding alone may make a residual of {floor:.2g}, and {tol:g} was asked for"
+    if verdict in (MISSED, WRONG):
+        nearest = min(exact, model)
+        of = "" if nearest == exact else " of its model"
+        return f"claims a residual{of} within {tol:g}, has {nearest:.2g}, {nearest / tol:.2g} times that"
+    return ""

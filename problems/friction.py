@@ -22,7 +22,7 @@ from scipy import sparse
 from problems import check
 from problems.check import Array, require
 from problems.forms.definite import spectrum_ends
-from problems.forms.delassus import apply, delassus, delassus_diagonal, interleave, push
+from problems.forms.delassus import apply, delassus, delassus_diagonal, interleave, push, velocity_size
 from problems.forms.lcp import LCP, content_hash, friction_lcp
 from problems.forms.mass import invert_mass
 from problems.forms.relaxation import QP, ConeProgram, Laws, VelocityForm, relaxation_cone, relaxation_qp
@@ -137,6 +137,19 @@ class FrictionProblem:
         u = apply(self.jacobian, self.velocity(impulse)).reshape(self.contacts, self.dimension)
         u[:, 0] += self.bias
         return u
+
+    def velocity_size(self, impulse: Array) -> Array:
+        """(nc, d): the size of the terms that add up to contact_velocity, of whose sum rounding takes some eps."""
+        r = np.asarray(impulse, dtype=float).ravel()
+        size = velocity_size(self.jacobian, self.inverse_mass, self.free_velocity, r)
+        if self.joints.shape[0]:
+            pushed = push(self.jacobian, self.inverse_mass, self.free_velocity, r)
+            response, inverse = self._joint_response
+            held = abs(self.joints) @ np.abs(pushed) + np.abs(self.joint_bias)
+            size += abs(self.jacobian) @ (np.abs(response) @ (np.abs(inverse) @ held))
+        size = size.reshape(self.contacts, self.dimension)
+        size[:, 0] += np.abs(self.bias)
+        return size
 
     @cached_property
     def q(self) -> Array:
@@ -272,6 +285,10 @@ class DelassusProblem(FrictionProblem):
     def contact_velocity(self, impulse: Array) -> Array:
         r = np.asarray(impulse, dtype=float).ravel()
         return (apply(self.W, r) + self.q).reshape(self.contacts, self.dimension)
+
+    def velocity_size(self, impulse: Array) -> Array:
+        r = np.abs(np.asarray(impulse, dtype=float).ravel())
+        return (apply(abs(self.W), r) + np.abs(self.q)).reshape(self.contacts, self.dimension)
 
     def velocity_form(self) -> VelocityForm:
         return VelocityForm(self.mass, self.inverse_mass, self.jacobian, self.free_velocity, self.q)

@@ -9,6 +9,10 @@ equation as a velocity, relative to the largest free contact velocity:
 with s_i the mean diagonal of contact i's block of W. It is zero exactly at a solution, and a change of units, of the order
 of the contacts or of their tangent frames changes nothing. Without the shift, g(u) = u, the same formula measures the
 convex relaxation's own optimality.
+
+Rounding leaves some eps of every term: of s r, of those that add up to u, and mu times those of u_t. Their sum over |q| is
+the residual's floor. An answer cannot be judged any finer: of impulses so large that eps s r is beyond |q| the residual
+may come out as 0 whatever they are.
 """
 
 import numpy as np
@@ -39,6 +43,30 @@ def residual(problem: FrictionProblem, impulse: Array) -> float:
 def relaxation_residual(problem: FrictionProblem, impulse: Array) -> float:
     """The residual of impulse (nc, d) on the problem's convex relaxation, in the same measure."""
     return _defect(problem, impulse, shifted=False)
+
+
+def residual_floor(problem: FrictionProblem, impulse: Array) -> float:
+    """What rounding may change of the residual of impulse (nc, d): 2 eps max_i (s_i |r_i| + (1 + mu_i) |terms of u_i|)/|q|."""
+    if not problem.contacts:
+        return 0.0
+    if not np.isfinite(impulse).all():
+        return np.inf
+    with np.errstate(over="ignore"):
+        terms = np.linalg.norm(problem.velocity_size(impulse), axis=1)
+        worst = np.max(problem.scale * np.linalg.norm(impulse, axis=1) + (1 + problem.friction) * terms)
+    free = _largest(problem.q.reshape(-1, problem.dimension))
+    return float(2 * np.finfo(float).eps * worst / free) if free and np.isfinite(worst) else np.inf if worst else 0.0
+
+
+def energy_within(problem: FrictionProblem, impulse: Array, bound: float) -> float:
+    """The largest energy defect, J, of impulses (nc, d) whose residual is within bound: bound |q| sum_i (|r_i| + |g(u_i)|/s_i).
+
+    For with p = P_K(r - g/s) and h = g + s (p - r), p.h = 0, the ledger's r.g is s p.(r - p) + (r - p).h + s |r - p|^2.
+    """
+    u = problem.contact_velocity(impulse)
+    u[:, 0] += problem.friction * np.linalg.norm(u[:, 1:], axis=1)
+    sizes = np.linalg.norm(impulse, axis=1) + np.linalg.norm(u, axis=1) / problem.scale
+    return float(bound * _largest(problem.q.reshape(u.shape)) * sizes.sum()) if problem.contacts else 0.0
 
 
 def _defect(problem: FrictionProblem, impulse: Array, shifted: bool) -> float:

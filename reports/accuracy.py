@@ -1,6 +1,6 @@
 """Time to equal achieved accuracy, the headline speed.
 
-For a problem and an entry it is the least median time, prepare and solve together, over the entry's ladder of tolerances,
+For a problem and an entry it is the least median time, form, setup and solve together, over the entry's ladder of tolerances,
 at which the *verified* residual is within the target; what the solver claimed plays no part. A miss is charged at the time
 limit, not dropped. A class of problems is summed up by the shifted geometric mean (H. Mittelmann's benchmarks)
 
@@ -31,7 +31,7 @@ def shifted_geometric_mean(times: pd.Series) -> float:
 
 
 def times_to(rows: pd.DataFrame, target: float) -> pd.DataFrame:
-    """A row per problem and entry: class, reached, charged (s), and prepare_time and solve_time where reached.
+    """A row per problem and entry: class, reached, charged (s), and form_time, setup_time and solve_time where reached.
 
     rows: annotated rows of the solves table, trivial problems left out.
     """
@@ -41,24 +41,26 @@ def times_to(rows: pd.DataFrame, target: float) -> pd.DataFrame:
     ran = rows.assign(ran=rows["verdict"] != SKIPPED)
     ran = ran[ran.groupby(["problem_class", "entry"])["ran"].transform("any")]
     times = ran.groupby(pair, sort=False).agg(problem_class=("problem_class", "first"), limit=("time_limit", "max"))
-    times = times.join(best[["prepare_time", "solve_time", "time"]])
+    times = times.join(best[["form_time", "setup_time", "solve_time", "time"]])
     times["reached"] = times["time"].notna()
     times["charged"] = times["time"].fillna(times["limit"])
     return times.reset_index()
 
 
 def summary(times: pd.DataFrame) -> pd.DataFrame:
-    """A row per class and entry, and per entry over all classes: problems, reached, share, mean (s), and the medians of
-    prepare and solve (s) over the problems it reached."""
+    """A row per class and entry, and per entry over all classes: problems, reached, share, mean (s), the medians of form,
+    setup and solve (s) over the problems it reached, and written: form's share of all three."""
     both = pd.concat([times.assign(problem_class=ALL), times], ignore_index=True)
     groups = both.groupby(["problem_class", "entry"], sort=False)
     table = groups.agg(
         problems=("reached", "size"),
         reached=("reached", "sum"),
         share=("reached", "mean"),
-        prepare=("prepare_time", "median"),
+        form=("form_time", "median"),
+        setup=("setup_time", "median"),
         solve=("solve_time", "median"),
     )
+    table["written"] = groups["form_time"].sum() / groups["time"].sum()
     table["mean"] = groups["charged"].agg(shifted_geometric_mean)
     return table.reset_index()
 

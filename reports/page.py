@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 from markupsafe import Markup
 
 from reports import tables
@@ -24,6 +25,7 @@ from reports.templates import environment
 from results.schema import VERDICTS
 
 MOST_CLAIMS = 200  # wrong claims listed on the page
+MUCH_FORM = 0.2  # of the time: beyond this the writing of the problem decides the rank with the method
 
 
 def write_report(folder: Path) -> Path:
@@ -66,6 +68,7 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
         "animations_of": lambda name: [page for page in animations if page["scene"] == scene_of[name]],
         "claims": claims.head(MOST_CLAIMS),
         "claims_count": len(claims),
+        "much_form": MUCH_FORM,
         "rerun": lambda key: f"frictionbench rerun {shlex.quote(str(folder))} {shlex.quote(key)}",
         "scene_title": scene_title,
     }
@@ -82,14 +85,21 @@ def headline(run: Run) -> list[str]:
         among = f", the fastest of {equals} solvers that reach as many" if equals > 1 else ""
         sentences = [
             f"{first['entry']} reaches a verified residual of {power(finest)} most often: on {first['reached']} of "
-            f"{first['problems']} non-trivial problems, in {seconds(first['mean'])} on average{among}."
+            f"{first['problems']} non-trivial problems, in {seconds(first['mean'])} on average{_written(first)}{among}."
         ]
     if best := found[coarsest]:
         sentences.append(
             f"For {power(coarsest)} {best.fastest['entry']} is the fastest of those that reach it about as often as any: on "
-            f"{best.fastest['reached']} of {best.fastest['problems']}, in {seconds(best.fastest['mean'])} on average."
+            f"{best.fastest['reached']} of {best.fastest['problems']}, in {seconds(best.fastest['mean'])} on average"
+            f"{_written(best.fastest)}."
         )
     return sentences
+
+
+def _written(row: pd.Series) -> str:
+    """How much of an entry's time is form, marked where it is much."""
+    much = ", more than a fifth" if row["written"] > MUCH_FORM else ""
+    return f" (of it form, the writing of the problem: {100 * row['written']:.0f} %{much})"
 
 
 def _setup(manifest: dict[str, Any]) -> str:

@@ -6,7 +6,7 @@ To the solves table come the columns
                     machines never meet in one figure
     problem_id      a number for the problem of one time step
     problem_class   the scene; where a scene comes in several sizes, the scene and its band of sizes
-    time            prepare and solve together, s
+    time            form, setup and solve together, s
     answered        there is an answer, verified and timed
 
 Trivial problems never enter a headline: `Run.contested` leaves them out.
@@ -79,7 +79,7 @@ def annotate(solves: pd.DataFrame) -> pd.DataFrame:
         rows["entry"] += " on " + rows["host"]
     rows["problem_id"] = rows.groupby(_IDENTITY, dropna=False, sort=False).ngroup()
     rows["problem_class"] = _classes(rows)
-    rows["time"] = rows["prepare_time"].fillna(0.0) + rows["solve_time"]
+    rows["time"] = rows["form_time"].fillna(0.0) + rows["setup_time"].fillna(0.0) + rows["solve_time"]
     rows["answered"] = ~rows["verdict"].isin(NO_ANSWER) & np.isfinite(rows["residual"]) & np.isfinite(rows["time"])
     return rows
 

@@ -6,9 +6,9 @@ import pandas as pd
 
 from reports.accuracy import ALL
 from reports.run import Run
-from results.schema import CRASHED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNSOLVED, WRONG
+from results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
 
-OUTCOMES = (SOLVED, RELAXED, WRONG, UNSOLVED, TIMEOUT, CRASHED, SKIPPED)
+OUTCOMES = (SOLVED, RELAXED, MISSED, UNJUDGEABLE, WRONG, UNSOLVED, TIMEOUT, CRASHED, SKIPPED)
 NEARLY = 0.9  # as many problems as the best
 
 
@@ -53,7 +53,8 @@ def by_class(run: Run) -> pd.DataFrame:
             worst=("residual", "max"),
             model_residual=("model_residual", "median"),
             fclib_error=("fclib_error", "median"),
-            prepare=("prepare_time", "median"),
+            form=("form_time", "median"),
+            setup=("setup_time", "median"),
             solve=("solve_time", "median"),
         )
         .reset_index()
@@ -123,7 +124,7 @@ def gaps(run: Run) -> int:
 
 
 def overhead(run: Run) -> float | None:
-    """The share of the cells' time that was spent outside prepare and solve; None where it was not measured."""
+    """The share of the cells' time that was spent outside form, setup and solve; None where it was not measured."""
     rows = pd.concat([table[["overhead", "wall_time"]] for table in (run.rows, run.drives)])
     measured = rows[rows["overhead"].notna() & (rows["wall_time"] > 0)]
     return float(measured["overhead"].sum() / measured["wall_time"].sum()) if len(measured) else None

@@ -1,9 +1,9 @@
 """What differs between two runs, cell by cell and solver by solver.
 
-    verdict    of a cell that both runs measured: solved > relaxed > unsolved > timeout > crashed > wrong
+    verdict    of a cell that both runs measured: solved > relaxed > missed > unjudgeable > unsolved > timeout > crashed > wrong
     missing    a cell measured before and not now, unless its solver was skipped with a reason
     work       each deterministic counter, summed per variant over the cells that both runs solved
-    time       prepare and solve: the geometric mean per variant of the ratio of the cells' medians, and significant
+    time       form, setup and solve: the geometric mean per variant of the ratio of the cells' medians, and significant
 
 The significance is that of van Elteren's test (1960): Mann and Whitney's statistic of each cell's raw repeats, weighted and
 added up over the cells. It needs no model of the noise, and a cell with a single repeat still counts for what it is.
@@ -19,10 +19,10 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.stats import rankdata
 
-from results.schema import CRASHED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNSOLVED, WRONG
+from results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
 
 Array = NDArray[np.float64]
-RANK = {verdict: i for i, verdict in enumerate((SOLVED, RELAXED, UNSOLVED, TIMEOUT, CRASHED, WRONG))}
+RANK = {verdict: i for i, verdict in enumerate((SOLVED, RELAXED, MISSED, UNJUDGEABLE, UNSOLVED, TIMEOUT, CRASHED, WRONG))}
 GROWTH = 1.10  # of work
 SLOWDOWN = 1.25
 SIGNIFICANT = 2.326  # standard deviations: one in a hundred by chance

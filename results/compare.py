@@ -88,7 +88,7 @@ def compare(baseline: Path, current: Path) -> Comparison:
 
 
 def _read(folder: Path) -> tuple[dict[str, Any], pd.DataFrame]:
-    """The manifest, and the cells of both tables by key with the raw repeats of prepare and solve together."""
+    """The manifest, and the cells of both tables by key with the raw repeats of form, setup and solve together."""
     manifest = read_manifest(folder)
     tables = []
     for name in TABLES:
@@ -107,8 +107,9 @@ def _read(folder: Path) -> tuple[dict[str, Any], pd.DataFrame]:
 
 
 def _repeats(solves: pd.DataFrame) -> list[Any]:
-    rows = zip(solves["solve_times"], solves["prepare_time"].fillna(0.0), strict=True)
-    sums = (np.asarray([] if solve is None else solve, dtype=float) + prepare for solve, prepare in rows)
+    before = solves["form_time"].fillna(0.0) + solves["setup_time"].fillna(0.0)
+    rows = zip(solves["solve_times"], before, strict=True)
+    sums = (np.asarray([] if solve is None else solve, dtype=float) + preparation for solve, preparation in rows)
     return [total[np.isfinite(total) & (total > 0)] for total in sums]
 
 

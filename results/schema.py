@@ -13,6 +13,8 @@ import pyarrow as pa
 
 SOLVED = "solved"
 RELAXED = "relaxed"
+MISSED = "missed"
+UNJUDGEABLE = "unjudgeable"
 WRONG = "wrong"
 UNSOLVED = "unsolved"
 TIMEOUT = "timeout"
@@ -22,7 +24,9 @@ SKIPPED = "skipped"
 VERDICTS = {
     SOLVED: "the residual of the exact problem is within the tolerance",
     RELAXED: "the model the solver was given is solved within the tolerance, the exact problem is not",
-    WRONG: "claimed solved, and neither is",
+    MISSED: "claimed solved, and off by less than a factor of ten: a difference of norms",
+    UNJUDGEABLE: "claimed solved, and rounding alone makes a residual above the tolerance: nobody can tell",
+    WRONG: "claimed solved, and off by more",
     UNSOLVED: "the solver says itself that it did not get there",
     TIMEOUT: "stopped at the time limit",
     CRASHED: "the process or the call died",
@@ -49,15 +53,18 @@ _CELL = (
     Column("variant", _text, "", "name and settings, as the command line takes them"),
     Column("family", _text, "", "family of methods"),
     Column("model", _text, "", "what the solver solves: coulomb, lcp or relaxation"),
+    Column("members", _text, "", "the solvers that a portfolio may run, separated by commas; empty for a single method"),
     Column("version", _text, "", "version of the library the method comes from"),
     Column("tol", _real, "1", "residual asked for"),
-    Column("time_limit", _real, "s", "limit on prepare and solve together, enforced"),
+    Column("time_limit", _real, "s", "limit on form, setup and solve together, enforced"),
     Column("verdict", _text, "", "what the harness found: " + "; ".join(f"{k}: {v}" for k, v in VERDICTS.items())),
     Column("reason", _text, "", "why, where the verdict needs one"),
     Column("host", _text, "", "machine that ran the cell"),
     Column("core", _whole, "", "processor core that ran the cell alone"),
     Column("wall_time", _real, "s", "the whole cell, verification and repeats included, loading and compiling not"),
-    Column("overhead", _real, "s", "of it, the harness's own: all but prepare and solve; of a drive, verifying and recording"),
+    Column(
+        "overhead", _real, "s", "of it, the harness's own: all but form, setup and solve; of a drive, verifying and recording"
+    ),
     Column("peak_memory", _real, "B", "largest resident memory of the process during the cell"),
 )
 
@@ -85,13 +92,16 @@ SOLVES = (
     Column("claimed", _flag, "", "the solver says it solved the problem"),
     Column("residual", _real, "1", "verified residual of the exact problem, in relative contact velocity"),
     Column("model_residual", _real, "1", "verified residual of the model the solver was given"),
+    Column("residual_floor", _real, "1", "bound of what rounding alone may change of the residual"),
     Column("fclib_error", _real, "", "FCLIB's error, for comparison with published work"),
     Column("backward_error", _real, "1", "smallest relative change of (q, mu) under which the answer is exact"),
     Column("energy_defect", _real, "1", "defect of the energy ledger over the free kinetic energy"),
     Column("work", _text, "", "deterministic counts, a JSON object"),
-    Column("prepare_time", _real, "s", "median of prepare_times"),
+    Column("form_time", _real, "s", "median of form_times: the problem written as what the method takes"),
+    Column("setup_time", _real, "s", "median of setup_times: the method's or library's own preparation"),
     Column("solve_time", _real, "s", "median of solve_times"),
-    Column("prepare_times", _reals, "s", "every repeat, in order"),
+    Column("form_times", _reals, "s", "every repeat, in order"),
+    Column("setup_times", _reals, "s", "every repeat, in order"),
     Column("solve_times", _reals, "s", "every repeat, in order"),
 )
 
@@ -110,7 +120,7 @@ DRIVES = (
     Column("energy_drift", _real, "1", "energy at the end less energy at the start, over the energy scale"),
     Column("energy_rise", _real, "1", "largest rise of energy in one step, over the energy scale"),
     Column("worst_penetration", _real, "m", "deepest overlap of two bodies"),
-    Column("solver_time", _real, "s", "prepare and solve, summed over all problems"),
+    Column("solver_time", _real, "s", "form, setup and solve, summed over all problems"),
     Column("times", _reals, "s", "time of each step's end"),
     Column("energies", _reals, "J", "kinetic and potential energy at these times"),
     Column("penetrations", _reals, "m", "deepest overlap at these times"),

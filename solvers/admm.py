@@ -48,31 +48,34 @@ class Factor(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Prepared:
-    """The packed problem; W, its contacts' scales S (nc*d,) and q (nc, d); the factor of W + RHO S."""
+class Formed:
+    """The packed problem; W, its contacts' scales S (nc*d,) and q (nc, d)."""
 
     form: ContactForm
     W: sparse.csc_array
     S: Array
     q: Array
-    factor: Factor
 
 
 @solver("admm", family="splitting", model="relaxation", dimension=(2, 3), warm_start=True, sparse=True)
 class ADMM:
     """Alternating direction method of multipliers on the convex relaxation's dual.
 
-    Work: iterations, and factorisations after the one prepared. History: the relaxation's residual every tenth iteration.
+    Work: iterations, and factorisations after the one of the setup. History: the relaxation's residual every tenth iteration.
     """
 
     shift = 0.0
 
-    def prepare(self, problem: FrictionProblem) -> Prepared:
+    def form(self, problem: FrictionProblem) -> Formed:
         W, S = sparse.csc_array(problem.W), np.repeat(problem.scale, problem.dimension)
-        return Prepared(contact_form(problem), W, S, problem.q.reshape(-1, problem.dimension), _factorise(W, RHO * S))
+        return Formed(contact_form(problem), W, S, problem.q.reshape(-1, problem.dimension))
 
-    def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        form, factor, rho = prepared.form, prepared.factor, RHO
+    def setup(self, formed: Formed) -> tuple[Formed, Factor]:
+        return formed, _factorise(formed.W, RHO * formed.S)
+
+    def solve(self, prepared: tuple[Formed, Factor], tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        formed, factor = prepared
+        form, rho = formed.form, RHO
         limit = LIMIT if limit is None else limit
         z = np.zeros_like(form.offset) if start is None else np.array(start, dtype=np.float64)
         x, u, w = np.empty_like(form.rest), np.empty_like(z), np.empty_like(z)
@@ -90,13 +93,13 @@ class ADMM:
                 w[:] = -u
                 w[:, 0] -= self.shift * form.friction * np.linalg.norm(u[:, 1:], axis=1)
             count = min(CHECK, limit - iterations)
-            primal, dual = _alternate(form, factor, prepared.q, rho, self.shift, z, w, count)
+            primal, dual = _alternate(form, factor, formed.q, rho, self.shift, z, w, count)
             iterations += count
             ratio = (primal / dual) ** 0.25 if primal > 0 and dual > 0 else 1.0
             if iterations >= retune and not 1 / RETUNE < ratio < RETUNE:
                 retune = 2 * iterations
                 rho = float(np.clip(rho * ratio, 1e-6, 1e6))
-                factor = _factorise(prepared.W, rho * prepared.S)
+                factor = _factorise(formed.W, rho * formed.S)
                 factorisations += 1
 
 
@@ -104,7 +107,7 @@ class ADMM:
 class ADMMCoulomb(ADMM):
     """Alternating direction method of multipliers with de Saxcé's shift.
 
-    Work: iterations, and factorisations after the one prepared. History: the residual every tenth iteration.
+    Work: iterations, and factorisations after the one of the setup. History: the residual every tenth iteration.
     """
 
     shift = 1.0

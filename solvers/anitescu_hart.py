@@ -43,7 +43,7 @@ class AnitescuHart:
     def __post_init__(self) -> None:
         require(self.memory >= 0, "memory", f"must not be negative, got {self.memory!r}")
 
-    def prepare(self, problem: FrictionProblem) -> ContactForm:
+    def form(self, problem: FrictionProblem) -> ContactForm:
         return contact_form(problem)
 
     def solve(self, prepared: ContactForm, tol: float, limit: int | None, start: Array | None = None) -> Answer:

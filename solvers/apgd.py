@@ -37,7 +37,7 @@ class APGD:
 
     shift = 0.0
 
-    def prepare(self, problem: FrictionProblem) -> ContactForm:
+    def form(self, problem: FrictionProblem) -> ContactForm:
         return contact_form(problem)
 
     def solve(self, prepared: ContactForm, tol: float, limit: int | None, start: Array | None = None) -> Answer:

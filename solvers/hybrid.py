@@ -9,7 +9,7 @@ velocities, is within the tolerance: so it solves what any of its members does, 
 portfolios: Gomes and Selman 2001.)
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -28,7 +28,7 @@ CLOSE = 0.01  # the residual up to which what a member leaves makes a better sta
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """The problem, the members in order with their facts, and the first of them, prepared."""
+    """The problem, the members in order with their facts, and the first of them's form, then its setup."""
 
     problem: FrictionProblem
     members: tuple[tuple[SolverInfo, Solver], ...]
@@ -42,9 +42,12 @@ class Hybrid:
     The limit bounds each member's own unit of work. work counts the members tried and, by name, what each of them did.
     """
 
-    def prepare(self, problem: FrictionProblem) -> Prepared:
+    def form(self, problem: FrictionProblem) -> Prepared:
         members = _members(problem.dimension)
-        return Prepared(problem, members, members[0][1].prepare(problem))
+        return Prepared(problem, members, members[0][1].form(problem))
+
+    def setup(self, formed: Prepared) -> Prepared:
+        return replace(formed, first=formed.members[0][1].setup(formed.first))
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         problem = prepared.problem

@@ -1,11 +1,15 @@
-"""What a solver is: a name, a few facts about it, and two steps, prepare and solve.
+"""What a solver is: a name, a few facts about it, and three steps, each timed apart.
 
-    @solver("nsgs", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True)
-    class NSGS:
-        relaxation: float = 1.0                      # fields are variants: nsgs[relaxation=1.3]
+    @solver("lemke", family="pivoting", model="lcp", dimension=(2, 3), warm_start=True)
+    class Lemke:
+        restarts: int = 8                            # fields are variants: lemke[restarts=0]
 
-        def prepare(self, problem): ...              # what a simulator would keep from step to step
+        def form(self, problem): ...                 # the problem written as what the method takes: an LCP, a QP, scaled
+        def setup(self, formed): ...                 # the method's or library's own: orderings, workspaces, factors
         def solve(self, prepared, tol, limit, start=None) -> Answer: ...
+
+A solver without form or setup needs none: the next step is given what the last one had. One that tells the two not apart
+defines `prepare(problem)` instead, which counts as setup. Every solver then has `prepare`, which is setup(form(problem)).
 
 `tol` is the residual asked for, in the measure of problems.residual. `limit` bounds the method's own unit of work (pivots,
 sweeps, iterations), None for its default: wall-clock limits are the harness's business. `start` is a guess of the impulses
@@ -58,6 +62,10 @@ class Answer:
 class Solver(Protocol):
     """An instance of a class decorated with @solver."""
 
+    def form(self, problem: Any) -> Any: ...
+
+    def setup(self, formed: Any) -> Any: ...
+
     def prepare(self, problem: Any) -> Any: ...
 
     def solve(self, prepared: Any, tol: float, limit: int | None, start: Array | None = None) -> Answer: ...
@@ -70,6 +78,7 @@ class SolverInfo:
     model: what it solves: "coulomb" the friction problem itself, "lcp" its LCP (the same in the plane, polygonal in space;
     such a solver also takes a bare LCP), "relaxation" the convex relaxation.
     needs: distributions to import, checked for availability. sparse: whether it stays sparse on large problems.
+    members: the solvers it may run, where it is a portfolio.
     """
 
     name: str
@@ -80,6 +89,7 @@ class SolverInfo:
     sparse: bool
     needs: tuple[str, ...]
     make: Callable[..., Solver]
+    members: tuple[str, ...] = ()
 
     @property
     def summary(self) -> str:
@@ -114,17 +124,40 @@ def solver(
     warm_start: bool = False,
     sparse: bool = False,
     needs: tuple[str, ...] = (),
+    members: tuple[str, ...] = (),
 ) -> Callable[[Class], Class]:
-    """Make a class a frozen dataclass whose fields are its variants, and list it under `name`."""
+    """Make a class a frozen dataclass whose fields are its variants, give it the steps it leaves out, and list it."""
 
     def register(cls: Class) -> Class:
-        made: Any = dataclass(frozen=True)(cls)
+        made: Any = dataclass(frozen=True)(with_all_steps(cls))
         if name in _solvers:
             raise ValueError(f"solver: the name {name!r} is taken by {_solvers[name].make}")
-        _solvers[name] = SolverInfo(name, family, model, dimension, warm_start, sparse, needs, made)
+        _solvers[name] = SolverInfo(name, family, model, dimension, warm_start, sparse, needs, made, members)
         return made
 
     return register
+
+
+def with_all_steps(cls: Any) -> Any:
+    """The class with form, setup and prepare. Errors: ValueError where it has a prepare of its own beside one of the two."""
+    prepare = getattr(cls, "prepare", _form_and_set_up)
+    if prepare is not _form_and_set_up:
+        if {"form", "setup"} & vars(cls).keys():
+            raise ValueError(f"solver: {cls.__name__} has a prepare of its own, and form or setup beside it")
+        cls.form, cls.setup = _hand_on, prepare
+    for step in ("form", "setup"):
+        if not hasattr(cls, step):
+            setattr(cls, step, _hand_on)
+    cls.prepare = _form_and_set_up
+    return cls
+
+
+def _hand_on(self: Solver, given: Any) -> Any:
+    return given
+
+
+def _form_and_set_up(self: Solver, problem: Any) -> Any:
+    return self.setup(self.form(problem))
 
 
 def available() -> dict[str, SolverInfo]:

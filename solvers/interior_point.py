@@ -27,7 +27,7 @@ from solvers.interior.centred_point import centred_point
 from solvers.interior.phases import Phase, run
 from solvers.interior.point import Point, start_point
 from solvers.interior.predictor_corrector import predictor_corrector
-from solvers.interior.system import System, prepare
+from solvers.interior.system import System, in_velocities, prepare
 
 # Impulses and speeds, relative to a contact's own: each of these arrives at a solution in three of four trapped instances.
 STARTS = ((0.1, 10.0), (1.0, 10.0), (0.1, 100.0), (1.0, 100.0), (10.0, 1.0), (1.0, 1.0))
@@ -45,7 +45,10 @@ class InteriorPoint:
 
     shortcut: bool = True
 
-    def prepare(self, problem: FrictionProblem) -> tuple[FrictionProblem, System]:
+    def form(self, problem: FrictionProblem) -> FrictionProblem:
+        return in_velocities(problem)
+
+    def setup(self, problem: FrictionProblem) -> tuple[FrictionProblem, System]:
         return problem, prepare(problem)
 
     def solve(

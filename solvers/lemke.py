@@ -138,9 +138,11 @@ class Lemke:
 
     restarts: int = 8
 
-    def prepare(self, problem: FrictionProblem | LCP) -> tuple[ScaledLCP, Array]:
-        prepared = scaled_lcp(problem)
-        return prepared, covering_vector(prepared.lcp)
+    def form(self, problem: FrictionProblem | LCP) -> ScaledLCP:
+        return scaled_lcp(problem)
+
+    def setup(self, formed: ScaledLCP) -> tuple[ScaledLCP, Array]:
+        return formed, covering_vector(formed.lcp)
 
     def solve(self, prepared: tuple[ScaledLCP, Array], tol: float, limit: int | None, start: Array | None = None) -> Answer:
         scaled, cover = prepared

@@ -53,7 +53,7 @@ class MinmapNewton:
     def __post_init__(self) -> None:
         require(self.regularisation >= 0, "regularisation", f"must not be negative, got {self.regularisation!r}")
 
-    def prepare(self, problem: FrictionProblem | LCP) -> DenseLCP:
+    def form(self, problem: FrictionProblem | LCP) -> DenseLCP:
         return dense_lcp(problem)
 
     def solve(self, form: DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:

@@ -74,7 +74,7 @@ class Murty:
     The limit counts pivots, by default 10 000 + 100 n.
     """
 
-    def prepare(self, problem: FrictionProblem | LCP) -> ScaledLCP:
+    def form(self, problem: FrictionProblem | LCP) -> ScaledLCP:
         return scaled_lcp(problem)
 
     def solve(self, prepared: ScaledLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:

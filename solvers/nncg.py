@@ -30,7 +30,7 @@ class NNCG:
     Work: sweeps over all contacts. History: the residual at the start and after every tenth sweep.
     """
 
-    def prepare(self, problem: FrictionProblem) -> ContactForm:
+    def form(self, problem: FrictionProblem) -> ContactForm:
         return contact_form(problem)
 
     def solve(self, prepared: ContactForm, tol: float, limit: int | None, start: Array | None = None) -> Answer:

@@ -40,7 +40,7 @@ class NSGS:
     def __post_init__(self) -> None:
         require(0 < self.relaxation < 2, "relaxation", f"must lie between 0 and 2, got {self.relaxation!r}")
 
-    def prepare(self, problem: FrictionProblem) -> ContactForm:
+    def form(self, problem: FrictionProblem) -> ContactForm:
         return contact_form(problem)
 
     def solve(self, prepared: ContactForm, tol: float, limit: int | None, start: Array | None = None) -> Answer:

@@ -90,16 +90,21 @@ class PathSearch:
         for name in ("crash", "proximal", "restarts"):
             require(getattr(self, name) >= 0, name, f"must not be negative, got {getattr(self, name)!r}")
 
-    def prepare(self, problem: FrictionProblem | LCP) -> "Prepared":
+    def form(self, problem: FrictionProblem | LCP) -> "Formed":
         lcp = problem if isinstance(problem, LCP) else problem.lcp()
-        n, scale = lcp.size, scaling(lcp)
-        order = reverse_cuthill_mckee(lcp.M, symmetric_mode=False).astype(np.int64) if n else np.zeros(0, np.int64)
+        scale = scaling(lcp)
         D = sparse.diags_array(scale.D)
-        M = sparse.csc_array(sparse.csr_array(D @ lcp.M @ D)[order][:, order])
+        return Formed(problem, lcp, scale, sparse.csr_array(D @ lcp.M @ D), natural_weight(problem, lcp, scale))
+
+    def setup(self, formed: "Formed") -> "Prepared":
+        problem, lcp, scale, scaled, weight = formed
+        n = lcp.size
+        order = reverse_cuthill_mckee(lcp.M, symmetric_mode=False).astype(np.int64) if n else np.zeros(0, np.int64)
+        M = sparse.csc_array(scaled[order][:, order])
         columns = Columns(M.indptr.astype(np.int64), M.indices.astype(np.int64), M.data, np.zeros(n), np.zeros(n))
         noise = np.random.default_rng(self.seed).random((self.restarts + 1, n))
-        weight = natural_weight(problem, lcp, scale)[order]
-        return Prepared(problem, lcp, scale, order, columns, new_basis(n), scale.vector(lcp.q)[order], weight, noise)
+        q = scale.vector(lcp.q)[order]
+        return Prepared(problem, lcp, scale, order, columns, new_basis(n), q, weight[order], noise)
 
     def solve(self, prepared: "Prepared", tol: float, limit: int | None, start: Array | None = None) -> Answer:
         problem, lcp, scale, order, columns, basis, q, weight, noise = prepared
@@ -120,6 +125,16 @@ class PathSearch:
             status = Status.RAY if ray else Status.STALLED
         names = ("pivots", "factorisations", "crash", "newton", "restarts")
         return Answer(impulse, status, dict(zip(names, work.tolist(), strict=True)), z=z)
+
+
+class Formed(NamedTuple):
+    """The LCP, its scaling, the scaled matrix and the weight of the natural residual."""
+
+    problem: FrictionProblem | LCP
+    lcp: LCP
+    scale: Scaling
+    M: sparse.csr_array
+    weight: Array
 
 
 class Prepared(NamedTuple):

@@ -15,7 +15,7 @@ from solvers.interface import Answer, solver
 from solvers.interior.phases import run
 from solvers.interior.point import start_point
 from solvers.interior.predictor_corrector import predictor_corrector
-from solvers.interior.system import System, prepare
+from solvers.interior.system import System, in_velocities, prepare
 
 STARTS = ((0.1, 10.0), (10.0, 1.0))  # after the first: impulses and speeds, relative to a contact's own
 PATIENCE = 60  # a heavy body on a light one needs impulses a million times the first ones
@@ -25,7 +25,10 @@ PATIENCE = 60  # a heavy body on a light one needs impulses a million times the 
 class RelaxationInteriorPoint:
     """Mehrotra's predictor-corrector on the convex relaxation, one sparse factorisation in the velocities an iteration."""
 
-    def prepare(self, problem: FrictionProblem) -> tuple[FrictionProblem, System]:
+    def form(self, problem: FrictionProblem) -> FrictionProblem:
+        return in_velocities(problem)
+
+    def setup(self, problem: FrictionProblem) -> tuple[FrictionProblem, System]:
         return problem, prepare(problem, relaxed=True)
 
     def solve(

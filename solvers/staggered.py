@@ -36,7 +36,7 @@ class Staggered:
     Work: rounds, and products with W in the inner solves. History: the residual before every round.
     """
 
-    def prepare(self, problem: FrictionProblem) -> ContactForm:
+    def form(self, problem: FrictionProblem) -> ContactForm:
         return contact_form(problem)
 
     def solve(self, prepared: ContactForm, tol: float, limit: int | None, start: Array | None = None) -> Answer:

@@ -128,7 +128,7 @@ def test_work_that_is_no_count_is_left_out(runs, text):
 
 def timed(solve, cells=4, repeats=5):
     times = [solve * (1 + 0.01 * k) for k in range(repeats)]
-    return [solve_row("a", f"p{i}", prepare_time=1e-3, solve_times=times) for i in range(cells)]
+    return [solve_row("a", f"p{i}", form_time=0.0, setup_time=1e-3, solve_times=times) for i in range(cells)]
 
 
 @pytest.mark.parametrize(

@@ -47,13 +47,13 @@ def test_shifted_geometric_mean_by_hand():
 
 def test_the_least_time_within_the_target_counts_whatever_was_asked_for():
     rows = annotated(
-        solve_row("a", "p", 1e-4, residual=5e-5, prepare_time=0.0, solve_time=1.0),
-        solve_row("a", "p", 1e-6, residual=9e-9, prepare_time=0.5, solve_time=1.5),
-        solve_row("a", "p", 1e-8, residual=1e-9, prepare_time=0.5, solve_time=2.5),
+        solve_row("a", "p", 1e-4, residual=5e-5, form_time=0.0, setup_time=0.0, solve_time=1.0),
+        solve_row("a", "p", 1e-6, residual=9e-9, form_time=0.2, setup_time=0.3, solve_time=1.5),
+        solve_row("a", "p", 1e-8, residual=1e-9, form_time=0.2, setup_time=0.3, solve_time=2.5),
     )
     found = {target: accuracy.times_to(rows, target).iloc[0] for target in accuracy.TARGETS}
     assert [row["charged"] for row in found.values()] == [1.0, 2.0, 2.0]
-    assert (found[1e-8]["prepare_time"], found[1e-8]["solve_time"]) == (0.5, 1.5)
+    assert found[1e-8][["form_time", "setup_time", "solve_time"]].tolist() == [0.2, 0.3, 1.5]
 
 
 @pytest.mark.parametrize(
@@ -69,7 +69,7 @@ def test_the_least_time_within_the_target_counts_whatever_was_asked_for():
     ids=lambda row: row["verdict"],
 )
 def test_a_miss_is_charged_at_the_limit(miss):
-    rows = annotated(solve_row("a", "p", prepare_time=0.0, solve_time=0.1), miss)
+    rows = annotated(solve_row("a", "p", form_time=0.0, setup_time=0.0, solve_time=0.1), miss)
     summary = by_entry(accuracy.summary(accuracy.times_to(rows, 1e-8))).loc["a"]
     assert (summary["problems"], summary["reached"], summary["share"]) == (2, 1, 0.5)
     assert summary["mean"] == pytest.approx(np.sqrt(0.1 * 10), rel=1e-3)
@@ -96,10 +96,13 @@ def test_trivial_problems_enter_no_headline_and_are_counted_apart():
 
 
 def test_solvability_counts_every_verdict():
-    answers = [solve_row("a", v, verdict=v, claimed=v != "unsolved") for v in ("solved", "relaxed", "wrong", "unsolved")]
+    answers = [
+        solve_row("a", v, verdict=v, claimed=v != "unsolved")
+        for v in ("solved", "relaxed", "missed", "unjudgeable", "wrong", "unsolved")
+    ]
     lost = [lost_row("a", v, v) for v in ("timeout", "crashed", "skipped")]
     row = tables.solvability(run_of(*answers, *lost)).iloc[0]
-    assert (row["cells"], row["claimed"]) == (7, 3)
+    assert (row["cells"], row["claimed"]) == (9, 5)
     assert all(row[verdict] == 1 for verdict in VERDICTS)
 
 
@@ -121,8 +124,8 @@ def test_small_and_large_problems_of_a_scene_are_apart():
 
 def test_profile_by_hand():
     rows = annotated(
-        *(solve_row("a", name, prepare_time=0.0, solve_time=t) for name, t in (("p", 1.0), ("q", 4.0))),
-        *(solve_row("b", name, prepare_time=0.0, solve_time=t) for name, t in (("p", 2.0), ("q", 1.0))),
+        *(solve_row("a", name, form_time=0.0, setup_time=0.0, solve_time=t) for name, t in (("p", 1.0), ("q", 4.0))),
+        *(solve_row("b", name, form_time=0.0, setup_time=0.0, solve_time=t) for name, t in (("p", 2.0), ("q", 1.0))),
         *(lost_row(name, "r", "timeout") for name in "ab"),
         lost_row("c", "p", "timeout"),
     )
@@ -172,6 +175,15 @@ RUN = [
     lost_row("nsgs", "p9", "timeout"),
     lost_row("path", "p0", "skipped"),
 ]
+
+
+def test_a_large_share_of_form_is_marked(tmp_path):
+    few = [solve_row("a", "p", form_time=0.5e-3, setup_time=1e-3, solve_time=2e-3)]
+    much = [solve_row("a", "p", form_time=1e-3, setup_time=0.0, solve_time=1e-3)]
+    shares = [by_entry(accuracy.summary(accuracy.times_to(annotated(*rows), 1e-8))).loc["a", "written"] for rows in (few, much)]
+    assert shares == pytest.approx([1 / 7, 1 / 2])
+    assert "form, the writing of the problem: 14 %)" in _Page(write_report(write_folder(tmp_path / "few", few))).text
+    assert "50 %, more than a fifth)" in _Page(write_report(write_folder(tmp_path / "much", much))).text
 
 
 def test_the_page_has_all_its_parts_and_stands_alone(tmp_path):

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from harness.cells.timing import clean_call, timed_call
 from harness.plans.plan import DriveCell
 from harness.verify import verify
 from problems import FrictionProblem, scene
@@ -18,7 +19,7 @@ from problems.check import Array
 from problems.scene import Scene
 from problems.schemes import SCHEMES, NoSolution
 from problems.simulate import penetration, simulate
-from results.schema import RELAXED, SOLVED, UNSOLVED, WRONG
+from results.schema import MISSED, RELAXED, SOLVED, UNJUDGEABLE, UNSOLVED, WRONG
 from solvers import Solver, SolverInfo
 
 DIVERGED = 1e6
@@ -34,10 +35,9 @@ class _Driver:
         self.worst_residual = self.worst_defect = self.solver_time = self.overhead = 0.0
 
     def __call__(self, problem: FrictionProblem) -> Array:
-        start = time.perf_counter()
-        answer = self._solver.solve(self._solver.prepare(problem.fresh()), self._tol, None)
-        answered = time.perf_counter()
-        self.solver_time += answered - start
+        call = clean_call(lambda: timed_call(self._solver, problem, lambda ready: self._solver.solve(ready, self._tol, None)))
+        answer, answered = call.answer, time.perf_counter()
+        self.solver_time += np.nan if call.loaded else sum(call.times)
         finding = verify(problem, answer, self._info, self._tol)
         self.verdicts[finding.verdict] += 1
         self.most_contacts = max(self.most_contacts, problem.contacts)
@@ -50,7 +50,7 @@ class _Driver:
 
     def verdict(self) -> tuple[str, str]:
         """The worst verdict of any problem, and how many have which."""
-        worst = next((verdict for verdict in (WRONG, UNSOLVED, RELAXED) if self.verdicts[verdict]), SOLVED)
+        worst = next((verdict for verdict in (WRONG, UNSOLVED, UNJUDGEABLE, MISSED, RELAXED) if self.verdicts[verdict]), SOLVED)
         missed = [f"{count} {verdict}" for verdict, count in sorted(self.verdicts.items()) if verdict != SOLVED]
         return worst, f"of {self.verdicts.total()} problems {', '.join(missed)}" if missed else ""
 
@@ -96,7 +96,7 @@ def drive(cell: DriveCell, info: SolverInfo, solver: Solver) -> dict[str, Any]:
         "energy_drift": (energies[-1] - energies[0]) / scale,
         "energy_rise": max(0.0, float(np.max(np.diff(energies), initial=0.0))) / scale,
         "worst_penetration": max(penetrations),
-        "solver_time": driver.solver_time,
+        "solver_time": driver.solver_time if np.isfinite(driver.solver_time) else None,  # a call that never ran unloaded
         "overhead": driver.overhead,
         "times": times,
         "energies": energies,

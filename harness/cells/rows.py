@@ -41,6 +41,7 @@ def _solver_row(variant: str) -> Row:
         "variant": variant,
         "family": info.family,
         "model": info.model,
+        "members": ", ".join(info.members),
         "version": machine.version_of(info.needs),
         "host": machine.host(),
     }

@@ -111,8 +111,8 @@ def _timed(solver: Solver, problem: FrictionProblem, cell: SolveCell, limit: flo
     start = stored_start(_worker.folder, cell.problem, cell.start)
     with machine.hard_limit(limit) as alarm:
         return time_solver(
-            meet=problem.fresh,
-            prepare=solver.prepare,
+            solver,
+            problem,
             solve=lambda prepared: solver.solve(prepared, cell.tol, None, start),
             answered=lambda: alarm(10 * limit),
         )
@@ -128,16 +128,17 @@ def _found(problem: FrictionProblem, answer: Answer, finding: Finding, timing: T
         "reason": finding.reason,
         "residual": finding.residual,
         "model_residual": finding.model_residual,
+        "residual_floor": finding.floor,
         "fclib_error": finding.fclib_error,
         "backward_error": backward_error(problem, np.asarray(answer.impulse, dtype=float)),
         "energy_defect": abs(finding.energy_defect) / energy,
         "work": json.dumps(answer.work, sort_keys=True),
-        "prepare_time": float(np.median(timing.prepare)),
-        "solve_time": float(np.median(timing.solve)),
-        "prepare_times": timing.prepare,
-        "solve_times": timing.solve,
     }
-    if row["prepare_time"] + row["solve_time"] > limit:
+    if not timing.solve:
+        return row | {"reason": "; ".join(filter(None, (finding.reason, "every call compiled or loaded something: no times")))}
+    for step, times in (("form", timing.form), ("setup", timing.setup), ("solve", timing.solve)):
+        row |= {f"{step}_time": float(np.median(times)), f"{step}_times": times}
+    if row["form_time"] + row["setup_time"] + row["solve_time"] > limit:
         row |= {"verdict": TIMEOUT, "reason": "its median time is past the limit"}
     return row
 

@@ -97,11 +97,11 @@ def _task_again(row: Row, table: str, settings: dict[str, Any]) -> Task:
 
 def _show(title: str, rows: list[Row]) -> None:
     table = Table(title=Text(title), title_justify="left", box=None, pad_edge=False, header_style="bold")
-    for name in ("solver", "claims", "verdict", "residual", "of its model", "prepare", "solve", "work", "remark"):
+    for name in ("solver", "claims", "verdict", "residual", "of its model", "form", "setup", "solve", "work", "remark"):
         table.add_column(name, overflow="fold")
     for row in rows:
         numbers = [_number(row.get(name)) for name in ("residual", "model_residual")]
-        times = [_time(row.get(name)) for name in ("prepare_time", "solve_time")]
+        times = [_time(row.get(name)) for name in ("form_time", "setup_time", "solve_time")]
         work = ", ".join(f"{key} {value}" for key, value in json.loads(row.get("work") or "{}").items())
         table.add_row(
             row["variant"], (row.get("status") or "").lower(), row["verdict"], *numbers, *times, work, row.get("reason") or ""

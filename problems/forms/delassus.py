@@ -38,6 +38,13 @@ def apply(J: sparse.csr_array, velocity: Array) -> Array:
     return _apply(J.indptr, J.indices, J.data, velocity)
 
 
+def velocity_size(J: sparse.csr_array, inverse: sparse.csr_array, velocity: Array, impulse: Array) -> Array:
+    """|J| (|velocity| + |M^-1| |J'| |impulse|) (m,): the size of what adds up to J (velocity + M^-1 J' impulse)."""
+    rows = J.indptr, J.indices, np.abs(J.data)
+    pushed = _push(*rows, inverse.indptr, inverse.indices, np.abs(inverse.data), np.abs(velocity), np.abs(impulse))
+    return _apply(*rows, pushed)
+
+
 def delassus_diagonal(J: sparse.csr_array, inverse: sparse.csr_array) -> Array:
     """The diagonal (m,) of J M^-1 J'."""
     return _diagonal(J.indptr, J.indices, J.data, inverse.indptr, inverse.indices, inverse.data)

@@ -54,7 +54,7 @@ def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
     log_ticks(ax, "y", ticks | {ZERO: "0"} if lowest <= ZERO else ticks)
     ax.set_ylim(bottom / 3, STRIP)
     ax.grid(axis="y", lw=0.4, alpha=0.3)
-    ax.set_xlabel("time, prepare and solve")
+    ax.set_xlabel("time, form, setup and solve")
     ax.set_ylabel("verified residual")
     _misses(ax, rows, looks)
 

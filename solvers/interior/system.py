@@ -102,6 +102,12 @@ def new_work(system: System) -> Work:
     )
 
 
+def in_velocities(problem: FrictionProblem) -> FrictionProblem:
+    """The problem, all that `prepare` reads of it computed: the Jacobian and the free contact velocities, s, the mass."""
+    _ = problem.q, problem.scale, problem.velocity_form()
+    return problem
+
+
 def prepare(problem: FrictionProblem, relaxed: bool = False) -> System:
     """Scale a problem, or its convex relaxation, find the order of elimination and lay out its matrices."""
     nc, d = problem.contacts, problem.dimension

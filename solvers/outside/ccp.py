@@ -47,10 +47,12 @@ class CCP:
     def __post_init__(self) -> None:
         require(self.backend in _LIMIT, "backend", f"must be one of {', '.join(_LIMIT)}, got {self.backend!r}")
 
-    def prepare(self, problem: FrictionProblem) -> Prepared:
+    def form(self, problem: FrictionProblem) -> ScaledProgram[QP]:
+        return scaled_program(problem, problem.qp())
+
+    def setup(self, scaled: ScaledProgram[QP]) -> Prepared:
         qpsolvers: Any = import_module("qpsolvers")
 
-        scaled = scaled_program(problem, problem.qp())
         joints = (scaled.A, scaled.b) if scaled.A.shape[0] else (None, None)
         return Prepared(scaled, qpsolvers.Problem(scaled.P, scaled.q, scaled.G, scaled.h, *joints))
 

@@ -3,7 +3,7 @@
     min  ½ x'Px + q'x    subject to    h - G x in {s_0 >= |s_1:|} for every contact,    A x = b
 
 with the circular cone in space and Coulomb's own cone in the plane. It is another model than Coulomb's: see
-problems.forms.relaxation. CVXPY builds and canonicalises in `prepare`; `solve` is the backend's time and CVXPY's unpacking.
+problems.forms.relaxation. CVXPY builds and canonicalises in `setup`; `solve` is the backend's time and CVXPY's unpacking.
 
 The program is scaled to pure numbers (solvers.outside.scaled_program), so that eps below stands for tol in the project's
 measure:
@@ -52,13 +52,15 @@ class CCPCone:
     def __post_init__(self) -> None:
         require(self.backend in _BACKENDS, "backend", f"must be one of {', '.join(_BACKENDS)}, got {self.backend!r}")
 
-    def prepare(self, problem: FrictionProblem) -> Prepared:
+    def form(self, problem: FrictionProblem) -> ScaledProgram[ConeProgram]:
+        return scaled_program(problem, problem.cone())
+
+    def setup(self, scaled: ScaledProgram[ConeProgram]) -> Prepared:
         cvxpy: Any = import_module("cvxpy")
 
-        scaled = scaled_program(problem, problem.cone())
-        if not problem.contacts:
+        nc, d = scaled.program.contacts
+        if not nc:
             return Prepared(scaled)
-        d = problem.dimension
         x = cvxpy.Variable(len(scaled.q))
         s = scaled.h - scaled.G @ x
         constraints = [cvxpy.SOC(s[::d], cvxpy.vstack([s[j::d] for j in range(1, d)]))]
