@@ -103,8 +103,8 @@ def new_work(system: System) -> Work:
 
 
 def in_velocities(problem: FrictionProblem) -> FrictionProblem:
-    """The problem, all that `prepare` reads of it computed: the Jacobian and the free contact velocities, s, the mass."""
-    _ = problem.q, problem.scale, problem.velocity_form()
+    """The problem, all that `prepare` reads of it computed: the free contact velocities, s, and the Jacobian or W."""
+    _ = problem.q, problem.scale, problem.W if isinstance(problem, DelassusProblem) else problem.jacobian
     return problem
 
 
