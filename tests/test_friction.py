@@ -14,8 +14,8 @@ from scipy.sparse.linalg import splu
 from problems import LCP, FrictionProblem, InputError
 from problems.forms.delassus import interleave
 from problems.random_problem import random_problem
+from problems.recorded.own import load, save
 from problems.residual import fclib_error, project_cone, relaxation_residual, residual
-from problems.storage import load, save
 from solvers import solve
 from tests.friction_problems import spatial
 

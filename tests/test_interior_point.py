@@ -1,6 +1,5 @@
 """Interior point methods on the friction LCP and on its convex relaxation."""
 
-import os
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +8,7 @@ from scipy import sparse
 
 from problems import FrictionProblem
 from problems.random_problem import random_problem
+from problems.recorded import read
 from problems.residual import relaxation_residual, residual
 from problems.scenes import scene
 from solvers import Status, solve
@@ -27,10 +27,10 @@ from solvers.interior.point import (
 )
 from solvers.interior.system import new_work, prepare
 from tests.friction_problems import block, nothing, spatial, spatial_bodies, spatial_stack
+from tests.recorded import FOLDER as RECORDED
 
 METHODS = ("interior_point", "interior_point[shortcut=false]")
 DATA = Path(__file__).parent / "data"
-RECORDED = os.environ.get("FRICTIONBENCH_RECORDED")  # problems of other projects, which are not part of this one
 
 
 def changed(problem, **fields):
@@ -463,11 +463,10 @@ def test_recorded_steps_on_which_lemke_ends_on_a_false_ray(name, instances, spec
     [("gen_tower-s1", 15), ("gen_spheres-s1", 60), ("sliding_cube", 10)],  # 60: through a fold
 )
 def test_recorded_spatial_problems(name, at_most, spec) -> None:
-    if not RECORDED:
+    path = RECORDED / "friction" / f"{name}.npz"
+    if not path.exists():
         pytest.skip("FRICTIONBENCH_RECORDED does not name a folder of recorded problems")
-    with np.load(Path(RECORDED) / f"{name}.npz") as data:
-        W, q, mu = (data["W"], data["q"], data["mu"]) if "W" in data else (data["G"], data["g"].ravel(), data["mus"])
-        assert_solved(FrictionProblem.from_delassus(W, q, mu, 3), spec, at_most=at_most)
+    assert_solved(read(path), spec, at_most=at_most)
 
 
 @pytest.mark.parametrize("spec", METHODS)

@@ -11,8 +11,8 @@ from harness.plans.plan import Plan, Source
 from harness.run import run
 from problems import FrictionProblem, InputError, scene
 from problems.random_problem import random_problem
+from problems.recorded.own import load
 from problems.reduce import keep_contacts
-from problems.storage import load
 from results import store
 from results.store import ResultsError
 from tests.test_run import quiet

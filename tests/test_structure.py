@@ -16,6 +16,7 @@ MAY_KNOW = {
     "problems.forms": {"problems.check"},
     "problems.planar": {"problems.check"},
     "problems.nature": {"problems.check", "problems.forms", "problems.friction", "problems.residual"},
+    "problems.recorded": {"problems.check", "problems.forms", "problems.friction"},
     "problems": {"problems"},
     "solvers.interface": {"problems"},
     "solvers.pivots": {"problems", "solvers.interface"},

@@ -18,10 +18,10 @@ from problems.nature.labels import labels
 from problems.nature.stability import response
 from problems.planar.collision import Contacts
 from problems.random_problem import random_problem
+from problems.recorded.own import load, save
 from problems.residual import residual
 from problems.schemes.stepping import Phase
 from problems.simulate import simulate
-from problems.storage import load, save
 from solvers import solve
 
 REFERENCE = "lemke"

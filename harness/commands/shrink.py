@@ -16,8 +16,8 @@ from harness.plans.plan import COLD, SolveCell, Source
 from harness.run import row_of_the_dead
 from harness.workers.pool import Pool, Task
 from problems import FrictionProblem, InputError
+from problems.recorded.own import save
 from problems.reduce import keep_contacts
-from problems.storage import save
 from results import store
 from results.schema import SKIPPED, SOLVED
 from results.store import ResultsError, Row

@@ -19,7 +19,7 @@ from harness.plans.suites import RELAXED
 from harness.run import row_of_the_dead
 from harness.workers.pool import Pool, Task
 from problems import scene
-from problems.storage import load, save
+from problems.recorded.own import load, save
 from results import store
 from results.store import ResultsError, Row
 from solvers import available

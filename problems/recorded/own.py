@@ -1,20 +1,24 @@
-"""A friction problem in a file: one .npz of plain arrays, never pickled.
+"""Our own file of a friction problem: one .npz of plain arrays, which anyone can write.
 
-Every field of FrictionProblem by name; a sparse field F as F_data, F_indices, F_indptr and F_shape. A problem known by its
-Delassus matrix holds W and q in place of the mechanical fields.
+Every field of FrictionProblem by its name, dense fields as they are, a sparse one F as the four arrays of its CSR form:
+
+    dimension                      2 planar, 3 spatial
+    friction (nc), free_velocity (nv), bias (nc), friction_bias (nc), joint_bias (nj)
+    mass, normal, tangent, joints  (nv, nv), (nc, nv), (nc*(d-1), nv), (nj, nv), each as F_data, F_indices, F_indptr, F_shape
+
+A problem known by its Delassus matrix holds W (as W_data ...) and q (nc*d) in place of the mechanical fields, rows per contact,
+normal first. Where dense arrays will do, problems.recorded.plain reads them under shorter names.
 """
 
-import zipfile
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from scipy import sparse
 
-from problems.check import InputError
+from problems.check import Array, InputError
 from problems.friction import DelassusProblem, FrictionProblem
+from problems.recorded.archive import read_arrays
 
-LARGEST = 4 * 2**30  # bytes unpacked; a larger problem is refused unread
 _SPARSE = ("mass", "normal", "tangent", "joints")
 _DENSE = ("friction", "free_velocity", "bias", "friction_bias", "joint_bias")
 
@@ -35,14 +39,11 @@ def save(problem: FrictionProblem, path: Path) -> None:
 
 def load(path: Path) -> FrictionProblem:
     """Read a problem. Errors: InputError naming the file, or the field in it that cannot be used."""
-    try:
-        _refuse_giants(path)
-        with np.load(path, allow_pickle=False) as stored:
-            arrays = {name: stored[name] for name in stored.files}
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile, AttributeError) as error:
-        raise InputError(f"{path}: not a problem file ({error})") from None
+    return problem(path, read_arrays(path))
+
+
+def problem(path: Path, arrays: dict[str, Array]) -> FrictionProblem:
+    """The problem that the arrays of a file hold. Errors: InputError naming the file and the field."""
     try:
         dimension = int(arrays["dimension"])
         if "W_data" in arrays:
@@ -52,19 +53,11 @@ def load(path: Path) -> FrictionProblem:
         return FrictionProblem(**matrices, **{name: arrays[name] for name in _DENSE}, dimension=dimension)
     except KeyError as error:
         raise InputError(f"{path}: field {error.args[0]} is missing") from None
-    except ValueError as error:
+    except (ValueError, TypeError) as error:
         raise InputError(f"{path}: {error}") from None
 
 
-def _refuse_giants(path: Path) -> None:
-    """A small archive can unpack to more than memory holds: look at what it says of itself first."""
-    with zipfile.ZipFile(path) as archive:
-        unpacked = sum(entry.file_size for entry in archive.infolist())
-    if unpacked > LARGEST:
-        raise ValueError(f"unpacks to {unpacked / 2**30:.1f} GiB, more than {LARGEST / 2**30:g}")
-
-
-def _matrix(arrays: dict[str, Any], name: str) -> sparse.csr_array:
+def _matrix(arrays: dict[str, Array], name: str) -> sparse.csr_array:
     data, indices, indptr, shape = (arrays[f"{name}_{part}"] for part in ("data", "indices", "indptr", "shape"))
     try:
         matrix = sparse.csr_array((data, indices, indptr), shape=tuple(int(n) for n in shape))

@@ -1,0 +1,47 @@
+"""Problems in files, ours and other people's: each format in a file of its own, recognised by what the file holds.
+
+FCLIB's HDF5              problems.recorded.fclib       read and written
+Siconos's text            problems.recorded.siconos     friction problems, local and global, and LCPs
+ContactBench's .npz       problems.recorded.contactbench
+our own .npz              problems.recorded.own         read and written
+arrays in an .npz         problems.recorded.plain       W, q, mu, d or M, N, T, mu, v; or an LCP's M, q
+"""
+
+from pathlib import Path
+
+from problems.check import InputError
+from problems.forms.lcp import LCP
+from problems.friction import FrictionProblem
+from problems.recorded import contactbench, fclib, own, plain, siconos
+from problems.recorded.archive import read_arrays
+
+HDF5, ZIP = b"\x89HDF\r\n\x1a\n", b"PK\x03\x04"
+
+
+def read(path: Path) -> FrictionProblem | LCP:
+    """The problem in a file of any of these formats. Errors: InputError naming the file, and the field that cannot be used."""
+    try:
+        with path.open("rb") as file:
+            head = file.read(8)
+    except OSError as error:
+        raise InputError(f"{path}: {'no such file' if isinstance(error, FileNotFoundError) else error.strerror}") from None
+    if head[:4] == ZIP:
+        return _archive(path)
+    try:
+        return fclib.read(path).problem if head == HDF5 else siconos.read(path)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+
+
+def _archive(path: Path) -> FrictionProblem | LCP:
+    arrays = read_arrays(path)
+    if "dimension" in arrays:
+        return own.problem(path, arrays)
+    reader = contactbench.problem if {"G", "g", "mus"} <= arrays.keys() else plain.kind(arrays)
+    try:
+        if reader is None:
+            names = ", ".join(list(arrays)[:8])
+            raise InputError(f"holds {names}; expected dimension, or W, q, mu, d, or M, N, T, mu, v, or G, g, mus, or M, q")
+        return reader(arrays)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None

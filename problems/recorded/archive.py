@@ -1,0 +1,56 @@
+"""The arrays of an .npz file, unpacked only if they are plain numbers and not too large.
+
+An archive is refused by what its headers claim, before anything is unpacked: pickled objects, text, more than LARGEST bytes.
+"""
+
+import zipfile
+from pathlib import Path
+from typing import IO
+
+import numpy as np
+from numpy.lib import format as npy
+
+from problems.check import Array, InputError, require
+
+LARGEST = 4 * 2**30  # bytes unpacked; a larger problem is refused unread
+
+
+def read_arrays(path: Path) -> dict[str, Array]:
+    """All arrays by name. Errors: InputError naming the file, or the array that cannot be used."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            names = {entry.filename.removesuffix(".npy"): entry for entry in archive.infolist()}
+            left = LARGEST
+            for name, entry in names.items():
+                with archive.open(entry) as stream:
+                    left -= _claimed(name, stream)
+                require(left >= 0, name, f"unpacks to more than {LARGEST / 2**30:g} GiB")
+            arrays = {}
+            for name, entry in names.items():
+                with archive.open(entry) as stream:
+                    arrays[name] = npy.read_array(stream, allow_pickle=False)
+            return arrays
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    except (
+        OSError,
+        ValueError,
+        EOFError,
+        zipfile.BadZipFile,
+        zipfile.LargeZipFile,
+        RuntimeError,
+        NotImplementedError,
+    ) as error:
+        raise InputError(f"{path}: not a problem file ({error})") from None
+
+
+def _claimed(name: str, stream: IO[bytes]) -> int:
+    """The bytes that an array says it has; a shape that they do not fill is found when it is read."""
+    version = npy.read_magic(stream)
+    require(version in ((1, 0), (2, 0)), name, f"of the unknown format {version}")
+    shape, _, kind = (npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0)(stream)
+    require(kind.kind in "fiub", name, f"not an array of numbers, but of {kind}")
+    require(len(shape) <= 2, name, f"expected a number, a vector or a matrix, got shape {shape}")
+    return int(np.prod(shape, dtype=object)) * kind.itemsize

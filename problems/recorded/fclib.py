@@ -1,0 +1,197 @@
+"""FCLIB's HDF5 files (github.com/FrictionalContactLibrary/fclib): local and global problems, with joints, guesses, a solution.
+
+    fclib_local/    spacedim, W, [V, R], vectors/{q, mu, [s]}, info       u = W r + V l + q,  0 = V' r + R l + s
+    fclib_global/   spacedim, M, H, [G], vectors/{f, w, mu, [b]}, info    M v = H r + G l + f,  u = H' v + w,  0 = G' v + b
+    guesses/        number_of_guesses, 1/{r, u, [v, l]}, 2/...
+    solution/       r, u, [v, l]
+
+A matrix is {m, n, nz, nzmax, p, i, x}. nz >= 0: that many triplets, in which i is the row and p the column (the library's
+header says it the other way round); -1: by columns (CSC); -2: by rows (CSR). Rows per contact, normal first. A stored solution
+may be a placeholder: nothing here believes it.
+
+Beside FCLIB's own, write() leaves frictionbench/free_velocity, as M v* = f does not give back v* to the last bit.
+"""
+
+import subprocess
+import sys
+from dataclasses import replace
+from io import BytesIO
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from problems.check import Array, InputError, require
+from problems.friction import DelassusProblem, FrictionProblem
+from problems.recorded.forms import from_global, from_local
+
+LARGEST = 2**29  # bytes of all arrays of a file
+LONGEST = 120.0  # seconds that reading a file may take
+OURS = "frictionbench/free_velocity"
+
+Arrays = dict[str, Array]
+
+
+class Recording(NamedTuple):
+    """A problem, the impulses (nc, d) that the file offers to start from, and the one it calls a solution."""
+
+    problem: FrictionProblem
+    guesses: tuple[Array, ...] = ()
+    solution: Array | None = None
+
+
+def read(path: Path) -> Recording:
+    """The recording in an HDF5 file. Errors: InputError naming the field."""
+    arrays = _unpack(path)
+    forms = {name.split("/")[0] for name in arrays} & {"fclib_local", "fclib_global"}
+    require(
+        len(forms) == 1,
+        "fclib_local, fclib_global",
+        "expected one of them, found " + (" and ".join(sorted(forms)) or "neither"),
+    )
+    form = forms.pop()
+    problem = (_local if form == "fclib_local" else _global)(arrays, form)
+    shape = (problem.contacts, problem.dimension)
+    offered = [arrays[name] for name in sorted(arrays) if name.startswith("guesses/") and name.endswith("/r")]
+    guesses = tuple(r.reshape(shape) for r in offered if r.size == shape[0] * shape[1] and np.isfinite(r).all())
+    solution = arrays.get("solution/r")
+    if solution is not None and solution.size != shape[0] * shape[1]:
+        solution = None
+    return Recording(problem, guesses, None if solution is None else solution.reshape(shape))
+
+
+def _unpack(path: Path) -> Arrays:
+    """All arrays of the file by their paths, read in another process: see hdf5_child."""
+    child = Path(__file__).with_name("hdf5_child.py")
+    command = [sys.executable, "-P", str(child), str(path.resolve()), str(LARGEST)]
+    try:
+        done = subprocess.run(command, capture_output=True, timeout=LONGEST, check=False, env={"HDF5_PLUGIN_PRELOAD": "::"})
+    except subprocess.TimeoutExpired:
+        raise InputError(f"HDF5: not read within {LONGEST:g} s") from None
+    if done.returncode == 2:
+        raise InputError(done.stderr.decode(errors="replace"))
+    require(done.returncode == 0, "HDF5", "its library died on the file")
+    with np.load(BytesIO(done.stdout), allow_pickle=False) as stored:
+        return {name.replace("|", "/"): stored[name] for name in stored.files}
+
+
+def _local(arrays: Arrays, form: str) -> FrictionProblem:
+    d, mu = _dimension(arrays, form), _vector(arrays, f"{form}/vectors/mu")
+    parts = (_matrix(arrays, f"{form}/W"), _vector(arrays, f"{form}/vectors/q"), mu, d)
+    if f"{form}/V/nz" not in arrays:
+        return from_local(*parts)
+    return from_local(*parts, _matrix(arrays, f"{form}/V"), _matrix(arrays, f"{form}/R"), _vector(arrays, f"{form}/vectors/s"))
+
+
+def _global(arrays: Arrays, form: str) -> FrictionProblem:
+    d, mu = _dimension(arrays, form), _vector(arrays, f"{form}/vectors/mu")
+    M, H = (_matrix(arrays, f"{form}/{name}") for name in ("M", "H"))
+    f, w = (_vector(arrays, f"{form}/vectors/{name}") for name in ("f", "w"))
+    joined = f"{form}/G/nz" in arrays
+    G, b = (_matrix(arrays, f"{form}/G"), _vector(arrays, f"{form}/vectors/b")) if joined else (None, None)
+    problem = from_global(M, H, f, w, mu, d, G, b)
+    free = arrays.get(OURS)
+    if free is None or isinstance(problem, DelassusProblem) or free.shape != f.shape or not np.array_equal(M @ free, f):
+        return problem
+    return replace(problem, free_velocity=free)
+
+
+def _dimension(arrays: Arrays, form: str) -> int:
+    d = _whole(arrays, f"{form}/spacedim")
+    require(d in (2, 3), f"{form}/spacedim", f"must be 2 or 3, got {d}")
+    return d
+
+
+def _whole(arrays: Arrays, field: str) -> int:
+    require(field in arrays, field, "missing")
+    value = arrays[field]
+    require(value.size == 1 and value.dtype.kind in "iu", field, "expected one integer")
+    return int(value.ravel()[0])
+
+
+def _vector(arrays: Arrays, field: str) -> Array:
+    require(field in arrays, field, "missing")
+    require(arrays[field].ndim == 1, field, f"expected a vector, got shape {arrays[field].shape}")
+    return arrays[field].astype(float)
+
+
+def _matrix(arrays: Arrays, field: str) -> sparse.csr_array:
+    m, n, nz = (_whole(arrays, f"{field}/{name}") for name in ("m", "n", "nz"))
+    x = _vector(arrays, f"{field}/x")
+    index = {}
+    for name in ("i", "p"):
+        require(f"{field}/{name}" in arrays, f"{field}/{name}", "missing")
+        index[name] = arrays[f"{field}/{name}"].ravel()
+        require(index[name].dtype.kind in "iu", f"{field}/{name}", "expected integers")
+    i, p = index["i"].astype(np.int64), index["p"].astype(np.int64)
+    for name, size in (("m", m), ("n", n)):
+        require(0 <= size <= LARGEST // 8, f"{field}/{name}", f"{size} is out of range")
+    if nz >= 0:
+        for name, value in (("i", i), ("p", p), ("x", x)):
+            require(len(value) >= nz, f"{field}/{name}", f"expected {nz} entries, got {len(value)}")
+        _within(f"{field}/i", i[:nz], m)
+        _within(f"{field}/p", p[:nz], n)
+        return sparse.csr_array(sparse.coo_array((x[:nz], (i[:nz], p[:nz])), shape=(m, n)))
+    require(nz in (-1, -2), f"{field}/nz", f"must be -2, -1 or a number of entries, got {nz}")
+    lines, across = (n, m) if nz == -1 else (m, n)
+    require(len(p) == lines + 1, f"{field}/p", f"expected {lines + 1} entries, got {len(p)}")
+    require(p[0] == 0 and bool((np.diff(p) >= 0).all()), f"{field}/p", "must rise from 0")
+    count = int(p[-1])
+    require(count <= min(len(i), len(x)), f"{field}/p", f"speaks of {count} entries, i has {len(i)} and x {len(x)}")
+    _within(f"{field}/i", i[:count], across)
+    return sparse.csr_array((sparse.csc_array if nz == -1 else sparse.csr_array)((x[:count], i[:count], p), shape=(m, n)))
+
+
+def _within(field: str, index: NDArray[np.int64], size: int) -> None:
+    outside = (index < 0) | (index >= size)
+    require(not outside.any(), field, f"an index is not between 0 and {size - 1}")
+
+
+def write(problem: FrictionProblem, path: Path, title: str = "", description: str = "", solution: Array | None = None) -> None:
+    """Write FCLIB's local form where only W is known, and its global form, in triplets, otherwise.
+
+    solution: (nc, d) impulses. Errors: InputError where FCLIB's form cannot say it.
+    """
+    require(not problem.friction_bias.any(), "friction_bias", "FCLIB has no place for it")
+    import h5py
+
+    with h5py.File(path, "w") as file:
+        local = isinstance(problem, DelassusProblem)
+        group = file.create_group("fclib_local" if local else "fclib_global")
+        group["spacedim"] = _integer(problem.dimension)
+        for name, text in {"title": title, "description": description, "math_info": ""}.items():
+            group[f"info/{name}"] = np.bytes_(text.encode("ascii", "replace") or b"\0")
+        if local:
+            matrices, vectors = {"W": problem.W}, {"q": problem.q}
+        else:
+            offset = np.zeros((problem.contacts, problem.dimension))
+            offset[:, 0] = problem.bias
+            matrices = {"M": problem.mass, "H": sparse.csr_array(problem.jacobian.T)}
+            vectors = {"f": problem.mass @ problem.free_velocity, "w": offset.ravel()}
+            if problem.joints.shape[0]:
+                matrices["G"], vectors["b"] = sparse.csr_array(problem.joints.T), problem.joint_bias
+            file[OURS] = problem.free_velocity
+        for name, matrix in matrices.items():
+            _write_matrix(group.create_group(name), matrix, by_rows=local)
+        for name, vector in (vectors | {"mu": problem.friction}).items():
+            group[f"vectors/{name}"] = vector
+        if solution is not None:
+            file["solution/r"], file["solution/u"] = solution.ravel(), problem.contact_velocity(solution).ravel()
+            if not local:
+                file["solution/v"] = problem.velocity(solution)
+
+
+def _write_matrix(group: Any, matrix: sparse.csr_array, by_rows: bool) -> None:
+    entries = matrix.tocoo()
+    sizes = {"m": matrix.shape[0], "n": matrix.shape[1], "nz": -2 if by_rows else matrix.nnz, "nzmax": matrix.nnz}
+    for name, size in sizes.items():
+        group[name] = _integer(size)
+    group["p"] = (matrix.indptr if by_rows else entries.col).astype(np.int32)
+    group["i"] = (matrix.indices if by_rows else entries.row).astype(np.int32)
+    group["x"] = matrix.data if by_rows else entries.data
+
+
+def _integer(value: int) -> Array:
+    return np.array([value], dtype=np.int32)
