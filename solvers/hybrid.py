@@ -3,9 +3,11 @@
 No single method is fast, accurate and reliable on every friction problem. An interior point's iteration costs one sparse
 factorisation and its preparation a pass over the contacts, so that, prepared and solved, it is ahead at every size in the
 plane. In space a few sweeps of Gauss-Seidel come first: they end the smallest problems, and where they get near in others the
-interior point starts from there and saves most of its iterations. Pivoting ends on an exact basis; each method fails on some
-instances that another solves. A portfolio stops at the first answer whose residual, computed here from the problem's own
-velocities, is within the tolerance: so it solves what any of its members does, and says so when none does. (Algorithm
+interior point starts from there and saves most of its iterations. Where it is trapped, the convex relaxation is asked before
+paths are followed: it cannot be trapped, and where nothing slides in its solution, that is a Coulomb solution. Pivoting ends
+on an exact basis; each method fails on some instances that another solves. A portfolio stops at the first answer whose
+residual, computed here from the problem's own velocities, is within the tolerance: so it solves what any of its members does,
+and says so when none does. (Algorithm
 portfolios: Gomes and Selman 2001.)
 """
 
@@ -21,7 +23,10 @@ from problems.residual import residual
 from solvers.interface import Answer, Solver, SolverInfo, Status, find, solver
 
 PLANAR = ("interior_point", "lemke", "path_search", "staggered", "anitescu_hart", "fischer_newton")
-SPATIAL = ("nsgs", "interior_point", "nncg", "apgd_coulomb", "staggered", "admm_coulomb", "anitescu_hart")
+SPATIAL = (
+    *("nsgs", "interior_point[paths=false]", "relaxation_ip", "interior_point[shortcut=false]"),
+    *("nncg", "apgd_coulomb", "staggered", "admm_coulomb", "anitescu_hart"),
+)
 SWEEPS = 30  # of nsgs, where it comes first: a fraction of the interior point's time at any size
 CLOSE = 0.01  # the residual up to which what a member leaves makes a better start than nothing
 
@@ -58,7 +63,9 @@ class Hybrid:
             own_limit = min(SWEEPS, limit or SWEEPS) if info.name == "nsgs" else limit
             guess = impulse if least <= CLOSE else start
             answer = member.solve(stage, tol, own_limit, guess if info.warm_start else None)
-            work |= {f"{info.name} {unit}": count for unit, count in answer.work.items()} | {"members": tried}
+            for unit, count in answer.work.items():
+                work[f"{info.name} {unit}"] = work.get(f"{info.name} {unit}", 0) + count
+            work["members"] = tried
             found = residual(problem, answer.impulse)
             if found < least:
                 impulse, least, found_by = answer.impulse, found, info.name

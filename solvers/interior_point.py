@@ -41,9 +41,11 @@ class InteriorPoint:
     """Predictor-corrector on Coulomb's law, then its central path; one sparse factorisation an iteration.
 
     shortcut: try the predictor-corrector first; otherwise follow the path from the beginning.
+    paths: follow paths where the predictor-corrector is trapped; otherwise end there.
     """
 
     shortcut: bool = True
+    paths: bool = True
 
     def form(self, problem: FrictionProblem) -> FrictionProblem:
         return in_velocities(problem)
@@ -65,6 +67,8 @@ class InteriorPoint:
             yield predictor_corrector, _around(problem, system, start, NEAR)
         if self.shortcut:  # from between nothing and the weight of all the others on top
             yield predictor_corrector, start_point(system, float(np.sqrt(problem.contacts)), 1.0)
+        if not self.paths:
+            return
         yield trace, _around(problem, system, solve(problem, "nsgs", limit=SWEEPS).impulse, FAR)
         for impulse, speed in STARTS:
             yield trace, start_point(system, impulse, speed)

@@ -110,3 +110,39 @@ def spatial_bodies(seed, contacts, friction=0.5) -> FrictionProblem:
         bias=np.zeros(contacts),
         dimension=3,
     )
+
+
+def sphere_pyramid(seed, levels, friction, noise=0.0, h=0.01) -> FrictionProblem:
+    """A square pyramid of unit spheres, each touching its neighbours of the layer and four below: hyperstatic.
+
+    The normals between spheres are askew by 1e-3, at random. noise: m/s on every freedom, beside gravity.
+    """
+    random = np.random.default_rng([seed, levels])
+    centre = np.array(
+        [(i + k / 2, j + k / 2, k / np.sqrt(2)) for k in range(levels) for i in range(levels - k) for j in range(levels - k)]
+    )
+    bodies = len(centre)
+    pairs = [(a, -1) for a in range(levels**2)]
+    pairs += [(a, b) for a in range(bodies) for b in range(a) if np.linalg.norm(centre[a] - centre[b]) < 1.01]
+    jacobian = np.zeros((len(pairs), 3, bodies, 6))
+    for i, (a, b) in enumerate(pairs):
+        between = np.array([0.0, 0.0, 1.0]) if b < 0 else centre[a] - centre[b]
+        normal = between + (1e-3 * random.standard_normal(3) if b >= 0 else 0)
+        frame = np.linalg.qr(np.column_stack([normal, random.standard_normal((3, 2))]))[0].T
+        frame[0] = normal / np.linalg.norm(normal)
+        for body, sign in ((a, 1), (b, -1)):
+            if body >= 0:
+                jacobian[i, :, body, :3], jacobian[i, :, body, 3:] = sign * frame, np.cross(-between / 2, frame)
+    rows = sparse.csr_array(jacobian.reshape(3 * len(pairs), 6 * bodies))
+    each = np.arange(3 * len(pairs)).reshape(-1, 3)
+    v = noise * random.standard_normal((bodies, 6))
+    v[:, 2] -= 9.81 * h
+    return FrictionProblem(
+        mass=sparse.diags_array(np.tile([1, 1, 1, 0.1, 0.1, 0.1], bodies)),
+        normal=rows[each[:, 0]],
+        tangent=rows[each[:, 1:].ravel()],
+        friction=np.full(len(pairs), friction),
+        free_velocity=v.ravel(),
+        bias=np.zeros(len(pairs)),
+        dimension=3,
+    )

@@ -26,7 +26,7 @@ from solvers.interior.point import (
     to_geodesics,
 )
 from solvers.interior.system import new_work, prepare
-from tests.friction_problems import block, nothing, spatial, spatial_bodies, spatial_stack
+from tests.friction_problems import block, nothing, spatial, spatial_bodies, spatial_stack, sphere_pyramid
 from tests.recorded import FOLDER as RECORDED
 
 METHODS = ("interior_point", "interior_point[shortcut=false]")
@@ -487,3 +487,14 @@ def test_sparse_joints_keep_a_chain_sparse() -> None:
     )
     assert prepare(problem).fronts.start[-1] < 16 * nv
     assert_solved(problem, "interior_point")
+
+
+@pytest.mark.parametrize("friction", [0.7, 1.0])
+def test_a_pyramid_of_spheres_that_only_traps_the_exact_path_is_solved_by_its_relaxation(friction) -> None:
+    problem = sphere_pyramid(0, levels=5, friction=friction)
+    alone = solve(problem, "interior_point[paths=false]")
+    assert alone.status is Status.STALLED
+    assert residual(problem, alone.impulse) > 1e-3
+    answer = solve(problem, "hybrid")
+    assert answer.detail == "relaxation_ip"
+    assert residual(problem, answer.impulse) <= 1e-8
