@@ -19,30 +19,18 @@ import numpy as np
 from numba import njit
 
 from problems.check import Array
+from problems.forms.cone import nearest
 from problems.friction import FrictionProblem
-
-
-def project_cone(x: Array, mu: Array, b: Array) -> Array:
-    """Project the rows of x (nc, d) on {|x_t| <= mu x_n + b, x_n >= 0}; mu, b: (nc,), >= 0."""
-    n, t = x[:, 0], x[:, 1:]
-    size = np.hypot.reduce(t, axis=1) if t.shape[1] > 1 else np.abs(t[:, 0])
-    inside = (n >= 0) & (size <= mu * n + b)
-    with np.errstate(over="ignore"):
-        on_ray = (n + mu * (size - b)) / (1 + mu * mu)  # normal part of the nearest point of the slanted side
-    normal = np.where(inside, n, np.where(size > mu * n + b, np.maximum(on_ray, 0.0), 0.0))
-    limit = mu * normal + b
-    factor = np.where(size > limit, limit / np.where(size > 0, size, 1.0), 1.0)
-    return np.column_stack([normal, t * factor[:, None]])
 
 
 def residual(problem: FrictionProblem, impulse: Array) -> float:
     """The residual of impulse (nc, d) on the exact problem; infinity where the impulse is not finite."""
-    return _defect(problem, impulse, shifted=True)
+    return _defect(problem, impulse, shift=1.0)
 
 
 def relaxation_residual(problem: FrictionProblem, impulse: Array) -> float:
     """The residual of impulse (nc, d) on the problem's convex relaxation, in the same measure."""
-    return _defect(problem, impulse, shifted=False)
+    return _defect(problem, impulse, shift=0.0)
 
 
 def residual_floor(problem: FrictionProblem, impulse: Array) -> float:
@@ -69,7 +57,7 @@ def energy_within(problem: FrictionProblem, impulse: Array, bound: float) -> flo
     return float(bound * _largest(problem.q.reshape(u.shape)) * sizes.sum()) if problem.contacts else 0.0
 
 
-def _defect(problem: FrictionProblem, impulse: Array, shifted: bool) -> float:
+def _defect(problem: FrictionProblem, impulse: Array, shift: float) -> float:
     nc, d = problem.contacts, problem.dimension
     if not nc:
         return 0.0
@@ -77,7 +65,7 @@ def _defect(problem: FrictionProblem, impulse: Array, shifted: bool) -> float:
         return np.inf
     u = problem.contact_velocity(impulse)
     s = problem.scale
-    worst = float(np.max(s * _defects(impulse, u, s, problem.friction, problem.friction_bias, shifted)))
+    worst = float(np.max(s * _defects(impulse, u, s, problem.friction, problem.friction_bias, shift)))
     free = _largest(problem.q.reshape(nc, d))
     if not np.isfinite(worst):
         return np.inf
@@ -86,32 +74,27 @@ def _defect(problem: FrictionProblem, impulse: Array, shifted: bool) -> float:
     return worst / free
 
 
-@njit(cache=True)
-def _defects(r: Array, u: Array, s: Array, mu: Array, b: Array, shifted: bool) -> Array:
-    """|r_i - P_K(r_i - g(u_i)/s_i)| (nc,), contact by contact as project_cone has it."""
-    nc, d = r.shape
-    defects = np.empty(nc)
-    for i in range(nc):
-        sliding = 0.0
-        for k in range(1, d):
-            sliding += u[i, k] * u[i, k]
-        n = r[i, 0] - (u[i, 0] + (mu[i] * np.sqrt(sliding) if shifted else 0.0)) / s[i]
-        size = 0.0
-        for k in range(1, d):
-            size += (r[i, k] - u[i, k] / s[i]) ** 2
-        size = np.sqrt(size)
-        nearest = n
-        if size > mu[i] * n + b[i]:
-            nearest = max((n + mu[i] * (size - b[i])) / (1 + mu[i] * mu[i]), 0.0)
-        elif n < 0:
-            nearest = 0.0
-        limit = mu[i] * nearest + b[i]
-        factor = limit / size if size > limit else 1.0
-        defect = (r[i, 0] - nearest) ** 2
-        for k in range(1, d):
-            defect += (r[i, k] - factor * (r[i, k] - u[i, k] / s[i])) ** 2
-        defects[i] = np.sqrt(defect)
+@njit(cache=True, error_model="numpy")
+def _defects(r: Array, u: Array, s: Array, mu: Array, b: Array, shift: float) -> Array:
+    """|r_i - P_K(r_i - (u_i + shift mu_i |u_t,i| e_n)/s_i)| (nc,), contact by contact."""
+    defects = np.empty(len(r))
+    for i in range(len(r)):
+        defects[i] = contact_defect(r[i], u[i], s[i], mu[i], b[i], shift)
     return defects
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def contact_defect(r: Array, u: Array, s: float, mu: float, b: float, shift: float) -> float:
+    """|r - P_K(r - (u + shift mu |u_t| e_n)/s)| of one contact, r and u (d,)."""
+    sliding = size = 0.0
+    for k in range(1, len(r)):
+        sliding += u[k] * u[k]
+        size += (r[k] - u[k] / s) ** 2
+    n, share = nearest(r[0] - (u[0] + shift * mu * np.sqrt(sliding)) / s, np.sqrt(size), mu, b)
+    square = (r[0] - n) ** 2
+    for k in range(1, len(r)):
+        square += (r[k] - share * (r[k] - u[k] / s)) ** 2
+    return np.sqrt(square)
 
 
 @njit(cache=True)
@@ -136,7 +119,7 @@ def fclib_error(problem: FrictionProblem, impulse: Array) -> float:
     if not np.isfinite(impulse).all():
         return np.inf
     u, one = problem.contact_velocity(impulse), np.ones(problem.contacts)
-    error = float(np.linalg.norm(_defects(impulse, u, one, problem.friction, problem.friction_bias, True)))
+    error = float(np.linalg.norm(_defects(impulse, u, one, problem.friction, problem.friction_bias, 1.0)))
     size = float(np.linalg.norm(problem.q))
     if not np.isfinite(error):
         return np.inf

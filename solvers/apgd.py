@@ -19,6 +19,7 @@ from numba import njit
 
 from problems import FrictionProblem
 from problems.check import Array
+from problems.forms.cone import nearest
 from solvers.interface import Answer, solver
 from solvers.sweeps.form import ContactForm, contact_form, state, velocity
 from solvers.sweeps.laws import defect
@@ -118,12 +119,7 @@ def step(form, r, y, u, shift, length):  # type: ignore[no-untyped-def]
             slide += u[i, j] ** 2
             r[i, j] = y[i, j] - tau * u[i, j]
             size += r[i, j] ** 2
-        size = np.sqrt(size)
         n = y[i, 0] - tau * (u[i, 0] + shift * mu * np.sqrt(slide))
-        if size > mu * n + b_f:
-            n = (n + mu * (size - b_f)) / (1 + mu * mu)
-        n = max(n, 0.0)
-        r[i, 0] = n
-        if size > mu * n + b_f:
-            for j in range(1, d):
-                r[i, j] *= (mu * n + b_f) / size
+        r[i, 0], share = nearest(n, np.sqrt(size), mu, b_f)
+        for j in range(1, d):
+            r[i, j] *= share

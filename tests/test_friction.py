@@ -12,10 +12,11 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from problems import LCP, FrictionProblem, InputError
+from problems.forms.cone import project_cone
 from problems.forms.delassus import interleave
 from problems.random_problem import random_problem
 from problems.recorded.own import load, save
-from problems.residual import fclib_error, project_cone, relaxation_residual, residual
+from problems.residual import fclib_error, relaxation_residual, residual
 from solvers import solve
 from tests.friction_problems import spatial
 
@@ -167,7 +168,7 @@ def test_a_known_answer_has_residual_zero() -> None:
 
 @pytest.mark.parametrize("seed", range(8))
 def test_the_residual_is_its_formula(seed) -> None:
-    """The compiled loop over contacts against the projection of all of them at once."""
+    """The loop over contacts against the formula for all of them at once."""
     random = np.random.default_rng(seed)
     for problem in (random_problem(seed, contacts=6), spatial(seed, contacts=4, friction_bias=bool(seed % 2))):
         r = random.standard_normal((problem.contacts, problem.dimension)) * 10 ** random.uniform(-3, 2)

@@ -10,8 +10,9 @@ from collections.abc import Callable
 import numpy as np
 
 from problems.check import Array
+from problems.forms.cone import project_cone
 from problems.friction import FrictionProblem
-from problems.residual import project_cone, residual
+from problems.residual import residual
 
 ROUND_OFF = 1e-13  # of the largest free velocity: what a smaller impulse moves at its own contact is not seen
 

@@ -7,6 +7,7 @@ import numpy as np
 from numba import njit
 
 from problems.check import Array
+from problems.forms.cone import nearest
 from solvers.interior.lorentz import Vector
 from solvers.interior.system import Elements
 from solvers.sparse_lu.multifrontal import Fronts
@@ -95,12 +96,6 @@ def natural(r: Vector, u: Vector, mu: float, bias: float, shift: float, weight: 
     compliance = 1 / weight
     n = r[0] - (u[0] + shift * _norm(u[1], u[2])) * compliance
     t1, t2 = r[1] - u[1] * compliance, r[2] - u[2] * compliance
-    size, normal = _norm(t1, t2), n
-    if size > mu * n + bias:
-        normal = max((n + mu * (size - bias)) / (1 + mu * mu), 0.0)
-    elif n < 0:
-        normal = 0.0
-    limit = mu * normal + bias
-    kept = limit / size if size > limit else 1.0
+    normal, kept = nearest(n, _norm(t1, t2), mu, bias)
     off, off1, off2 = r[0] - normal, r[1] - kept * t1, r[2] - kept * t2
     return weight * np.sqrt(off * off + off1 * off1 + off2 * off2)

@@ -23,6 +23,8 @@ from math import hypot
 import numpy as np
 from numba import njit
 
+from problems.residual import contact_defect
+
 LIFT = 1e-14
 TINY = 1e-300
 
@@ -109,24 +111,10 @@ def bounded_tangent(S11, S12, S21, S22, tau1, tau2, L, k1, k2):  # type: ignore[
 @njit(cache=True, error_model="numpy")
 def defect(form, r, u, shift):  # type: ignore[no-untyped-def]
     """The residual of problems.residual at impulses r and velocities u (nc, d); shift: 1.0 Coulomb, 0.0 the relaxation."""
-    d = r.shape[1]
     worst = 0.0
     for i in range(len(r)):
-        s, mu, b_f = form.scale[i], form.friction[i], form.friction_bias[i]
-        slide, size = 0.0, 0.0
-        for j in range(1, d):
-            slide += u[i, j] ** 2
-            size += (r[i, j] - u[i, j] / s) ** 2
-        slide, size = np.sqrt(slide), np.sqrt(size)
-        n = r[i, 0] - (u[i, 0] + shift * mu * slide) / s
-        if size > mu * n + b_f:
-            n = max((n + mu * (size - b_f)) / (1 + mu * mu), 0.0)
-        n = max(n, 0.0)
-        factor = min((mu * n + b_f) / size, 1.0) if size > 0 else 1.0
-        error = (r[i, 0] - n) ** 2
-        for j in range(1, d):
-            error += (r[i, j] - factor * (r[i, j] - u[i, j] / s)) ** 2
-        error = s * np.sqrt(error)
+        s = form.scale[i]
+        error = s * contact_defect(r[i], u[i], s, form.friction[i], form.friction_bias[i], shift)
         if not error <= worst:  # also where it is NaN
             worst = error
     return worst / form.free if form.free > 0 else (0.0 if worst == 0 else np.inf)
