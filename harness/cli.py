@@ -30,6 +30,10 @@ Solvers = Annotated[
         help="Only this solver, like `nsgs[relaxation=1.3]`, or a Python file that defines one; repeat for more.",
     ),
 ]
+Files = Annotated[
+    list[str] | None,
+    typer.Option("--solver", metavar="FILE", help="A file of solvers to trust; what a results folder names is not run."),
+]
 Tolerances = Annotated[str | None, typer.Option("--tol", metavar="T,T,...", help="Residuals to ask for, like 1e-4,1e-6,1e-8.")]
 Limit = Annotated[
     float | None, typer.Option("--time-limit", metavar="S", help="Seconds for form, setup and solve together, enforced.")
@@ -76,8 +80,10 @@ def run(
     from harness.plans.choose import choose
     from harness.progress import Progress
     from harness.run import run as run_plan
+    from harness.workers.introduce import introduce
 
-    plan = choose(suite, scene or [], solver or [], tol, time_limit)
+    variants, plugins = introduce(solver or [])
+    plan = choose(suite, scene or [], variants, tol, time_limit, plugins)
     folder = out or Path("runs") / suite
     run_plan(plan, folder, _jobs(jobs), Progress(), cluster)
     typer.echo(f"results: {folder}\nreport:  frictionbench report {folder}")
@@ -146,28 +152,30 @@ def show(
 def rerun(
     folder: Annotated[Path, typer.Argument(metavar="DIR")],
     row: Annotated[str, typer.Argument(metavar="ROW", help="The row's key, as tables and reports give it.")],
+    solver: Files = None,
 ) -> None:
     """Run one cell of a results folder again and show both rows."""
     from harness.commands.single import show_rerun
 
-    show_rerun(folder, row)
+    show_rerun(folder, row, solver or [])
 
 
 @app.command()
 def shrink(
     folder: Annotated[Path, typer.Argument(metavar="DIR")],
     row: Annotated[str, typer.Argument(metavar="ROW", help="The key of a solve row that failed.")],
+    solver: Files = None,
 ) -> None:
     """Make a failing cell's problem as small as it can be while it still fails, and keep it as a file."""
     from harness.commands.shrink import shrink as shrink_row
 
-    path, problem, trials = shrink_row(folder, row)
+    path, problem, trials = shrink_row(folder, row, solver or [])
     typer.echo(f"{problem.contacts} contacts and {len(problem.free_velocity)} velocities left after {trials} trials: {path}")
     typer.echo(f"again: frictionbench solve {path}")
 
 
 def _jobs(jobs: int | None) -> int:
-    from harness.machine import cores
+    from harness.process import cores
     from problems import InputError
 
     most = len(cores())

@@ -5,6 +5,7 @@ folder that holds a run of another plan, machine or code is refused with what di
 """
 
 import os
+from collections.abc import Callable
 from contextlib import nullcontext
 from datetime import UTC, datetime
 from pathlib import Path
@@ -13,13 +14,16 @@ from harness import machine
 from harness.cells import worker
 from harness.cells.collect import Entry
 from harness.cells.rows import drive_row, solve_row
-from harness.plans.plan import DriveCell, Plan, SolveCell
+from harness.plans.plan import DriveCell, Plan, Plugin, SolveCell
 from harness.progress import Progress
 from harness.workers.cluster import Cluster
-from harness.workers.pool import Outcome, Pool, Task
+from harness.workers.pool import Pool
+from harness.workers.task import Outcome, Task
 from problems import InputError
 from results import store
 from results.store import ResultsError, Row, ShardWriter
+
+COLLECTING = 600.0  # seconds for one source's problems
 
 
 def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | None = None) -> None:
@@ -27,30 +31,28 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
 
     Errors: ResultsError where folder holds an unlike run, InputError where the cluster cannot be used.
     """
+    folder = folder.absolute()
     open_folder(plan, folder)
-    with Pool(folder, jobs, plan.plugins, plan.memory_limit) as pool:
+    with Pool(folder, 1 if cluster else jobs, plan.plugins, plan.memory_limit) as pool:
         entries = _collect(plan, pool, progress)
+        _record(plan, pool, progress)
         solves, drives = plan.solve_cells(entries.values()), plan.drive_cells()
-        tasks = [_solve_task(cell, entries[cell.problem], plan) for cell in solves] + [
-            _drive_task(cell, plan) for cell in drives
-        ]
+        tasks = [_solve_task(cell, entries[cell.problem], plan) for cell in solves]
+        tasks += [_drive_task(cell, plan) for cell in drives]
+        tasks.sort(key=lambda task: task.owner)  # a worker that has run code from outside runs nothing else after it
         done = store.read_rows(folder, "solves").keys() | store.read_rows(folder, "drives").keys()
         left = [task for task in tasks if task.arguments[0].key not in done]
         with (
             Cluster(cluster, folder, plan.plugins, plan.memory_limit) if cluster else nullcontext(pool) as engine,
-            ShardWriter(folder, "solves", f"parent-{os.getpid()}") as solved,
-            ShardWriter(folder, "drives", f"parent-{os.getpid()}") as driven,
+            ShardWriter(folder, "solves", f"{os.getpid()}") as solved,
+            ShardWriter(folder, "drives", f"{os.getpid()}") as driven,
             progress.stage("cells", len(tasks), len(tasks) - len(left)) as stage,
         ):
             shards = {"solves": solved, "drives": driven}
             for outcome in engine.run(left, stage.started):
-                if outcome.death:
-                    table, row = row_of_the_dead(outcome)
-                    shards[table].write(row)
-                elif not engine.leaves_rows:
-                    shards[outcome.task.arguments[0].table].write(outcome.value)
+                table, row = outcome.task.arguments[0].table, outcome.value
+                shards[table].write(row if outcome.death is None else row_of_the_dead(outcome, plan.plugins))
                 stage.finished(outcome.task)
-        _record(plan, pool, progress)
     store.merge(folder, "solves", [cell.key for cell in solves])
     store.merge(folder, "drives", [cell.key for cell in drives])
     store.write_manifest(folder, store.read_manifest(folder) | {"problems": sorted(entries), "finished": _now()})
@@ -86,7 +88,10 @@ def _brief(value: object) -> str:
 
 def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Entry]:
     """The problems of all sources by hash, in the plan's order."""
-    tasks = [Task(f"{source.scene} {source.parameters or ''}", worker.run_source, (source,), 600.0) for source in plan.sources]
+    tasks = [
+        Task(f"{source.scene} {source.parameters or ''}", worker.run_source, (source, COLLECTING), COLLECTING)
+        for source in plan.sources
+    ]
     by_task: dict[int, list[Entry]] = {}
     with progress.stage("problems", len(tasks), 0) as stage:
         for outcome in pool.run(tasks, stage.started):
@@ -99,7 +104,10 @@ def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Entry]:
 
 def _record(plan: Plan, pool: Pool, progress: Progress) -> None:
     """Record a motion of every scene, here; they are pictures, and one that cannot be made is no loss."""
-    tasks = [Task(f"motion of {shown.scene}", worker.run_motion, (shown,), plan.drive_limit) for shown in plan.shown()]
+    tasks = [
+        Task(f"motion of {shown.scene}", worker.run_motion, (shown, plan.drive_limit), plan.drive_limit)
+        for shown in plan.shown()
+    ]
     if not tasks:
         return
     with progress.stage("motions", len(tasks), 0) as stage:
@@ -109,18 +117,20 @@ def _record(plan: Plan, pool: Pool, progress: Progress) -> None:
 
 def _solve_task(cell: SolveCell, entry: Entry, plan: Plan) -> Task:
     name = f"{cell.variant} on {entry['scene']}, {entry['contacts']} contacts"
-    return Task(name, worker.run_solve, (cell, entry, plan.time_limit), plan.time_limit)
+    return Task(name, worker.run_solve, (cell, entry, plan.time_limit), plan.time_limit, plan.owner(cell.variant))
 
 
 def _drive_task(cell: DriveCell, plan: Plan) -> Task:
-    return Task(f"{cell.variant} drives {cell.scene}", worker.run_drive, (cell, plan.drive_limit), plan.drive_limit)
+    name = f"{cell.variant} drives {cell.scene}"
+    return Task(name, worker.run_drive, (cell, plan.drive_limit), plan.drive_limit, plan.owner(cell.variant))
 
 
-def row_of_the_dead(outcome: Outcome) -> tuple[str, Row]:
-    """The table and the row of a cell whose worker died."""
+def row_of_the_dead(outcome: Outcome, plugins: tuple[Plugin, ...]) -> Row:
+    """The row of a cell whose worker died."""
     cell, *facts = outcome.task.arguments
-    known: Row = solve_row(cell, *facts) if isinstance(cell, SolveCell) else drive_row(cell, *facts)
-    return cell.table, known | {"verdict": outcome.death, "reason": outcome.reason}
+    make: Callable[..., Row] = solve_row if isinstance(cell, SolveCell) else drive_row
+    known = make(cell, *facts, plugins=plugins)
+    return known | {"verdict": outcome.death, "reason": outcome.reason}
 
 
 def _now() -> str:

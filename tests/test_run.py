@@ -13,10 +13,11 @@ import pytest
 from rich.console import Console
 
 from harness.commands.single import rerun_row
-from harness.plans.choose import choose, resolve_solvers
+from harness.plans.choose import choose
 from harness.plans.plan import Plan, Source
 from harness.progress import Progress
 from harness.run import run
+from harness.workers.introduce import introduce
 from problems import InputError, storage
 from results import store
 from results.store import ResultsError
@@ -69,7 +70,7 @@ def verdicts(folder: Path) -> dict[str, tuple]:
 
 
 def test_a_misbehaving_solver_costs_its_own_cell_alone(tmp_path) -> None:
-    variants, plugins = resolve_solvers([str(BAD_SOLVERS), "lemke"])
+    variants, plugins = introduce([str(BAD_SOLVERS), "lemke"])
     assert set(variants) == VERDICTS.keys()
     plan = small_plan(
         sources=(Source("stack", {"blocks": 2, "push": 1.0}),),
@@ -211,7 +212,7 @@ def test_a_cell_is_rerun_from_its_row_bit_for_bit(tmp_path) -> None:
     same = ("verdict", "status", "residual", "work", "backward_error", "problems", "worst_residual", "energies")
     for table in ("solves", "drives"):
         for key in store.read_table(folder, table)["key"].iloc[[0, -1]]:
-            row, again = rerun_row(folder, key)
+            row, again = rerun_row(folder, key, [])
             assert row is not again
             assert {name: row.get(name) for name in same} == {name: again.get(name) for name in same}
     shown = frictionbench("rerun", str(folder), key, env=os.environ | {"COLUMNS": "200"})
@@ -230,7 +231,7 @@ def test_solve_puts_every_solver_to_one_problem() -> None:
 
 
 def test_choices_narrow_a_suite() -> None:
-    plan = choose("smoke", ["stack[blocks=3]"], ["nsgs[relaxation=1.2]"], "1e-3,1e-5", 3.0)
+    plan = choose("smoke", ["stack[blocks=3]"], ("nsgs[relaxation=1.2]",), "1e-3,1e-5", 3.0)
     assert plan.sources == (Source("stack", {"blocks": 3}, 6),)
     assert plan.solvers == plan.drive_solvers == ("nsgs[relaxation=1.2]",)
     assert plan.tolerances == (1e-3, 1e-5)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from harness.commands.shrink import shrink, smallest
-from harness.plans.choose import resolve_solvers
 from harness.plans.plan import Plan, Source
 from harness.run import run
+from harness.workers.introduce import introduce
 from problems import FrictionProblem, InputError, scene
 from problems.random_problem import random_problem
 from problems.recorded.own import load
@@ -47,7 +47,7 @@ def test_contacts_and_bodies_are_removed() -> None:
 
 
 def test_a_failing_row_is_shrunk_into_a_file(tmp_path) -> None:
-    _, plugins = resolve_solvers([str(BAD_SOLVERS)])
+    _, plugins = introduce([str(BAD_SOLVERS)])
     plan = Plan(
         suite="test",
         sources=(Source("stack", {"blocks": 4, "push": 1.0}),),
@@ -58,10 +58,10 @@ def test_a_failing_row_is_shrunk_into_a_file(tmp_path) -> None:
     folder = tmp_path / "run"
     run(plan, folder, 1, quiet())
     rows = store.read_table(folder, "solves").set_index("solver")
-    path, problem, _ = shrink(folder, rows.loc["lies", "key"])
+    path, problem, _ = shrink(folder, rows.loc["lies", "key"], [str(BAD_SOLVERS)])
     assert (problem.contacts, len(problem.free_velocity)) == (1, 3)
     assert load(path).hash == problem.hash
     with pytest.raises(InputError, match="there is no failure"):
-        shrink(folder, rows.loc["lemke", "key"])
+        shrink(folder, rows.loc["lemke", "key"], [])
     with pytest.raises(ResultsError, match="no solve row"):
-        shrink(folder, "nonsense")
+        shrink(folder, "nonsense", [])

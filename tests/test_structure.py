@@ -10,6 +10,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 ROAD = ("problems", "solvers", "harness", "results", "reports")
+_MECHANISMS = ("harness.machine", "harness.process", "harness.deadline")
 # What each place may import of the house: a folder, a room or a file, by its dotted name. Its own files it always may.
 MAY_KNOW = {
     "problems.check": set(),
@@ -27,8 +28,8 @@ MAY_KNOW = {
     "solvers": {"problems", "solvers"},
     "results": set(),
     "harness.plans": {"problems", "solvers", "results"},
-    "harness.cells": {"problems", "solvers", "results", "harness.plans", "harness.verify", "harness.machine"},
-    "harness.workers": {"problems", "solvers", "results", "harness.plans", "harness.cells", "harness.machine"},
+    "harness.cells": {"problems", "solvers", "results", "harness.plans", "harness.verify", *_MECHANISMS},
+    "harness.workers": {"problems", "solvers", "results", "harness.plans", "harness.cells", *_MECHANISMS},
     "harness.commands": {"problems", "solvers", "results", "harness"},
     "harness.cli": {"problems", "solvers", "results", "harness", "reports"},
     "harness": {"problems", "solvers", "results", "harness"},

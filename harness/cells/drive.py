@@ -16,6 +16,7 @@ from harness.plans.plan import DriveCell
 from harness.verify import verify
 from problems import FrictionProblem, scene
 from problems.check import Array
+from problems.copies import duplicate
 from problems.scene import Scene
 from problems.schemes import SCHEMES, NoSolution
 from problems.simulate import penetration, simulate
@@ -35,7 +36,8 @@ class _Driver:
         self.worst_residual = self.worst_defect = self.solver_time = self.overhead = 0.0
 
     def __call__(self, problem: FrictionProblem) -> Array:
-        call = clean_call(lambda: timed_call(self._solver, problem, lambda ready: self._solver.solve(ready, self._tol, None)))
+        given = duplicate(problem)
+        call = clean_call(lambda: timed_call(self._solver, given, lambda ready: self._solver.solve(ready, self._tol, None)))
         answer, answered = call.answer, time.perf_counter()
         self.solver_time += np.nan if call.loaded else sum(call.times)
         finding = verify(problem, answer, self._info, self._tol)

@@ -13,7 +13,6 @@ import numpy as np
 
 from harness.cells.collect import REFERENCE
 from harness.cells.drive import DIVERGED
-from harness.plans.choose import resolve_solvers
 from harness.plans.plan import Source
 from harness.plans.spec import parse
 from problems import FrictionProblem, InputError, scene
@@ -23,7 +22,7 @@ from problems.scene import Scene
 from problems.schemes import SCHEMES, NoSolution, Step
 from problems.simulate import simulate
 from results.motion import Motion, Outline, write_motion
-from solvers import solve
+from solvers import plugins, solve
 
 TOLERANCE = 1e-8
 
@@ -32,7 +31,7 @@ def record_named(scene_spec: str, solver_spec: str, scheme: str, steps: int | No
     """The motion of a scene and by a solver as the command line names them. Errors: InputError naming the field."""
     if scheme not in SCHEMES:
         raise InputError(f"scheme: unknown scheme {scheme!r}; known are {', '.join(SCHEMES)}")
-    variants, _ = resolve_solvers([solver_spec])
+    variants = plugins.load(Path(solver_spec)) if solver_spec.endswith(".py") else (solver_spec,)
     if len(variants) != 1:
         raise InputError(f"solver: {solver_spec} stands for {len(variants)} solvers; name one")
     name, settings = parse("scene", scene_spec)

@@ -3,7 +3,7 @@
 import json
 
 from harness import machine
-from harness.plans.plan import DriveCell, SolveCell
+from harness.plans.plan import DriveCell, Plugin, SolveCell
 from results.store import Row
 from solvers import find
 
@@ -15,13 +15,17 @@ PROBLEM_FACTS = (
 )
 
 
-def solve_row(cell: SolveCell, entry: Row, limit: float) -> Row:
+def solve_row(cell: SolveCell, entry: Row, limit: float, plugins: tuple[Plugin, ...] = ()) -> Row:
     """The solve cell, the facts of its problem and of its solver."""
     known = {name: entry[name] for name in PROBLEM_FACTS}
-    return known | _solver_row(cell.variant) | {"key": cell.key, "tol": cell.tol, "time_limit": limit, "start": cell.start}
+    return (
+        known
+        | _solver_row(cell.variant, plugins)
+        | {"key": cell.key, "tol": cell.tol, "time_limit": limit, "start": cell.start}
+    )
 
 
-def drive_row(cell: DriveCell, limit: float) -> Row:
+def drive_row(cell: DriveCell, limit: float, plugins: tuple[Plugin, ...] = ()) -> Row:
     """The drive cell and the facts of its solver."""
     facts = {
         "key": cell.key,
@@ -31,17 +35,21 @@ def drive_row(cell: DriveCell, limit: float) -> Row:
         "tol": cell.tol,
         "time_limit": limit,
     }
-    return facts | _solver_row(cell.variant)
+    return facts | _solver_row(cell.variant, plugins)
 
 
-def _solver_row(variant: str) -> Row:
+def _solver_row(variant: str, plugins: tuple[Plugin, ...]) -> Row:
+    told = next((plugin.solvers[variant] for plugin in plugins if variant in plugin.solvers), None)
+    return {"variant": variant, "host": machine.host(), **(told or solver_facts(variant))}
+
+
+def solver_facts(variant: str) -> Row:
+    """What a row says of a solver, of our own or of a plug-in that is loaded."""
     info, _ = find(variant)
     return {
         "solver": info.name,
-        "variant": variant,
         "family": info.family,
         "model": info.model,
         "members": ", ".join(info.members),
         "version": machine.version_of(info.needs),
-        "host": machine.host(),
     }

@@ -1,120 +1,145 @@
-"""What happens inside a worker process: one core, one thread, bounded memory, silence, and a shard of its own.
+"""What happens inside a worker process: one core, one thread, bounded memory, silence.
 
-A worker dies with a solver that takes too long, crashes or eats the memory; nothing else is lost with it, for every row is
-on disk before the next cell begins.
+A worker dies with a solver that takes too long, crashes or eats the memory; nothing else is lost with it. What a solver is
+given is a copy, and its answer is verified on the problem that it never held.
 """
 
 import gc
 import json
 import os
-import time
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
+from time import perf_counter
+from typing import Any
 
 import numpy as np
 
-from harness import machine
+from harness import process
 from harness.cells.collect import Entry, collect, stored, stored_start
 from harness.cells.drive import drive, refusal
 from harness.cells.record import keep
-from harness.cells.rows import drive_row, solve_row
+from harness.cells.rows import drive_row, solve_row, solver_facts
 from harness.cells.timing import Timing, time_solver
-from harness.plans.plan import COLD, DriveCell, SolveCell, Source
+from harness.deadline import Deadline
+from harness.plans.plan import COLD, DriveCell, Plugin, SolveCell, Source
 from harness.verify import Finding, verify
-from problems import FrictionProblem, scene
+from problems import FrictionProblem, InputError, scene
+from problems.copies import duplicate, same
 from problems.nature.stability import backward_error
+from problems.spec import split
 from results.schema import CRASHED, SKIPPED, TIMEOUT, WRONG
-from results.store import Row, ShardWriter
-from solvers import Answer, Solver, Status, find, plugins
+from results.store import Row
+from solvers import Answer, Solver, SolverInfo, Status, find, plugins
 
 
 @dataclass
 class _Worker:
+    deadline: Deadline
+    core: int | None
     folder: Path
-    core: int
-    shards: dict[str, ShardWriter]
+    plugins: tuple[Plugin, ...]
     warm: set[tuple[str, int, bool]] = field(default_factory=set)
 
 
 _worker: _Worker
+_IMPORTING = 60.0  # seconds a plug-in's import may take
 
 
-def start(folder: Path, plugin_files: tuple[str, ...], memory_limit: int) -> None:
-    """Make this process a worker of the run in folder."""
+def start(deadline: Deadline, core: int | None, folder: Path, plugin_files: tuple[Plugin, ...], memory_limit: int) -> None:
+    """Make this process a worker of the run in folder, alone on a core where there is one."""
     global _worker  # noqa: PLW0603  # a worker process has one state, set once
-    machine.pin_threads()
-    _be_silent()
-    core = machine.hold_core()
-    for path in plugin_files:
-        plugins.load(Path(path))
-    shards = {table: ShardWriter(folder, table, f"{os.getpid()}-{time.time_ns()}") for table in ("solves", "drives")}
-    _worker = _Worker(folder, core, shards)
-    machine.bound_memory(memory_limit)
+    if core is not None:
+        os.sched_setaffinity(0, {core})
+    _worker = _Worker(deadline, core, folder, plugin_files)
+    process.bound_memory(memory_limit)
 
 
-def run_source(source: Source) -> list[Entry]:
+def introduce(path: str, named: list[str]) -> dict[str, Any]:
+    """Import a plug-in and tell what harness.plans.plan.Plugin holds, of the solvers it defines and of the variants named."""
+    with _worker.deadline.within(_IMPORTING):
+        content = plugins.content(Path(path))
+        names = plugins.load(Path(path))
+    variants = [*names, *(spec for spec in named if split("solver", spec)[0] in names)]
+    version = f"{Path(path).name} {content[:12]}"
+    return {"path": path, "content": content, "solvers": {v: solver_facts(v) | {"version": version} for v in variants}}
+
+
+def run_source(source: Source, limit: float) -> list[Entry]:
     """Collect a source's problems."""
-    return collect(_worker.folder, source)
+    with _worker.deadline.within(limit):
+        return collect(_worker.folder, source)
 
 
 def run_solve(cell: SolveCell, entry: Entry, limit: float) -> Row:
-    """Run one solve cell and leave its row."""
-    begun = time.perf_counter()
-    row = solve_row(cell, entry, limit)
-    info, solver = find(cell.variant)
+    """Run one solve cell; its row."""
+    begun = perf_counter()
+    row = solve_row(cell, entry, limit, _worker.plugins)
+    info, solver = _solver(cell.variant)
     problem = _problem(cell.problem)
     takes_start = info.warm_start or cell.start == COLD
     if reason := info.missing or info.refuses(problem) or (None if takes_start else f"{info.name} takes no start"):
-        return _leave("solves", begun, row | {"verdict": SKIPPED, "reason": reason})
-    begun += _warm_up(cell.variant, problem.dimension, problem.joints.shape[0] > 0)
-    machine.forget_peak_memory()
+        return _done(begun, row | {"verdict": SKIPPED, "reason": reason})
+    begun += _warm_up(cell.variant, problem.dimension, problem.joints.shape[0] > 0, limit)
+    given = duplicate(problem)
+    process.forget_peak_memory()
     try:
-        answer, timing = _timed(solver, problem, cell, limit)
-    except Exception as error:  # whatever a solver raises is its row, not our end
-        return _leave("solves", begun, row | {"verdict": CRASHED, "reason": f"{type(error).__name__}: {error}"[:500]})
-    row["peak_memory"] = machine.peak_memory()
-    if problem.fresh().hash != cell.problem:
-        row |= {"verdict": WRONG, "reason": "the solver changed its input", "claimed": True}
-        _leave("solves", begun, row)
-        os._exit(1)  # nothing in this process can be trusted any more
+        answer, timing = _timed(solver, given, cell, limit)
+    except BaseException as error:  # whatever a solver raises is its row, not our end
+        return _done(begun, row | {"verdict": CRASHED, "reason": plugins.told(error)})
+    row["peak_memory"] = process.peak_memory()
     finding = verify(problem, answer, info, cell.tol)
     row |= _found(problem, answer, finding, timing, limit)
-    return _leave("solves", begun, row | {"overhead": time.perf_counter() - begun - timing.spent})
+    if not same(problem, given):
+        row |= {"verdict": WRONG, "reason": "the solver changed its input"}
+    return _done(begun, row | {"overhead": perf_counter() - begun - timing.spent})
 
 
 def run_drive(cell: DriveCell, limit: float) -> Row:
-    """Drive one scene with one solver and leave the row."""
-    begun = time.perf_counter()
-    row = drive_row(cell, limit)
-    info, solver = find(cell.variant)
+    """Drive one scene with one solver; the row."""
+    begun = perf_counter()
+    row = drive_row(cell, limit, _worker.plugins)
+    info, solver = _solver(cell.variant)
     if reason := refusal(cell, info):
-        return _leave("drives", begun, row | {"verdict": SKIPPED, "reason": reason})
-    begun += _warm_up(cell.variant, 2, bool(scene(cell.scene, **cell.parameters).hinges))
-    machine.forget_peak_memory()
+        return _done(begun, row | {"verdict": SKIPPED, "reason": reason})
+    begun += _warm_up(cell.variant, 2, bool(scene(cell.scene, **cell.parameters).hinges), limit)
+    process.forget_peak_memory()
     try:
-        with machine.hard_limit(limit):
+        with _worker.deadline.within(limit):
             driven = drive(cell, info, solver)
-    except Exception as error:
-        return _leave("drives", begun, row | {"verdict": CRASHED, "reason": f"{type(error).__name__}: {error}"[:500]})
-    return _leave("drives", begun, row | driven | {"peak_memory": machine.peak_memory()})
+    except BaseException as error:
+        return _done(begun, row | {"verdict": CRASHED, "reason": plugins.told(error)})
+    return _done(begun, row | driven | {"peak_memory": process.peak_memory()})
 
 
-def run_motion(source: Source) -> None:
+def run_motion(source: Source, limit: float) -> None:
     """Record the motion of a driven scene."""
-    keep(_worker.folder, source)
+    with _worker.deadline.within(limit):
+        keep(_worker.folder, source)
+
+
+def _solver(variant: str) -> tuple[SolverInfo, Solver]:
+    """The solver; where it is a plug-in's, its file is imported now, if it is still what the run began with."""
+    for plugin in _worker.plugins:
+        if variant in plugin.solvers:
+            path = Path(plugin.path)
+            if plugins.content(path) != plugin.content:
+                raise InputError(f"solver: {path} was changed since the run began")
+            with _worker.deadline.within(_IMPORTING):
+                plugins.load(path)
+    return find(variant)
 
 
 def _timed(solver: Solver, problem: FrictionProblem, cell: SolveCell, limit: float) -> tuple[Answer, Timing]:
-    """The answer and its times, the first call under the hard limit; repeats have ten times as long, for noise."""
+    """The answer and its times, the first call under the limit; repeats, which are few or short, have a second more."""
     start = stored_start(_worker.folder, cell.problem, cell.start)
-    with machine.hard_limit(limit) as alarm:
+    with _worker.deadline.within(limit) as allow:
         return time_solver(
             solver,
             problem,
             solve=lambda prepared: solver.solve(prepared, cell.tol, None, start),
-            answered=lambda: alarm(10 * limit),
+            answered=lambda: allow(limit + 1.0),
         )
 
 
@@ -148,20 +173,18 @@ def _problem(name: str) -> FrictionProblem:
     return stored(_worker.folder, name)
 
 
-def _leave(table: str, begun: float, row: Row) -> Row:
-    row |= {"core": _worker.core, "wall_time": time.perf_counter() - begun}
-    _worker.shards[table].write(row)
-    return row
+def _done(begun: float, row: Row) -> Row:
+    return row | {"core": _worker.core, "wall_time": perf_counter() - begun}
 
 
-def _warm_up(variant: str, dimension: int, jointed: bool) -> float:
+def _warm_up(variant: str, dimension: int, jointed: bool, limit: float) -> float:
     """Load and compile what the solver needs, once a worker, on a sliding contact; the seconds it took.
 
     What goes wrong here goes wrong again in the cell.
     """
     if (variant, dimension, jointed) in _worker.warm:
         return 0.0
-    begun = time.perf_counter()
+    begun = perf_counter()
     _worker.warm.add((variant, dimension, jointed))
     _, solver = find(variant)
     free = np.zeros(dimension + 1)
@@ -177,15 +200,8 @@ def _warm_up(variant: str, dimension: int, jointed: bool) -> float:
         joints=rows[dimension:] if jointed else rows[:0],
         dimension=dimension,
     )
-    with suppress(Exception):
+    with suppress(BaseException), _worker.deadline.within(limit):
         solver.solve(solver.prepare(problem), 1e-6, None)
     gc.collect()
     gc.freeze()  # what is loaded now stays; collections between cells need not look at it
-    return time.perf_counter() - begun
-
-
-def _be_silent() -> None:
-    """Send what solvers print, from Python or native code, to nowhere."""
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, 1)
-    os.dup2(nowhere, 2)
+    return perf_counter() - begun

@@ -12,9 +12,11 @@ from pathlib import Path
 
 from harness.cells import worker
 from harness.cells.collect import Met, facts, stored
-from harness.plans.plan import COLD, SolveCell, Source
+from harness.commands.trusted import trusted
+from harness.plans.plan import COLD, Plugin, SolveCell, Source
 from harness.run import row_of_the_dead
-from harness.workers.pool import Pool, Task
+from harness.workers.pool import Pool
+from harness.workers.task import Task
 from problems import FrictionProblem, InputError
 from problems.recorded.own import save
 from problems.reduce import keep_contacts
@@ -23,10 +25,11 @@ from results.schema import SKIPPED, SOLVED
 from results.store import ResultsError, Row
 
 
-def shrink(folder: Path, key: str) -> tuple[Path, FrictionProblem, int]:
+def shrink(folder: Path, key: str, files: list[str]) -> tuple[Path, FrictionProblem, int]:
     """Shrink the problem of a failing solve row into folder/shrunk; the file, the problem, and how many trials it took.
 
-    Errors: ResultsError where there is no such row, InputError where the row did not fail.
+    files: of solvers, which the user trusts. Errors: ResultsError where there is no such row, InputError where it did not
+    fail, or its solver is in none of the files and not ours.
     """
     row = store.read_rows(folder, "solves").get(key)
     if row is None:
@@ -34,17 +37,18 @@ def shrink(folder: Path, key: str) -> tuple[Path, FrictionProblem, int]:
     if row["verdict"] in (SOLVED, SKIPPED):
         raise InputError(f"row: {key} is {row['verdict']}; there is no failure to keep")
     settings = store.read_manifest(folder)["settings"]
+    plugins = trusted(row, settings, files)
     problem = stored(folder, row["problem"])
     trials = 0
     with tempfile.TemporaryDirectory() as name:
         scratch = Path(name)
         (scratch / "problems").mkdir()
-        with Pool(scratch, 1, tuple(settings["plugins"]), settings["memory_limit"]) as pool:
+        with Pool(scratch, 1, plugins, settings["memory_limit"]) as pool:
 
             def fails(kept: list[int]) -> bool:
                 nonlocal trials
                 trials += 1
-                return _verdict(keep_contacts(problem, kept), row, trials, scratch, pool) == row["verdict"]
+                return _verdict(keep_contacts(problem, kept), row, trials, scratch, pool, plugins) == row["verdict"]
 
             everything = list(range(problem.contacts))
             if not fails(everything):
@@ -74,10 +78,12 @@ def smallest(parts: list[int], fails: Callable[[list[int]], bool]) -> list[int]:
     return parts
 
 
-def _verdict(problem: FrictionProblem, row: Row, trial: int, scratch: Path, pool: Pool) -> str:
+def _verdict(problem: FrictionProblem, row: Row, trial: int, scratch: Path, pool: Pool, plugins: tuple[Plugin, ...]) -> str:
     save(problem, scratch / "problems" / f"{problem.hash}.npz")
     entry = facts(Source(row["scene"]), Met(trial, "step", problem))
     cell = SolveCell(problem.hash, f"shrink {trial}", row["variant"], row["tol"], COLD)
-    task = Task(row["variant"], worker.run_solve, (cell, entry, row["time_limit"]), row["time_limit"])
+    task = Task(
+        row["variant"], worker.run_solve, (cell, entry, row["time_limit"]), row["time_limit"], row["variant"] if plugins else ""
+    )
     (outcome,) = pool.run([task])
-    return (outcome.value or row_of_the_dead(outcome)[1])["verdict"]
+    return (outcome.value or row_of_the_dead(outcome, plugins))["verdict"]

@@ -12,12 +12,14 @@ from rich.text import Text
 from harness.cells import worker
 from harness.cells.collect import Entry, Met, collect, facts
 from harness.cells.rows import PROBLEM_FACTS
-from harness.plans.choose import resolve_solvers
-from harness.plans.plan import COLD, DriveCell, Plan, SolveCell, Source, origin
+from harness.commands.trusted import trusted
+from harness.plans.plan import COLD, DriveCell, Plan, Plugin, SolveCell, Source, origin
 from harness.plans.spec import parse
 from harness.plans.suites import RELAXED
 from harness.run import row_of_the_dead
-from harness.workers.pool import Pool, Task
+from harness.workers.introduce import introduce
+from harness.workers.pool import Pool
+from harness.workers.task import Task
 from problems import scene
 from problems.recorded.own import load, save
 from results import store
@@ -27,15 +29,18 @@ from solvers import available
 
 def solve_one(problem: str, solver_specs: list[str], tol: float, time_limit: float, jobs: int) -> None:
     """Put solvers (all, if none are named) to one problem and print a table. Errors: InputError naming the field."""
-    variants, plugins = resolve_solvers(solver_specs) if solver_specs else (_everyone(), ())
+    variants, plugins = introduce(solver_specs) if solver_specs else (_everyone(), ())
     plan = Plan("solve", (), variants, (tol,), time_limit=time_limit, plugins=plugins)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         entry = _stage(problem, folder)
         cells = plan.solve_cells([entry])
-        tasks = [Task(cell.variant, worker.run_solve, (cell, entry, time_limit), time_limit) for cell in cells]
+        tasks = [
+            Task(cell.variant, worker.run_solve, (cell, entry, time_limit), time_limit, plan.owner(cell.variant))
+            for cell in cells
+        ]
         with Pool(folder, jobs, plugins, plan.memory_limit) as pool:
-            rows = {outcome.task.name: outcome.value or row_of_the_dead(outcome)[1] for outcome in pool.run(tasks)}
+            rows = {outcome.task.name: outcome.value or row_of_the_dead(outcome, plugins) for outcome in pool.run(tasks)}
     title = f"{problem}: {entry['contacts']} contacts, LCP of {entry['size']} unknowns, tolerance {tol:g}"
     _show(title, [rows[cell.variant] for cell in cells])
 
@@ -46,8 +51,11 @@ def _everyone() -> tuple[str, ...]:
     return (*(name for name in sorted(available()) if name not in outside), *RELAXED)
 
 
-def rerun_row(folder: Path, key: str) -> tuple[Row, Row]:
-    """Run the cell of a row again; the row and the new one. Errors: ResultsError where there is no such row."""
+def rerun_row(folder: Path, key: str, files: list[str]) -> tuple[Row, Row]:
+    """Run the cell of a row again; the row and the new one. files: of solvers, which the user trusts.
+
+    Errors: ResultsError where there is no such row, InputError where its solver is in none of the files and not ours.
+    """
     settings = store.read_manifest(folder)["settings"]
     for table in ("solves", "drives"):
         row = store.read_rows(folder, table).get(key)
@@ -55,18 +63,19 @@ def rerun_row(folder: Path, key: str) -> tuple[Row, Row]:
             break
     else:
         raise ResultsError(f"{folder}: no row has the key {key!r}")
-    task = _task_again(row, table, settings)
+    plugins = trusted(row, settings, files)
+    task = _task_again(row, table, settings, plugins)
     with tempfile.TemporaryDirectory() as name:
         if table == "solves":
             (Path(name) / "problems").symlink_to((folder / "problems").resolve())
-        with Pool(Path(name), 1, tuple(settings["plugins"]), settings["memory_limit"]) as pool:
+        with Pool(Path(name), 1, plugins, settings["memory_limit"]) as pool:
             (outcome,) = pool.run([task])
-    return row, outcome.value or row_of_the_dead(outcome)[1]
+    return row, outcome.value or row_of_the_dead(outcome, plugins)
 
 
-def show_rerun(folder: Path, key: str) -> None:
-    """Run the cell of a row again and print both rows. Errors: ResultsError where there is no such row."""
-    row, again = rerun_row(folder, key)
+def show_rerun(folder: Path, key: str, files: list[str]) -> None:
+    """Run the cell of a row again and print both rows. Errors: as rerun_row."""
+    row, again = rerun_row(folder, key, files)
     _show(f"{key}: {row['scene']} {row['parameters']}, tolerance {row['tol']:g}", [row, again])
 
 
@@ -82,17 +91,17 @@ def _stage(problem: str, folder: Path) -> Entry:
     return collect(folder, Source(name, settings))[0]
 
 
-def _task_again(row: Row, table: str, settings: dict[str, Any]) -> Task:
-    limit = row["time_limit"]
+def _task_again(row: Row, table: str, settings: dict[str, Any], plugins: tuple[Plugin, ...]) -> Task:
+    limit, owner = row["time_limit"], row["variant"] if plugins else ""
     if table == "solves":
         entry = {name: row[name] for name in PROBLEM_FACTS if name in row}
         cell = SolveCell(row["problem"], origin(row), row["variant"], row["tol"], row["start"])
-        return Task(row["variant"], worker.run_solve, (cell, entry, limit), limit)
+        return Task(row["variant"], worker.run_solve, (cell, entry, limit), limit, owner)
     steps = {json.dumps(d["parameters"], sort_keys=True): d["steps"] for d in settings["drives"] if d["scene"] == row["scene"]}
     drive = DriveCell(
         row["scene"], json.loads(row["parameters"]), row["variant"], row["tol"], row["scheme"], steps.get(row["parameters"])
     )
-    return Task(row["variant"], worker.run_drive, (drive, limit), limit)
+    return Task(row["variant"], worker.run_drive, (drive, limit), limit, owner)
 
 
 def _show(title: str, rows: list[Row]) -> None:

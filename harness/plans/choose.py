@@ -1,16 +1,22 @@
 """A plan from a suite's name and the command line's choices."""
 
 from dataclasses import replace
-from pathlib import Path
 
-from harness.plans.plan import Plan, Source
+from harness.plans.plan import Plan, Plugin, Source
 from harness.plans.spec import parse
 from harness.plans.suites import SUITES
 from problems import InputError, scene
-from solvers import find, plugins
+from solvers import find
 
 
-def choose(suite: str, scene_specs: list[str], solver_specs: list[str], tol: str | None, time_limit: float | None) -> Plan:
+def choose(
+    suite: str,
+    scene_specs: list[str],
+    variants: tuple[str, ...],
+    tol: str | None,
+    time_limit: float | None,
+    plugins: tuple[Plugin, ...] = (),
+) -> Plan:
     """The suite's plan, narrowed or widened by what is given. Errors: InputError naming the field."""
     if suite not in SUITES:
         raise InputError(f"suite: unknown suite {suite!r}; known are {', '.join(SUITES)}")
@@ -20,31 +26,16 @@ def choose(suite: str, scene_specs: list[str], solver_specs: list[str], tol: str
         plan = replace(
             plan, sources=tuple(s for met, _ in chosen for s in met), drives=tuple(s for _, driven in chosen for s in driven)
         )
-    if solver_specs:
-        variants, files = resolve_solvers(solver_specs)
-        plan = replace(plan, solvers=variants, drive_solvers=variants, plugins=files)
+    if variants:
+        plan = replace(plan, solvers=variants, drive_solvers=variants, plugins=plugins)
     if tol is not None:
         plan = replace(plan, tolerances=_tolerances(tol))
     if time_limit is not None:
         plan = replace(plan, time_limit=time_limit)
     for variant in {*plan.solvers, *plan.drive_solvers}:
-        find(variant)
+        if not plan.owner(variant):
+            find(variant)
     return plan
-
-
-def resolve_solvers(specs: list[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The variants that specs name, and the files among them; a file stands for all the solvers it defines."""
-    variants: list[str] = []
-    files: list[str] = []
-    for spec in specs:
-        if spec.endswith(".py"):
-            path = Path(spec).resolve()
-            variants += plugins.load(path)
-            files.append(str(path))
-        else:
-            find(spec)
-            variants.append(spec)
-    return tuple(dict.fromkeys(variants)), tuple(dict.fromkeys(files))
 
 
 def _chosen(plan: Plan, spec: str) -> tuple[list[Source], list[Source]]:

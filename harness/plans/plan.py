@@ -79,6 +79,15 @@ Cell = SolveCell | DriveCell
 
 
 @dataclass(frozen=True)
+class Plugin:
+    """A file of solvers from outside this repository: its path, its content's hash, and by variant what rows say of it."""
+
+    path: str
+    content: str
+    solvers: dict[str, dict[str, str]]
+
+
+@dataclass(frozen=True)
 class Plan:
     """What a run does. Times in seconds, memory in bytes; the first tolerance of a drive is its only one."""
 
@@ -96,7 +105,7 @@ class Plan:
     time_limit: float = 10.0
     drive_limit: float = 60.0
     memory_limit: int = 4 * 2**30
-    plugins: tuple[str, ...] = ()
+    plugins: tuple[Plugin, ...] = ()
 
     def __post_init__(self) -> None:
         _check(bool(self.solvers), "solver", "none given")
@@ -128,6 +137,10 @@ class Plan:
             for variant in self.drive_solvers
             for after in self.after_failure
         ]
+
+    def owner(self, variant: str) -> str:
+        """The solver from outside this repository that a variant is of, with its file; empty for our own."""
+        return next((f"{p.path} {p.solvers[variant]['solver']}" for p in self.plugins if variant in p.solvers), "")
 
     def shown(self) -> list[Source]:
         """What to record for the eye: every drive, and a short motion of each scene that none drives."""

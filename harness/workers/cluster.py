@@ -1,35 +1,37 @@
 """The same tasks on a dask cluster: a cell a task, isolated on its worker as it would be here, its row sent back.
 
-A dask worker needs this project installed at the same revision and must be allowed to have child processes:
+A dask worker needs the very code of this project that the main process runs:
 
-    dask scheduler --port 8786
-    DASK_DISTRIBUTED__WORKER__DAEMON=False dask worker tcp://127.0.0.1:8786 --nthreads 1        (as many as there are cores)
+    dask scheduler --host 127.0.0.1 --port 8786
+    dask worker tcp://127.0.0.1:8786 --nthreads 1        (as many as there are cores)
     frictionbench run standard --cluster tcp://127.0.0.1:8786
 
 A task whose dask worker dies goes to another one. Rows carry the host that timed them.
 """
 
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from functools import cache
 from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from harness import machine
-from harness.plans.plan import SolveCell
-from harness.workers.pool import Outcome, Pool, Task
+from harness.plans.plan import Plugin, SolveCell
+from harness.workers.pool import Pool
+from harness.workers.task import Outcome, Task
 from problems import InputError
 
 AHEAD = 4  # tasks handed out per worker, so that none waits for the network
 Files = dict[str, bytes]
+Settings = tuple[tuple[tuple[Plugin, bytes], ...], int]
+_pools: dict[tuple[Any, ...], Pool] = {}  # of a dask worker, by plug-ins' content and bound on memory
 
 
 class Cluster:
     """Stands in for harness.workers.pool.Pool; use as a context manager. Errors: InputError naming `cluster`."""
 
-    leaves_rows = False
-
-    def __init__(self, address: str, folder: Path, plugins: tuple[str, ...], memory_limit: int) -> None:
+    def __init__(self, address: str, folder: Path, plugins: tuple[Plugin, ...], memory_limit: int) -> None:
         try:
             from distributed import Client
         except ImportError:
@@ -39,11 +41,11 @@ class Cluster:
         except (OSError, ValueError) as error:
             raise InputError(f"cluster: no scheduler answers at {address} ({error})") from None
         self._folder = folder
-        self._settings = ({Path(path).name: Path(path).read_bytes() for path in plugins}, memory_limit)
-        revisions = self._client.run(machine.revision)
-        if not revisions or set(revisions.values()) != {machine.revision()}:
+        self._settings = tuple((plugin, Path(plugin.path).read_bytes()) for plugin in plugins), memory_limit
+        codes = self._client.run(machine.content)
+        if not codes or set(codes.values()) != {machine.content()}:
             self._client.close()
-            raise InputError(f"cluster: workers {revisions or 'are missing; none'} run this revision, {machine.revision()}")
+            raise InputError(f"cluster: workers {codes or 'are missing; none'} run this code, {machine.content()}")
 
     def __enter__(self) -> "Cluster":
         return self
@@ -81,14 +83,20 @@ class Cluster:
         return {path.name: path.read_bytes() for path in (self._folder / "problems").glob(f"{cell.problem}*.npz")}
 
 
-def _isolated(task: Task, files: Files, settings: tuple[Files, int]) -> Outcome:
+def _isolated(task: Task, files: Files, settings: Settings) -> Outcome:
     """Run a task on a dask worker in a process of its own, which is kept for the next task."""
-    plugins, memory_limit = settings
+    sent, memory_limit = settings
     folder = _scratch()
     _write(folder / "problems", files)
-    _write(folder / "plugins", plugins)
-    pool = _pool(tuple(str(folder / "plugins" / name) for name in plugins), memory_limit)
-    (outcome,) = pool.run([task])
+    plugins = []
+    for plugin, content in sent:
+        home = folder / "plugins" / plugin.content
+        _write(home, {Path(plugin.path).name: content})
+        plugins.append(replace(plugin, path=str(home / Path(plugin.path).name)))
+    key = (*(plugin.content for plugin in plugins), memory_limit)
+    if key not in _pools:
+        _pools[key] = Pool(folder, 1, tuple(plugins), memory_limit)
+    (outcome,) = _pools[key].run([task])
     return outcome
 
 
@@ -99,13 +107,8 @@ def _scratch() -> Path:
     return Path(get_worker().local_directory) / "frictionbench"
 
 
-@cache
-def _pool(plugins: tuple[str, ...], memory_limit: int) -> Pool:
-    return Pool(_scratch(), 1, plugins, memory_limit)
-
-
 def _write(folder: Path, files: Files) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for name, content in files.items():
-        if not (folder / name).exists():
+        if not (folder / name).exists() or (folder / name).read_bytes() != content:
             (folder / name).write_bytes(content)

@@ -1,143 +1,160 @@
 """Tasks in worker processes that may die.
 
-Each worker runs one task at a time on a core of its own. A task that kills its worker costs itself alone: another worker
-takes its place. The hard limit proper is the worker's own alarm (harness.machine.hard_limit); a process that escapes it is
-killed from outside a grace period later. A worker's end is seen by its sentinel, whatever its exit code: a solver that calls
-exit(0) has died too.
+Each worker runs one task at a time on a core of its own. A task that kills its worker, hangs, or leaves processes behind
+costs itself alone: its keeper (harness.workers.keeper) sees to that, and to the end of everything when this process ends. A
+worker that was killed from outside, or whose keeper was, says nothing of the solver: the task is begun again, TRIES times in
+all.
 """
 
-import multiprocessing
-import signal
-import time
+import json
+import socket
+import subprocess
+import sys
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from contextlib import suppress
 from multiprocessing.connection import Connection, wait
-from multiprocessing.context import ForkServerContext
 from pathlib import Path
 from typing import Any
 
-from harness import machine
-from harness.cells import worker
+from harness import machine, process
+from harness.plans.plan import Plugin
+from harness.workers.task import Outcome, Task
+from results.store import ResultsError
 
-GRACE = 120.0  # seconds beyond the limit for loading, compiling and repeats, before a worker is killed from outside
-
-
-@dataclass(frozen=True)
-class Task:
-    """A call of function(*arguments) in a worker; limit in seconds; name for the screen."""
-
-    name: str
-    function: Callable[..., Any]
-    arguments: tuple[Any, ...]
-    limit: float
+TRIES = 3
+START = "import sys; sys.path.insert(0, sys.argv[1]); from harness.workers.keeper import serve; serve(int(sys.argv[2]))"
+Settings = tuple[Path, tuple[Plugin, ...], int]
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """What a task returned; or how it died: `death` is "timeout" or "crashed", with the reason."""
+class _Server:
+    """The process that forks the keepers: started once, it ends with this process. It never looks into the current folder."""
 
-    task: Task
-    value: Any = None
-    death: str | None = None
-    reason: str = ""
+    def __init__(self) -> None:
+        process.pin_threads()
+        self._control, far_end = socket.socketpair()
+        command = [sys.executable, "-P", "-c", START, str(machine.ROOT), str(far_end.fileno())]
+        self._process = subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, pass_fds=[far_end.fileno()], start_new_session=True
+        )
+        far_end.close()
+        with self._control.makefile("rb") as said:
+            theirs, ours = said.readline(2**16), machine.code()
+        if not theirs or json.loads(theirs) != ours:
+            self.close()
+            why = f"run {theirs.decode().strip()}, not {json.dumps(ours)}" if theirs else "do not start"
+            raise ResultsError(f"workers: they {why}")
+
+    def keeper(self, settings: Settings) -> Connection:
+        """The line to a new keeper. Errors: OSError where the server is gone."""
+        near, far = socket.socketpair()
+        with far:
+            socket.send_fds(self._control, [b"k"], [far.fileno()])
+        channel = Connection(near.detach())
+        channel.send(settings)
+        return channel
+
+    def close(self) -> None:
+        """End the server and, by its hand, all that is below it."""
+        self._control.close()
+        self._process.wait()
+
+
+_server: _Server | None = None
+
+
+def _keeper(settings: Settings) -> Connection:
+    global _server  # noqa: PLW0603  # one a process: what workers need is imported once
+    if _server is not None:
+        with suppress(OSError):
+            return _server.keeper(settings)
+        _server.close()
+    _server = _Server()
+    return _server.keeper(settings)
 
 
 class _Hand:
-    """One worker process, the pipe to it, and the task it is at."""
+    """One keeper with its worker, the line to it, and the task it is at."""
 
-    def __init__(self, context: ForkServerContext, settings: tuple[Any, ...]) -> None:
-        self.pipe, far_end = context.Pipe()
-        self.process = context.Process(target=_work, args=(far_end, settings), daemon=True)
-        self.process.start()
-        far_end.close()
+    def __init__(self, settings: Settings) -> None:
+        self._settings = settings
+        self.line = _keeper(settings)
         self.task: Task | None = None
-        self.deadline = float("inf")
+        self._tries = 0
 
     def give(self, task: Task) -> None:
-        self.task, self.deadline = task, time.monotonic() + task.limit + GRACE
-        self.pipe.send((task.function, task.arguments))
+        self.task = task
+        self._tries += 1
+        try:
+            self.line.send(task)
+        except OSError:
+            self._begin_again()
 
     def take(self) -> Outcome | None:
-        """The outcome of the task, if there is one by now; a worker that is dead afterwards must be replaced."""
+        """The outcome of the task; None where it was begun again."""
         assert self.task is not None
-        task = self.task
         try:
-            if self.pipe.poll():
-                outcome = Outcome(task, **self.pipe.recv())
-            elif not self.process.is_alive():
-                outcome = self._died(task)
-            elif time.monotonic() > self.deadline:
-                self.kill()
-                outcome = Outcome(task, death="timeout", reason=f"killed {GRACE:g} s past its limit of {task.limit:g} s")
-            else:
-                return None
+            said = _reply(self.line.recv_bytes())
         except (EOFError, OSError):
-            outcome = self._died(task)
-        self.task, self.deadline = None, float("inf")
+            if self._tries < TRIES:
+                self._begin_again()
+                return None
+            self.line = _keeper(self._settings)
+            said = {"death": "crashed", "reason": f"its processes were killed {TRIES} times"}
+        if said.pop("again", False) and self._tries < TRIES:
+            self.give(self.task)
+            return None
+        outcome = Outcome(self.task, **said)
+        self.task, self._tries = None, 0
         return outcome
 
-    def _died(self, task: Task) -> Outcome:
-        self.process.join()
-        code = self.process.exitcode or 0
-        if code == -signal.SIGALRM:
-            return Outcome(task, death="timeout", reason=f"stopped at its limit of {task.limit:g} s")
-        how = signal.Signals(-code).name if code < 0 else f"exit code {code}"
-        return Outcome(task, death="crashed", reason=f"the process died: {how}")
+    def _begin_again(self) -> None:
+        assert self.task is not None
+        self.line.close()
+        self.line = _keeper(self._settings)
+        self.give(self.task)
 
-    def kill(self) -> None:
-        self.process.kill()
-        self.process.join()
-        self.pipe.close()
+    def dismiss(self) -> None:
+        """Tell the keeper to end, and wait until everything below it has."""
+        with suppress(OSError, EOFError):
+            self.line.send(None)
+            while self.line.poll(2 * process.PATIENCE):
+                self.line.recv_bytes()
+        self.line.close()
+
+
+def _reply(line: bytes) -> dict[str, Any]:
+    """What a worker said. Whatever runs in it may have said it."""
+    with suppress(ValueError, RecursionError):
+        said = json.loads(line)
+        if isinstance(said, dict) and said.keys() <= {"value", "death", "reason", "again"}:
+            return said
+    return {"death": "crashed", "reason": "the process sent what is no reply"}
 
 
 class Pool:
-    """Workers for one run; use as a context manager."""
+    """Workers for one run; use as a context manager. Errors: ResultsError where workers would not run this very code."""
 
-    leaves_rows = True  # a worker writes the row of its cell itself, before anyone hears of it
-
-    def __init__(self, folder: Path, jobs: int, plugins: tuple[str, ...], memory_limit: int) -> None:
-        machine.pin_threads()
-        self._context = multiprocessing.get_context("forkserver")
-        self._context.set_forkserver_preload(["harness.cells.worker"])
-        self._settings = (folder, plugins, memory_limit)
-        self._hands = [_Hand(self._context, self._settings) for _ in range(jobs)]
+    def __init__(self, folder: Path, jobs: int, plugins: tuple[Plugin, ...], memory_limit: int) -> None:
+        self._hands = [_Hand((folder.absolute(), plugins, memory_limit)) for _ in range(jobs)]
 
     def __enter__(self) -> "Pool":
         return self
 
     def __exit__(self, *_: object) -> None:
         for hand in self._hands:
-            hand.kill()
+            hand.dismiss()
 
     def run(self, tasks: Iterable[Task], started: Callable[[Task], None] = lambda task: None) -> Iterator[Outcome]:
         """Every task's outcome as it comes; started is called when a task is handed out."""
         queue = iter(tasks)
         while True:
-            for i, hand in enumerate(self._hands):
+            for hand in self._hands:
                 if hand.task is None and (task := next(queue, None)) is not None:
-                    if not hand.process.is_alive():
-                        self._hands[i] = hand = _Hand(self._context, self._settings)  # noqa: PLW2901
                     hand.give(task)
                     started(task)
-            busy = [hand for hand in self._hands if hand.task is not None]
+            busy = {hand.line: hand for hand in self._hands if hand.task is not None}
             if not busy:
                 return
-            left = max(0.0, min(hand.deadline for hand in busy) - time.monotonic())
-            wait([end for hand in busy for end in (hand.pipe, hand.process.sentinel)], timeout=left)
-            yield from (outcome for hand in busy if (outcome := hand.take()) is not None)
-
-
-def _work(pipe: Connection, settings: tuple[Any, ...]) -> None:
-    """A worker's life: calls come through the pipe, what they return goes back; it ends with the pipe."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    worker.start(*settings)
-    while True:
-        try:
-            function, arguments = pipe.recv()
-        except EOFError:
-            return
-        try:
-            sent = {"value": function(*arguments)}
-        except Exception as error:
-            sent = {"death": "crashed", "reason": f"{type(error).__name__}: {error}"[:500]}
-        pipe.send(sent)
+            for line in wait(list(busy)):
+                if (outcome := busy[line].take()) is not None:  # type: ignore[index]
+                    yield outcome

@@ -1,0 +1,62 @@
+"""The moment after which a worker is killed, in memory that it shares with its keeper.
+
+The worker writes until when it may run, its keeper (harness.workers.keeper), another process, kills it past that. No signal
+is involved that a solver could block, and native code is stopped like any other. The clock is the system's monotonic one:
+setting the date does nothing.
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from mmap import mmap
+from time import monotonic
+
+COMPILING = 600.0  # seconds numba may take at a time, whatever the limit
+OURS = 600.0  # seconds for what is not a solver's: reading a problem, verifying
+
+
+class Deadline:
+    """Made by the keeper before it forks the worker, so that both see the same eight bytes."""
+
+    def __init__(self) -> None:
+        self._moment = memoryview(mmap(-1, 8)).cast("d")
+        self.allow(OURS)
+
+    @property
+    def left(self) -> float:
+        """Seconds."""
+        return self._moment[0] - monotonic()
+
+    def allow(self, seconds: float) -> None:
+        """The process may run for so long from now."""
+        self._moment[0] = monotonic() + seconds
+
+    @contextmanager
+    def within(self, seconds: float) -> Iterator[Callable[[float], None]]:
+        """End this process where the block takes longer; the clock stands still while numba compiles.
+
+        Yields a function that sets the time left anew, in seconds.
+        """
+        from numba.core import event
+
+        deadline = self
+
+        class Pause(event.Listener):
+            depth, left = 0, 0.0  # compilations nest
+
+            def on_start(self, _: object) -> None:
+                if not self.depth:
+                    self.left = deadline.left
+                    deadline.allow(COMPILING)
+                self.depth += 1
+
+            def on_end(self, _: object) -> None:
+                self.depth -= 1
+                if not self.depth:
+                    deadline.allow(self.left)
+
+        try:
+            with event.install_listener("numba:compile", Pause()):
+                self.allow(seconds)
+                yield self.allow
+        finally:
+            self.allow(OURS)

@@ -1,0 +1,135 @@
+"""Holds on a process: its core, its threads, its memory, its end with its parent's, and the end of all that it left behind.
+
+The mechanisms are Linux's: a subreaper is the process to which orphans below it return, however they were detached; the
+signal of a parent's death cannot be missed; a bound socket without a file is a claim that the kernel ends with the process.
+"""
+
+import ctypes
+import os
+import resource
+import signal
+import socket
+from contextlib import suppress
+from pathlib import Path
+from time import monotonic, sleep
+
+import psutil
+
+ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "RAYON_NUM_THREADS")
+PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36  # linux/prctl.h
+PATIENCE = 10.0  # seconds to end processes that start others as fast as they die
+_held: list[socket.socket] = []
+
+
+def pin_threads() -> None:
+    """One thread for BLAS, OpenMP, numba and Rayon in every process started from here on."""
+    os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
+
+
+def cores() -> list[int]:
+    """The processor cores this process may use, of two threads of one core the first."""
+    allowed = os.sched_getaffinity(0)
+    return sorted({min(_siblings(core) & allowed) for core in allowed})
+
+
+def _siblings(core: int) -> set[int]:
+    path = Path(f"/sys/devices/system/cpu/cpu{core}/topology/thread_siblings_list")
+    try:
+        ranges = [part.partition("-") for part in path.read_text(encoding="ascii").strip().split(",")]
+        return {core} | {n for first, _, last in ranges for n in range(int(first), int(last or first) + 1)}
+    except (OSError, ValueError):
+        return {core}
+
+
+def hold_core() -> int | None:
+    """A core that no other worker on this machine holds, claimed until this process dies; None where all are held."""
+    for core in cores():
+        claim = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        try:
+            claim.bind(f"\0frictionbench-core-{core}")
+        except OSError:
+            claim.close()
+            continue
+        _held.append(claim)
+        return core
+    return None
+
+
+def bound_memory(limit: int) -> None:
+    """Let this process map at most `limit` bytes beyond what it has mapped; allocations past that fail."""
+    mapped = psutil.Process().memory_info().vms
+    resource.setrlimit(resource.RLIMIT_AS, (mapped + limit, resource.RLIM_INFINITY))
+
+
+def forget_peak_memory() -> None:
+    """Start the record of this process's largest resident memory anew."""
+    with open("/proc/self/clear_refs", "w", encoding="ascii") as control:
+        control.write("5")
+
+
+def peak_memory() -> float:
+    """Largest resident memory since forget_peak_memory, in bytes."""
+    with open("/proc/self/status", encoding="ascii") as status:
+        for line in status:
+            if line.startswith("VmHWM:"):
+                return float(line.split()[1]) * 1024
+    return float("nan")
+
+
+def die_with_parent(parent: int) -> None:
+    """Have the kernel kill this process when its parent, by its id, dies."""
+    _prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+    if os.getppid() != parent:  # it died before
+        os._exit(1)
+
+
+def adopt_orphans() -> None:
+    """Make this process the parent of every orphan below it."""
+    _prctl(PR_SET_CHILD_SUBREAPER, 1)
+
+
+def _prctl(option: int, value: int) -> None:
+    if ctypes.CDLL(None, use_errno=True).prctl(option, value, 0, 0, 0):
+        raise OSError(ctypes.get_errno(), f"prctl({option}) is refused")
+
+
+def descendants(pid: int) -> list[int]:
+    """The ids of all processes below one; those that died and were not waited for count too."""
+    found: list[int] = []
+    for task in _listed(f"/proc/{pid}/task"):
+        with suppress(OSError), open(f"/proc/{pid}/task/{task}/children", encoding="ascii") as children:
+            found += map(int, children.read().split())
+    return found + [below for child in found for below in descendants(child)]
+
+
+def end_descendants(*, spare: int | None = None) -> bool:
+    """Kill everything below this process but one child to spare; whether there was anything alive.
+
+    Calling this, a process must be a subreaper, or what was detached escapes.
+    """
+    found, patience = False, monotonic() + PATIENCE
+    while (strays := set(descendants(os.getpid())) - {spare}) and monotonic() < patience:
+        for pid in strays:
+            found = found or not _is_dead(pid)
+            with suppress(OSError):
+                os.kill(pid, signal.SIGKILL)
+        for pid in strays:
+            with suppress(OSError):
+                os.waitpid(pid, os.WNOHANG)
+        sleep(0.002)
+    return found
+
+
+def _is_dead(pid: int) -> bool:
+    try:
+        with open(f"/proc/{pid}/stat", encoding="utf-8", errors="replace") as stat:
+            return stat.read().rpartition(")")[2].split()[0] in "ZX"
+    except (OSError, IndexError):
+        return True
+
+
+def _listed(path: str) -> list[str]:
+    try:
+        return os.listdir(path)
+    except OSError:
+        return []

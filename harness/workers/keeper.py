@@ -1,0 +1,194 @@
+"""Keepers: processes that run none but our own code, each with one worker that may do anything.
+
+    main  ─  server  ─┬─  keeper  ─  worker  ─  whatever its solver starts
+                      └─  keeper  ─  worker
+
+The server imports what workers need, once, and forks a keeper for every socket that the main process sends it. A keeper
+forks its worker, hands it tasks, kills it past its deadline, and after each task ends whatever else lives below itself: it is
+the subreaper of all that its worker starts. Where its socket to the main process ends, because that process is done or was
+killed, a keeper ends all below it and itself; a worker whose keeper is killed is killed by the kernel. A worker that has run a
+solver from outside this repository (Task.owner) runs no other.
+"""
+
+import json
+import os
+import signal
+import socket
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection, wait
+from typing import Any
+
+from harness import machine, process
+from harness.cells import worker
+from harness.deadline import COMPILING, OURS, Deadline
+from harness.workers.task import LONGEST_REPLY, Task
+from problems import InputError
+from solvers import plugins
+
+LOOK = 0.25  # seconds between looks at a deadline, which the worker may have moved
+
+
+def serve(control_fd: int) -> None:
+    """The server's life: say whose code this is, then fork a keeper for every socket that comes, until there are no more."""
+    _stand_apart()
+    process.adopt_orphans()
+    signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # keepers are not waited for
+    keepers: set[int] = set()
+    with socket.socket(fileno=control_fd) as control:
+        control.sendall(json.dumps(machine.code()).encode() + b"\n")
+        while True:
+            _, fds, _, _ = socket.recv_fds(control, 1, 1)
+            if not fds:
+                break
+            keepers &= set(process.descendants(os.getpid()))
+            pid = os.fork()
+            if pid == 0:
+                control.close()
+                _live(keep, Connection(fds[0]))
+            os.close(fds[0])
+            keepers.add(pid)
+    process.end_descendants()
+
+
+def keep(channel: Connection) -> None:
+    """A keeper's life: tasks come through the channel, the replies of the worker go back."""
+    process.adopt_orphans()
+    signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+    core = process.hold_core()
+    hand: _Worker | None = None
+    with suppress(EOFError, OSError):
+        settings = channel.recv()
+        while (task := channel.recv()) is not None:
+            if hand is None or not hand.may_run(task):
+                process.end_descendants()
+                core = process.hold_core() if core is None else core
+                hand = _Worker(channel, core, settings)
+            reply, reusable = hand.run(task, channel)
+            if process.end_descendants(spare=hand.pid if reusable else None) or not reusable:
+                process.end_descendants()
+                hand = None
+            channel.send_bytes(reply)
+    process.end_descendants()
+
+
+class _Worker:
+    """The worker as its keeper sees it."""
+
+    def __init__(self, channel: Connection, core: int | None, settings: tuple[Any, ...]) -> None:
+        self.deadline = Deadline()
+        self.owner = ""
+        tasks, self._tasks = Pipe(duplex=False)
+        self._replies, replies = os.pipe()
+        keeper = os.getpid()
+        self.pid = os.fork()
+        if self.pid == 0:
+            channel.close()
+            self._tasks.close()
+            os.close(self._replies)
+            process.die_with_parent(keeper)
+            _live(work, tasks, replies, self.deadline, core, settings)
+        tasks.close()
+        os.close(replies)
+
+    def __del__(self) -> None:
+        os.close(self._replies)
+
+    def may_run(self, task: Task) -> bool:
+        """Whether it is alive, and has run nothing from outside but what the task is about."""
+        return self.owner in ("", task.owner) and self._ended() is None
+
+    def run(self, task: Task, channel: Connection) -> tuple[bytes, bool]:
+        """The reply to a task, a line, and whether the worker can go on. Errors: EOFError where the main process is gone."""
+        self.owner = task.owner
+        self.deadline.allow(OURS)
+        last = Deadline()  # whatever the worker does with its own
+        last.allow(3 * (task.limit + COMPILING) + OURS)
+        with suppress(OSError):
+            self._tasks.send(task)
+        reply, look = bytearray(), LOOK
+        open_ends: list[Any] = [self._replies, channel]
+        while len(reply) < LONGEST_REPLY:
+            left = min(self.deadline.left, last.left)
+            if left <= 0:
+                return _reply(death="timeout", reason=f"stopped at its limit of {task.limit:g} s"), False
+            ready = wait(open_ends, timeout=min(left, look))
+            if channel in ready:  # nothing is sent while a task runs: this is the end
+                raise EOFError
+            if self._replies in ready:
+                said = os.read(self._replies, 2**20)
+                reply += said
+                if reply.endswith(b"\n"):
+                    return bytes(reply), True
+                if not said:  # closed: it is dying
+                    open_ends, look = [channel], 0.01
+            if (ended := self._ended()) is not None:
+                return _obituary(ended), False
+        return _reply(death="crashed", reason=f"the process sent more than {LONGEST_REPLY} bytes"), False
+
+    def _ended(self) -> int | None:
+        """Its exit code once it has ended, -s for signal s."""
+        try:
+            pid, status = os.waitpid(self.pid, os.WNOHANG)
+        except ChildProcessError:
+            return 0
+        return os.waitstatus_to_exitcode(status) if pid else None
+
+
+def work(tasks: Connection, replies: int, deadline: Deadline, core: int | None, settings: tuple[Any, ...]) -> None:
+    """A worker's life: tasks come through one pipe, what they return goes back through another as a line of JSON."""
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
+    me, home = os.getpid(), os.getcwd()
+    worker.start(deadline, core, *settings)
+    while True:
+        try:
+            task: Task = tasks.recv()
+        except EOFError:
+            return
+        deadline.allow(OURS)
+        try:
+            reply = _reply(value=task.function(*task.arguments))
+        except Exception as error:
+            reply = _reply(death="crashed", reason=str(error) if isinstance(error, InputError) else plugins.told(error))
+        if os.getpid() != me:  # a solver forked, and its child came back too
+            os._exit(0)
+        os.chdir(home)
+        signal.pthread_sigmask(signal.SIG_SETMASK, ())
+        while reply:
+            reply = reply[os.write(replies, reply) :]
+
+
+def _obituary(code: int) -> bytes:
+    """SIGKILL comes from outside (a machine short of memory, an operator) and says nothing of the solver."""
+    how = signal.Signals(-code).name if code < 0 else f"exit code {code}"
+    return _reply(death="crashed", reason=f"the process died: {how}", again=code == -signal.SIGKILL)
+
+
+def _reply(**said: Any) -> bytes:
+    return json.dumps(said).encode() + b"\n"
+
+
+def _live(life: Callable[..., None], *arguments: Any) -> None:
+    """Spend a forked process's life, and leave without the parent's exit handlers."""
+    code = 1
+    try:
+        life(*arguments)
+        code = 0
+    finally:
+        os._exit(code)
+
+
+def _stand_apart() -> None:
+    """Silent, and deaf to the keys and the terminal of the main process, whose end is seen by its socket."""
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)
+    nowhere = os.open(os.devnull, os.O_RDWR)
+    for stream in (0, 1, 2):
+        os.dup2(nowhere, stream)
+
+
+if __name__ == "__main__":
+    serve(int(sys.argv[1]))

@@ -1,0 +1,46 @@
+"""Copies of a problem for those who are not trusted with the problem itself."""
+
+import copy
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+
+from problems.friction import FrictionProblem
+
+_PARTS = ("data", "indices", "indptr")
+
+
+def duplicate(problem: FrictionProblem) -> FrictionProblem:
+    """The same problem in memory of its own, read-only, with nothing derived: what is done to it is not done to this one."""
+    again = problem.fresh()
+    again.__dict__.update({name: _own(value) for name, value in vars(again).items()})
+    return again
+
+
+def same(one: FrictionProblem, other: FrictionProblem) -> bool:
+    """Whether the two hold the same numbers to the last bit, those that follow from the others included."""
+    return all(_equal(value, vars(other).get(name)) for name, value in vars(one.fresh()).items())
+
+
+def _own(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        array = value.copy()
+        array.setflags(write=False)
+        return array
+    if sparse.issparse(value):
+        matrix = copy.copy(value)
+        for part in _PARTS:
+            setattr(matrix, part, _own(getattr(value, part)))
+        return matrix
+    return value
+
+
+def _equal(a: Any, b: Any) -> bool:
+    if type(a) is not type(b):
+        return False
+    if isinstance(a, np.ndarray):
+        return a.dtype == b.dtype and a.shape == b.shape and a.tobytes() == b.tobytes()
+    if sparse.issparse(a):
+        return a.shape == b.shape and all(_equal(getattr(a, part), getattr(b, part)) for part in _PARTS)
+    return a == b
