@@ -32,7 +32,7 @@ class Deadline:
 
     @contextmanager
     def within(self, seconds: float) -> Iterator[Callable[[float], None]]:
-        """End this process where the block takes longer; the clock stands still while numba compiles.
+        """End this process where the block takes longer; the clock stands still while numba compiles or reads its cache.
 
         Yields a function that sets the time left anew, in seconds.
         """
@@ -55,7 +55,7 @@ class Deadline:
                     deadline.allow(self.left)
 
         try:
-            with event.install_listener("numba:compile", Pause()):
+            with event.install_listener("numba:compiler_lock", Pause()):
                 self.allow(seconds)
                 yield self.allow
         finally:
