@@ -1,6 +1,7 @@
 """What differs between two runs, cell by cell and solver by solver.
 
-    verdict    of a cell that both runs measured: solved > relaxed > missed > unjudgeable > unsolved > timeout > crashed > wrong
+    verdict    of a cell that both runs measured: solved > relaxed > missed > unjudgeable > unsolved > timeout > crashed > wrong;
+               a timeout against another is one between like machines only
     missing    a cell measured before and not now, unless its solver was skipped with a reason
     work       each deterministic counter, summed per variant over the cells that both runs solved
     time       form, setup and solve: the geometric mean per variant of the ratio of the cells' medians, and significant
@@ -50,6 +51,11 @@ def verdicts(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Change]:
     for key in fall.index[fall != 0]:
         what = f"{before['verdict'][key]} → {after['verdict'][key]}"
         yield Change("verdict", bool(fall[key] > 0), key, after["variant"][key], what)
+
+
+def by_the_clock(before: pd.DataFrame, after: pd.DataFrame) -> pd.Series:
+    """Of cells, the same in both tables, which are at another verdict for a timeout: between unlike machines no change."""
+    return (before["verdict"] != after["verdict"]) & ((before["verdict"] == TIMEOUT) | (after["verdict"] == TIMEOUT))
 
 
 def missing(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Change]:

@@ -73,10 +73,14 @@ def compare(baseline: Path, current: Path) -> Comparison:
     if common.empty:
         return Comparison(baseline, current, unusable="no cell was measured in both runs")
     before, after = old.loc[common], new.loc[common]
-    found = [*changes.verdicts(before, after), *changes.missing(old, new), *changes.work(before, after)]
     notes = []
-    if reason := _unlike(old_manifest, new_manifest):
+    reason = _unlike(old_manifest, new_manifest)
+    clocked = changes.by_the_clock(before, after) & bool(reason)
+    found = [*changes.verdicts(before[~clocked], after[~clocked]), *changes.missing(old, new), *changes.work(before, after)]
+    if reason:
         notes.append(f"Times are not compared: {reason}.")
+        if clocked.any():
+            notes.append(f"Nor are timeouts with other verdicts: {clocked.sum()} cells.")
     else:
         same = (before["host"] == after["host"]) & (before["time_limit"] == after["time_limit"])
         found += changes.times(before[same], after[same])

@@ -32,7 +32,7 @@ def test_equal_runs_pass(runs):
     assert result.markdown.startswith("## Nothing worse")
 
 
-ORDER = ["solved", "relaxed", "unsolved", "timeout", "crashed", "wrong"]
+ORDER = ["solved", "relaxed", "missed", "unjudgeable", "unsolved", "timeout", "crashed", "wrong"]
 
 
 @pytest.mark.parametrize(("better", "worse"), list(pairwise(ORDER)))
@@ -41,6 +41,20 @@ def test_verdicts_are_ordered(runs, better, worse):
     assert result.exit_code == 1
     (change,) = result.worse
     assert (change.kind, change.key, change.what) == ("verdict", "a-p1-1e-08", f"{better} → {worse}")
+
+
+@pytest.mark.parametrize("change", [{"machine": MACHINE | {"host": "there"}}, {"settings": SETTINGS | {"time_limit": 5.0}}])
+@pytest.mark.parametrize("there", ["solved", "unsolved", "crashed"])
+def test_the_gate_does_not_depend_on_another_machines_clock(runs, there, change):
+    before, after = rows(["solved", "timeout", there]), rows(["solved", there, "timeout"])
+    result = runs(before, after, **change)
+    assert (result.exit_code, result.changes) == (0, ())
+    assert "timeouts with other verdicts: 2 cells" in result.markdown
+
+
+def test_what_no_clock_decides_counts_on_any_machine(runs):
+    result = runs(rows(["solved", "timeout"]), rows(["wrong", "solved"]), machine={"host": "there"})
+    assert [change.what for change in result.changes] == ["solved → wrong"]
 
 
 def test_a_better_verdict_is_told_of_and_passes(runs):
