@@ -21,7 +21,7 @@ def require(condition: bool, field: str, complaint: str) -> None:
 
 def vector(field: str, value: Any, length: int | None = None) -> Array:
     """A read-only float vector of the given length (any, if None) with finite entries."""
-    array = _floats(field, value)
+    array = floats(field, value)
     require(array.ndim == 1, field, f"expected a vector, got shape {array.shape}")
     require(length is None or len(array) == length, field, f"expected length {length}, got {len(array)}")
     _require_finite(field, array)
@@ -29,10 +29,18 @@ def vector(field: str, value: Any, length: int | None = None) -> Array:
     return array
 
 
+def entries(field: str, array: Array, expected: int) -> Array:
+    """The array, flat, if it has so many entries: compiled loops do not look. Errors: InputError naming the field."""
+    flat = np.asarray(array, dtype=float).ravel()
+    if len(flat) != expected:
+        raise InputError(f"{field}: expected {expected} entries, got {len(flat)}")
+    return flat
+
+
 def matrix(field: str, value: Any, shape: tuple[int | None, int | None]) -> sparse.csr_array:
     """A canonical sparse matrix (rows sorted, duplicates summed, no stored zeros) with finite entries."""
     if not sparse.issparse(value):
-        value = _floats(field, value)
+        value = floats(field, value)
         require(value.ndim == 2, field, f"expected a matrix, got shape {value.shape}")
     result = sparse.csr_array(value, dtype=np.float64, copy=True)
     for axis, expected in enumerate(shape):
@@ -45,7 +53,8 @@ def matrix(field: str, value: Any, shape: tuple[int | None, int | None]) -> spar
     return result
 
 
-def _floats(field: str, value: Any) -> Array:
+def floats(field: str, value: Any) -> Array:
+    """A copy of value as an array of floats, of any shape. Errors: InputError naming the field."""
     try:
         return np.array(value, dtype=np.float64)
     except (TypeError, ValueError) as error:

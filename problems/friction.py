@@ -127,9 +127,12 @@ class FrictionProblem:
         response, inverse = self._joint_response
         return velocity - response @ (inverse @ (self.joints @ velocity + bias))
 
+    def _rows(self, impulse: Array) -> Array:
+        return check.entries("impulse", impulse, self.contacts * self.dimension)
+
     def velocity(self, impulse: Array) -> Array:
         """v (nv,) after the contact impulses (nc, d) or (nc*d,), joints kept; computed without W."""
-        r = np.asarray(impulse, dtype=float).ravel()
+        r = self._rows(impulse)
         return self._on_joints(push(self.jacobian, self.inverse_mass, self.free_velocity, r), self.joint_bias)
 
     def contact_velocity(self, impulse: Array) -> Array:
@@ -140,7 +143,7 @@ class FrictionProblem:
 
     def velocity_size(self, impulse: Array) -> Array:
         """(nc, d): the size of the terms that add up to contact_velocity, of whose sum rounding takes some eps."""
-        r = np.asarray(impulse, dtype=float).ravel()
+        r = self._rows(impulse)
         size = velocity_size(self.jacobian, self.inverse_mass, self.free_velocity, r)
         if self.joints.shape[0]:
             pushed = push(self.jacobian, self.inverse_mass, self.free_velocity, r)
@@ -283,12 +286,10 @@ class DelassusProblem(FrictionProblem):
         return _mean_diagonal(self.W.diagonal(), self.dimension)
 
     def contact_velocity(self, impulse: Array) -> Array:
-        r = np.asarray(impulse, dtype=float).ravel()
-        return (apply(self.W, r) + self.q).reshape(self.contacts, self.dimension)
+        return (apply(self.W, self._rows(impulse)) + self.q).reshape(self.contacts, self.dimension)
 
     def velocity_size(self, impulse: Array) -> Array:
-        r = np.abs(np.asarray(impulse, dtype=float).ravel())
-        return (apply(abs(self.W), r) + np.abs(self.q)).reshape(self.contacts, self.dimension)
+        return (apply(abs(self.W), np.abs(self._rows(impulse))) + np.abs(self.q)).reshape(self.contacts, self.dimension)
 
     def velocity_form(self) -> VelocityForm:
         return VelocityForm(self.mass, self.inverse_mass, self.jacobian, self.free_velocity, self.q)

@@ -37,7 +37,7 @@ def residual_floor(problem: FrictionProblem, impulse: Array) -> float:
     """What rounding may change of the residual of impulse (nc, d): 2 eps max_i (s_i |r_i| + (1 + mu_i) |terms of u_i|)/|q|."""
     if not problem.contacts:
         return 0.0
-    if not np.isfinite(impulse).all():
+    if impulse.shape != (problem.contacts, problem.dimension) or not np.isfinite(impulse).all():
         return np.inf
     with np.errstate(over="ignore"):
         terms = np.linalg.norm(problem.velocity_size(impulse), axis=1)
@@ -116,7 +116,7 @@ def fclib_error(problem: FrictionProblem, impulse: Array) -> float:
     """
     if not problem.contacts:
         return 0.0
-    if not np.isfinite(impulse).all():
+    if impulse.shape != (problem.contacts, problem.dimension) or not np.isfinite(impulse).all():
         return np.inf
     u, one = problem.contact_velocity(impulse), np.ones(problem.contacts)
     error = float(np.linalg.norm(_defects(impulse, u, one, problem.friction, problem.friction_bias, 1.0)))

@@ -1,6 +1,6 @@
 """What differs between two runs, cell by cell and solver by solver.
 
-    verdict    of a cell that both runs measured: solved > relaxed > missed > unjudgeable > unsolved > timeout > crashed > wrong;
+    verdict    of a cell measured in both runs: solved > relaxed > missed > unjudgeable > unsolved > timeout > crashed > wrong;
                a timeout against another is one between like machines only
     missing    a cell measured before and not now, unless its solver was skipped with a reason
     work       each deterministic counter, summed per variant over the cells that both runs solved

@@ -24,7 +24,7 @@ from scipy.sparse.linalg import splu
 from problems import FrictionProblem
 from problems.check import Array
 from solvers.apgd import step
-from solvers.interface import Answer, solver
+from solvers.interface import Answer, impulses, solver
 from solvers.sweeps.form import ContactForm, Index, contact_form, state, velocity
 from solvers.sweeps.laws import defect
 from solvers.sweeps.stopping import ENDS, GOING, ended, progress
@@ -77,7 +77,7 @@ class ADMM:
         formed, factor = prepared
         form, rho = formed.form, RHO
         limit = LIMIT if limit is None else limit
-        z = np.zeros_like(form.offset) if start is None else np.array(start, dtype=np.float64)
+        z = impulses(start, form.offset.shape)
         x, u, w = np.empty_like(form.rest), np.empty_like(z), np.empty_like(z)
         iterations, factorisations, retune, history, best = 0, 0, 0, [], progress()
         while True:

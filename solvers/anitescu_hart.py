@@ -18,7 +18,7 @@ import numpy as np
 from problems import FrictionProblem
 from problems.check import Array, require
 from solvers.apgd import descend
-from solvers.interface import Answer, Status, solver
+from solvers.interface import Answer, Status, impulses, solver
 from solvers.sweeps.form import ContactForm, contact_form, state, velocity
 from solvers.sweeps.laws import defect
 from solvers.sweeps.stopping import ENDS, GOING, ended, progress
@@ -48,7 +48,7 @@ class AnitescuHart:
 
     def solve(self, prepared: ContactForm, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         form, limit = prepared, LIMIT if limit is None else limit
-        r = np.zeros_like(form.offset) if start is None else np.array(start, dtype=np.float64)
+        r = impulses(start, form.offset.shape)
         shifted = form._replace(offset=form.offset.copy())
         x, u, spent = np.empty_like(form.rest), np.empty_like(r), np.empty(INNER_LIMIT + 1)
         lams: list[Array] = []  # lam^k

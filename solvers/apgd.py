@@ -20,7 +20,7 @@ from numba import njit
 from problems import FrictionProblem
 from problems.check import Array
 from problems.forms.cone import nearest
-from solvers.interface import Answer, solver
+from solvers.interface import Answer, impulses, solver
 from solvers.sweeps.form import ContactForm, contact_form, state, velocity
 from solvers.sweeps.laws import defect
 from solvers.sweeps.stopping import ENDS, GOING, ended, progress
@@ -43,7 +43,7 @@ class APGD:
 
     def solve(self, prepared: ContactForm, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         limit = LIMIT if limit is None else limit
-        r = np.zeros_like(prepared.offset) if start is None else np.array(start, dtype=np.float64)
+        r = impulses(start, prepared.offset.shape)
         history = np.empty(limit + 1)
         end, iterations, products = descend(prepared, r, self.shift, tol, limit, history, progress())
         work = {"iterations": iterations, "products": products}

@@ -21,13 +21,17 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 from enum import Enum
 from importlib.util import find_spec
+from numbers import Integral, Real
 from typing import Any, Literal, Protocol, TypeVar
 
-from problems import LCP, FrictionProblem, InputError
-from problems.check import Array
+import numpy as np
+
+from problems import LCP, FrictionProblem, InputError, check
+from problems.check import Array, require
 from problems.spec import split
 
 Model = Literal["coulomb", "lcp", "relaxation"]
+MOST_WORK = 10**8  # units of work a limit may allow: histories are laid out for it
 
 
 class Status(Enum):
@@ -196,16 +200,29 @@ _FLAGS = {"true": True, "false": False, "1": True, "0": False}
 def solve(
     problem: FrictionProblem | LCP, spec: str, *, tol: float = 1e-8, limit: int | None = None, start: Array | None = None
 ) -> Answer:
-    """Prepare and solve one problem with the solver `spec` names.
+    """Prepare and solve one problem with the solver `spec` names; one that takes no start is given none.
 
-    Errors: InputError for an unknown or unavailable solver, one that does not take this problem, or a tolerance that is
-    not positive.
+    Errors: InputError for an unknown or unavailable solver or one that does not take this problem, naming problem, tol, limit
+    or start where that cannot be used.
     """
     info, instance = find(spec)
-    if not 0 < tol < float("inf"):
-        raise InputError(f"tol: must be positive and finite, got {tol!r}")
-    if limit is not None and limit < 1:
-        raise InputError(f"limit: must be at least 1, got {limit!r}")
+    require(isinstance(problem, FrictionProblem | LCP), "problem", f"must be a FrictionProblem or an LCP, got {type(problem)}")
+    require(isinstance(tol, Real) and 0 < tol < float("inf"), "tol", f"must be a positive, finite number, got {tol!r}")
+    whole = isinstance(limit, Integral) and not isinstance(limit, bool)
+    allowed = limit is None or (whole and 1 <= limit <= MOST_WORK)
+    require(allowed, "limit", f"must be a whole number, at least 1 and at most {MOST_WORK}, got {limit!r}")
     if reason := info.missing or info.refuses(problem):
         raise InputError(f"solver: {reason}")
-    return instance.solve(instance.prepare(problem), tol, limit, start if info.warm_start else None)
+    shape = problem.contacts if isinstance(problem, LCP) else (problem.contacts, problem.dimension)
+    guess = None if start is None else impulses(start, shape)
+    return instance.solve(instance.prepare(problem), float(tol), limit, guess if info.warm_start else None)
+
+
+def impulses(start: Any, shape: tuple[int, ...]) -> Array:
+    """A copy of the impulses (nc, d) to start from, zeros for None. Errors: InputError naming start."""
+    if start is None:
+        return np.zeros(shape)
+    guess = check.floats("start", start)
+    require(guess.shape == shape, "start", f"expected impulses of shape {shape}, got {guess.shape}")
+    require(bool(np.isfinite(guess).all()), "start", "must be finite")
+    return guess

@@ -21,7 +21,7 @@ import numpy as np
 from problems import FrictionProblem
 from problems.check import Array
 from problems.residual import residual
-from solvers.interface import Answer, solve, solver
+from solvers.interface import Answer, impulses, solve, solver
 from solvers.interior.central_path import trace
 from solvers.interior.centred_point import centred_point
 from solvers.interior.phases import Phase, run
@@ -64,7 +64,7 @@ class InteriorPoint:
     def _phases(self, problem: FrictionProblem, system: System, start: Array | None) -> Iterator[Phase]:
         """The methods in turn, with the points they start from."""
         if start is not None:
-            yield predictor_corrector, _around(problem, system, start, NEAR)
+            yield predictor_corrector, _around(problem, system, impulses(start, system.offset.shape), NEAR)
         if self.shortcut:  # from between nothing and the weight of all the others on top
             yield predictor_corrector, start_point(system, float(np.sqrt(problem.contacts)), 1.0)
         if not self.paths:

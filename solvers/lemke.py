@@ -29,7 +29,7 @@ from numba import njit
 
 from problems import LCP, FrictionProblem
 from problems.check import Array
-from solvers.interface import Answer, solver
+from solvers.interface import Answer, impulses, solver
 from solvers.pivots.inverse_basis import Index, Matrix, invert, slack_basis
 from solvers.pivots.lemke_path import (
     ACCURACY,
@@ -169,6 +169,7 @@ def covering_vector(lcp: LCP) -> Array:
 def guess_basis(lcp: LCP, impulse: Array) -> Index:
     """The z that contact impulses (nc, d) suggest to be basic: c, beta where they press and rub, lambda on sliding."""
     nc, d = lcp.contacts
+    impulse = impulses(impulse, lcp.contacts)
     if not nc:
         return np.empty(0, np.int64)
     K = lcp.size // nc - 2

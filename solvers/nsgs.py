@@ -17,7 +17,7 @@ from numba import njit
 
 from problems import FrictionProblem
 from problems.check import Array, require
-from solvers.interface import Answer, solver
+from solvers.interface import Answer, impulses, solver
 from solvers.sweeps.form import ContactForm, contact_form, state, velocity
 from solvers.sweeps.laws import defect, planar_contact, spatial_contact
 from solvers.sweeps.stopping import ENDS, GOING, ended, progress
@@ -45,7 +45,7 @@ class NSGS:
 
     def solve(self, prepared: ContactForm, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         limit = LIMIT if limit is None else limit
-        r = np.zeros_like(prepared.offset) if start is None else np.array(start, dtype=np.float64)
+        r = impulses(start, prepared.offset.shape)
         history = np.empty(2 + limit // CHECK)
         end, sweeps, checks = _iterate(prepared, r, self.relaxation, tol, limit, history, progress())
         return Answer(r, ENDS[end], {"sweeps": sweeps}, tuple(history[:checks].tolist()))

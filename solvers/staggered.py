@@ -18,7 +18,7 @@ import numpy as np
 from problems import FrictionProblem
 from problems.check import Array
 from solvers.apgd import descend
-from solvers.interface import Answer, solver
+from solvers.interface import Answer, impulses, solver
 from solvers.sweeps.form import ContactForm, contact_form, state, velocity
 from solvers.sweeps.laws import defect
 from solvers.sweeps.stopping import ENDS, GOING, ended, progress
@@ -41,7 +41,7 @@ class Staggered:
 
     def solve(self, prepared: ContactForm, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         form, limit = prepared, LIMIT if limit is None else limit
-        r = np.zeros_like(form.offset) if start is None else np.array(start, dtype=np.float64)
+        r = impulses(start, form.offset.shape)
         normal, friction = _only(form, [0]), _only(form, range(1, r.shape[1]))
         n, t, u = np.zeros_like(r), np.zeros_like(r), np.empty_like(r)
         n[:, 0], t[:, 1:] = r[:, 0], r[:, 1:]

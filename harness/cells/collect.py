@@ -5,13 +5,14 @@ phase before it, and `shuffled`, those of one drawn from the whole motion; both 
 """
 
 import json
+import zipfile
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from harness.plans.plan import COLD, SHUFFLED, WARM, Source
-from problems import FrictionProblem, scene
+from problems import FrictionProblem, InputError, scene
 from problems.check import Array
 from problems.nature.census import census_labels
 from problems.nature.labels import labels
@@ -70,8 +71,12 @@ def stored_start(folder: Path, problem: str, start: str) -> Array | None:
     """The impulses (nc, d) to start from; None for a cold start."""
     if start == COLD:
         return None
-    with np.load(folder / "problems" / f"{problem}.starts.npz", allow_pickle=False) as starts:
-        return starts[start]
+    path = folder / "problems" / f"{problem}.starts.npz"
+    try:
+        with np.load(path, allow_pickle=False) as starts:
+            return starts[start]
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+        raise InputError(f"{path}: no usable start {start} ({error})") from None
 
 
 def _chosen(source: Source) -> list[tuple[Met, dict[str, Array]]]:

@@ -66,10 +66,11 @@ class LCP:
         """The contact impulses (nc, d), normal first, of a friction LCP's z; (0, 0) for a bare LCP."""
         if self.generators is None:
             return np.zeros((0, 0))
-        return apply(self.generators, z).reshape(self.contacts)
+        return apply(self.generators, check.entries("z", z, self.size)).reshape(self.contacts)
 
     def residual(self, z: Array) -> float:
         """max_i |min(z_i, w_i)| over max|q| (over 1 where q = 0): zero exactly at a solution, NaN counts as infinity."""
+        z = check.entries("z", z, self.size)
         if not self.size:
             return 0.0
         worst = np.abs(np.minimum(z, self.M @ z + self.q)).max()
