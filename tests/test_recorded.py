@@ -11,11 +11,12 @@ from scipy import sparse
 
 from problems import LCP, FrictionProblem, InputError
 from problems.friction import DelassusProblem
+from problems.instances.cubes import cubes
 from problems.random_problem import random_problem
 from problems.recorded import fclib, own, read
 from problems.residual import residual
 from solvers import solve
-from tests.friction_problems import spatial, spatial_stack, with_joints
+from tests.friction_problems import spatial, with_joints
 from tests.recorded import FOLDER, blocks, columns, dense, global_text, local_text, numbers, recorded, triplets
 
 
@@ -164,7 +165,7 @@ def test_large_problems_stay_sparse(tmp_path, monkeypatch, local) -> None:
     def refuse(*_, **__):
         raise AssertionError("a matrix was made dense")
 
-    problem = spatial_stack(500, push=1.0)
+    problem = cubes(500, push=1.0)
     fclib.write(known_by_W(problem) if local else problem, tmp_path / "p.hdf5")
     monkeypatch.setattr(sparse.csr_array, "toarray", refuse)
     monkeypatch.setattr(np.linalg, "eigh", refuse)

@@ -27,8 +27,9 @@ import numpy as np
 from peer_solvers import SOLVED, Prepare, planar_makers, spatial_makers
 
 from problems import FrictionProblem, scene
+from problems.instances.cubes import cubes
+from problems.instances.random_bodies import random_bodies
 from problems.residual import relaxation_residual, residual
-from tests import friction_problems
 
 SLOW = 0.1  # s
 
@@ -59,8 +60,8 @@ def planar(n: int) -> list[FrictionProblem]:
 def spatial(contacts: int) -> list[FrictionProblem]:
     """The twelve problems with so many spatial contacts: stacks of cubes, and random ones between half as many bodies."""
     pushes = [(mu, push) for mu in (0.05, 0.2, 0.8) for push in (0.0, 1.0)]
-    stacks = [friction_problems.spatial_stack(contacts // 4, friction=mu, push=push) for mu, push in pushes]
-    return stacks + [friction_problems.spatial_bodies(seed, contacts, mu) for mu in (0.1, 0.5, 1.0) for seed in (0, 1)]
+    stacks = [cubes(contacts // 4, friction=mu, push=push) for mu, push in pushes]
+    return stacks + [random_bodies(seed, contacts, mu) for mu in (0.1, 0.5, 1.0) for seed in (0, 1)]
 
 
 def write(problems: list[FrictionProblem], file: str) -> None:

@@ -3,20 +3,20 @@
 import numpy as np
 import pytest
 
+from problems.instances.cubes import cubes
 from problems.scenes import scene
 from solvers import find
 from solvers.interior.point import start_point
 from solvers.interior.predictor_corrector import Best, predictor_corrector
 from solvers.interior.system import new_work, prepare
 from solvers.sparse_lu.multifrontal import factorise, solve
-from tests.friction_problems import spatial_stack
 
 PROBLEMS = {
     "stack of 50": scene("stack", blocks=50).problem(),
     "stack of 1000": scene("stack", blocks=1000).problem(),
     "pyramid of 15 rows": scene("pyramid", rows=15).problem(),
-    "50 cubes": spatial_stack(50),
-    "1000 cubes": spatial_stack(1000),
+    "50 cubes": cubes(50),
+    "1000 cubes": cubes(1000),
 }
 
 

@@ -1,0 +1,11 @@
+"""Friction problems of one step: one file a kind, each listed by its decorator (problems.instances.catalogue).
+
+make_instance("cubes", boxes=10, friction=0.5)        make_instance("random", seed=3)
+"""
+
+from problems.discover import import_all
+from problems.instances.catalogue import InstanceInfo, instances, make_instance
+
+import_all(__name__, __path__)
+
+__all__ = ["InstanceInfo", "instances", "make_instance"]
