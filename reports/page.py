@@ -13,8 +13,8 @@ from typing import Any
 import pandas as pd
 from markupsafe import Markup
 
-from reports import tables
-from reports.accuracy import ALL
+from reports import choice, tables
+from reports.accuracy import ALL, TARGETS
 from reports.animation import write_animations
 from reports.charts import CHARTS
 from reports.charts.chart import Chart
@@ -52,6 +52,8 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
         "contested": run.contested["problem_id"].nunique(),
         "gaps": tables.gaps(run),
         "headline": headline(run),
+        "choices": choice.choices(run),
+        "ends": (max(TARGETS), min(TARGETS)),
         "swatches": {entry: Markup(swatch(one)) for entry, one in run.looks.items()},
         "matrices": {target: tables.matrix(table) for target, table in run.summaries.items()},
         "races": {name: tables.race(run.summaries, name) for name in [ALL, *scene_of]},

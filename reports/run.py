@@ -26,6 +26,7 @@ from results.schema import CRASHED, SKIPPED, TIMEOUT
 from results.store import read_manifest, read_table
 
 BANDS = (100, 1000)  # unknowns of the friction LCP: dense methods win below, sparse ones above
+COLD, WARM = "cold", "warm"  # starts
 NO_ANSWER = (TIMEOUT, CRASHED, SKIPPED)
 _IDENTITY = ["scene", "parameters", "step", "phase", "problem"]
 
@@ -74,7 +75,7 @@ def annotate(solves: pd.DataFrame) -> pd.DataFrame:
     rows[texts] = rows[texts].fillna("")
     rows["trivial"] = rows["trivial"].eq(True)
     rows["claimed"] = rows["claimed"].eq(True)
-    rows["entry"] = rows["variant"].where(rows["start"].isin(["", "cold"]), rows["variant"] + ", " + rows["start"])
+    rows["entry"] = rows["variant"].where(rows["start"].isin(["", COLD]), rows["variant"] + ", " + rows["start"])
     if len(set(rows["host"])) > 1:
         rows["entry"] += " on " + rows["host"]
     rows["problem_id"] = rows.groupby(_IDENTITY, dropna=False, sort=False).ngroup()

@@ -10,8 +10,8 @@ import pyarrow as pa
 import pytest
 from markupsafe import Markup
 
-from reports import accuracy, tables
-from reports.charts import CHARTS, speed_accuracy
+from reports import accuracy, choice, tables
+from reports.charts import CHARTS, pareto, speed_accuracy
 from reports.drawing.figures import save_sheet
 from reports.drawing.style import looks
 from reports.drawing.text import plain, seconds
@@ -321,3 +321,54 @@ def test_the_harness_own_share_by_hand() -> None:
     lost = lost_row("c", "p", "timeout")
     assert tables.overhead(run_of(*rows, lost)) == pytest.approx(0.1)
     assert tables.overhead(run_of(lost)) is None
+
+
+def test_which_solver_by_hand():
+    def entry(name, *times, **given):
+        sizes = (2, 2, 50)
+        return [
+            solve_row(name, f"p{i}", solve_time=t, contacts=c, **given)
+            for i, (t, c) in enumerate(zip(times, sizes, strict=True))
+        ]
+
+    rows = [*entry("a", 1e-3, 1e-3, 1.0), *entry("b", 4e-3, 4e-3, 1e-2)]
+    rows += entry("c", 1e-6, 1e-6, 1e-6)[:2]  # the fastest, but it did not run on every problem
+    rows += [lost_row("c", "p2", "skipped", contacts=50)]
+    found = dict(choice.choices(run_of(*rows)))
+    assert list(found) == ["all problems", "small: up to 10 contacts", "medium: 11 to 100 contacts"]
+    assert {kind: best[1e-8].entry for kind, best in found.items()} == {
+        "all problems": "b",
+        "small: up to 10 contacts": "c",
+        "medium: 11 to 100 contacts": "b",
+    }
+    small = found["small: up to 10 contacts"][1e-8]
+    assert (small.reached, small.problems, small.next, small.sure) == (2, 2, "a", None)
+    # with the shift and the millisecond of form and setup
+    assert small.lead == pytest.approx((2e-3 + 1e-5 - 1e-5) / (1.001e-3), rel=1e-12)
+
+
+def test_certainty_comes_from_the_problems():
+    times = {"a": (1e-3, 3e-3), "b": (2e-3, 2e-3)}
+    even = [solve_row(name, f"p{i}", solve_time=own[i % 2]) for name, own in times.items() for i in range(20)]
+    clear = [solve_row(name, f"p{i}", solve_time=own[0]) for name, own in times.items() for i in range(20)]
+    doubtful, sure = (dict(choice.choices(run_of(*rows)))["all problems"][1e-8].sure for rows in (even, clear))
+    assert 0.5 < doubtful < 0.9
+    assert sure == 1.0
+
+
+def test_the_front_has_those_that_nobody_beats():
+    time, residual = np.array([1.0, 2.0, 3.0, 2.0]), np.array([1e-2, 1e-6, 1e-6, 1e-8])
+    assert pareto.front(time, residual).tolist() == [0, 3]
+
+
+def test_who_missed_a_problem_is_not_on_the_chart_of_all():
+    rows = [solve_row("a", "p"), solve_row("a", "q"), solve_row("b", "p"), lost_row("b", "q", "skipped")]
+    assert pareto.ladder(run_of(*rows))["entry"].tolist() == ["a"]
+
+
+def test_a_solver_looks_the_same_in_every_report():
+    assert looks(["lemke", "nsgs"])["nsgs"] == looks(["nsgs", "somebody"])["nsgs"]
+    assert looks(["x", "y"])["y"] == looks(["y"])["y"]
+    family = looks(["ccp[backend=osqp]", "ccp[backend=clarabel]"])
+    assert len({look.colour for look in family.values()}) == 1
+    assert len(set(family.values())) == 2

@@ -42,7 +42,16 @@ def _draw(ax: Axes, drives: pd.DataFrame, looks: dict[str, Look]) -> None:
         scale = row.energy_scale if row.energy_scale > 0 else 1.0
         change = (row.energies[keep] - row.energies[0]) / scale
         look = looks[row.entry]
-        ax.plot(row.times[keep], change, color=look.colour, marker=look.marker, markevery=(0.1, 0.3), ms=3.5, alpha=0.9)
+        ax.plot(
+            row.times[keep],
+            change,
+            color=look.colour,
+            marker=look.marker,
+            ls=look.dash,
+            markevery=(0.1, 0.3),
+            ms=3.5,
+            alpha=0.9,
+        )
         highest = max(highest, float(np.nanmax(change, initial=0.0)))
     ax.axhline(0, color=INK, lw=0.6)
     if highest > 1e-6:

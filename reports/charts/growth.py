@@ -33,7 +33,7 @@ def _draw(ax: Axes, times: pd.DataFrame, looks: dict[str, Look]) -> None:
         groups = own.groupby("contacts")
         mean = groups["charged"].agg(shifted_geometric_mean)
         missed = ~groups["reached"].all()
-        ax.plot(mean.index, mean, color=look.colour)
+        ax.plot(mean.index, mean, color=look.colour, ls=look.dash)
         ax.plot(mean.index[~missed], mean[~missed], look.marker, color=look.colour)
         ax.plot(mean.index[missed], mean[missed], "x", color=look.colour, mew=1.4)
     sizes = sorted(times["contacts"].dropna().unique())

@@ -38,7 +38,7 @@ def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
         look = looks[entry]
         ax.scatter(own["time"], _shown(own["residual"]), s=5, lw=0, color=look.colour, alpha=0.35, rasterized=crowded)
         ladder = own.groupby("tol")[["time", "residual", "model_residual"]].median().sort_index(ascending=False)
-        ax.plot(ladder["time"], _shown(ladder["residual"]), color=look.colour, marker=look.marker)
+        ax.plot(ladder["time"], _shown(ladder["residual"]), color=look.colour, marker=look.marker, ls=look.dash)
         if (own["model"] == "relaxation").any():
             ax.plot(
                 ladder["time"], _shown(ladder["model_residual"]), ":", color=look.colour, marker=look.marker, mfc="none", lw=0.8

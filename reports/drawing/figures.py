@@ -43,7 +43,7 @@ def swatch(look: Look) -> str:
         figure = Figure(figsize=(0.34, 0.17))
         ax = figure.add_axes((0, 0, 1, 1))
         ax.axis("off")
-        ax.plot([0, 1, 2], [0, 0, 0], color=look.colour, marker=look.marker, markevery=[1], markersize=6)
+        ax.plot([0, 1, 2], [0, 0, 0], color=look.colour, marker=look.marker, ls=look.dash, markevery=[1], markersize=6)
         return _element(figure)
 
 
@@ -79,7 +79,7 @@ def save_sheet(
             ax.set_title(plain(panel.title))
         for ax in grid[len(panels) :]:
             ax.axis("off")
-        handles = [Line2D([], [], color=look.colour, marker=look.marker) for look in looks.values()]
+        handles = [Line2D([], [], color=look.colour, marker=look.marker, ls=look.dash) for look in looks.values()]
         figure.legend(handles, [plain(name) for name in looks], loc="outside lower center", ncols=across)
         paths = [stem.with_suffix(f".{kind}") for kind in ("svg", "pdf")]
         for path in paths:

@@ -1,6 +1,8 @@
 """How every figure looks: one colour and marker per entry wherever it is drawn, readable on light and dark pages."""
 
+import re
 from collections.abc import Iterable
+from hashlib import sha256
 from typing import Any, Literal, NamedTuple
 
 from matplotlib.axes import Axes
@@ -40,20 +42,53 @@ _COLOURS = (
     *("#0077bb", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#a6761d"),
     *("#8c6bb1", "#8a9a3b", "#e7298a", "#00a5a5", "#c49a6c", "#7f7f7f"),
 )
-_MARKERS = ("o", "s", "^", "D", "v")  # 5 and 12 are coprime: 60 looks before one repeats
+_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "p", "<", ">", "h")  # 11 and 12 are coprime
+_DASHES = ("-", "--", "-.", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)))
+# A solver's place in the cycles, fixed so that it looks the same in every report; others take theirs from their name.
+_PLACES = (
+    *("hybrid", "interior_point", "lemke", "path_search", "nsgs", "apgd_coulomb", "admm_coulomb", "relaxation_ip", "ccp"),
+    *("ccp_cone", "apgd", "admm", "nncg", "staggered", "anitescu_hart", "fischer_newton", "minmap_newton", "murty", "dantzig"),
+)
 
 
 class Look(NamedTuple):
-    """Colour and marker of one entry."""
+    """Colour, marker and dash of one entry; the dash tells apart what greyscale does not."""
 
     colour: str
     marker: str
+    dash: Any = "-"
 
 
 def looks(entries: Iterable[str]) -> dict[str, Look]:
-    """A look for each entry, the same whatever the order of the rows."""
-    names = sorted(set(entries))
-    return {name: Look(_COLOURS[i % len(_COLOURS)], _MARKERS[i % len(_MARKERS)]) for i, name in enumerate(names)}
+    """A look for each entry from its name alone, so that it is the same in every figure of every report. Only where the names
+    of two strangers fall on one look does the later of them take the next."""
+    found: dict[str, Look] = {}
+    for entry in sorted(set(entries), key=lambda entry: (_solver(entry) not in _PLACES, entry)):
+        place, shift = _place(entry)
+        while (look := _look(place, shift)) in found.values():
+            shift += 1
+        found[entry] = look
+    return dict(sorted(found.items()))
+
+
+def _solver(entry: str) -> str:
+    return re.split(r"[\[,]| on ", entry, maxsplit=1)[0]
+
+
+def _place(entry: str) -> tuple[int, int]:
+    """The solver's place, which decides the colour, and how far its variant is from it in markers and dashes."""
+    solver = _solver(entry)
+    place = _PLACES.index(solver) if solver in _PLACES else len(_PLACES) + _number(solver)
+    return place, _number(entry) if entry != solver else 0
+
+
+def _look(place: int, shift: int) -> Look:
+    other = place // len(_COLOURS) + place + shift
+    return Look(_COLOURS[place % len(_COLOURS)], _MARKERS[other % len(_MARKERS)], _DASHES[other % len(_DASHES)])
+
+
+def _number(text: str) -> int:
+    return int(sha256(text.encode("utf-8", "replace")).hexdigest()[:8], 16)
 
 
 def time_axis(ax: Axes, which: Literal["x", "y"]) -> None:

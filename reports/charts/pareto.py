@@ -1,0 +1,73 @@
+"""Speed against accuracy over all problems: a point for each entry and tolerance, and the front that nobody is below.
+
+Time is the shifted geometric mean over the problems, misses charged at the time limit; accuracy the median of the verified
+residual, no answer counting as the worst. Only entries that ran on every problem of the chart are drawn, for a mean over
+fewer problems is another mean. The front joins the points for which no other is both faster and more accurate.
+"""
+
+from functools import partial
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+from reports.accuracy import shifted_geometric_mean
+from reports.charts.chart import Chart
+from reports.drawing.figures import Panel
+from reports.drawing.style import INK, Look, log_ticks, time_axis
+from reports.run import Run
+
+ZERO, WORST = 1e-17, 1e1  # where residuals of zero, and large or missing ones, are drawn
+
+
+def panels(run: Run) -> list[Panel]:
+    """One panel, where somebody ran on all problems."""
+    points = ladder(run)
+    return [Panel("all problems", partial(_draw, points=points, looks=run.looks))] if len(points) else []
+
+
+def ladder(run: Run) -> pd.DataFrame:
+    """A row per entry and tolerance that met every non-trivial problem: time (s) and residual."""
+    rows = run.contested
+    rows = rows.assign(
+        time=rows["time"].where(rows["answered"], rows["time_limit"]),
+        residual=rows["residual"].where(rows["answered"], np.inf),
+        met=rows["problem_id"].where(rows["verdict"] != "skipped"),
+    )
+    groups = rows.groupby(["entry", "tol"], sort=False)
+    points = groups.agg(time=("time", shifted_geometric_mean), residual=("residual", "median"), met=("met", "nunique"))
+    points = points[points["met"] == rows["problem_id"].nunique()].drop(columns="met").reset_index()
+    return points.assign(residual=points["residual"].clip(ZERO, WORST))
+
+
+def front(time: NDArray[np.float64], residual: NDArray[np.float64]) -> NDArray[np.intp]:
+    """The points for which no other is as fast and as accurate, from the fastest on."""
+    order = np.lexsort((residual, time))
+    best = np.minimum.accumulate(np.r_[np.inf, residual[order][:-1]])
+    return order[residual[order] < best]
+
+
+def _draw(ax: Axes, points: pd.DataFrame, looks: dict[str, Look]) -> None:
+    for entry, own in points.groupby("entry"):
+        look, along = looks[str(entry)], own.sort_values("tol", ascending=False)
+        ax.plot(along["time"], along["residual"], color=look.colour, marker=look.marker, ls=look.dash)
+    best = points.iloc[front(points["time"].to_numpy(), points["residual"].to_numpy())]
+    ax.step(best["time"], best["residual"], where="post", color=INK, lw=3, alpha=0.15, zorder=0)
+    time_axis(ax, "x")
+    lowest = min(1e-8, points["residual"].min())
+    ticks = {10.0**k: f"1e{k}" for k in range(0, -17, -4) if 10.0**k >= lowest}
+    log_ticks(ax, "y", ticks | {ZERO: "0"} if lowest <= ZERO else ticks)
+    ax.grid(lw=0.4, alpha=0.3)
+    ax.set_xlabel("mean time, form, setup and solve")
+    ax.set_ylabel("median verified residual")
+
+
+CHART = Chart(
+    name="pareto",
+    panels=panels,
+    section="chart",
+    caption="All problems at once: the mean time and the median verified residual at each tolerance that was asked for, of the "
+    "solvers that ran on every problem. Down and left is better; the grey line is the front, the solvers that no other beats "
+    "in both.",
+)
