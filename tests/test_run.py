@@ -18,7 +18,8 @@ from harness.plans.plan import Plan, Source
 from harness.progress import Progress
 from harness.run import run
 from harness.workers.introduce import introduce
-from problems import InputError, storage
+from problems import InputError
+from problems.recorded import archive, own
 from results import store
 from results.store import ResultsError
 
@@ -174,9 +175,9 @@ def test_what_unpacks_to_too_much_is_refused_unread(tmp_path, monkeypatch) -> No
     folder = tmp_path / "run"
     run(small_plan(drives=()), folder, 1, quiet())
     path = next((folder / "problems").glob("*.npz"))
-    monkeypatch.setattr(storage, "LARGEST", 100)
+    monkeypatch.setattr(archive, "LARGEST", 100)
     with pytest.raises(InputError, match="unpacks to"):
-        storage.load(path)
+        own.load(path)
     monkeypatch.setattr(store, "LARGEST_TABLE", 100)
     with pytest.raises(ResultsError, match=r"solves\.parquet: unpacks to"):
         store.read_table(folder, "solves")
