@@ -77,15 +77,15 @@ def run(
     ] = None,
 ) -> None:
     """Run a suite, or what of it the options choose. The same command resumes a broken-off run."""
+    from harness.maps import run_maps
     from harness.plans.choose import choose
     from harness.progress import Progress
-    from harness.run import run as run_plan
     from harness.workers.introduce import introduce
 
     variants, plugins = introduce(solver or [])
     plan = choose(suite, scene or [], variants, tol, time_limit, plugins)
     folder = out or Path("runs") / suite
-    run_plan(plan, folder, _jobs(jobs), Progress(), cluster)
+    run_maps(plan, folder, _jobs(jobs), Progress(), cluster)
     typer.echo(f"results: {folder}\nreport:  frictionbench report {folder}")
 
 

@@ -14,7 +14,7 @@ from harness import machine
 from harness.cells import worker
 from harness.cells.collect import Entry
 from harness.cells.rows import drive_row, solve_row
-from harness.plans.plan import DriveCell, Plan, Plugin, SolveCell
+from harness.plans.plan import DriveCell, Plan, Plugin, SolveCell, origin
 from harness.progress import Progress
 from harness.workers.cluster import Cluster
 from harness.workers.pool import Pool
@@ -37,7 +37,7 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
         entries = _collect(plan, pool, progress)
         _record(plan, pool, progress)
         solves, drives = plan.solve_cells(entries.values()), plan.drive_cells()
-        tasks = [_solve_task(cell, entries[cell.problem], plan) for cell in solves]
+        tasks = [_solve_task(cell, entries[cell.origin], plan) for cell in solves]
         tasks += [_drive_task(cell, plan) for cell in drives]
         tasks.sort(key=lambda task: task.owner)  # a worker that has run code from outside runs nothing else after it
         done = store.read_rows(folder, "solves").keys() | store.read_rows(folder, "drives").keys()
@@ -55,7 +55,9 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
                 stage.finished(outcome.task)
     store.merge(folder, "solves", [cell.key for cell in solves])
     store.merge(folder, "drives", [cell.key for cell in drives])
-    store.write_manifest(folder, store.read_manifest(folder) | {"problems": sorted(entries), "finished": _now()})
+    store.write_manifest(
+        folder, store.read_manifest(folder) | {"problems": sorted({e["problem"] for e in entries.values()}), "finished": _now()}
+    )
 
 
 def open_folder(plan: Plan, folder: Path) -> None:
@@ -87,10 +89,10 @@ def _brief(value: object) -> str:
 
 
 def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Entry]:
-    """The problems of all sources by hash, in the plan's order."""
+    """The problems of all sources by their origin, in the plan's order."""
     tasks = [
         Task(f"{source.scene} {source.parameters or ''}", worker.run_source, (source, COLLECTING), COLLECTING)
-        for source in plan.sources
+        for source in (*plan.sources, *plan.placed)
     ]
     by_task: dict[int, list[Entry]] = {}
     with progress.stage("problems", len(tasks), 0) as stage:
@@ -99,7 +101,7 @@ def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Entry]:
                 raise InputError(f"scene: {outcome.task.name.strip()} yields no problems: {outcome.reason}")
             by_task[id(outcome.task)] = outcome.value
             stage.finished(outcome.task)
-    return {entry["problem"]: entry for task in tasks for entry in by_task[id(task)]}
+    return {origin(entry): entry for task in tasks for entry in by_task[id(task)]}
 
 
 def _record(plan: Plan, pool: Pool, progress: Progress) -> None:

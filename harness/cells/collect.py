@@ -11,22 +11,25 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from harness.plans.plan import COLD, SHUFFLED, WARM, Source
+from harness.plans.plan import COLD, SHUFFLED, USUAL, WARM, Source, phase
 from problems import FrictionProblem, InputError, scene
 from problems.check import Array
 from problems.nature.census import census_labels
 from problems.nature.labels import labels
+from problems.nature.mode import distance_to_next_mode
 from problems.nature.stability import response
+from problems.nature.thresholds import POINTED, existence
 from problems.planar.collision import Contacts
 from problems.random_problem import random_problem
 from problems.recorded.own import load, save
 from problems.residual import residual
-from problems.schemes.stepping import Phase
-from problems.simulate import simulate
+from problems.schemes import SCHEMES
+from problems.simulate import first_problem, simulate
 from solvers import solve
 
 REFERENCE = "lemke"
 MOST_PERTURBED = 30  # contacts; larger problems' response costs more than it tells
+RIGHT = 1e-8  # the residual up to which the reference's answer says something about the problem
 MOST_COUNTED = 6  # contacts; the modes to enumerate grow like 4^contacts
 Entry = dict[str, Any]
 
@@ -35,7 +38,7 @@ class Met(NamedTuple):
     """A problem as it was met, the contacts it is about, and its answer."""
 
     step: int
-    phase: Phase
+    phase: str
     problem: FrictionProblem
     contacts: Contacts | None = None
     impulse: Array | None = None
@@ -55,7 +58,7 @@ def collect(folder: Path, source: Source) -> list[Entry]:
             save(met.problem, store / f"{name}.npz")
             if starts:
                 np.savez(store / f"{name}.starts.npz", **starts)  # type: ignore[arg-type]
-            entries[name] = facts(source, met) | {"starts": [COLD, *starts]}
+            entries[name] = facts(source, met) | {"starts": [COLD, *starts], "repeats": source.repeats}
     partial = listed.with_suffix(".partial")
     partial.write_text(json.dumps(list(entries.values())), encoding="utf-8")
     partial.replace(listed)
@@ -85,7 +88,9 @@ def _chosen(source: Source) -> list[tuple[Met, dict[str, Array]]]:
         return [(Met(0, "step", random_problem(**source.parameters)), {})]
     stage = scene(source.scene, **source.parameters)
     if source.pick == 0:
-        return [(Met(0, "step", stage.problem()), {})]
+        usual = source.scheme == USUAL
+        problem = stage.problem() if usual else first_problem(stage, SCHEMES[source.scheme])
+        return [(Met(0, phase(source.scheme), problem), {})]
     met = [
         Met(index, solved.phase, solved.problem, step.contacts, solved.impulse)
         for index, step in enumerate(simulate(stage, _reference, steps=source.steps))
@@ -138,6 +143,7 @@ def facts(source: Source, met: Met) -> Entry:
     """What a row says of a problem: harness.cells.rows.PROBLEM_FACTS."""
     problem = met.problem
     found = labels(problem)
+    counted = _solution_set(problem)
     return {
         "problem": problem.hash,
         "scene": source.scene,
@@ -155,6 +161,21 @@ def facts(source: Source, met: Met) -> Entry:
         "p0_margin": found.p0_margin,
         "mass_ratio": found.mass_ratio,
         "trivial": bool(found.trivial),
-        **_solution_set(problem),
+        **counted,
+        "existence": _existence(problem, found.pointedness, counted["solutions"]),
         "response": response(problem, _reference) if problem.contacts <= MOST_PERTURBED else None,
+        "mode_distance": _mode_distance(problem),
     }
+
+
+def _existence(problem: FrictionProblem, pointedness: float, solutions: str | None) -> str:
+    """Why a solution is known to exist: by theory, else by counting; "none" where counting finds none, "" if unknown."""
+    known = existence(problem, pointedness <= POINTED)
+    return known or ("" if solutions is None else "none" if solutions == "none" else "counted")
+
+
+def _mode_distance(problem: FrictionProblem) -> float | None:
+    if problem.dimension != 2 or not 0 < problem.contacts <= MOST_PERTURBED:
+        return None
+    impulse = _reference(problem)
+    return distance_to_next_mode(problem, impulse) if residual(problem, impulse) <= RIGHT else None

@@ -1,5 +1,11 @@
 """A scene in closed loop: the solver's own answers move the bodies, and each answer is verified as it comes.
 
+After a failed step, one that is not solved, the motion goes on as simulators do, in one of three ways:
+
+    answer        the answer moves the bodies as it is
+    velocity      the step is skipped, and the bodies keep their velocities
+    relaxation    the convex relaxation's answer moves them
+
 An answer that is no answer (wrong shape, not finite) moves nothing: the contacts are then left without impulses. A motion
 whose energy is no longer finite, or a million times the scene's, is broken off as diverged; a scheme whose equations have no
 solution ends it too.
@@ -12,25 +18,26 @@ from typing import Any
 import numpy as np
 
 from harness.cells.timing import clean_call, timed_call
-from harness.plans.plan import DriveCell
+from harness.plans.plan import KEEP_VELOCITY, RELAX, DriveCell
 from harness.verify import verify
 from problems import FrictionProblem, scene
 from problems.check import Array
 from problems.copies import duplicate
 from problems.scene import Scene
-from problems.schemes import SCHEMES, NoSolution
+from problems.schemes import SCHEMES, NoSolution, Scheme, Solve, Step
 from problems.simulate import penetration, simulate
 from results.schema import MISSED, RELAXED, SOLVED, UNJUDGEABLE, UNSOLVED, WRONG
-from solvers import Solver, SolverInfo
+from solvers import Solver, SolverInfo, solve
 
 DIVERGED = 1e6
+FALLBACK = "relaxation_ip"
 
 
 class _Driver:
     """The solver as a scheme calls it; keeps what was found on the way."""
 
-    def __init__(self, info: SolverInfo, solver: Solver, tol: float) -> None:
-        self._info, self._solver, self._tol = info, solver, tol
+    def __init__(self, info: SolverInfo, solver: Solver, cell: DriveCell) -> None:
+        self._info, self._solver, self._tol, self._after = info, solver, cell.tol, cell.after
         self.verdicts: Counter[str] = Counter()
         self.most_contacts = 0
         self.worst_residual = self.worst_defect = self.solver_time = self.overhead = 0.0
@@ -45,8 +52,12 @@ class _Driver:
         self.most_contacts = max(self.most_contacts, problem.contacts)
         self.worst_residual = max(self.worst_residual, finding.residual)
         self.overhead += time.perf_counter() - answered
+        if finding.verdict != SOLVED and self._after == KEEP_VELOCITY:
+            raise _StepLost
+        if finding.verdict != SOLVED and self._after == RELAX:
+            return _usable(problem, solve(problem, FALLBACK, tol=self._tol).impulse)
         if not np.isfinite(finding.residual):
-            return np.zeros((problem.contacts, problem.dimension))
+            return _usable(problem, answer.impulse)
         self.worst_defect = max(self.worst_defect, abs(finding.energy_defect))
         return np.asarray(answer.impulse, dtype=float)
 
@@ -57,15 +68,38 @@ class _Driver:
         return worst, f"of {self.verdicts.total()} problems {', '.join(missed)}" if missed else ""
 
 
+class _StepLost(Exception):  # noqa: N818  # a decision, not an error
+    """This step is not to be taken."""
+
+
+def _going_on(scheme: Scheme) -> Scheme:
+    """The scheme with lost steps taken at the velocity before."""
+
+    def advance(scene: Scene, now: Step, solve: Solve) -> Step:
+        try:
+            return scheme.advance(scene, now, solve)
+        except _StepLost:
+            return Step(now.time + scene.step, now.q + scene.step * now.v, now.v, now.contacts)
+
+    return Scheme(advance, scheme.lacks)
+
+
+def _usable(problem: FrictionProblem, impulse: Array) -> Array:
+    """The impulses (nc, d), or none where there are none to be used."""
+    nothing = np.zeros((problem.contacts, problem.dimension))
+    usable = np.shape(impulse) == nothing.shape and bool(np.isfinite(impulse).all())
+    return np.asarray(impulse, dtype=float) if usable else nothing
+
+
 def drive(cell: DriveCell, info: SolverInfo, solver: Solver) -> dict[str, Any]:
     """The drive's part of a row of results.schema.DRIVES."""
     stage = scene(cell.scene, **cell.parameters)
     planned = stage.steps if cell.steps is None else cell.steps
-    driver = _Driver(info, solver, cell.tol)
+    driver = _Driver(info, solver, cell)
     times, energies, kinetic, penetrations = [], [], [], []
     broken_off = ""
     try:
-        for step in simulate(stage, driver, SCHEMES[cell.scheme], planned):
+        for step in simulate(stage, driver, _going_on(SCHEMES[cell.scheme]), planned):
             begun = time.perf_counter()
             times.append(step.time)
             energies.append(stage.energy(step.q, step.v))

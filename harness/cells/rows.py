@@ -11,7 +11,7 @@ PROBLEM_FACTS = (
     *("problem", "scene", "parameters", "step", "phase"),
     *("contacts", "dimension", "velocities", "size"),
     *("rank", "condition", "redundancy", "pointedness", "p0_margin", "mass_ratio", "trivial"),
-    *("solutions", "outcomes", "response"),
+    *("solutions", "outcomes", "existence", "response", "mode_distance"),
 )
 
 
@@ -32,6 +32,8 @@ def drive_row(cell: DriveCell, limit: float, plugins: tuple[Plugin, ...] = ()) -
         "scene": cell.scene,
         "parameters": json.dumps(cell.parameters, sort_keys=True),
         "scheme": cell.scheme,
+        "after_failure": cell.after,
+        "steps": cell.steps,
         "tol": cell.tol,
         "time_limit": limit,
     }

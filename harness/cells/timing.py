@@ -45,11 +45,11 @@ class Timing:
 
 
 def time_solver(
-    solver: Solver, problem: FrictionProblem, solve: Callable[[Any], Answer], answered: Callable[[], None]
+    solver: Solver, problem: FrictionProblem, solve: Callable[[Any], Answer], answered: Callable[[], None], most: int = MOST
 ) -> tuple[Answer, Timing]:
     """The first answer to the problem, and the times; answered() is called between it and the repeats.
 
-    solve: the solver's, with the tolerance and the start.
+    solve: the solver's, with the tolerance and the start. most: repeats at the most.
     """
     timing = Timing()
     enabled = gc.isenabled()
@@ -63,7 +63,7 @@ def time_solver(
         if seconds > BUDGET:
             timing.keep(clean)
         else:
-            for _ in range(max(FEWEST, min(MOST, int(BUDGET / max(seconds, 1e-9))))):
+            for _ in range(max(min(FEWEST, most), min(most, int(BUDGET / max(seconds, 1e-9))))):
                 timing.keep(clean_call(lambda: _timed(solver, problem, solve, timing)))
     finally:
         if enabled:

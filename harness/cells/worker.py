@@ -21,17 +21,20 @@ from harness.cells.collect import Entry, collect, stored, stored_start
 from harness.cells.drive import drive, refusal
 from harness.cells.record import keep
 from harness.cells.rows import drive_row, solve_row, solver_facts
-from harness.cells.timing import Timing, time_solver
+from harness.cells.timing import MOST, Timing, time_solver
 from harness.deadline import Deadline
 from harness.plans.plan import COLD, DriveCell, Plugin, SolveCell, Source
 from harness.verify import Finding, verify
 from problems import FrictionProblem, InputError, scene
 from problems.copies import duplicate, same
+from problems.nature.mode import mode
 from problems.nature.stability import backward_error
 from problems.spec import split
 from results.schema import CRASHED, SKIPPED, TIMEOUT, WRONG
 from results.store import Row
 from solvers import Answer, Solver, SolverInfo, Status, find, plugins
+
+MOST_TOLD = 24  # contacts whose mode a row tells
 
 
 @dataclass
@@ -85,7 +88,7 @@ def run_solve(cell: SolveCell, entry: Entry, limit: float) -> Row:
     given = duplicate(problem)
     process.forget_peak_memory()
     try:
-        answer, timing = _timed(solver, given, cell, limit)
+        answer, timing = _timed(solver, given, cell, limit, entry.get("repeats") or MOST)
     except BaseException as error:  # whatever a solver raises is its row, not our end
         return _done(begun, row | {"verdict": CRASHED, "reason": plugins.told(error)})
     row["peak_memory"] = process.peak_memory()
@@ -131,7 +134,7 @@ def _solver(variant: str) -> tuple[SolverInfo, Solver]:
     return find(variant)
 
 
-def _timed(solver: Solver, problem: FrictionProblem, cell: SolveCell, limit: float) -> tuple[Answer, Timing]:
+def _timed(solver: Solver, problem: FrictionProblem, cell: SolveCell, limit: float, repeats: int) -> tuple[Answer, Timing]:
     """The answer and its times, the first call under the limit; repeats, which are few or short, have a second more."""
     start = stored_start(_worker.folder, cell.problem, cell.start)
     with _worker.deadline.within(limit) as allow:
@@ -140,6 +143,7 @@ def _timed(solver: Solver, problem: FrictionProblem, cell: SolveCell, limit: flo
             problem,
             solve=lambda prepared: solver.solve(prepared, cell.tol, None, start),
             answered=lambda: allow(limit + 1.0),
+            most=repeats,
         )
 
 
@@ -157,6 +161,7 @@ def _found(problem: FrictionProblem, answer: Answer, finding: Finding, timing: T
         "fclib_error": finding.fclib_error,
         "backward_error": backward_error(problem, np.asarray(answer.impulse, dtype=float)),
         "energy_defect": abs(finding.energy_defect) / energy,
+        "mode": _mode(problem, answer),
         "work": json.dumps(answer.work, sort_keys=True),
     }
     if not timing.solve:
@@ -166,6 +171,13 @@ def _found(problem: FrictionProblem, answer: Answer, finding: Finding, timing: T
     if row["form_time"] + row["setup_time"] + row["solve_time"] > limit:
         row |= {"verdict": TIMEOUT, "reason": "its median time is past the limit"}
     return row
+
+
+def _mode(problem: FrictionProblem, answer: Answer) -> str | None:
+    """The type of solution, where it is short enough to be read."""
+    impulse = np.asarray(answer.impulse, dtype=float)
+    readable = problem.dimension == 2 and problem.contacts <= MOST_TOLD and impulse.shape == (problem.contacts, 2)
+    return mode(problem, impulse) if readable and np.isfinite(impulse).all() else None
 
 
 @lru_cache(maxsize=8)

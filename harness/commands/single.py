@@ -3,7 +3,6 @@
 import json
 import tempfile
 from pathlib import Path
-from typing import Any
 
 from rich.console import Console
 from rich.table import Table
@@ -64,7 +63,7 @@ def rerun_row(folder: Path, key: str, files: list[str]) -> tuple[Row, Row]:
     else:
         raise ResultsError(f"{folder}: no row has the key {key!r}")
     plugins = trusted(row, settings, files)
-    task = _task_again(row, table, settings, plugins)
+    task = _task_again(row, table, plugins)
     with tempfile.TemporaryDirectory() as name:
         if table == "solves":
             (Path(name) / "problems").symlink_to((folder / "problems").resolve())
@@ -91,16 +90,14 @@ def _stage(problem: str, folder: Path) -> Entry:
     return collect(folder, Source(name, settings))[0]
 
 
-def _task_again(row: Row, table: str, settings: dict[str, Any], plugins: tuple[Plugin, ...]) -> Task:
+def _task_again(row: Row, table: str, plugins: tuple[Plugin, ...]) -> Task:
     limit, owner = row["time_limit"], row["variant"] if plugins else ""
     if table == "solves":
         entry = {name: row[name] for name in PROBLEM_FACTS if name in row}
         cell = SolveCell(row["problem"], origin(row), row["variant"], row["tol"], row["start"])
         return Task(row["variant"], worker.run_solve, (cell, entry, limit), limit, owner)
-    steps = {json.dumps(d["parameters"], sort_keys=True): d["steps"] for d in settings["drives"] if d["scene"] == row["scene"]}
-    drive = DriveCell(
-        row["scene"], json.loads(row["parameters"]), row["variant"], row["tol"], row["scheme"], steps.get(row["parameters"])
-    )
+    facts = json.loads(row["parameters"]), row["variant"], row["tol"], row["scheme"], row["steps"], row["after_failure"]
+    drive = DriveCell(row["scene"], *facts)
     return Task(row["variant"], worker.run_drive, (drive, limit), limit, owner)
 
 

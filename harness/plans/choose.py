@@ -6,6 +6,7 @@ from harness.plans.plan import Plan, Plugin, Source
 from harness.plans.spec import parse
 from harness.plans.suites import SUITES
 from problems import InputError, scene
+from results.maps import Map
 from solvers import find
 
 
@@ -24,7 +25,10 @@ def choose(
     if scene_specs:
         chosen = [_chosen(plan, spec) for spec in scene_specs]
         plan = replace(
-            plan, sources=tuple(s for met, _ in chosen for s in met), drives=tuple(s for _, driven in chosen for s in driven)
+            plan,
+            sources=tuple(s for met, _, _ in chosen for s in met),
+            drives=tuple(s for _, driven, _ in chosen for s in driven),
+            maps=tuple(spec for _, _, mapped in chosen for spec in mapped),
         )
     if variants:
         plan = replace(plan, solvers=variants, drive_solvers=variants, plugins=plugins)
@@ -38,14 +42,16 @@ def choose(
     return plan
 
 
-def _chosen(plan: Plan, spec: str) -> tuple[list[Source], list[Source]]:
-    """Sources and drives: the suite's own of this name; the scene as given where it has settings or is not in the suite."""
+def _chosen(plan: Plan, spec: str) -> tuple[list[Source], list[Source], list[Map]]:
+    """Sources, drives and maps: the suite's own of this name; the scene as given where it has settings or is not in the
+    suite."""
     name, settings = parse("scene", spec)
     own = [source for source in plan.sources if source.scene == name]
-    if own and not settings:
-        return own, [drive for drive in plan.drives if drive.scene == name]
+    mapped = [spec for spec in plan.maps if name in (spec.scene, spec.name)]
+    if (own or mapped) and not settings:
+        return own, [drive for drive in plan.drives if drive.scene == name], mapped
     scene(name, **settings)
-    return [Source(name, settings, pick=6)], [Source(name, settings)]
+    return [Source(name, settings, pick=6)], [Source(name, settings)], []
 
 
 def _tolerances(text: str) -> tuple[float, ...]:

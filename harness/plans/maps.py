@@ -1,7 +1,7 @@
 """Maps as work: the problems at their places, the places that refinement adds, and a map as the command line writes it.
 
-friction=.1:3:30        30 values from .1 to 3, both ends among them
-mass_ratio=log:1e-6:1e6:13
+friction=.1:3:30               30 values from .1 to 3, both ends among them
+mass_ratio=log:1e-6:1e6:13     13 values, a constant factor apart
 jitter=zero:1e-12:1e-2:7       0 and six values, a constant factor apart
 overlap=both:1e-12:1e-1:13     -1e-1 ... -1e-12, 0, 1e-12 ... 1e-1
 """
@@ -9,13 +9,14 @@ overlap=both:1e-12:1e-1:13     -1e-1 ... -1e-12, 0, 1e-12 ... 1e-1
 import json
 from collections.abc import Iterable, Mapping
 
-from harness.plans.plan import USUAL, DriveCell, Plan, Source
+from harness.plans.plan import DriveCell, Plan, Source, phase
 from problems import InputError, scene, scenes
 from results.maps import Axis, Map, Place
 from results.store import Row
 
 SCALES = ("linear", "log", "zero", "both")
 MOST_LINES = 200
+REPEATS = 2  # a map's second layer tells times to a factor; a table of times needs more
 Verdicts = dict[str, dict[str, str]]  # by where a problem comes from (see `home`), then by variant
 
 
@@ -48,7 +49,9 @@ def checked(spec: Map) -> Map:
 
 def sources(spec: Map, places: Iterable[Place]) -> list[Source]:
     """The problems at these places; none for a map in closed loop."""
-    return [] if spec.steps else [Source(spec.scene, spec.at(place), scheme=spec.scheme) for place in places]
+    if spec.steps:
+        return []
+    return [Source(spec.scene, spec.at(place), scheme=spec.scheme, repeats=REPEATS) for place in places]
 
 
 def drive_cells(spec: Map, places: Iterable[Place], plan: Plan) -> list[DriveCell]:
@@ -103,8 +106,3 @@ def _verdicts_at(spec: Map, place: Place, found: Verdicts) -> Mapping[str, str]:
 def home(scene_name: str, parameters: str, told: str) -> str:
     """Where a row's problem or drive comes from."""
     return f"{scene_name} {parameters} {told}"
-
-
-def phase(scheme: str) -> str:
-    """What a table calls the first problem of a scheme."""
-    return "step" if scheme == USUAL else f"step of {scheme}"

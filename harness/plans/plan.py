@@ -22,13 +22,14 @@ MOST_SHOWN = 100  # steps
 @dataclass(frozen=True)
 class Source:
     """Problems of one scene. pick: how many, spread over its motion; 0 for the first step's alone, met without a solver, as
-    the scheme has it."""
+    the scheme has it. repeats: how often a short solve is timed, the usual where None."""
 
     scene: str
     parameters: dict[str, Any] = field(default_factory=dict)
     pick: int = 0
     steps: int | None = None
     scheme: str = USUAL
+    repeats: int | None = None
 
     @property
     def key(self) -> str:
@@ -89,7 +90,11 @@ class Plugin:
 
 @dataclass(frozen=True)
 class Plan:
-    """What a run does. Times in seconds, memory in bytes; the first tolerance of a drive is its only one."""
+    """What a run does. Times in seconds, memory in bytes; the first tolerance of a drive is its only one.
+
+    placed, placed_drives: what the maps add to sources and drives so far, see harness.maps; no settings, for they follow from
+    the maps and from what was found.
+    """
 
     suite: str
     sources: tuple[Source, ...]
@@ -106,6 +111,8 @@ class Plan:
     drive_limit: float = 60.0
     memory_limit: int = 4 * 2**30
     plugins: tuple[Plugin, ...] = ()
+    placed: tuple[Source, ...] = ()
+    placed_drives: tuple[DriveCell, ...] = ()
 
     def __post_init__(self) -> None:
         _check(bool(self.solvers), "solver", "none given")
@@ -115,7 +122,8 @@ class Plan:
 
     def settings(self) -> dict[str, Any]:
         """The plan as plain values, for the manifest: two runs with the same settings do the same cells."""
-        return json.loads(json.dumps(asdict(self)))
+        told = json.loads(json.dumps(asdict(self)))
+        return {name: value for name, value in told.items() if name not in ("placed", "placed_drives")}
 
     def solve_cells(self, entries: Iterable[dict[str, Any]]) -> list[SolveCell]:
         """Every problem with every solver, start that it has, and tolerance, the loosest first."""
@@ -130,13 +138,14 @@ class Plan:
         ]
 
     def drive_cells(self) -> list[DriveCell]:
-        return [
+        driven = [
             DriveCell(drive.scene, drive.parameters, variant, self.drive_tol, scheme, drive.steps, after)
             for drive in self.drives
             for scheme in self.schemes
             for variant in self.drive_solvers
             for after in self.after_failure
         ]
+        return [*driven, *self.placed_drives]
 
     def owner(self, variant: str) -> str:
         """The solver from outside this repository that a variant is of, with its file; empty for our own."""
@@ -150,6 +159,11 @@ class Plan:
             if source.scene not in driven:
                 others.setdefault(source.scene, replace(source, steps=source.steps or MOST_SHOWN))
         return [*self.drives, *others.values()]
+
+
+def phase(scheme: str) -> str:
+    """What a table calls the first problem of a scheme."""
+    return "step" if scheme == USUAL else f"step of {scheme}"
 
 
 def origin(entry: dict[str, Any]) -> str:

@@ -1,6 +1,7 @@
 """The suites: named plans."""
 
-from harness.plans.plan import COLD, SHUFFLED, WARM, Plan, Source
+from harness.plans.atlas import ATLAS
+from harness.plans.plan import COLD, KEEP_ANSWER, KEEP_VELOCITY, RELAX, SHUFFLED, WARM, Plan, Source
 from problems.schemes import SCHEMES
 
 EXACT = ("hybrid", "lemke", "path_search", "interior_point", "nsgs")
@@ -8,6 +9,13 @@ RELAXED = ("ccp[backend=clarabel]", "ccp[backend=osqp]", "ccp[backend=proxqp]", 
 OTHERS = (
     *("fischer_newton", "minmap_newton", "dantzig", "murty"),
     *("staggered", "nncg", "anitescu_hart", "apgd_coulomb", "admm_coulomb", "apgd", "admm"),
+)
+MAPPED = (*EXACT, *(name for name in OTHERS if name not in ("apgd", "admm")))
+MAPPED_RELAXED = ("relaxation_ip", "apgd", "admm", *RELAXED[:3])
+FAILING = (  # drives whose steps some methods fail
+    Source("stack", {"blocks": 5, "mass_ratio": 1e3, "push": 1.0}, steps=60),
+    Source("three_blocks", {}, steps=200),
+    Source("multiple_collisions", {}, steps=200),
 )
 LADDER = (1e-4, 1e-6, 1e-8)
 EXAMPLES = tuple(f"example_{i}" for i in range(1, 8))
@@ -128,4 +136,21 @@ def scaling() -> Plan:
     )
 
 
-SUITES = {"smoke": smoke, "standard": standard, "seeds": seeds, "replay": replay, "scaling": scaling}
+def maps() -> Plan:
+    """Failure maps: where in the space of parameters each method fails, in under twenty minutes on two cores."""
+    return Plan(
+        suite="maps",
+        sources=(),
+        solvers=(*MAPPED, *MAPPED_RELAXED),
+        tolerances=(1e-6,),
+        drives=FAILING,
+        drive_solvers=(*MAPPED, *MAPPED_RELAXED),
+        after_failure=(KEEP_ANSWER, KEEP_VELOCITY, RELAX),
+        maps=ATLAS,
+        drive_tol=1e-6,
+        time_limit=1.0,
+        drive_limit=10.0,
+    )
+
+
+SUITES = {"smoke": smoke, "standard": standard, "seeds": seeds, "replay": replay, "scaling": scaling, "maps": maps}
