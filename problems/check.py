@@ -3,8 +3,11 @@
 from typing import Any
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from scipy import sparse
+
+from problems.rows import Rows, copied, from_dense, from_matrix
 
 Array = NDArray[np.float64]
 
@@ -24,7 +27,8 @@ def vector(field: str, value: Any, length: int | None = None) -> Array:
     array = floats(field, value)
     require(array.ndim == 1, field, f"expected a vector, got shape {array.shape}")
     require(length is None or len(array) == length, field, f"expected length {length}, got {len(array)}")
-    _require_finite(field, array)
+    if not _finite(array):
+        _require_finite(field, array)
     array.setflags(write=False)
     return array
 
@@ -35,6 +39,30 @@ def entries(field: str, array: Array, expected: int) -> Array:
     if len(flat) != expected:
         raise InputError(f"{field}: expected {expected} entries, got {len(flat)}")
     return flat
+
+
+def not_negative(field: str, value: Array) -> None:
+    """Raise InputError for `field` where an entry of the checked vector is below zero."""
+    require(not _any_negative(value), field, "must not be negative")
+
+
+def rows(field: str, value: Any, shape: tuple[int | None, int]) -> Rows:
+    """What `matrix` checks, as plain arrays: a copy by rows."""
+    if isinstance(value, Rows):
+        good, *parts = copied(*value, shape[1])
+        if good and shape[0] in (None, len(value.start) - 1):
+            return Rows(*parts)
+        raise InputError(f"{field}: not {_show(shape)} of finite entries by rows")
+    if sparse.issparse(value) and value.format == "csr" and value.dtype == np.float64 and value.indptr.dtype == np.int32:
+        if shape in (value.shape, (None, value.shape[1])):
+            good, *parts = copied(value.indptr, value.indices, value.data, shape[1])
+            if good:
+                return Rows(*parts)
+    elif not sparse.issparse(value):
+        dense = floats(field, value)
+        if shape in (dense.shape, (None, *dense.shape[1:])) and _finite(dense.ravel()):
+            return from_dense(dense)
+    return from_matrix(matrix(field, value, shape))
 
 
 def matrix(field: str, value: Any, shape: tuple[int | None, int | None]) -> sparse.csr_array:
@@ -59,6 +87,23 @@ def floats(field: str, value: Any) -> Array:
         return np.array(value, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise InputError(f"{field}: not an array of numbers ({error})") from None
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def _finite(array):  # type: ignore[no-untyped-def]
+    """Whether all entries of a vector are."""
+    for entry in array:  # noqa: SIM110  # a compiled loop
+        if not abs(entry) < np.inf:
+            return False
+    return True
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def _any_negative(array):  # type: ignore[no-untyped-def]
+    for entry in array:  # noqa: SIM110  # a compiled loop
+        if entry < 0:
+            return True
+    return False
 
 
 def _require_finite(field: str, array: Array) -> None:

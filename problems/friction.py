@@ -12,6 +12,7 @@ Eliminating v and lam leaves the Delassus form u = W r + q with W = J P J', P th
 References: Anitescu and Potra 1997; Acary and Brogliato 2008, chapter 10.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import Any, Self
@@ -21,11 +22,13 @@ from scipy import sparse
 
 from problems import check
 from problems.check import Array, require
+from problems.forms import delassus
 from problems.forms.definite import spectrum_ends
-from problems.forms.delassus import apply, delassus, delassus_diagonal, interleave, push, velocity_size
+from problems.forms.delassus import Blocks
 from problems.forms.lcp import LCP, content_hash, friction_lcp
-from problems.forms.mass import invert_mass
-from problems.forms.relaxation import QP, ConeProgram, Laws, VelocityForm, relaxation_cone, relaxation_qp
+from problems.forms.mass import inverse_mass
+from problems.forms.relaxation import QP, ConeProgram, VelocityForm, relaxation_cone, relaxation_qp
+from problems.rows import ByContact, Rows, by_contact, by_row
 
 INDEFINITE = 1e-6  # of W's largest eigenvalue: recorded problems are indefinite by what their files' digits lost
 
@@ -41,6 +44,9 @@ class FrictionProblem:
     joints: (nj, nv), joint_bias: (nj,), m/s: bilateral constraints, of any rank, kept exactly.
 
     Everything is checked, copied and made read-only here. Errors: InputError naming the field.
+
+    Compiled passes work on plain arrays (problems.rows): contact_rows, the Jacobian J by contacts, and mass_rows,
+    inverse_rows and joint_rows. The matrices as scipy has them are made when they are asked for.
     """
 
     mass: sparse.csr_array
@@ -50,34 +56,49 @@ class FrictionProblem:
     free_velocity: Array
     bias: Array
     friction_bias: Array = None  # type: ignore[assignment]  # None stands for zeros
-    joints: sparse.csr_array = None  # none
+    joints: sparse.csr_array = field(default_factory=lambda: None)  # none
     joint_bias: Array = None  # type: ignore[assignment]  # zeros
     dimension: int = 2
-    inverse_mass: sparse.csr_array = field(init=False, repr=False)
+    contact_rows: ByContact = field(init=False, repr=False)
+    mass_rows: Rows = field(init=False, repr=False)
+    inverse_rows: Rows = field(init=False, repr=False)
+    joint_rows: Rows = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        require(self.dimension in (2, 3), "dimension", f"must be 2 or 3, got {self.dimension!r}")
+        d, given = self.dimension, self.__dict__
+        require(d in (2, 3), "dimension", f"must be 2 or 3, got {d!r}")
         mu = check.vector("friction", self.friction)
         v = check.vector("free_velocity", self.free_velocity)
         nc, nv = len(mu), len(v)
-        joints = check.matrix("joints", np.zeros((0, nv)) if self.joints is None else self.joints, (None, nv))
-        nj = joints.shape[0]
-        checked = {
-            "friction": mu,
-            "free_velocity": v,
-            "mass": check.matrix("mass", self.mass, (nv, nv)),
-            "normal": check.matrix("normal", self.normal, (nc, nv)),
-            "tangent": check.matrix("tangent", self.tangent, (nc * (self.dimension - 1), nv)),
-            "bias": check.vector("bias", self.bias, nc),
-            "friction_bias": check.vector("friction_bias", _or_zeros(self.friction_bias, nc), nc),
-            "joints": joints,
-            "joint_bias": check.vector("joint_bias", _or_zeros(self.joint_bias, nj), nj),
-        }
-        for name, value in checked.items():
-            object.__setattr__(self, name, value)
-        require(bool(np.all(mu >= 0)), "friction", "must not be negative")
-        require(bool(np.all(self.friction_bias >= 0)), "friction_bias", "must not be negative")
-        object.__setattr__(self, "inverse_mass", invert_mass(self.mass))
+        joints, mass, normal, tangent = (given.pop(name) for name in _MATRICES)
+        joint_rows = _NO_ROWS if joints is None else check.rows("joints", joints, (None, nv))
+        nj = len(joint_rows.start) - 1
+        mass_rows = check.rows("mass", mass, (nv, nv))
+        normal_rows = check.rows("normal", normal, (nc, nv))
+        tangent_rows = check.rows("tangent", tangent, (nc * (d - 1), nv))
+        bias = check.vector("bias", self.bias, nc)
+        friction_bias = check.vector("friction_bias", _or_zeros(self.friction_bias, nc), nc)
+        joint_bias = check.vector("joint_bias", _or_zeros(self.joint_bias, nj), nj)
+        check.not_negative("friction", mu)
+        check.not_negative("friction_bias", friction_bias)
+        given.update(
+            friction=mu,
+            free_velocity=v,
+            bias=bias,
+            friction_bias=friction_bias,
+            joint_bias=joint_bias,
+            contact_rows=ByContact(*by_contact(*normal_rows, *tangent_rows, d)),
+            mass_rows=mass_rows,
+            inverse_rows=inverse_mass(mass_rows),
+            joint_rows=joint_rows,
+        )
+
+    def __getattr__(self, name: str) -> sparse.csr_array:
+        """A matrix as scipy has it, read-only, made when it is first asked for."""
+        if name not in _VIEWS or "mass_rows" not in self.__dict__:
+            raise AttributeError(f"{type(self).__name__!r} has no attribute {name!r}")
+        view = self.__dict__[name] = _VIEWS[name](self).matrix(len(self.free_velocity))
+        return view
 
     @classmethod
     def from_delassus(cls, W: Any, q: Any, friction: Any, d: int, friction_bias: Any = None) -> Self:
@@ -96,17 +117,12 @@ class FrictionProblem:
 
     @property
     def _given(self) -> tuple[str, ...]:
-        return tuple(entry.name for entry in fields(self))
+        return tuple(entry.name for entry in fields(self) if entry.name not in _MATRICES)
 
     @property
     def contacts(self) -> int:
         """nc, the number of contacts."""
         return len(self.friction)
-
-    @cached_property
-    def jacobian(self) -> sparse.csr_array:
-        """J (nc*d, nv): per contact its normal row, then its tangent rows."""
-        return interleave(self.normal, self.tangent, self.dimension)
 
     @cached_property
     def _joint_response(self) -> tuple[Array, Array]:
@@ -122,88 +138,113 @@ class FrictionProblem:
 
     def _on_joints(self, velocity: Array, bias: Array) -> Array:
         """The velocity nearest in the kinetic metric with F v + bias = 0."""
-        if not self.joints.shape[0]:
+        if not self._has_joints:
             return velocity
         response, inverse = self._joint_response
         return velocity - response @ (inverse @ (self.joints @ velocity + bias))
 
-    def _rows(self, impulse: Array) -> Array:
-        return check.entries("impulse", impulse, self.contacts * self.dimension)
-
     def velocity(self, impulse: Array) -> Array:
         """v (nv,) after the contact impulses (nc, d) or (nc*d,), joints kept; computed without W."""
-        r = self._rows(impulse)
-        return self._on_joints(push(self.jacobian, self.inverse_mass, self.free_velocity, r), self.joint_bias)
+        r = self._by_contact(impulse)
+        pushed = delassus.velocity(*self.contact_rows, *self.inverse_rows, self.free_velocity, r)
+        return self._on_joints(pushed, self.joint_bias)
 
     def contact_velocity(self, impulse: Array) -> Array:
         """u (nc, d), bias included, after the contact impulses (nc, d); computed without W."""
-        u = apply(self.jacobian, self.velocity(impulse)).reshape(self.contacts, self.dimension)
-        u[:, 0] += self.bias
-        return u
+        return delassus.contact_velocity(*self.contact_rows, self.velocity(impulse), self.bias)
+
+    def _by_contact(self, impulse: Array) -> Array:
+        return check.entries("impulse", impulse, self.contacts * self.dimension).reshape(self.contacts, self.dimension)
 
     def velocity_size(self, impulse: Array) -> Array:
         """(nc, d): the size of the terms that add up to contact_velocity, of whose sum rounding takes some eps."""
-        r = self._rows(impulse)
-        size = velocity_size(self.jacobian, self.inverse_mass, self.free_velocity, r)
-        if self.joints.shape[0]:
-            pushed = push(self.jacobian, self.inverse_mass, self.free_velocity, r)
+        rows = *self.contact_rows, *self.inverse_rows
+        size = delassus.velocity_size(*rows, self.free_velocity, self._by_contact(impulse))
+        if self._has_joints:
+            pushed = delassus.velocity(*rows, self.free_velocity, self._by_contact(impulse))
             response, inverse = self._joint_response
             held = abs(self.joints) @ np.abs(pushed) + np.abs(self.joint_bias)
-            size += abs(self.jacobian) @ (np.abs(response) @ (np.abs(inverse) @ held))
-        size = size.reshape(self.contacts, self.dimension)
+            size += (abs(self.jacobian) @ (np.abs(response) @ (np.abs(inverse) @ held))).reshape(size.shape)
         size[:, 0] += np.abs(self.bias)
         return size
 
     @cached_property
     def q(self) -> Array:
         """The free contact velocity with its bias (nc*d,): u where r = 0."""
-        return self.contact_velocity(np.zeros((self.contacts, self.dimension))).ravel()
+        free = self._on_joints(self.free_velocity, self.joint_bias)
+        return delassus.contact_velocity(*self.contact_rows, free, self.bias).ravel()
+
+    @cached_property
+    def blocks(self) -> Blocks:
+        """W by blocks of contacts (problems.forms.delassus)."""
+        if not self._has_joints:
+            return Blocks(*delassus.delassus(*self.contact_rows, *self.inverse_rows))
+        return delassus.blocks(self.W, self.dimension)
 
     @cached_property
     def W(self) -> sparse.csr_array:
         """The Delassus matrix J P J' (nc*d, nc*d), sparse."""
-        W = delassus(self.jacobian, self.inverse_mass)
-        if self.joints.shape[0]:
-            coupling, inverse = self._joint_coupling
-            W = sparse.csr_array(W - sparse.csr_array(coupling.T @ inverse @ coupling))
-        return W
+        if not self._has_joints:
+            return self.blocks.matrix()
+        W = Blocks(*delassus.delassus(*self.contact_rows, *self.inverse_rows)).matrix()
+        coupling, inverse = self._joint_coupling
+        return sparse.csr_array(W - sparse.csr_array(coupling.T @ inverse @ coupling))
 
     @cached_property
     def scale(self) -> Array:
         """s (nc,): the mean diagonal of each contact's block of W, 1/kg; 1 where it vanishes."""
-        diagonal = delassus_diagonal(self.jacobian, self.inverse_mass)
-        if self.joints.shape[0]:
+        diagonal = delassus.diagonal(*self.contact_rows, *self.inverse_rows)
+        if self._has_joints:
             coupling, inverse = self._joint_coupling
-            diagonal = diagonal - np.einsum("ji,jk,ki->i", coupling, inverse, coupling)
-        return _mean_diagonal(diagonal, self.dimension)
+            diagonal -= np.einsum("ji,jk,ki->i", coupling, inverse, coupling).reshape(diagonal.shape)
+        return delassus.mean_diagonal(diagonal)
 
-    def velocity_form(self) -> VelocityForm:
-        """Mass, Jacobian and free velocity, for methods that work in v. Joints stay beside it, in `joints`."""
-        offset = np.zeros((self.contacts, self.dimension))
-        offset[:, 0] = self.bias
-        return VelocityForm(self.mass, self.inverse_mass, self.jacobian, self.free_velocity, offset.ravel())
+    @cached_property
+    def fastest(self) -> float:
+        """max_i |q_i|, the unit of the residual."""
+        return float(delassus.largest(self.q, self.dimension))
 
     @property
-    def _laws(self) -> Laws:
-        return Laws(self.friction, self.friction_bias, self.joints, self.joint_bias, self.dimension)
+    def _has_joints(self) -> bool:
+        return len(self.joint_rows.start) > 1
 
     def lcp(self, facets: int = 8) -> LCP:
         """The friction LCP. Exact in the plane; in space the cone's section is a polygon inscribed with `facets` corners."""
         if self.dimension == 2:
-            directions = np.array([[1.0, -1.0]])
+            directions = _PLANAR
         else:
             require(facets >= 4 and facets % 2 == 0, "facets", f"must be even and at least 4, got {facets!r}")
             angle = 2 * np.pi * np.arange(facets) / facets
             directions = np.array([np.cos(angle), np.sin(angle)])
-        return friction_lcp(self.W, self.q, self.friction, self.friction_bias, directions)
+        return friction_lcp(self.blocks, self.q.reshape(-1, self.dimension), self.friction, self.friction_bias, directions)
 
     def qp(self, facets: int = 8) -> QP:
         """The convex relaxation as a quadratic program in the velocities (Anitescu 2006); polygonal in space."""
-        return relaxation_qp(self.velocity_form(), self._laws, facets)
+        return relaxation_qp(self._law, facets)
 
     def cone(self) -> ConeProgram:
         """The convex relaxation as a second-order cone program in the velocities (Anitescu and Tasora 2010)."""
-        return relaxation_cone(self.velocity_form(), self._laws)
+        return relaxation_cone(self._law)
+
+    @property
+    def _law(self) -> VelocityForm:
+        return VelocityForm(
+            self.contact_rows,
+            self.mass_rows,
+            self.free_velocity,
+            self.offset,
+            self.friction,
+            self.friction_bias,
+            self.joint_rows,
+            self.joint_bias,
+        )
+
+    @cached_property
+    def offset(self) -> Array:
+        """u (nc, d) where v = 0: the bias along the normal."""
+        offset = np.zeros((self.contacts, self.dimension))
+        offset[:, 0] = self.bias
+        return offset
 
     @cached_property
     def hash(self) -> str:
@@ -212,14 +253,30 @@ class FrictionProblem:
         return content_hash(dimension=self.dimension, **{name: getattr(self, name) for name in names})
 
 
-def _every(first: int) -> cached_property[sparse.csr_array]:
-    """The rows of a DelassusProblem's Jacobian that are normal (first = 0) or tangential (1)."""
+_PLANAR = np.array([[1.0, -1.0]])
+_MATRICES = ("joints", "mass", "normal", "tangent")
+_NO_ROWS = Rows(np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros(0))
+_VIEWS: dict[str, Callable[[FrictionProblem], Rows]] = {
+    "mass": lambda problem: problem.mass_rows,
+    "inverse_mass": lambda problem: problem.inverse_rows,
+    "joints": lambda problem: problem.joint_rows,
+    "jacobian": lambda problem: Rows(*by_row(*problem.contact_rows, 0, problem.dimension)),
+    "normal": lambda problem: Rows(*by_row(*problem.contact_rows, 0, 1)),
+    "tangent": lambda problem: Rows(*by_row(*problem.contact_rows, 1, problem.dimension)),
+}
 
-    def rows(problem: "DelassusProblem") -> sparse.csr_array:
-        row = np.arange(len(problem.q)) % problem.dimension
-        return problem.jacobian[(row == 0) if first == 0 else (row > 0)]
 
-    return cached_property(rows)
+def _root(problem: "DelassusProblem") -> ByContact:
+    """J (nc*d, nc*d), with J J' the symmetric part of W; dense but for the columns of W's null space, which are empty."""
+    value, basis = np.linalg.eigh((problem.W + problem.W.T).toarray() / 2)
+    floor = np.finfo(float).eps * len(value) * abs(value).max(initial=0.0)
+    root = (basis * np.sqrt(np.where(value > floor, value, 0.0))).reshape(problem.contacts, problem.dimension, len(value))
+    normal, tangent = root[:, :1].reshape(-1, len(value)), root[:, 1:].reshape(-1, len(value))
+    rows = *check.rows("W", normal, normal.shape), *check.rows("W", tangent, tangent.shape)
+    return ByContact(*by_contact(*rows, problem.dimension))
+
+
+_ROOT: Any = cached_property(_root)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -236,12 +293,13 @@ class DelassusProblem(FrictionProblem):
     W: sparse.csr_array = field()
     q: Array = field()
     mass: sparse.csr_array = field(init=False, repr=False)
+    normal: sparse.csr_array = field(init=False, repr=False)
+    tangent: sparse.csr_array = field(init=False, repr=False)
+    joints: sparse.csr_array = field(init=False, repr=False)
     free_velocity: Array = field(init=False, repr=False)
     bias: Array = field(init=False, repr=False)
-    joints: sparse.csr_array = field(init=False, repr=False)
     joint_bias: Array = field(init=False, repr=False)
-    normal: sparse.csr_array = field(init=False, repr=False, default=_every(0))
-    tangent: sparse.csr_array = field(init=False, repr=False, default=_every(1))
+    contact_rows: ByContact = field(init=False, repr=False, default=_ROOT)
 
     def __post_init__(self) -> None:
         d = self.dimension
@@ -249,50 +307,49 @@ class DelassusProblem(FrictionProblem):
         mu = check.vector("friction", self.friction)
         nc = len(mu)
         q = check.vector("q", self.q, nc * d)
-        identity = check.matrix("mass", sparse.eye_array(nc * d), (None, None))
-        checked = {
-            "friction": mu,
-            "q": q,
-            "W": check.matrix("W", self.W, (nc * d, nc * d)),
-            "friction_bias": check.vector("friction_bias", _or_zeros(self.friction_bias, nc), nc),
-            "mass": identity,
-            "inverse_mass": identity,
-            "free_velocity": check.vector("free_velocity", np.zeros(nc * d)),
-            "bias": check.vector("q", q[::d]),
-            "joints": check.matrix("joints", sparse.csr_array((0, nc * d)), (None, None)),
-            "joint_bias": check.vector("joint_bias", np.zeros(0)),
-        }
-        for name, value in checked.items():
-            object.__setattr__(self, name, value)
-        require(bool(np.all(mu >= 0)), "friction", "must not be negative")
-        require(bool(np.all(self.friction_bias >= 0)), "friction_bias", "must not be negative")
+        W = check.matrix("W", self.W, (nc * d, nc * d))
+        friction_bias = check.vector("friction_bias", _or_zeros(self.friction_bias, nc), nc)
+        check.not_negative("friction", mu)
+        check.not_negative("friction_bias", friction_bias)
+        identity = Rows(np.arange(len(q) + 1, dtype=np.int32), np.arange(len(q), dtype=np.int32), np.ones(len(q)))
+        self.__dict__.update(
+            friction=mu,
+            q=q,
+            W=W,
+            friction_bias=friction_bias,
+            mass_rows=identity,
+            inverse_rows=identity,
+            free_velocity=check.vector("free_velocity", np.zeros(nc * d)),
+            bias=check.vector("q", q[::d]),
+            joint_rows=_NO_ROWS,
+            joint_bias=check.vector("joint_bias", np.zeros(0)),
+        )
         least, largest = spectrum_ends(self.W)
         require(least >= -INDEFINITE * max(largest, 0.0), "W", "not positive semidefinite")
 
     @property
     def _given(self) -> tuple[str, ...]:
-        return tuple(name for name in super()._given if name not in ("normal", "tangent"))
-
-    @cached_property
-    def jacobian(self) -> sparse.csr_array:
-        """J (nc*d, nc*d), with J J' the symmetric part of W; dense but for the columns of W's null space, which are empty."""
-        value, basis = np.linalg.eigh((self.W + self.W.T).toarray() / 2)
-        floor = np.finfo(float).eps * len(value) * abs(value).max(initial=0.0)
-        return sparse.csr_array(basis * np.sqrt(np.where(value > floor, value, 0.0)))
+        return tuple(name for name in super()._given if name != "contact_rows")
 
     @cached_property
     def scale(self) -> Array:
         """s (nc,): the mean diagonal of each contact's block of W, 1/kg; 1 where it vanishes."""
-        return _mean_diagonal(self.W.diagonal(), self.dimension)
+        return delassus.mean_diagonal(self.W.diagonal().reshape(-1, self.dimension))
+
+    @cached_property
+    def blocks(self) -> Blocks:
+        return delassus.blocks(self.W, self.dimension)
+
+    @cached_property
+    def offset(self) -> Array:
+        return self.q.reshape(-1, self.dimension)
 
     def contact_velocity(self, impulse: Array) -> Array:
-        return (apply(self.W, self._rows(impulse)) + self.q).reshape(self.contacts, self.dimension)
+        return delassus.act(*self.blocks, self._by_contact(impulse), self.offset)
 
     def velocity_size(self, impulse: Array) -> Array:
-        return (apply(abs(self.W), np.abs(self._rows(impulse))) + np.abs(self.q)).reshape(self.contacts, self.dimension)
-
-    def velocity_form(self) -> VelocityForm:
-        return VelocityForm(self.mass, self.inverse_mass, self.jacobian, self.free_velocity, self.q)
+        first, beside, block = self.blocks
+        return delassus.act(first, beside, np.abs(block), np.abs(self._by_contact(impulse)), np.abs(self.offset))
 
     @cached_property
     def hash(self) -> str:
@@ -302,8 +359,3 @@ class DelassusProblem(FrictionProblem):
 
 def _or_zeros(value: Any, length: int) -> Any:
     return np.zeros(length) if value is None else value
-
-
-def _mean_diagonal(diagonal: Array, d: int) -> Array:
-    mean = diagonal.reshape(-1, d).mean(axis=1)
-    return np.where(mean > 0, mean, 1.0)

@@ -42,7 +42,7 @@ def residual_floor(problem: FrictionProblem, impulse: Array) -> float:
     with np.errstate(over="ignore"):
         terms = np.linalg.norm(problem.velocity_size(impulse), axis=1)
         worst = np.max(problem.scale * np.linalg.norm(impulse, axis=1) + (1 + problem.friction) * terms)
-    free = _largest(problem.q.reshape(-1, problem.dimension))
+    free = problem.fastest
     return float(2 * np.finfo(float).eps * worst / free) if free and np.isfinite(worst) else np.inf if worst else 0.0
 
 
@@ -54,7 +54,7 @@ def energy_within(problem: FrictionProblem, impulse: Array, bound: float) -> flo
     u = problem.contact_velocity(impulse)
     u[:, 0] += problem.friction * np.linalg.norm(u[:, 1:], axis=1)
     sizes = np.linalg.norm(impulse, axis=1) + np.linalg.norm(u, axis=1) / problem.scale
-    return float(bound * _largest(problem.q.reshape(u.shape)) * sizes.sum()) if problem.contacts else 0.0
+    return float(bound * problem.fastest * sizes.sum()) if problem.contacts else 0.0
 
 
 def _defect(problem: FrictionProblem, impulse: Array, shift: float) -> float:
@@ -66,7 +66,7 @@ def _defect(problem: FrictionProblem, impulse: Array, shift: float) -> float:
     u = problem.contact_velocity(impulse)
     s = problem.scale
     worst = float(np.max(s * _defects(impulse, u, s, problem.friction, problem.friction_bias, shift)))
-    free = _largest(problem.q.reshape(nc, d))
+    free = problem.fastest
     if not np.isfinite(worst):
         return np.inf
     if free == 0:
@@ -95,18 +95,6 @@ def contact_defect(r: Array, u: Array, s: float, mu: float, b: float, shift: flo
     for k in range(1, len(r)):
         square += (r[k] - share * (r[k] - u[k] / s)) ** 2
     return np.sqrt(square)
-
-
-@njit(cache=True)
-def _largest(q: Array) -> float:
-    """max_i |q_i|."""
-    largest = 0.0
-    for i in range(len(q)):
-        square = 0.0
-        for k in range(q.shape[1]):
-            square += q[i, k] * q[i, k]
-        largest = max(largest, square)
-    return np.sqrt(largest)
 
 
 def fclib_error(problem: FrictionProblem, impulse: Array) -> float:

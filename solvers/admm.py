@@ -23,9 +23,10 @@ from scipy.sparse.linalg import splu
 
 from problems import FrictionProblem
 from problems.check import Array
+from problems.rows import Index
 from solvers.apgd import step
 from solvers.interface import Answer, impulses, solver
-from solvers.sweeps.form import ContactForm, Index, contact_form, state, velocity
+from solvers.sweeps.form import ContactForm, contact_form, state, velocity
 from solvers.sweeps.laws import defect
 from solvers.sweeps.stopping import ENDS, GOING, ended, progress
 

@@ -151,7 +151,7 @@ class Lemke:
         limit = limit or 100_000 + 100 * len(q)
         goal = tol / 2  # the verifier's norm is another, and it adds up in another order
         ended, y, pivots, restarts, inversions = lemke(
-            M, q, cover, unit, guess, lcp.generators is not None, goal, limit, self.restarts
+            M, q, cover, unit, guess, lcp.basis is not None, goal, limit, self.restarts
         )
         return scaled.answer(y, ended, pivots=pivots, restarts=restarts, inversions=inversions)
 
@@ -174,7 +174,7 @@ def guess_basis(lcp: LCP, impulse: Array) -> Index:
         return np.empty(0, np.int64)
     K = lcp.size // nc - 2
     c, r_t = impulse[:, 0], impulse[:, 1:]
-    directions = lcp.generators[1:d, nc : nc + K].toarray().T  # type: ignore[index]
+    directions = lcp.basis[1:, 1:].T  # type: ignore[index]
     nearest = np.argsort(-(r_t @ directions.T), axis=1, kind="stable")[:, : d - 1]
     part = np.linalg.solve(np.swapaxes(directions[nearest], 1, 2), r_t[:, :, None])[:, :, 0]
     beta = np.zeros((nc, K))

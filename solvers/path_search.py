@@ -34,16 +34,16 @@ References: Dirkse and Ferris, The PATH solver, Optimization Methods and Softwar
 damped Newton's method for nonsmooth equations via the path search, Mathematics of Operations Research 19 (1994).
 """
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from scipy import sparse
-from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from problems import LCP, FrictionProblem
 from problems.check import Array, require
 from solvers.interface import Answer, Status, solver
+from solvers.pivots.inverse_basis import compress
 from solvers.pivots.lu_basis import (
     Basis,
     Columns,
@@ -59,6 +59,7 @@ from solvers.pivots.lu_basis import (
 )
 from solvers.pivots.natural import MARGIN, exact_residual, natural_residual, natural_weight
 from solvers.pivots.newton_path import FACTORISATIONS, LIMIT, NEWTON, RAY, SINGULAR, follow, is_ray
+from solvers.pivots.ordering import in_order, reverse_cuthill_mckee
 from solvers.pivots.scaling import Scaling, scaling
 
 SHIFT = 0.3  # size of a crash point's residual, relative to the largest scaled q
@@ -93,16 +94,14 @@ class PathSearch:
     def form(self, problem: FrictionProblem | LCP) -> "Formed":
         lcp = problem if isinstance(problem, LCP) else problem.lcp()
         scale = scaling(lcp)
-        D = sparse.diags_array(scale.D)
-        return Formed(problem, lcp, scale, sparse.csr_array(D @ lcp.M @ D), natural_weight(problem, lcp, scale))
+        return Formed(problem, lcp, scale, natural_weight(problem, lcp, scale))
 
     def setup(self, formed: "Formed") -> "Prepared":
-        problem, lcp, scale, scaled, weight = formed
+        problem, lcp, scale, weight = formed
         n = lcp.size
-        order = reverse_cuthill_mckee(lcp.M, symmetric_mode=False).astype(np.int64) if n else np.zeros(0, np.int64)
-        M = sparse.csc_array(scaled[order][:, order])
-        columns = Columns(M.indptr.astype(np.int64), M.indices.astype(np.int64), M.data, np.zeros(n), np.zeros(n))
-        noise = np.random.default_rng(self.seed).random((self.restarts + 1, n))
+        order = reverse_cuthill_mckee(compress(lcp.rows, scale.D))
+        columns = Columns(*in_order(lcp.rows, scale.D, order), np.zeros(n), np.zeros(n))
+        noise = perturbations(self.seed, self.restarts + 1, n)
         q = scale.vector(lcp.q)[order]
         return Prepared(problem, lcp, scale, order, columns, new_basis(n), q, weight[order], noise)
 
@@ -128,13 +127,18 @@ class PathSearch:
 
 
 class Formed(NamedTuple):
-    """The LCP, its scaling, the scaled matrix and the weight of the natural residual."""
+    """The LCP, its scaling, and the weight of the natural residual."""
 
     problem: FrictionProblem | LCP
     lcp: LCP
     scale: Scaling
-    M: sparse.csr_array
     weight: Array
+
+
+@lru_cache(maxsize=64)
+def perturbations(seed: int, attempts: int, n: int) -> Array:
+    """Random numbers (attempts, n) from [0, 1), the same for the same seed."""
+    return np.random.default_rng(seed).random((attempts, n))
 
 
 class Prepared(NamedTuple):

@@ -13,8 +13,9 @@ ROAD = ("problems", "solvers", "harness", "results", "reports")
 _MECHANISMS = ("harness.machine", "harness.process", "harness.deadline")
 # What each place may import of the house: a folder, a room or a file, by its dotted name. Its own files it always may.
 MAY_KNOW = {
-    "problems.check": set(),
-    "problems.forms": {"problems.check"},
+    "problems.rows": set(),
+    "problems.check": {"problems.rows"},
+    "problems.forms": {"problems.check", "problems.rows"},
     "problems.planar": {"problems.check"},
     "problems.nature": {"problems.check", "problems.forms", "problems.friction", "problems.residual"},
     "problems.recorded": {"problems.check", "problems.forms", "problems.friction"},

@@ -1,157 +1,232 @@
-"""The Delassus matrix W = J M^-1 J' from sparse parts, in one compiled pass over the contacts.
+"""What a friction problem's mechanics say about its contacts: velocities, and the Delassus matrix W = J M^-1 J'.
 
-Generic sparse products spend a small problem's time on bookkeeping; these kernels work on the CSR arrays themselves.
+J is given by contacts, M^-1 by rows (problems.rows), and each function is one pass over the contacts.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 from scipy import sparse
 
-from problems.check import Array
-
-Index = NDArray[np.int32]
+from problems.rows import Array, Index
 
 
-def interleave(normal: sparse.csr_array, tangent: sparse.csr_array, d: int) -> sparse.csr_array:
-    """J (nc*d, nv): per contact its normal row, then its d-1 tangent rows."""
-    n, t = normal, tangent
-    parts = _interleave(n.indptr, n.indices, n.data, t.indptr, t.indices, t.data, d)
-    return sparse.csr_array(parts, shape=(n.shape[0] * d, n.shape[1]))
+class Blocks(NamedTuple):
+    """A matrix by blocks: contact i and the contacts beside[first[i]:first[i+1]], ascending, have the blocks (d, d)."""
+
+    first: Index
+    beside: Index
+    block: Array
+
+    def matrix(self) -> sparse.csr_array:
+        """The matrix (nc*d, nc*d) as scipy has it."""
+        n = (len(self.first) - 1) * self.block.shape[1]
+        if not n:
+            return sparse.csr_array((0, 0))
+        matrix = sparse.csr_array(sparse.bsr_array((self.block, self.beside, self.first), shape=(n, n)))
+        matrix.eliminate_zeros()
+        return matrix
 
 
-def delassus(J: sparse.csr_array, inverse: sparse.csr_array) -> sparse.csr_array:
-    """J M^-1 J' (rows sorted), for J (m, nv) and a symmetric inverse mass (nv, nv), both CSR."""
-    columns = J.tocsc()
-    m = J.shape[0]
-    parts = (J.indptr, J.indices, J.data, columns.indptr, columns.indices, columns.data)
-    return sparse.csr_array(_delassus(*parts, inverse.indptr, inverse.indices, inverse.data), shape=(m, m))
+def blocks(W: sparse.csr_array, d: int) -> Blocks:
+    """A scipy matrix by blocks of d rows and columns."""
+    return Blocks(*_blocks(W.indptr, W.indices, W.data, d))
 
 
-def push(J: sparse.csr_array, inverse: sparse.csr_array, velocity: Array, impulse: Array) -> Array:
-    """velocity + M^-1 J' impulse (nv,)."""
-    return _push(J.indptr, J.indices, J.data, inverse.indptr, inverse.indices, inverse.data, velocity, impulse)
-
-
-def apply(J: sparse.csr_array, velocity: Array) -> Array:
-    """J velocity (m,)."""
-    return _apply(J.indptr, J.indices, J.data, velocity)
-
-
-def velocity_size(J: sparse.csr_array, inverse: sparse.csr_array, velocity: Array, impulse: Array) -> Array:
-    """|J| (|velocity| + |M^-1| |J'| |impulse|) (m,): the size of what adds up to J (velocity + M^-1 J' impulse)."""
-    rows = J.indptr, J.indices, np.abs(J.data)
-    pushed = _push(*rows, inverse.indptr, inverse.indices, np.abs(inverse.data), np.abs(velocity), np.abs(impulse))
-    return _apply(*rows, pushed)
-
-
-def delassus_diagonal(J: sparse.csr_array, inverse: sparse.csr_array) -> Array:
-    """The diagonal (m,) of J M^-1 J'."""
-    return _diagonal(J.indptr, J.indices, J.data, inverse.indptr, inverse.indices, inverse.data)
-
-
-@njit(cache=True)
-def _interleave(
-    n_ptr: Index, n_col: Index, n_val: Array, t_ptr: Index, t_col: Index, t_val: Array, d: int
-) -> tuple[Array, Index, Index]:
-    nc = len(n_ptr) - 1
-    entries = len(n_val) + len(t_val)
-    val, col, ptr = np.empty(entries), np.empty(entries, dtype=np.int32), np.zeros(nc * d + 1, dtype=np.int32)
-    at = 0
-    for row in range(nc * d):
-        i, a = row // d, row % d
-        if a == 0:
-            begin, end = n_ptr[i], n_ptr[i + 1]
-            val[at : at + end - begin], col[at : at + end - begin] = n_val[begin:end], n_col[begin:end]
-        else:
-            j = i * (d - 1) + a - 1
-            begin, end = t_ptr[j], t_ptr[j + 1]
-            val[at : at + end - begin], col[at : at + end - begin] = t_val[begin:end], t_col[begin:end]
-        at += end - begin
-        ptr[row + 1] = at
-    return val, col, ptr
-
-
-@njit(cache=True)
-def _delassus(
-    j_ptr: Index,
-    j_col: Index,
-    j_val: Array,
-    c_ptr: Index,
-    c_row: Index,
-    c_val: Array,
-    m_ptr: Index,
-    m_col: Index,
-    m_val: Array,
-) -> tuple[Array, Index, Index]:
-    """Row by row: y = M^-1 J_i', then J y through the columns of J."""
-    rows, nv = len(j_ptr) - 1, len(m_ptr) - 1
-    response, reached = np.zeros(nv), np.empty(nv, dtype=np.int32)
-    row, touched = np.zeros(rows), np.empty(rows, dtype=np.int32)
-    seen_v, seen_r = np.full(nv, -1, dtype=np.int32), np.full(rows, -1, dtype=np.int32)
-    size = max(16, 8 * rows)
-    val, col, ptr = np.empty(size), np.empty(size, dtype=np.int32), np.zeros(rows + 1, dtype=np.int32)
-    at = 0
-    for i in range(rows):
-        velocities = 0
-        for k in range(j_ptr[i], j_ptr[i + 1]):
-            for m in range(m_ptr[j_col[k]], m_ptr[j_col[k] + 1]):
-                v = m_col[m]
-                if seen_v[v] != i:
-                    seen_v[v], response[v], reached[velocities] = i, 0.0, v
-                    velocities += 1
-                response[v] += j_val[k] * m_val[m]
-        contacts = 0
-        for k in range(velocities):
-            v = reached[k]
-            for m in range(c_ptr[v], c_ptr[v + 1]):
-                r = c_row[m]
-                if seen_r[r] != i:
-                    seen_r[r], row[r], touched[contacts] = i, 0.0, r
-                    contacts += 1
-                row[r] += response[v] * c_val[m]
-        while at + contacts > len(val):
-            val, col = np.concatenate((val, np.empty_like(val))), np.concatenate((col, np.empty_like(col)))
-        touched[:contacts].sort()
-        for k in range(contacts):
-            val[at], col[at] = row[touched[k]], touched[k]
-            at += 1
-        ptr[i + 1] = at
-    return val[:at].copy(), col[:at].copy(), ptr
-
-
-@njit(cache=True)
-def _push(
-    j_ptr: Index, j_col: Index, j_val: Array, m_ptr: Index, m_col: Index, m_val: Array, velocity: Array, impulse: Array
-) -> Array:
-    momentum, pushed = np.zeros(len(velocity)), velocity.copy()
+@njit(cache=True, no_cfunc_wrapper=True)
+def velocity(start, column, J, m_start, m_column, m_value, free, impulse):  # type: ignore[no-untyped-def]
+    """free + M^-1 J' impulse (nv,), for impulse (nc, d)."""
+    momentum, pushed = np.zeros(len(free)), free.copy()
     for i in range(len(impulse)):
-        for k in range(j_ptr[i], j_ptr[i + 1]):
-            momentum[j_col[k]] += j_val[k] * impulse[i]
-    for v in range(len(velocity)):
-        for m in range(m_ptr[v], m_ptr[v + 1]):
-            pushed[v] += m_val[m] * momentum[m_col[m]]
+        for a in range(impulse.shape[1]):
+            for k in range(start[i], start[i + 1]):
+                momentum[column[k]] += J[k, a] * impulse[i, a]
+    for v in range(len(free)):
+        for m in range(m_start[v], m_start[v + 1]):
+            pushed[v] += m_value[m] * momentum[m_column[m]]
     return pushed
 
 
-@njit(cache=True)
-def _apply(j_ptr: Index, j_col: Index, j_val: Array, velocity: Array) -> Array:
-    result = np.zeros(len(j_ptr) - 1)
-    for i in range(len(result)):
-        for k in range(j_ptr[i], j_ptr[i + 1]):
-            result[i] += j_val[k] * velocity[j_col[k]]
+@njit(cache=True, no_cfunc_wrapper=True)
+def contact_velocity(start, column, J, v, bias):  # type: ignore[no-untyped-def]
+    """J v + bias e_n (nc, d)."""
+    nc, d = len(start) - 1, J.shape[1]
+    u = np.zeros((nc, d))
+    for i in range(nc):
+        for k in range(start[i], start[i + 1]):
+            for a in range(d):
+                u[i, a] += J[k, a] * v[column[k]]
+        u[i, 0] += bias[i]
+    return u
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def velocity_size(start, column, J, m_start, m_column, m_value, free, impulse):  # type: ignore[no-untyped-def]
+    """|J| (|free| + |M^-1| |J'| |impulse|) (nc, d): the size of what adds up to J (free + M^-1 J' impulse)."""
+    nc, d = impulse.shape
+    momentum, u = np.zeros(len(free)), np.zeros((nc, d))
+    for i in range(nc):
+        for a in range(d):
+            for k in range(start[i], start[i + 1]):
+                momentum[column[k]] += abs(J[k, a]) * abs(impulse[i, a])
+    for i in range(nc):
+        for k in range(start[i], start[i + 1]):
+            v = column[k]
+            pushed = abs(free[v])
+            for m in range(m_start[v], m_start[v + 1]):
+                pushed += abs(m_value[m]) * momentum[m_column[m]]
+            for a in range(d):
+                u[i, a] += abs(J[k, a]) * pushed
+    return u
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def diagonal(start, column, J, m_start, m_column, m_value):  # type: ignore[no-untyped-def]
+    """The diagonal of W (nc, d)."""
+    nc, d = len(start) - 1, J.shape[1]
+    result, row = np.zeros((nc, d)), np.zeros((len(m_start) - 1, d))
+    for i in range(nc):
+        for k in range(start[i], start[i + 1]):
+            for a in range(d):
+                row[column[k], a] = J[k, a]
+        for k in range(start[i], start[i + 1]):
+            for m in range(m_start[column[k]], m_start[column[k] + 1]):
+                for a in range(d):
+                    result[i, a] += J[k, a] * m_value[m] * row[m_column[m], a]
+        for k in range(start[i], start[i + 1]):
+            for a in range(d):
+                row[column[k], a] = 0.0
     return result
 
 
-@njit(cache=True)
-def _diagonal(j_ptr: Index, j_col: Index, j_val: Array, m_ptr: Index, m_col: Index, m_val: Array) -> Array:
-    diagonal, row = np.zeros(len(j_ptr) - 1), np.zeros(len(m_ptr) - 1)
-    for i in range(len(diagonal)):
-        for k in range(j_ptr[i], j_ptr[i + 1]):
-            row[j_col[k]] = j_val[k]
-        for k in range(j_ptr[i], j_ptr[i + 1]):
-            for m in range(m_ptr[j_col[k]], m_ptr[j_col[k] + 1]):
-                diagonal[i] += j_val[k] * m_val[m] * row[m_col[m]]
-        for k in range(j_ptr[i], j_ptr[i + 1]):
-            row[j_col[k]] = 0.0
-    return diagonal
+@njit(cache=True, no_cfunc_wrapper=True)
+def delassus(start, column, J, m_start, m_column, m_value):  # type: ignore[no-untyped-def]
+    """W by blocks.
+
+    For each contact i: y = M^-1 J_i', then J y through the contacts of each velocity that y moves.
+    """
+    nc, d, nv = len(start) - 1, J.shape[1], len(m_start) - 1
+    # The contacts that touch each velocity, and where: J by columns.
+    c_start = np.zeros(nv + 1, np.int64)
+    for k in range(len(column)):
+        c_start[column[k] + 1] += 1
+    for v in range(nv):
+        c_start[v + 1] += c_start[v]
+    contact, entry, end = np.empty(len(column), np.int32), np.empty(len(column), np.int32), c_start.copy()
+    for i in range(nc):
+        for k in range(start[i], start[i + 1]):
+            contact[end[column[k]]], entry[end[column[k]]] = i, k
+            end[column[k]] += 1
+    response, reached = np.zeros((nv, d)), np.empty(nv, np.int32)
+    seen, place = np.full(nv, -1, np.int32), np.full(nc, -1, np.int32)
+    first, size = np.zeros(nc + 1, np.int32), 8 + 4 * nc
+    beside, block = np.empty(size, np.int32), np.zeros((size, d, d))
+    for i in range(nc):
+        velocities = 0
+        for k in range(start[i], start[i + 1]):
+            for m in range(m_start[column[k]], m_start[column[k] + 1]):
+                v = m_column[m]
+                if seen[v] != i:
+                    seen[v], reached[velocities] = i, v
+                    for a in range(d):
+                        response[v, a] = 0.0
+                    velocities += 1
+                for a in range(d):
+                    response[v, a] += J[k, a] * m_value[m]
+        at = first[i]
+        for k in range(velocities):
+            v = reached[k]
+            for m in range(c_start[v], c_start[v + 1]):
+                j = contact[m]
+                if place[j] >= first[i]:
+                    continue
+                if at == size:
+                    size *= 2
+                    longer, larger = np.empty(size, np.int32), np.zeros((size, d, d))
+                    for old in range(at):
+                        longer[old] = beside[old]
+                        for a in range(d):
+                            for b in range(d):
+                                larger[old, a, b] = block[old, a, b]
+                    beside, block = longer, larger
+                here = at  # in order; the blocks of this contact are still zero
+                while here > first[i] and beside[here - 1] > j:
+                    beside[here] = beside[here - 1]
+                    place[beside[here]] = here
+                    here -= 1
+                beside[here], place[j] = j, here
+                at += 1
+        for k in range(velocities):
+            v = reached[k]
+            for m in range(c_start[v], c_start[v + 1]):
+                here = place[contact[m]]
+                for a in range(d):
+                    for b in range(d):
+                        block[here, a, b] += response[v, a] * J[entry[m], b]
+        first[i + 1] = at
+    return first, beside[: first[nc]], block[: first[nc]]
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def _blocks(start, column, value, d):  # type: ignore[no-untyped-def]
+    nc = (len(start) - 1) // d
+    first, place = np.zeros(nc + 1, np.int32), np.full(nc, -1, np.int32)
+    beside, block = np.empty(len(column) + nc, np.int32), np.zeros((len(column) + nc, d, d))
+    for i in range(nc):
+        beside[first[i]], place[i] = i, first[i]  # there in any case
+        at = first[i] + 1
+        for k in range(start[i * d], start[i * d + d]):
+            j = column[k] // d
+            if place[j] < first[i]:
+                here = at
+                while here > first[i] and beside[here - 1] > j:
+                    beside[here] = beside[here - 1]
+                    place[beside[here]] = here
+                    here -= 1
+                beside[here], place[j] = j, here
+                at += 1
+        for a in range(d):
+            for k in range(start[i * d + a], start[i * d + a + 1]):
+                block[place[column[k] // d], a, column[k] % d] = value[k]
+        first[i + 1] = at
+    return first, beside[: first[nc]], block[: first[nc]]
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def act(first, beside, block, r, q):  # type: ignore[no-untyped-def]
+    """W r + q (nc, d)."""
+    u = np.zeros(r.shape)
+    for i in range(len(u)):
+        for a in range(u.shape[1]):
+            for k in range(first[i], first[i + 1]):
+                for b in range(u.shape[1]):
+                    u[i, a] += block[k, a, b] * r[beside[k], b]
+            u[i, a] += q[i, a]
+    return u
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def mean_diagonal(diagonal):  # type: ignore[no-untyped-def]
+    """The mean (nc,) of each contact's diagonal (nc, d); 1 where it is not positive."""
+    nc, d = diagonal.shape
+    mean = np.ones(nc)
+    for i in range(nc):
+        total = 0.0
+        for a in range(d):
+            total += diagonal[i, a]
+        if total > 0:
+            mean[i] = total / d
+    return mean
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def largest(q, d):  # type: ignore[no-untyped-def]
+    """max_i |q_i| of q (nc*d,)."""
+    most = 0.0
+    for i in range(len(q) // d):
+        square = 0.0
+        for k in range(i * d, i * d + d):
+            square += q[k] * q[k]
+        most = max(most, square)
+    return np.sqrt(most)

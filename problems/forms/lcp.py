@@ -14,59 +14,65 @@ with P the inverse mass on the joints' null space, U = diag(mu), E = blkdiag(1_K
 the polygon is Coulomb's cone itself.
 """
 
-from dataclasses import dataclass, field
 from functools import cached_property
 from hashlib import sha256
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 from scipy import sparse
 
 from problems import check
 from problems.check import Array
-from problems.forms.delassus import apply
-
-Index = NDArray[np.int64]
+from problems.rows import Index, Rows
 
 
-@dataclass(frozen=True, eq=False)
 class LCP:
     """Find z >= 0 with w = M z + q >= 0 and z'w = 0.
 
-    M: (n, n), dense or sparse; kept sparse. q: (n,).
-    generators: (nc*d, n) or None; where the LCP is a friction problem's, generators @ z are its contact impulses.
-    contacts: number of contacts nc and dimension d of those impulses, (0, 0) for a bare LCP.
+    M: (n, n), dense or sparse; kept sparse, `rows` as plain arrays and M as scipy has it. q: (n,).
+    contacts: number of contacts nc and dimension d, (0, 0) for a bare LCP. basis: (d, 1 + K) or None; a contact's impulse is
+    basis @ (c, beta).
     Errors: InputError naming M or q for a wrong shape, NaN or infinity.
     """
 
-    M: sparse.csr_array
+    rows: Rows
     q: Array
-    generators: sparse.csr_array | None = field(default=None, repr=False)
+    basis: Array | None = None
     contacts: tuple[int, int] = (0, 0)
 
-    def __post_init__(self) -> None:
-        q = check.vector("q", self.q)
-        object.__setattr__(self, "q", q)
-        object.__setattr__(self, "M", check.matrix("M", self.M, (len(q), len(q))))
+    def __init__(self, M: Any, q: Any) -> None:
+        self.q = check.vector("q", q)
+        self.rows = check.rows("M", M, (len(self.q), len(self.q)))
+
+    @classmethod
+    def of_friction(cls, rows: Rows, q: Array, basis: Array, contacts: tuple[int, int]) -> Self:
+        """A friction problem's LCP, of parts that need no check."""
+        lcp = object.__new__(cls)
+        lcp.rows, lcp.q, lcp.basis, lcp.contacts = rows, q, basis, contacts
+        return lcp
 
     @property
     def size(self) -> int:
         return len(self.q)
 
     @cached_property
+    def M(self) -> sparse.csr_array:
+        """M (n, n), sparse and read-only."""
+        return self.rows.matrix(self.size)
+
+    @cached_property
     def dense(self) -> Array:
         """M as a read-only dense (n, n) array in C order."""
-        dense = np.ascontiguousarray(self.M.toarray())
+        dense = dense_matrix(*self.rows, self.size)
         dense.setflags(write=False)
         return dense
 
     def impulse(self, z: Array) -> Array:
         """The contact impulses (nc, d), normal first, of a friction LCP's z; (0, 0) for a bare LCP."""
-        if self.generators is None:
+        if self.basis is None:
             return np.zeros((0, 0))
-        return apply(self.generators, check.entries("z", z, self.size)).reshape(self.contacts)
+        return impulse(self.basis, check.entries("z", z, self.size), self.contacts[0])
 
     def residual(self, z: Array) -> float:
         """max_i |min(z_i, w_i)| over max|q| (over 1 where q = 0): zero exactly at a solution, NaN counts as infinity."""
@@ -83,92 +89,88 @@ class LCP:
         return content_hash(M=self.M, q=self.q)
 
 
-def friction_lcp(W: sparse.csr_array, q: Array, friction: Array, friction_bias: Array, directions: Array) -> LCP:
+def friction_lcp(W: tuple[Index, Index, Array], q: Array, friction: Array, friction_bias: Array, directions: Array) -> LCP:
     """The friction LCP of a Delassus matrix.
 
-    W: (nc*d, nc*d) and q: (nc*d,), rows per contact, normal first. friction, friction_bias: (nc,).
+    W: by blocks (problems.forms.delassus). q: (nc, d), normal first. friction, friction_bias: (nc,).
     directions: (d-1, K), balanced unit tangent directions; [[1, -1]] in the plane.
     """
-    nc, (tangents, K) = len(friction), directions.shape
-    d, n = tangents + 1, nc * (K + 2)
-    # A contact's impulse is basis @ (c, beta): its row is where c goes, then the directions.
-    basis = np.zeros((d, 1 + K))
+    d, width = directions.shape[0] + 1, directions.shape[1] + 1
+    basis = np.zeros((d, width))
     basis[0, 0] = 1.0
     basis[1:, 1:] = directions
-    M = sparse.csr_array(_friction_rows(nc, W.indptr, W.indices, W.data, friction, basis), shape=(n, n))
-    M.eliminate_zeros()
-    contact, row, column = (part.ravel() for part in np.meshgrid(np.arange(nc), np.arange(d), np.arange(1 + K), indexing="ij"))
-    place = np.where(column == 0, contact, nc + contact * K + column - 1)
-    H = sparse.csr_array((basis[row, column], place, np.arange(nc * d + 1) * (1 + K)), shape=(nc * d, n))
-    along = (q.reshape(nc, d) @ basis) if nc else np.zeros((0, 1 + K))
-    return LCP(M, np.concatenate([along[:, 0], along[:, 1:].ravel(), friction_bias]), H, (nc, d))
+    *rows, right = _friction_rows(*W, q @ basis, friction, friction_bias, basis)
+    return LCP.of_friction(Rows(*rows), right, basis, (len(friction), d))
 
 
-@njit(cache=True)
-def _along(block: Array, basis: Array, a: int, b: int) -> float:
+@njit(cache=True, no_cfunc_wrapper=True)
+def impulse(basis, z, nc):  # type: ignore[no-untyped-def]
+    """The contact impulses (nc, d) of a friction LCP's z."""
+    d, width = basis.shape
+    r = np.zeros((nc, d))
+    for i in range(nc):
+        for a in range(d):
+            r[i, a] = basis[a, 0] * z[i]
+            for m in range(1, width):
+                r[i, a] += basis[a, m] * z[nc + i * (width - 1) + m - 1]
+    return r
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def dense_matrix(start, column, value, n):  # type: ignore[no-untyped-def]
+    """A square matrix of rows, dense."""
+    dense = np.zeros((n, n))
+    for i in range(n):
+        for k in range(start[i], start[i + 1]):
+            dense[i, column[k]] = value[k]
+    return dense
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def _friction_rows(first, beside, block, along, friction, friction_bias, basis):  # type: ignore[no-untyped-def]
+    """The friction LCP's matrix by rows, without zeros, and its right side; along = q @ basis (nc, 1 + K)."""
+    nc, width = len(friction), basis.shape[1]
+    K = width - 1
+    n, entries = nc * (width + 1), len(beside) * width * width + nc * (2 * K + 1)
+    start, column, value, right = np.empty(n + 1, np.int32), np.empty(entries, np.int32), np.empty(entries), np.zeros(n)
+    start[0] = at = 0
+    for row in range(nc * width):
+        i, a = (row, 0) if row < nc else ((row - nc) // K, 1 + (row - nc) % K)
+        right[row] = along[i, a]
+        for k in range(first[i], first[i + 1]):
+            at = _enter(column, value, at, beside[k], _along(block[k], basis, a, 0))
+        for k in range(first[i], first[i + 1]):
+            for m in range(K):
+                at = _enter(column, value, at, nc + beside[k] * K + m, _along(block[k], basis, a, 1 + m))
+        if a:
+            at = _enter(column, value, at, nc * width + i, 1.0)
+        start[row + 1] = at
+    for i in range(nc):
+        at = _enter(column, value, at, i, friction[i])
+        for m in range(K):
+            at = _enter(column, value, at, nc + i * K + m, -1.0)
+        start[nc * width + i + 1] = at
+        right[nc * width + i] = friction_bias[i]
+    return start, column[:at], value[:at], right
+
+
+@njit(cache=True, no_cfunc_wrapper=True, no_cpython_wrapper=True)
+def _enter(column, value, at, j, entry):  # type: ignore[no-untyped-def]
+    """Add an entry to the row in hand, unless it is zero; how many there are then."""
+    if entry == 0:
+        return at
+    column[at], value[at] = j, entry
+    return at + 1
+
+
+@njit(cache=True, no_cfunc_wrapper=True, no_cpython_wrapper=True)
+def _along(block, basis, a, b):  # type: ignore[no-untyped-def]
     """basis[:, a]' block basis[:, b]."""
     total = 0.0
     for s in range(len(block)):
         for t in range(len(block)):
             total += basis[s, a] * block[s, t] * basis[t, b]
     return total
-
-
-@njit(cache=True)
-def _friction_rows(
-    nc: int, indptr: Index, indices: Index, data: Array, friction: Array, basis: Array
-) -> tuple[Array, Index, Index]:
-    """The friction LCP's matrix in CSR form (data, indices, indptr), columns sorted, zeros stored."""
-    d, width = basis.shape
-    K = width - 1
-    # The contacts that each contact touches through a body, in order, from the rows of W.
-    first = np.zeros(nc + 1, dtype=np.int64)
-    beside = np.empty(len(indices), dtype=np.int64)
-    block = np.zeros((len(indices), d, d))
-    place = np.full(nc, -1, dtype=np.int64)
-    for i in range(nc):
-        count = first[i]
-        for a in range(d):
-            for k in range(indptr[i * d + a], indptr[i * d + a + 1]):
-                j = indices[k] // d
-                if place[j] < first[i]:
-                    place[j] = count
-                    beside[count] = j
-                    count += 1
-        first[i + 1] = count
-        beside[first[i] : count].sort()
-        for k in range(first[i], count):
-            place[beside[k]] = k
-        for a in range(d):
-            for k in range(indptr[i * d + a], indptr[i * d + a + 1]):
-                block[place[indices[k] // d], a, indices[k] % d] = data[k]
-    entries = first[nc] * width * width + nc * (2 * K + 1)
-    M_data = np.empty(entries)
-    M_indices = np.empty(entries, dtype=np.int64)
-    M_indptr = np.empty(nc * (K + 2) + 1, dtype=np.int64)
-    M_indptr[0] = at = 0
-    for row in range(nc * width):
-        i, a = (row, 0) if row < nc else ((row - nc) // K, 1 + (row - nc) % K)
-        for k in range(first[i], first[i + 1]):
-            M_indices[at] = beside[k]
-            M_data[at] = _along(block[k], basis, a, 0)
-            at += 1
-        for k in range(first[i], first[i + 1]):
-            for m in range(K):
-                M_indices[at] = nc + beside[k] * K + m
-                M_data[at] = _along(block[k], basis, a, 1 + m)
-                at += 1
-        if a:
-            M_indices[at], M_data[at] = nc * width + i, 1.0
-            at += 1
-        M_indptr[row + 1] = at
-    for i in range(nc):
-        M_indices[at], M_data[at] = i, friction[i]
-        M_indices[at + 1 : at + 1 + K] = nc + i * K + np.arange(K)
-        M_data[at + 1 : at + 1 + K] = -1.0
-        at += 1 + K
-        M_indptr[nc * width + i + 1] = at
-    return M_data[:at], M_indices[:at], M_indptr
 
 
 def content_hash(**fields: Any) -> str:

@@ -5,11 +5,37 @@ description couples. Each block's inverse is dense, so the inverse has the block
 """
 
 import numpy as np
+from numba import njit
 from scipy import sparse
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from scipy.sparse.csgraph import connected_components
 
 from problems.check import require
+from problems.rows import Rows, from_matrix
+
+
+def inverse_mass(mass: Rows) -> Rows:
+    """The inverse of a symmetric positive definite (nv, nv) matrix by rows, block by block.
+
+    Errors: InputError naming `mass` where it is not symmetric to round-off or not positive definite.
+    """
+    n = len(mass.start) - 1
+    inverse, diagonal = _reciprocal(*mass)
+    if diagonal:
+        return Rows(mass.start, mass.column, inverse)
+    return from_matrix(invert_mass(mass.matrix(n)))
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def _reciprocal(start, column, value):  # type: ignore[no-untyped-def]
+    """(1/value, whether that is the inverse: the matrix is diagonal, with positive entries)."""
+    inverse = np.empty(len(value))
+    for i in range(len(start) - 1):
+        k = start[i]
+        if start[i + 1] != k + 1 or column[k] != i or not value[k] > 0:
+            return inverse, False
+        inverse[k] = 1 / value[k]
+    return inverse, True
 
 
 def invert_mass(mass: sparse.csr_array) -> sparse.csr_array:

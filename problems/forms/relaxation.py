@@ -8,130 +8,173 @@ Coulomb's law without de Saxcé's shift: -u in the normal cone of K at r, which 
 The multipliers are the impulses. A sliding contact separates at u_n = mu |u_t|: the model's error, whatever the solver.
 In the plane and with a polygonal section the constraints are linear; the slack y, one for each contact with a friction
 bias, carries the segment by which that contact's set K is wider than a cone.
+
+Every contact has m rows (e_k u_n + mu d_k.u_t) in both programs, and those with a friction bias m more, (e_k y + d_k.u_t): in a
+polygon e_k = 1 and d_k its corners; of a circular cone row 0 has e = 1, the others one component of u_t each. So one pass makes
+the matrices of both, by columns.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 from scipy import sparse
 
-from problems.check import Array
+from problems.rows import Array, ByContact, Rows
 
 
 class VelocityForm(NamedTuple):
-    """A friction problem in its velocities, joints apart: M (v - v*) = J' r, u = J v + offset."""
+    """A friction problem in its velocities: M (v - v*) = J' r + F' lam, u = J v + offset (nc, d), and what else it says."""
 
-    mass: sparse.csr_array
-    inverse: sparse.csr_array
-    jacobian: sparse.csr_array
+    contact_rows: ByContact
+    mass_rows: Rows
     free_velocity: Array
     offset: Array
-
-
-class Laws(NamedTuple):
-    """What else a friction problem says: its cones |r_t| <= mu r_n + b_f (nc), its joints F v + b_F = 0, and d."""
-
     friction: Array
     friction_bias: Array
-    joints: sparse.csr_array
+    joint_rows: Rows
     joint_bias: Array
-    dimension: int
 
 
 @dataclass(frozen=True, eq=False)
-class QP:
-    """min ½ x'Px + q'x subject to G x <= h and A x = b; impulse(z) turns the multipliers z >= 0 of G into (nc, d) impulses."""
+class Program:
+    """min ½ x'Px + q'x,   x = (v, y),   with conditions on h - G x and A x = b.
 
-    P: sparse.csc_array
-    q: Array
-    G: sparse.csc_array
-    h: Array
-    A: sparse.csc_array
-    b: Array
-    to_impulse: sparse.csr_array
-    contacts: tuple[int, int]
-
-    def impulse(self, z: Array) -> Array:
-        return np.asarray(self.to_impulse @ z).reshape(self.contacts)
-
-
-@dataclass(frozen=True, eq=False)
-class ConeProgram:
-    """min ½ x'Px + q'x subject to A x = b and h - G x in second-order cones {s_0 >= |s_1:|}, blocks of the given sizes.
-
-    impulse(z) turns the cone multipliers z of G into (nc, d) impulses.
+    objective and bounds are P and G by columns (start, row, value), rows ascending; joints is A by rows.
+    section: (m, d), the rows (e_k, d_k). impulse(z) turns the multipliers z of G into the contact impulses (nc, d).
     """
 
-    P: sparse.csc_array
+    objective: Rows
     q: Array
-    G: sparse.csc_array
+    bounds: Rows
     h: Array
-    sizes: tuple[int, ...]
-    A: sparse.csc_array
+    joints: Rows
     b: Array
-    to_impulse: sparse.csr_array
-    contacts: tuple[int, int]
+    section: Array
+    friction: Array
+    friction_bias: Array
+
+    @property
+    def contacts(self) -> tuple[int, int]:
+        return len(self.friction), self.section.shape[1]
+
+    @cached_property
+    def P(self) -> sparse.csc_array:
+        return _by_columns(self.objective, len(self.q))
+
+    @cached_property
+    def G(self) -> sparse.csc_array:
+        return _by_columns(self.bounds, len(self.h))
+
+    @cached_property
+    def A(self) -> sparse.csc_array:
+        return sparse.csc_array(self.joints.matrix(len(self.q)))
 
     def impulse(self, z: Array) -> Array:
-        return np.asarray(self.to_impulse @ z).reshape(self.contacts)
+        return _impulse(self.section, self.friction, self.friction_bias, z)
 
 
-def relaxation_qp(form: VelocityForm, laws: Laws, facets: int) -> QP:
+class QP(Program):
+    """The program in which h - G x >= 0."""
+
+
+class ConeProgram(Program):
+    """The program in which h - G x is in second-order cones {s_0 >= |s_1:|}, blocks of d rows."""
+
+
+def relaxation_qp(form: VelocityForm, facets: int) -> QP:
     """The relaxation with a polygonal section (exact in the plane) as a QP in x = (v, y)."""
-    nc, d = len(laws.friction), laws.dimension
-    if d == 2:
-        section = np.array([[1.0], [-1.0]])
+    if form.offset.shape[1] == 2:
+        corners = np.array([[1.0], [-1.0]])
     else:
         angle = 2 * np.pi * np.arange(facets) / facets
-        section = np.column_stack([np.cos(angle), np.sin(angle)])
-    K = len(section)
-    # Facet rows (1, mu d_k) of every contact: u_n + mu d_k'u_t >= 0. Their multipliers add up to the impulse.
-    facet = _blocks(np.ones((nc, K, 1)), laws.friction[:, None, None] * section)
-    # Slack rows y + d_k'u_t >= 0, for contacts with a friction bias only.
-    wide = np.flatnonzero(laws.friction_bias)
-    segment = _blocks(np.zeros((nc, K, 1)), np.broadcast_to(section, (nc, K, d - 1)))
-    segment = segment[(wide[:, None] * K + np.arange(K)).ravel()]
-    slack = sparse.kron(sparse.eye_array(len(wide)), np.ones((K, 1)))
-    return QP(*_program(form, laws, facet, segment, slack), contacts=(nc, d))
+        corners = np.column_stack([np.cos(angle), np.sin(angle)])
+    return QP(*_program(form, np.column_stack([np.ones(len(corners)), corners])))
 
 
-def relaxation_cone(form: VelocityForm, laws: Laws) -> ConeProgram:
+def relaxation_cone(form: VelocityForm) -> ConeProgram:
     """The relaxation with the circular section as a second-order cone program in x = (v, y)."""
-    nc, d = len(laws.friction), laws.dimension
-    mu = np.broadcast_to(laws.friction[:, None, None], (nc, d, 1))
-    identity = np.broadcast_to(np.eye(d), (nc, d, d))
-    # Rows (u_n, mu u_t) of every contact lie in the cone; (y, u_t) of those with a friction bias too.
-    facet = _blocks(identity[:, :, :1], identity[:, :, 1:] * mu)
-    wide = np.flatnonzero(laws.friction_bias)
-    segment = _blocks(np.zeros((nc, d, 1)), identity[:, :, 1:])[(wide[:, None] * d + np.arange(d)).ravel()]
-    slack = sparse.kron(sparse.eye_array(len(wide)), np.eye(d)[:, :1])
-    P, q, G, h, A, b, to_impulse = _program(form, laws, facet, segment, slack)
-    return ConeProgram(P, q, G, h, (d,) * (nc + len(wide)), A, b, to_impulse, (nc, d))
+    return ConeProgram(*_program(form, np.eye(form.offset.shape[1])))
 
 
-_Program = tuple[sparse.csc_array, Array, sparse.csc_array, Array, sparse.csc_array, Array, sparse.csr_array]
+def _program(form: VelocityForm, section: Array) -> tuple[Rows, Array, Rows, Array, Rows, Array, Array, Array, Array]:
+    mu, wider = form.friction, form.friction_bias
+    p_start, q, *G, h = _matrices(*form.contact_rows, *form.mass_rows, form.free_velocity, form.offset, mu, wider, section)
+    P = Rows(p_start, form.mass_rows.column, form.mass_rows.value)
+    return P, q, Rows(*G), h, form.joint_rows, -form.joint_bias, section, mu, wider
 
 
-def _program(
-    form: VelocityForm, laws: Laws, facet: sparse.csr_array, segment: sparse.csr_array, slack: sparse.coo_array
-) -> _Program:
-    """P, q, G, h, A, b and the map from multipliers to impulses, for the constraint rows facet @ u and segment @ u + y."""
-    mass, _, jacobian, free, offset = form
-    ny = slack.shape[1]
-    on_contacts = sparse.csr_array(sparse.vstack([facet, segment]))
-    on_slack = sparse.vstack([sparse.csr_array((facet.shape[0], ny)), slack])
-    G = -sparse.hstack([on_contacts @ jacobian, on_slack], format="csc")
-    P = sparse.block_diag([mass, sparse.csr_array((ny, ny))], format="csc")
-    A = sparse.hstack([laws.joints, sparse.csr_array((laws.joints.shape[0], ny))], format="csc")
-    q = np.concatenate([-(mass @ free), laws.friction_bias[laws.friction_bias > 0]])
-    return P, q, G, on_contacts @ offset, A, -laws.joint_bias, sparse.csr_array(on_contacts.T)
+def _by_columns(columns: Rows, rows: int) -> sparse.csc_array:
+    return sparse.csc_array((columns.value, columns.column, columns.start), shape=(rows, len(columns.start) - 1))
 
 
-def _blocks(normal: Array, tangent: Array) -> sparse.csr_array:
-    """Block diagonal matrix with a block [normal | tangent] of shape (rows, d) for every contact."""
-    block = np.concatenate([normal, tangent], axis=2)
-    nc, rows, d = block.shape
-    if not nc:
-        return sparse.csr_array((0, 0))
-    return sparse.csr_array(sparse.bsr_array((block, np.arange(nc), np.arange(nc + 1)), shape=(nc * rows, nc * d)))
+@njit(cache=True, no_cfunc_wrapper=True)
+def _matrices(start, column, J, m_start, m_column, m_value, free, offset, mu, wider, section):  # type: ignore[no-untyped-def]
+    """P's columns' starts, q, G by columns (start, row, value) without zeros, and h."""
+    nc, nv, m, d = len(mu), len(free), len(section), offset.shape[1]
+    wide = 0
+    for i in range(nc):
+        wide += wider[i] > 0
+    P_start, q, h = np.empty(nv + wide + 1, np.int32), np.zeros(nv + wide), np.zeros((nc + wide) * m)
+    for v in range(nv):
+        P_start[v] = m_start[v]
+        for k in range(m_start[v], m_start[v + 1]):
+            q[v] -= m_value[k] * free[m_column[k]]
+    for v in range(nv, nv + wide + 1):
+        P_start[v] = m_start[nv]
+    most = 2 * m * len(column) + m * wide
+    G_start, row, value = np.zeros(nv + wide + 2, np.int32), np.empty(most, np.int32), np.empty(most)
+    for fill in (False, True):  # count the entries of each column, two places on, then enter them one place on
+        block = 0
+        for segment in (False, True):
+            for i in range(nc):
+                if segment and not wider[i] > 0:
+                    continue
+                for k in range(m):
+                    along = 0.0 if segment else section[k, 0]
+                    across = 1.0 if segment else mu[i]
+                    at = block * m + k
+                    for e in range(start[i], start[i + 1]):
+                        entry = along * J[e, 0]
+                        for a in range(1, d):
+                            entry += across * section[k, a] * J[e, a]
+                        if entry != 0:
+                            if fill:
+                                row[G_start[column[e] + 1]], value[G_start[column[e] + 1]] = at, -entry
+                            G_start[column[e] + (1 if fill else 2)] += 1
+                    if segment and section[k, 0] != 0:
+                        slack = nv + block - nc
+                        if fill:
+                            row[G_start[slack + 1]], value[G_start[slack + 1]] = at, -section[k, 0]
+                        G_start[slack + (1 if fill else 2)] += 1
+                    if fill:
+                        h[at] = along * offset[i, 0]
+                        for a in range(1, d):
+                            h[at] += across * section[k, a] * offset[i, a]
+                if segment and fill:
+                    q[nv + block - nc] = wider[i]
+                block += 1
+        if not fill:
+            for v in range(nv + wide):
+                G_start[v + 2] += G_start[v + 1]
+    return P_start, q, G_start[: nv + wide + 1], row[: G_start[nv + wide]], value[: G_start[nv + wide]], h
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def _impulse(section, mu, wider, z):  # type: ignore[no-untyped-def]
+    """The contact impulses (nc, d): the rows' coefficients times their multipliers."""
+    nc, (m, d) = len(mu), section.shape
+    r, block = np.zeros((nc, d)), nc
+    for i in range(nc):
+        for k in range(m):
+            r[i, 0] += section[k, 0] * z[i * m + k]
+            for a in range(1, d):
+                r[i, a] += mu[i] * section[k, a] * z[i * m + k]
+        if wider[i] > 0:
+            for k in range(m):
+                for a in range(1, d):
+                    r[i, a] += section[k, a] * z[block * m + k]
+            block += 1
+    return r

@@ -12,7 +12,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from scipy import sparse
 
 from problems.check import Array
 from problems.friction import DelassusProblem, FrictionProblem
@@ -103,73 +102,96 @@ def new_work(system: System) -> Work:
 
 
 def in_velocities(problem: FrictionProblem) -> FrictionProblem:
-    """The problem, all that `prepare` reads of it computed: the free contact velocities, s, and the Jacobian or W."""
-    _ = problem.q, problem.scale, problem.W if isinstance(problem, DelassusProblem) else problem.jacobian
+    """The problem, all that `prepare` reads of it computed: the free contact velocities, s, and W where only W is known."""
+    _ = problem.fastest, problem.scale, isinstance(problem, DelassusProblem) and problem.blocks
     return problem
 
 
 def prepare(problem: FrictionProblem, relaxed: bool = False) -> System:
     """Scale a problem, or its convex relaxation, find the order of elimination and lay out its matrices."""
-    nc, d = problem.contacts, problem.dimension
-    q = problem.q.reshape(nc, d)
-    speed = float(np.sqrt(np.einsum("ij,ij->i", q, q).max(initial=0.0))) or 1.0
-    impulse = speed / float(np.exp(np.log(problem.scale).mean())) if nc else speed
+    nc, scale, speed = problem.contacts, problem.scale, problem.fastest or 1.0
+    impulse = speed / float(np.exp(np.add.reduce(np.log(scale)) / nc)) if nc else speed
     if isinstance(problem, DelassusProblem):
-        mass = inverse = feel = problem.mass
-        push, free_velocity, offset = sparse.csr_array(problem.W.T) * (impulse / speed), problem.free_velocity, q
-        unit, ratio = np.ones(nc * d), 1.0
+        start, column, push, feel = _in_impulses(*problem.blocks, impulse / speed)
+        unit, ratio = np.ones(len(problem.q)), 1.0
     else:  # v = speed * unit * v^
-        mass, inverse, push, free_velocity, offset = problem.velocity_form()
-        feel, unit, ratio = push, np.sqrt(impulse / speed / mass.diagonal()), speed / impulse
-        free_velocity = free_velocity / (unit * speed)
+        start, column, feel = problem.contact_rows
+        push = feel
+        unit, ratio = _units(*problem.mass_rows, impulse / speed), speed / impulse
+    joints = problem.joint_rows
     fronts, place, contacts, joined, length, slot, constant = _lay_out(
-        _entries(push), _entries(feel), _entries(problem.joints), _entries(mass), unit, ratio, d
+        start, column, push, feel, joints.start, joints.column, joints.value.reshape(-1, 1), *problem.mass_rows, unit, ratio
     )
-    value, index, start = _reorder(_entries(inverse), place, unit, ratio)
-    rubs = (problem.friction > 0) | (problem.friction_bias > 0)
+    value, index, begin = _reorder(*problem.inverse_rows, place, unit, ratio)
+    laws = problem.friction, problem.friction_bias, scale, problem.offset, problem.free_velocity
+    free, offset, friction, friction_bias, shift, weight, pairs = _laws(*laws, place, unit, relaxed, speed, impulse)
+    joint_bias = problem.joint_bias / (length * speed)
     return System(
-        fronts,
-        contacts,
-        joined,
-        slot,
-        constant,
-        value,
-        index,
-        start,
-        _in_order(free_velocity, place),
-        offset.reshape(nc, d) / speed,
-        problem.joint_bias / (length * speed),
-        problem.friction,
-        problem.friction_bias / impulse,
-        problem.friction if relaxed else np.zeros(nc),
-        problem.scale * (impulse / speed),
-        np.where(rubs, 4 if d == 2 else 2, 1),
-        speed,
-        impulse,
-    )
+        fronts, contacts, joined, slot, constant, value, index, begin,
+        free, offset, joint_bias, friction, friction_bias, shift, weight, pairs, speed, impulse,
+    )  # fmt: skip
 
 
-Rows = tuple[Index, Index, Array]
+@njit(cache=True, no_cfunc_wrapper=True)
+def _laws(friction, friction_bias, scale, offset, free, place, unit, relaxed, speed, impulse):  # type: ignore[no-untyped-def]
+    """What stands beside the matrices, in the system's units."""
+    nc, d = offset.shape
+    own_free, own_offset, bias = np.empty(len(free)), np.empty((nc, d)), np.empty(nc)
+    mu, shift, weight, pairs = np.empty(nc), np.zeros(nc), np.empty(nc), np.ones(nc, np.int64)
+    for v in range(len(free)):
+        own_free[place[v]] = free[v] / (unit[v] * speed)
+    for i in range(nc):
+        mu[i], bias[i], weight[i] = friction[i], friction_bias[i] / impulse, scale[i] * (impulse / speed)
+        if relaxed:
+            shift[i] = mu[i]
+        if mu[i] > 0 or bias[i] > 0:
+            pairs[i] = 4 if d == 2 else 2
+        for a in range(d):
+            own_offset[i, a] = offset[i, a] / speed
+    return own_free, own_offset, mu, bias, shift, weight, pairs
 
 
-def _entries(rows: sparse.csr_array) -> Rows:
-    return rows.indptr, rows.indices, rows.data
+@njit(cache=True, no_cfunc_wrapper=True)
+def _units(start, column, value, ratio):  # type: ignore[no-untyped-def]
+    """The units (nv,) in which the mass matrix has a unit diagonal."""
+    unit = np.ones(len(start) - 1)
+    for i in range(len(unit)):
+        for k in range(start[i], start[i + 1]):
+            if column[k] == i:
+                unit[i] = np.sqrt(ratio / value[k])
+    return unit
 
 
-def _in_order(v: Array, place: Index) -> Array:
-    ordered = np.empty_like(v)
-    ordered[place] = v
-    return ordered
+@njit(cache=True, no_cfunc_wrapper=True)
+def _in_impulses(first, beside, block, ratio):  # type: ignore[no-untyped-def]
+    """Where only W is known: push = W' by contacts, times the ratio, and feel = I on the same columns."""
+    nc, d = len(first) - 1, block.shape[1]
+    start = np.zeros(nc + 1, np.int32)
+    for k in range(len(beside)):
+        start[beside[k] + 1] += d
+    for i in range(nc):
+        start[i + 1] += start[i]
+    column, push, feel = np.empty(len(beside) * d, np.int32), np.empty((len(beside) * d, d)), np.zeros((len(beside) * d, d))
+    end = start.copy()
+    for j in range(nc):
+        for k in range(first[j], first[j + 1]):
+            i = beside[k]
+            for b in range(d):
+                column[end[i]] = j * d + b
+                for a in range(d):
+                    push[end[i], a] = block[k, b, a] * ratio
+                    if i == j and a == b:
+                        feel[end[i], a] = 1.0
+                end[i] += 1
+    return start, column, push, feel
 
 
-@njit(cache=True)
-def _lay_out(
-    push: Rows, feel: Rows, joints: Rows, mass: Rows, unit: Array, ratio: float, d: int
-) -> tuple[Fronts, Index, Elements, Elements, Array, Index, Array]:
+@njit(cache=True, no_cfunc_wrapper=True)
+def _lay_out(start, column, push, feel, f_start, f_column, F, m_start, m_column, m_value, unit, ratio):  # type: ignore[no-untyped-def]
     """Fronts, places, contacts, joints, the joints' lengths, slots and constants of a System."""
     n = len(unit)
-    contacts = _gather(push, feel, unit, d)
-    joined = _gather(joints, joints, unit, 1)
+    contacts = _gather(start, column, push, feel, unit)
+    joined = _gather(f_start, f_column, F, F, unit)
     nc, nj = len(contacts.front), len(joined.front)
     length = np.ones(nj)
     for j in range(nj):
@@ -182,34 +204,40 @@ def _lay_out(
             joined.feel[a, 0] /= length[j]
             joined.push[a, 0] = joined.feel[a, 0]
     # The elements one after another: contacts, joints, rows of the mass matrix with more than their diagonal.
-    ptr, col, val = mass
-    start = np.empty(nc + nj + n + 1, np.int64)
-    member = np.empty(len(contacts.column) + len(joined.column) + len(col), np.int64)
-    start[: nc + 1] = contacts.start
-    start[nc : nc + nj + 1] = contacts.start[nc] + joined.start
-    end, at = start[nc + nj], nc + nj
-    member[: start[nc]] = contacts.column
-    member[start[nc] : end] = joined.column
+    begin = np.empty(nc + nj + n + 1, np.int64)
+    member = np.empty(len(contacts.column) + len(joined.column) + len(m_column), np.int64)
+    for i in range(nc + 1):
+        begin[i] = contacts.start[i]
+    for j in range(nj + 1):
+        begin[nc + j] = contacts.start[nc] + joined.start[j]
+    for k in range(begin[nc]):
+        member[k] = contacts.column[k]
+    for k in range(begin[nc], begin[nc + nj]):
+        member[k] = joined.column[k - begin[nc]]
+    end, at = begin[nc + nj], nc + nj
     for i in range(n):
-        if ptr[i + 1] - ptr[i] > 1:
-            for k in range(ptr[i], ptr[i + 1]):
-                member[end] = col[k]
+        if m_start[i + 1] - m_start[i] > 1:
+            for k in range(m_start[i], m_start[i + 1]):
+                member[end] = m_column[k]
                 end += 1
             at += 1
-            start[at] = end
-    fronts, place, home = analyse(start[: at + 1], member[:end], n)
-    contacts.front[:], joined.front[:] = home[:nc], home[nc : nc + nj]
+            begin[at] = end
+    fronts, place, home = analyse(begin[: at + 1], member[:end], n)
+    for i in range(nc):
+        contacts.front[i] = home[i]
+    for j in range(nj):
+        joined.front[j] = home[nc + j]
     _settle(contacts, fronts, place)
     _settle(joined, fronts, place)
-    entries = len(col)
+    entries = len(m_column)
     for j in range(nj):
         entries += (joined.start[j + 1] - joined.start[j]) ** 2
     slot, constant, at = np.empty(entries, np.int64), np.empty(entries), 0
     for i in range(n):
-        for k in range(ptr[i], ptr[i + 1]):
-            f = fronts.owner[min(place[i], place[col[k]])]
-            slot[at] = _slot(fronts, f, find(fronts, f, place[i]), find(fronts, f, place[col[k]]))
-            constant[at] = val[k] * unit[i] * unit[col[k]] * ratio
+        for k in range(m_start[i], m_start[i + 1]):
+            f = fronts.owner[min(place[i], place[m_column[k]])]
+            slot[at] = _slot(fronts, f, find(fronts, f, place[i]), find(fronts, f, place[m_column[k]]))
+            constant[at] = m_value[k] * unit[i] * unit[m_column[k]] * ratio
             at += 1
     for j in range(nj):
         for a in range(joined.start[j], joined.start[j + 1]):
@@ -220,33 +248,26 @@ def _lay_out(
     return fronts, place, contacts, joined, length, slot, constant
 
 
-@njit(cache=True)
-def _gather(push: Rows, feel: Rows, unit: Array, d: int) -> Elements:
-    """Blocks of d rows of push and feel as elements, columns times unit; not yet placed."""
-    push_ptr, push_col, push_val = push
-    feel_ptr, feel_col, feel_val = feel
-    count, room = (len(push_ptr) - 1) // d, len(push_col) + len(feel_col)
-    start, column = np.zeros(count + 1, np.int64), np.empty(room, np.uint32)
-    pushing, feeling = np.zeros((room, d)), np.zeros((room, d))
-    entry = np.full(len(unit), -1)
-    end = 0
+@njit(cache=True, no_cfunc_wrapper=True)
+def _gather(start, column, push, feel, unit):  # type: ignore[no-untyped-def]
+    """push and feel by contacts, or by joints, as elements, columns times unit; not yet placed.
+
+    The columns that the first row has come first, then those of the second, as the order of elimination follows them.
+    """
+    count, d, room = len(start) - 1, push.shape[1], len(column)
+    own_start, own_column, taken = np.zeros(count + 1, np.int64), np.empty(room, np.uint32), np.zeros(room, np.bool_)
+    pushing, feeling = np.empty((room, d)), np.empty((room, d))
+    at = 0
     for e in range(count):
         for i in range(d):
-            for k in range(push_ptr[e * d + i], push_ptr[e * d + i + 1]):
-                v = push_col[k]
-                if entry[v] < start[e]:
-                    entry[v], column[end] = end, v
-                    end += 1
-                pushing[entry[v], i] = push_val[k] * unit[v]
-            for k in range(feel_ptr[e * d + i], feel_ptr[e * d + i + 1]):
-                v = feel_col[k]
-                if entry[v] < start[e]:
-                    entry[v], column[end] = end, v
-                    end += 1
-                feeling[entry[v], i] = feel_val[k] * unit[v]
-        start[e + 1] = end
-    front, place = np.zeros(count, np.int64), np.zeros(end, np.uint32)
-    return Elements(start, column[:end].copy(), pushing[:end].copy(), feeling[:end].copy(), front, place)
+            for k in range(start[e], start[e + 1]):
+                if not taken[k] and (push[k, i] != 0 or feel[k, i] != 0):
+                    taken[k], own_column[at] = True, column[k]
+                    for a in range(d):
+                        pushing[at, a], feeling[at, a] = push[k, a] * unit[column[k]], feel[k, a] * unit[column[k]]
+                    at += 1
+        own_start[e + 1] = at
+    return Elements(own_start, own_column[:at], pushing[:at], feeling[:at], np.zeros(count, np.int64), np.zeros(at, np.uint32))
 
 
 @njit(cache=True)
@@ -263,18 +284,18 @@ def _slot(fronts: Fronts, front: int, row: int, column: int) -> int:
     return int(fronts.start[front] + row * (fronts.first[front + 1] - fronts.first[front]) + column)
 
 
-@njit(cache=True)
-def _reorder(inverse: Rows, place: Index, unit: Array, ratio: float) -> tuple[Array, Index, Index]:
-    """The inverse of the mass matrix in the system's units and order."""
-    ptr, col, val = inverse
+@njit(cache=True, no_cfunc_wrapper=True)
+def _reorder(start, column, value, place, unit, ratio):  # type: ignore[no-untyped-def]
+    """The inverse of the mass matrix in the system's units and order: values, columns, starts."""
     n = len(place)
     row = np.empty(n, np.int64)
     for i in range(n):
         row[place[i]] = i
-    value, index, start, at = np.empty(len(val)), np.empty(len(val), np.int64), np.zeros(n + 1, np.int64), 0
+    own_value, own_column, begin, at = np.empty(len(value)), np.empty(len(value), np.int64), np.zeros(n + 1, np.int64), 0
     for i in range(n):
-        for k in range(ptr[row[i]], ptr[row[i] + 1]):
-            value[at], index[at] = val[k] / (unit[row[i]] * unit[col[k]] * ratio), place[col[k]]
+        for k in range(start[row[i]], start[row[i] + 1]):
+            own_value[at] = value[k] / (unit[row[i]] * unit[column[k]] * ratio)
+            own_column[at] = place[column[k]]
             at += 1
-        start[i + 1] = at
-    return value, index, start
+        begin[i + 1] = at
+    return own_value, own_column, begin

@@ -53,7 +53,7 @@ class CCP:
     def setup(self, scaled: ScaledProgram[QP]) -> Prepared:
         qpsolvers: Any = import_module("qpsolvers")
 
-        joints = (scaled.A, scaled.b) if scaled.A.shape[0] else (None, None)
+        joints = (scaled.A, scaled.b) if scaled.A is not None else (None, None)
         return Prepared(scaled, qpsolvers.Problem(scaled.P, scaled.q, scaled.G, scaled.h, *joints))
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:

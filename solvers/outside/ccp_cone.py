@@ -64,7 +64,7 @@ class CCPCone:
         x = cvxpy.Variable(len(scaled.q))
         s = scaled.h - scaled.G @ x
         constraints = [cvxpy.SOC(s[::d], cvxpy.vstack([s[j::d] for j in range(1, d)]))]
-        if scaled.A.shape[0]:
+        if scaled.A is not None:
             constraints.append(scaled.A @ x == scaled.b)
         objective = cvxpy.Minimize(cvxpy.quad_form(x, scaled.P, assume_PSD=True) / 2 + scaled.q @ x)
         built = cvxpy.Problem(objective, constraints)

@@ -21,25 +21,26 @@ from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 import numpy as np
+from numba import njit
 from scipy import sparse
 
 from problems import FrictionProblem
 from problems.check import Array
-from problems.forms.relaxation import QP, ConeProgram
+from problems.forms.relaxation import QP, ConeProgram, Program
 
-Program = TypeVar("Program", QP, ConeProgram)
+Kind = TypeVar("Kind", QP, ConeProgram)
 
 
 @dataclass(frozen=True, eq=False)
-class ScaledProgram(Generic[Program]):
-    """The scaled P, q, G, h, A, b; `share`, eps over tol; and what turns scaled multipliers into impulses."""
+class ScaledProgram(Generic[Kind]):
+    """The scaled P, q, G, h, A (None without joints), b; `share`, eps over tol; and multipliers' units."""
 
-    program: Program
+    program: Kind
     P: sparse.csc_matrix
     q: Array
     G: sparse.csc_matrix
     h: Array
-    A: sparse.csc_matrix
+    A: sparse.csc_matrix | None
     b: Array
     unit: Array
     share: float
@@ -54,26 +55,69 @@ def gap_tolerance(eps: float, round_cones: bool) -> float:
     return max(eps**2, 1e-15 if round_cones else 1e-13)
 
 
-def scaled_program(problem: FrictionProblem, program: Program) -> ScaledProgram[Program]:
+def scaled_program(problem: FrictionProblem, program: Kind) -> ScaledProgram[Kind]:
     """Scale a problem's relaxation, as a QP or as a cone program."""
-    nc, d = problem.contacts, problem.dimension
-    s, wide = problem.scale, problem.friction_bias > 0
-    blocks = np.concatenate([s, s[wide]])
-    rows = np.repeat(np.sqrt(blocks), program.G.shape[0] // max(len(blocks), 1))
-    D = np.concatenate([1 / np.sqrt(problem.mass.diagonal()), np.sqrt(s[wide])])
-    size = np.linalg.norm(problem.q.reshape(nc, d), axis=1)
-    theta = float((size / np.sqrt(s)).max(initial=0.0)) or 1.0
-    length = np.sqrt((program.A * D).power(2).sum(axis=1))
-    joint = 1 / np.where(length > 0, length, 1.0)
-    share = float(size.max(initial=0.0) / (theta * np.sqrt(s).max(initial=0.0))) if size.any() else 1.0
+    objective, bounds, m = program.objective, program.bounds, len(program.section)
+    units = _units(problem.scale, problem.friction_bias, problem.q, *problem.mass_rows, m, problem.dimension)
+    D, rows, theta, share = units
+    P, G = _scaled(*objective, D, D), _scaled(*bounds, 1 / rows, D)
+    A, joint = _joints(program, D)
     return ScaledProgram(
         program,
-        sparse.csc_matrix(program.P * D * D[:, None]),
+        sparse.csc_matrix((P, objective.column, objective.start), shape=(len(D), len(D))),
         D * program.q / theta,
-        sparse.csc_matrix(program.G * D / rows[:, None]),
+        sparse.csc_matrix((G, bounds.column, bounds.start), shape=(len(rows), len(D))),
         program.h / rows / theta,
-        sparse.csc_matrix(program.A * D * joint[:, None]),
+        A,
         program.b * joint / theta,
         theta / rows,
         share,
     )
+
+
+def _joints(program: Program, D: Array) -> tuple[sparse.csc_matrix | None, Array]:
+    """A^, and E_A (nj,); None where there are no joints."""
+    if not len(program.b):
+        return None, np.ones(0)
+    length = np.sqrt((program.A * D).power(2).sum(axis=1))
+    joint = 1 / np.where(length > 0, length, 1.0)
+    return sparse.csc_matrix(program.A * D * joint[:, None]), joint
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def _scaled(start, row, value, left, right):  # type: ignore[no-untyped-def]
+    """The values of diag(left) A diag(right), for A by columns."""
+    scaled = np.empty(len(value))
+    for j in range(len(right)):
+        for k in range(start[j], start[j + 1]):
+            scaled[k] = value[k] * right[j] * left[row[k]]
+    return scaled
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def _units(scale, wider, q, m_start, m_column, m_value, m, d):  # type: ignore[no-untyped-def]
+    """D, 1/E on the rows of G, theta and share."""
+    nc, nv, wide, stiffest, fastest, theta = len(scale), len(m_start) - 1, 0, 0.0, 0.0, 0.0
+    for i in range(nc):
+        wide += wider[i] > 0
+    D, rows = np.ones(nv + wide), np.empty((nc + wide) * m)
+    for v in range(nv):
+        for k in range(m_start[v], m_start[v + 1]):
+            if m_column[k] == v:
+                D[v] = 1 / np.sqrt(m_value[k])
+    block = nc
+    for i in range(nc):
+        root, square = np.sqrt(scale[i]), 0.0
+        for a in range(d):
+            square += q[i * d + a] * q[i * d + a]
+        size = np.sqrt(square)
+        stiffest, fastest, theta = max(stiffest, root), max(fastest, size), max(theta, size / root)
+        for k in range(m):
+            rows[i * m + k] = root
+        if wider[i] > 0:
+            D[nv + block - nc] = root
+            for k in range(m):
+                rows[block * m + k] = root
+            block += 1
+    theta = theta if theta > 0 else 1.0
+    return D, rows, theta, fastest / (theta * stiffest) if fastest > 0 else 1.0

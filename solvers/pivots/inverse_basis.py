@@ -17,9 +17,9 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy import sparse
 
 from problems.check import Array
+from problems.rows import Rows
 
 Index = NDArray[np.int64]
 
@@ -52,17 +52,17 @@ class Basis(NamedTuple):
     work: Array
 
 
-def compress(M: sparse.csr_array, D: Array) -> Matrix:
-    """D M D (n, n) on its symmetrised pattern, for M with sorted rows."""
-    return Matrix(*_symmetrised(M.indptr, M.indices, M.data, D))
+def compress(M: Rows, D: Array) -> Matrix:
+    """D M D (n, n) on its symmetrised pattern."""
+    return Matrix(*_symmetrised(*M, D))
 
 
-@njit(cache=True, error_model="numpy")
-def _symmetrised(indptr: Index, indices: Index, data: Array, D: Array) -> tuple[Index, NDArray[np.uint32], Array, Array]:
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+def _symmetrised(indptr, indices, data, D):  # type: ignore[no-untyped-def]
     n, entries = len(indptr) - 1, len(indices)
     below = np.zeros(n + 1, np.int64)  # the columns of M, by counting
-    for j in indices:
-        below[j + 1] += 1
+    for k in range(entries):
+        below[indices[k] + 1] += 1
     for j in range(n):
         below[j + 1] += below[j]
     free = below[:-1].copy()
@@ -73,23 +73,23 @@ def _symmetrised(indptr: Index, indices: Index, data: Array, D: Array) -> tuple[
             above[free[j]], value[free[j]] = i, data[k]
             free[j] += 1
     start, at = np.zeros(n + 1, np.int64), 0
-    rows, column, row = np.empty(2 * entries, np.int64), np.zeros(2 * entries), np.zeros(2 * entries)
+    rows, column, row = np.empty(2 * entries, np.uint32), np.zeros(2 * entries), np.zeros(2 * entries)
     for j in range(n):  # merge row j and column j
         k, m = indptr[j], below[j]
         while k < indptr[j + 1] or m < below[j + 1]:
             right = indices[k] if k < indptr[j + 1] else n
             down = above[m] if m < below[j + 1] else n
-            rows[at] = min(right, down)
-            scale = D[j] * D[rows[at]]
-            if right == rows[at]:
+            i = min(right, down)
+            rows[at], scale = i, D[j] * D[i]
+            if right == i:
                 row[at] = data[k] * scale
                 k += 1
-            if down == rows[at]:
+            if down == i:
                 column[at] = value[m] * scale
                 m += 1
             at += 1
         start[j + 1] = at
-    return start, rows[:at].astype(np.uint32), column[:at].copy(), row[:at].copy()
+    return start, rows[:at], column[:at], row[:at]
 
 
 @njit(cache=True, error_model="numpy")

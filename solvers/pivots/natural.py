@@ -13,7 +13,6 @@ and look at the exact residual at the end.
 
 import numpy as np
 from numba import njit
-from scipy import sparse
 
 from problems import LCP, FrictionProblem
 from problems.check import Array
@@ -25,15 +24,31 @@ MARGIN = 0.1
 
 def natural_weight(problem: FrictionProblem | LCP, lcp: LCP, scale: Scaling) -> Array:
     """g (n,) for the LCP of a problem, or a bare one, and its scaling."""
-    step = np.abs(lcp.M.diagonal())
-    bare = step == 0
-    step[bare] = 1
-    if isinstance(problem, FrictionProblem) and lcp.generators is not None:
-        acts = lcp.generators.tocoo()
-        step[acts.col] = np.maximum(step[acts.col], problem.scale[acts.row // problem.dimension])
-    rows = abs(sparse.diags_array(scale.D) @ lcp.M @ sparse.diags_array(scale.D))[bare]
-    m = rows.max() if rows.nnz else 0.0
-    return (1 + m) * scale.theta * scale.D * step / (np.abs(lcp.q).max(initial=0.0) or 1.0)
+    own = problem.scale if isinstance(problem, FrictionProblem) else _NOTHING
+    return _weight(*lcp.rows, lcp.q, scale.D, scale.theta, own)
+
+
+_NOTHING = np.zeros(0)
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def _weight(start, column, value, q, D, theta, own):  # type: ignore[no-untyped-def]
+    n, nc = len(q), len(own)
+    weight, m, size = np.zeros(n), 0.0, 0.0
+    for i in range(n):
+        for k in range(start[i], start[i + 1]):
+            if column[k] == i:
+                weight[i] = abs(value[k])
+        if weight[i] == 0:
+            weight[i] = 1.0
+            for k in range(start[i], start[i + 1]):
+                m = max(m, abs(D[i] * value[k] * D[column[k]]))
+        if i < n - nc and nc:
+            weight[i] = max(weight[i], own[i if i < nc else (i - nc) // ((n - 2 * nc) // nc)])
+        size = max(size, abs(q[i]))
+    for i in range(n):
+        weight[i] = (1 + m) * theta * D[i] * weight[i] / (size if size > 0 else 1.0)
+    return weight
 
 
 def exact_residual(problem: FrictionProblem | LCP, lcp: LCP, z: Array, impulse: Array) -> float:

@@ -39,26 +39,30 @@ def scaled_lcp(problem: FrictionProblem | LCP) -> ScaledLCP:
     """The scaled LCP of a friction problem, or a bare LCP scaled."""
     lcp = problem if isinstance(problem, LCP) else problem.lcp()
     scale = scaling(lcp)
-    M = compress(lcp.M, scale.D)
-    unit = scale.theta * np.array([scale.D, 1 / scale.D])
+    M = compress(lcp.rows, scale.D)
     if isinstance(problem, FrictionProblem):
-        unit *= _in_velocities(problem, lcp.size)
+        unit = _in_velocities(scale.D, scale.theta, problem.scale, problem.friction, problem.fastest)
     else:
-        unit /= np.abs(lcp.q).max(initial=0.0) or 1.0
+        unit = scale.theta * np.array([scale.D, 1 / scale.D]) / (np.abs(lcp.q).max(initial=0.0) or 1.0)
     return ScaledLCP(lcp, scale, M, scale.vector(lcp.q), unit)
 
 
-def _in_velocities(problem: FrictionProblem, n: int) -> Array:
-    """(2, n): what turns z and w into velocities relative to the largest free one, as problems.residual measures them.
+@njit(cache=True, no_cfunc_wrapper=True)
+def _in_velocities(D, theta, scale, friction, fastest):  # type: ignore[no-untyped-def]
+    """(2, n): what turns y and w into velocities relative to the largest free one, as problems.residual measures them.
 
     An impulse counts s times, in its own row and in the friction row mu c - e'beta; a tangential defect counts 1 + mu times.
     """
-    nc = problem.contacts
-    contact = np.concatenate([np.arange(nc), np.repeat(np.arange(nc), (n - 2 * nc) // max(nc, 1)), np.arange(nc)])
-    s, row = problem.scale[contact], np.arange(n)
-    unit = np.where(row < n - nc, [s, np.ones(n)], [np.ones(n), s]) * np.where(row < nc, 1.0, 1.0 + problem.friction[contact])
-    free = np.linalg.norm(problem.q.reshape(nc, problem.dimension), axis=1).max(initial=0.0)
-    return unit / (free or 1.0)
+    n, nc = len(D), len(scale)
+    free = fastest if fastest > 0 else 1.0
+    unit = np.empty((2, n))
+    for j in range(n):
+        i = j if j < nc else j - (n - nc) if j >= n - nc else (j - nc) // ((n - 2 * nc) // nc)
+        s = scale[i]
+        more = 1.0 if j < nc else 1.0 + friction[i]
+        unit[0, j] = theta * D[j] * ((s if j < n - nc else 1.0) * more / free)
+        unit[1, j] = theta * (1 / D[j]) * ((1.0 if j < n - nc else s) * more / free)
+    return unit
 
 
 @njit(cache=True, error_model="numpy")

@@ -12,12 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from problems import LCP
 from problems.check import Array
-
-Index = NDArray[np.int32]
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,31 +43,33 @@ class Scaling:
 
 def scaling(lcp: LCP) -> Scaling:
     """The scaling of an LCP; rows and columns of zeros keep their size."""
-    D = _diagonal(lcp.M.indptr, lcp.M.indices, lcp.M.data)
-    theta = float(np.abs(D * lcp.q).max(initial=0.0)) or 1.0
-    return Scaling(D, theta)
+    return Scaling(*_scaling(*lcp.rows, lcp.q))
 
 
-@njit(cache=True)
-def _diagonal(indptr: Index, indices: Index, data: Array) -> Array:
-    n = len(indptr) - 1
-    D = np.zeros(n)
+@njit(cache=True, no_cfunc_wrapper=True)
+def _scaling(start, column, value, q):  # type: ignore[no-untyped-def]
+    """D and theta."""
+    n = len(q)
+    D, reach = np.zeros(n), np.zeros(n)
     for i in range(n):
-        for k in range(indptr[i], indptr[i + 1]):
-            if indices[k] == i and data[k] != 0:
-                D[i] = 1 / np.sqrt(abs(data[k]))
+        for k in range(start[i], start[i + 1]):
+            if column[k] == i and value[k] != 0:
+                D[i] = 1 / np.sqrt(abs(value[k]))
     # What a bare row or column does to those that have a scale: columns first, then rows for what is left.
     for by_column in (True, False):
-        reach = np.zeros(n)
         for i in range(n):
-            for k in range(indptr[i], indptr[i + 1]):
-                bare, other = (indices[k], i) if by_column else (i, indices[k])
+            reach[i] = 0.0
+        for i in range(n):
+            for k in range(start[i], start[i + 1]):
+                bare, other = (column[k], i) if by_column else (i, column[k])
                 if D[bare] == 0:
-                    reach[bare] = max(reach[bare], D[other] * abs(data[k]))
+                    reach[bare] = max(reach[bare], D[other] * abs(value[k]))
         for i in range(n):
             if reach[i] > 0:
                 D[i] = 1 / reach[i]
+    theta = 0.0
     for i in range(n):
         if D[i] == 0:
             D[i] = 1.0
-    return D
+        theta = max(theta, abs(D[i] * q[i]))
+    return D, theta if theta > 0 else 1.0

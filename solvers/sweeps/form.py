@@ -13,14 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
-from scipy import sparse
 
 from problems import FrictionProblem
 from problems.check import Array
 from problems.friction import DelassusProblem
-
-Index = NDArray[np.int32]
+from problems.rows import Index, normal_first
 
 
 class ContactForm(NamedTuple):
@@ -48,42 +45,70 @@ class ContactForm(NamedTuple):
 
 def contact_form(problem: FrictionProblem) -> ContactForm:
     """Pack a problem; in velocities where each contact touches few of them, in impulses otherwise."""
-    nc, d = problem.contacts, problem.dimension
-    if isinstance(problem, DelassusProblem) or problem.joints.shape[0]:
-        G, offset = problem.W, problem.q
-        R, rest = sparse.eye_array(nc * d, format="csr"), np.zeros(nc * d)
+    law = problem.friction, problem.friction_bias, problem.scale
+    if isinstance(problem, DelassusProblem) or len(problem.joint_bias):
+        parts = _in_impulses(*problem.blocks, problem.q.reshape(-1, problem.dimension), *law)
     else:
-        _, inverse, G, rest, offset = problem.velocity_form()
-        R = sparse.csr_array((inverse @ G.T).T)
-    read, push = _pack(G, d), _pack(R, d)
-    free = float(np.linalg.norm(problem.q.reshape(nc, d), axis=1).max(initial=0.0))
-    block = _own_blocks(*read, *push, len(rest))
-    law = (problem.friction.copy(), problem.friction_bias.copy(), problem.scale.copy())
-    return ContactForm(*read, *push, offset.reshape(nc, d).copy(), rest.copy(), block, *law, free)
+        parts = _in_velocities(*problem.contact_rows, *problem.inverse_rows, problem.free_velocity, problem.bias, *law)
+    return ContactForm._make((*parts, problem.fastest))
 
 
-def _pack(rows: sparse.csr_array, d: int) -> tuple[Index, Index, Array]:
-    """The rows of each contact over the union of their columns."""
-    if not rows.shape[0]:
-        return np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros((0, d))
-    packed = sparse.csr_array(rows).tobsr(blocksize=(d, 1))
-    return packed.indptr.astype(np.int32), packed.indices.astype(np.int32), np.ascontiguousarray(packed.data[:, :, 0])
-
-
-@njit(cache=True)
-def _own_blocks(read_start, read_column, read, push_start, push_column, push, nx):  # type: ignore[no-untyped-def]
-    nc, d = len(read_start) - 1, read.shape[1]
-    block, x = np.zeros((nc, d, d)), np.zeros(nx)
+@njit(cache=True, no_cfunc_wrapper=True)
+def _in_velocities(start, column, J, m_start, m_column, m_value, free, bias, friction, friction_bias, scale):  # type: ignore[no-untyped-def]
+    """All of a ContactForm but its last entry, with the velocities as the state."""
+    nc, d, nv = len(bias), J.shape[1], len(free)
+    start, column, read = normal_first(start, column, J)
+    entries = 0
+    for k in range(len(column)):
+        entries += m_start[column[k] + 1] - m_start[column[k]]
+    push_start, push_column, push = np.zeros(nc + 1, np.int32), np.empty(entries, np.int32), np.zeros((entries, d))
+    block, offset, x, place = np.zeros((nc, d, d)), np.zeros((nc, d)), np.empty(nv), np.full(nv, -1)
+    at = 0
     for i in range(nc):
-        for along in range(d):
-            for k in range(push_start[i], push_start[i + 1]):
-                x[push_column[k]] = push[k, along]
-            for k in range(read_start[i], read_start[i + 1]):
-                for j in range(d):
-                    block[i, j, along] += read[k, j] * x[read_column[k]]
-            for k in range(push_start[i], push_start[i + 1]):
-                x[push_column[k]] = 0.0
-    return block
+        offset[i, 0] = bias[i]
+        for k in range(start[i], start[i + 1]):
+            for m in range(m_start[column[k]], m_start[column[k] + 1]):
+                v = m_column[m]
+                if place[v] < push_start[i]:
+                    push_column[at], place[v] = v, at
+                    at += 1
+        push_start[i + 1] = at
+        for k in range(start[i], start[i + 1]):
+            for m in range(m_start[column[k]], m_start[column[k] + 1]):
+                for a in range(d):
+                    push[place[m_column[m]], a] += m_value[m] * read[k, a]
+        for k in range(start[i], start[i + 1]):
+            if place[column[k]] >= push_start[i]:
+                for a in range(d):
+                    for b in range(d):
+                        block[i, a, b] += read[k, a] * push[place[column[k]], b]
+    for v in range(nv):
+        x[v] = free[v]
+    own = friction.copy(), friction_bias.copy(), scale.copy()
+    return start, column, read, push_start, push_column[:at], push[:at], offset, x, block, *own
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def _in_impulses(first, beside, block, q, friction, friction_bias, scale):  # type: ignore[no-untyped-def]
+    """All of a ContactForm but its last entry, with the impulses as the state."""
+    nc, d = q.shape
+    start, push_start = np.empty(nc + 1, np.int32), np.empty(nc + 1, np.int32)
+    column, read = np.empty(len(beside) * d, np.int32), np.empty((len(beside) * d, d))
+    push_column, push, own_block = np.empty(nc * d, np.int32), np.zeros((nc * d, d)), np.zeros((nc, d, d))
+    for i in range(nc + 1):
+        start[i], push_start[i] = first[i] * d, i * d
+    for i in range(nc):
+        for k in range(first[i], first[i + 1]):
+            for b in range(d):
+                column[k * d + b] = beside[k] * d + b
+                for a in range(d):
+                    read[k * d + b, a] = block[k, a, b]
+                    if beside[k] == i:
+                        own_block[i, a, b] = block[k, a, b]
+        for a in range(d):
+            push_column[i * d + a], push[i * d + a, a] = i * d + a, 1.0
+    own = friction.copy(), friction_bias.copy(), scale.copy()
+    return start, column, read, push_start, push_column, push, q.copy(), np.zeros(nc * d), own_block, *own
 
 
 @njit(cache=True)
