@@ -62,7 +62,8 @@ class Formed:
 class ADMM:
     """Alternating direction method of multipliers on the convex relaxation's dual.
 
-    Work: iterations, and factorisations after the one of the setup. History: the relaxation's residual every tenth iteration.
+    Work: iterations, factorisations, that of the setup among them, and checks of the residual. History: the relaxation's
+    residual every tenth iteration.
     """
 
     shift = 0.0
@@ -80,7 +81,7 @@ class ADMM:
         limit = LIMIT if limit is None else limit
         z = impulses(start, form.offset.shape)
         x, u, w = np.empty_like(form.rest), np.empty_like(z), np.empty_like(z)
-        iterations, factorisations, retune, history, best = 0, 0, 0, [], progress()
+        iterations, factorisations, retune, history, best = 0, 1, 0, [], progress()
         while True:
             state(form, z, x)
             velocity(form, x, u)
@@ -88,7 +89,7 @@ class ADMM:
             history.append(error)
             end = ended(error, tol, iterations, limit, PATIENCE, best)
             if end != GOING:
-                work = {"iterations": iterations, "factorisations": factorisations}
+                work = {"iterations": iterations, "factorisations": factorisations, "checks": len(history)}
                 return Answer(z, ENDS[end], work, tuple(history))
             if iterations == 0:
                 w[:] = -u
@@ -108,7 +109,8 @@ class ADMM:
 class ADMMCoulomb(ADMM):
     """Alternating direction method of multipliers with de Saxcé's shift.
 
-    Work: iterations, and factorisations after the one of the setup. History: the residual every tenth iteration.
+    Work: iterations, factorisations, that of the setup among them, and checks of the residual. History: the residual every
+    tenth iteration.
     """
 
     shift = 1.0

@@ -57,6 +57,7 @@ class AnitescuHart:
         while True:
             state(form, r, x)
             velocity(form, x, u)
+            products += 1
             slides.append(np.linalg.norm(u[:, 1:], axis=1))
             history.append(defect(form, r, u, 1.0))
             end = ended(history[-1], tol, relaxations, limit, PATIENCE, best)

@@ -39,7 +39,7 @@ SHORTEST = 1e-10  # step at which the search gives up
 STATIONARY = 1e-12  # |H'Phi| relative to |Phi|
 
 SOLVED, STALLED, LIMIT, BREAKDOWN = range(4)  # how it ends
-NEWTON, GRADIENT, EVALUATIONS = range(3)  # counted in work
+NEWTON, GRADIENT, EVALUATIONS, FACTORISATIONS = range(4)  # counted in work
 
 
 @solver("fischer_newton", family="newton", model="lcp", dimension=(2, 3))
@@ -47,7 +47,7 @@ class FischerNewton:
     """Fischer-Burmeister Newton (De Luca, Facchinei and Kanzow): semismooth, line search on the merit, gradient fallback.
 
     regularisation: eps, on the scaled M in the Newton system. limit bounds the iterations, by default 200.
-    work: newton and gradient steps, evaluations of the merit. history: the natural residual, per iteration.
+    work: newton and gradient steps, evaluations of the merit, factorisations. history: the natural residual, per iteration.
     """
 
     regularisation: float = 1e-5
@@ -62,7 +62,7 @@ class FischerNewton:
         limit = 200 if limit is None else limit
         y = np.zeros(len(form.q))
         y, end, work, history = iterate(form.M, form.q, form.weight, y, self.regularisation, MARGIN * tol, limit)
-        names = ("newton", "gradient", "evaluations")
+        names = ("newton", "gradient", "evaluations", "factorisations")
         status = (Status.SOLVED, Status.STALLED, Status.WORK_LIMIT, Status.BREAKDOWN)[end]
         detail = "no descent: a stationary point of the merit that is no solution" if end == STALLED else ""
         return answer(form, y, tol, status, dict(zip(names, work.tolist(), strict=True)), history, detail)
@@ -102,11 +102,12 @@ def jacobian(M, y, w):  # type: ignore[no-untyped-def]
 def iterate(M, q, weight, y, eps, tol, limit):  # type: ignore[no-untyped-def]
     """From y: the best point found, how it ended, work, and the natural residual of every iterate."""
     n = len(q)
-    work = np.zeros(3, np.int64)
+    work = np.zeros(4, np.int64)
     history = np.empty(64)
     recent = np.zeros(MEMORY)
     w = M @ y + q
     phi = fischer(y, w)
+    work[EVALUATIONS] += 1
     best, least, end, k = y, np.inf, LIMIT, 0
     while True:
         if k == len(history):
@@ -128,6 +129,7 @@ def iterate(M, q, weight, y, eps, tol, limit):  # type: ignore[no-untyped-def]
         for i in range(n):
             H[i, i] += A[i] + eps * B[i]
         kind, d = NEWTON, solve_dense(H, -phi)
+        work[FACTORISATIONS] += 1
         if not gradient @ d <= -DESCENT * np.sqrt(d @ d) ** 2.1:
             kind, d = GRADIENT, -gradient
         worst, slope, t = recent.max(), gradient @ d, 1.0

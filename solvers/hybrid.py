@@ -40,7 +40,10 @@ class Prepared:
     first: Any
 
 
-@solver("hybrid", family="portfolio", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True)
+MEMBERS = tuple(dict.fromkeys(name.partition("[")[0] for name in (*PLANAR, *SPATIAL)))
+
+
+@solver("hybrid", family="portfolio", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True, members=MEMBERS)
 class Hybrid:
     """A portfolio: the interior point first or nearly so, then pivoting and others, until a checked answer holds.
 

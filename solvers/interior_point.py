@@ -36,10 +36,19 @@ NEAR, FAR = 1e-10, 0.3  # a start's least distance from the boundary, in residua
 PATIENCE = 12  # iterations of the predictor-corrector without progress: more than ever helped
 
 
-@solver("interior_point", family="interior point", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True)
+@solver(
+    "interior_point",
+    family="interior point",
+    model="coulomb",
+    dimension=(2, 3),
+    warm_start=True,
+    sparse=True,
+    members=("nsgs",),
+)
 class InteriorPoint:
     """Predictor-corrector on Coulomb's law, then its central path; one sparse factorisation an iteration.
 
+    A portfolio where it is trapped: the path starts from what nsgs left, whose work is counted under that name.
     shortcut: try the predictor-corrector first; otherwise follow the path from the beginning.
     paths: follow paths where the predictor-corrector is trapped; otherwise end there.
     """
@@ -59,17 +68,22 @@ class InteriorPoint:
         """limit bounds the factorisations, 2000 by default."""
         problem, system = prepared
         limit = 2000 if limit is None else limit
-        return run(problem, system, self._phases(problem, system, start), tol, limit, PATIENCE, residual)
+        swept: dict[str, int] = {}
+        answer = run(problem, system, self._phases(problem, system, start, swept), tol, limit, PATIENCE, residual)
+        answer.work |= {f"nsgs {unit}": count for unit, count in swept.items()}
+        return answer
 
-    def _phases(self, problem: FrictionProblem, system: System, start: Array | None) -> Iterator[Phase]:
-        """The methods in turn, with the points they start from."""
+    def _phases(self, problem: FrictionProblem, system: System, start: Array | None, swept: dict[str, int]) -> Iterator[Phase]:
+        """The methods in turn, with the points they start from; swept: the work of nsgs, if it comes to that."""
         if start is not None:
             yield predictor_corrector, _around(problem, system, impulses(start, system.offset.shape), NEAR)
         if self.shortcut:  # from between nothing and the weight of all the others on top
             yield predictor_corrector, start_point(system, float(np.sqrt(problem.contacts)), 1.0)
         if not self.paths:
             return
-        yield trace, _around(problem, system, solve(problem, "nsgs", limit=SWEEPS).impulse, FAR)
+        near = solve(problem, "nsgs", limit=SWEEPS)
+        swept |= near.work
+        yield trace, _around(problem, system, near.impulse, FAR)
         for impulse, speed in STARTS:
             yield trace, start_point(system, impulse, speed)
 

@@ -35,7 +35,7 @@ MEMORY = 15  # merits the nonmonotone search looks back on
 SHORTEST = 1e-8  # step at which a search gives up
 
 SOLVED, KINK, LIMIT, BREAKDOWN, CYCLE = range(5)  # how it ends
-NEWTON, GRADIENT, EVALUATIONS = range(3)  # counted in work
+NEWTON, GRADIENT, EVALUATIONS, FACTORISATIONS = range(4)  # counted in work
 
 
 @solver("minmap_newton", family="newton", model="lcp", dimension=(2, 3))
@@ -43,7 +43,7 @@ class MinmapNewton:
     """Min-map Newton (primal-dual active sets): full steps, line search on the merit, cycles detected.
 
     globalised: false for full steps only. regularisation: eps, on the scaled M in the Newton system.
-    limit bounds the iterations, by default 200. work: newton and gradient steps, evaluations of the merit.
+    limit bounds the iterations, by default 200. work: newton and gradient steps, evaluations of the merit, factorisations.
     history: the natural residual, per iteration.
     """
 
@@ -64,7 +64,7 @@ class MinmapNewton:
         detail = "no descent: a kink or stationary point of the merit" if end == KINK else ""
         if period:
             detail = "; ".join(filter(None, (detail, f"active sets came back after {period} iterations")))
-        names = ("newton", "gradient", "evaluations")
+        names = ("newton", "gradient", "evaluations", "factorisations")
         return answer(form, y, tol, status, dict(zip(names, work.tolist(), strict=True)), history, detail)
 
 
@@ -97,7 +97,7 @@ def signature(A):  # type: ignore[no-untyped-def]
 @njit(cache=True)
 def iterate(M, q, weight, y, eps, tol, limit, globalised):  # type: ignore[no-untyped-def]
     """From y: the best point found, how it ended, the period of the first cycle seen (or 0), work, residuals."""
-    work = np.zeros(3, np.int64)
+    work = np.zeros(4, np.int64)
     history, visited = np.empty(64), np.empty(64, np.int64)
     recent = np.zeros(MEMORY)
     w = M @ y + q
@@ -123,6 +123,7 @@ def iterate(M, q, weight, y, eps, tol, limit, globalised):  # type: ignore[no-un
             break
         kind, t = NEWTON, 1.0
         d = newton_direction(M, y, w, eps)
+        work[FACTORISATIONS] += 1
         if globalised:
             worst = recent.max()
             while kind <= GRADIENT:

@@ -27,7 +27,7 @@ from solvers.sweeps.stopping import ENDS, GOING, ended, progress
 class NNCG:
     """Nonlinear nonsmooth conjugate gradients over Gauss-Seidel sweeps.
 
-    Work: sweeps over all contacts. History: the residual at the start and after every tenth sweep.
+    Work: sweeps over all contacts, and checks of the residual. History: the residual at the start and after every tenth sweep.
     """
 
     def form(self, problem: FrictionProblem) -> ContactForm:
@@ -38,7 +38,7 @@ class NNCG:
         r = impulses(start, prepared.offset.shape)
         history = np.empty(2 + limit // CHECK)
         end, sweeps, checks = _iterate(prepared, r, tol, limit, history, progress())
-        return Answer(r, ENDS[end], {"sweeps": sweeps}, tuple(history[:checks].tolist()))
+        return Answer(r, ENDS[end], {"sweeps": sweeps, "checks": checks}, tuple(history[:checks].tolist()))
 
 
 @njit(cache=True)

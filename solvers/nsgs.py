@@ -32,7 +32,7 @@ class NSGS:
     """Nonsmooth Gauss-Seidel: solve each contact's friction law in turn.
 
     relaxation: factor in (0, 2) on every change of an impulse.
-    Work: sweeps over all contacts. History: the residual at the start and after every tenth sweep.
+    Work: sweeps over all contacts, and checks of the residual. History: the residual at the start and after every tenth sweep.
     """
 
     relaxation: float = 1.0
@@ -48,7 +48,7 @@ class NSGS:
         r = impulses(start, prepared.offset.shape)
         history = np.empty(2 + limit // CHECK)
         end, sweeps, checks = _iterate(prepared, r, self.relaxation, tol, limit, history, progress())
-        return Answer(r, ENDS[end], {"sweeps": sweeps}, tuple(history[:checks].tolist()))
+        return Answer(r, ENDS[end], {"sweeps": sweeps, "checks": checks}, tuple(history[:checks].tolist()))
 
 
 @njit(cache=True)

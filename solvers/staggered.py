@@ -33,7 +33,7 @@ INNER_LIMIT = 5000
 class Staggered:
     """Staggered projections: alternate the normal and the friction problem.
 
-    Work: rounds, and products with W in the inner solves. History: the residual before every round.
+    Work: rounds, and products with W, those of the inner solves among them. History: the residual before every round.
     """
 
     def form(self, problem: FrictionProblem) -> ContactForm:
@@ -50,6 +50,7 @@ class Staggered:
         while True:
             state(form, n + t, x)
             velocity(form, x, u)
+            products += 1
             error = defect(form, n + t, u, 1.0)
             history.append(error)
             end = ended(error, tol, rounds, limit, PATIENCE, best)
@@ -60,6 +61,7 @@ class Staggered:
             state(form, n, friction.rest)
             friction.friction_bias[:] = form.friction * n[:, 0] + form.friction_bias
             products += descend(friction, t, 0.0, INNER * error, INNER_LIMIT, spent, progress())[2]
+            products += 2  # of each half's impulses, for the other to start from
             rounds += 1
 
 

@@ -59,6 +59,7 @@ def trace(system: System, point: Point, best: Best, tol: float, patience: int, h
         if best.residual[0] <= tol or length < SHORTEST or not END < log_t < 1:
             return used
         linearise(system, point, work)
+        best.factorisations[0] += 1
         t = np.exp(log_t)
         _aim(system, target, t, product, 1.0, point)
         add_step(defect, -t, first)

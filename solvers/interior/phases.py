@@ -29,20 +29,18 @@ def run(
     if not problem.q.any():
         return Answer(np.zeros_like(system.offset), Status.SOLVED, {"iterations": 0, "factorisations": 0})
     history = np.empty(limit + 1)
-    best = Best(np.zeros_like(system.offset), np.array([np.inf]))
-    used = tried = 0
+    best = Best(np.zeros_like(system.offset), np.array([np.inf]), np.zeros(1, np.int64))
+    used = 0
     status = Status.STALLED
     for method, point in phases:
         used += method(system, point, best, tol / 2, patience, history[used : used + SHARE])
-        tried += 1
         if _is_solved(best, tol, system, problem, measure):
             status = Status.SOLVED
             break
         if used == len(history):
             status = Status.WORK_LIMIT
             break
-    factorisations = used - tried  # a phase looks at one point more than it leaves
-    work = {"iterations": used, "factorisations": factorisations}
+    work = {"iterations": used, "factorisations": int(best.factorisations[0])}
     return Answer(best.impulse * system.impulse, status, work, tuple(history[:used].tolist()))
 
 

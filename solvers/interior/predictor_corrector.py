@@ -20,15 +20,17 @@ from problems.check import Array
 from solvers.interior.newton import direction, evaluate, linearise
 from solvers.interior.point import Point, add_products, add_step, longest, new_point, set_identity
 from solvers.interior.system import System, Work, new_work
+from solvers.sparse_lu.minimum_degree import Index
 
 TO_BOUNDARY = 0.995
 
 
 class Best(NamedTuple):
-    """The impulses (nc, d) with the smallest residual (1,) so far, in the system's units."""
+    """The impulses (nc, d) with the smallest residual (1,) so far, in the system's units; factorisations (1,) so far."""
 
     impulse: Array
     residual: Array
+    factorisations: Index
 
 
 @njit(cache=True, error_model="numpy")
@@ -85,6 +87,7 @@ def _iterate(
         if best.residual[0] <= tol or since > patience or not gap + off < np.inf:
             return iteration + 1
         linearise(system, point, work)
+        best.factorisations[0] += 1
         target[:] = 0
         add_products(system, -1.0, x, s, target)
         direction(system, point, target, defect, step, work)

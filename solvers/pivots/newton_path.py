@@ -79,9 +79,9 @@ def follow(basis, columns, b, v, limit, work):  # type: ignore[no-untyped-def]
             entering = leaving + n if leaving < n else leaving - n
             work[PIVOTS] += 1
         if renew:
+            work[FACTORISATIONS] += 1
             if factorise(basis, columns, DEPENDENT):
                 return SINGULAR
-            work[FACTORISATIONS] += 1
             x[:] = b
             ftran(basis, x)
             for i in range(n):

@@ -40,7 +40,7 @@ def test_ten_iterations(benchmark, name) -> None:
     system = prepare(PROBLEMS[name])
 
     def iterate() -> int:
-        best = Best(np.zeros_like(system.offset), np.array([np.inf]))
+        best = Best(np.zeros_like(system.offset), np.array([np.inf]), np.zeros(1, np.int64))
         return predictor_corrector(system, start_point(system, 1.0, 1.0), best, 0.0, 12, np.empty(11))
 
     assert iterate() == 11
