@@ -2,8 +2,8 @@
 
 To the solves table come the columns
 
-    entry           the variant of a solver; another start makes it another entry, and so does another host: times of two
-                    machines never meet in one figure
+    entry           the variant of a solver, with an asterisk where it is a portfolio; another start makes it another entry,
+                    and so does another host: times of two machines never meet in one figure
     problem_id      a number for the problem of one time step
     problem_class   the scene; where a scene comes in several sizes, the scene and its band of sizes
     time            form, setup and solve together, s
@@ -27,6 +27,7 @@ from results.store import read_manifest, read_table
 
 BANDS = (100, 1000)  # unknowns of the friction LCP: dense methods win below, sparse ones above
 COLD, WARM = "cold", "warm"  # starts
+PORTFOLIO = "*"
 NO_ANSWER = (TIMEOUT, CRASHED, SKIPPED)
 _IDENTITY = ["scene", "parameters", "step", "phase", "problem"]
 
@@ -49,6 +50,12 @@ class Run:
         """The look of every entry that ran at all."""
         tables = (self.rows, self.drives)
         return looks(entry for table in tables for entry in table.loc[table["verdict"] != SKIPPED, "entry"])
+
+    @cached_property
+    def portfolios(self) -> dict[str, str]:
+        """Of each portfolio that has a row, the solvers that it may run."""
+        tables = [table[table["members"].fillna("") != ""] for table in (self.rows, self.drives)]
+        return {row["solver"]: row["members"] for table in tables for _, row in table.iterrows()}
 
     @cached_property
     def times(self) -> dict[float, pd.DataFrame]:
@@ -76,6 +83,7 @@ def annotate(solves: pd.DataFrame) -> pd.DataFrame:
     rows["trivial"] = rows["trivial"].eq(True)
     rows["claimed"] = rows["claimed"].eq(True)
     rows["entry"] = rows["variant"].where(rows["start"].isin(["", COLD]), rows["variant"] + ", " + rows["start"])
+    rows["entry"] += _mark(rows)
     if len(set(rows["host"])) > 1:
         rows["entry"] += " on " + rows["host"]
     rows["problem_id"] = rows.groupby(_IDENTITY, dropna=False, sort=False).ngroup()
@@ -90,7 +98,12 @@ def annotate_drives(drives: pd.DataFrame) -> pd.DataFrame:
     rows = drives.reset_index(drop=True)
     texts = ["scene", "parameters", "variant", "verdict", "reason", "scheme"]
     rows[texts] = rows[texts].fillna("")
-    return rows.assign(entry=rows["variant"])
+    return rows.assign(entry=rows["variant"] + _mark(rows))
+
+
+def _mark(rows: pd.DataFrame) -> pd.Series:
+    """What follows a portfolio's name wherever it is shown."""
+    return rows["members"].fillna("").ne("").map({True: PORTFOLIO, False: ""})
 
 
 def _classes(rows: pd.DataFrame) -> pd.Series:

@@ -1,5 +1,6 @@
 """The report's numbers on tables small enough to check by hand, and its page on folders of every kind."""
 
+import re
 from collections import Counter
 from html.parser import HTMLParser
 from pathlib import Path
@@ -184,6 +185,19 @@ def test_a_large_share_of_form_is_marked(tmp_path):
     assert shares == pytest.approx([1 / 7, 1 / 2])
     assert "form, the writing of the problem: 14 %)" in _Page(write_report(write_folder(tmp_path / "few", few))).text
     assert "50 %, more than a fifth)" in _Page(write_report(write_folder(tmp_path / "much", much))).text
+
+
+def test_a_portfolio_is_marked_wherever_it_is_named(tmp_path):
+    rows = [solve_row("mixture", "p", members="lemke, nsgs", solve_time=1e-3), solve_row("nsgs", "p")]
+    folder = write_folder(tmp_path / "run", rows, [drive_row("mixture", members="lemke, nsgs")])
+    page, run = _Page(write_report(folder)), read_run(folder)
+    assert "mixture* may run lemke, nsgs." in page.text
+    assert "mixture* reaches a verified residual" in page.text
+    assert re.search(r"mixture(?!\*)", page.text) is None
+    assert set(run.looks) == {"mixture*", "nsgs"}
+    assert set(run.drives["entry"]) == {"mixture*"}
+    assert looks(["hybrid*"])["hybrid*"].colour == looks(["hybrid"])["hybrid"].colour
+    assert r"mixture* &" in (write_paper(folder) / "times.tex").read_text()
 
 
 def test_the_page_has_all_its_parts_and_stands_alone(tmp_path):

@@ -72,7 +72,7 @@ def looks(entries: Iterable[str]) -> dict[str, Look]:
 
 
 def _solver(entry: str) -> str:
-    return re.split(r"[\[,]| on ", entry, maxsplit=1)[0]
+    return re.split(r"[\[,*]| on ", entry, maxsplit=1)[0]
 
 
 def _place(entry: str) -> tuple[int, int]:
