@@ -4,7 +4,7 @@ import platform
 import subprocess
 from functools import cache
 from hashlib import sha256
-from importlib.metadata import PackageNotFoundError, distributions, version
+from importlib.metadata import distributions, version
 from pathlib import Path
 from typing import Any
 
@@ -33,14 +33,6 @@ def versions() -> dict[str, str]:
     """The version of every installed distribution, and of this project's code."""
     found = {entry.metadata["Name"]: entry.version for entry in distributions()}
     return {"frictionbench": revision(), **{name: found[name] for name in sorted(found) if name != "frictionbench"}}
-
-
-def version_of(needs: tuple[str, ...]) -> str:
-    """Versions of the distributions a solver needs; this project's revision for our own."""
-    try:
-        return ", ".join(f"{name} {version(name)}" for name in needs) or revision()
-    except PackageNotFoundError:
-        return ""
 
 
 @cache

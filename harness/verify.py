@@ -75,8 +75,8 @@ def _complaint(problem: FrictionProblem, impulse: Array) -> str | None:
 
 
 def _model_residual(problem: FrictionProblem, answer: Answer, info: SolverInfo, exact: float) -> float:
-    if info.model == "relaxation":
-        return relaxation_residual(problem, np.asarray(answer.impulse, dtype=float))
+    if info.model in ("relaxation", "regularised"):
+        return relaxation_residual(problem, np.asarray(answer.impulse, dtype=float), answer.softness)
     if info.model == "lcp" and problem.dimension == 3 and answer.z is not None:
         return problem.lcp().residual(answer.z)
     return exact

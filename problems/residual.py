@@ -28,9 +28,12 @@ def residual(problem: FrictionProblem, impulse: Array) -> float:
     return _defect(problem, impulse, shift=1.0)
 
 
-def relaxation_residual(problem: FrictionProblem, impulse: Array) -> float:
-    """The residual of impulse (nc, d) on the problem's convex relaxation, in the same measure."""
-    return _defect(problem, impulse, shift=0.0)
+def relaxation_residual(problem: FrictionProblem, impulse: Array, softness: Array | None = None) -> float:
+    """The residual of impulse (nc, d) on the problem's convex relaxation, in the same measure.
+
+    softness: (nc, d), R >= 0 in 1/kg, of contacts made soft, u = W r + q + R r.
+    """
+    return _defect(problem, impulse, shift=0.0, softness=softness)
 
 
 def residual_floor(problem: FrictionProblem, impulse: Array) -> float:
@@ -57,13 +60,15 @@ def energy_within(problem: FrictionProblem, impulse: Array, bound: float) -> flo
     return float(bound * problem.fastest * sizes.sum()) if problem.contacts else 0.0
 
 
-def _defect(problem: FrictionProblem, impulse: Array, shift: float) -> float:
+def _defect(problem: FrictionProblem, impulse: Array, shift: float, softness: Array | None = None) -> float:
     nc, d = problem.contacts, problem.dimension
     if not nc:
         return 0.0
     if impulse.shape != (nc, d) or not np.isfinite(impulse).all():
         return np.inf
     u = problem.contact_velocity(impulse)
+    if softness is not None:
+        u = u + softness * impulse
     s = problem.scale
     worst = float(np.max(s * _defects(impulse, u, s, problem.friction, problem.friction_bias, shift)))
     free = problem.fastest

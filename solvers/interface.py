@@ -20,7 +20,6 @@ by others.
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 from enum import Enum
-from importlib.util import find_spec
 from numbers import Integral, Real
 from typing import Any, Literal, Protocol, TypeVar
 
@@ -29,8 +28,9 @@ import numpy as np
 from problems import LCP, FrictionProblem, InputError, check
 from problems.check import Array, require
 from problems.spec import split
+from solvers.needs import installed
 
-Model = Literal["coulomb", "lcp", "relaxation"]
+Model = Literal["coulomb", "lcp", "relaxation", "regularised"]
 MOST_WORK = 10**8  # units of work a limit may allow: histories are laid out for it
 
 
@@ -53,6 +53,8 @@ class Answer:
     work: deterministic counts by name (pivots, sweeps, iterations, factorisations).
     history: the method's own measure of progress, one number an iteration, where it has one.
     detail: the outside library's own words, or a reason.
+    clock: s, the library's own time of its solve, where it keeps one; the harness times the whole call besides.
+    softness: (nc, d), 1/kg, of a solver of regularised contacts: the R >= 0 with which it made u = W r + q + R r.
     """
 
     impulse: Array
@@ -61,6 +63,8 @@ class Answer:
     history: tuple[float, ...] = ()
     z: Array | None = None
     detail: str = ""
+    clock: float | None = None
+    softness: Array | None = None
 
 
 class Solver(Protocol):
@@ -80,9 +84,11 @@ class SolverInfo:
     """The facts about a solver.
 
     model: what it solves: "coulomb" the friction problem itself, "lcp" its LCP (the same in the plane, polygonal in space;
-    such a solver also takes a bare LCP), "relaxation" the convex relaxation.
-    needs: distributions to import, checked for availability. sparse: whether it stays sparse on large problems.
-    members: the solvers it may run, where it is a portfolio.
+    such a solver also takes a bare LCP), "relaxation" the convex relaxation, "regularised" that with soft contacts.
+    needs: what must be installed, as solvers.needs has it. sparse: whether it stays sparse on large problems.
+    lacks: the problem's fields that it knows nothing of, friction_bias or joints, and so takes no problem with one.
+    variants: the settings that are solvers of their own, as in `ccp[backend=clarabel]`. A variant that differs in model,
+    dimension, needs or lacks has an attribute of that name. members: the solvers it may run, where it is a portfolio.
     """
 
     name: str
@@ -92,8 +98,15 @@ class SolverInfo:
     warm_start: bool
     sparse: bool
     needs: tuple[str, ...]
+    lacks: tuple[str, ...]
+    variants: tuple[str, ...]
+    members: tuple[str, ...]
     make: Callable[..., Solver]
-    members: tuple[str, ...] = ()
+
+    @property
+    def specs(self) -> tuple[str, ...]:
+        """How the command line names it, each of its variants apart."""
+        return tuple(f"{self.name}[{settings}]" for settings in self.variants) or (self.name,)
 
     @property
     def summary(self) -> str:
@@ -103,8 +116,13 @@ class SolverInfo:
     @property
     def missing(self) -> str | None:
         """Why the solver cannot be used here, or None."""
-        absent = [name for name in self.needs if find_spec(name) is None]
+        absent = [need for need in self.needs if installed(need) is None]
         return f"{', '.join(absent)} not installed" if absent else None
+
+    @property
+    def version(self) -> str:
+        """What it needs with its versions, where it is there; nothing for our own."""
+        return ", ".join(f"{need} {installed(need) or ''}".strip() for need in self.needs)
 
     def refuses(self, problem: FrictionProblem | LCP) -> str | None:
         """Why this solver does not take the problem, or None."""
@@ -112,7 +130,8 @@ class SolverInfo:
             return None if self.model == "lcp" else f"{self.name} solves friction problems, not bare LCPs"
         if problem.dimension not in self.dimension:
             return f"{self.name} does not take contacts of dimension {problem.dimension}"
-        return None
+        present = [field for field in self.lacks if abs(getattr(problem, field)).sum() > 0]
+        return f"{self.name} takes no {', '.join(present)}" if present else None
 
 
 _solvers: dict[str, SolverInfo] = {}
@@ -128,6 +147,8 @@ def solver(
     warm_start: bool = False,
     sparse: bool = False,
     needs: tuple[str, ...] = (),
+    lacks: tuple[str, ...] = (),
+    variants: tuple[str, ...] = (),
     members: tuple[str, ...] = (),
 ) -> Callable[[Class], Class]:
     """Make a class a frozen dataclass whose fields are its variants, give it the steps it leaves out, and list it."""
@@ -136,7 +157,8 @@ def solver(
         made: Any = dataclass(frozen=True)(with_all_steps(cls))
         if name in _solvers:
             raise ValueError(f"solver: the name {name!r} is taken by {_solvers[name].make}")
-        _solvers[name] = SolverInfo(name, family, model, dimension, warm_start, sparse, needs, made, members)
+        facts = (family, model, dimension, warm_start, sparse, needs, lacks, variants, members)
+        _solvers[name] = SolverInfo(name, *facts, made)
         return made
 
     return register
@@ -189,11 +211,13 @@ def find(spec: str) -> tuple[SolverInfo, Solver]:
         except (ValueError, KeyError):
             raise InputError(f"solver: {name}[{key}=...] takes a {kinds[key].__name__}, got {text!r}") from None
     try:
-        return info, replace(instance, **values)
+        made = replace(instance, **values)
     except ValueError as error:
         raise InputError(f"solver: {spec}: {error}") from None
+    return replace(info, **{fact: getattr(made, fact) for fact in _OF_A_VARIANT if hasattr(made, fact)}), made
 
 
+_OF_A_VARIANT = ("model", "dimension", "needs", "lacks")
 _FLAGS = {"true": True, "false": False, "1": True, "0": False}
 
 

@@ -53,5 +53,5 @@ def solver_facts(variant: str) -> Row:
         "family": info.family,
         "model": info.model,
         "members": ", ".join(info.members),
-        "version": machine.version_of(info.needs),
+        "version": info.version or machine.revision(),
     }

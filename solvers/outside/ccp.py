@@ -3,22 +3,29 @@
 Planar problems only, where the cones are polygons; `ccp_cone` takes round ones too. It is another model than Coulomb's: see
 problems.forms.relaxation.
 
-The program is scaled to pure numbers (solvers.outside.scaled_program), so that eps below stands for tol in the project's
-measure:
-
-    clarabel   interior point. tol_feas = eps for the primal and dual residuals, tol_gap_abs = tol_gap_rel = eps^2.
-    proxqp     augmented Lagrangian. eps_abs = eps for both residuals, eps_duality_gap_abs = eps^2: it does not test the gap
-               unless told to, and complementarity is then left open.
-    osqp       ADMM. eps_abs = eps/10 for both residuals and the gap, eps_rel = 0, not polished.
-
-References: Anitescu 2006 for the model; Goulart and Chen 2024 (Clarabel); Stellato and others 2020 (OSQP); Bambade and others
-2022 (ProxQP).
+Licence: qpsolvers LGPL-3.0; Clarabel and OSQP Apache-2.0, ProxSuite and PIQP BSD-2-Clause, DAQP, HiGHS and SCS MIT, quadprog
+    GPL-2.0, ECOS GPL-3.0, QPALM LGPL-3.0.
+Form: the QP scaled to pure numbers (solvers.outside.scaled_program), dense for DAQP, quadprog and ECOS. Setup: qpsolvers'
+problem.
+    Solve: qpsolvers' call, the backend's own setup inside.
+Clock: qpsolvers', around the backend's solve, after its setup where the two can be told apart.
+Tolerance: eps stands for tol in the project's measure, and complementarity needs a gap of eps^2.
+    clarabel tol_feas = eps, gaps eps^2. osqp eps_abs = eps/10, not polished. proxqp and piqp eps_abs = eps, gap eps^2, which
+    ProxQP does not test unless told to. daqp primal and dual eps/10. highs both feasibilities eps/10, no less than 1e-10.
+    scs and qpalm eps_abs = eps/10. ecos feastol = eps/10, gaps eps^2. quadprog takes none. Relative tolerances are 0.
+Flaws: another model than Coulomb's wherever boxes slide, `frictionbench solve stopping_block --solver 'ccp[backend=daqp]'`;
+that is
+    the relaxation's, not the libraries'.
+Reference: Anitescu 2006 for the model; Caron and others, qpsolvers; Goulart and Chen 2024 (Clarabel); Stellato and others 2020
+    (OSQP); Bambade and others 2022 (ProxQP); Schwan and others 2023 (PIQP); Arnström and others 2022 (DAQP).
 """
 
 import warnings
-from dataclasses import dataclass
+from collections.abc import Mapping
 from importlib import import_module
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from problems import FrictionProblem
 from problems.check import Array, require
@@ -26,65 +33,108 @@ from problems.forms.relaxation import QP
 from solvers.interface import Answer, Status, solver
 from solvers.outside.scaled_program import ScaledProgram, gap_tolerance, scaled_program
 
-_LIMIT = {"clarabel": 200, "osqp": 100_000, "proxqp": 10_000}  # iterations, by backend
+
+class Backend(NamedTuple):
+    """A backend's distribution, the name and default of its limit on iterations, and whether it likes dense matrices."""
+
+    distribution: str
+    limit: str
+    most: int
+    dense: bool = False
 
 
-@dataclass(frozen=True, eq=False)
-class Prepared:
+BACKENDS = {
+    "clarabel": Backend("clarabel", "max_iter", 200),
+    "osqp": Backend("osqp", "max_iter", 100_000),
+    "proxqp": Backend("proxsuite", "max_iter", 10_000),
+    "piqp": Backend("piqp", "max_iter", 500),
+    "daqp": Backend("daqp", "iter_limit", 10_000, dense=True),
+    "quadprog": Backend("quadprog", "", 0, dense=True),
+    "highs": Backend("highspy", "qp_iteration_limit", 100_000),
+    "scs": Backend("scs", "max_iters", 100_000),
+    "ecos": Backend("ecos", "max_iters", 200, dense=True),
+    "qpalm": Backend("qpalm", "max_iter", 10_000),
+}
+
+
+class Prepared(NamedTuple):
     scaled: ScaledProgram[QP]
     problem: Any  # qpsolvers.Problem
 
 
-@solver("ccp", family="relaxation", model="relaxation", sparse=True, needs=("qpsolvers", "clarabel", "osqp", "proxsuite"))
+@solver(
+    "ccp",
+    family="relaxation",
+    model="relaxation",
+    sparse=True,
+    needs=("qpsolvers", "clarabel"),
+    variants=tuple(f"backend={name}" for name in BACKENDS),
+)
 class CCP:
-    """The convex relaxation as a QP in the velocities, by Clarabel, OSQP or ProxQP.
+    """The convex relaxation as a QP in the velocities, by a library through qpsolvers.
 
-    backend: clarabel, osqp or proxqp. Work: the backend's iterations, where it reveals them.
+    backend: which library. Work: the backend's iterations, where it reveals them.
     """
 
     backend: str = "clarabel"
 
     def __post_init__(self) -> None:
-        require(self.backend in _LIMIT, "backend", f"must be one of {', '.join(_LIMIT)}, got {self.backend!r}")
+        require(self.backend in BACKENDS, "backend", f"must be one of {', '.join(BACKENDS)}, got {self.backend!r}")
+
+    @property
+    def needs(self) -> tuple[str, ...]:
+        return "qpsolvers", BACKENDS[self.backend].distribution
 
     def form(self, problem: FrictionProblem) -> ScaledProgram[QP]:
         return scaled_program(problem, problem.qp())
 
     def setup(self, scaled: ScaledProgram[QP]) -> Prepared:
         qpsolvers: Any = import_module("qpsolvers")
-
-        joints = (scaled.A, scaled.b) if scaled.A is not None else (None, None)
-        return Prepared(scaled, qpsolvers.Problem(scaled.P, scaled.q, scaled.G, scaled.h, *joints))
+        dense = BACKENDS[self.backend].dense
+        P, G, A = (M.toarray() if dense and M is not None else M for M in (scaled.P, scaled.G, scaled.A))
+        joints = (None, None) if A is None else (A, scaled.b)
+        return Prepared(scaled, qpsolvers.Problem(P, scaled.q, G, scaled.h, *joints))
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         qpsolvers: Any = import_module("qpsolvers")
-
-        scaled = prepared.scaled
+        scaled, backend = prepared.scaled, BACKENDS[self.backend]
         if not scaled.program.contacts[0]:
             return Answer(scaled.impulse(scaled.h), Status.SOLVED)
-        settings = self._settings(tol * scaled.share)
+        settings = _settings(self.backend, tol * scaled.share)
+        settings |= {backend.limit: limit or backend.most} if backend.limit else {}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # qpsolvers' word on a failure; it is in the status
-            found = qpsolvers.solve_problem(prepared.problem, self.backend, max_iter=limit or _LIMIT[self.backend], **settings)
-        info = found.extras.get("info")
-        status = Status.SOLVED if found.found else Status.FAILED
-        return Answer(
-            scaled.impulse(found.z),
-            status,
-            {} if info is None else {"iterations": int(info.iter)},
-            detail=str(found.extras["status"] if info is None else info.status),
-        )
+            found = qpsolvers.solve_problem(prepared.problem, self.backend, **settings)
+        impulse = np.zeros(scaled.program.contacts) if found.z is None else scaled.impulse(found.z)
+        status, (work, detail) = Status.SOLVED if found.found else Status.FAILED, _told(found.extras)
+        return Answer(impulse, status, work, detail=detail, clock=found.solve_time)
 
-    def _settings(self, eps: float) -> dict[str, float]:
-        gap = gap_tolerance(eps, round_cones=False)
-        if self.backend == "clarabel":
-            return {"tol_feas": eps, "tol_gap_abs": gap, "tol_gap_rel": gap}
-        if self.backend == "proxqp":
-            return {
-                "eps_abs": eps,
-                "eps_rel": 0.0,
-                "check_duality_gap": True,
-                "eps_duality_gap_abs": gap,
-                "eps_duality_gap_rel": 0.0,
-            }
-        return {"eps_abs": eps / 10, "eps_rel": 0.0}
+
+def _settings(backend: str, eps: float) -> dict[str, Any]:
+    gap = gap_tolerance(eps, round_cones=False)
+    absolute = {"eps_abs": eps, "eps_rel": 0.0, "eps_duality_gap_abs": gap, "eps_duality_gap_rel": 0.0}
+    split = {"eps_abs": eps / 10, "eps_rel": 0.0}
+    feasible = max(eps / 10, 1e-10)
+    return {
+        "clarabel": {"tol_feas": eps, "tol_gap_abs": gap, "tol_gap_rel": gap},
+        "osqp": split,
+        "proxqp": absolute | {"check_duality_gap": True},
+        "piqp": absolute,
+        "daqp": {"primal_tol": eps / 10, "dual_tol": eps / 10},
+        "quadprog": {},
+        "highs": {"primal_feasibility_tolerance": feasible, "dual_feasibility_tolerance": feasible},
+        "scs": split,
+        "ecos": {"feastol": eps / 10, "abstol": gap, "reltol": gap},
+        "qpalm": split,
+    }[backend]
+
+
+def _told(extras: Mapping[str, Any]) -> tuple[dict[str, int], str]:
+    """The iterations and the last word of a backend, each where it tells it."""
+    info = extras.get("info", extras)
+    told = (
+        info if isinstance(info, Mapping) else {name: getattr(info, name) for name in ("iter", "status") if hasattr(info, name)}
+    )
+    count = told.get("iter", np.ravel(told.get("iterations", []))[:1].tolist())
+    work = {"iterations": int(count[0] if isinstance(count, list) else count)} if count != [] else {}
+    return work, str(told.get("status", told.get("infostring", "")))

@@ -49,6 +49,22 @@ class ScaledProgram(Generic[Kind]):
         """The contact impulses (nc, d) of scaled multipliers of G."""
         return self.program.impulse(self.unit * z)
 
+    @property
+    def constraints(self) -> sparse.csc_matrix:
+        """G above A."""
+        return sparse.vstack([M for M in (self.G, self.A) if M is not None], format="csc")
+
+    def multipliers(self, impulse: Array) -> Array:
+        """Scaled multipliers of G that make about these planar impulses, for a warm start; friction's bias has none."""
+        n, slip = impulse[:, 0], impulse[:, 1] / np.where(self.program.friction > 0, self.program.friction, 1.0)
+        z = np.zeros(len(self.h))
+        z[: 2 * len(n)] = np.maximum(np.column_stack([n + slip, n - slip]).ravel() / 2, 0.0)
+        return z / self.unit
+
+    def pattern(self) -> tuple[bytes, ...]:
+        """Equal where P, G and A have their entries in the same places, so that a library can keep its analysis."""
+        return tuple(part.tobytes() for M in (self.P, self.constraints) for part in (M.indptr, M.indices))
+
 
 def gap_tolerance(eps: float, round_cones: bool) -> float:
     """The duality gap at which errors fall to eps, as far as arithmetic lets it."""

@@ -1,0 +1,57 @@
+"""MuJoCo's mju_boxQP on the dual of the convex relaxation, in a child process: the one solver of MuJoCo that takes raw
+matrices.
+
+In the plane the cone's two edges generate every impulse, r = G z with G_i = [1 1; mu -mu] and z >= 0, so the relaxation is
+
+    min  ½ z'(G'W G + 1e-12) z + (G'q)'z,     z >= 0,
+
+the small diagonal because mju_boxQP wants a definite matrix, and redundant contacts have none.
+
+Licence: Apache-2.0.
+Form: that program, dense, in pure numbers. Setup: none. Solve: mju_boxQP, and sending it the matrix.
+Clock: around mju_boxQP, in the child.
+Tolerance: it takes none.
+Flaws: it returns a rank and no word on its accuracy, and is wrong now and then on redundant contacts: `frictionbench run peers
+    --scene pyramid --solver mujoco_boxqp`.
+Reference: Tassa, Mansard and Todorov 2014, "Control-limited differential dynamic programming".
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from problems import FrictionProblem
+from problems.check import Array
+from solvers.interface import Answer, Status, solver
+from solvers.outside.children.child import child
+from solvers.outside.pure_delassus import PureDelassus, pure_delassus
+
+
+class Prepared(NamedTuple):
+    given: PureDelassus
+    generators: Array
+    H: Array
+    g: Array
+
+
+@solver("mujoco_boxqp", family="outside", model="relaxation", needs=("mujoco",), lacks=("friction_bias",))
+class BoxQP:
+    """MuJoCo's mju_boxQP on the relaxation's dual, in a child process. (outside)
+
+    Work: none is revealed.
+    """
+
+    def form(self, problem: FrictionProblem) -> Prepared:
+        given, nc = pure_delassus(problem), problem.contacts
+        G, i = np.zeros((2 * nc, 2 * nc)), np.arange(nc)
+        G[2 * i, 2 * i] = G[2 * i, 2 * i + 1] = 1.0
+        G[2 * i + 1, 2 * i], G[2 * i + 1, 2 * i + 1] = problem.friction, -problem.friction
+        return Prepared(given, G, G.T @ (given.W @ G) + 1e-12 * np.eye(2 * nc), G.T @ given.q)
+
+    def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        given, G, H, g = prepared
+        if not len(g):
+            return Answer(np.zeros(given.contacts), Status.SOLVED)
+        found = child("mujoco_rows.py").ask(H=H, g=g)
+        status = Status.SOLVED if found["rank"] >= 0 else Status.FAILED
+        return Answer(given.impulse(G @ found["z"]), status, detail=f"rank {found['rank']}", clock=found["clock"])

@@ -1,0 +1,100 @@
+"""The convex relaxation by Clarabel's own Python interface: linear constraints in the plane, circular cones in space.
+
+Licence: Apache-2.0.
+Form: the program scaled to pure numbers (solvers.outside.scaled_program), A and G stacked. Setup: Clarabel's solver object, its
+    ordering and scaling; with keep=true an update of the object of the step before, wherever the entries are in the same
+    places. Solve: its solve. (It has no warm start: an interior point starts from the middle.)
+Clock: none: its solve_time holds its setup too.
+Tolerance: tol_feas = eps, both gaps eps^2; eps stands for tol.
+Flaws: a gap of eps^2 is often out of reach of its arithmetic, and it then says so though the answer is good, `frictionbench run
+    peers --solver clarabel --tol 1e-8`.
+Reference: Goulart and Chen 2024.
+"""
+
+from functools import cached_property
+from importlib import import_module
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy import sparse
+
+from problems import FrictionProblem
+from problems.check import Array
+from problems.forms.relaxation import QP, ConeProgram
+from solvers.interface import Answer, Status, solver
+from solvers.outside.scaled_program import ScaledProgram, gap_tolerance, scaled_program
+
+Scaled = ScaledProgram[QP] | ScaledProgram[ConeProgram]
+
+
+class Prepared(NamedTuple):
+    scaled: Scaled
+    object: Any
+
+
+@solver(
+    "clarabel",
+    family="relaxation",
+    model="relaxation",
+    dimension=(2, 3),
+    sparse=True,
+    needs=("clarabel",),
+    variants=("keep=false", "keep=true"),
+)
+class Clarabel:
+    """The convex relaxation by Clarabel itself, with circular cones in space. (outside)
+
+    keep: update the object of the problem before instead of making another. Work: iterations.
+    """
+
+    keep: bool = False
+
+    @cached_property
+    def _kept(self) -> dict[tuple[bytes, ...], Any]:
+        return {}
+
+    def form(self, problem: FrictionProblem) -> Scaled:
+        if problem.dimension == 2:
+            return scaled_program(problem, problem.qp())
+        return scaled_program(problem, problem.cone())
+
+    def setup(self, scaled: Scaled) -> Prepared:
+        clarabel: Any = import_module("clarabel")
+        if not scaled.program.contacts[0]:
+            return Prepared(scaled, None)
+        cones = [clarabel.NonnegativeConeT(len(scaled.h))]
+        if isinstance(scaled.program, ConeProgram):
+            cones = [clarabel.SecondOrderConeT(3)] * (len(scaled.h) // 3)
+        P, q = sparse.triu(scaled.P, format="csc"), scaled.q
+        A, b = scaled.constraints, np.concatenate([scaled.h, scaled.b])
+        pattern = scaled.pattern()
+        if self.keep and (made := self._kept.get(pattern)):
+            made.update(P=P, q=q, A=A, b=b)
+        else:
+            made = clarabel.DefaultSolver(P, q, A, b, [*cones, clarabel.ZeroConeT(len(scaled.b))], _settings())
+            self._kept.clear()
+            self._kept[pattern] = made
+        return Prepared(scaled, made)
+
+    def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        clarabel: Any = import_module("clarabel")
+        scaled, made = prepared
+        if made is None:
+            return Answer(scaled.impulse(scaled.h), Status.SOLVED)
+        eps = tol * scaled.share
+        gap = gap_tolerance(eps, round_cones=scaled.program.contacts[1] > 2)
+        made.update(settings=_settings(tol_feas=eps, tol_gap_abs=gap, tol_gap_rel=gap, max_iter=limit or 200))
+        found = made.solve()
+        z = np.array(found.z)[: len(scaled.h)]
+        status = Status.SOLVED if found.status == clarabel.SolverStatus.Solved else Status.FAILED
+        return Answer(
+            scaled.impulse(z), status, {"iterations": found.iterations}, detail=str(found.status), clock=found.solve_time
+        )
+
+
+def _settings(**chosen: Any) -> Any:
+    """Clarabel's settings: quiet, and without the presolve that would forbid updates."""
+    settings = import_module("clarabel").DefaultSettings()
+    for name, value in {"verbose": False, "presolve_enable": False, **chosen}.items():
+        setattr(settings, name, value)
+    return settings

@@ -1,0 +1,29 @@
+"""The friction LCP as outside solvers of LCPs take it: M dense, q, in pure numbers (solvers.pivots.scaling)."""
+
+from typing import NamedTuple
+
+from problems import LCP, FrictionProblem
+from problems.check import Array
+from solvers.interface import Answer, Status
+from solvers.pivots.scaling import Scaling, scaling
+
+
+class DenseLCP(NamedTuple):
+    """w = M y + q, scaled, and the way back."""
+
+    lcp: LCP
+    scale: Scaling
+    M: Array
+    q: Array
+
+    def answer(self, y: Array, status: Status, detail: str = "", clock: float | None = None, **work: int) -> Answer:
+        """The answer of a scaled solution y (n,)."""
+        z = self.scale.solution(y)
+        return Answer(self.lcp.impulse(z), status, work, z=z, detail=detail, clock=clock)
+
+
+def dense_lcp(problem: FrictionProblem | LCP) -> DenseLCP:
+    """The scaled dense LCP of a friction problem (a polygon with eight corners in space), or of a bare LCP."""
+    lcp = problem if isinstance(problem, LCP) else problem.lcp()
+    scale = scaling(lcp)
+    return DenseLCP(lcp, scale, scale.matrix(lcp.dense), scale.vector(lcp.q))

@@ -1,0 +1,69 @@
+"""Drake's two solvers of LCPs: MobyLcp, a Lemke method with retries, and UnrevisedLemke.
+
+Licence: BSD-3-Clause.
+Form: the friction LCP's M, dense and scaled, and q. Setup: a MathematicalProgram with that one constraint. Solve: a solver
+    object made afresh, for one that is reused starts from its last basis, and its Solve.
+Clock: none of its own.
+Tolerance: it takes none; both pivot and check what they found against zero tolerances of their own, left as they are.
+Flaws: UnrevisedLemke gives up on exact ties, `frictionbench solve 'stack[blocks=20]' --solver 'drake[method=unrevised]'`;
+MobyLcp
+    takes seconds from 100 contacts on.
+Reference: Drewniak, Tedrake and others, Drake; Dai and Drumwright, "Computing the Principal Pivoting Transform"
+(UnrevisedLemke).
+"""
+
+from importlib import import_module
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from problems import LCP, FrictionProblem
+from problems.check import Array, require
+from solvers.interface import Answer, Status, solver
+from solvers.outside.dense_lcp import DenseLCP, dense_lcp
+
+_METHODS = {"moby": "MobyLcpSolver", "unrevised": "UnrevisedLemkeSolver"}
+
+
+class Prepared(NamedTuple):
+    given: DenseLCP
+    program: Any
+    z: Any
+
+
+@solver(
+    "drake",
+    family="pivoting",
+    model="lcp",
+    dimension=(2, 3),
+    needs=("drake",),
+    variants=tuple(f"method={method}" for method in _METHODS),
+)
+class Drake:
+    """Drake's solvers of LCPs: MobyLcp or UnrevisedLemke. (outside)
+
+    method: moby or unrevised. Work: none is revealed.
+    """
+
+    method: str = "moby"
+
+    def __post_init__(self) -> None:
+        require(self.method in _METHODS, "method", f"must be one of {', '.join(_METHODS)}, got {self.method!r}")
+
+    def form(self, problem: FrictionProblem | LCP) -> DenseLCP:
+        return dense_lcp(problem)
+
+    def setup(self, given: DenseLCP) -> Prepared:
+        drake: Any = import_module("pydrake.solvers")
+        program = drake.MathematicalProgram()
+        z = program.NewContinuousVariables(len(given.q))
+        program.AddLinearComplementarityConstraint(given.M, given.q, z)
+        return Prepared(given, program, z)
+
+    def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        drake: Any = import_module("pydrake.solvers")
+        if not len(prepared.given.q):
+            return prepared.given.answer(np.zeros(0), Status.SOLVED)
+        found = getattr(drake, _METHODS[self.method])().Solve(prepared.program, None, None)
+        status = Status.SOLVED if found.is_success() else Status.FAILED
+        return prepared.given.answer(found.GetSolution(prepared.z), status, found.get_solution_result().name)

@@ -1,0 +1,83 @@
+"""MuJoCo's constraint solvers on a raw friction problem, in a child process, for such a call can crash it.
+
+Its contacts are soft: Newton and CG minimise the relaxation with u = W r + q + R r, and R sets how far that is from hard
+contacts. Here R = max(tol, 1e-7) s at every contact, so that the ladder of tolerances is a sweep of R: below that Newton
+diverges.
+
+Licence: Apache-2.0.
+Form: contact rows in pure numbers, three a contact, on velocities whitened by the mass's Cholesky factor. Setup: MuJoCo's
+    template, once for a size. Solve: mj_fwdConstraint, and some time to send the rows and overwrite the template's.
+Clock: around mj_fwdConstraint, in the child.
+Tolerance: R as above, and MuJoCo's own tolerance 0: it goes on until it can improve no more, which is judged by its gradient.
+Flaws: soft contacts; Newton stalls where R is small against W, `frictionbench solve 'stack[blocks=20,push=1.0]' --solver
+    'mujoco[method=newton]'`; CG is far from its own minimum in 2000 iterations.
+Reference: Todorov 2014, "Convex and analytically-invertible dynamics with contacts and constraints".
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from problems import FrictionProblem
+from problems.check import Array, require
+from solvers.interface import Answer, Status, solver
+from solvers.outside.children.child import child
+from solvers.outside.pure_delassus import PureDelassus, pure_delassus
+
+_METHODS = {"newton": "Newton", "cg": "CG"}
+_ITERATIONS = {"newton": 200, "cg": 2000}
+_LEAST = 1e-7  # of R/s
+_SCRIPT = "mujoco_rows.py"
+
+
+class Prepared(NamedTuple):
+    """The rows J^ (3 nc, nv), v^ (nv,) and b^ (3 nc,), with W^ = J^ J^' and q^ = J^ v^ + b^."""
+
+    given: PureDelassus
+    J: Array
+    v: Array
+    b: Array
+
+
+@solver(
+    "mujoco",
+    family="outside",
+    model="regularised",
+    dimension=(2, 3),
+    needs=("mujoco",),
+    lacks=("friction_bias", "joints"),
+    variants=("method=newton", "method=cg"),
+)
+class MuJoCo:
+    """MuJoCo's Newton or CG on soft contacts, in a child process. (outside)
+
+    method: newton or cg. Work: iterations.
+    """
+
+    method: str = "newton"
+
+    def __post_init__(self) -> None:
+        require(self.method in _METHODS, "method", f"must be one of {', '.join(_METHODS)}, got {self.method!r}")
+
+    def form(self, problem: FrictionProblem) -> Prepared:
+        given, nc, d = pure_delassus(problem), problem.contacts, problem.dimension
+        root = np.linalg.cholesky(problem.mass.toarray())
+        J, b = np.zeros((nc, 3, len(root))), np.zeros((nc, 3))
+        rows = given.E[:, None] * np.linalg.solve(root, problem.jacobian.toarray().T).T
+        J[:, :d], b[:, :d] = rows.reshape(nc, d, len(root)), given.E.reshape(nc, d) * problem.offset / given.theta
+        return Prepared(given, J.reshape(3 * nc, len(root)), root.T @ problem.free_velocity / given.theta, b.ravel())
+
+    def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        given, J, v, b = prepared
+        if not len(given.friction):
+            return Answer(np.zeros(given.contacts), Status.SOLVED)
+        asked = {"solver": _METHODS[self.method], "iterations": limit or _ITERATIONS[self.method], "R": max(tol, _LEAST)}
+        found = child(_SCRIPT).ask(**asked, J=J, v=v, b=b, mu=given.friction)
+        return Answer(
+            given.from_space(found["f"]),
+            Status.SOLVED if found["gradient"] <= given.share * tol else Status.STALLED,
+            {"iterations": found["iterations"]},
+            detail=f"gradient {found['gradient']:.1e}",
+            clock=found["clock"],
+            softness=max(tol, _LEAST) * np.outer(given.scale, np.ones(given.contacts[1])),
+        )

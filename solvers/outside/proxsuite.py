@@ -1,0 +1,92 @@
+"""The convex relaxation in the plane by ProxSuite's own Python interface, as a simulator would use it.
+
+Licence: BSD-2-Clause.
+Form: the QP scaled to pure numbers (solvers.outside.scaled_program), sparse or dense. Setup: the QP object and its init; with
+    keep=true an update of the object of the step before, wherever the entries are in the same places. Solve: its solve.
+Clock: ProxQP's own solve_time.
+Tolerance: eps_abs = eps for both residuals, gap eps^2, which is not tested unless told to; eps_rel = 0; eps stands for tol.
+Flaws: another model than Coulomb's wherever boxes slide, `frictionbench solve stopping_block --solver proxsuite`.
+Reference: Bambade, El-Kazdadi, Taylor and Carpentier 2022.
+"""
+
+from functools import cached_property
+from importlib import import_module
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from problems import FrictionProblem
+from problems.check import Array, require
+from problems.forms.relaxation import QP
+from solvers.interface import Answer, Status, solver
+from solvers.outside.scaled_program import ScaledProgram, gap_tolerance, scaled_program
+
+
+class Prepared(NamedTuple):
+    scaled: ScaledProgram[QP]
+    qp: Any
+
+
+@solver(
+    "proxsuite",
+    family="relaxation",
+    model="relaxation",
+    warm_start=True,
+    sparse=True,
+    needs=("proxsuite",),
+    variants=("matrices=sparse", "matrices=dense", "matrices=sparse,keep=true"),
+)
+class ProxSuite:
+    """The convex relaxation as a QP by ProxSuite itself. (outside)
+
+    matrices: sparse or dense. keep: update the object of the problem before instead of making another. Work: iterations.
+    """
+
+    matrices: str = "sparse"
+    keep: bool = False
+
+    def __post_init__(self) -> None:
+        require(self.matrices in ("sparse", "dense"), "matrices", f"must be sparse or dense, got {self.matrices!r}")
+
+    @cached_property
+    def _kept(self) -> dict[tuple[bytes, ...], Any]:
+        return {}
+
+    def form(self, problem: FrictionProblem) -> ScaledProgram[QP]:
+        return scaled_program(problem, problem.qp())
+
+    def setup(self, scaled: ScaledProgram[QP]) -> Prepared:
+        proxqp: Any = import_module("proxsuite").proxqp
+        P, G, A = (M if self.matrices == "sparse" or M is None else M.toarray() for M in (scaled.P, scaled.G, scaled.A))
+        parts = (P, scaled.q, A, None if A is None else scaled.b, G, np.full(len(scaled.h), -1e20), scaled.h)
+        pattern = scaled.pattern()
+        if self.keep and (qp := self._kept.get(pattern)):
+            qp.update(*parts, update_preconditioner=True)
+        else:
+            qp = getattr(proxqp, self.matrices).QP(len(scaled.q), len(scaled.b), len(scaled.h))
+            qp.settings.compute_timings = True
+            qp.init(*parts)
+            self._kept.clear()
+            self._kept[pattern] = qp
+        return Prepared(scaled, qp)
+
+    def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        proxqp: Any = import_module("proxsuite").proxqp
+        scaled, qp = prepared
+        if not scaled.program.contacts[0]:
+            return Answer(scaled.impulse(scaled.h), Status.SOLVED)
+        eps, settings = tol * scaled.share, qp.settings
+        settings.eps_abs, settings.eps_rel, settings.max_iter = eps, 0.0, limit or 10_000
+        settings.check_duality_gap, settings.eps_duality_gap_rel = True, 0.0
+        settings.eps_duality_gap_abs = gap_tolerance(eps, round_cones=False)
+        if start is None:
+            settings.initial_guess = proxqp.InitialGuess.NO_INITIAL_GUESS
+            qp.solve()
+        else:
+            settings.initial_guess = proxqp.InitialGuess.WARM_START
+            qp.solve(np.zeros(len(scaled.q)), np.zeros(len(scaled.b)), scaled.multipliers(start))
+        info, z = qp.results.info, np.array(qp.results.z)
+        status = Status.SOLVED if info.status == proxqp.QPSolverOutput.PROXQP_SOLVED else Status.FAILED
+        return Answer(
+            scaled.impulse(z), status, {"iterations": info.iter}, detail=info.status.name, clock=info.solve_time * 1e-6
+        )

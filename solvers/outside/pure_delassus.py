@@ -1,0 +1,75 @@
+"""The Delassus form in pure numbers, so that an outside library's tolerances have one meaning.
+
+With E_i = 1/sqrt(s_i) on contact i's rows and theta = max_i |q_i| E_i, r = theta E r^ turns u = W r + q into
+
+    u^ = W^ r^ + q^,      W^ = E W E,      q^ = E q / theta,
+
+a mean diagonal of 1 at every contact, free velocities of at most 1, the same cones. A defect of the natural map of eps at a
+contact, |r^_i - P_K(r^_i - g(u^_i))| <= eps, is one of eps theta sqrt(s_i) in contact velocity, so
+
+    eps = share * tol,      share = max_i |q_i| / (theta max_i sqrt(s_i)) <= 1,
+
+keeps the residual of problems.residual within tol.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy import sparse
+
+from problems import FrictionProblem
+from problems.check import Array
+
+
+class PureDelassus(NamedTuple):
+    """W^ (nc*d, nc*d), q^ (nc*d,), friction (nc,), E (nc*d,), theta, share, s (nc,) and (nc, d)."""
+
+    W: sparse.csr_array
+    q: Array
+    friction: Array
+    E: Array
+    theta: float
+    share: float
+    scale: Array
+    contacts: tuple[int, int]
+
+    def impulse(self, r: Array) -> Array:
+        """The impulses (nc, d), N s, of r^ (nc*d,)."""
+        return (self.theta * self.E * r).reshape(self.contacts)
+
+    def in_space(self) -> tuple[Array, Array]:
+        """W^ dense and q^ with three rows a contact; in the plane the third moves nothing and has the second's inertia."""
+        nc, d = self.contacts
+        W = self.W.toarray()
+        if d == 3:
+            return W, self.q
+        rows = np.delete(np.arange(3 * nc), np.s_[2::3])
+        raised, q = np.zeros((3 * nc, 3 * nc)), np.zeros(3 * nc)
+        raised[np.ix_(rows, rows)], q[rows] = W, self.q
+        third = 3 * np.arange(nc) + 2
+        raised[third, third] = W.diagonal()[1::2]
+        return raised, q
+
+    def from_space(self, r: Array) -> Array:
+        """The impulses (nc, d) of r^ (nc*3,)."""
+        nc, d = self.contacts
+        return self.impulse(r.reshape(nc, 3)[:, :d].ravel())
+
+    def to_space(self, impulse: Array) -> Array:
+        """r^ (nc*3,) of impulses (nc, d)."""
+        nc, d = self.contacts
+        r = np.zeros((nc, 3))
+        r[:, :d] = impulse / (self.theta * self.E).reshape(nc, d)
+        return r.ravel()
+
+
+def pure_delassus(problem: FrictionProblem) -> PureDelassus:
+    """A friction problem's Delassus form in pure numbers; a friction_bias is left out."""
+    nc, d = problem.contacts, problem.dimension
+    s = problem.scale
+    E = np.repeat(1 / np.sqrt(s), d)
+    size = np.linalg.norm(problem.q.reshape(nc, d), axis=1)
+    theta = float((size / np.sqrt(s)).max(initial=0.0)) or 1.0
+    share = float(size.max(initial=0.0) / (theta * np.sqrt(s).max(initial=0.0))) if size.any() else 1.0
+    W = sparse.csr_array(problem.W.multiply(E[:, None]).multiply(E))
+    return PureDelassus(W, E * problem.q / theta, problem.friction, E, theta, share, s, (nc, d))

@@ -1,0 +1,40 @@
+"""QuantEcon's Lemke method: a dense tableau in numba, with lexicographic ratio tests.
+
+Licence: MIT.
+Form: the friction LCP's M, dense and scaled, and q. Setup: none. Solve: lcp_lemke's call.
+Clock: none of its own.
+Tolerance: it takes none; a basis is exact up to rounding. tol_ratio_diff is its slack for ties, 1e-13 unless set.
+Flaws: from some 200 contacts on the tableau drifts and a claim may be wrong; `frictionbench solve 'stack[blocks=100]' --solver
+    quantecon`. Its success flag is unreliable both ways.
+Reference: Stachurski, Oyama and others, QuantEcon.py, quantecon.optimize.lcp_lemke.
+"""
+
+from importlib import import_module
+from typing import Any
+
+from problems import LCP, FrictionProblem
+from problems.check import Array
+from solvers.interface import Answer, Status, solver
+from solvers.outside.dense_lcp import DenseLCP, dense_lcp
+
+_ENDED = {0: Status.SOLVED, 1: Status.WORK_LIMIT, 2: Status.RAY}
+
+
+@solver("quantecon", family="pivoting", model="lcp", dimension=(2, 3), needs=("quantecon",))
+class QuantEcon:
+    """Lemke's method by QuantEcon, a dense tableau in numba. (outside)
+
+    ties: the least difference of ratios that is not a tie. Work: pivots.
+    """
+
+    ties: float = 1e-13
+
+    def form(self, problem: FrictionProblem | LCP) -> DenseLCP:
+        return dense_lcp(problem)
+
+    def solve(self, prepared: DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        quantecon: Any = import_module("quantecon.optimize")
+        lemke: Any = import_module("quantecon.optimize.lcp_lemke").lcp_lemke
+        options = quantecon.PivOptions(tol_ratio_diff=self.ties)
+        found = lemke(prepared.M, prepared.q, None, limit or 100_000, options)
+        return prepared.answer(found.z, _ENDED.get(found.status, Status.FAILED), pivots=int(found.num_iter))

@@ -1,0 +1,123 @@
+"""Siconos/Numerics in a child process: Debian's python3-siconos, for the system's Python alone.
+
+Licence: Apache-2.0.
+Form: for lcp_ the friction LCP's M, dense and scaled; for friction_ the Delassus matrix in pure numbers, dense, in space with a
+    second tangent that nothing moves where the problem is planar; for global_, in space alone, M, H = J' and q, sparse, in
+    pure numbers. Setup: sending them, and Siconos' problem object. Solve: the driver's call, and some 50 µs to ask for it.
+Clock: around the driver's call, in the child.
+Tolerance: eps/2 over |q^|, for Siconos divides its natural map's norm by |q|; eps as in solvers.outside.pure_delassus.
+Flaws: return codes lie in both directions, `frictionbench solve 'stack[blocks=20,push=1.0]' --solver
+    'siconos[method=friction_2d_lemke]'`; some methods abort or hang, which costs their cell.
+Reference: Acary, Brémond and Huber 2018; Acary, Bonnefon, Brémond, Huber, Pérignon and Sinclair 2019, Siconos.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from problems import LCP, FrictionProblem
+from problems.check import Array, require
+from solvers.interface import Answer, Model, Status, solver
+from solvers.outside.children.child import child
+from solvers.outside.dense_lcp import DenseLCP, dense_lcp
+from solvers.outside.pure_delassus import PureDelassus, pure_delassus
+
+PYTHON = "/usr/bin/python3"
+_LCP = ("lcp_lemke", "lcp_pivot", "lcp_newton_fb_fblsa", "lcp_newton_min_fblsa")
+_PLANAR = ("friction_2d_nsgs", "friction_2d_cpg", "friction_2d_lemke")
+_SPATIAL = tuple(f"friction_3d_{name}" for name in ("nsgs", "prox", "admm", "nsn_ac", "nsn_fb", "aclmfp", "tfp", "dsfp"))
+_GLOBAL = ("global_friction_3d_admm", "global_friction_3d_ipm")
+_METHODS = (*_LCP, *_PLANAR, *_SPATIAL, *_GLOBAL)
+_SCRIPT = "siconos_numerics.py"
+
+
+class Prepared(NamedTuple):
+    """What the child is told, and the way back."""
+
+    kind: str
+    given: DenseLCP | PureDelassus
+    message: dict[str, Any]
+
+
+@solver(
+    "siconos",
+    family="outside",
+    model="coulomb",
+    dimension=(2, 3),
+    warm_start=True,
+    needs=(f"siconos.numerics@{PYTHON}",),
+    lacks=("friction_bias",),
+    variants=tuple(f"method={method}" for method in _METHODS),
+)
+class Siconos:
+    """Siconos' solvers of LCPs and friction problems, in a child process. (outside)
+
+    method: the name of Siconos' constant without SICONOS_, in small letters. Work: iterations.
+    """
+
+    method: str = "friction_3d_prox"
+
+    def __post_init__(self) -> None:
+        require(self.method in _METHODS, "method", f"must be one of {', '.join(_METHODS)}, got {self.method!r}")
+
+    @property
+    def model(self) -> Model:
+        return "lcp" if self.method in _LCP else "relaxation" if self.method == "global_friction_3d_ipm" else "coulomb"
+
+    @property
+    def dimension(self) -> tuple[int, ...]:
+        return (2,) if self.method in _PLANAR else (3,) if self.method in _GLOBAL else (2, 3)
+
+    @property
+    def lacks(self) -> tuple[str, ...]:
+        return () if self.method in _LCP else ("friction_bias", "joints") if self.method in _GLOBAL else ("friction_bias",)
+
+    def form(self, problem: FrictionProblem | LCP) -> Prepared:
+        kind = next(kind for kind in ("lcp", "friction_2d", "friction_3d", "global") if self.method.startswith(kind))
+        given: DenseLCP | PureDelassus
+        if isinstance(problem, LCP) or kind == "lcp":
+            given = dense_lcp(problem)
+            message: dict[str, Any] = {"M": given.M, "q": given.q}
+        else:
+            given = pure_delassus(problem)
+            W, q = (given.W.toarray(), given.q) if kind == "friction_2d" else given.in_space()
+            message = _global(problem, given) if kind == "global" else {"W": W, "q": q}
+            message["mu"] = problem.friction
+        return Prepared(kind, given, message)
+
+    def setup(self, formed: Prepared) -> Prepared:
+        if len(formed.given.q):
+            child(_SCRIPT, PYTHON).tell(formed, kind=formed.kind, **formed.message)
+        return formed
+
+    def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        given, message = prepared.given, prepared.message
+        if not len(given.q):
+            z = np.zeros(0)
+            return given.answer(z, Status.SOLVED) if isinstance(given, DenseLCP) else Answer(given.impulse(z), Status.SOLVED)
+        self.setup(prepared)
+        size = len(message["b" if prepared.kind == "global" else "q"])
+        eps = tol if isinstance(given, DenseLCP) else tol * given.share
+        guess = np.zeros(size)
+        if start is not None and isinstance(given, PureDelassus):
+            own = start.ravel() / (given.theta * given.E)
+            guess = given.to_space(start) if size == 3 * len(start) else own
+        relative, most = (
+            eps / 2 / (np.linalg.norm(given.q) or 1.0),
+            limit or (1000 if "new" in self.method or "nsn" in self.method else 100_000),
+        )
+        found = child(_SCRIPT, PYTHON).ask(solver=self.method, tol=relative, limit=most, start=guess)
+        status, detail = (Status.FAILED if found["code"] else Status.SOLVED), f"Siconos' code {found['code']}"
+        work, r = {"iterations": found["iterations"]}, found["r"]
+        if isinstance(given, DenseLCP):
+            return given.answer(r, status, detail, found["clock"], **work)
+        impulse = given.from_space(r) if size == 3 * len(given.friction) else given.impulse(r)
+        return Answer(impulse, status, work, detail=detail, clock=found["clock"])
+
+
+def _global(problem: FrictionProblem, given: PureDelassus) -> dict[str, Array]:
+    """M v = H r + q, u = H'v + b in pure numbers: v = theta D v^ with D = 1/sqrt(M_ii)."""
+    D = 1 / np.sqrt(problem.mass.diagonal())
+    H = (problem.jacobian.multiply(given.E[:, None]).multiply(D)).toarray().T
+    M, q = problem.mass.toarray() * D * D[:, None], D * (problem.mass @ problem.free_velocity) / given.theta
+    return {"M": M, "H": H, "q": q, "b": given.E * problem.offset.ravel() / given.theta}

@@ -1,0 +1,167 @@
+"""Outside libraries: those that are here are tried, those that are not are skipped; stand-ins misbehave in their place."""
+
+import ast
+import os
+from pathlib import Path
+
+import numpy as np
+import psutil
+import pytest
+from rich.console import Console
+
+from harness.plans.choose import resolve_solvers
+from harness.plans.plan import Plan, Source
+from harness.progress import Progress
+from harness.run import run
+from problems import InputError, scene
+from problems.residual import relaxation_residual, residual
+from results import store
+from solvers import Answer, Status, available, find, outside, solve
+from solvers.needs import installed
+from solvers.outside.children.child import Child, DiedError
+from solvers.outside.pure_delassus import pure_delassus
+from tests.friction_problems import block, nothing, spatial, with_joints
+
+TESTS = Path(__file__).parent
+SPECS = [spec for name, info in sorted(available().items()) if info.needs and name != "path" for spec in info.specs]
+EASY = {
+    "nothing": nothing(),
+    "sliding": block(speed=1.0),
+    "two boxes": scene("stack", blocks=2, push=1.0).problem(),
+    "frictionless": block(friction=0.0),
+    "jointed": with_joints(spatial(3, contacts=3), np.eye(1, 18)),
+    "in space": spatial(1, contacts=3),
+}
+# Where these end without a solution, or without knowing that they have it: see docs/fairness.md.
+UNABLE = {
+    ("siconos[method=lcp_pivot]", "frictionless"),
+    ("siconos[method=lcp_pivot]", "jointed"),
+    ("siconos[method=friction_2d_cpg]", "sliding"),
+    ("siconos[method=friction_2d_cpg]", "frictionless"),
+    ("siconos[method=friction_3d_nsn_fb]", "frictionless"),
+    ("mujoco[method=cg]", "two boxes"),
+    ("siconos[method=lcp_pivot]", "two boxes"),
+    ("siconos[method=lcp_newton_fb_fblsa]", "two boxes"),
+    ("siconos[method=friction_3d_dsfp]", "two boxes"),
+    ("pinocchio[method=pgs]", "in space"),
+}
+
+
+def own_residual(spec, problem, answer: Answer) -> float:
+    info, _ = find(spec)
+    if info.model in ("relaxation", "regularised"):
+        return relaxation_residual(problem, answer.impulse, answer.softness)
+    return (
+        problem.lcp().residual(answer.z)
+        if info.model == "lcp" and problem.dimension == 3
+        else residual(problem, answer.impulse)
+    )
+
+
+@pytest.mark.parametrize("name", EASY)
+@pytest.mark.parametrize("spec", SPECS)
+def test_an_easy_problem_is_solved_by_those_that_are_here(spec, name) -> None:
+    info, _ = find(spec)
+    if info.missing:
+        pytest.skip(info.missing)
+    problem = EASY[name]
+    if reason := info.refuses(problem):
+        with pytest.raises(InputError, match=reason):
+            solve(problem, spec)
+        return
+    first, second = (solve(problem.fresh(), spec, tol=1e-6) for _ in range(2))
+    assert first.impulse.shape == (problem.contacts, problem.dimension)
+    assert first.work == second.work
+    assert np.array_equal(first.impulse, second.impulse)
+    assert first.clock is None or first.clock >= 0
+    if (spec, name) not in UNABLE:
+        assert first.status is Status.SOLVED, first.detail
+        assert own_residual(spec, problem, first) <= 1e-5
+
+
+def test_pure_numbers_know_no_units() -> None:
+    problem = spatial(5)
+    heavy = type(problem).from_delassus(problem.W / 1e6, problem.q / 10, problem.friction, 3)
+    one, other = pure_delassus(problem), pure_delassus(heavy)
+    assert one.W.toarray() == pytest.approx(other.W.toarray(), abs=1e-12)
+    assert one.q == pytest.approx(other.q, abs=1e-12)
+    assert np.abs(one.q.reshape(-1, 3)).max() <= 1
+    assert one.W.diagonal().reshape(-1, 3).mean(axis=1) == pytest.approx(1.0)
+    r = np.arange(15.0).reshape(5, 3)
+    assert one.from_space(one.to_space(r)) == pytest.approx(r)
+
+
+def test_every_adapter_is_short() -> None:
+    """Under 80 lines of code of its own, docstrings apart."""
+    for path in Path(outside.__file__).parent.glob("*.py"):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        texts = [
+            node.body[0]
+            for node in ast.walk(tree)
+            if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(node)
+        ]
+        silent = {line for text in texts for line in range(text.lineno, (text.end_lineno or 0) + 1)}
+        lines = path.read_text(encoding="utf-8").splitlines()
+        code = [
+            line
+            for i, line in enumerate(lines, 1)
+            if line.strip() and i not in silent and not line.startswith(("from", "import"))
+        ]
+        assert len(code) <= 80, f"{path.name}: {len(code)}"
+
+
+def test_what_is_missing_is_said() -> None:
+    resolve_solvers([str(TESTS / "standin_peers.py")])
+    missing = "no-such-distribution, no.such.module@/usr/bin/python3 not installed"
+    assert find("nowhere")[0].missing == missing
+    with pytest.raises(InputError, match="not installed"):
+        solve(block(), "nowhere")
+    assert installed("numpy") == np.__version__
+
+
+def test_a_child_that_dies_is_replaced() -> None:
+    child = Child(str(TESTS / "standin_child.py"), os.sys.executable)
+    child.tell("what", do="")
+    assert child.held == "what"
+    for how, named in (("abort", "SIGABRT"), ("exit", "exit code 0")):
+        with pytest.raises(DiedError, match=named):
+            child.ask(do=how)
+        assert child.ask(do="", n=3)["r"].tolist() == [0, 0, 0]
+        assert child.held is None
+    child.end()
+
+
+def test_a_peer_that_misbehaves_has_its_row_and_leaves_no_process(tmp_path) -> None:
+    variants, plugins = resolve_solvers([str(TESTS / "standin_peers.py")])
+    assert variants in (("nowhere", "peer"), ())  # none where it is loaded already
+    expected = {
+        "peer[does=abort]": ("crashed", "SIGABRT"),
+        "peer[does=exit]": ("crashed", "exit code 0"),
+        "peer[does=hang]": ("timeout", "limit of 2 s"),
+        "peer[does=leak]": ("crashed", ""),
+        "peer[does=print]": ("wrong", "claims"),
+        "peer[does=slow]": ("wrong", "claims"),
+        "peer[does=big]": ("wrong", "claims"),
+        "nowhere": ("skipped", "not installed"),
+        "lemke": ("solved", ""),
+    }
+    plan = Plan(
+        suite="test",
+        sources=(Source("stack", {"blocks": 2, "push": 1.0}),),
+        solvers=tuple(expected),
+        tolerances=(1e-8,),
+        plugins=plugins,
+        time_limit=2.0,
+        memory_limit=2**29,
+    )
+    run(plan, tmp_path / "run", 1, Progress(Console(quiet=True)))
+    rows = store.read_table(tmp_path / "run", "solves").set_index("variant")
+    for spec, (verdict, reason) in expected.items():
+        assert rows.loc[spec, "verdict"] == verdict, (spec, rows.loc[spec, "reason"])
+        assert reason in (rows.loc[spec, "reason"] or ""), spec
+    left = [
+        process.pid
+        for process in psutil.process_iter(["cmdline"])
+        if any("standin_child" in part for part in process.info["cmdline"] or [])
+    ]
+    assert left == []
