@@ -9,6 +9,7 @@ import os
 import resource
 import signal
 import socket
+from collections.abc import Collection
 from contextlib import suppress
 from pathlib import Path
 from time import monotonic, sleep
@@ -62,18 +63,19 @@ def bound_memory(limit: int) -> None:
 
 
 def forget_peak_memory() -> None:
-    """Start the record of this process's largest resident memory anew."""
-    with open("/proc/self/clear_refs", "w", encoding="ascii") as control:
-        control.write("5")
+    """Start the record of the largest resident memory anew, of this process and all below it."""
+    for pid in (os.getpid(), *descendants(os.getpid())):
+        with suppress(OSError), open(f"/proc/{pid}/clear_refs", "w", encoding="ascii") as control:
+            control.write("5")
 
 
 def peak_memory() -> float:
-    """Largest resident memory since forget_peak_memory, in bytes."""
-    with open("/proc/self/status", encoding="ascii") as status:
-        for line in status:
-            if line.startswith("VmHWM:"):
-                return float(line.split()[1]) * 1024
-    return float("nan")
+    """Largest resident memory since forget_peak_memory, in bytes: of this process and of all below it, added up."""
+    peak = 0.0
+    for pid in (os.getpid(), *descendants(os.getpid())):
+        with suppress(OSError), open(f"/proc/{pid}/status", encoding="ascii") as status:
+            peak += sum(float(line.split()[1]) * 1024 for line in status if line.startswith("VmHWM:"))
+    return peak
 
 
 def die_with_parent(parent: int) -> None:
@@ -102,13 +104,13 @@ def descendants(pid: int) -> list[int]:
     return found + [below for child in found for below in descendants(child)]
 
 
-def end_descendants(*, spare: int | None = None) -> bool:
-    """Kill everything below this process but one child to spare; whether there was anything alive.
+def end_descendants(*, spare: Collection[int] = ()) -> bool:
+    """Kill everything below this process but those to spare; whether there was anything alive.
 
     Calling this, a process must be a subreaper, or what was detached escapes.
     """
     found, patience = False, monotonic() + PATIENCE
-    while (strays := set(descendants(os.getpid())) - {spare}) and monotonic() < patience:
+    while (strays := set(descendants(os.getpid())).difference(spare)) and monotonic() < patience:
         for pid in strays:
             found = found or not _is_dead(pid)
             with suppress(OSError):

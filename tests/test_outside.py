@@ -9,20 +9,21 @@ import psutil
 import pytest
 from rich.console import Console
 
-from harness.plans.choose import resolve_solvers
 from harness.plans.plan import Plan, Source
 from harness.progress import Progress
 from harness.run import run
+from harness.workers.introduce import introduce
 from problems import InputError, scene
 from problems.residual import relaxation_residual, residual
 from results import store
-from solvers import Answer, Status, available, find, outside, solve
+from solvers import Answer, Status, available, find, outside, plugins, solve
 from solvers.needs import installed
 from solvers.outside.children.child import Child, DiedError
 from solvers.outside.pure_delassus import pure_delassus
 from tests.friction_problems import block, nothing, spatial, with_joints
 
 TESTS = Path(__file__).parent
+PEERS = TESTS / "standin_peers.py"
 SPECS = [spec for name, info in sorted(available().items()) if info.needs and name != "path" for spec in info.specs]
 EASY = {
     "nothing": nothing(),
@@ -111,7 +112,7 @@ def test_every_adapter_is_short() -> None:
 
 
 def test_what_is_missing_is_said() -> None:
-    resolve_solvers([str(TESTS / "standin_peers.py")])
+    plugins.load(PEERS)
     missing = "no-such-distribution, no.such.module@/usr/bin/python3 not installed"
     assert find("nowhere")[0].missing == missing
     with pytest.raises(InputError, match="not installed"):
@@ -132,25 +133,25 @@ def test_a_child_that_dies_is_replaced() -> None:
 
 
 def test_a_peer_that_misbehaves_has_its_row_and_leaves_no_process(tmp_path) -> None:
-    variants, plugins = resolve_solvers([str(TESTS / "standin_peers.py")])
-    assert variants in (("nowhere", "peer"), ())  # none where it is loaded already
     expected = {
         "peer[does=abort]": ("crashed", "SIGABRT"),
         "peer[does=exit]": ("crashed", "exit code 0"),
         "peer[does=hang]": ("timeout", "limit of 2 s"),
         "peer[does=leak]": ("crashed", ""),
         "peer[does=print]": ("wrong", "claims"),
+        "peer[does=child]": ("wrong", "claims"),
         "peer[does=slow]": ("wrong", "claims"),
         "peer[does=big]": ("wrong", "claims"),
         "nowhere": ("skipped", "not installed"),
         "lemke": ("solved", ""),
     }
+    _, files = introduce([str(PEERS), *expected])
     plan = Plan(
         suite="test",
         sources=(Source("stack", {"blocks": 2, "push": 1.0}),),
         solvers=tuple(expected),
         tolerances=(1e-8,),
-        plugins=plugins,
+        plugins=files,
         time_limit=2.0,
         memory_limit=2**29,
     )
@@ -159,9 +160,11 @@ def test_a_peer_that_misbehaves_has_its_row_and_leaves_no_process(tmp_path) -> N
     for spec, (verdict, reason) in expected.items():
         assert rows.loc[spec, "verdict"] == verdict, (spec, rows.loc[spec, "reason"])
         assert reason in (rows.loc[spec, "reason"] or ""), spec
+    memory = rows["peak_memory"]
+    assert memory["peer[does=big]"] - memory["peer[does=slow]"] > 2**26, "a child's memory counts"
     left = [
         process.pid
         for process in psutil.process_iter(["cmdline"])
-        if any("standin_child" in part for part in process.info["cmdline"] or [])
+        if any("standin_child" in part or "orphan of a stand-in" in part for part in process.info["cmdline"] or [])
     ]
     assert left == []

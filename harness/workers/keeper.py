@@ -4,10 +4,11 @@
                       └─  keeper  ─  worker
 
 The server imports what workers need, once, and forks a keeper for every socket that the main process sends it. A keeper
-forks its worker, hands it tasks, kills it past its deadline, and after each task ends whatever else lives below itself: it is
-the subreaper of all that its worker starts. Where its socket to the main process ends, because that process is done or was
-killed, a keeper ends all below it and itself; a worker whose keeper is killed is killed by the kernel. A worker that has run a
-solver from outside this repository (Task.owner) runs no other.
+forks its worker, hands it tasks, kills it past its deadline, and after each task ends whatever else lives below itself, but for
+libraries in child processes of our own (solvers.outside.children): it is the subreaper of all that its worker starts. Where
+its socket to the main process ends, because that process is done or was killed, a keeper ends all below it and itself; a
+worker whose keeper is killed is killed by the kernel. A worker that has run a solver from outside this repository (Task.owner)
+runs no other.
 """
 
 import json
@@ -27,6 +28,7 @@ from harness.deadline import COMPILING, OURS, Deadline
 from harness.workers.task import LONGEST_REPLY, Task
 from problems import InputError
 from solvers import plugins
+from solvers.outside.children.child import living
 
 LOOK = 0.25  # seconds between looks at a deadline, which the worker may have moved
 
@@ -67,11 +69,16 @@ def keep(channel: Connection) -> None:
                 core = process.hold_core() if core is None else core
                 hand = _Worker(channel, core, settings)
             reply, reusable = hand.run(task, channel)
-            if process.end_descendants(spare=hand.pid if reusable else None) or not reusable:
+            if process.end_descendants(spare=_kept(hand, task, reply) if reusable else ()) or not reusable:
                 process.end_descendants()
                 hand = None
             channel.send_bytes(reply)
     process.end_descendants()
+
+
+def _kept(hand: "_Worker", task: Task, reply: bytes) -> list[int]:
+    """What goes on living after a task: the worker, and where only our own code ran in it the libraries that it keeps ready."""
+    return [hand.pid, *([] if task.owner else json.loads(reply)["kept"])]
 
 
 class _Worker:
@@ -150,9 +157,11 @@ def work(tasks: Connection, replies: int, deadline: Deadline, core: int | None, 
             return
         deadline.allow(OURS)
         try:
-            reply = _reply(value=task.function(*task.arguments))
+            value = task.function(*task.arguments)
+            reply = _reply(value=value, kept=living())
         except Exception as error:
-            reply = _reply(death="crashed", reason=str(error) if isinstance(error, InputError) else plugins.told(error))
+            why = str(error) if isinstance(error, InputError) else plugins.told(error)
+            reply = _reply(death="crashed", reason=why, kept=living())
         if os.getpid() != me:  # a solver forked, and its child came back too
             os._exit(0)
         os.chdir(home)

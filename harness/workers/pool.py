@@ -126,7 +126,8 @@ def _reply(line: bytes) -> dict[str, Any]:
     """What a worker said. Whatever runs in it may have said it."""
     with suppress(ValueError, RecursionError):
         said = json.loads(line)
-        if isinstance(said, dict) and said.keys() <= {"value", "death", "reason", "again"}:
+        if isinstance(said, dict) and said.keys() <= {"value", "death", "reason", "again", "kept"}:
+            said.pop("kept", None)  # its keeper's business
             return said
     return {"death": "crashed", "reason": "the process sent what is no reply"}
 

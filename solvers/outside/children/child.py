@@ -9,7 +9,6 @@ import signal
 import subprocess
 import sys
 from contextlib import suppress
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -35,14 +34,14 @@ class Child:
 
     def tell(self, what: object, **message: Any) -> None:
         """Let the child hold a message on `what`, unless it holds it already."""
-        if self._lives() and self.held is what:
+        if self.pid is not None and self.held is what:
             return
         self.ask(**message)
         self.held = what
 
     def ask(self, **message: Any) -> dict[str, Any]:
         """The answer to a message. Errors: DiedError, with the signal or exit code."""
-        if not self._lives():
+        if self.pid is None:
             self.end()
             talked = os.environ | {"PYTHONPATH": str(_FOLDER)}  # a script says `from talk import serve`
             self._process = subprocess.Popen(self._command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=talked)
@@ -76,11 +75,20 @@ class Child:
                     pipe.close()  # type: ignore[union-attr]
         self._process, self.held = None, None
 
-    def _lives(self) -> bool:
-        return self._process is not None and self._process.poll() is None
+    @property
+    def pid(self) -> int | None:
+        """Its process, while it lives."""
+        return self._process.pid if self._process is not None and self._process.poll() is None else None
 
 
-@cache
+_children: dict[tuple[str, str], Child] = {}
+
+
 def child(script: str, python: str = sys.executable) -> Child:
     """The child of this process that runs a script."""
-    return Child(script, python)
+    return _children.setdefault((script, python), Child(script, python))
+
+
+def living() -> list[int]:
+    """The processes of this process's children."""
+    return [made.pid for made in _children.values() if made.pid is not None]
