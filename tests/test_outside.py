@@ -95,6 +95,8 @@ def test_pure_numbers_know_no_units() -> None:
 def test_every_adapter_is_short() -> None:
     """Under 80 lines of code of its own, docstrings apart."""
     for path in Path(outside.__file__).parent.glob("*.py"):
+        if "@solver" not in path.read_text(encoding="utf-8"):
+            continue
         tree = ast.parse(path.read_text(encoding="utf-8"))
         texts = [
             node.body[0]
