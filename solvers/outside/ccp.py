@@ -92,8 +92,7 @@ class CCP:
         qpsolvers: Any = import_module("qpsolvers")
         dense = BACKENDS[self.backend].dense
         P, G, A = (M.toarray() if dense and M is not None else M for M in (scaled.P, scaled.G, scaled.A))
-        joints = (None, None) if A is None else (A, scaled.b)
-        return Prepared(scaled, qpsolvers.Problem(P, scaled.q, G, scaled.h, *joints))
+        return Prepared(scaled, qpsolvers.Problem(P, scaled.q, G, scaled.h, A, None if A is None else scaled.b))
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         qpsolvers: Any = import_module("qpsolvers")
