@@ -6,17 +6,14 @@ one, by its hash.
 """
 
 import json
-from base64 import b64encode
-from hashlib import sha256
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
 import numpy as np
-from markupsafe import Markup
 
 from reports.drawing.text import scene_title
-from reports.templates import environment
+from reports.templates import as_json, environment, script
 from results.motion import Array, Motion, Outline, plain, read_motion
 from results.store import ResultsError
 
@@ -28,14 +25,14 @@ MARGIN = 0.1  # around the motion, of its size
 def write_animation(motion: Motion, path: Path) -> Path:
     """Write the page; return its path."""
     templates = environment()
-    script = (Path(__file__).with_name("templates") / "animation.js").read_text(encoding="utf-8")
+    text, digest = script("animation.js")
     page = templates.get_template("animation.html").render(
         motion=motion,
         title=scene_title(motion.scene, json.dumps(motion.parameters)),
         frames=len(motion.times),
-        script=Markup(script),
-        script_hash=b64encode(sha256(script.encode()).digest()).decode(),
-        data=Markup(json.dumps(_data(motion), separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")),
+        script=text,
+        script_hash=digest,
+        data=as_json(_data(motion)),
     )
     path.write_text(page, encoding="utf-8", errors="replace")
     return path

@@ -1,8 +1,8 @@
 """The report: one self-contained HTML file made from a results folder, without running anything again. It links to the
 animations of the scenes, which lie beside it.
 
-Names and reasons in a results folder may come from strangers: the template escapes all text, the page runs no script and
-loads nothing, and figures are drawn without interpreting names.
+Names and reasons in a results folder may come from strangers: the template escapes all text, the page loads nothing and runs no
+script but templates/page.js, by its hash, and figures are drawn without interpreting names.
 """
 
 import shlex
@@ -21,10 +21,11 @@ from reports.charts.chart import Chart
 from reports.drawing.figures import Panel, inline_svg, save_sheet, swatch
 from reports.drawing.text import power, scene_title, seconds
 from reports.run import Run, read_run
-from reports.templates import environment
+from reports.templates import as_json, environment, script
 from results.schema import VERDICTS
 
 MOST_CLAIMS = 200  # wrong claims listed on the page
+FEW = 8  # entries that a figure shows well at once
 MUCH_FORM = 0.2  # of the time: beyond this the writing of the problem decides the rank with the method
 
 
@@ -42,6 +43,7 @@ def write_report(folder: Path) -> Path:
 def _contents(folder: Path, run: Run) -> dict[str, Any]:
     claims = tables.wrong_claims(run)
     animations = write_animations(folder)
+    text, digest = script("page.js")
     scene_of = dict(zip(run.rows["problem_class"], run.rows["scene"], strict=True))
     return {
         "folder": folder.resolve().name,
@@ -64,6 +66,11 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
         "reasons": tables.reasons(run),
         "charts": _charts(folder, run),
         "svg": lambda panel: Markup(inline_svg(panel)),
+        "json": as_json,
+        "families": _families(run),
+        "rest": _rest(run),
+        "script": text,
+        "script_hash": digest,
         "by_class": tables.by_class(run),
         "classes": tables.problem_classes(run),
         "animations": animations,
@@ -115,6 +122,23 @@ def _setup(manifest: dict[str, Any]) -> str:
         if isinstance(values, dict):
             told += [f"{name} {values[name]}"[:80] for name in names if name in values]
     return " · ".join(told)
+
+
+def _families(run: Run) -> dict[str, str]:
+    """The tags of each family's entries, for families of several."""
+    rows = pd.concat([run.rows[["family", "entry"]], run.drives[["family", "entry"]]]).drop_duplicates()
+    rows = rows[rows["entry"].isin(run.looks)].fillna("")
+    return {
+        str(family): " ".join(run.looks[entry].tag for entry in own["entry"])
+        for family, own in rows.groupby("family")
+        if family and len(own) > 1
+    }
+
+
+def _rest(run: Run) -> list[str]:
+    """The tags of those that stand back until somebody chooses: all but the best few."""
+    best = list(tables.best_first(run.summaries[min(run.summaries)]).index)[:FEW]
+    return [look.tag for entry, look in run.looks.items() if entry not in best] if len(run.looks) > FEW + 2 else []
 
 
 def _charts(folder: Path, run: Run) -> dict[str, list[tuple[Chart, Sequence[Panel]]]]:

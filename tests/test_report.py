@@ -1,7 +1,10 @@
 """The report's numbers on tables small enough to check by hand, and its page on folders of every kind."""
 
+import json
 import re
-from collections import Counter
+from base64 import b64encode
+from collections import Counter, defaultdict
+from hashlib import sha256
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -19,8 +22,10 @@ from reports.drawing.text import plain, seconds
 from reports.page import write_report
 from reports.paper import booktabs, write_paper
 from reports.run import Run, annotate, annotate_drives, read_run
+from reports.templates import script
 from results.schema import SOLVES, VERDICTS, arrow_schema
 from results.store import ResultsError
+from tests.browser import browse, in_browser
 from tests.made_results import drive_row, lost_row, solve_row, write_folder
 
 
@@ -157,15 +162,33 @@ class _Page(HTMLParser):
         self.references: list[str] = []
         self.handlers: list[str] = []
         self.text = ""
+        self.scripts: defaultdict[str, list[str]] = defaultdict(list)
+        self.inside: str | None = None
         self.feed(path.read_text(encoding="utf-8"))
 
     def handle_starttag(self, tag, attrs):
         self.count[tag] += 1
         self.references += [value or "" for name, value in attrs if name.split(":")[-1] in ("href", "src")]
         self.handlers += [name for name, _ in attrs if name.startswith("on")]
+        self.inside = dict(attrs).get("type", "") if tag == "script" else None
+
+    def handle_endtag(self, tag):
+        self.inside = None
 
     def handle_data(self, data):
-        self.text += data
+        if self.inside is None:
+            self.text += data
+        else:
+            self.scripts[self.inside].append(data)
+
+
+def assert_only_our_script_runs(path: Path, page: _Page) -> None:
+    (ours,) = page.scripts[""]
+    assert ours == script("page.js")[0]
+    assert f"script-src 'sha256-{b64encode(sha256(ours.encode()).digest()).decode()}'" in path.read_text(encoding="utf-8")
+    assert page.scripts.keys() <= {"", "application/json"}
+    for data in page.scripts["application/json"]:
+        json.loads(data)
 
 
 RUN = [
@@ -210,7 +233,8 @@ def test_the_page_has_all_its_parts_and_stands_alone(tmp_path):
     assert f"frictionbench rerun {tmp_path / 'run'} 'cell with '\"'\"'quotes'\"'\"'; and a blank'" in page.text
     assert "energy gained" in page.text
     assert "has not finished" not in page.text
-    assert not page.count.keys() & {"script", "link", "iframe", "object", "form"}
+    assert not page.count.keys() & {"link", "iframe", "object", "form"}
+    assert_only_our_script_runs(path, page)
     assert all(reference.startswith(("#", "data:image/png")) for reference in page.references)
 
 
@@ -245,7 +269,7 @@ def test_strangers_text_stays_text(tmp_path):
         write_folder(tmp_path, [row | {"parameters": evil}, row | {"key": "b", "scene": "c"}], [drive], **manifest)
     )
     page = _Page(path)
-    assert "script" not in page.count
+    assert_only_our_script_runs(path, page)
     assert page.handlers == []
     assert "alert(1)" in page.text
     assert "{{ 7 * 7 }}" in page.text
@@ -386,3 +410,37 @@ def test_a_solver_looks_the_same_in_every_report():
     family = looks(["ccp[backend=osqp]", "ccp[backend=clarabel]"])
     assert len({look.colour for look in family.values()}) == 1
     assert len(set(family.values())) == 2
+
+
+HANDS = """
+const seen = [];
+const faint = () => document.querySelectorAll("g.faint").length;
+const first = (table) => table.querySelector("td").textContent.trim();
+const [chip] = document.querySelectorAll("button[data-entry]");
+seen.push(chip.disabled, document.getElementById("rest") !== null, faint());
+chip.click(); seen.push(chip.getAttribute("aria-pressed"), document.getElementById("rest") !== null, faint() > 0);
+chip.click(); seen.push(chip.getAttribute("aria-pressed"), faint());
+const family = document.querySelector("button[data-family]");
+family.click(); seen.push(family.getAttribute("aria-pressed")); family.click();
+const table = document.querySelector("table.sorts");
+const claimed = table.rows[0].cells[1];
+claimed.click(); seen.push(claimed.getAttribute("aria-sort"), first(table));
+claimed.click(); seen.push(claimed.getAttribute("aria-sort"), first(table));
+const dot = document.querySelector("g[data-dots] use");
+dot.dispatchEvent(new PointerEvent("pointerenter")); seen.push(note.hidden, note.textContent.includes("frictionbench rerun"));
+dot.dispatchEvent(new PointerEvent("pointerleave")); seen.push(note.hidden);
+document.documentElement.dataset.seen = seen.join(" ");
+"""
+
+
+@in_browser
+def test_solvers_are_chosen_tables_sorted_and_dots_told(tmp_path):
+    families = ("odd", "even")
+    rows = [solve_row(f"s{i}", f"p{k}", solve_time=1e-3 * (i + 1), family=families[i % 2]) for i in range(12) for k in (0, 1)]
+    path = write_report(write_folder(tmp_path / "run", [*rows, *(solve_row("s0", f"p{k}") for k in range(2, 9))]))
+    (text,) = _Page(path).scripts[""]
+    ours, allowed = (b64encode(sha256(code.encode()).digest()).decode() for code in (text, text + HANDS))
+    path.write_text(path.read_text(encoding="utf-8").replace(text, text + HANDS).replace(ours, allowed), encoding="utf-8")
+    (opening,) = re.findall(r"<html[^>]*>", browse(path, "--dump-dom"))
+    wanted = "false true 0 true false true false 0 true ascending s1 descending s0 false true true"
+    assert f'data-seen="{wanted}"' in opening

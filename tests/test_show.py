@@ -2,8 +2,6 @@
 
 import json
 import re
-import shutil
-import subprocess
 from base64 import b64encode
 from hashlib import sha256
 from html.parser import HTMLParser
@@ -25,6 +23,7 @@ from reports.page import write_report
 from results.motion import read_motion, write_motion
 from results.store import ResultsError
 from solvers import solve
+from tests.browser import browse, in_browser
 from tests.made_results import drive_row, solve_row, write_folder
 
 
@@ -233,21 +232,6 @@ def test_the_report_links_to_the_motions_of_its_scenes(tmp_path) -> None:
     assert "stack(blocks=2, " in page.text
 
 
-BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-
-
-def browse(page: Path, frame: int, *wanted: str) -> str:
-    """What headless Chromium puts out for the page at a frame."""
-    quiet = ("--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--hide-scrollbars")
-    quiet += ("--disable-component-update", "--disable-sync", f"--user-data-dir={page.parent / 'profile'}")
-    command = [str(BROWSER), "--headless", "--no-sandbox", *quiet, "--virtual-time-budget=3000", *wanted]
-    done = subprocess.run([*command, f"{page.as_uri()}#frame={frame}"], capture_output=True, text=True, check=True, timeout=120)
-    return done.stdout
-
-
-in_browser = pytest.mark.skipif(BROWSER is None, reason="needs the browser Chromium")
-
-
 @in_browser
 @pytest.mark.parametrize("kind", ["three_blocks", "evil", "cut short"])
 def test_the_page_runs_in_a_browser(tmp_path, kind: str) -> None:
@@ -259,14 +243,14 @@ def test_the_page_runs_in_a_browser(tmp_path, kind: str) -> None:
     motion = motions[kind]()
     page = write_animation(motion, tmp_path / "page.html")
     wanted = min(20, len(motion.times) - 1)
-    (opening,) = re.findall(r"<html[^>]*>", browse(page, 20, "--dump-dom"))
+    (opening,) = re.findall(r"<html[^>]*>", browse(page, "--dump-dom", anchor="frame=20"))
     assert 'data-status="ready"' in opening
     assert f'data-frame="{wanted}"' in opening
     assert "data-error" not in opening
     if kind == "three_blocks":
         pictures = [page.with_name(f"{frame}.png") for frame in (0, 20)]
         for frame, picture in zip((0, 20), pictures, strict=True):
-            browse(page, frame, f"--screenshot={picture}")
+            browse(page, f"--screenshot={picture}", anchor=f"frame={frame}")
         first, second = map(imread, pictures)
         assert 0.001 < np.mean(np.any(first != second, axis=-1)) < 0.5
 
@@ -294,6 +278,6 @@ def test_keys_slider_and_button_move_the_picture(tmp_path) -> None:
     script = _Page(page).scripts[""]
     ours, allowed = (b64encode(sha256(text.encode()).digest()).decode() for text in (script, script + HANDS))
     page.write_text(page.read_text().replace(script, script + HANDS).replace(ours, allowed))
-    (opening,) = re.findall(r"<html[^>]*>", browse(page, 0, "--dump-dom", "--virtual-time-budget=10000"))
+    (opening,) = re.findall(r"<html[^>]*>", browse(page, "--dump-dom", "--virtual-time-budget=10000", anchor="frame=0"))
     assert "data-error" not in opening
     assert 'data-seen="1 11 10 100 100 0 0 true false 55 false 100"' in opening

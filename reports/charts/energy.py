@@ -45,9 +45,7 @@ def _draw(ax: Axes, drives: pd.DataFrame, looks: dict[str, Look]) -> None:
         ax.plot(
             row.times[keep],
             change,
-            color=look.colour,
-            marker=look.marker,
-            ls=look.dash,
+            **look.line,
             markevery=(0.1, 0.3),
             ms=3.5,
             alpha=0.9,

@@ -33,9 +33,9 @@ def _draw(ax: Axes, times: pd.DataFrame, looks: dict[str, Look]) -> None:
         groups = own.groupby("contacts")
         mean = groups["charged"].agg(shifted_geometric_mean)
         missed = ~groups["reached"].all()
-        ax.plot(mean.index, mean, color=look.colour, ls=look.dash)
-        ax.plot(mean.index[~missed], mean[~missed], look.marker, color=look.colour)
-        ax.plot(mean.index[missed], mean[missed], "x", color=look.colour, mew=1.4)
+        ax.plot(mean.index, mean, color=look.colour, ls=look.dash, gid=look.tag)
+        ax.plot(mean.index[~missed], mean[~missed], look.marker, color=look.colour, gid=look.tag)
+        ax.plot(mean.index[missed], mean[missed], "x", color=look.colour, mew=1.4, gid=look.tag)
     sizes = sorted(times["contacts"].dropna().unique())
     shown = [n for i, n in enumerate(sizes) if i == 0 or n >= 1.8 * sizes[i - 1]]
     log_ticks(ax, "x", {n: f"{n:g}" for n in shown})

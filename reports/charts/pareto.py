@@ -51,7 +51,7 @@ def front(time: NDArray[np.float64], residual: NDArray[np.float64]) -> NDArray[n
 def _draw(ax: Axes, points: pd.DataFrame, looks: dict[str, Look]) -> None:
     for entry, own in points.groupby("entry"):
         look, along = looks[str(entry)], own.sort_values("tol", ascending=False)
-        ax.plot(along["time"], along["residual"], color=look.colour, marker=look.marker, ls=look.dash)
+        ax.plot(along["time"], along["residual"], **look.line)
     best = points.iloc[front(points["time"].to_numpy(), points["residual"].to_numpy())]
     ax.step(best["time"], best["residual"], where="post", color=INK, lw=3, alpha=0.15, zorder=0)
     time_axis(ax, "x")

@@ -30,7 +30,7 @@ def _draw(ax: Axes, times: pd.DataFrame, looks: dict[str, Look]) -> None:
         look = looks[entry]
         near = ratio <= FARTHEST
         x, y = [1.0, *ratio[near], FARTHEST], [0.0, *share[near]]
-        ax.step(x, [*y, y[-1]], where="post", color=look.colour, marker=look.marker, ls=look.dash, markevery=(0.1, 0.15))
+        ax.step(x, [*y, y[-1]], where="post", **look.line, markevery=(0.1, 0.15))
     log_ticks(ax, "x", {10.0**k: f"{10**k}" for k in range(4)})
     ax.set_xlim(1, FARTHEST)
     ax.set_ylim(0, 1.03)

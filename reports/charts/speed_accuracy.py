@@ -16,19 +16,37 @@ from matplotlib.axes import Axes
 from reports.charts.chart import Chart
 from reports.drawing.figures import Panel
 from reports.drawing.style import ALARM, INK, Look, log_ticks, time_axis
+from reports.drawing.text import scene_title, seconds
 from reports.run import Run
 from results.schema import RELAXED, SKIPPED, WRONG
 
 ZERO = 1e-17  # where a residual of exactly zero is drawn
 WORST = 1e1  # where larger residuals are drawn
 STRIP = 2e3  # the strip above WORST
+TOLD = 5000  # cells of a run beyond which the page does not say what each dot is, for its own size
 CROWD = 1500  # dots beyond which they are drawn as an image
 
 
 def panels(run: Run) -> list[Panel]:
     """A panel per problem class."""
     classes = run.contested.groupby("problem_class", sort=False)
-    return [Panel(name, partial(_draw, rows=group, looks=run.looks)) for name, group in classes]
+    return [
+        Panel(name, partial(_draw, rows=group, looks=run.looks), _told(group, run.looks) if len(run.contested) <= TOLD else {})
+        for name, group in classes
+    ]
+
+
+def _told(rows: pd.DataFrame, looks: dict[str, Look]) -> dict[str, list[str]]:
+    """What each dot is: who, on what, how well, how fast, and the key to run it again."""
+    answers = rows[rows["answered"]]
+    return {
+        looks[str(entry)].tag: [
+            f"{entry}\n{scene_title(row.scene, row.parameters)}, step {row.step}, tolerance {row.tol:g}\n"
+            f"residual {row.residual:.1e} in {seconds(row.time)}: {row.verdict}\nfrictionbench rerun DIR {row.key}"
+            for row in own.itertuples()
+        ]
+        for entry, own in answers.groupby("entry")
+    }
 
 
 def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
@@ -36,13 +54,13 @@ def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
     crowded = len(answers) > CROWD
     for entry, own in answers.groupby("entry"):
         look = looks[entry]
-        ax.scatter(own["time"], _shown(own["residual"]), s=5, lw=0, color=look.colour, alpha=0.35, rasterized=crowded)
+        dots = ax.scatter(own["time"], _shown(own["residual"]), s=5, lw=0, color=look.colour, alpha=0.35, rasterized=crowded)
+        dots.set_gid(f"dots-{look.tag}")
         ladder = own.groupby("tol")[["time", "residual", "model_residual"]].median().sort_index(ascending=False)
-        ax.plot(ladder["time"], _shown(ladder["residual"]), color=look.colour, marker=look.marker, ls=look.dash)
+        ax.plot(ladder["time"], _shown(ladder["residual"]), **look.line)
         if (own["model"] == "relaxation").any():
-            ax.plot(
-                ladder["time"], _shown(ladder["model_residual"]), ":", color=look.colour, marker=look.marker, mfc="none", lw=0.8
-            )
+            own_model = look.line | {"ls": ":", "mfc": "none", "lw": 0.8}
+            ax.plot(ladder["time"], _shown(ladder["model_residual"]), **own_model)
     wrong = answers[answers["verdict"] == WRONG]
     ring = 1.7 * mpl.rcParams["lines.markersize"]
     ax.plot(wrong["time"], _shown(wrong["residual"]), "o", ms=ring, mfc="none", mec=ALARM, zorder=4)

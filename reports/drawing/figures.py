@@ -2,8 +2,8 @@
 
 import io
 import re
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import matplotlib as mpl
@@ -24,12 +24,13 @@ class Panel:
 
     title: str
     draw: Callable[[Axes], object]
+    dots: Mapping[str, Sequence[str]] = field(default_factory=dict)  # what the dots of each tag are, in the order drawn
 
 
 def inline_svg(panel: Panel, size: tuple[float, float] = PANEL) -> str:
     """The panel, without its title, as an SVG element whose ink is the page's own.
 
-    The ids of groups are dropped, for a page holds many such elements.
+    The ids of groups are dropped, for a page holds many such elements; those of entries stay as data-entry, or data-dots.
     """
     with mpl.rc_context(RC):
         figure = Figure(figsize=size, layout="constrained")
@@ -43,7 +44,7 @@ def swatch(look: Look) -> str:
         figure = Figure(figsize=(0.34, 0.17))
         ax = figure.add_axes((0, 0, 1, 1))
         ax.axis("off")
-        ax.plot([0, 1, 2], [0, 0, 0], color=look.colour, marker=look.marker, ls=look.dash, markevery=[1], markersize=6)
+        ax.plot([0, 1, 2], [0, 0, 0], **look.line | {"gid": None}, markevery=[1], markersize=6)
         return _element(figure)
 
 
@@ -52,6 +53,8 @@ def _element(figure: Figure) -> str:
     figure.savefig(text, format="svg", dpi=IMAGE, metadata={"Date": None})
     svg = text.getvalue()
     svg = re.sub(r"\s*<metadata>.*?</metadata>", "", svg[svg.index("<svg") :], flags=re.DOTALL)
+    svg = re.sub(r'<g id="dots-(entry-[0-9a-f]+)"', r'<g data-dots="\1"', svg)
+    svg = re.sub(r'<g id="(entry-[0-9a-f]+)"', r'<g data-entry="\1"', svg)
     return re.sub(r'<g id="[^"]*"', "<g", svg).replace(INK, "currentColor")
 
 
@@ -79,7 +82,7 @@ def save_sheet(
             ax.set_title(plain(panel.title))
         for ax in grid[len(panels) :]:
             ax.axis("off")
-        handles = [Line2D([], [], color=look.colour, marker=look.marker, ls=look.dash) for look in looks.values()]
+        handles = [Line2D([], [], **look.line) for look in looks.values()]
         figure.legend(handles, [plain(name) for name in looks], loc="outside lower center", ncols=across)
         paths = [stem.with_suffix(f".{kind}") for kind in ("svg", "pdf")]
         for path in paths:

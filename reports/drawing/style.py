@@ -52,11 +52,17 @@ _PLACES = (
 
 
 class Look(NamedTuple):
-    """Colour, marker and dash of one entry; the dash tells apart what greyscale does not."""
+    """Colour, marker and dash of one entry, the dash for what greyscale does not tell apart; tag: its name in drawings."""
 
     colour: str
     marker: str
-    dash: Any = "-"
+    dash: Any
+    tag: str
+
+    @property
+    def line(self) -> dict[str, Any]:
+        """How its lines are plotted."""
+        return {"color": self.colour, "marker": self.marker, "ls": self.dash, "gid": self.tag}
 
 
 def looks(entries: Iterable[str]) -> dict[str, Look]:
@@ -65,9 +71,9 @@ def looks(entries: Iterable[str]) -> dict[str, Look]:
     found: dict[str, Look] = {}
     for entry in sorted(set(entries), key=lambda entry: (_solver(entry) not in _PLACES, entry)):
         place, shift = _place(entry)
-        while (look := _look(place, shift)) in found.values():
+        while (drawn := _drawn(place, shift)) in (look[:3] for look in found.values()):
             shift += 1
-        found[entry] = look
+        found[entry] = Look(*drawn, f"entry-{_number(entry):x}")
     return dict(sorted(found.items()))
 
 
@@ -82,9 +88,9 @@ def _place(entry: str) -> tuple[int, int]:
     return place, _number(entry) if entry != solver else 0
 
 
-def _look(place: int, shift: int) -> Look:
+def _drawn(place: int, shift: int) -> tuple[str, str, Any]:
     other = place // len(_COLOURS) + place + shift
-    return Look(_COLOURS[place % len(_COLOURS)], _MARKERS[other % len(_MARKERS)], _DASHES[other % len(_DASHES)])
+    return (_COLOURS[place % len(_COLOURS)], _MARKERS[other % len(_MARKERS)], _DASHES[other % len(_DASHES)])
 
 
 def _number(text: str) -> int:

@@ -1,13 +1,28 @@
 """The page's template and how it writes numbers; everything it is given is escaped unless it is our own markup."""
 
+import json
 import math
+from base64 import b64encode
 from collections.abc import Iterator
+from hashlib import sha256
+from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from reports.drawing.text import power, seconds
+
+
+def script(name: str) -> tuple[Markup, str]:
+    """A script of this folder, and the hash by which a page's security policy lets it run, and no other."""
+    text = Path(__file__).with_name(name).read_text(encoding="utf-8")
+    return Markup(text), b64encode(sha256(text.encode()).digest()).decode()
+
+
+def as_json(value: Any) -> Markup:
+    """JSON that ends no script element, whatever text is in it."""
+    return Markup(json.dumps(value, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"))
 
 
 def environment() -> Environment:
