@@ -65,6 +65,10 @@ def run(
     tol: Tolerances = None,
     time_limit: Limit = None,
     jobs: Jobs = None,
+    data: Annotated[
+        list[str] | None,
+        typer.Option("--data", metavar="DIR|fclib/FAMILY", help="Recorded problems to run; repeat for more."),
+    ] = None,
     cluster: Annotated[
         str | None,
         typer.Option("--cluster", metavar="ADDRESS", help="Run the cells on this dask scheduler, like tcp://127.0.0.1:8786."),
@@ -83,7 +87,7 @@ def run(
     from harness.workers.introduce import introduce
 
     variants, plugins = introduce(solver or [])
-    plan = choose(suite, scene or [], variants, tol, time_limit, plugins)
+    plan = choose(suite, scene or [], variants, tol, time_limit, plugins, tuple(data or ()))
     folder = out or Path("runs") / suite
     run_maps(plan, folder, _jobs(jobs), Progress(), cluster)
     typer.echo(f"results: {folder}\nreport:  frictionbench report {folder}")
@@ -128,6 +132,33 @@ def solve(
     from harness.commands.single import solve_one
 
     solve_one(problem, solver or [], tol, time_limit, _jobs(jobs))
+
+
+@app.command()
+def export(
+    problems: Annotated[str, typer.Argument(metavar="SCENE|DIR", help="A scene, or a results folder.")],
+    out: Annotated[
+        Path, typer.Option("--out", "-o", metavar="FILE.hdf5|FOLDER", help="One file, or a folder where there are several.")
+    ],
+    pick: Annotated[
+        int, typer.Option("--pick", min=0, help="Problems spread over the scene's motion; 0: the first alone.")
+    ] = 0,
+) -> None:
+    """Write problems in FCLIB's HDF5 format, for others to solve."""
+    from harness.commands.export import export as export_problems
+
+    for path in export_problems(problems, out, pick):
+        typer.echo(path)
+
+
+@app.command()
+def fetch(
+    family: Annotated[str, typer.Argument(metavar="fclib/FAMILY", help="Like fclib/Capsules; `fclib/` lists those known.")],
+) -> None:
+    """Download recorded problems of FCLIB's public collection, checked by size and sha256, into the user's cache."""
+    from harness.commands.fetch import fetch as fetch_family
+
+    fetch_family(family)
 
 
 @app.command()

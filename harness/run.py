@@ -119,7 +119,8 @@ def _record(plan: Plan, pool: Pool, progress: Progress) -> None:
 
 def _solve_task(cell: SolveCell, entry: Entry, plan: Plan) -> Task:
     name = f"{cell.variant} on {entry['scene']}, {entry['contacts']} contacts"
-    return Task(name, worker.run_solve, (cell, entry, plan.time_limit), plan.time_limit, plan.owner(cell.variant))
+    limit = entry.get("time_limit", plan.time_limit)
+    return Task(name, worker.run_solve, (cell, entry, limit), limit, plan.owner(cell.variant))
 
 
 def _drive_task(cell: DriveCell, plan: Plan) -> Task:

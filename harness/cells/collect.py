@@ -12,22 +12,23 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from harness.plans.plan import COLD, SHUFFLED, USUAL, WARM, Source, phase
-from problems import FrictionProblem, InputError, scene
+from problems import LCP, FrictionProblem, InputError, scene
 from problems.check import Array
+from problems.instances import instances, make_instance
 from problems.nature.census import census_labels
 from problems.nature.labels import labels
 from problems.nature.mode import distance_to_next_mode
 from problems.nature.stability import response
 from problems.nature.thresholds import POINTED, existence
 from problems.planar.collision import Contacts
-from problems.random_problem import random_problem
+from problems.recorded import read
 from problems.recorded.own import load, save
 from problems.residual import residual
 from problems.schemes import SCHEMES
 from problems.simulate import first_problem, simulate
 from solvers import solve
 
-REFERENCE = "lemke"
+REFERENCE, SPATIAL_REFERENCE = "lemke", "hybrid"
 MOST_PERTURBED = 30  # contacts; larger problems' response costs more than it tells
 RIGHT = 1e-8  # the residual up to which the reference's answer says something about the problem
 MOST_COUNTED = 6  # contacts; the modes to enumerate grow like 4^contacts
@@ -58,11 +59,29 @@ def collect(folder: Path, source: Source) -> list[Entry]:
             save(met.problem, store / f"{name}.npz")
             if starts:
                 np.savez(store / f"{name}.starts.npz", **starts)  # type: ignore[arg-type]
-            entries[name] = facts(source, met) | {"starts": [COLD, *starts], "repeats": source.repeats}
+            entries[name] = facts(source, met) | {"starts": [COLD, *starts], **_own_terms(source)}
     partial = listed.with_suffix(".partial")
     partial.write_text(json.dumps(list(entries.values())), encoding="utf-8")
     partial.replace(listed)
     return list(entries.values())
+
+
+def friction_problem(path: Path) -> FrictionProblem:
+    """The friction problem in a file. Errors: InputError naming the file where it is none."""
+    problem = read(path)
+    if isinstance(problem, LCP):
+        raise InputError(f"{path}: a bare LCP; only `frictionbench solve` takes one")
+    return problem
+
+
+def _own_terms(source: Source) -> Entry:
+    """What the source asks for in place of the plan's tolerances and limit."""
+    terms: Entry = {"repeats": source.repeats}
+    if source.tolerances:
+        terms["tolerances"] = list(source.tolerances)
+    if source.time_limit is not None:
+        terms["time_limit"] = source.time_limit
+    return terms
 
 
 def stored(folder: Path, problem: str) -> FrictionProblem:
@@ -84,8 +103,10 @@ def stored_start(folder: Path, problem: str, start: str) -> Array | None:
 
 def _chosen(source: Source) -> list[tuple[Met, dict[str, Array]]]:
     """The source's problems, each with its starts by name."""
-    if source.scene == "random":
-        return [(Met(0, "step", random_problem(**source.parameters)), {})]
+    if source.file:
+        return [(Met(0, "step", friction_problem(Path(source.file))), {})]
+    if source.scene in instances():
+        return [(Met(0, "step", make_instance(source.scene, **source.parameters)), {})]
     stage = scene(source.scene, **source.parameters)
     if source.pick == 0:
         usual = source.scheme == USUAL
@@ -102,7 +123,7 @@ def _chosen(source: Source) -> list[tuple[Met, dict[str, Array]]]:
 
 
 def _reference(problem: FrictionProblem) -> Array:
-    return solve(problem, REFERENCE, tol=1e-10).impulse
+    return solve(problem, REFERENCE if problem.dimension == 2 else SPATIAL_REFERENCE, tol=1e-10).impulse
 
 
 def _worth_solving(problem: FrictionProblem) -> bool:

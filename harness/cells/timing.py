@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from problems import FrictionProblem
+from problems import LCP, FrictionProblem
 from solvers import Answer, Solver
 
 BUDGET = 0.1  # seconds of repeats a cell
@@ -45,7 +45,11 @@ class Timing:
 
 
 def time_solver(
-    solver: Solver, problem: FrictionProblem, solve: Callable[[Any], Answer], answered: Callable[[], None], most: int = MOST
+    solver: Solver,
+    problem: FrictionProblem | LCP,
+    solve: Callable[[Any], Answer],
+    answered: Callable[[], None],
+    most: int = MOST,
 ) -> tuple[Answer, Timing]:
     """The first answer to the problem, and the times; answered() is called between it and the repeats.
 
@@ -80,7 +84,7 @@ def clean_call(call: Callable[[], Call]) -> Call:
     return made
 
 
-def timed_call(solver: Solver, problem: FrictionProblem, solve: Callable[[Any], Answer]) -> Call:
+def timed_call(solver: Solver, problem: FrictionProblem | LCP, solve: Callable[[Any], Answer]) -> Call:
     """One call on the problem met afresh."""
     from numba.core import event
 
@@ -96,7 +100,7 @@ def timed_call(solver: Solver, problem: FrictionProblem, solve: Callable[[Any], 
     return Call(answer, (written - start, ready - written, end - ready), bool(loads.buffer) or len(sys.modules) != modules)
 
 
-def _timed(solver: Solver, problem: FrictionProblem, solve: Callable[[Any], Answer], timing: Timing) -> Call:
+def _timed(solver: Solver, problem: FrictionProblem | LCP, solve: Callable[[Any], Answer], timing: Timing) -> Call:
     made = timed_call(solver, problem, solve)
     timing.spent += sum(made.times)
     return made

@@ -24,11 +24,12 @@ from harness.cells.rows import drive_row, solve_row, solver_facts
 from harness.cells.timing import MOST, Timing, time_solver
 from harness.deadline import Deadline
 from harness.plans.plan import COLD, DriveCell, Plugin, SolveCell, Source
-from harness.verify import Finding, verify
-from problems import FrictionProblem, InputError, scene
+from harness.verify import Finding, verify, verify_lcp
+from problems import LCP, FrictionProblem, InputError, scene
 from problems.copies import duplicate, same
 from problems.nature.mode import mode
 from problems.nature.stability import backward_error
+from problems.recorded import read
 from problems.spec import split
 from results.schema import CRASHED, SKIPPED, TIMEOUT, WRONG
 from results.store import Row
@@ -99,6 +100,29 @@ def run_solve(cell: SolveCell, entry: Entry, limit: float) -> Row:
     return _done(begun, row | {"overhead": perf_counter() - begun - timing.spent})
 
 
+def run_lcp(path: str, variant: str, tol: float, limit: float) -> Row:
+    """Put one solver to the bare LCP in a file; what a row can say of it."""
+    row: Row = {"variant": variant, "tol": tol}
+    info, solver = _solver(variant)
+    lcp = read(Path(path))
+    assert isinstance(lcp, LCP)
+    if reason := info.missing or info.refuses(lcp):
+        return row | {"verdict": SKIPPED, "reason": reason}
+    with suppress(BaseException), _worker.deadline.within(limit):
+        solver.solve(solver.prepare(LCP(np.eye(2), np.array([-1.0, 1.0]))), tol, None)
+    try:
+        with _worker.deadline.within(limit) as allow:
+            answer, timing = time_solver(
+                solver, lcp.fresh(), lambda prepared: solver.solve(prepared, tol, None), lambda: allow(limit + 1.0)
+            )
+    except BaseException as error:
+        return row | {"verdict": CRASHED, "reason": plugins.told(error)}
+    finding = verify_lcp(lcp, answer, tol)
+    row |= {"status": answer.status.name, "work": json.dumps(answer.work, sort_keys=True), "verdict": finding.verdict}
+    row |= {"reason": finding.reason, "residual": finding.residual, "model_residual": finding.model_residual}
+    return row | _times(timing)
+
+
 def run_drive(cell: DriveCell, limit: float) -> Row:
     """Drive one scene with one solver; the row."""
     begun = perf_counter()
@@ -166,8 +190,7 @@ def _found(problem: FrictionProblem, answer: Answer, finding: Finding, timing: T
     }
     if not timing.solve:
         return row | {"reason": "; ".join(filter(None, (finding.reason, "every call compiled or loaded something: no times")))}
-    for step, times in (("form", timing.form), ("setup", timing.setup), ("solve", timing.solve)):
-        row |= {f"{step}_time": float(np.median(times)), f"{step}_times": times}
+    row |= _times(timing)
     if row["form_time"] + row["setup_time"] + row["solve_time"] > limit:
         row |= {"verdict": TIMEOUT, "reason": "its median time is past the limit"}
     return row
@@ -178,6 +201,13 @@ def _mode(problem: FrictionProblem, answer: Answer) -> str | None:
     impulse = np.asarray(answer.impulse, dtype=float)
     readable = problem.dimension == 2 and problem.contacts <= MOST_TOLD and impulse.shape == (problem.contacts, 2)
     return mode(problem, impulse) if readable and np.isfinite(impulse).all() else None
+
+
+def _times(timing: Timing) -> Row:
+    row: Row = {}
+    for step, times in (("form", timing.form), ("setup", timing.setup), ("solve", timing.solve)):
+        row |= {f"{step}_time": float(np.median(times)), f"{step}_times": times} if times else {}
+    return row
 
 
 @lru_cache(maxsize=8)

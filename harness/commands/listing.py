@@ -1,10 +1,13 @@
 """The lists of `frictionbench list`."""
 
+from typing import Any
+
 from rich.console import Console
 from rich.table import Table
 
 from harness.plans.suites import SUITES
 from problems import scenes
+from problems.instances import instances
 from solvers import available
 
 
@@ -23,7 +26,8 @@ def _table(*columns: str) -> Table:
 
 def _scenes() -> Table:
     table = _table("scene", "parameters", "")
-    for name, generator in sorted(scenes().items()):
+    listed: dict[str, Any] = {**scenes(), **instances()}
+    for name, generator in listed.items():
         parameters = ", ".join(f"{key}={value}" for key, value in generator.parameters.items())
         table.add_row(name, parameters, generator.summary)
     return table

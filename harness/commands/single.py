@@ -2,8 +2,11 @@
 
 import json
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -12,42 +15,83 @@ from harness.cells import worker
 from harness.cells.collect import Entry, Met, collect, facts
 from harness.cells.rows import PROBLEM_FACTS
 from harness.commands.trusted import trusted
+from harness.plans.choose import named_source
+from harness.plans.entries import RELAXED as OUTSIDE
 from harness.plans.plan import COLD, DriveCell, Plan, Plugin, SolveCell, Source, origin
-from harness.plans.spec import parse
-from harness.plans.suites import RELAXED
 from harness.run import row_of_the_dead
 from harness.workers.introduce import introduce
 from harness.workers.pool import Pool
-from harness.workers.task import Task
-from problems import scene
-from problems.recorded.own import load, save
+from harness.workers.task import Outcome, Task
+from problems import LCP
+from problems.recorded import read
+from problems.recorded.own import save
 from results import store
+from results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
 from results.store import ResultsError, Row
 from solvers import available
 
+VERDICTS = (SOLVED, RELAXED, MISSED, UNJUDGEABLE, UNSOLVED, WRONG, TIMEOUT, CRASHED, SKIPPED)  # the best first
+
 
 def solve_one(problem: str, solver_specs: list[str], tol: float, time_limit: float, jobs: int) -> None:
-    """Put solvers (all, if none are named) to one problem and print a table. Errors: InputError naming the field."""
+    """Put solvers (all, if none are named) to one problem, print a table, the best first, and say which to use.
+
+    Errors: InputError naming the field.
+    """
     variants, plugins = introduce(solver_specs) if solver_specs else (_everyone(), ())
     plan = Plan("solve", (), variants, (tol,), time_limit=time_limit, plugins=plugins)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        entry = _stage(problem, folder)
-        cells = plan.solve_cells([entry])
+        lcp, entry = _stage(problem, folder)
+        run: Callable[..., Row]
+        if lcp is not None:
+            told = f"an LCP of {lcp.size} unknowns"
+            run, path = worker.run_lcp, str(Path(problem).absolute())
+            calls: list[tuple[Any, ...]] = [(path, variant, tol, time_limit) for variant in variants]
+        else:
+            told = f"{entry['contacts']} contacts, LCP of {entry['size']} unknowns"
+            run, calls = worker.run_solve, [(cell, entry, time_limit) for cell in plan.solve_cells([entry])]
         tasks = [
-            Task(cell.variant, worker.run_solve, (cell, entry, time_limit), time_limit, plan.owner(cell.variant))
-            for cell in cells
+            Task(variant, run, call, time_limit, plan.owner(variant)) for variant, call in zip(variants, calls, strict=True)
         ]
         with Pool(folder, jobs, plugins, plan.memory_limit) as pool:
-            rows = {outcome.task.name: outcome.value or row_of_the_dead(outcome, plugins) for outcome in pool.run(tasks)}
-    title = f"{problem}: {entry['contacts']} contacts, LCP of {entry['size']} unknowns, tolerance {tol:g}"
-    _show(title, [rows[cell.variant] for cell in cells])
+            rows = [outcome.value or _dead(outcome, plugins) for outcome in pool.run(tasks)]
+    rows.sort(key=lambda row: (VERDICTS.index(row["verdict"]), _seconds(row), row["variant"]))
+    applied = [row for row in rows if row["verdict"] != SKIPPED or solver_specs]
+    _show(f"{problem}: {told}, tolerance {tol:g}", applied)
+    if left_out := [row["variant"] for row in rows if row not in applied]:
+        _console().print(Text(f"not for this problem: {', '.join(left_out)}"))
+    _console().print(Text(advice(rows)))
+
+
+def advice(rows: list[Row]) -> str:
+    """Which solver to use, of rows with the best first."""
+    best = rows[0]
+    if best["verdict"] == SOLVED:
+        others = sum(row["verdict"] == SOLVED for row in rows) - 1
+        return f"use {best['variant']}: solved in {_time(_seconds(best))}" + f"; {others} others solve it too" * (others > 0)
+    answered = [row for row in rows if row.get("residual") is not None]
+    if not answered:
+        return "no solver gave an answer"
+    nearest = min(answered, key=lambda row: row["residual"])
+    return f"none solves it; the nearest is {nearest['variant']}, with a residual of {nearest['residual']:.1e}"
+
+
+def _seconds(row: Row) -> float:
+    times = [row.get(f"{step}_time") for step in ("form", "setup", "solve")]
+    return sum(filter(None, times)) if times[2] is not None else np.inf
+
+
+def _dead(outcome: Outcome, plugins: tuple[Plugin, ...]) -> Row:
+    if isinstance(outcome.task.arguments[0], SolveCell):
+        return row_of_the_dead(outcome, plugins)
+    return {"variant": outcome.task.name, "verdict": outcome.death, "reason": outcome.reason}
 
 
 def _everyone() -> tuple[str, ...]:
     """All solvers, the outside ones with each backend."""
-    outside = {variant.partition("[")[0] for variant in RELAXED}
-    return (*(name for name in sorted(available()) if name not in outside), *RELAXED)
+    outside = {variant.partition("[")[0] for variant in OUTSIDE}
+    return (*(name for name in sorted(available()) if name not in outside), *OUTSIDE)
 
 
 def rerun_row(folder: Path, key: str, files: list[str]) -> tuple[Row, Row]:
@@ -78,16 +122,16 @@ def show_rerun(folder: Path, key: str, files: list[str]) -> None:
     _show(f"{key}: {row['scene']} {row['parameters']}, tolerance {row['tol']:g}", [row, again])
 
 
-def _stage(problem: str, folder: Path) -> Entry:
-    """Store the problem of a file or the first problem of a scene under folder."""
+def _stage(problem: str, folder: Path) -> tuple[LCP | None, Entry]:
+    """The bare LCP of a file; or the problem of a file or of an instance, or a scene's first, stored under folder."""
     if Path(problem).is_file() or Path(problem.partition("[")[0]).suffix:
-        loaded = load(Path(problem))
+        loaded = read(Path(problem))
+        if isinstance(loaded, LCP):
+            return loaded, {}
         (folder / "problems").mkdir()
         save(loaded, folder / "problems" / f"{loaded.hash}.npz")
-        return facts(Source(Path(problem).name), Met(0, "step", loaded)) | {"starts": [COLD]}
-    name, settings = parse("scene", problem)
-    scene(name, **settings)
-    return collect(folder, Source(name, settings))[0]
+        return None, facts(Source(Path(problem).name), Met(0, "step", loaded)) | {"starts": [COLD]}
+    return None, collect(folder, named_source(problem))[0]
 
 
 def _task_again(row: Row, table: str, plugins: tuple[Plugin, ...]) -> Task:
@@ -103,7 +147,9 @@ def _task_again(row: Row, table: str, plugins: tuple[Plugin, ...]) -> Task:
 
 def _show(title: str, rows: list[Row]) -> None:
     table = Table(title=Text(title), title_justify="left", box=None, pad_edge=False, header_style="bold")
-    for name in ("solver", "claims", "verdict", "residual", "of its model", "form", "setup", "solve", "work", "remark"):
+    for name in ("solver", "claims", "verdict", "residual", "of its model", "form", "setup", "solve"):
+        table.add_column(name, no_wrap=True)
+    for name in ("work", "remark"):
         table.add_column(name, overflow="fold")
     for row in rows:
         numbers = [_number(row.get(name)) for name in ("residual", "model_residual")]
@@ -112,7 +158,13 @@ def _show(title: str, rows: list[Row]) -> None:
         table.add_row(
             row["variant"], (row.get("status") or "").lower(), row["verdict"], *numbers, *times, work, row.get("reason") or ""
         )
-    Console().print(table, markup=False)
+    _console().print(table, markup=False)
+
+
+def _console() -> Console:
+    """As wide as the terminal; wide enough for a table where there is none."""
+    console = Console()
+    return console if console.is_terminal else Console(width=160)
 
 
 def _number(value: float | None) -> str:

@@ -3,9 +3,11 @@
 from dataclasses import replace
 
 from harness.plans.plan import Plan, Plugin, Source
+from harness.plans.recorded import with_data
 from harness.plans.spec import parse
 from harness.plans.suites import SUITES
 from problems import InputError, scene
+from problems.instances import instances
 from results.maps import Map
 from solvers import find
 
@@ -17,11 +19,12 @@ def choose(
     tol: str | None,
     time_limit: float | None,
     plugins: tuple[Plugin, ...] = (),
+    data: tuple[str, ...] = (),
 ) -> Plan:
     """The suite's plan, narrowed or widened by what is given. Errors: InputError naming the field."""
     if suite not in SUITES:
         raise InputError(f"suite: unknown suite {suite!r}; known are {', '.join(SUITES)}")
-    plan = SUITES[suite]()
+    plan = with_data(SUITES[suite](), list(data))
     if scene_specs:
         chosen = [_chosen(plan, spec) for spec in scene_specs]
         plan = replace(
@@ -50,8 +53,20 @@ def _chosen(plan: Plan, spec: str) -> tuple[list[Source], list[Source], list[Map
     mapped = [spec for spec in plan.maps if name in (spec.scene, spec.name)]
     if (own or mapped) and not settings:
         return own, [drive for drive in plan.drives if drive.scene == name], mapped
-    scene(name, **settings)
+    source = named_source(spec)
+    if not source.moves:
+        return [source], [], []
     return [Source(name, settings, pick=6)], [Source(name, settings)], []
+
+
+def named_source(spec: str) -> Source:
+    """The instance or the first problem of the scene that a spec names. Errors: InputError naming what is unknown."""
+    name, settings = parse("scene", spec)
+    if name not in instances():
+        scene(name, **settings)
+    elif unknown := settings.keys() - instances()[name].parameters.keys():
+        raise InputError(f"{min(unknown)}: {name} has no such parameter; it has {', '.join(instances()[name].parameters)}")
+    return Source(name, settings)
 
 
 def _tolerances(text: str) -> tuple[float, ...]:

@@ -1,7 +1,7 @@
 """A plan: where the problems come from, which solvers meet them, at which tolerances and limits.
 
-A source yields problems (a scene's steps, recorded while a reference solver drives it, or random problems); a cell is one
-unit of work with one row in the results. Cells are plain values: they travel to workers, and their keys make resuming work.
+A source yields problems (a scene's steps, recorded while a reference solver drives it; an instance; a file); a cell is one unit
+of work with one row in the results. Cells are plain values: they travel to workers, and their keys make resuming work.
 """
 
 import json
@@ -11,6 +11,7 @@ from hashlib import sha256
 from typing import Any
 
 from problems import InputError
+from problems.instances import instances
 from results.maps import Map
 
 USUAL = "anitescu_potra"  # scheme
@@ -22,7 +23,11 @@ MOST_SHOWN = 100  # steps
 @dataclass(frozen=True)
 class Source:
     """Problems of one scene. pick: how many, spread over its motion; 0 for the first step's alone, met without a solver, as
-    the scheme has it. repeats: how often a short solve is timed, the usual where None."""
+    the scheme has it. repeats: how often a short solve is timed, the usual where None.
+
+    Of an instance (problems.instances) `scene` is the name, of a problem in a file that of the set it belongs to. tolerances,
+    time_limit: in place of the plan's.
+    """
 
     scene: str
     parameters: dict[str, Any] = field(default_factory=dict)
@@ -30,10 +35,18 @@ class Source:
     steps: int | None = None
     scheme: str = USUAL
     repeats: int | None = None
+    file: str = ""
+    tolerances: tuple[float, ...] = ()
+    time_limit: float | None = None
 
     @property
     def key(self) -> str:
         return _key("source", self)
+
+    @property
+    def moves(self) -> bool:
+        """Whether there is a scene behind it that moves."""
+        return not self.file and self.scene not in instances()
 
 
 @dataclass(frozen=True)
@@ -127,14 +140,13 @@ class Plan:
 
     def solve_cells(self, entries: Iterable[dict[str, Any]]) -> list[SolveCell]:
         """Every problem with every solver, start that it has, and tolerance, the loosest first."""
-        ladder = sorted(self.tolerances, reverse=True)
         return [
             SolveCell(entry["problem"], origin(entry), variant, tol, start)
             for entry in entries
             for variant in self.solvers
             for start in self.starts
             if start in entry["starts"]
-            for tol in ladder
+            for tol in sorted(entry.get("tolerances") or self.tolerances, reverse=True)
         ]
 
     def drive_cells(self) -> list[DriveCell]:
@@ -153,10 +165,10 @@ class Plan:
 
     def shown(self) -> list[Source]:
         """What to record for the eye: every drive, and a short motion of each scene that none drives."""
-        driven = {drive.scene for drive in self.drives} | {"random"}
+        driven = {drive.scene for drive in self.drives}
         others: dict[str, Source] = {}
         for source in self.sources:
-            if source.scene not in driven:
+            if source.moves and source.scene not in driven:
                 others.setdefault(source.scene, replace(source, steps=source.steps or MOST_SHOWN))
         return [*self.drives, *others.values()]
 

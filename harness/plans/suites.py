@@ -1,15 +1,11 @@
 """The suites: named plans."""
 
 from harness.plans.atlas import ATLAS
+from harness.plans.entries import EXACT, LADDER, OTHERS, RELAXED
 from harness.plans.plan import COLD, KEEP_ANSWER, KEEP_VELOCITY, RELAX, SHUFFLED, WARM, Plan, Source
+from harness.plans.recorded import abh2018, recorded, spatial
 from problems.schemes import SCHEMES
 
-EXACT = ("hybrid", "lemke", "path_search", "interior_point", "nsgs")
-RELAXED = ("ccp[backend=clarabel]", "ccp[backend=osqp]", "ccp[backend=proxqp]", "ccp_cone")
-OTHERS = (
-    *("fischer_newton", "minmap_newton", "dantzig", "murty"),
-    *("staggered", "nncg", "anitescu_hart", "apgd_coulomb", "admm_coulomb", "apgd", "admm"),
-)
 MAPPED = (*EXACT, *(name for name in OTHERS if name not in ("apgd", "admm")))
 MAPPED_RELAXED = ("relaxation_ip", "apgd", "admm", *RELAXED[:3])
 FAILING = (  # drives whose steps some methods fail
@@ -17,7 +13,6 @@ FAILING = (  # drives whose steps some methods fail
     Source("three_blocks", {}, steps=200),
     Source("multiple_collisions", {}, steps=200),
 )
-LADDER = (1e-4, 1e-6, 1e-8)
 EXAMPLES = tuple(f"example_{i}" for i in range(1, 8))
 
 
@@ -153,4 +148,14 @@ def maps() -> Plan:
     )
 
 
-SUITES = {"smoke": smoke, "standard": standard, "seeds": seeds, "replay": replay, "scaling": scaling, "maps": maps}
+SUITES = {
+    "smoke": smoke,
+    "standard": standard,
+    "seeds": seeds,
+    "replay": replay,
+    "scaling": scaling,
+    "maps": maps,
+    "recorded": recorded,
+    "spatial": spatial,
+    "abh2018": abh2018,
+}

@@ -68,6 +68,12 @@ class LCP:
         dense.setflags(write=False)
         return dense
 
+    def fresh(self) -> "LCP":
+        """The same problem without anything derived from it."""
+        again = object.__new__(LCP)
+        again.rows, again.q, again.basis, again.contacts = self.rows, self.q, self.basis, self.contacts
+        return again
+
     def impulse(self, z: Array) -> Array:
         """The contact impulses (nc, d), normal first, of a friction LCP's z; (0, 0) for a bare LCP."""
         if self.basis is None:

@@ -1,0 +1,19 @@
+"""`frictionbench fetch fclib/FAMILY`: recorded problems from their public collection into the user's cache."""
+
+from rich.console import Console
+from rich.progress import BarColumn, DownloadColumn, Progress, TextColumn, TransferSpeedColumn
+
+from problems.recorded import collection
+
+
+def fetch(name: str) -> None:
+    """Fetch a family, showing how far it is. Errors: InputError naming the family or the file."""
+    family = collection.family(name)
+    entries = collection.registry()[family]
+    columns = TextColumn("{task.description}"), BarColumn(), DownloadColumn(), TransferSpeedColumn()
+    with Progress(*columns, console=Console(stderr=True)) as progress:
+        bar = progress.add_task(f"fclib/{family}", total=sum(entry.size for entry in entries))
+        for entry in collection.fetch(family):
+            progress.advance(bar, entry.size)
+    Console().print(f"{len(entries)} files in {collection.folder(family)}", soft_wrap=True, markup=False)
+    Console().print(f"run them: frictionbench run recorded --data fclib/{family}", soft_wrap=True, markup=False)

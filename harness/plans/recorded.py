@@ -1,0 +1,100 @@
+"""Plans for problems that others recorded, and for spatial ones of our own: every solver that takes them.
+
+Where recorded problems lie is said on the command line: `--data DIR`, or `--data fclib/Capsules` for a family that
+`frictionbench fetch` has brought.
+"""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from harness.plans.entries import EXACT, LADDER, OTHERS, RELAXED
+from harness.plans.plan import Plan, Source
+from problems import InputError
+from problems.recorded import collection
+
+FORMATS = (".hdf5", ".h5", ".dat", ".npz")
+
+# Accuracy and time limit of Acary, Brémond and Huber 2018, family by family of the collection.
+ABH2018 = {
+    "Global/LMGC90/cubes_H8": (1e-8, 100.0),
+    "Local/LMGC90/Cubes_H8": (1e-8, 100.0),
+    "Local/LMGC90/LowWall_FEM": (1e-8, 400.0),
+    "Local/LMGC90/Aqueduct_PR": (1e-4, 200.0),
+    "Local/LMGC90/Bridge_PR": (1e-8, 400.0),
+    "Local/LMGC90/100_PR_PerioBox": (1e-4, 100.0),
+    "Local/LMGC90/945_SP_Box_PL": (1e-4, 100.0),
+    "Local/siconos/Capsules": (1e-8, 50.0),
+    "Local/siconos/Chain": (1e-8, 50.0),
+    "Local/siconos/KaplasTower": (1e-8, 200.0),
+    "Local/siconos/BoxesStack": (1e-8, 100.0),
+    "Local/siconos/Chute_1000": (1e-4, 200.0),
+    "Local/siconos/Chute_4000": (1e-4, 200.0),
+}
+
+
+def recorded() -> Plan:
+    """Recorded problems, of a folder or a fetched family (--data DIR|fclib/FAMILY), with every solver that takes them."""
+    return Plan(
+        suite="recorded",
+        sources=(),
+        solvers=(*EXACT, *OTHERS, "relaxation_ip", *RELAXED),
+        tolerances=LADDER,
+        time_limit=10.0,
+    )
+
+
+def abh2018() -> Plan:
+    """Families of Acary, Brémond and Huber 2018 at the paper's accuracies and limits (--data fclib/FAMILY, or all fetched)."""
+    return replace(recorded(), suite="abh2018", tolerances=(1e-4, 1e-8))
+
+
+def spatial() -> Plan:
+    """Spatial problems of one step, from one contact to a thousand, with every solver that takes them."""
+    boxes = [{"boxes": n, "friction": mu, "push": push} for n in (1, 3, 10, 30, 100) for mu, push in ((0.5, 0.0), (0.2, 1.0))]
+    heavy = [{"boxes": 10, "push": 1.0, "mass_ratio": ratio} for ratio in (1e2, 1e4)]
+    piles = [{"levels": n, "friction": mu, "noise": 0.03} for n in (2, 4, 6) for mu in (0.2, 0.7)]
+    packings = [{"spheres": n, "friction": mu, "fraction": 0.64} for n in (10, 50, 250) for mu in (0.1, 0.7)]
+    loose = [{"contacts": n, "seed": seed} for n in (2, 10, 50, 300) for seed in (0, 1)]
+    kinds: dict[str, list[dict[str, Any]]] = {
+        "cubes": [*boxes, *heavy],
+        "sphere_pyramid": piles,
+        "packed_spheres": packings,
+        "random_bodies": loose,
+    }
+    return Plan(
+        suite="spatial",
+        sources=tuple(Source(name, grid) for name, grids in kinds.items() for grid in grids),
+        solvers=(*EXACT, *(f"lemke[facets={k}]" for k in (4, 16, 64)), *OTHERS, "relaxation_ip", "ccp_cone"),
+        tolerances=LADDER,
+        time_limit=10.0,
+    )
+
+
+def with_data(plan: Plan, places: list[str]) -> Plan:
+    """The plan with the recorded problems of these places. Errors: InputError naming `data` or the family."""
+    of_the_paper = plan.suite == abh2018().suite
+    if of_the_paper and not places:
+        places = [f"fclib/{family}" for family in collection.fetched() if family in ABH2018]
+    if not places and plan.suite in (recorded().suite, abh2018().suite):
+        raise InputError(
+            f"data: {plan.suite} needs --data DIR, or --data fclib/FAMILY after `frictionbench fetch fclib/FAMILY`"
+        )
+    found = [source for place in places for source in _sources(place, of_the_paper)]
+    return replace(plan, sources=(*plan.sources, *found))
+
+
+def _sources(place: str, of_the_paper: bool) -> list[Source]:
+    if place.startswith("fclib/"):
+        family = collection.family(place)
+        folder = collection.folder(family)
+        accuracy, limit = ABH2018.get(family, (None, None)) if of_the_paper else (None, None)
+        own: dict[str, Any] = {} if accuracy is None else {"tolerances": (accuracy,), "time_limit": limit}
+    else:
+        folder, own = Path(place).absolute(), {}
+        family = folder.name
+    files = sorted(path for path in folder.rglob("*") if path.suffix in FORMATS and path.is_file())
+    if not files:
+        hint = f"; fetch it with `frictionbench fetch {place}`" if place.startswith("fclib/") else ""
+        raise InputError(f"data: no problems in {place}{hint}")
+    return [Source(family, {"file": str(path.relative_to(folder))}, file=str(path), **own) for path in files]

@@ -1,0 +1,122 @@
+"""FCLIB's collection of recorded problems, which anybody can fetch: github.com/FrictionalContactLibrary/fclib-library.
+
+Beside this file, fclib_registry.csv lists 15 of its families with the size and sha256 that each file had in May 2024 (commit
+3e2066ef). The repository states no licence, so nothing of it is part of this project; its files are kept by git-LFS, and are
+downloaded from there as the main branch has them, if they are still the same. Fetched files are kept in the user's cache
+folder, FRICTIONBENCH_CACHE or the system's own, and are used from there: without a network, too. A broken-off download goes on
+file by file.
+"""
+
+import csv
+import os
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+from problems.check import InputError, require
+
+ADDRESS = "https://media.githubusercontent.com/media/FrictionalContactLibrary/fclib-library/master/"
+REGISTRY = Path(__file__).with_name("fclib_registry.csv")
+
+
+class Entry(NamedTuple):
+    """One file of the collection: its path there, its bytes and sha256."""
+
+    path: str
+    size: int
+    sha256: str
+
+
+@cache
+def registry() -> dict[str, tuple[Entry, ...]]:
+    """The files by family, like Local/siconos/Capsules."""
+    families: dict[str, list[Entry]] = {}
+    with REGISTRY.open(encoding="ascii", newline="") as file:
+        for row in csv.DictReader(file):
+            families.setdefault(row["path"].rpartition("/")[0], []).append(Entry(row["path"], int(row["bytes"]), row["sha256"]))
+    return {name: tuple(entries) for name, entries in sorted(families.items())}
+
+
+def family(name: str) -> str:
+    """The family that fclib/NAME means: its whole path, or its last part, local before global.
+
+    Errors: InputError naming the family that is unknown.
+    """
+    wanted = name.removeprefix("fclib/").strip("/").lower()
+    exact = [known for known in registry() if known.lower() == wanted]
+    last = [known for known in registry() if known.lower().endswith(f"/{wanted}")]
+    found = exact or sorted(last, key=lambda known: not known.startswith("Local/"))
+    require(bool(found), "family", f"unknown family {name!r}; known are {', '.join(f'fclib/{one}' for one in registry())}")
+    return found[0]
+
+
+def cache_folder() -> Path:
+    """Where fetched files are kept."""
+    import pooch
+
+    return Path(os.environ.get("FRICTIONBENCH_CACHE") or pooch.os_cache("frictionbench")) / "fclib"
+
+
+def folder(name: str) -> Path:
+    """Where the files of a family are kept, whether fetched yet or not."""
+    return cache_folder() / name
+
+
+def fetched() -> list[str]:
+    """The families of which all files are there."""
+    return [name for name, entries in registry().items() if all((cache_folder() / entry.path).is_file() for entry in entries)]
+
+
+def address() -> str:
+    """Where files come from: ADDRESS, or what FRICTIONBENCH_FCLIB says, a mirror."""
+    return os.environ.get("FRICTIONBENCH_FCLIB", ADDRESS).rstrip("/") + "/"
+
+
+def fetch(name: str) -> Iterator[Entry]:
+    """Download what is not there yet of a family, each file checked, one after another; yields each as it is there.
+
+    Errors: InputError naming the file that could not be had or is not what the registry says.
+    """
+    import pooch
+
+    for entry in registry()[name]:
+        path = cache_folder() / entry.path
+        try:
+            _refuse_links(path)
+            pooch.retrieve(
+                address() + entry.path,
+                known_hash=f"sha256:{entry.sha256}",
+                fname=path.name,
+                path=path.parent,
+                downloader=_Sized(entry.size),
+            )
+        except (OSError, ValueError) as error:  # requests' own errors are OSErrors, a wrong hash is a ValueError
+            raise InputError(f"{entry.path}: {' '.join(str(error).split())[:300]}") from None
+        yield entry
+
+
+def _refuse_links(path: Path) -> None:
+    require(not path.is_symlink(), str(path), "is a link; nothing was written")
+
+
+class _Sized:
+    """Downloads a file that must have this size, and not more of it than that."""
+
+    def __init__(self, size: int) -> None:
+        self._size = size
+
+    def __call__(self, url: str, output_file: str, pooch: object) -> None:
+        import requests
+
+        with requests.get(url, stream=True, timeout=30, allow_redirects=True) as response:
+            response.raise_for_status()
+            left = self._size
+            with open(output_file, "wb") as file:
+                for chunk in response.iter_content(2**16):
+                    left -= len(chunk)
+                    if left < 0:
+                        raise InputError(f"longer than the {self._size} bytes of the registry")
+                    file.write(chunk)
+            if left:
+                raise InputError(f"{self._size - left} bytes of {self._size}")

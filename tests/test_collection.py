@@ -1,0 +1,139 @@
+"""Recorded problems fetched from a server on this machine: checked, kept, resumed, used without a network."""
+
+import hashlib
+import threading
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+
+import pytest
+
+from harness.plans.choose import choose
+from harness.plans.recorded import ABH2018
+from problems import InputError
+from problems.random_problem import random_problem
+from problems.recorded import collection, fclib, read
+
+FAMILY = "Local/siconos/Chain"
+
+
+class Server:
+    """Serves `files`, by path, and remembers what it was asked for."""
+
+    def __init__(self) -> None:
+        self.files: dict[str, bytes] = {}
+        self.asked: list[str] = []
+        server = self
+
+        class Handler(BaseHTTPRequestHandler):
+            def do_GET(self) -> None:  # the library's name
+                server.asked.append(self.path.lstrip("/"))
+                content = server.files.get(self.path.lstrip("/"))
+                self.send_response(404 if content is None else 200)
+                self.end_headers()
+                self.wfile.write(content or b"")
+
+            def log_message(self, *_) -> None:
+                pass
+
+        self._http = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
+        self.address = f"http://127.0.0.1:{self._http.server_port}"
+        threading.Thread(target=self._http.serve_forever, daemon=True).start()
+
+    def stop(self) -> None:
+        self._http.shutdown()
+        self._http.server_close()
+
+
+@pytest.fixture
+def server(tmp_path, monkeypatch):
+    """A server with a family of three files, a registry of them, and an empty cache."""
+    served = Server()
+    rows = ["path,bytes,sha256"]
+    for seed in range(3):
+        fclib.write(random_problem(seed, contacts=3), tmp_path / "made.hdf5")
+        content, path = (tmp_path / "made.hdf5").read_bytes(), f"{FAMILY}/chain-{seed}.hdf5"
+        served.files[path] = content
+        rows.append(f"{path},{len(content)},{hashlib.sha256(content).hexdigest()}")
+    (tmp_path / "registry.csv").write_text("\n".join(rows) + "\n", encoding="ascii")
+    monkeypatch.setattr(collection, "REGISTRY", tmp_path / "registry.csv")
+    monkeypatch.setenv("FRICTIONBENCH_FCLIB", served.address)
+    monkeypatch.setenv("FRICTIONBENCH_CACHE", str(tmp_path / "cache"))
+    collection.registry.cache_clear()
+    yield served
+    collection.registry.cache_clear()
+    served.stop()
+
+
+def test_a_family_is_fetched_once_and_used_without_a_network(server) -> None:
+    assert collection.fetched() == []
+    assert len(list(collection.fetch(FAMILY))) == 3
+    assert collection.fetched() == [FAMILY]
+    assert read(collection.folder(FAMILY) / "chain-0.hdf5").hash == random_problem(0, contacts=3).hash
+    server.stop()
+    assert len(list(collection.fetch(FAMILY))) == 3
+    assert len(server.asked) == 3
+    plan = choose("recorded", [], (), None, None, data=("fclib/Chain",))
+    assert [Path(source.file).name for source in plan.sources] == [f"chain-{k}.hdf5" for k in range(3)]
+    of_the_paper = choose("abh2018", [], (), None, None)
+    assert {(source.tolerances, source.time_limit) for source in of_the_paper.sources} == {((1e-8,), 50.0)}
+
+
+def test_a_broken_off_download_goes_on_where_it_stopped(server) -> None:
+    missing = f"{FAMILY}/chain-1.hdf5"
+    content = server.files.pop(missing)
+    with pytest.raises(InputError, match=rf"^{missing}: 404"):
+        list(collection.fetch(FAMILY))
+    assert collection.fetched() == []
+    server.files[missing] = content
+    server.asked.clear()
+    assert len(list(collection.fetch(FAMILY))) == 3
+    assert server.asked == [missing, f"{FAMILY}/chain-2.hdf5"]
+
+
+@pytest.mark.parametrize(
+    ("spoil", "complaint"),
+    [
+        (lambda good: good[:-1] + bytes([good[-1] ^ 1]), "hash"),
+        (lambda good: good[: len(good) // 2], "of"),
+        (lambda good: good + b"x" * 10**6, "longer than the"),
+        (lambda _: b"", "0 bytes of"),
+    ],
+    ids=["changed", "cut", "longer", "empty"],
+)
+def test_a_file_that_is_not_the_registrys_is_refused_and_not_kept(server, spoil, complaint) -> None:
+    path = f"{FAMILY}/chain-0.hdf5"
+    server.files[path] = spoil(server.files[path])
+    with pytest.raises(InputError, match=rf"^{path}: .*{complaint}"):
+        list(collection.fetch(FAMILY))
+    assert not (collection.cache_folder() / path).exists()
+
+
+def test_a_link_in_the_cache_is_not_written_through(server, tmp_path) -> None:
+    path = collection.cache_folder() / FAMILY / "chain-0.hdf5"
+    path.parent.mkdir(parents=True)
+    path.symlink_to(tmp_path / "victim")
+    with pytest.raises(InputError, match="is a link"):
+        list(collection.fetch(FAMILY))
+    assert not (tmp_path / "victim").exists()
+
+
+def test_families_are_named_by_their_last_part_or_in_full() -> None:
+    assert collection.family("fclib/Capsules") == "Local/siconos/Capsules"
+    assert collection.family("fclib/global/siconos/capsules") == "Global/siconos/Capsules"
+    assert collection.family("fclib/cubes_H8") in ABH2018
+    with pytest.raises(InputError, match=r"^family: unknown family 'fclib/Nonesuch'; known are fclib/Global"):
+        collection.family("fclib/Nonesuch")
+    assert set(ABH2018) - {"Local/siconos/Chute_4000"} <= collection.registry().keys()
+    for entries in collection.registry().values():
+        assert all(len(entry.sha256) == 64 and entry.size > 0 and ".." not in entry.path for entry in entries)
+
+
+def test_data_that_is_not_there_is_named(server, tmp_path) -> None:
+    for suite, data, complaint in (
+        ("recorded", (), r"^data: recorded needs --data DIR"),
+        ("recorded", (str(tmp_path / "nothing"),), r"^data: no problems in .*nothing"),
+        ("recorded", ("fclib/Chain",), r"^data: no problems in fclib/Chain; fetch it"),
+        ("abh2018", (), r"^data: abh2018 needs"),
+    ):
+        with pytest.raises(InputError, match=complaint):
+            choose(suite, [], (), None, None, data=data)

@@ -1,0 +1,92 @@
+"""solve, export and run on problems in files and on instances, through the command line's own functions."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.cells.collect import collect
+from harness.commands.export import export
+from harness.commands.single import advice, solve_one
+from harness.plans.choose import choose, named_source
+from harness.progress import Progress
+from harness.run import run
+from problems import InputError
+from problems.instances import make_instance
+from problems.random_problem import random_problem
+from problems.recorded import fclib, read
+from results.store import read_table
+from tests.friction_problems import spatial
+
+
+def test_a_file_is_solved_and_ranked(tmp_path, capsys) -> None:
+    fclib.write(spatial(0, contacts=3), tmp_path / "p.hdf5")
+    solve_one(str(tmp_path / "p.hdf5"), ["nsgs", "interior_point", "ccp[backend=clarabel]"], 1e-8, 10.0, 1)
+    told = capsys.readouterr().out
+    assert "3 contacts" in told
+    assert "use " in told.splitlines()[-1]
+    assert told.splitlines()[-2].split()[0] == "ccp[backend=clarabel]"  # planar only: skipped, and so last
+
+
+def test_a_bare_lcp_is_solved_by_those_that_take_one(tmp_path, capsys) -> None:
+    np.savez(tmp_path / "lcp.npz", M=[[2.0, 1.0], [1.0, 2.0]], q=[-5.0, -6.0])
+    solve_one(str(tmp_path / "lcp.npz"), ["lemke", "nsgs"], 1e-8, 10.0, 1)
+    told = capsys.readouterr().out
+    assert "an LCP of 2 unknowns" in told
+    assert "not bare LCPs" in told
+    assert "use lemke: solved" in told
+
+
+def test_the_advice_is_the_best_of_those_that_solve() -> None:
+    solved = {"variant": "a", "verdict": "solved", "form_time": 1e-3, "setup_time": 0.0, "solve_time": 1e-3, "residual": 1e-9}
+    near = {"variant": "b", "verdict": "unsolved", "residual": 1e-3}
+    dead = {"variant": "c", "verdict": "timeout"}
+    assert advice([solved, solved, near]) == "use a: solved in 2.0 ms; 1 others solve it too"
+    assert advice([near, dead]) == "none solves it; the nearest is b, with a residual of 1.0e-03"
+    assert advice([dead]) == "no solver gave an answer"
+
+
+def test_a_folder_of_recorded_problems_is_run(tmp_path) -> None:
+    data, out = tmp_path / "set", tmp_path / "out"
+    data.mkdir()
+    for seed in (1, 2):
+        fclib.write(random_problem(seed, contacts=4), data / f"p{seed}.hdf5")
+    plan = choose("recorded", [], ("hybrid", "lemke"), "1e-8", 5.0, data=(str(data),))
+    run(plan, out, 1, Progress())
+    rows = read_table(out, "solves")
+    assert set(rows["scene"]) == {"set"}
+    assert set(rows["parameters"]) == {'{"file": "p1.hdf5"}', '{"file": "p2.hdf5"}'}
+    assert (rows["verdict"] == "solved").all()
+    assert len(rows) == 4
+    files = list(export(str(out), tmp_path / "again"))
+    assert {read(path).hash for path in files} == {random_problem(seed, contacts=4).hash for seed in (1, 2)}
+
+
+def test_a_source_may_have_tolerances_and_a_limit_of_its_own() -> None:
+    plan = choose("recorded", [], ("nsgs",), None, None, data=(str(Path(__file__).parent / "data"),))
+    entry = {"scene": "s", "parameters": "{}", "step": 0, "phase": "step", "problem": "p", "starts": ["cold"]}
+    assert [cell.tol for cell in plan.solve_cells([entry | {"tolerances": [1e-8]}])] == [1e-8]
+    assert [cell.tol for cell in plan.solve_cells([entry])] == [1e-4, 1e-6, 1e-8]
+
+
+def test_scenes_and_instances_are_exported(tmp_path) -> None:
+    (path,) = export("cubes[boxes=2,friction=0.3]", tmp_path / "cubes.hdf5")
+    assert read(path).hash == make_instance("cubes", boxes=2, friction=0.3).hash
+    several = list(export("stack[blocks=2,push=1]", tmp_path / "stack", pick=2))
+    assert len(several) == 2
+    assert all(read(path).contacts == 4 for path in several)
+    with pytest.raises(InputError, match=r"^out: .* is there already"):
+        list(export("cubes[boxes=2,friction=0.3]", tmp_path / "cubes.hdf5"))
+    with pytest.raises(InputError, match=r"^out: 2 problems need a folder"):
+        list(export("stack[blocks=2,push=1]", tmp_path / "stack.hdf5", pick=2))
+
+
+def test_instances_are_sources_with_labels(tmp_path) -> None:
+    (entry,) = collect(tmp_path, named_source("cubes[boxes=2]"))
+    assert (entry["contacts"], entry["dimension"], entry["rank"], entry["redundancy"]) == (8, 3, 12, 12)
+    assert entry["solutions"] is None
+    assert np.isfinite(entry["response"])
+    assert not named_source("cubes").moves
+    assert named_source("stack").moves
+    with pytest.raises(InputError, match=r"^bricks: cubes has no such parameter"):
+        named_source("cubes[bricks=2]")
