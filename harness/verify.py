@@ -78,7 +78,9 @@ def _model_residual(problem: FrictionProblem, answer: Answer, info: SolverInfo, 
     if info.model in ("relaxation", "regularised"):
         return relaxation_residual(problem, np.asarray(answer.impulse, dtype=float), answer.softness)
     if info.model == "lcp" and problem.dimension == 3 and answer.z is not None:
-        return problem.lcp().residual(answer.z)
+        facets = np.size(answer.z) // max(problem.contacts, 1) - 2  # z is (c, beta, lambda), beta of as many parts a contact
+        if problem.contacts and np.shape(answer.z) == (problem.contacts * (facets + 2),) and facets >= 4 and facets % 2 == 0:
+            return problem.lcp(facets).residual(answer.z)
     return exact
 
 

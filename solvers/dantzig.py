@@ -69,11 +69,13 @@ def dantzig(M: Matrix, q: Array, unit: Array, order: Index, tol: float, limit: i
 class Dantzig:
     """Dantzig's principal pivoting, one contact after the other, as Baraff used it. (Baraff 1994)
 
-    The limit counts pivots, by default 10 000 + 100 n.
+    facets: of the polygon that the cone's section is in space. The limit counts pivots, by default 10 000 + 100 n.
     """
 
+    facets: int = 8
+
     def form(self, problem: FrictionProblem | LCP) -> ScaledLCP:
-        return scaled_lcp(problem)
+        return scaled_lcp(problem, self.facets)
 
     def solve(self, prepared: ScaledLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         lcp, _, M, q, unit = prepared

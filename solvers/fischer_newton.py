@@ -46,17 +46,19 @@ NEWTON, GRADIENT, EVALUATIONS, FACTORISATIONS = range(4)  # counted in work
 class FischerNewton:
     """Fischer-Burmeister Newton (De Luca, Facchinei and Kanzow): semismooth, line search on the merit, gradient fallback.
 
-    regularisation: eps, on the scaled M in the Newton system. limit bounds the iterations, by default 200.
+    regularisation: eps, on the scaled M in the Newton system. facets: of the polygon that the cone's section is in space.
+    limit bounds the iterations, by default 200.
     work: newton and gradient steps, evaluations of the merit, factorisations. history: the natural residual, per iteration.
     """
 
     regularisation: float = 1e-5
+    facets: int = 8
 
     def __post_init__(self) -> None:
         require(self.regularisation >= 0, "regularisation", f"must not be negative, got {self.regularisation!r}")
 
     def form(self, problem: FrictionProblem | LCP) -> DenseLCP:
-        return dense_lcp(problem)
+        return dense_lcp(problem, self.facets)
 
     def solve(self, form: DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         limit = 200 if limit is None else limit

@@ -133,13 +133,15 @@ def lemke(
 class Lemke:
     """Lemke's complementary pivoting, scaled, perturbed, refined and checked. (Lemke 1965)
 
-    restarts: how many more covering vectors may be tried. The limit counts pivots, by default 100 000 + 100 n.
+    restarts: how many more covering vectors may be tried. facets: of the polygon that the cone's section is in space.
+    The limit counts pivots, by default 100 000 + 100 n.
     """
 
     restarts: int = 8
+    facets: int = 8
 
     def form(self, problem: FrictionProblem | LCP) -> ScaledLCP:
-        return scaled_lcp(problem)
+        return scaled_lcp(problem, self.facets)
 
     def setup(self, formed: ScaledLCP) -> tuple[ScaledLCP, Array]:
         return formed, covering_vector(formed.lcp)

@@ -42,19 +42,21 @@ NEWTON, GRADIENT, EVALUATIONS, FACTORISATIONS = range(4)  # counted in work
 class MinmapNewton:
     """Min-map Newton (primal-dual active sets): full steps, line search on the merit, cycles detected.
 
-    globalised: false for full steps only. regularisation: eps, on the scaled M in the Newton system.
-    limit bounds the iterations, by default 200. work: newton and gradient steps, evaluations of the merit, factorisations.
+    globalised: false for full steps only. regularisation: eps, on the scaled M in the Newton system. facets: of the polygon
+    that the cone's section is in space. limit bounds the iterations, by default 200. work: newton and gradient steps,
+    evaluations of the merit, factorisations.
     history: the natural residual, per iteration.
     """
 
     globalised: bool = True
     regularisation: float = 1e-4
+    facets: int = 8
 
     def __post_init__(self) -> None:
         require(self.regularisation >= 0, "regularisation", f"must not be negative, got {self.regularisation!r}")
 
     def form(self, problem: FrictionProblem | LCP) -> DenseLCP:
-        return dense_lcp(problem)
+        return dense_lcp(problem, self.facets)
 
     def solve(self, form: DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         limit = 200 if limit is None else limit

@@ -71,11 +71,13 @@ def murty(M: Matrix, q: Array, unit: Array, tol: float, limit: int) -> tuple[int
 class Murty:
     """Murty's least-index principal pivoting; sure of success for P-matrices only. (Murty 1974)
 
-    The limit counts pivots, by default 10 000 + 100 n.
+    facets: of the polygon that the cone's section is in space. The limit counts pivots, by default 10 000 + 100 n.
     """
 
+    facets: int = 8
+
     def form(self, problem: FrictionProblem | LCP) -> ScaledLCP:
-        return scaled_lcp(problem)
+        return scaled_lcp(problem, self.facets)
 
     def solve(self, prepared: ScaledLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         _, _, M, q, unit = prepared

@@ -78,7 +78,8 @@ class PathSearch:
     """PATH-like normal-map Newton: crash, then a pivotal path to the Newton point, restarted where it stalls.
 
     crash: active-set steps before the path. proximal: eps over residual in the first attempt. restarts: at most so many.
-    seed: of the perturbations. limit bounds the pivots, by default 50 n + 1000.
+    seed: of the perturbations. facets: of the polygon that the cone's section is in space. limit bounds the pivots, by default
+    50 n + 1000.
     work: pivots, factorisations, crash (steps), newton (steps), restarts.
     """
 
@@ -86,13 +87,14 @@ class PathSearch:
     proximal: float = 0.0
     restarts: int = 8
     seed: int = 0
+    facets: int = 8
 
     def __post_init__(self) -> None:
         for name in ("crash", "proximal", "restarts"):
             require(getattr(self, name) >= 0, name, f"must not be negative, got {getattr(self, name)!r}")
 
     def form(self, problem: FrictionProblem | LCP) -> "Formed":
-        lcp = problem if isinstance(problem, LCP) else problem.lcp()
+        lcp = problem if isinstance(problem, LCP) else problem.lcp(self.facets)
         scale = scaling(lcp)
         return Formed(problem, lcp, scale, natural_weight(problem, lcp, scale))
 

@@ -23,9 +23,9 @@ class DenseLCP(NamedTuple):
     weight: Array
 
 
-def dense_lcp(problem: FrictionProblem | LCP) -> DenseLCP:
-    """The scaled dense form of a friction problem's LCP, or of a bare one."""
-    lcp = problem if isinstance(problem, LCP) else problem.lcp()
+def dense_lcp(problem: FrictionProblem | LCP, facets: int = 8) -> DenseLCP:
+    """The scaled dense form of a friction problem's LCP, in space with so many facets, or of a bare one."""
+    lcp = problem if isinstance(problem, LCP) else problem.lcp(facets)
     scale = scaling(lcp)
     return DenseLCP(problem, lcp, scale, scale.matrix(lcp.dense), scale.vector(lcp.q), natural_weight(problem, lcp, scale))
 

@@ -35,9 +35,9 @@ class ScaledLCP(NamedTuple):
         return Answer(self.lcp.impulse(z), STATUS[ended], work, z=z)
 
 
-def scaled_lcp(problem: FrictionProblem | LCP) -> ScaledLCP:
-    """The scaled LCP of a friction problem, or a bare LCP scaled."""
-    lcp = problem if isinstance(problem, LCP) else problem.lcp()
+def scaled_lcp(problem: FrictionProblem | LCP, facets: int = 8) -> ScaledLCP:
+    """The scaled LCP of a friction problem, in space with so many facets, or a bare LCP scaled."""
+    lcp = problem if isinstance(problem, LCP) else problem.lcp(facets)
     scale = scaling(lcp)
     M = compress(lcp.rows, scale.D)
     if isinstance(problem, FrictionProblem):

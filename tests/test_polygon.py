@@ -1,0 +1,50 @@
+"""LCP solvers in space: the polygon's error is model error, told apart from the solver's, and shrinks with the facets."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from harness.verify import verify
+from problems import InputError
+from problems.instances import make_instance
+from results.schema import RELAXED
+from solvers import find, solve
+
+LCP_SOLVERS = ("lemke", "path_search", "dantzig", "fischer_newton", "minmap_newton", "murty")
+
+
+def sliding():
+    return make_instance("cubes", boxes=1, friction=0.3, push=0.3)
+
+
+@pytest.mark.parametrize("name", LCP_SOLVERS)
+def test_the_polygons_error_is_the_models(name) -> None:
+    problem = sliding()
+    spec = f"{name}[facets=12]"
+    finding = verify(problem, solve(problem, spec, tol=1e-8), find(spec)[0], 1e-8)
+    if name != "murty":  # sure for P-matrices only, and this is none
+        assert finding.verdict == RELAXED
+        assert finding.model_residual <= 1e-8
+    assert finding.residual > 1e-5
+
+
+def test_more_facets_come_nearer_to_the_cone() -> None:
+    """The polygon's corner that is nearest to the direction of sliding is the farther from it the fewer there are."""
+    problem = sliding()
+    sizes = (4, 8, 16, 32, 64)
+    errors = [verify(problem, solve(problem, f"lemke[facets={k}]"), find("lemke")[0], 1e-8).residual for k in sizes]
+    assert all(later <= earlier * (1 + 1e-9) for earlier, later in pairwise(errors))
+    assert errors[-1] < errors[0] / 8
+    assert solve(problem, "lemke[facets=64]").z.size == 4 * 66
+
+
+@pytest.mark.parametrize("facets", [2, 3, 7, -8])
+def test_facets_are_even_and_at_least_four(facets) -> None:
+    with pytest.raises(InputError, match=r"^facets: "):
+        solve(sliding(), f"lemke[facets={facets}]")
+
+
+def test_in_the_plane_facets_change_nothing() -> None:
+    problem = make_instance("random", seed=1, contacts=3)
+    assert np.array_equal(solve(problem, "lemke[facets=16]").impulse, solve(problem, "lemke").impulse)
