@@ -14,7 +14,7 @@ References: Anitescu and Potra 1997; Acary and Brogliato 2008, chapter 10.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any, Self
 
 import numpy as np
@@ -25,7 +25,7 @@ from problems.check import Array, require
 from problems.forms import delassus
 from problems.forms.definite import spectrum_ends
 from problems.forms.delassus import Blocks
-from problems.forms.lcp import LCP, content_hash, friction_lcp
+from problems.forms.lcp import LCP, content_hash, friction_lcp, tangent_basis
 from problems.forms.mass import inverse_mass
 from problems.forms.relaxation import QP, ConeProgram, VelocityForm, relaxation_cone, relaxation_qp
 from problems.rows import ByContact, Rows, by_contact, by_row
@@ -112,12 +112,9 @@ class FrictionProblem:
     def fresh(self) -> Self:
         """The same problem without anything derived from it: what preparing it costs is met again."""
         again = object.__new__(type(self))
-        again.__dict__.update({name: self.__dict__[name] for name in self._given})
+        given = self.__dict__
+        again.__dict__.update({name: given[name] for name in _given(self.__class__)})  # type: ignore[arg-type]
         return again
-
-    @property
-    def _given(self) -> tuple[str, ...]:
-        return tuple(entry.name for entry in fields(self) if entry.name not in _MATRICES)
 
     @property
     def contacts(self) -> int:
@@ -169,10 +166,21 @@ class FrictionProblem:
         return size
 
     @cached_property
+    def _measures(self) -> tuple[Array, Array, float]:
+        """q, scale and fastest."""
+        free = self._on_joints(self.free_velocity, self.joint_bias)
+        measures = delassus.measures(*self.contact_rows, *self.inverse_rows, free, self.bias)
+        if not self._has_joints:
+            return measures
+        diagonal = delassus.diagonal(*self.contact_rows, *self.inverse_rows)
+        coupling, inverse = self._joint_coupling
+        diagonal -= np.einsum("ji,jk,ki->i", coupling, inverse, coupling).reshape(diagonal.shape)
+        return measures[0], delassus.mean_diagonal(diagonal), measures[2]
+
+    @cached_property
     def q(self) -> Array:
         """The free contact velocity with its bias (nc*d,): u where r = 0."""
-        free = self._on_joints(self.free_velocity, self.joint_bias)
-        return delassus.contact_velocity(*self.contact_rows, free, self.bias).ravel()
+        return self._measures[0]
 
     @cached_property
     def blocks(self) -> Blocks:
@@ -193,16 +201,12 @@ class FrictionProblem:
     @cached_property
     def scale(self) -> Array:
         """s (nc,): the mean diagonal of each contact's block of W, 1/kg; 1 where it vanishes."""
-        diagonal = delassus.diagonal(*self.contact_rows, *self.inverse_rows)
-        if self._has_joints:
-            coupling, inverse = self._joint_coupling
-            diagonal -= np.einsum("ji,jk,ki->i", coupling, inverse, coupling).reshape(diagonal.shape)
-        return delassus.mean_diagonal(diagonal)
+        return self._measures[1]
 
     @cached_property
     def fastest(self) -> float:
         """max_i |q_i|, the unit of the residual."""
-        return float(delassus.largest(self.q, self.dimension))
+        return self._measures[2]
 
     @property
     def _has_joints(self) -> bool:
@@ -210,13 +214,8 @@ class FrictionProblem:
 
     def lcp(self, facets: int = 8) -> LCP:
         """The friction LCP. Exact in the plane; in space the cone's section is a polygon inscribed with `facets` corners."""
-        if self.dimension == 2:
-            directions = _PLANAR
-        else:
-            require(facets >= 4 and facets % 2 == 0, "facets", f"must be even and at least 4, got {facets!r}")
-            angle = 2 * np.pi * np.arange(facets) / facets
-            directions = np.array([np.cos(angle), np.sin(angle)])
-        return friction_lcp(self.blocks, self.q.reshape(-1, self.dimension), self.friction, self.friction_bias, directions)
+        basis = tangent_basis(self.dimension, facets)
+        return friction_lcp(self.blocks, self.q.reshape(-1, self.dimension), self.friction, self.friction_bias, basis)
 
     def qp(self, facets: int = 8) -> QP:
         """The convex relaxation as a quadratic program in the velocities (Anitescu 2006); polygonal in space."""
@@ -253,7 +252,13 @@ class FrictionProblem:
         return content_hash(dimension=self.dimension, **{name: getattr(self, name) for name in names})
 
 
-_PLANAR = np.array([[1.0, -1.0]])
+@cache
+def _given(kind: Any) -> tuple[str, ...]:
+    """The attributes that make a problem of this kind what it is."""
+    derived = (*_MATRICES, "contact_rows") if kind is DelassusProblem else _MATRICES
+    return tuple(entry.name for entry in fields(kind) if entry.name not in derived)
+
+
 _MATRICES = ("joints", "mass", "normal", "tangent")
 _NO_ROWS = Rows(np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros(0))
 _VIEWS: dict[str, Callable[[FrictionProblem], Rows]] = {
@@ -327,14 +332,14 @@ class DelassusProblem(FrictionProblem):
         least, largest = spectrum_ends(self.W)
         require(least >= -INDEFINITE * max(largest, 0.0), "W", "not positive semidefinite")
 
-    @property
-    def _given(self) -> tuple[str, ...]:
-        return tuple(name for name in super()._given if name != "contact_rows")
-
     @cached_property
     def scale(self) -> Array:
         """s (nc,): the mean diagonal of each contact's block of W, 1/kg; 1 where it vanishes."""
         return delassus.mean_diagonal(self.W.diagonal().reshape(-1, self.dimension))
+
+    @cached_property
+    def fastest(self) -> float:
+        return float(delassus.largest(self.q, self.dimension))
 
     @cached_property
     def blocks(self) -> Blocks:

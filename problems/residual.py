@@ -64,19 +64,27 @@ def _defect(problem: FrictionProblem, impulse: Array, shift: float, softness: Ar
     nc, d = problem.contacts, problem.dimension
     if not nc:
         return 0.0
-    if impulse.shape != (nc, d) or not np.isfinite(impulse).all():
+    if impulse.shape != (nc, d):
         return np.inf
     u = problem.contact_velocity(impulse)
     if softness is not None:
         u = u + softness * impulse
-    s = problem.scale
-    worst = float(np.max(s * _defects(impulse, u, s, problem.friction, problem.friction_bias, shift)))
+    worst = largest_defect(impulse, u, problem.scale, problem.friction, problem.friction_bias, shift)
     free = problem.fastest
-    if not np.isfinite(worst):
-        return np.inf
-    if free == 0:
+    if free == 0 or worst == np.inf:
         return 0.0 if worst == 0 else np.inf
-    return worst / free
+    return float(worst / free)
+
+
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+def largest_defect(r, u, s, mu, b, shift):  # type: ignore[no-untyped-def]
+    """max_i s_i |r_i - P_K(r_i - (u_i + shift mu_i |u_t,i| e_n)/s_i)|, infinity where that is not a number."""
+    worst = 0.0
+    for i in range(len(r)):
+        defect = s[i] * contact_defect(r[i], u[i], s[i], mu[i], b[i], shift)
+        if not defect <= worst:
+            worst = defect if defect < np.inf else np.inf
+    return worst
 
 
 @njit(cache=True, error_model="numpy")

@@ -1,17 +1,17 @@
 """A portfolio: the fastest method first, then others until an answer holds.
 
-No single method is fast, accurate and reliable on every friction problem. An interior point's iteration costs one sparse
-factorisation and its preparation a pass over the contacts, so that, prepared and solved, it is ahead at every size in the
-plane. In space a few sweeps of Gauss-Seidel come first: they end the smallest problems, and where they get near in others the
-interior point starts from there and saves most of its iterations. Where it is trapped, the convex relaxation is asked before
-paths are followed: it cannot be trapped, and where nothing slides in its solution, that is a Coulomb solution. Pivoting ends
-on an exact basis; each method fails on some instances that another solves. A portfolio stops at the first answer whose
-residual, computed here from the problem's own velocities, is within the tolerance: so it solves what any of its members does,
-and says so when none does. (Algorithm
+No single method is fast, accurate and reliable on every friction problem. In the plane Lemke's pivots are the fastest up to
+some dozens of contacts, an interior point's sparse factorisations beyond. In space a few sweeps of Gauss-Seidel end the
+smallest problems, and bring the largest near enough for the interior point to start there and save most of its iterations;
+between them they cost more than they save. Where the interior point is trapped, the convex relaxation is asked before paths
+are followed: it cannot be trapped, and where nothing slides in its solution, that is a Coulomb solution. Pivoting ends on an
+exact basis; each method fails on some instances that another solves. A portfolio stops at the first answer whose residual,
+computed here from the problem's own velocities, is within the tolerance: so it solves what any of its members does, and says
+so when none does. (Algorithm
 portfolios: Gomes and Selman 2001.)
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -22,13 +22,18 @@ from problems.check import Array
 from problems.residual import residual
 from solvers.interface import Answer, Solver, SolverInfo, Status, find, solver
 
-PLANAR = ("interior_point", "lemke", "path_search", "staggered", "anitescu_hart", "fischer_newton")
+PLANAR = ("lemke", "interior_point", "path_search", "staggered", "anitescu_hart", "fischer_newton")
 SPATIAL = (
     *("nsgs", "interior_point[paths=false]", "relaxation_ip", "interior_point[shortcut=false]"),
     *("nncg", "apgd_coulomb", "staggered", "admm_coulomb", "anitescu_hart"),
 )
-SWEEPS = 30  # of nsgs, where it comes first: a fraction of the interior point's time at any size
+PIVOTS = 48  # contacts up to which lemke comes first, formed and solved
+SWEPT = 6, 60  # contacts up to and from which nsgs does
+SWEEPS = 30  # of nsgs: a fraction of the interior point's time at any size
 CLOSE = 0.01  # the residual up to which what a member leaves makes a better start than nothing
+
+
+Members = tuple[tuple[SolverInfo, Solver], ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +41,7 @@ class Prepared:
     """The problem, the members in order with their facts, and the first of them's form, then its setup."""
 
     problem: FrictionProblem
-    members: tuple[tuple[SolverInfo, Solver], ...]
+    members: Members
     first: Any
 
 
@@ -51,11 +56,12 @@ class Hybrid:
     """
 
     def form(self, problem: FrictionProblem) -> Prepared:
-        members = _members(problem.dimension)
+        nc, d = problem.contacts, problem.dimension
+        members = _members(d, nc <= PIVOTS if d == 2 else not SWEPT[0] < nc < SWEPT[1])
         return Prepared(problem, members, members[0][1].form(problem))
 
     def setup(self, formed: Prepared) -> Prepared:
-        return replace(formed, first=formed.members[0][1].setup(formed.first))
+        return Prepared(formed.problem, formed.members, formed.members[0][1].setup(formed.first))
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         problem = prepared.problem
@@ -78,5 +84,7 @@ class Hybrid:
 
 
 @cache
-def _members(dimension: int) -> tuple[tuple[SolverInfo, Solver], ...]:
-    return tuple(find(name) for name in (SPATIAL if dimension == 3 else PLANAR))
+def _members(dimension: int, simple_first: bool) -> Members:
+    """The members in order: the simpler method of the first two before the other, or after it."""
+    simple, other, *rest = SPATIAL if dimension == 3 else PLANAR
+    return tuple(find(name) for name in ((simple, other, *rest) if simple_first else (other, simple, *rest)))

@@ -196,6 +196,8 @@ def find(spec: str) -> tuple[SolverInfo, Solver]:
 
     Errors: InputError naming the solver, or the setting, that is unknown or of the wrong kind.
     """
+    if spec in _found and _found[spec][0].name in _solvers:
+        return _found[spec]
     name, settings = split("solver", spec)
     if name not in _solvers:
         raise InputError(f"solver: unknown solver {name!r}; known are {', '.join(sorted(_solvers))}")
@@ -214,9 +216,11 @@ def find(spec: str) -> tuple[SolverInfo, Solver]:
         made = replace(instance, **values)
     except ValueError as error:
         raise InputError(f"solver: {spec}: {error}") from None
-    return replace(info, **{fact: getattr(made, fact) for fact in _OF_A_VARIANT if hasattr(made, fact)}), made
+    _found[spec] = replace(info, **{fact: getattr(made, fact) for fact in _OF_A_VARIANT if hasattr(made, fact)}), made
+    return _found[spec]
 
 
+_found: dict[str, tuple[SolverInfo, Solver]] = {}  # instances are frozen, so each is made once
 _OF_A_VARIANT = ("model", "dimension", "needs", "lacks")
 _FLAGS = {"true": True, "false": False, "1": True, "0": False}
 

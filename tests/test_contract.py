@@ -102,7 +102,7 @@ def test_a_tight_limit_is_kept_and_said(name) -> None:
 
 @pytest.mark.parametrize("limit", [None, 20])
 def test_the_portfolio_goes_on_where_gauss_seidel_is_slow(limit) -> None:
-    answer = solve(spatial(103, contacts=20, nv=60, friction=3), "hybrid", limit=limit)
+    answer = solve(spatial(103, contacts=64, nv=192, friction=3), "hybrid", limit=limit)
     assert answer.status is Status.SOLVED
     assert answer.detail == "interior_point"
     assert answer.work["nsgs sweeps"] <= (limit or 30)

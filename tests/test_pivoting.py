@@ -40,7 +40,7 @@ def assert_honest(problem, answer):
 
 def test_compress_keeps_every_entry_of_an_unsymmetric_matrix():
     lcp = random_problem(1, 5).lcp()
-    M = compress(lcp.M, np.ones(lcp.size))
+    M = compress(lcp.rows, np.ones(lcp.size))
     column, row = np.zeros((2, lcp.size, lcp.size))
     j = np.repeat(np.arange(lcp.size), np.diff(M.start))
     column[M.rows, j] = M.column
@@ -54,7 +54,7 @@ def test_basis_stays_the_inverse_through_every_kind_of_pivot():
     random = np.random.default_rng(5)
     n = 12
     M = random.standard_normal((n, n)) * (random.random((n, n)) < 0.6) + np.eye(n)
-    sparse_M, d = compress(LCP(M, np.zeros(n)).M, np.ones(n)), np.ones(n)
+    sparse_M, d = compress(LCP(M, np.zeros(n)).rows, np.ones(n)), np.ones(n)
     basis, a, out, rhs = slack_basis(n), np.empty(n + 1), np.empty(n), np.empty(n)
     is_basic = np.array([True] * n + [False] * (n + 1))  # w, z, z0
     columns = np.hstack([-np.eye(n), M, d[:, None]])  # of  M z + d z0 - w = -q
@@ -83,13 +83,13 @@ def test_basis_stays_the_inverse_through_every_kind_of_pivot():
 
 
 def test_a_singular_guess_of_the_basis_is_refused():
-    M = compress(LCP([[1, 1], [1, 1]], [0, 0]).M, np.ones(2))
+    M = compress(LCP([[1, 1], [1, 1]], [0, 0]).rows, np.ones(2))
     assert not invert(M, np.zeros(2), slack_basis(2), np.array([0, 1]))
     assert invert(M, np.zeros(2), slack_basis(2), np.array([1]))
 
 
 def test_a_path_that_starts_nonnegative_has_no_pivot():
-    M, q, work = compress(LCP([[1]], [1]).M, np.ones(1)), np.ones(1), np.zeros(2, np.int64)
+    M, q, work = compress(LCP([[1]], [1]).rows, np.ones(1)), np.ones(1), np.zeros(2, np.int64)
     x = np.array([1.0, 0.0])
     assert follow(M, q, np.ones(1), slack_basis(1), x, np.empty(2), np.ones(2, np.bool_), 0.0, 10, work) == 0
     assert work[0] == 0

@@ -161,9 +161,16 @@ def delassus(start, column, J, m_start, m_column, m_value):  # type: ignore[no-u
             v = reached[k]
             for m in range(c_start[v], c_start[v + 1]):
                 here = place[contact[m]]
+                k2 = entry[m]
+                if d == 2:  # as below, unrolled
+                    block[here, 0, 0] += response[v, 0] * J[k2, 0]
+                    block[here, 0, 1] += response[v, 0] * J[k2, 1]
+                    block[here, 1, 0] += response[v, 1] * J[k2, 0]
+                    block[here, 1, 1] += response[v, 1] * J[k2, 1]
+                    continue
                 for a in range(d):
                     for b in range(d):
-                        block[here, a, b] += response[v, a] * J[entry[m], b]
+                        block[here, a, b] += response[v, a] * J[k2, b]
         first[i + 1] = at
     return first, beside[: first[nc]], block[: first[nc]]
 
@@ -230,3 +237,10 @@ def largest(q, d):  # type: ignore[no-untyped-def]
             square += q[k] * q[k]
         most = max(most, square)
     return np.sqrt(most)
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def measures(start, column, J, m_start, m_column, m_value, free, bias):  # type: ignore[no-untyped-def]
+    """The free contact velocities (nc*d,), the mean diagonal (nc,) of each contact's own block, and max_i |q_i|."""
+    q = contact_velocity(start, column, J, free, bias).ravel()
+    return q, mean_diagonal(diagonal(start, column, J, m_start, m_column, m_value)), largest(q, J.shape[1])

@@ -14,7 +14,7 @@ with P the inverse mass on the joints' null space, U = diag(mu), E = blkdiag(1_K
 the polygon is Coulomb's cone itself.
 """
 
-from functools import cached_property
+from functools import cache, cached_property
 from hashlib import sha256
 from typing import Any, Self
 
@@ -95,18 +95,31 @@ class LCP:
         return content_hash(M=self.M, q=self.q)
 
 
-def friction_lcp(W: tuple[Index, Index, Array], q: Array, friction: Array, friction_bias: Array, directions: Array) -> LCP:
+@cache
+def tangent_basis(dimension: int, facets: int = 8) -> Array:
+    """(d, 1 + K): a contact's impulse is basis @ (c, beta): the normal, then K balanced unit tangent directions.
+
+    Errors: InputError naming facets where they are odd or fewer than 4.
+    """
+    check.require(facets >= 4 and facets % 2 == 0, "facets", f"must be even and at least 4, got {facets!r}")
+    basis = np.zeros((dimension, 3 if dimension == 2 else 1 + facets))
+    basis[0, 0] = 1.0
+    if dimension == 2:
+        basis[1, 1:] = 1.0, -1.0
+    else:
+        angle = 2 * np.pi * np.arange(facets) / facets
+        basis[1:, 1:] = np.cos(angle), np.sin(angle)
+    return basis
+
+
+def friction_lcp(W: tuple[Index, Index, Array], q: Array, friction: Array, friction_bias: Array, basis: Array) -> LCP:
     """The friction LCP of a Delassus matrix.
 
     W: by blocks (problems.forms.delassus). q: (nc, d), normal first. friction, friction_bias: (nc,).
-    directions: (d-1, K), balanced unit tangent directions; [[1, -1]] in the plane.
+    basis: (d, 1 + K), see tangent_basis.
     """
-    d, width = directions.shape[0] + 1, directions.shape[1] + 1
-    basis = np.zeros((d, width))
-    basis[0, 0] = 1.0
-    basis[1:, 1:] = directions
-    *rows, right = _friction_rows(*W, q @ basis, friction, friction_bias, basis)
-    return LCP.of_friction(Rows(*rows), right, basis, (len(friction), d))
+    *rows, right = friction_rows(*W, q @ basis, friction, friction_bias, basis)
+    return LCP.of_friction(Rows(*rows), right, basis, (len(friction), len(basis)))
 
 
 @njit(cache=True, no_cfunc_wrapper=True)
@@ -133,50 +146,53 @@ def dense_matrix(start, column, value, n):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, no_cfunc_wrapper=True)
-def _friction_rows(first, beside, block, along, friction, friction_bias, basis):  # type: ignore[no-untyped-def]
+def friction_rows(first, beside, block, along, friction, friction_bias, basis):  # type: ignore[no-untyped-def]
     """The friction LCP's matrix by rows, without zeros, and its right side; along = q @ basis (nc, 1 + K)."""
     nc, width = len(friction), basis.shape[1]
     K = width - 1
     n, entries = nc * (width + 1), len(beside) * width * width + nc * (2 * K + 1)
     start, column, value, right = np.empty(n + 1, np.int32), np.empty(entries, np.int32), np.empty(entries), np.zeros(n)
-    start[0] = at = 0
-    for row in range(nc * width):
-        i, a = (row, 0) if row < nc else ((row - nc) // K, 1 + (row - nc) % K)
-        right[row] = along[i, a]
-        for k in range(first[i], first[i + 1]):
-            at = _enter(column, value, at, beside[k], _along(block[k], basis, a, 0))
-        for k in range(first[i], first[i + 1]):
-            for m in range(K):
-                at = _enter(column, value, at, nc + beside[k] * K + m, _along(block[k], basis, a, 1 + m))
-        if a:
-            at = _enter(column, value, at, nc * width + i, 1.0)
-        start[row + 1] = at
+    part = _in_basis(block, basis)
+    start[0] = at = row = 0
+    for tangential in range(2):  # the normal rows of all contacts, then the directions of one after another
+        for i in range(nc):
+            for own in range(1, width) if tangential else range(1):
+                right[row] = along[i, own]
+                for k in range(first[i], first[i + 1]):
+                    column[at], value[at] = beside[k], part[k, own, 0]
+                    at += part[k, own, 0] != 0
+                for k in range(first[i], first[i + 1]):
+                    for m in range(K):
+                        column[at], value[at] = nc + beside[k] * K + m, part[k, own, 1 + m]
+                        at += part[k, own, 1 + m] != 0
+                if own:
+                    column[at], value[at] = nc * width + i, 1.0
+                    at += 1
+                row += 1
+                start[row] = at
     for i in range(nc):
-        at = _enter(column, value, at, i, friction[i])
+        column[at], value[at] = i, friction[i]
+        at += friction[i] != 0
         for m in range(K):
-            at = _enter(column, value, at, nc + i * K + m, -1.0)
-        start[nc * width + i + 1] = at
-        right[nc * width + i] = friction_bias[i]
+            column[at], value[at] = nc + i * K + m, -1.0
+            at += 1
+        start[row + i + 1], right[row + i] = at, friction_bias[i]
     return start, column[:at], value[:at], right
 
 
-@njit(cache=True, no_cfunc_wrapper=True, no_cpython_wrapper=True)
-def _enter(column, value, at, j, entry):  # type: ignore[no-untyped-def]
-    """Add an entry to the row in hand, unless it is zero; how many there are then."""
-    if entry == 0:
-        return at
-    column[at], value[at] = j, entry
-    return at + 1
-
-
-@njit(cache=True, no_cfunc_wrapper=True, no_cpython_wrapper=True)
-def _along(block, basis, a, b):  # type: ignore[no-untyped-def]
-    """basis[:, a]' block basis[:, b]."""
-    total = 0.0
-    for s in range(len(block)):
-        for t in range(len(block)):
-            total += basis[s, a] * block[s, t] * basis[t, b]
-    return total
+@njit(cache=True, no_cfunc_wrapper=True)
+def _in_basis(block, basis):  # type: ignore[no-untyped-def]
+    """basis' B basis for each block B."""
+    d, width = basis.shape
+    part = np.zeros((len(block), width, width))
+    for k in range(len(block)):
+        for s in range(d):
+            for t in range(d):
+                for a in range(width):
+                    if basis[s, a] != 0:
+                        for b in range(width):
+                            part[k, a, b] += basis[s, a] * block[k, s, t] * basis[t, b]
+    return part
 
 
 def content_hash(**fields: Any) -> str:

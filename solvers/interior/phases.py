@@ -26,7 +26,7 @@ def run(
     phases: made one by one, as the one before fails.
     patience: iterations of the predictor-corrector without progress.
     """
-    if not problem.q.any():
+    if problem.fastest == 0:
         return Answer(np.zeros_like(system.offset), Status.SOLVED, {"iterations": 0, "factorisations": 0})
     history = np.empty(limit + 1)
     best = Best(np.zeros_like(system.offset), np.array([np.inf]), np.zeros(1, np.int64))

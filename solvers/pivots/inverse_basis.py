@@ -54,11 +54,11 @@ class Basis(NamedTuple):
 
 def compress(M: Rows, D: Array) -> Matrix:
     """D M D (n, n) on its symmetrised pattern."""
-    return Matrix(*_symmetrised(*M, D))
+    return Matrix(*symmetrised(*M, D))
 
 
 @njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
-def _symmetrised(indptr, indices, data, D):  # type: ignore[no-untyped-def]
+def symmetrised(indptr, indices, data, D):  # type: ignore[no-untyped-def]
     n, entries = len(indptr) - 1, len(indices)
     below = np.zeros(n + 1, np.int64)  # the columns of M, by counting
     for k in range(entries):

@@ -7,10 +7,12 @@ from numba import njit
 
 from problems import LCP, FrictionProblem
 from problems.check import Array
+from problems.forms.lcp import friction_rows, tangent_basis
+from problems.rows import Rows
 from solvers.interface import Answer, Status
-from solvers.pivots.inverse_basis import Basis, Matrix, compress
+from solvers.pivots.inverse_basis import Basis, Matrix, compress, symmetrised
 from solvers.pivots.lemke_path import COMPLEMENTARY, LIMIT, LOST, RAY, STUCK, add_product, evaluate
-from solvers.pivots.scaling import Scaling, scaling
+from solvers.pivots.scaling import Scaling, diagonal_scaling, scaling
 
 STATUS = {
     COMPLEMENTARY: Status.SOLVED,
@@ -37,14 +39,29 @@ class ScaledLCP(NamedTuple):
 
 def scaled_lcp(problem: FrictionProblem | LCP, facets: int = 8) -> ScaledLCP:
     """The scaled LCP of a friction problem, in space with so many facets, or a bare LCP scaled."""
-    lcp = problem if isinstance(problem, LCP) else problem.lcp(facets)
-    scale = scaling(lcp)
-    M = compress(lcp.rows, scale.D)
-    if isinstance(problem, FrictionProblem):
-        unit = _in_velocities(scale.D, scale.theta, problem.scale, problem.friction, problem.fastest)
-    else:
-        unit = scale.theta * np.array([scale.D, 1 / scale.D]) / (np.abs(lcp.q).max(initial=0.0) or 1.0)
-    return ScaledLCP(lcp, scale, M, scale.vector(lcp.q), unit)
+    if isinstance(problem, LCP):
+        scale = scaling(problem)
+        unit = scale.theta * np.array([scale.D, 1 / scale.D]) / (np.abs(problem.q).max(initial=0.0) or 1.0)
+        return ScaledLCP(problem, scale, compress(problem.rows, scale.D), scale.vector(problem.q), unit)
+    d, mu, b_f = problem.dimension, problem.friction, problem.friction_bias
+    basis = tangent_basis(d, facets)
+    along = problem.q.reshape(-1, d) @ basis
+    parts = _of_friction(*problem.blocks, along, mu, b_f, basis, problem.scale, problem.fastest)
+    lcp = LCP.of_friction(Rows(*parts[:3]), parts[3], basis, (len(mu), d))
+    return ScaledLCP(lcp, Scaling(*parts[4:6]), Matrix(*parts[6:10]), *parts[10:])
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
+def _of_friction(first, beside, block, along, friction, friction_bias, basis, scale, fastest):  # type: ignore[no-untyped-def]
+    """The LCP by rows and its right side, D, theta, the scaled matrix on its symmetrised pattern, q and the units."""
+    start, column, value, right = friction_rows(first, beside, block, along, friction, friction_bias, basis)
+    D, theta = diagonal_scaling(start, column, value, right)
+    q = np.empty(len(D))
+    for i in range(len(D)):
+        q[i] = D[i] * right[i] / theta
+    begin, rows, below, across = symmetrised(start, column, value, D)
+    unit = _in_velocities(D, theta, scale, friction, fastest)
+    return start, column, value, right, D, theta, begin, rows, below, across, q, unit
 
 
 @njit(cache=True, no_cfunc_wrapper=True)

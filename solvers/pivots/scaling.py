@@ -43,11 +43,11 @@ class Scaling:
 
 def scaling(lcp: LCP) -> Scaling:
     """The scaling of an LCP; rows and columns of zeros keep their size."""
-    return Scaling(*_scaling(*lcp.rows, lcp.q))
+    return Scaling(*diagonal_scaling(*lcp.rows, lcp.q))
 
 
 @njit(cache=True, no_cfunc_wrapper=True)
-def _scaling(start, column, value, q):  # type: ignore[no-untyped-def]
+def diagonal_scaling(start, column, value, q):  # type: ignore[no-untyped-def]
     """D and theta."""
     n = len(q)
     D, reach = np.zeros(n), np.zeros(n)
