@@ -24,11 +24,11 @@ from scipy.sparse.linalg import splu
 from problems import FrictionProblem
 from problems.check import Array
 from problems.rows import Index
-from solvers.apgd import step
 from solvers.interface import Answer, impulses, solver
-from solvers.sweeps.form import ContactForm, contact_form, state, velocity
-from solvers.sweeps.laws import defect
-from solvers.sweeps.stopping import ENDS, GOING, ended, progress
+from solvers.sweeps.form import ContactForm, contact_form
+from solvers.sweeps.laws import evaluate
+from solvers.sweeps.projected_gradient import step
+from solvers.sweeps.stopping import going, watch
 
 LIMIT = 10_000
 PATIENCE = 2500  # iterations in which the residual must fall by a hundredth
@@ -78,23 +78,14 @@ class ADMM:
     def solve(self, prepared: tuple[Formed, Factor], tol: float, limit: int | None, start: Array | None = None) -> Answer:
         formed, factor = prepared
         form, rho = formed.form, RHO
-        limit = LIMIT if limit is None else limit
-        z = impulses(start, form.offset.shape)
+        z, watched = impulses(start, form.offset.shape), watch(tol, LIMIT if limit is None else limit, PATIENCE, CHECK)
         x, u, w = np.empty_like(form.rest), np.empty_like(z), np.empty_like(z)
-        iterations, factorisations, retune, history, best = 0, 1, 0, [], progress()
-        while True:
-            state(form, z, x)
-            velocity(form, x, u)
-            error = defect(form, z, u, self.shift)
-            history.append(error)
-            end = ended(error, tol, iterations, limit, PATIENCE, best)
-            if end != GOING:
-                work = {"iterations": iterations, "factorisations": factorisations, "checks": len(history)}
-                return Answer(z, ENDS[end], work, tuple(history))
+        iterations, factorisations, retune = 0, 1, 0
+        while going(watched, evaluate(form, z, x, u, self.shift), iterations):
             if iterations == 0:
                 w[:] = -u
                 w[:, 0] -= self.shift * form.friction * np.linalg.norm(u[:, 1:], axis=1)
-            count = min(CHECK, limit - iterations)
+            count = min(CHECK, watched.limit - iterations)
             primal, dual = _alternate(form, factor, formed.q, rho, self.shift, z, w, count)
             iterations += count
             ratio = (primal / dual) ** 0.25 if primal > 0 and dual > 0 else 1.0
@@ -103,6 +94,7 @@ class ADMM:
                 rho = float(np.clip(rho * ratio, 1e-6, 1e6))
                 factor = _factorise(formed.W, rho * formed.S)
                 factorisations += 1
+        return watched.answer(z, iterations=iterations, factorisations=factorisations, checks=watched.seen)
 
 
 @solver("admm_coulomb", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True)

@@ -8,20 +8,23 @@ along +t at the rate |mu (mu g - b)|/(a - 2 mu b + mu^2 g); where that is 1 or m
 detected and said.
 
 With memory > 0 the iteration is carried on by Anderson's acceleration over that many steps; memory = 0 is the plain one. Each
-relaxation is solved by accelerated projected gradients (`apgd`) from the last one's impulses, to INNER of the present residual.
+relaxation is solved by accelerated projected gradients (solvers.sweeps.projected_gradient) from the last one's impulses, to
+INNER of the present residual.
 
 References: Anitescu and Hart 2004; Acary, Cadoux, Lemaréchal and Malick 2011 in space; Walker and Ni 2011 for the acceleration.
 """
+
+from dataclasses import replace
 
 import numpy as np
 
 from problems import FrictionProblem
 from problems.check import Array, require
-from solvers.apgd import descend
 from solvers.interface import Answer, Status, impulses, solver
-from solvers.sweeps.form import ContactForm, contact_form, state, velocity
-from solvers.sweeps.laws import defect
-from solvers.sweeps.stopping import ENDS, GOING, ended, progress
+from solvers.sweeps.form import ContactForm, contact_form
+from solvers.sweeps.laws import evaluate
+from solvers.sweeps.projected_gradient import relax
+from solvers.sweeps.stopping import going, watch
 
 LIMIT = 500
 PATIENCE = 100  # relaxations in which the residual must fall by a hundredth
@@ -46,30 +49,23 @@ class AnitescuHart:
     def form(self, problem: FrictionProblem) -> ContactForm:
         return contact_form(problem)
 
-    def solve(self, prepared: ContactForm, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        form, limit = prepared, LIMIT if limit is None else limit
-        r = impulses(start, form.offset.shape)
+    def solve(self, form: ContactForm, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        r, watched = impulses(start, form.offset.shape), watch(tol, LIMIT if limit is None else limit, PATIENCE)
         shifted = form._replace(offset=form.offset.copy())
-        x, u, spent = np.empty_like(form.rest), np.empty_like(r), np.empty(INNER_LIMIT + 1)
+        x, u = np.empty_like(form.rest), np.empty_like(r)
         lams: list[Array] = []  # lam^k
         slides: list[Array] = []  # |u_t| at the start, then of the relaxation shifted by each lam^k
-        relaxations, products, history, best = 0, 0, [], progress()
-        while True:
-            state(form, r, x)
-            velocity(form, x, u)
-            products += 1
+        relaxations, products = 0, 1  # a check of the residual is one
+        while going(watched, error := evaluate(form, r, x, u, 1.0), relaxations):
             slides.append(np.linalg.norm(u[:, 1:], axis=1))
-            history.append(defect(form, r, u, 1.0))
-            end = ended(history[-1], tol, relaxations, limit, PATIENCE, best)
-            work = {"relaxations": relaxations, "products": products}
-            if end != GOING:
-                return Answer(r, ENDS[end], work, tuple(history))
-            if self.memory == 0 and _cycles(slides, history):
-                return Answer(r, Status.STALLED, work, tuple(history), detail="a cycle of two")
+            if self.memory == 0 and _cycles(slides, watched.history[: relaxations + 1]):
+                answer = watched.answer(r, "a cycle of two", relaxations=relaxations, products=products)
+                return replace(answer, status=Status.STALLED)
             lams.append(_combined(lams, slides, self.memory))
             shifted.offset[:, 0] = form.offset[:, 0] + form.friction * lams[-1]
-            products += descend(shifted, r, 0.0, INNER * history[-1], INNER_LIMIT, spent, progress())[2]
+            products += 1 + relax(shifted, r, INNER * error, INNER_LIMIT)
             relaxations += 1
+        return watched.answer(r, relaxations=relaxations, products=products)
 
 
 def _combined(lams: list[Array], slides: list[Array], memory: int) -> Array:
@@ -82,7 +78,7 @@ def _combined(lams: list[Array], slides: list[Array], memory: int) -> Array:
     return np.maximum(slide[-1] - np.diff(slide, axis=0).T @ weight, 0.0)
 
 
-def _cycles(slides: list[Array], error: list[float]) -> bool:
+def _cycles(slides: list[Array], error: Array) -> bool:
     """Whether lam comes back every other time and not every time, and no relaxation brings the residual down."""
     if len(slides) < 5 or error[-1] < 0.99 * error[-3] or error[-2] < 0.99 * error[-4]:
         return False

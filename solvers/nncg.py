@@ -17,10 +17,10 @@ from numba import njit
 from problems import FrictionProblem
 from problems.check import Array
 from solvers.interface import Answer, impulses, solver
-from solvers.nsgs import CHECK, LIMIT, PATIENCE, planar_sweeps, spatial_sweeps
-from solvers.sweeps.form import ContactForm, contact_form, state, velocity
-from solvers.sweeps.laws import defect
-from solvers.sweeps.stopping import ENDS, GOING, ended, progress
+from solvers.sweeps.form import ContactForm, contact_form
+from solvers.sweeps.gauss_seidel import CHECK, planar_sweeps, spatial_sweeps, watch_sweeps
+from solvers.sweeps.laws import evaluate
+from solvers.sweeps.stopping import going
 
 
 @solver("nncg", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True)
@@ -33,31 +33,21 @@ class NNCG:
     def form(self, problem: FrictionProblem) -> ContactForm:
         return contact_form(problem)
 
-    def solve(self, prepared: ContactForm, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        limit = LIMIT if limit is None else limit
-        r = impulses(start, prepared.offset.shape)
-        history = np.empty(2 + limit // CHECK)
-        end, sweeps, checks = _iterate(prepared, r, tol, limit, history, progress())
-        return Answer(r, ENDS[end], {"sweeps": sweeps, "checks": checks}, tuple(history[:checks].tolist()))
+    def solve(self, form: ContactForm, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        r, watch = impulses(start, form.offset.shape), watch_sweeps(tol, limit)
+        sweeps = _iterate(form, r, watch)
+        return watch.answer(r, sweeps=sweeps, checks=watch.seen)
 
 
 @njit(cache=True)
-def _iterate(form, r, tol, limit, history, best):  # type: ignore[no-untyped-def]
-    """Iterate until the residual is at most tol. Returns the index of the status, the sweeps and the number of checks."""
+def _iterate(form, r, watch):  # type: ignore[no-untyped-def]
+    """Overwrite r by the solution; the number of sweeps."""
     x, u = np.empty_like(form.rest), np.empty_like(r)
     p, p_x = np.zeros_like(r), np.zeros_like(x)
     r_old, x_old = np.empty_like(r), np.empty_like(x)
-    sweeps, checks, size = 0, 0, 0.0
-    while True:
-        state(form, r, x)
-        velocity(form, x, u)
-        error = defect(form, r, u, 1.0)
-        history[checks] = error
-        checks += 1
-        end = ended(error, tol, sweeps, limit, PATIENCE, best)
-        if end != GOING:
-            return end, sweeps, checks
-        for _ in range(min(CHECK, limit - sweeps)):
+    sweeps, size = 0, 0.0
+    while going(watch, evaluate(form, r, x, u, 1.0), sweeps):
+        for _ in range(min(CHECK, watch.limit - sweeps)):
             r_old[:], x_old[:] = r, x
             if r.shape[1] == 2:
                 planar_sweeps(form, r, x, 1.0, 1)
@@ -76,3 +66,4 @@ def _iterate(form, r, tol, limit, history, best):  # type: ignore[no-untyped-def
                 p[:], p_x[:] = r_old + beta * p, x_old + beta * p_x
             else:
                 p[:], p_x[:] = r_old, x_old
+    return sweeps

@@ -7,8 +7,8 @@ until both hold at once, which is Coulomb's law exactly: the second says that fr
 theorem; a single sliding contact contracts by mu|b|/a (b = W_nt, a = W_nn).
 
 Both are contact problems themselves: the first without tangents, the second without normals, on frictionless cones whose
-friction bias is mu r_n + b_f. Each is solved by accelerated projected gradients (`apgd`) from where it was left, to a share
-INNER of the present residual. The friction problem's answer need not be unique, its velocity is.
+friction bias is mu r_n + b_f. Each is solved by accelerated projected gradients (solvers.sweeps.projected_gradient) from
+where it was left, to a share INNER of the present residual. The friction problem's answer need not be unique, its velocity is.
 
 Reference: Kaufman, Sueda, James and Pai 2008.
 """
@@ -17,11 +17,11 @@ import numpy as np
 
 from problems import FrictionProblem
 from problems.check import Array
-from solvers.apgd import descend
 from solvers.interface import Answer, impulses, solver
-from solvers.sweeps.form import ContactForm, contact_form, state, velocity
-from solvers.sweeps.laws import defect
-from solvers.sweeps.stopping import ENDS, GOING, ended, progress
+from solvers.sweeps.form import ContactForm, contact_form, state
+from solvers.sweeps.laws import evaluate
+from solvers.sweeps.projected_gradient import relax
+from solvers.sweeps.stopping import going, watch
 
 LIMIT = 1000
 PATIENCE = 200  # rounds in which the residual must fall by a hundredth
@@ -39,30 +39,21 @@ class Staggered:
     def form(self, problem: FrictionProblem) -> ContactForm:
         return contact_form(problem)
 
-    def solve(self, prepared: ContactForm, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        form, limit = prepared, LIMIT if limit is None else limit
-        r = impulses(start, form.offset.shape)
+    def solve(self, form: ContactForm, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        r, watched = impulses(start, form.offset.shape), watch(tol, LIMIT if limit is None else limit, PATIENCE)
         normal, friction = _only(form, [0]), _only(form, range(1, r.shape[1]))
-        n, t, u = np.zeros_like(r), np.zeros_like(r), np.empty_like(r)
+        n, t, u, x = np.zeros_like(r), np.zeros_like(r), np.empty_like(r), np.empty_like(form.rest)
         n[:, 0], t[:, 1:] = r[:, 0], r[:, 1:]
-        x, spent = np.empty_like(form.rest), np.empty(INNER_LIMIT + 1)
-        rounds, products, history, best = 0, 0, [], progress()
-        while True:
-            state(form, n + t, x)
-            velocity(form, x, u)
-            products += 1
-            error = defect(form, n + t, u, 1.0)
-            history.append(error)
-            end = ended(error, tol, rounds, limit, PATIENCE, best)
-            if end != GOING:
-                return Answer(n + t, ENDS[end], {"rounds": rounds, "products": products}, tuple(history))
+        rounds, products = 0, 1  # a check of the residual is one
+        while going(watched, error := evaluate(form, n + t, x, u, 1.0), rounds):
             state(form, t, normal.rest)
-            products += descend(normal, n, 0.0, INNER * error, INNER_LIMIT, spent, progress())[2]
+            products += relax(normal, n, INNER * error, INNER_LIMIT)
             state(form, n, friction.rest)
             friction.friction_bias[:] = form.friction * n[:, 0] + form.friction_bias
-            products += descend(friction, t, 0.0, INNER * error, INNER_LIMIT, spent, progress())[2]
-            products += 2  # of each half's impulses, for the other to start from
+            products += relax(friction, t, INNER * error, INNER_LIMIT)
+            products += 3  # of each half's impulses, for the other to start from, and the next check
             rounds += 1
+        return watched.answer(n + t, rounds=rounds, products=products)
 
 
 def _only(form: ContactForm, rows: range | list[int]) -> ContactForm:

@@ -20,8 +20,8 @@ KERNELS = (
     ("solvers.pivots.inverse_basis", "refactor", "inversions", lambda arguments: 1),
     ("solvers.pivots.dense_lcp", "solve_dense", "dense factorisations", lambda arguments: 1),
     ("solvers.sweeps.form", "state", "products", lambda arguments: 1),
-    ("solvers.nsgs", "planar_sweeps", "sweeps", lambda arguments: arguments[-1]),
-    ("solvers.nsgs", "spatial_sweeps", "sweeps", lambda arguments: arguments[-1]),
+    ("solvers.sweeps.gauss_seidel", "planar_sweeps", "sweeps", lambda arguments: arguments[-1]),
+    ("solvers.sweeps.gauss_seidel", "spatial_sweeps", "sweeps", lambda arguments: arguments[-1]),
     ("solvers.admm", "_factorise", "splitting factorisations", lambda arguments: 1),
     ("solvers.admm", "_alternate", "alternations", lambda arguments: arguments[-1]),
 )

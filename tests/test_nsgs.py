@@ -8,8 +8,8 @@ from problems.random_problem import random_problem
 from problems.residual import relaxation_residual, residual
 from problems.scenes import scene
 from solvers import Status, find, solve
-from solvers.nsgs import LIMIT
 from solvers.sweeps.form import contact_form, state, velocity
+from solvers.sweeps.gauss_seidel import LIMIT
 from solvers.sweeps.laws import defect, planar_contact, spatial_contact
 from tests.friction_problems import block, nothing, spatial, with_joints
 

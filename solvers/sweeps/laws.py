@@ -24,6 +24,7 @@ import numpy as np
 from numba import njit
 
 from problems.residual import contact_defect
+from solvers.sweeps.form import state, velocity
 
 LIFT = 1e-14
 TINY = 1e-300
@@ -118,3 +119,11 @@ def defect(form, r, u, shift):  # type: ignore[no-untyped-def]
         if not error <= worst:  # also where it is NaN
             worst = error
     return worst / form.free if form.free > 0 else (0.0 if worst == 0 else np.inf)
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def evaluate(form, r, x, u, shift):  # type: ignore[no-untyped-def]
+    """The residual at impulses r, whose state x and velocities u are computed anew."""
+    state(form, r, x)
+    velocity(form, x, u)
+    return defect(form, r, u, shift)

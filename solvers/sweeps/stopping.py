@@ -1,33 +1,63 @@
 """When an iterative method ends, the same for all of them, and by counts alone so that every run ends alike."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from problems.check import Array
-from solvers.interface import Status
+from solvers.interface import Answer, Status
 
 ENDS = (Status.SOLVED, Status.BREAKDOWN, Status.STALLED, Status.WORK_LIMIT)
-GOING = -1
 
 
-def progress() -> Array:
-    """The least error so far and the count at which it was reached."""
-    return np.array([np.inf, 0.0])
+class Watch(NamedTuple):
+    """What is asked of a method, and how it fares.
+
+    tol: the residual asked for. limit and patience: counts in the method's own unit, of all and of those in which the residual
+    must fall by a hundredth. history: the residuals seen. best (2,): the least of them and its count.
+    state (2,): the number seen, and the index in ENDS of how the method ended.
+    """
+
+    tol: float
+    limit: int
+    patience: int
+    history: Array
+    best: Array
+    state: NDArray[np.int64]
+
+    @property
+    def seen(self) -> int:
+        return int(self.state[0])
+
+    def answer(self, r: Array, detail: str = "", **work: int) -> Answer:
+        return Answer(r, ENDS[self.state[1]], work, tuple(self.history[: self.seen].tolist()), detail=detail)
+
+
+def watch(tol: float, limit: int, patience: int, every: int = 1) -> Watch:
+    """A watch over a method that computes its residual at every so many counts."""
+    return Watch(tol, limit, patience, np.empty(2 + limit // every), np.array([np.inf, 0.0]), np.zeros(2, np.int64))
 
 
 @njit(cache=True)
-def ended(error, tol, count, limit, patience, best):  # type: ignore[no-untyped-def]
-    """The index in ENDS of how the method ended, or GOING.
+def going(watch, error, count):  # type: ignore[no-untyped-def]
+    """Whether to go on from a residual of `error` after `count` counts; otherwise the watch says how the method ended.
 
-    Solved where error <= tol; broken down where it is not finite; stalled where it has not fallen by a hundredth in
-    `patience` counts; at the limit where count >= limit. `best` is progress(), kept up to date here.
+    Solved within the tolerance, broken down where the residual is not finite, stalled without progress, or at the limit.
     """
-    if error <= tol:
-        return 0
+    watch.history[watch.state[0]] = error
+    watch.state[0] += 1
+    if error <= watch.tol:
+        watch.state[1] = 0
+        return False
     if not np.isfinite(error):
-        return 1
-    if error < 0.99 * best[0]:
-        best[0], best[1] = error, count
-    if count - best[1] >= patience:
-        return 2
-    return 3 if count >= limit else GOING
+        watch.state[1] = 1
+        return False
+    if error < 0.99 * watch.best[0]:
+        watch.best[0], watch.best[1] = error, count
+    if count - watch.best[1] >= watch.patience:
+        watch.state[1] = 2
+        return False
+    watch.state[1] = 3
+    return count < watch.limit

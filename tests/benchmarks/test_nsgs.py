@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from problems.scenes import scene
-from solvers.nsgs import planar_sweeps, spatial_sweeps
 from solvers.sweeps.form import contact_form
+from solvers.sweeps.gauss_seidel import planar_sweeps, spatial_sweeps
 from tests.friction_problems import spatial
 
 

@@ -1,0 +1,86 @@
+"""Accelerated projected gradient steps on a problem in contact-wise form.
+
+In the metric of the contacts' scales s, one step is
+
+    r+ = P_K(y - u(y)/(L s)),    y+ = r+ + beta (r+ - r),    beta from Nesterov's theta+^2 = (1 - theta+) theta^2,
+
+with L doubled until (r+ - y)'W(r+ - y) <= L sum_i s_i |r+ - y|_i^2 and let down by a tenth a step, and theta set back to 1
+whenever the step goes uphill, u(y)'(r+ - r) > 0. One product with W an iteration: u is affine, so that u(y+) needs none.
+"""
+
+import numpy as np
+from numba import njit
+
+from problems.check import Array
+from problems.forms.cone import nearest
+from solvers.sweeps.form import ContactForm, state, velocity
+from solvers.sweeps.laws import defect
+from solvers.sweeps.stopping import going, watch
+
+PATIENCE = 5000  # iterations in which the residual must fall by a hundredth
+
+
+def relax(form: ContactForm, r: Array, tol: float, limit: int) -> int:
+    """Overwrite r (nc, d) by a solution of the convex relaxation; the products with W."""
+    products: int = descend(form, r, 0.0, watch(tol, limit, PATIENCE))[1]
+    return products
+
+
+@njit(cache=True, error_model="numpy")
+def descend(form, r, shift, watch):  # type: ignore[no-untyped-def]
+    """Overwrite r by the solution; the iterations and the products with W."""
+    x, u, u_next, u_y = np.empty_like(form.rest), np.empty_like(r), np.empty_like(r), np.empty_like(r)
+    y, r_next = r.copy(), np.empty_like(r)
+    state(form, r, x)
+    velocity(form, x, u)
+    u_y[:] = u
+    L, theta = 1.0, 1.0
+    iterations, products = 0, 1
+    while going(watch, defect(form, r, u, shift), iterations):
+        while True:
+            step(form, r_next, y, u_y, shift, 1 / L)
+            state(form, r_next, x)
+            velocity(form, x, u_next)
+            products += 1
+            curvature, length = 0.0, 0.0
+            for i in range(len(r)):
+                for j in range(r.shape[1]):
+                    move = r_next[i, j] - y[i, j]
+                    curvature += move * (u_next[i, j] - u_y[i, j])
+                    length += form.scale[i] * move * move
+            if not curvature > L * length:
+                break
+            L = max(2 * L, curvature / length)
+        uphill = 0.0
+        for i in range(len(r)):
+            for j in range(r.shape[1]):
+                uphill += u_y[i, j] * (r_next[i, j] - r[i, j])
+        if uphill > 0:
+            theta = 1.0
+        theta_next = (theta * np.sqrt(theta * theta + 4) - theta * theta) / 2
+        beta = theta * (1 - theta) / (theta * theta + theta_next)
+        theta = theta_next
+        y[:] = r_next + beta * (r_next - r)
+        u_y[:] = u_next + beta * (u_next - u)
+        r[:] = r_next
+        u[:] = u_next
+        L *= 0.9
+        iterations += 1
+    return iterations, products
+
+
+@njit(cache=True, error_model="numpy")
+def step(form, r, y, u, shift, length):  # type: ignore[no-untyped-def]
+    """r = P_K(y - length (u + shift mu |u_t| e_n) / s), contact by contact."""
+    d = r.shape[1]
+    for i in range(len(r)):
+        mu, b_f, tau = form.friction[i], form.friction_bias[i], length / form.scale[i]
+        slide, size = 0.0, 0.0
+        for j in range(1, d):
+            slide += u[i, j] ** 2
+            r[i, j] = y[i, j] - tau * u[i, j]
+            size += r[i, j] ** 2
+        n = y[i, 0] - tau * (u[i, 0] + shift * mu * np.sqrt(slide))
+        r[i, 0], share = nearest(n, np.sqrt(size), mu, b_f)
+        for j in range(1, d):
+            r[i, j] *= share
