@@ -164,7 +164,7 @@ def test_the_work_limit_is_obeyed_and_said() -> None:
     problem = scene("stack", blocks=5).problem()
     answer = solve(problem, "nsgs", limit=23)
     assert answer.status is Status.WORK_LIMIT
-    assert answer.work == {"sweeps": 23}
+    assert answer.work == {"sweeps": 23, "checks": 4}
     assert len(answer.history) == 4  # at the start, after 10, 20 and 23 sweeps
     assert answer.history[-1] == pytest.approx(residual(problem, answer.impulse), rel=1e-6)
 
@@ -173,11 +173,6 @@ def test_a_cycle_is_said_to_stall() -> None:
     answer = solve(random_problem(7, contacts=40), "nsgs")  # mu up to 4; the residual stays at .157
     assert answer.status is Status.STALLED
     assert answer.work["sweeps"] < LIMIT
-
-
-def test_an_impulse_that_is_not_finite_breaks_down() -> None:
-    answer = solve(block(), "nsgs", start=np.array([[np.nan, 0.0]]))
-    assert answer.status is Status.BREAKDOWN
 
 
 def test_relaxation_reaches_the_same_velocities() -> None:

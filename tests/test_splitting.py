@@ -7,7 +7,8 @@ from problems import FrictionProblem, InputError
 from problems.random_problem import random_problem
 from problems.residual import relaxation_residual, residual
 from problems.scenes import scene
-from solvers import Status, admm, anitescu_hart, apgd, available, find, nncg, solve, staggered  # noqa: F401  # registers them
+from solvers import Status, anitescu_hart, available, find, solve
+from solvers.sweeps.stopping import going, watch
 from tests.friction_problems import block, nothing, spatial, with_joints
 
 COULOMB = ["admm_coulomb", "anitescu_hart", "anitescu_hart[memory=3]", "apgd_coulomb", "nncg", "staggered"]
@@ -91,9 +92,11 @@ def test_the_work_limit_is_obeyed_and_said(spec) -> None:
     assert answer.history[-1] == pytest.approx(measure(spec, problem, answer.impulse), rel=1e-6)
 
 
-@pytest.mark.parametrize("spec", ALL)
-def test_an_impulse_that_is_not_finite_breaks_down(spec) -> None:
-    assert solve(block(), spec, start=np.array([[np.nan, 0.0]])).status is Status.BREAKDOWN
+def test_a_residual_that_is_not_finite_is_a_breakdown() -> None:
+    watched = watch(tol=1e-8, limit=10, patience=5)
+    assert going(watched, 1.0, 0)
+    assert not going(watched, np.nan, 1)
+    assert watched.answer(np.zeros((1, 2))).status is Status.BREAKDOWN
 
 
 @pytest.mark.parametrize("spec", ALL)
