@@ -23,7 +23,7 @@ import numpy as np
 
 from problems import LCP, FrictionProblem
 from problems.check import Array
-from problems.residual import energy_within, fclib_error, relaxation_residual, residual, residual_floor
+from problems.residual import energy_within, fclib_error, polygon_residual, relaxation_residual, residual, residual_floor
 from problems.simulate import ledger_defect
 from results.schema import MISSED, RELAXED, SOLVED, UNJUDGEABLE, UNSOLVED, WRONG
 from solvers import Answer, SolverInfo, Status
@@ -80,7 +80,7 @@ def _model_residual(problem: FrictionProblem, answer: Answer, info: SolverInfo, 
     if info.model == "lcp" and problem.dimension == 3 and answer.z is not None:
         facets = np.size(answer.z) // max(problem.contacts, 1) - 2  # z is (c, beta, lambda), beta of as many parts a contact
         if problem.contacts and np.shape(answer.z) == (problem.contacts * (facets + 2),) and facets >= 4 and facets % 2 == 0:
-            return problem.lcp(facets).residual(answer.z)
+            return polygon_residual(problem, problem.lcp(facets), answer.z)
     return exact
 
 

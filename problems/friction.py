@@ -18,6 +18,7 @@ from functools import cache, cached_property
 from typing import Any, Self
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import sparse
 
 from problems import check
@@ -30,6 +31,7 @@ from problems.forms.mass import inverse_mass
 from problems.forms.relaxation import QP, ConeProgram, VelocityForm, relaxation_cone, relaxation_qp
 from problems.rows import ByContact, Rows, by_contact, by_row
 
+LOCKED = 1000 * float(np.finfo(float).eps)  # of what adds up to a diagonal of W: round-off was seen up to 160, else from 1e9
 INDEFINITE = 1e-6  # of W's largest eigenvalue: recorded problems are indefinite by what their files' digits lost
 
 
@@ -148,7 +150,10 @@ class FrictionProblem:
 
     def contact_velocity(self, impulse: Array) -> Array:
         """u (nc, d), bias included, after the contact impulses (nc, d); computed without W."""
-        return delassus.contact_velocity(*self.contact_rows, self.velocity(impulse), self.bias)
+        u = delassus.contact_velocity(*self.contact_rows, self.velocity(impulse), self.bias)
+        if self._has_joints:
+            np.copyto(u, self.q.reshape(u.shape), where=self._locked)
+        return u
 
     def _by_contact(self, impulse: Array) -> Array:
         return check.entries("impulse", impulse, self.contacts * self.dimension).reshape(self.contacts, self.dimension)
@@ -172,10 +177,14 @@ class FrictionProblem:
         measures = delassus.measures(*self.contact_rows, *self.inverse_rows, free, self.bias)
         if not self._has_joints:
             return measures
+        q = measures[0].reshape(self.contacts, self.dimension)
+        q[self._locked & (np.abs(q) <= LOCKED * self.velocity_size(np.zeros_like(q)))] = 0.0
         diagonal = delassus.diagonal(*self.contact_rows, *self.inverse_rows)
         coupling, inverse = self._joint_coupling
-        diagonal -= np.einsum("ji,jk,ki->i", coupling, inverse, coupling).reshape(diagonal.shape)
-        return measures[0], delassus.mean_diagonal(diagonal), measures[2]
+        held = diagonal - np.einsum("ji,jk,ki->i", coupling, inverse, coupling).reshape(diagonal.shape)
+        held[self._locked] = 0.0
+        diagonal = np.where(self._locked.all(axis=1, keepdims=True), diagonal, held)
+        return q.ravel(), delassus.mean_diagonal(diagonal), delassus.largest(q.ravel(), self.dimension)
 
     @cached_property
     def q(self) -> Array:
@@ -196,12 +205,26 @@ class FrictionProblem:
             return self.blocks.matrix()
         W = Blocks(*delassus.delassus(*self.contact_rows, *self.inverse_rows)).matrix()
         coupling, inverse = self._joint_coupling
-        return sparse.csr_array(W - sparse.csr_array(coupling.T @ inverse @ coupling))
+        moves = sparse.diags_array((~self._locked).astype(float).ravel())
+        W = sparse.csr_array(moves @ (W - sparse.csr_array(coupling.T @ inverse @ coupling)) @ moves)
+        W.eliminate_zeros()
+        return W
 
     @cached_property
     def scale(self) -> Array:
-        """s (nc,): the mean diagonal of each contact's block of W, 1/kg; 1 where it vanishes."""
+        """s (nc,): the mean diagonal of each contact's block of W, 1/kg, where joints lock it of W without joints; 1 where
+        that vanishes, too."""
         return self._measures[1]
+
+    @cached_property
+    def _locked(self) -> NDArray[np.bool_]:
+        """(nc, d): the directions in which joints leave a contact no velocity that impulses could change: W's diagonal is what
+        rounding left of its parts."""
+        coupling, inverse = self._joint_coupling
+        diagonal = delassus.diagonal(*self.contact_rows, *self.inverse_rows).ravel()
+        held = np.einsum("ji,jk,ki->i", coupling, inverse, coupling)
+        size = diagonal + np.einsum("ji,jk,ki->i", np.abs(coupling), np.abs(inverse), np.abs(coupling))
+        return (diagonal - held <= LOCKED * size).reshape(self.contacts, self.dimension)
 
     @cached_property
     def fastest(self) -> float:

@@ -18,8 +18,10 @@ may come out as 0 whatever they are.
 import numpy as np
 from numba import njit
 
+from problems import check
 from problems.check import Array
 from problems.forms.cone import nearest
+from problems.forms.lcp import LCP
 from problems.friction import FrictionProblem
 
 
@@ -34,6 +36,22 @@ def relaxation_residual(problem: FrictionProblem, impulse: Array, softness: Arra
     softness: (nc, d), R >= 0 in 1/kg, of contacts made soft, u = W r + q + R r.
     """
     return _defect(problem, impulse, shift=0.0, softness=softness)
+
+
+def polygon_residual(problem: FrictionProblem, lcp: LCP, z: Array) -> float:
+    """The residual of z on the friction problem's LCP, as a velocity over max|q_i|, so that units do not count:
+
+    max |min(s z, w)| over the impulses c and beta, |min(z, s w)| over the sliding speeds lambda, s that of the contact.
+    """
+    z, nc = check.entries("z", z, lcp.size), problem.contacts
+    if not nc:
+        return 0.0
+    s = np.concatenate([problem.scale, np.repeat(problem.scale, lcp.size // nc - 2), problem.scale])
+    speed, force = np.arange(lcp.size) >= lcp.size - nc, lcp.M @ z + lcp.q
+    worst = np.abs(np.minimum(np.where(speed, z, s * z), np.where(speed, s * force, force))).max()
+    if not np.isfinite(worst):
+        return np.inf
+    return float(worst / problem.fastest) if problem.fastest else np.inf if worst else 0.0
 
 
 def residual_floor(problem: FrictionProblem, impulse: Array) -> float:

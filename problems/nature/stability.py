@@ -14,6 +14,7 @@ from problems.forms.cone import project_cone
 from problems.friction import FrictionProblem
 from problems.residual import residual
 
+EPSILON = 8 * np.finfo(float).eps
 ROUND_OFF = 1e-13  # of the largest free velocity: what a smaller impulse moves at its own contact is not seen
 
 
@@ -45,13 +46,14 @@ def _least_change(problem: FrictionProblem, impulse: Array, scale: float) -> flo
     size, widest = np.linalg.norm(t, axis=1), problem.friction * n
     limit = widest + problem.friction_bias
     normal = np.where(n > 0, np.abs(u[:, 0]), np.maximum(-u[:, 0], 0.0))
-    onto = np.where(size == limit, 0.0, np.where(widest > 0, np.abs(size - limit) / np.where(widest > 0, widest, 1.0), np.inf))
+    at_limit = np.abs(size - limit) <= EPSILON * limit  # a product and a norm round apart
+    onto = np.where(at_limit, 0.0, np.where(widest > 0, np.abs(size - limit) / np.where(widest > 0, widest, 1.0), np.inf))
     against = np.where(size[:, None] > 0, -t / np.where(size > 0, size, 1.0)[:, None], 0.0)
     along = np.maximum(np.sum(u[:, 1:] * against, axis=1), 0.0)
     stick = np.linalg.norm(u[:, 1:], axis=1)
     slide = np.where((size == 0) & (limit == 0), 0.0, np.linalg.norm(u[:, 1:] - along[:, None] * against, axis=1))
     sliding = np.maximum(np.hypot(normal, slide) / scale, onto)
-    sticking = np.maximum(np.hypot(normal, stick) / scale, np.where(size <= limit, 0.0, onto))
+    sticking = np.maximum(np.hypot(normal, stick) / scale, np.where((size <= limit) | at_limit, 0.0, onto))
     return float(np.max(np.minimum(sliding, sticking)))
 
 

@@ -16,7 +16,7 @@ from numba import njit
 
 from problems import LCP, FrictionProblem
 from problems.check import Array
-from problems.residual import residual
+from problems.residual import polygon_residual, residual
 from solvers.pivots.scaling import Scaling
 
 MARGIN = 0.1
@@ -52,10 +52,10 @@ def _weight(start, column, value, q, D, theta, own):  # type: ignore[no-untyped-
 
 
 def exact_residual(problem: FrictionProblem | LCP, lcp: LCP, z: Array, impulse: Array) -> float:
-    """The residual that `tol` is about: the friction problem's own in the plane, the LCP's where it is but a model or bare."""
-    if isinstance(problem, FrictionProblem) and problem.dimension == 2:
-        return residual(problem, impulse)
-    return lcp.residual(z)
+    """The residual that `tol` is about: the friction problem's own in the plane, its polygon's in space, a bare LCP's own."""
+    if isinstance(problem, LCP):
+        return lcp.residual(z)
+    return residual(problem, impulse) if problem.dimension == 2 else polygon_residual(problem, lcp, z)
 
 
 @njit(cache=True)
