@@ -181,6 +181,8 @@ def facts(source: Source, met: Met) -> Entry:
         "pointedness": found.pointedness,
         "p0_margin": found.p0_margin,
         "mass_ratio": found.mass_ratio,
+        "asymmetry": found.asymmetry,
+        "indefiniteness": found.indefiniteness,
         "trivial": bool(found.trivial),
         **counted,
         "existence": _existence(problem, found.pointedness, counted["solutions"]),

@@ -10,7 +10,7 @@ from solvers import find
 PROBLEM_FACTS = (
     *("problem", "scene", "parameters", "step", "phase"),
     *("contacts", "dimension", "velocities", "size"),
-    *("rank", "condition", "redundancy", "pointedness", "p0_margin", "mass_ratio", "trivial"),
+    *("rank", "condition", "redundancy", "pointedness", "p0_margin", "mass_ratio", "asymmetry", "indefiniteness", "trivial"),
     *("solutions", "outcomes", "existence", "response", "mode_distance"),
 )
 

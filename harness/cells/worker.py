@@ -27,6 +27,7 @@ from harness.plans.plan import COLD, DriveCell, Plugin, SolveCell, Source
 from harness.verify import Finding, verify, verify_lcp
 from problems import LCP, FrictionProblem, InputError, scene
 from problems.copies import duplicate, same
+from problems.measures import defects
 from problems.nature.mode import mode
 from problems.nature.stability import backward_error
 from problems.recorded import read
@@ -183,6 +184,7 @@ def _found(problem: FrictionProblem, answer: Answer, finding: Finding, timing: T
         "model_residual": finding.model_residual,
         "residual_floor": finding.floor,
         "fclib_error": finding.fclib_error,
+        **defects(problem, np.asarray(answer.impulse, dtype=float))._asdict(),
         "backward_error": backward_error(problem, np.asarray(answer.impulse, dtype=float)),
         "energy_defect": abs(finding.energy_defect) / energy,
         "mode": _mode(problem, answer),

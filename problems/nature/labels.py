@@ -11,6 +11,7 @@ from scipy import sparse
 from scipy.linalg import cholesky, svdvals
 from scipy.optimize import linprog
 
+from problems.forms.definite import spectrum_ends
 from problems.friction import DelassusProblem, FrictionProblem
 from problems.residual import residual
 
@@ -28,6 +29,9 @@ class Labels:
     p0_margin: the least (a - mu |b|)/a over contacts, with a = W_nn and b = W_nt of the contact's own block: a contact alone
     makes a P0 matrix iff it is not negative (in space |b| is a norm, and the margin a lower bound); 1 without contacts.
     mass_ratio: the largest over the smallest effective mass at a contact, 1/s of FrictionProblem.scale; 1 without contacts.
+    asymmetry: the largest entry of |W - W'| over that of |W|, and indefiniteness: the most negative eigenvalue of W's symmetric
+    part over the largest, positive where there is one, as far as problems.forms.definite sees; of a W that is all that is
+    known, as recorded problems have it. 0 for mechanics.
     trivial: why there is nothing to solve, or "": "no contact", "no friction", or "no impulse" where r = 0 is an answer.
     """
 
@@ -38,6 +42,8 @@ class Labels:
     pointedness: float
     p0_margin: float
     mass_ratio: float
+    asymmetry: float
+    indefiniteness: float
     trivial: str
 
 
@@ -47,7 +53,17 @@ def labels(problem: FrictionProblem) -> Labels:
     rank, condition = _rank_condition(problem) if nc * d <= DENSE_ROWS else (None, None)
     ratio = problem.scale.max() / problem.scale.min() if nc else 1.0
     size = nc * ((2 if d == 2 else FACETS) + 2)
-    return Labels(nc, size, rank, condition, pointedness(problem), p0_margin(problem), float(ratio), _trivial(problem))
+    shape = pointedness(problem), p0_margin(problem), float(ratio), *_as_given(problem)
+    return Labels(nc, size, rank, condition, *shape, _trivial(problem))
+
+
+def _as_given(problem: FrictionProblem) -> tuple[float, float]:
+    """Asymmetry and indefiniteness; see Labels."""
+    if not isinstance(problem, DelassusProblem) or not problem.contacts:
+        return 0.0, 0.0
+    least, largest = spectrum_ends(problem.W)
+    size = abs(problem.W).max()
+    return float(abs(problem.W - problem.W.T).max() / size) if size else 0.0, max(0.0, -least / largest) if largest > 0 else 0.0
 
 
 def p0_margin(problem: FrictionProblem) -> float:
