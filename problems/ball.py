@@ -1,0 +1,60 @@
+"""A ball on a table, in closed loop: the spatial motion that needs no collision detection, and is known by hand.
+
+A ball of radius R slides with its lowest point at s = v + omega x (0, 0, -R). Friction mu m g against s turns s shorter and
+nowhere else, s' = -7/2 mu g s/|s|, until it rolls at the time 2 |s_0| / (7 mu g): on a straight line where s_0 is along v_0,
+with 5/7 of the speed if it did not spin, and on a parabola otherwise. A polygon in place of Coulomb's cone pushes along one of
+its corners instead, which turns s and bends the path: the polygon's error made visible. Friction acts at the lowest point,
+about which the momentum of rotation is kept: the velocity of rolling is the same whatever the section.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from problems.check import Array
+from problems.friction import FrictionProblem
+from problems.instances.bodies import GRAVITY, GROUND, touching
+
+MASS, RADIUS = 1.0, 0.1  # kg, m
+UPRIGHT = np.array([[[0.0, 0, 1], [1, 0, 0], [0, 1, 0]]])
+
+
+class Path(NamedTuple):
+    """time (steps+1,); place (steps+1, 2) on the table, m; velocity (steps+1, 6), translation and spin."""
+
+    time: Array
+    place: Array
+    velocity: Array
+
+    @property
+    def slip(self) -> Array:
+        """The velocity of the lowest point (steps+1, 2)."""
+        v = self.velocity
+        return np.column_stack([v[:, 0] - RADIUS * v[:, 4], v[:, 1] + RADIUS * v[:, 3]])
+
+
+def problem(velocity: Array, friction: float, step: float) -> FrictionProblem:
+    """Anitescu and Potra's problem of one step from a velocity (6,)."""
+    free = velocity.copy()
+    free[2] -= GRAVITY * step
+    inertia = 0.4 * MASS * RADIUS**2
+    weights = np.array([[MASS] * 3 + [inertia] * 3])
+    return touching(np.array([[0, GROUND]]), np.array([[[0, 0, -RADIUS], [0, 0, 0]]]), UPRIGHT, weights, free[None], friction)
+
+
+def roll(
+    solve: Callable[[FrictionProblem], Array],
+    velocity: tuple[float, float],
+    spin: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    friction: float = 0.3,
+    step: float = 0.01,
+    steps: int = 100,
+) -> Path:
+    """The path of a ball set down with a velocity, m/s, and a spin, 1/s; solve gives the impulses (1, 3) of a problem."""
+    states, place = [np.array([*velocity, 0.0, *spin])], [np.zeros(2)]
+    for _ in range(steps):
+        met = problem(states[-1], friction, step)
+        states.append(met.velocity(solve(met)))
+        place.append(place[-1] + step * states[-1][:2])
+    return Path(np.arange(steps + 1.0) * step, np.array(place), np.array(states))
