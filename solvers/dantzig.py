@@ -16,6 +16,8 @@ Where M is a P-matrix, or positive definite, driving always succeeds. For contac
 covering vectors without a zero.
 """
 
+from functools import partial
+
 import numpy as np
 from numba import njit
 
@@ -24,14 +26,14 @@ from problems.check import Array
 from solvers.interface import Answer, solver
 from solvers.pivots.inverse_basis import Index, Matrix, slack_basis
 from solvers.pivots.lemke_path import ACCURACY, COMPLEMENTARY, LOST, RAY, STUCK, add_coordinates, draw, evaluate, follow
-from solvers.pivots.scaled_lcp import ScaledLCP, finish, scaled_lcp
+from solvers.pivots.scaled_lcp import ScaledLCP, finish, pivot_by, scaled_lcp
 
 PERTURBATION = 1e-7  # of q, whose largest entry is 1
 HARRIS = 1e-4  # how far below zero near ties may reach, relative to the perturbation
 
 
 @njit(cache=True, error_model="numpy")
-def dantzig(M: Matrix, q: Array, unit: Array, order: Index, tol: float, limit: int) -> tuple[int, Array, int, int]:
+def dantzig(order: Index, M: Matrix, q: Array, unit: Array, tol: float, limit: int) -> tuple[int, Array, int, int]:
     """(how it ended, y, pivots, inversions) for the scaled problem; order: the indices in the order in which they are taken."""
     n = len(q)
     work = np.zeros(2, np.int64)
@@ -78,9 +80,7 @@ class Dantzig:
         return scaled_lcp(problem, self.facets)
 
     def solve(self, prepared: ScaledLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        lcp, _, M, q, unit = prepared
-        ended, y, pivots, inversions = dantzig(M, q, unit, contact_order(lcp), tol / 2, limit or 10_000 + 100 * len(q))
-        return prepared.answer(y, ended, pivots=pivots, inversions=inversions)
+        return pivot_by(partial(dantzig, contact_order(prepared.lcp)), prepared, tol, limit)
 
 
 def contact_order(lcp: LCP) -> Index:

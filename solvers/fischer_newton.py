@@ -29,17 +29,25 @@ from numba import njit
 from problems import LCP, FrictionProblem
 from problems.check import Array, require
 from solvers.interface import Answer, Status, solver
-from solvers.pivots.dense_lcp import DenseLCP, answer, dense_lcp, solve_dense
-from solvers.pivots.natural import MARGIN, natural_residual
+from solvers.pivots.dense_lcp import (
+    EVALUATIONS,
+    FACTORISATIONS,
+    GOING,
+    GRADIENT,
+    NEWTON,
+    STALLED,
+    DenseLCP,
+    dense_lcp,
+    judge,
+    solve_by,
+    solve_dense,
+)
 
 ARMIJO = 1e-4  # sigma, the share of the predicted decrease asked for
 DESCENT = 1e-8  # a direction of descent has -d'H'Phi of at least this times |d|^2.1
 MEMORY = 8  # merits the nonmonotone search looks back on
 SHORTEST = 1e-10  # step at which the search gives up
 STATIONARY = 1e-12  # |H'Phi| relative to |Phi|
-
-SOLVED, STALLED, LIMIT, BREAKDOWN = range(4)  # how it ends
-NEWTON, GRADIENT, EVALUATIONS, FACTORISATIONS = range(4)  # counted in work
 
 
 @solver("fischer_newton", family="newton", model="lcp", dimension=(2, 3))
@@ -61,13 +69,10 @@ class FischerNewton:
         return dense_lcp(problem, self.facets)
 
     def solve(self, form: DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        limit = 200 if limit is None else limit
-        y = np.zeros(len(form.q))
-        y, end, work, history = iterate(form.M, form.q, form.weight, y, self.regularisation, MARGIN * tol, limit)
-        names = ("newton", "gradient", "evaluations", "factorisations")
-        status = (Status.SOLVED, Status.STALLED, Status.WORK_LIMIT, Status.BREAKDOWN)[end]
-        detail = "no descent: a stationary point of the merit that is no solution" if end == STALLED else ""
-        return answer(form, y, tol, status, dict(zip(names, work.tolist(), strict=True)), history, detail)
+        answer, _ = solve_by(iterate, form, tol, limit, MEMORY, float(self.regularisation))
+        if answer.status is Status.STALLED:
+            answer.detail = "no descent: a stationary point of the merit that is no solution"
+        return answer
 
 
 @njit(cache=True)
@@ -101,32 +106,21 @@ def jacobian(M, y, w):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def iterate(M, q, weight, y, eps, tol, limit):  # type: ignore[no-untyped-def]
-    """From y: the best point found, how it ended, work, and the natural residual of every iterate."""
-    n = len(q)
-    work = np.zeros(4, np.int64)
-    history = np.empty(64)
-    recent = np.zeros(MEMORY)
+def iterate(M, q, y, descent, eps):  # type: ignore[no-untyped-def]
+    """From y: how it ended, the iterations, and nothing to remark."""
+    n, work = len(q), descent.work
     w = M @ y + q
     phi = fischer(y, w)
     work[EVALUATIONS] += 1
-    best, least, end, k = y, np.inf, LIMIT, 0
+    k = 0
     while True:
-        if k == len(history):
-            history = np.append(history, history)
-        history[k] = natural_residual(weight, y, w)
-        if history[k] < least:
-            best, least = y, history[k]
-        merit = phi @ phi / 2
-        recent[k % MEMORY] = merit
-        if least <= tol or k == limit or not merit < np.inf:
-            end = SOLVED if least <= tol else LIMIT if k == limit else BREAKDOWN
-            break
+        end = judge(descent, k, y, w, phi @ phi / 2)
+        if end != GOING:
+            return end, k, 0
         A, B = jacobian(M, y, w)
         gradient = A * phi + (B * phi) @ M
         if np.sqrt(gradient @ gradient) <= STATIONARY * np.sqrt(phi @ phi):
-            end = STALLED
-            break
+            return STALLED, k, 0
         H = M * B.reshape(n, 1)
         for i in range(n):
             H[i, i] += A[i] + eps * B[i]
@@ -134,7 +128,7 @@ def iterate(M, q, weight, y, eps, tol, limit):  # type: ignore[no-untyped-def]
         work[FACTORISATIONS] += 1
         if not gradient @ d <= -DESCENT * np.sqrt(d @ d) ** 2.1:
             kind, d = GRADIENT, -gradient
-        worst, slope, t = recent.max(), gradient @ d, 1.0
+        worst, slope, t = descent.recent.max(), gradient @ d, 1.0
         while True:
             trial = y + t * d
             w = M @ trial + q
@@ -144,9 +138,7 @@ def iterate(M, q, weight, y, eps, tol, limit):  # type: ignore[no-untyped-def]
                 break
             t /= 2
         if t < SHORTEST:
-            end = STALLED
-            break
+            return STALLED, k, 0
         y = trial
         work[kind] += 1
         k += 1
-    return best, end, work, history[: k + 1]

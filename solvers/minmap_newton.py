@@ -27,15 +27,23 @@ from numba import njit
 from problems import LCP, FrictionProblem
 from problems.check import Array, require
 from solvers.interface import Answer, Status, solver
-from solvers.pivots.dense_lcp import DenseLCP, answer, dense_lcp, solve_dense
-from solvers.pivots.natural import MARGIN, natural_residual
+from solvers.pivots.dense_lcp import (
+    EVALUATIONS,
+    FACTORISATIONS,
+    GOING,
+    GRADIENT,
+    NEWTON,
+    STALLED,
+    DenseLCP,
+    dense_lcp,
+    judge,
+    solve_by,
+    solve_dense,
+)
 
 DECREASE = 1e-4  # sigma
 MEMORY = 15  # merits the nonmonotone search looks back on
 SHORTEST = 1e-8  # step at which a search gives up
-
-SOLVED, KINK, LIMIT, BREAKDOWN, CYCLE = range(5)  # how it ends
-NEWTON, GRADIENT, EVALUATIONS, FACTORISATIONS = range(4)  # counted in work
 
 
 @solver("minmap_newton", family="newton", model="lcp", dimension=(2, 3))
@@ -59,15 +67,12 @@ class MinmapNewton:
         return dense_lcp(problem, self.facets)
 
     def solve(self, form: DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        limit = 200 if limit is None else limit
-        y, eps = np.zeros(len(form.q)), self.regularisation
-        y, end, period, work, history = iterate(form.M, form.q, form.weight, y, eps, MARGIN * tol, limit, self.globalised)
-        status = (Status.SOLVED, Status.STALLED, Status.WORK_LIMIT, Status.BREAKDOWN, Status.STALLED)[end]
-        detail = "no descent: a kink or stationary point of the merit" if end == KINK else ""
-        if period:
-            detail = "; ".join(filter(None, (detail, f"active sets came back after {period} iterations")))
-        names = ("newton", "gradient", "evaluations", "factorisations")
-        return answer(form, y, tol, status, dict(zip(names, work.tolist(), strict=True)), history, detail)
+        answer, period = solve_by(iterate, form, tol, limit, MEMORY, float(self.regularisation), self.globalised)
+        if answer.status is not Status.SOLVED:
+            kink = self.globalised and answer.status is Status.STALLED
+            said = ["no descent: a kink or stationary point of the merit"] * kink
+            answer.detail = "; ".join(said + [f"active sets came back after {period} iterations"] * (period > 0))
+        return answer
 
 
 @njit(cache=True)
@@ -97,37 +102,27 @@ def signature(A):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def iterate(M, q, weight, y, eps, tol, limit, globalised):  # type: ignore[no-untyped-def]
-    """From y: the best point found, how it ended, the period of the first cycle seen (or 0), work, residuals."""
-    work = np.zeros(4, np.int64)
-    history, visited = np.empty(64), np.empty(64, np.int64)
-    recent = np.zeros(MEMORY)
+def iterate(M, q, y, descent, eps, globalised):  # type: ignore[no-untyped-def]
+    """From y: how it ended, the iterations, and the period of the first cycle seen, or 0."""
+    work, visited = descent.work, np.empty(len(descent.history), np.int64)
     w = M @ y + q
-    best, least, end, k, period = y, np.inf, LIMIT, 0, 0
+    k = period = 0
     while True:
         value, A = np.minimum(y, w), w < y
-        if k == len(history):
-            history, visited = np.append(history, history), np.append(visited, visited)
-        history[k] = natural_residual(weight, y, w)
-        if history[k] < least:
-            best, least = y, history[k]
-        merit = value @ value / 2
-        recent[k % MEMORY] = merit
-        if least <= tol or k == limit or not merit < np.inf:
-            end = SOLVED if least <= tol else LIMIT if k == limit else BREAKDOWN
-            break
+        end = judge(descent, k, y, w, value @ value / 2)
+        if end != GOING:
+            return end, k, period
         visited[k] = signature(A)
         for back in range(k - 2, -1, -1):
             if not period and visited[back] == visited[k] != visited[k - 1]:
                 period = k - back
         if period and not globalised:
-            end = CYCLE
-            break
+            return STALLED, k, period
         kind, t = NEWTON, 1.0
         d = newton_direction(M, y, w, eps)
         work[FACTORISATIONS] += 1
         if globalised:
-            worst = recent.max()
+            worst = descent.recent.max()
             while kind <= GRADIENT:
                 t = 1.0
                 while t >= SHORTEST:
@@ -141,10 +136,8 @@ def iterate(M, q, weight, y, eps, tol, limit, globalised):  # type: ignore[no-un
                 kind += 1
                 d = -np.where(A, 0.0, value) - np.where(A, value, 0.0) @ M
             if t < SHORTEST:
-                end = KINK
-                break
+                return STALLED, k, period
         y = y + t * d
         w = M @ y + q
         work[kind] += 1
         k += 1
-    return best, end, period, work, history[: k + 1]

@@ -18,7 +18,7 @@ from problems.check import Array
 from solvers.interface import Answer, solver
 from solvers.pivots.inverse_basis import Matrix, exchange, refactor, slack_basis, transform
 from solvers.pivots.lemke_path import ACCURACY, COMPLEMENTARY, LIMIT, LOSS, LOST, PIVOT, STUCK, enter, evaluate
-from solvers.pivots.scaled_lcp import ScaledLCP, finish, scaled_lcp
+from solvers.pivots.scaled_lcp import ScaledLCP, finish, pivot_by, scaled_lcp
 
 NEGATIVE = 1e-13  # of the largest basic variable: what is less negative counts as zero
 
@@ -80,6 +80,4 @@ class Murty:
         return scaled_lcp(problem, self.facets)
 
     def solve(self, prepared: ScaledLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        _, _, M, q, unit = prepared
-        ended, y, pivots, inversions = murty(M, q, unit, tol / 2, limit or 10_000 + 100 * len(q))
-        return prepared.answer(y, ended, pivots=pivots, inversions=inversions)
+        return pivot_by(murty, prepared, tol, limit)

@@ -11,8 +11,8 @@ from problems.residual import residual
 from problems.scenes import scene
 from solvers import Status, solve
 from solvers.fischer_newton import fischer, jacobian
-from solvers.minmap_newton import CYCLE, NEWTON, iterate
-from solvers.pivots.dense_lcp import solve_dense
+from solvers.minmap_newton import iterate
+from solvers.pivots.dense_lcp import NEWTON, SOLVED, STALLED, new_descent, solve_dense
 from tests.friction_problems import block, nothing, spatial
 
 BOTH = ["fischer_newton", "minmap_newton"]
@@ -68,14 +68,15 @@ def test_the_plain_min_map_cycles_on_a_p_matrix_and_the_line_search_leaves_the_c
     M, q = np.array([[1, 0, a], [a, 1, 0], [0, a, 1]]), np.ones(3)
     assert least_minor(M) > 0
     start = np.array([-1.0, 0, 0])
-    _, end, period, work, history = iterate(M, q, np.ones(3), start, 0.0, 1e-10, 100, False)
-    assert (end, period) == (CYCLE, 3)
-    assert work[NEWTON] < 10
-    assert history[-1] == pytest.approx(history[-4])
-    y, end, _, _, history = iterate(M, q, np.ones(3), start, 0.0, 1e-10, 200, True)
-    assert end != CYCLE
-    assert history[-1] <= 1e-10
-    assert y == pytest.approx(np.zeros(3), abs=1e-9)
+    plain, searching = (new_descent(np.ones(3), 1e-10, 200, 15) for _ in range(2))
+    end, k, period = iterate(M, q, start, plain, 0.0, False)
+    assert (end, period) == (STALLED, 3)
+    assert plain.work[NEWTON] < 10
+    assert plain.history[k] == pytest.approx(plain.history[k - 3])
+    end, k, _ = iterate(M, q, start, searching, 0.0, True)
+    assert end == SOLVED
+    assert searching.history[k] <= 1e-10
+    assert searching.best == pytest.approx(np.zeros(3), abs=1e-9)
 
 
 def test_even_one_p0_contact_makes_the_plain_min_map_cycle() -> None:

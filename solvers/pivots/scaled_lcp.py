@@ -1,5 +1,6 @@
 """What every pivoting method here works on: the scaled LCP, and the way back to impulses."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -35,6 +36,15 @@ class ScaledLCP(NamedTuple):
     def answer(self, y: Array, ended: int, **work: int) -> Answer:
         z = self.scale.solution(y)
         return Answer(self.lcp.impulse(z), STATUS[ended], work, z=z)
+
+
+def pivot_by(method: Callable[..., tuple[int, Array, int, int]], lcp: ScaledLCP, tol: float, limit: int | None) -> Answer:
+    """The answer of a principal pivoting method within limit pivots, by default 10 000 + 100 n.
+
+    tol is halved: the verifier's norm is another, and it adds up in another order.
+    """
+    ended, y, pivots, inversions = method(lcp.M, lcp.q, lcp.unit, tol / 2, limit or 10_000 + 100 * len(lcp.q))
+    return lcp.answer(y, ended, pivots=pivots, inversions=inversions)
 
 
 def scaled_lcp(problem: FrictionProblem | LCP, facets: int = 8) -> ScaledLCP:
