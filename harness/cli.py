@@ -1,9 +1,11 @@
-"""The command line. Exit codes: 0 done, 1 a regression (compare), 2 unusable input, 130 broken off.
+"""The command line. Exit codes: 0 done, 1 a regression (compare), 2 unusable input, 128 + n ended by signal n.
 
 Everything heavy is imported inside the command that needs it, so that --help answers at once.
 """
 
+import signal
 import sys
+from contextlib import suppress
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
@@ -215,8 +217,23 @@ def _jobs(jobs: int | None) -> int:
     return jobs or most
 
 
+class _Stopped(BaseException):
+    """A signal asked for the end; the argument is its number."""
+
+
+def _stop(number: int, _: Any) -> None:
+    for same in _SIGNALS:
+        signal.signal(same, signal.SIG_IGN)  # what is under way ends in order
+    raise _Stopped(number)
+
+
+_SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+
+
 def main() -> Any:
     """The entry point: run the command line, errors of the user's as one line."""
+    for number in _SIGNALS:
+        signal.signal(number, _stop)
     try:
         app()
     except (ValueError, OSError) as error:
@@ -227,6 +244,9 @@ def main() -> Any:
             raise
         typer.echo(f"frictionbench: {error}", err=True)
         sys.exit(2)
-    except KeyboardInterrupt:
-        typer.echo("frictionbench: broken off; the same command goes on where it stopped", err=True)
-        sys.exit(130)
+    except _Stopped as stopped:
+        number = stopped.args[0]
+        name = signal.Signals(number).name
+        with suppress(OSError):  # the terminal may be gone
+            typer.echo(f"frictionbench: broken off by {name}; the same command goes on where it stopped", err=True)
+        sys.exit(128 + number)

@@ -26,7 +26,7 @@ def run_maps(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: s
 
 
 def _refine(specs: tuple[Map, ...], known: list[dict[Place, None]], level: int, folder: Path) -> None:
-    rows = [row for table in ("solves", "drives") for row in store.read_rows(folder, table).values()]
+    rows = [row for table in ("solves", "drives") for row in store.rows(folder, table)]
     found = maps.verdicts(rows)
     for spec, places in zip(specs, known, strict=True):
         if level <= spec.levels:

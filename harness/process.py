@@ -9,8 +9,9 @@ import os
 import resource
 import signal
 import socket
-from collections.abc import Collection
-from contextlib import suppress
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic, sleep
 
@@ -76,6 +77,45 @@ def peak_memory() -> float:
         with suppress(OSError), open(f"/proc/{pid}/status", encoding="ascii") as status:
             peak += sum(float(line.split()[1]) * 1024 for line in status if line.startswith("VmHWM:"))
     return peak
+
+
+@dataclass
+class Core:
+    """What became of this process's core within a block: see watch_core."""
+
+    core_wait: float = float("nan")
+    load: tuple[float, ...] = ()
+    clock: tuple[float, ...] = ()
+
+
+@contextmanager
+def watch_core() -> Iterator[Core]:
+    """The seconds that this thread waited for its core while the block ran; load average and clock before and after."""
+    core = Core()
+    before, load, clock = _waited(), os.getloadavg()[0], _clock()
+    yield core
+    core.core_wait = _waited() - before
+    core.load, core.clock = (load, os.getloadavg()[0]), (*clock, *_clock())
+
+
+def _waited() -> float:
+    try:
+        with open("/proc/thread-self/schedstat", encoding="ascii") as times:
+            return int(times.read().split()[1]) / 1e9
+    except (OSError, IndexError, ValueError):
+        return float("nan")
+
+
+def _clock() -> tuple[float, ...]:
+    """Of the core that runs this, in Hz; nothing where the machine does not tell."""
+    core = min(os.sched_getaffinity(0))
+    try:
+        return (int(Path(f"/sys/devices/system/cpu/cpu{core}/cpufreq/scaling_cur_freq").read_text(encoding="ascii")) * 1e3,)
+    except (OSError, ValueError):
+        pass
+    with suppress(OSError, ValueError, IndexError), open("/proc/cpuinfo", encoding="utf-8") as told:
+        return (float([line for line in told if line.startswith("cpu MHz")][core].partition(":")[2]) * 1e6,)
+    return ()
 
 
 def die_with_parent(parent: int) -> None:

@@ -6,7 +6,6 @@ folder that holds a run of another plan, machine or code is refused with what di
 
 import os
 from collections.abc import Callable
-from contextlib import nullcontext
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -14,13 +13,14 @@ from harness import machine
 from harness.cells import worker
 from harness.cells.collect import Entry
 from harness.cells.rows import drive_row, solve_row
-from harness.plans.plan import DriveCell, Plan, Plugin, SolveCell, origin
+from harness.plans.plan import Cell, Plan, Plugin, SolveCell, origin
 from harness.progress import Progress
 from harness.workers.cluster import Cluster
 from harness.workers.pool import Pool
 from harness.workers.task import Outcome, Task
 from problems import InputError
 from results import store
+from results.schema import CRASHED, TABLES, VERDICTS
 from results.store import ResultsError, Row, ShardWriter
 
 COLLECTING = 600.0  # seconds for one source's problems
@@ -36,28 +36,48 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
     with Pool(folder, 1 if cluster else jobs, plan.plugins, plan.memory_limit) as pool:
         entries = _collect(plan, pool, progress)
         _record(plan, pool, progress)
-        solves, drives = plan.solve_cells(entries.values()), plan.drive_cells()
-        tasks = [_solve_task(cell, entries[cell.origin], plan) for cell in solves]
-        tasks += [_drive_task(cell, plan) for cell in drives]
-        tasks.sort(key=lambda task: task.owner)  # a worker that has run code from outside runs nothing else after it
-        done = store.read_rows(folder, "solves").keys() | store.read_rows(folder, "drives").keys()
-        left = [task for task in tasks if task.arguments[0].key not in done]
-        with (
-            Cluster(cluster, folder, plan.plugins, plan.memory_limit) if cluster else nullcontext(pool) as engine,
-            ShardWriter(folder, "solves", f"{os.getpid()}") as solved,
-            ShardWriter(folder, "drives", f"{os.getpid()}") as driven,
-            progress.stage("cells", len(tasks), len(tasks) - len(left)) as stage,
-        ):
-            shards = {"solves": solved, "drives": driven}
-            for outcome in engine.run(left, stage.started):
-                table, row = outcome.task.arguments[0].table, outcome.value
-                shards[table].write(row if outcome.death is None else row_of_the_dead(outcome, plan.plugins))
-                stage.finished(outcome.task)
-    store.merge(folder, "solves", [cell.key for cell in solves])
-    store.merge(folder, "drives", [cell.key for cell in drives])
-    store.write_manifest(
-        folder, store.read_manifest(folder) | {"problems": sorted({e["problem"] for e in entries.values()}), "finished": _now()}
-    )
+        cells: list[Cell] = [*plan.solve_cells(entries.values()), *plan.drive_cells()]
+        if not cluster:
+            _run(cells, entries, plan, folder, pool, progress)
+    if cluster:  # whose workers want the cores that ours held
+        with Cluster(cluster, folder, plan.plugins, plan.memory_limit) as engine:
+            _run(cells, entries, plan, folder, engine, progress)
+    lost = _merge(plan, folder, cells, entries)
+    names = sorted({entry["problem"] for entry in entries.values()})
+    store.write_manifest(folder, store.read_manifest(folder) | {"problems": names, "finished": _now()})
+    if lost:
+        raise ResultsError(f"{folder}: {lost} rows were lost; the tables say which. The same command runs their cells again")
+
+
+def _run(
+    cells: list[Cell], entries: dict[str, Entry], plan: Plan, folder: Path, engine: Pool | Cluster, progress: Progress
+) -> None:
+    """Run the cells that have no row yet. Those of plug-ins come last: a worker that has run one runs nothing else."""
+    done = store.kept(folder, "solves") | store.kept(folder, "drives")
+    left = sorted((cell for cell in cells if cell.key not in done), key=lambda cell: plan.owner(cell.variant))
+    with (
+        ShardWriter(folder, "solves", f"{os.getpid()}") as solved,
+        ShardWriter(folder, "drives", f"{os.getpid()}") as driven,
+        progress.stage("cells", len(cells), len(cells) - len(left)) as stage,
+    ):
+        shards = {"solves": solved, "drives": driven}
+        for outcome in engine.run((_task(cell, entries, plan) for cell in left), stage.started):
+            shards[outcome.task.arguments[0].table].write(row_of(outcome, plan.plugins))
+            stage.finished(outcome.task)
+
+
+def _merge(plan: Plan, folder: Path, cells: list[Cell], entries: dict[str, Entry]) -> int:
+    """Merge the tables, rows in the plan's order; of how many planned cells the row is not there."""
+
+    def row_of_the_lost(key: str) -> Row:
+        reason = "its row was lost: the shard is gone or damaged"
+        return row_of(Outcome(_task(planned[key], entries, plan), death=CRASHED, reason=reason), plan.plugins)
+
+    lost = 0
+    for table in TABLES:
+        planned = {cell.key: cell for cell in cells if cell.table == table}
+        lost += store.merge(folder, table, list(planned), row_of_the_lost)
+    return lost
 
 
 def open_folder(plan: Plan, folder: Path) -> None:
@@ -117,23 +137,24 @@ def _record(plan: Plan, pool: Pool, progress: Progress) -> None:
             stage.finished(outcome.task)
 
 
-def _solve_task(cell: SolveCell, entry: Entry, plan: Plan) -> Task:
-    name = f"{cell.variant} on {entry['scene']}, {entry['contacts']} contacts"
-    limit = entry.get("time_limit", plan.time_limit)
-    return Task(name, worker.run_solve, (cell, entry, limit), limit, plan.owner(cell.variant))
+def _task(cell: Cell, entries: dict[str, Entry], plan: Plan) -> Task:
+    owner = plan.owner(cell.variant)
+    if isinstance(cell, SolveCell):
+        entry = entries[cell.origin]
+        name = f"{cell.variant} on {entry['scene']}, {entry['contacts']} contacts"
+        limit = entry.get("time_limit", plan.time_limit)
+        return Task(name, worker.run_solve, (cell, entry, limit), limit, owner)
+    return Task(f"{cell.variant} drives {cell.scene}", worker.run_drive, (cell, plan.drive_limit), plan.drive_limit, owner)
 
 
-def _drive_task(cell: DriveCell, plan: Plan) -> Task:
-    name = f"{cell.variant} drives {cell.scene}"
-    return Task(name, worker.run_drive, (cell, plan.drive_limit), plan.drive_limit, plan.owner(cell.variant))
-
-
-def row_of_the_dead(outcome: Outcome, plugins: tuple[Plugin, ...]) -> Row:
-    """The row of a cell whose worker died."""
+def row_of(outcome: Outcome, plugins: tuple[Plugin, ...]) -> Row:
+    """The row of a cell: what its worker found or how it died, and what is known without it, which no worker can change."""
     cell, *facts = outcome.task.arguments
     make: Callable[..., Row] = solve_row if isinstance(cell, SolveCell) else drive_row
-    known = make(cell, *facts, plugins=plugins)
-    return known | {"verdict": outcome.death, "reason": outcome.reason}
+    found = {"verdict": outcome.death, "reason": outcome.reason} if outcome.death else outcome.value
+    if not isinstance(found, dict) or found.get("verdict") not in VERDICTS:
+        found = {"verdict": CRASHED, "reason": "the process sent what is no row"}
+    return found | make(cell, *facts, plugins=plugins) | {"host": found.get("host", machine.host())}
 
 
 def _now() -> str:

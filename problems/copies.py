@@ -28,6 +28,8 @@ def _own(value: Any) -> Any:
         array = value.copy()
         array.setflags(write=False)
         return array
+    if isinstance(value, tuple):  # a matrix by rows
+        return type(value)(*map(_own, value))
     if sparse.issparse(value):
         matrix = copy.copy(value)
         for part in _PARTS:
@@ -41,6 +43,8 @@ def _equal(a: Any, b: Any) -> bool:
         return False
     if isinstance(a, np.ndarray):
         return a.dtype == b.dtype and a.shape == b.shape and a.tobytes() == b.tobytes()
+    if isinstance(a, tuple):
+        return len(a) == len(b) and all(map(_equal, a, b))
     if sparse.issparse(a):
         return a.shape == b.shape and all(_equal(getattr(a, part), getattr(b, part)) for part in _PARTS)
     return a == b

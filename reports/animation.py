@@ -14,8 +14,8 @@ import numpy as np
 
 from reports.drawing.text import scene_title
 from reports.templates import as_json, environment, script
+from results.files import ResultsError, room, write_text
 from results.motion import Array, Motion, Outline, plain, read_motion
-from results.store import ResultsError
 
 MOST_NUMBERS = 250_000  # on a page, which makes it about 2 MB
 DIGITS = 5  # of each, finer than a pixel
@@ -34,7 +34,7 @@ def write_animation(motion: Motion, path: Path) -> Path:
         script_hash=digest,
         data=as_json(_data(motion)),
     )
-    path.write_text(page, encoding="utf-8", errors="replace")
+    write_text(path, page)
     return path
 
 
@@ -49,6 +49,7 @@ def write_animations(folder: Path) -> list[dict[str, Any]]:
             motion = read_motion(path)
         except ResultsError:
             continue
+        room(folder, "motion")
         page = write_animation(motion, path.with_suffix(".html"))
         title = scene_title(motion.scene, json.dumps(motion.parameters))
         pages.append({"scene": motion.scene, "title": title, "address": f"motion/{quote(page.name)}"})

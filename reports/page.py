@@ -22,6 +22,7 @@ from reports.drawing.figures import Panel, inline_svg, save_sheet, swatch
 from reports.drawing.text import power, scene_title, seconds
 from reports.run import Run, read_run
 from reports.templates import as_json, environment, script
+from results.files import room, write_text
 from results.schema import VERDICTS
 
 MOST_CLAIMS = 200  # wrong claims listed on the page
@@ -36,7 +37,7 @@ def write_report(folder: Path) -> Path:
     """
     page = environment().get_template("page.html").render(_contents(folder, read_run(folder)))
     path = folder / "report.html"
-    path.write_text(page, encoding="utf-8", errors="replace")
+    write_text(path, page)
     return path
 
 
@@ -146,7 +147,7 @@ def _charts(folder: Path, run: Run) -> dict[str, list[tuple[Chart, Sequence[Pane
     found: dict[str, list[tuple[Chart, Sequence[Panel]]]] = {}
     for chart in CHARTS:
         if panels := chart.panels(run)[chart.on_page]:
-            (folder / "figures").mkdir(exist_ok=True)
+            room(folder, "figures")
             save_sheet(panels, run.looks, folder / "figures" / chart.name)
             found.setdefault(chart.section, []).append((chart, panels))
     return found

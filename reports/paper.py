@@ -11,6 +11,7 @@ from reports.charts import CHARTS
 from reports.drawing.figures import save_sheet
 from reports.drawing.text import power, seconds
 from reports.run import Run, read_run
+from results.files import room, write_text
 
 COLUMN, PAGE = 3.35, 7.0  # inches: one column, both
 FONT = 7  # points
@@ -28,14 +29,13 @@ def write_paper(folder: Path) -> Path:
     Errors: results.store.ResultsError where DIR is not a results folder or a table cannot be read.
     """
     run = read_run(folder)
-    paper = folder / "paper"
-    paper.mkdir(exist_ok=True)
+    paper = room(folder, "paper")
     for chart in CHARTS:
         if panels := chart.panels(run)[chart.in_paper]:
             width = (COLUMN if chart.columns == 1 else PAGE) / chart.columns
             save_sheet(panels, run.looks, paper / chart.name, chart.columns, size=(width, 0.75 * width), font=FONT)
     for name, table in (("solvability", _solvability), ("times", _times), ("classes", _classes)):
-        (paper / f"{name}.tex").write_text(table(run), encoding="utf-8")
+        write_text(paper / f"{name}.tex", table(run))
     return paper
 
 

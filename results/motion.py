@@ -8,7 +8,6 @@ what no force at a contact or a hinge accounts for, so it is the scheme's.
 """
 
 import json
-import os
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from results.store import ResultsError
+from results.files import ResultsError, room, write_text
 
 Array = NDArray[np.float64]
 CURVES = ("times", "energy", "kinetic", "friction", "normal", "joints", "residual")
@@ -75,10 +74,8 @@ class Motion:
 
 def write_motion(path: Path, motion: Motion) -> None:
     """Write the motion whole or not at all."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_suffix(f".partial-{os.getpid()}")
-    partial.write_text(json.dumps(plain(asdict(motion), DIGITS), separators=(",", ":")), encoding="utf-8")
-    os.replace(partial, path)
+    room(path.parent.parent, path.parent.name)
+    write_text(path, json.dumps(plain(asdict(motion), DIGITS), separators=(",", ":")))
 
 
 def plain(value: Any, digits: int) -> Any:

@@ -61,6 +61,10 @@ _CELL = (
     Column("reason", _text, "", "why, where the verdict needs one"),
     Column("host", _text, "", "machine that ran the cell"),
     Column("core", _whole, "", "processor core that ran the cell alone"),
+    Column("core_wait", _real, "s", "time the process was ready to run, within its calls, while its core ran something else"),
+    Column("disturbed", _flag, "", "no core of its own, or it waited for it for more than a fiftieth of the time"),
+    Column("load", _reals, "1", "the machine's load average, before and after"),
+    Column("clock", _reals, "Hz", "the core's clock frequency, before and after, where the machine tells"),
     Column("wall_time", _real, "s", "the whole cell, verification and repeats included, loading and compiling not"),
     Column(
         "overhead", _real, "s", "of it, the harness's own: all but form, setup and solve; of a drive, verifying and recording"
@@ -105,6 +109,7 @@ SOLVES = (
     Column("energy_defect", _real, "1", "defect of the energy ledger over the free kinetic energy"),
     Column("mode", _text, "", "what the answer makes of each contact: o open, s sticking, l, r sliding; null if too many"),
     Column("work", _text, "", "deterministic counts, a JSON object"),
+    Column("first_time", _real, "s", "form, setup and solve of the first call; null where it compiled or loaded something"),
     Column("form_time", _real, "s", "median of form_times: the problem written as what the method takes"),
     Column("setup_time", _real, "s", "median of setup_times: the method's or library's own preparation"),
     Column("solve_time", _real, "s", "median of solve_times"),

@@ -49,6 +49,6 @@ def write_folder(
         with ShardWriter(folder, table, "test") as writer:
             for row in rows:
                 writer.write(row)
-        merge(folder, table, [row["key"] for row in rows])
+        assert merge(folder, table, [row["key"] for row in rows], lambda key: {"key": key}) == 0
     write_manifest(folder, {"settings": SETTINGS, "machine": MACHINE, "finished": "now"} | manifest)
     return folder

@@ -17,31 +17,10 @@ from harness.plans.choose import choose
 from harness.plans.plan import Plan, Source
 from harness.progress import Progress
 from harness.run import run
-from harness.workers.introduce import introduce
 from problems import InputError
 from problems.recorded import archive, own
 from results import store
 from results.store import ResultsError
-
-BAD_SOLVERS = Path(__file__).with_name("bad_solvers.py")
-VERDICTS = {
-    "segfault": ("crashed", "SIGSEGV"),
-    "abort": ("crashed", "SIGABRT"),
-    "kills_itself": ("crashed", "SIGKILL"),
-    "exits": ("crashed", "exit code 0"),
-    "hangs": ("timeout", "limit of 2 s"),
-    "eats_memory": ("crashed", "MemoryError"),
-    "compiles": ("unsolved", "no further progress"),
-    "lies": ("wrong", "claims"),
-    "not_a_number": ("wrong", "not finite"),
-    "wrong_shape": ("wrong", "shape"),
-    "no_answer": ("crashed", "AttributeError"),
-    "changes_input": ("wrong", "changed its input"),
-    "raises": ("crashed", "no idea"),
-    "talks": ("wrong", "claims"),
-    "gives_up": ("unsolved", "no further progress"),
-    "lemke": ("solved", ""),
-}
 
 
 def quiet() -> Progress:
@@ -68,31 +47,6 @@ def verdicts(folder: Path) -> dict[str, tuple]:
         for row in store.read_table(folder, table).to_dict("records"):
             found[row["key"]] = (row["verdict"], row.get("residual"), row.get("work"), row.get("energy_drift"))
     return found
-
-
-def test_a_misbehaving_solver_costs_its_own_cell_alone(tmp_path) -> None:
-    variants, plugins = introduce([str(BAD_SOLVERS), "lemke"])
-    assert set(variants) == VERDICTS.keys()
-    plan = small_plan(
-        sources=(Source("stack", {"blocks": 2, "push": 1.0}),),
-        solvers=variants,
-        plugins=plugins,
-        tolerances=(1e-8,),
-        drives=(Source("stack", {"blocks": 2, "push": 1.0}, steps=2),),
-        drive_solvers=("hangs", "segfault", "raises", "lies", "lemke"),
-        time_limit=2.0,
-        drive_limit=2.0,
-        memory_limit=2**28,
-    )
-    run(plan, tmp_path / "run", 2, quiet())
-    rows = store.read_table(tmp_path / "run", "solves").set_index("solver")
-    assert set(rows.index) == VERDICTS.keys()
-    for name, (verdict, reason) in VERDICTS.items():
-        assert rows.loc[name, "verdict"] == verdict, name
-        assert reason in (rows.loc[name, "reason"] or ""), name
-    assert (rows["time_limit"] == 2.0).all()
-    drives = store.read_table(tmp_path / "run", "drives").set_index("solver")["verdict"].to_dict()
-    assert drives == {"hangs": "timeout", "segfault": "crashed", "raises": "crashed", "lies": "wrong", "lemke": "solved"}
 
 
 def test_a_run_leaves_every_row_once_and_resumes(tmp_path) -> None:

@@ -26,6 +26,7 @@ from problems.recorded.own import load, save
 from problems.residual import residual
 from problems.schemes import SCHEMES
 from problems.simulate import first_problem, simulate
+from results.files import replaced, room, write_text
 from solvers import solve
 
 REFERENCE, SPATIAL_REFERENCE = "lemke", "hybrid"
@@ -47,22 +48,21 @@ class Met(NamedTuple):
 
 def collect(folder: Path, source: Source) -> list[Entry]:
     """The source's problems, stored under folder/problems, as plain rows of facts; stored once, then read."""
-    store = folder / "problems"
+    store = room(folder, "problems")
     listed = store / f"{source.key}.json"
     if listed.exists():
         return json.loads(listed.read_text(encoding="utf-8"))
-    store.mkdir(parents=True, exist_ok=True)
     entries: dict[str, Entry] = {}
     for met, starts in _chosen(source):
         name = met.problem.hash
         if name not in entries:
-            save(met.problem, store / f"{name}.npz")
+            with replaced(store / f"{name}.npz") as file:
+                save(met.problem, file)
             if starts:
-                np.savez(store / f"{name}.starts.npz", **starts)  # type: ignore[arg-type]
+                with replaced(store / f"{name}.starts.npz") as file:
+                    np.savez(file, **starts)  # type: ignore[arg-type]
             entries[name] = facts(source, met) | {"starts": [COLD, *starts], **_own_terms(source)}
-    partial = listed.with_suffix(".partial")
-    partial.write_text(json.dumps(list(entries.values())), encoding="utf-8")
-    partial.replace(listed)
+    write_text(listed, json.dumps(list(entries.values())))
     return list(entries.values())
 
 

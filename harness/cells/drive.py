@@ -11,18 +11,19 @@ whose energy is no longer finite, or a million times the scene's, is broken off 
 solution ends it too.
 """
 
-import time
 from collections import Counter
+from time import perf_counter
 from typing import Any
 
 import numpy as np
 
+from harness.cells.answers import AnswerError
 from harness.cells.timing import clean_call, timed_call
 from harness.plans.plan import KEEP_VELOCITY, RELAX, DriveCell
 from harness.verify import verify
 from problems import FrictionProblem, scene
 from problems.check import Array
-from problems.copies import duplicate
+from problems.copies import duplicate, same
 from problems.scene import Scene
 from problems.schemes import SCHEMES, NoSolution, Scheme, Solve, Step
 from problems.simulate import penetration, simulate
@@ -43,23 +44,32 @@ class _Driver:
         self.worst_residual = self.worst_defect = self.solver_time = self.overhead = 0.0
 
     def __call__(self, problem: FrictionProblem) -> Array:
-        given = duplicate(problem)
-        call = clean_call(lambda: timed_call(self._solver, given, lambda ready: self._solver.solve(ready, self._tol, None)))
-        answer, answered = call.answer, time.perf_counter()
-        self.solver_time += np.nan if call.loaded else sum(call.times)
-        finding = verify(problem, answer, self._info, self._tol)
-        self.verdicts[finding.verdict] += 1
-        self.most_contacts = max(self.most_contacts, problem.contacts)
-        self.worst_residual = max(self.worst_residual, finding.residual)
-        self.overhead += time.perf_counter() - answered
-        if finding.verdict != SOLVED and self._after == KEEP_VELOCITY:
+        verdict, impulse = self._answered(problem)
+        self.verdicts[verdict] += 1
+        if verdict != SOLVED and self._after == KEEP_VELOCITY:
             raise _StepLost
-        if finding.verdict != SOLVED and self._after == RELAX:
+        if verdict != SOLVED and self._after == RELAX:
             return _usable(problem, solve(problem, FALLBACK, tol=self._tol).impulse)
-        if not np.isfinite(finding.residual):
-            return _usable(problem, answer.impulse)
-        self.worst_defect = max(self.worst_defect, abs(finding.energy_defect))
-        return np.asarray(answer.impulse, dtype=float)
+        return impulse
+
+    def _answered(self, problem: FrictionProblem) -> tuple[str, Array]:
+        """The verdict on the solver's answer, and the very impulses that were verified."""
+        given = duplicate(problem)
+        self.most_contacts = max(self.most_contacts, problem.contacts)
+        try:
+            call = clean_call(lambda: timed_call(self._solver, given, lambda ready: self._solver.solve(ready, self._tol, None)))
+        except AnswerError as complaint:
+            self.worst_residual = np.inf
+            return WRONG if complaint.claimed else UNSOLVED, np.zeros((problem.contacts, problem.dimension))
+        answered = perf_counter()
+        self.solver_time += np.nan if call.loaded else sum(call.times)
+        finding = verify(problem, call.answer, self._info, self._tol)
+        self.worst_residual = max(self.worst_residual, finding.residual)
+        if np.isfinite(finding.residual):
+            self.worst_defect = max(self.worst_defect, abs(finding.energy_defect))
+        verdict = finding.verdict if same(problem, given) else WRONG
+        self.overhead += perf_counter() - answered
+        return verdict, _usable(problem, call.answer.impulse)
 
     def verdict(self) -> tuple[str, str]:
         """The worst verdict of any problem, and how many have which."""
@@ -100,12 +110,12 @@ def drive(cell: DriveCell, info: SolverInfo, solver: Solver) -> dict[str, Any]:
     broken_off = ""
     try:
         for step in simulate(stage, driver, _going_on(SCHEMES[cell.scheme]), planned):
-            begun = time.perf_counter()
+            begun = perf_counter()
             times.append(step.time)
             energies.append(stage.energy(step.q, step.v))
             kinetic.append(float(step.v @ (stage.mass @ step.v)) / 2)
             penetrations.append(penetration(stage, step.q))
-            driver.overhead += time.perf_counter() - begun
+            driver.overhead += perf_counter() - begun
             if not np.isfinite(energies[-1]) or abs(energies[-1]) > DIVERGED * _scale(stage, energies[:-1], kinetic[:-1]):
                 broken_off = "the motion diverged"
                 break

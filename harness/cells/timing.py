@@ -3,16 +3,18 @@
 A call in which anything was compiled or loaded (numba compiling or reading its cache, Python importing a module) is never a
 sample: it is made again, and a solver of which no call is without has no times. The first call answers. Where it was short its
 times are not kept either, for it also warmed caches, and repeats follow until a budget is spent: at least three, at most
-fifteen. A long call is its own measurement. Garbage collection rests meanwhile. Times are raw, in seconds.
+fifteen. A long call is its own measurement. Garbage collection rests meanwhile. Times are raw, in seconds. Answers are copied
+as they come, so that each that was timed can be verified.
 """
 
 import gc
 import sys
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from time import perf_counter  # held here: a solver may replace what `time` holds
 from typing import Any, NamedTuple
 
+from harness.cells.answers import alike, plain
 from problems import LCP, FrictionProblem
 from solvers import Answer, Solver
 
@@ -31,14 +33,24 @@ class Call(NamedTuple):
 
 @dataclass
 class Timing:
-    """Raw times of the kept repeats, in order, and all the time inside the three steps, in seconds."""
+    """Raw times of the kept repeats, in order; of the first call, unless it loaded something; and of all calls: in seconds.
+
+    answers: of the first call and of those that were kept, each that is unlike the others.
+    """
 
     form: list[float] = field(default_factory=list)
     setup: list[float] = field(default_factory=list)
     solve: list[float] = field(default_factory=list)
+    first: float | None = None
     spent: float = 0.0
+    answers: list[Answer] = field(default_factory=list)
+
+    def note(self, answer: Answer) -> None:
+        if not any(alike(answer, known) for known in self.answers):
+            self.answers.append(answer)
 
     def keep(self, call: Call) -> None:
+        self.note(call.answer)
         if not call.loaded:
             for samples, seconds in zip((self.form, self.setup, self.solve), call.times, strict=True):
                 samples.append(seconds)
@@ -50,10 +62,11 @@ def time_solver(
     solve: Callable[[Any], Answer],
     answered: Callable[[], None],
     most: int = MOST,
-) -> tuple[Answer, Timing]:
-    """The first answer to the problem, and the times; answered() is called between it and the repeats.
+) -> Timing:
+    """The answers to the problem, and the times; answered() is called between the first and the repeats.
 
-    solve: the solver's, with the tolerance and the start. most: repeats at the most.
+    solve: the solver's, with the tolerance and the start. most: repeats at the most. Errors: AnswerError, and whatever the
+    solver raises.
     """
     timing = Timing()
     enabled = gc.isenabled()
@@ -61,6 +74,8 @@ def time_solver(
     gc.disable()
     try:
         first = _timed(solver, problem, solve, timing)
+        timing.note(first.answer)
+        timing.first = None if first.loaded else sum(first.times)
         answered()
         clean = first if not first.loaded else clean_call(lambda: _timed(solver, problem, solve, timing))
         seconds = sum(clean.times)
@@ -72,7 +87,7 @@ def time_solver(
     finally:
         if enabled:
             gc.enable()
-    return first.answer, timing
+    return timing
 
 
 def clean_call(call: Callable[[], Call]) -> Call:
@@ -90,14 +105,16 @@ def timed_call(solver: Solver, problem: FrictionProblem | LCP, solve: Callable[[
 
     met, modules = problem.fresh(), len(sys.modules)
     with event.install_recorder("numba:compiler_lock") as loads:  # held to compile and to read from the cache
-        start = time.perf_counter()
+        start = perf_counter()
         formed = solver.form(met)
-        written = time.perf_counter()
+        written = perf_counter()
         prepared = solver.setup(formed)
-        ready = time.perf_counter()
+        ready = perf_counter()
         answer = solve(prepared)
-        end = time.perf_counter()
-    return Call(answer, (written - start, ready - written, end - ready), bool(loads.buffer) or len(sys.modules) != modules)
+        end = perf_counter()
+    return Call(
+        plain(answer), (written - start, ready - written, end - ready), bool(loads.buffer) or len(sys.modules) != modules
+    )
 
 
 def _timed(solver: Solver, problem: FrictionProblem | LCP, solve: Callable[[Any], Answer], timing: Timing) -> Call:

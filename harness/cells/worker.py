@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from harness import process
+from harness.cells.answers import AnswerError
 from harness.cells.collect import Entry, collect, stored, stored_start
 from harness.cells.drive import drive, refusal
 from harness.cells.record import keep
@@ -32,7 +33,7 @@ from problems.nature.mode import mode
 from problems.nature.stability import backward_error
 from problems.recorded import read
 from problems.spec import split
-from results.schema import CRASHED, SKIPPED, TIMEOUT, WRONG
+from results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
 from results.store import Row
 from solvers import Answer, Solver, SolverInfo, Status, find, plugins
 
@@ -49,7 +50,9 @@ class _Worker:
 
 
 _worker: _Worker
-_IMPORTING = 60.0  # seconds a plug-in's import may take
+RANK = (SOLVED, RELAXED, MISSED, UNJUDGEABLE, UNSOLVED, WRONG)  # from the best to the worst
+FAR, NOTICED = 5.0, 1e-3  # a first call that took so many times as long as the repeats, and so many seconds, is remarked on
+IMPORTING = 60.0  # seconds a plug-in's import may take
 
 
 def start(deadline: Deadline, core: int | None, folder: Path, plugin_files: tuple[Plugin, ...], memory_limit: int) -> None:
@@ -61,9 +64,9 @@ def start(deadline: Deadline, core: int | None, folder: Path, plugin_files: tupl
     process.bound_memory(memory_limit)
 
 
-def introduce(path: str, named: list[str]) -> dict[str, Any]:
+def introduce(path: str, named: list[str], limit: float) -> dict[str, Any]:
     """Import a plug-in and tell what harness.plans.plan.Plugin holds, of the solvers it defines and of the variants named."""
-    with _worker.deadline.within(_IMPORTING):
+    with _worker.deadline.within(limit):
         content = plugins.content(Path(path))
         names = plugins.load(Path(path))
     variants = [*names, *(spec for spec in named if split("solver", spec)[0] in names)]
@@ -90,12 +93,15 @@ def run_solve(cell: SolveCell, entry: Entry, limit: float) -> Row:
     given = duplicate(problem)
     process.forget_peak_memory()
     try:
-        answer, timing = _timed(solver, given, cell, limit, entry.get("repeats") or MOST)
+        with process.watch_core() as core:
+            timing = _timed(solver, given, cell, limit, entry.get("repeats") or MOST)
+    except AnswerError as complaint:
+        verdict = WRONG if complaint.claimed else UNSOLVED
+        return _done(begun, row | {"verdict": verdict, "reason": str(complaint), "claimed": complaint.claimed})
     except BaseException as error:  # whatever a solver raises is its row, not our end
         return _done(begun, row | {"verdict": CRASHED, "reason": plugins.told(error)})
     row["peak_memory"] = process.peak_memory()
-    finding = verify(problem, answer, info, cell.tol)
-    row |= _found(problem, answer, finding, timing, limit)
+    row |= _found(problem, timing, info, cell.tol, limit) | _undisturbed(core, timing.spent)
     if not same(problem, given):
         row |= {"verdict": WRONG, "reason": "the solver changed its input"}
     return _done(begun, row | {"overhead": perf_counter() - begun - timing.spent})
@@ -111,17 +117,22 @@ def run_lcp(path: str, variant: str, tol: float, limit: float) -> Row:
         return row | {"verdict": SKIPPED, "reason": reason}
     with suppress(BaseException), _worker.deadline.within(limit):
         solver.solve(solver.prepare(LCP(np.eye(2), np.array([-1.0, 1.0]))), tol, None)
+    given = read(Path(path))  # the solver's own, once more
     try:
         with _worker.deadline.within(limit) as allow:
-            answer, timing = time_solver(
-                solver, lcp.fresh(), lambda prepared: solver.solve(prepared, tol, None), lambda: allow(limit + 1.0)
-            )
+            timing = time_solver(solver, given, lambda prepared: solver.solve(prepared, tol, None), lambda: allow(limit + 1.0))
+    except AnswerError as complaint:
+        return row | {"verdict": WRONG if complaint.claimed else UNSOLVED, "reason": str(complaint)}
     except BaseException as error:
         return row | {"verdict": CRASHED, "reason": plugins.told(error)}
-    finding = verify_lcp(lcp, answer, tol)
+    finding, answer = _worst([(verify_lcp(lcp, answer, tol), answer) for answer in timing.answers])
     row |= {"status": answer.status.name, "work": json.dumps(answer.work, sort_keys=True), "verdict": finding.verdict}
     row |= {"reason": finding.reason, "residual": finding.residual, "model_residual": finding.model_residual}
     return row | _times(timing)
+
+
+def _worst(findings: list[tuple[Finding, Answer]]) -> tuple[Finding, Answer]:
+    return max(findings, key=lambda found: (RANK.index(found[0].verdict), found[0].residual))
 
 
 def run_drive(cell: DriveCell, limit: float) -> Row:
@@ -134,11 +145,11 @@ def run_drive(cell: DriveCell, limit: float) -> Row:
     begun += _warm_up(cell.variant, 2, bool(scene(cell.scene, **cell.parameters).hinges), limit)
     process.forget_peak_memory()
     try:
-        with _worker.deadline.within(limit):
+        with _worker.deadline.within(limit), process.watch_core() as core:
             driven = drive(cell, info, solver)
     except BaseException as error:
         return _done(begun, row | {"verdict": CRASHED, "reason": plugins.told(error)})
-    return _done(begun, row | driven | {"peak_memory": process.peak_memory()})
+    return _done(begun, row | driven | {"peak_memory": process.peak_memory()} | _undisturbed(core, perf_counter() - begun))
 
 
 def run_motion(source: Source, limit: float) -> None:
@@ -154,13 +165,13 @@ def _solver(variant: str) -> tuple[SolverInfo, Solver]:
             path = Path(plugin.path)
             if plugins.content(path) != plugin.content:
                 raise InputError(f"solver: {path} was changed since the run began")
-            with _worker.deadline.within(_IMPORTING):
+            with _worker.deadline.within(IMPORTING):
                 plugins.load(path)
     return find(variant)
 
 
-def _timed(solver: Solver, problem: FrictionProblem, cell: SolveCell, limit: float, repeats: int) -> tuple[Answer, Timing]:
-    """The answer and its times, the first call under the limit; repeats, which are few or short, have a second more."""
+def _timed(solver: Solver, problem: FrictionProblem, cell: SolveCell, limit: float, repeats: int) -> Timing:
+    """The answers and their times, the first call under the limit; repeats, which are few or short, have a second more."""
     start = stored_start(_worker.folder, cell.problem, cell.start)
     with _worker.deadline.within(limit) as allow:
         return time_solver(
@@ -172,7 +183,10 @@ def _timed(solver: Solver, problem: FrictionProblem, cell: SolveCell, limit: flo
         )
 
 
-def _found(problem: FrictionProblem, answer: Answer, finding: Finding, timing: Timing, limit: float) -> Row:
+def _found(problem: FrictionProblem, timing: Timing, info: SolverInfo, tol: float, limit: float) -> Row:
+    """What verification finds of the answers that were timed: of unlike ones the worst counts."""
+    findings = [(verify(problem, answer, info, tol), answer) for answer in timing.answers]
+    finding, answer = _worst(findings)
     free = problem.free_velocity
     energy = float(free @ (problem.mass @ free)) / 2 or 1.0
     row: Row = {
@@ -184,23 +198,32 @@ def _found(problem: FrictionProblem, answer: Answer, finding: Finding, timing: T
         "model_residual": finding.model_residual,
         "residual_floor": finding.floor,
         "fclib_error": finding.fclib_error,
-        **defects(problem, np.asarray(answer.impulse, dtype=float))._asdict(),
-        "backward_error": backward_error(problem, np.asarray(answer.impulse, dtype=float)),
+        **defects(problem, answer.impulse)._asdict(),
+        "backward_error": backward_error(problem, answer.impulse),
         "energy_defect": abs(finding.energy_defect) / energy,
         "mode": _mode(problem, answer),
         "work": json.dumps(answer.work, sort_keys=True),
     }
+    remarks = [finding.reason]
+    if len(findings) > 1:
+        remarks.append(f"{len(findings)} unlike answers to the same problem, of which this is the worst")
     if not timing.solve:
-        return row | {"reason": "; ".join(filter(None, (finding.reason, "every call compiled or loaded something: no times")))}
+        remarks.append("every call compiled or loaded something: no times")
+        return row | {"reason": "; ".join(filter(None, remarks))}
     row |= _times(timing)
-    if row["form_time"] + row["setup_time"] + row["solve_time"] > limit:
+    median = row["form_time"] + row["setup_time"] + row["solve_time"]
+    row["first_time"] = timing.first
+    if timing.first and timing.first > max(FAR * median, NOTICED):
+        remarks.append(f"the first call took {timing.first / median:.0f} times as long as the repeats: does it remember?")
+    row["reason"] = "; ".join(filter(None, remarks))
+    if median > limit:
         row |= {"verdict": TIMEOUT, "reason": "its median time is past the limit"}
     return row
 
 
 def _mode(problem: FrictionProblem, answer: Answer) -> str | None:
     """The type of solution, where it is short enough to be read."""
-    impulse = np.asarray(answer.impulse, dtype=float)
+    impulse = answer.impulse
     readable = problem.dimension == 2 and problem.contacts <= MOST_TOLD and impulse.shape == (problem.contacts, 2)
     return mode(problem, impulse) if readable and np.isfinite(impulse).all() else None
 
@@ -215,6 +238,12 @@ def _times(timing: Timing) -> Row:
 @lru_cache(maxsize=8)
 def _problem(name: str) -> FrictionProblem:
     return stored(_worker.folder, name)
+
+
+def _undisturbed(core: process.Core, spent: float) -> Row:
+    """What a row says of its core; spent: seconds that were timed."""
+    disturbed = _worker.core is None or not core.core_wait <= spent / 50
+    return {**vars(core), "disturbed": disturbed}
 
 
 def _done(begun: float, row: Row) -> Row:

@@ -14,13 +14,14 @@ from harness.cells import worker
 from harness.cells.collect import Met, facts, stored
 from harness.commands.trusted import trusted
 from harness.plans.plan import COLD, Plugin, SolveCell, Source
-from harness.run import row_of_the_dead
+from harness.run import row_of
 from harness.workers.pool import Pool
 from harness.workers.task import Task
 from problems import FrictionProblem, InputError
 from problems.recorded.own import save
 from problems.reduce import keep_contacts
 from results import store
+from results.files import replaced, room
 from results.schema import SKIPPED, SOLVED
 from results.store import ResultsError, Row
 
@@ -31,7 +32,7 @@ def shrink(folder: Path, key: str, files: list[str]) -> tuple[Path, FrictionProb
     files: of solvers, which the user trusts. Errors: ResultsError where there is no such row, InputError where it did not
     fail, or its solver is in none of the files and not ours.
     """
-    row = store.read_rows(folder, "solves").get(key)
+    row = store.find_row(folder, "solves", key)
     if row is None:
         raise ResultsError(f"{folder}: no solve row has the key {key!r}")
     if row["verdict"] in (SOLVED, SKIPPED):
@@ -55,9 +56,9 @@ def shrink(folder: Path, key: str, files: list[str]) -> tuple[Path, FrictionProb
                 raise InputError(f"row: {key} does not fail again from a cold start; it is not shrunk")
             kept = smallest(everything, fails)
     small = keep_contacts(problem, kept)
-    path = folder / "shrunk" / f"{row['solver']}-{row['verdict']}-{small.contacts}-contacts-{small.hash}.npz"
-    path.parent.mkdir(exist_ok=True)
-    save(small, path)
+    path = room(folder, "shrunk") / f"{row['solver']}-{row['verdict']}-{small.contacts}-contacts-{small.hash}.npz"
+    with replaced(path) as file:
+        save(small, file)
     return path, small, trials
 
 
@@ -86,4 +87,4 @@ def _verdict(problem: FrictionProblem, row: Row, trial: int, scratch: Path, pool
         row["variant"], worker.run_solve, (cell, entry, row["time_limit"]), row["time_limit"], row["variant"] if plugins else ""
     )
     (outcome,) = pool.run([task])
-    return (outcome.value or row_of_the_dead(outcome, plugins))["verdict"]
+    return (row_of(outcome, plugins))["verdict"]

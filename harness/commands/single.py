@@ -18,7 +18,7 @@ from harness.commands.trusted import trusted
 from harness.plans.choose import named_source
 from harness.plans.entries import RELAXED as OUTSIDE
 from harness.plans.plan import COLD, DriveCell, Plan, Plugin, SolveCell, Source, origin
-from harness.run import row_of_the_dead
+from harness.run import row_of
 from harness.workers.introduce import introduce
 from harness.workers.pool import Pool
 from harness.workers.task import Outcome, Task
@@ -55,7 +55,7 @@ def solve_one(problem: str, solver_specs: list[str], tol: float, time_limit: flo
             Task(variant, run, call, time_limit, plan.owner(variant)) for variant, call in zip(variants, calls, strict=True)
         ]
         with Pool(folder, jobs, plugins, plan.memory_limit) as pool:
-            rows = [outcome.value or _dead(outcome, plugins) for outcome in pool.run(tasks)]
+            rows = [_row(outcome, plugins) for outcome in pool.run(tasks)]
     rows.sort(key=lambda row: (VERDICTS.index(row["verdict"]), _seconds(row), row["variant"]))
     applied = [row for row in rows if row["verdict"] != SKIPPED or solver_specs]
     _show(f"{problem}: {told}, tolerance {tol:g}", applied)
@@ -82,10 +82,11 @@ def _seconds(row: Row) -> float:
     return sum(filter(None, times)) if times[2] is not None else np.inf
 
 
-def _dead(outcome: Outcome, plugins: tuple[Plugin, ...]) -> Row:
+def _row(outcome: Outcome, plugins: tuple[Plugin, ...]) -> Row:
     if isinstance(outcome.task.arguments[0], SolveCell):
-        return row_of_the_dead(outcome, plugins)
-    return {"variant": outcome.task.name, "verdict": outcome.death, "reason": outcome.reason}
+        return row_of(outcome, plugins)
+    found = outcome.value if isinstance(outcome.value, dict) else {"verdict": outcome.death, "reason": outcome.reason}
+    return found | {"variant": outcome.task.name}
 
 
 def _everyone() -> tuple[str, ...]:
@@ -101,7 +102,7 @@ def rerun_row(folder: Path, key: str, files: list[str]) -> tuple[Row, Row]:
     """
     settings = store.read_manifest(folder)["settings"]
     for table in ("solves", "drives"):
-        row = store.read_rows(folder, table).get(key)
+        row = store.find_row(folder, table, key)
         if row is not None:
             break
     else:
@@ -113,7 +114,7 @@ def rerun_row(folder: Path, key: str, files: list[str]) -> tuple[Row, Row]:
             (Path(name) / "problems").symlink_to((folder / "problems").resolve())
         with Pool(Path(name), 1, plugins, settings["memory_limit"]) as pool:
             (outcome,) = pool.run([task])
-    return row, outcome.value or row_of_the_dead(outcome, plugins)
+    return row, row_of(outcome, plugins)
 
 
 def show_rerun(folder: Path, key: str, files: list[str]) -> None:

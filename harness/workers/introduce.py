@@ -10,7 +10,6 @@ from harness.workers.task import Task
 from problems import InputError
 from solvers import find
 
-IMPORTING = 60.0  # seconds
 MEMORY = 4 * 2**30  # bytes
 
 
@@ -33,7 +32,8 @@ def introduce(specs: list[str]) -> tuple[tuple[str, ...], tuple[Plugin, ...]]:
 
 
 def _asked(files: list[str], named: list[str]) -> list[Plugin]:
-    tasks = [Task(path, worker.introduce, (path, named), IMPORTING, owner=path) for path in files]
+    limit = worker.IMPORTING
+    tasks = [Task(path, worker.introduce, (path, named, limit), limit, owner=path) for path in files]
     found = {}
     with tempfile.TemporaryDirectory() as scratch, Pool(Path(scratch), 1, (), MEMORY) as pool:
         for outcome in pool.run(tasks):

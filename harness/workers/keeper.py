@@ -105,7 +105,8 @@ class _Worker:
 
     def may_run(self, task: Task) -> bool:
         """Whether it is alive, and has run nothing from outside but what the task is about."""
-        return self.owner in ("", task.owner) and self._ended() is None
+        silent = not wait([self._replies], timeout=0)  # what is said now answers nothing
+        return self.owner in ("", task.owner) and silent and self._ended() is None
 
     def run(self, task: Task, channel: Connection) -> tuple[bytes, bool]:
         """The reply to a task, a line, and whether the worker can go on. Errors: EOFError where the main process is gone."""
@@ -128,7 +129,7 @@ class _Worker:
                 said = os.read(self._replies, 2**20)
                 reply += said
                 if reply.endswith(b"\n"):
-                    return bytes(reply), True
+                    return _understood(bytes(reply))
                 if not said:  # closed: it is dying
                     open_ends, look = [channel], 0.01
             if (ended := self._ended()) is not None:
@@ -168,6 +169,15 @@ def work(tasks: Connection, replies: int, deadline: Deadline, core: int | None, 
         signal.pthread_sigmask(signal.SIG_SETMASK, ())
         while reply:
             reply = reply[os.write(replies, reply) :]
+
+
+def _understood(line: bytes) -> tuple[bytes, bool]:
+    """A reply as it is sent on, and whether its worker can go on. Whatever runs there may have said it."""
+    with suppress(ValueError, RecursionError):
+        said = json.loads(line) if line.count(b"\n") == 1 else None
+        if isinstance(said, dict) and said.keys() <= {"value", "death", "reason", "kept"}:
+            return line, True
+    return _reply(death="crashed", reason="the process sent what is no reply"), False
 
 
 def _obituary(code: int) -> bytes:

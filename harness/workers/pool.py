@@ -93,7 +93,8 @@ class _Hand:
         """The outcome of the task; None where it was begun again."""
         assert self.task is not None
         try:
-            said = _reply(self.line.recv_bytes())
+            said: dict[str, Any] = json.loads(self.line.recv_bytes())
+            said.pop("kept", None)  # its keeper's business
         except (EOFError, OSError):
             if self._tries < TRIES:
                 self._begin_again()
@@ -120,16 +121,6 @@ class _Hand:
             while self.line.poll(2 * process.PATIENCE):
                 self.line.recv_bytes()
         self.line.close()
-
-
-def _reply(line: bytes) -> dict[str, Any]:
-    """What a worker said. Whatever runs in it may have said it."""
-    with suppress(ValueError, RecursionError):
-        said = json.loads(line)
-        if isinstance(said, dict) and said.keys() <= {"value", "death", "reason", "again", "kept"}:
-            said.pop("kept", None)  # its keeper's business
-            return said
-    return {"death": "crashed", "reason": "the process sent what is no reply"}
 
 
 class Pool:

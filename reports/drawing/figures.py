@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 
 from reports.drawing.style import INK, RC, Look
 from reports.drawing.text import plain
+from results.files import replaced
 
 PANEL = (3.9, 2.9)  # inches
 IMAGE = 200  # dots an inch of what is drawn as an image
@@ -87,5 +88,6 @@ def save_sheet(
         paths = [stem.with_suffix(f".{kind}") for kind in ("svg", "pdf")]
         for path in paths:
             date = "Date" if path.suffix == ".svg" else "CreationDate"
-            figure.savefig(path, dpi=IMAGE, metadata={date: None})
+            with replaced(path) as file:
+                figure.savefig(file, dpi=IMAGE, metadata={date: None})
     return paths

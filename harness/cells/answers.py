@@ -1,0 +1,73 @@
+"""What a solver hands back, made plain: numbers of our own that nobody else holds, or what is wrong with them, by name."""
+
+import operator
+from typing import Any
+
+import numpy as np
+
+from problems.check import Array
+from solvers import Answer, Status
+
+LONGEST = 500  # characters of a solver's own words
+
+
+class AnswerError(ValueError):
+    """What came back is no Answer as solvers.interface describes it; the message names the field. claimed: it says SOLVED."""
+
+    def __init__(self, complaint: str, claimed: bool) -> None:
+        super().__init__(complaint)
+        self.claimed = claimed
+
+
+def plain(given: Any) -> Answer:
+    """A copy of an answer. Errors: AnswerError."""
+    if not isinstance(given, Answer):
+        raise AnswerError(f"the solver returned {_kind(given)}, not an Answer", claimed=True)
+    if not isinstance(given.status, Status):
+        raise AnswerError(f"status is {_kind(given.status)}, not a Status", claimed=True)
+    claimed = given.status is Status.SOLVED
+    return Answer(
+        impulse=_numbers("impulse", given.impulse, claimed),
+        status=given.status,
+        work=_counts(given.work, claimed),
+        z=None if given.z is None else _numbers("z", given.z, claimed),
+        detail=str(given.detail)[:LONGEST],
+    )
+
+
+def alike(one: Answer, other: Answer) -> bool:
+    """Whether two plain answers are the same to the last bit, their work included."""
+    return _bits(one) == _bits(other)
+
+
+def _bits(answer: Answer) -> tuple[Any, ...]:
+    z = None if answer.z is None else answer.z.tobytes()
+    return answer.status, answer.impulse.shape, answer.impulse.tobytes(), z, answer.work
+
+
+def _numbers(field: str, value: Any, claimed: bool) -> Array:
+    if isinstance(value, np.ma.MaskedArray):
+        raise AnswerError(f"{field} is a masked array", claimed)
+    try:
+        array = np.array(value)
+    except Exception as error:
+        raise AnswerError(f"{field} is {_kind(value)}, not an array ({type(error).__name__})", claimed) from None
+    if array.dtype.kind not in "fiu":
+        raise AnswerError(f"{field} is an array of {array.dtype}, not of real numbers", claimed)
+    return array.astype(np.float64)
+
+
+def _counts(work: Any, claimed: bool) -> dict[str, int]:
+    if not isinstance(work, dict):
+        raise AnswerError(f"work is {_kind(work)}, not a dict", claimed)
+    counts = {}
+    for name, count in work.items():
+        try:
+            counts[str(name)[:LONGEST]] = operator.index(count)
+        except TypeError:
+            raise AnswerError(f"work[{name!r}] is {_kind(count)}, not a whole number", claimed) from None
+    return counts
+
+
+def _kind(value: Any) -> str:
+    return "None" if value is None else f"of type {type(value).__name__}"
