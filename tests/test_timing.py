@@ -87,7 +87,7 @@ def test_a_solver_that_loads_in_every_call_has_no_times(clock):
 
 
 def test_a_drive_counts_no_call_that_loads_anything(clock):
-    info = SolverInfo("late", "", "coulomb", (2,), False, False, (), Late)
+    info = SolverInfo("late", "", "coulomb", (2,), False, False, (), (), (), (), Late)
     cell = DriveCell("stopping_block", {}, "late", 1e-8, steps=3)
     found = drive.drive(cell, info, Late(clock, loads=2))
     assert found["solver_time"] == 7.0 * found["problems"]
