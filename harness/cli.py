@@ -181,6 +181,33 @@ def show(
         typer.echo(f"it ends after {len(motion.times) - 1} steps: {motion.ended}", err=True)
 
 
+@app.command("map")
+def map_(
+    scene: Annotated[str, typer.Argument(metavar="SCENE", help="Like `painleve_rod` or `stack[push=1]`.")],
+    x: Annotated[str, typer.Option("--x", metavar="PARAMETER=FROM:TO:N", help="Like `friction=.1:3:30`.")],
+    y: Annotated[str, typer.Option("--y", metavar="PARAMETER=FROM:TO:N", help="Like `mass_ratio=log:1e-6:1e6:13`.")],
+    solver: Solvers = None,
+    tol: Annotated[str, typer.Option("--tol", metavar="T", help="Residual to ask for.")] = "1e-6",
+    time_limit: Annotated[float, typer.Option("--time-limit", metavar="S")] = 1.0,
+    scheme: Annotated[str, typer.Option("--scheme", metavar="SCHEME", help="Whose problems.")] = "anitescu_potra",
+    steps: Annotated[int, typer.Option("--steps", min=0, help="Steps in closed loop; 0 for the first problem alone.")] = 0,
+    jobs: Jobs = None,
+    out: Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Results folder; goes on where it stopped.")] = None,
+) -> None:
+    """Draw a failure map: a scene over a grid of two of its parameters, with every solver, refined where verdicts differ."""
+    from harness.commands.map import folder_of, plan_map
+    from harness.maps import run_maps
+    from harness.progress import Progress
+    from harness.workers.introduce import introduce
+    from reports.page import write_report
+
+    variants, plugins = introduce(solver or [])
+    plan = plan_map(scene, x, y, variants, plugins, tol, time_limit, scheme, steps)
+    folder = out or folder_of(plan)
+    run_maps(plan, folder, _jobs(jobs), Progress())
+    typer.echo(f"report: {write_report(folder)}")
+
+
 @app.command()
 def rerun(
     folder: Annotated[Path, typer.Argument(metavar="DIR")],

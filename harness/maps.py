@@ -12,6 +12,7 @@ from harness.plans import maps
 from harness.plans.plan import Plan
 from harness.progress import Progress
 from harness.run import run
+from harness.trace import trace
 from results import store
 from results.maps import Map, Place
 
@@ -23,6 +24,8 @@ def run_maps(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: s
         if level:
             _refine(plan.maps, known, level, folder)
         run(_with_places(plan, known), folder, jobs, progress, cluster)
+    for spec in plan.maps:
+        trace(spec, folder)
 
 
 def _refine(specs: tuple[Map, ...], known: list[dict[Place, None]], level: int, folder: Path) -> None:

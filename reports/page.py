@@ -13,12 +13,12 @@ from typing import Any
 import pandas as pd
 from markupsafe import Markup
 
-from reports import choice, tables
+from reports import choice, maps, tables
 from reports.accuracy import ALL, TARGETS
 from reports.animation import write_animations
 from reports.charts import CHARTS
 from reports.charts.chart import Chart
-from reports.drawing.figures import Panel, inline_svg, save_sheet, swatch
+from reports.drawing.figures import Panel, inline_svg, save_each, save_sheet, swatch
 from reports.drawing.text import power, scene_title, seconds
 from reports.run import Run, read_run
 from reports.templates import as_json, environment, script
@@ -43,6 +43,7 @@ def write_report(folder: Path) -> Path:
 
 def _contents(folder: Path, run: Run) -> dict[str, Any]:
     claims = tables.wrong_claims(run)
+    mapped = maps.map_cells(run)
     animations = write_animations(folder)
     text, digest = script("page.js")
     scene_of = dict(zip(run.rows["problem_class"], run.rows["scene"], strict=True))
@@ -65,6 +66,11 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
         "outcomes": tables.OUTCOMES,
         "verdicts": VERDICTS,
         "reasons": tables.reasons(run),
+        "robustness": maps.robustness(mapped),
+        "map_failures": maps.failures(mapped),
+        "unsteady": {cells.spec.name: maps.changes(cells) for cells in mapped if cells.spec.constant},
+        "costs": maps.costs(run),
+        "shrink": lambda key: f"frictionbench shrink {shlex.quote(str(folder))} {shlex.quote(key)}",
         "charts": _charts(folder, run),
         "svg": lambda panel: Markup(inline_svg(panel)),
         "json": as_json,
@@ -148,6 +154,9 @@ def _charts(folder: Path, run: Run) -> dict[str, list[tuple[Chart, Sequence[Pane
     for chart in CHARTS:
         if panels := chart.panels(run)[chart.on_page]:
             room(folder, "figures")
-            save_sheet(panels, run.looks, folder / "figures" / chart.name)
+            if chart.wide:
+                save_each(panels, folder / "figures" / chart.name)
+            else:
+                save_sheet(panels, run.looks, folder / "figures" / chart.name)
             found.setdefault(chart.section, []).append((chart, panels))
     return found

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from reports import tables
 from reports.charts import CHARTS
-from reports.drawing.figures import save_sheet
+from reports.drawing.figures import save_each, save_sheet
 from reports.drawing.text import power, seconds
 from reports.run import Run, read_run
 from results.files import room, write_text
@@ -32,6 +32,9 @@ def write_paper(folder: Path) -> Path:
     paper = room(folder, "paper")
     for chart in CHARTS:
         if panels := chart.panels(run)[chart.in_paper]:
+            if chart.wide:
+                save_each(panels, paper / chart.name)
+                continue
             width = (COLUMN if chart.columns == 1 else PAGE) / chart.columns
             save_sheet(panels, run.looks, paper / chart.name, chart.columns, size=(width, 0.75 * width), font=FONT)
     for name, table in (("solvability", _solvability), ("times", _times), ("classes", _classes)):

@@ -12,7 +12,8 @@ To the solves table come the columns
 Trivial problems never enter a headline: `Run.contested` leaves them out.
 """
 
-from dataclasses import dataclass
+import json
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ import pandas as pd
 
 from reports.accuracy import TARGETS, summary, times_to
 from reports.drawing.style import Look, looks
+from results.maps import Place, maps_of, read_thresholds
 from results.schema import CRASHED, SKIPPED, TIMEOUT
 from results.store import read_manifest, read_table
 
@@ -39,6 +41,8 @@ class Run:
     manifest: dict[str, Any]
     rows: pd.DataFrame  # solves
     drives: pd.DataFrame
+    mapped_drives: pd.DataFrame = field(default_factory=pd.DataFrame)  # those of maps in closed loop
+    thresholds: dict[str, dict[str, list[Place]]] = field(default_factory=dict)  # of each map, by name
 
     @cached_property
     def contested(self) -> pd.DataFrame:
@@ -71,7 +75,17 @@ class Run:
 def read_run(folder: Path) -> Run:
     """The run in a results folder. Errors: results.store.ResultsError where it is none or a table cannot be read."""
     manifest = read_manifest(folder)
-    return Run(manifest, annotate(read_table(folder, "solves")), annotate_drives(read_table(folder, "drives")))
+    specs = maps_of(manifest)
+    loops = {
+        (spec.scene, spec.scheme, json.dumps(spec.at(place), sort_keys=True))
+        for spec in specs
+        for place in (spec.places() if spec.steps else ())
+    }
+    drives = annotate_drives(read_table(folder, "drives"))
+    where = zip(drives["scene"], drives["scheme"], drives["parameters"], strict=True)
+    mapped = np.array([told in loops for told in where], dtype=bool)
+    thresholds = {spec.name: read_thresholds(folder, spec) for spec in specs}
+    return Run(manifest, annotate(read_table(folder, "solves")), drives[~mapped], drives[mapped], thresholds)
 
 
 def annotate(solves: pd.DataFrame) -> pd.DataFrame:
@@ -94,11 +108,13 @@ def annotate(solves: pd.DataFrame) -> pd.DataFrame:
 
 
 def annotate_drives(drives: pd.DataFrame) -> pd.DataFrame:
-    """A copy of the drives table with the column entry."""
+    """A copy of the drives table with the column entry: another way to go on from a failed step makes it another entry."""
     rows = drives.reset_index(drop=True)
-    texts = ["scene", "parameters", "variant", "verdict", "reason", "scheme"]
+    texts = ["scene", "parameters", "variant", "verdict", "reason", "scheme", "after_failure", "key"]
     rows[texts] = rows[texts].fillna("")
-    return rows.assign(entry=rows["variant"] + _mark(rows))
+    told = rows["variant"] + _mark(rows)
+    usual = rows["after_failure"].isin(["", "answer"])
+    return rows.assign(entry=told.where(usual, told + ", else " + rows["after_failure"]))
 
 
 def _mark(rows: pd.DataFrame) -> pd.Series:

@@ -5,9 +5,11 @@ parameter grows by a term, along a logarithmic one by a factor; `zero` puts 0 be
 about 0: -high ... -low, 0, low ... high. Next to 0 these two are linear.
 """
 
+import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import product
+from pathlib import Path
 from typing import Any, Literal
 
 from results.store import ResultsError
@@ -95,3 +97,20 @@ def maps_of(manifest: Mapping[str, Any]) -> list[Map]:
         ]
     except (KeyError, TypeError) as error:
         raise ResultsError(f"manifest.json: maps: cannot be read ({error})") from None
+
+
+def thresholds_file(folder: Path, spec: Map) -> Path:
+    """Where a run keeps the places at which theory changes its mind, by the threshold's name."""
+    return folder / "maps" / f"{spec.name}.json"
+
+
+def read_thresholds(folder: Path, spec: Map) -> dict[str, list[Place]]:
+    """These places; none where they were not traced. Errors: ResultsError where the file cannot be read."""
+    path = thresholds_file(folder, spec)
+    if not path.exists():
+        return {}
+    try:
+        told = json.loads(path.read_text(encoding="utf-8"))
+        return {str(name): [(float(i), float(j)) for i, j in places] for name, places in told.items()}
+    except (OSError, ValueError, TypeError, AttributeError) as error:
+        raise ResultsError(f"{path}: cannot be read ({error})") from None

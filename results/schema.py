@@ -134,6 +134,7 @@ DRIVES = (
     Column("energy_drift", _real, "1", "energy at the end less energy at the start, over the energy scale"),
     Column("energy_rise", _real, "1", "largest rise of energy in one step, over the energy scale"),
     Column("worst_penetration", _real, "m", "deepest overlap of two bodies"),
+    Column("loose_steps", _whole, "", "steps without any contact"),
     Column("solver_time", _real, "s", "form, setup and solve, summed over all problems"),
     Column("times", _reals, "s", "time of each step's end"),
     Column("energies", _reals, "J", "kinetic and potential energy at these times"),

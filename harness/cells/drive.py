@@ -106,12 +106,13 @@ def drive(cell: DriveCell, info: SolverInfo, solver: Solver) -> dict[str, Any]:
     stage = scene(cell.scene, **cell.parameters)
     planned = stage.steps if cell.steps is None else cell.steps
     driver = _Driver(info, solver, cell)
-    times, energies, kinetic, penetrations = [], [], [], []
+    times, energies, kinetic, penetrations, loose = [], [], [], [], 0
     broken_off = ""
     try:
         for step in simulate(stage, driver, _going_on(SCHEMES[cell.scheme]), planned):
             begun = perf_counter()
             times.append(step.time)
+            loose += not len(step.contacts)
             energies.append(stage.energy(step.q, step.v))
             kinetic.append(float(step.v @ (stage.mass @ step.v)) / 2)
             penetrations.append(penetration(stage, step.q))
@@ -142,6 +143,7 @@ def drive(cell: DriveCell, info: SolverInfo, solver: Solver) -> dict[str, Any]:
         "energy_drift": (energies[-1] - energies[0]) / scale,
         "energy_rise": max(0.0, float(np.max(np.diff(energies), initial=0.0))) / scale,
         "worst_penetration": max(penetrations),
+        "loose_steps": loose,
         "solver_time": driver.solver_time if np.isfinite(driver.solver_time) else None,  # a call that never ran unloaded
         "overhead": driver.overhead,
         "times": times,

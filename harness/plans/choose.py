@@ -36,7 +36,7 @@ def choose(
     if variants:
         plan = replace(plan, solvers=variants, drive_solvers=variants, plugins=plugins)
     if tol is not None:
-        plan = replace(plan, tolerances=_tolerances(tol))
+        plan = replace(plan, tolerances=tolerances(tol))
     if time_limit is not None:
         plan = replace(plan, time_limit=time_limit)
     for variant in {*plan.solvers, *plan.drive_solvers}:
@@ -69,7 +69,7 @@ def named_source(spec: str) -> Source:
     return Source(name, settings)
 
 
-def _tolerances(text: str) -> tuple[float, ...]:
+def tolerances(text: str) -> tuple[float, ...]:
     try:
         return tuple(dict.fromkeys(float(part) for part in text.split(",")))
     except ValueError:

@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple
 from reports.drawing.figures import Panel
 from reports.run import Run
 
-Section = Literal["solvability", "chart", "time", "energy"]  # of the page, by the id of its heading
+Section = Literal["solvability", "maps", "chart", "time", "energy"]  # of the page, by the id of its heading
 
 
 class Chart(NamedTuple):
@@ -20,3 +20,5 @@ class Chart(NamedTuple):
     columns: int = 1  # of panels in the paper: one fills a column of text, several the width of the page
     on_page: slice = slice(None)  # which of the panels the page shows
     in_paper: slice = slice(None)  # which the paper shows
+    wide: bool = False  # each panel takes the page's width, and a file of its own
+    folded: bool = False  # shown on demand

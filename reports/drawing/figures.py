@@ -26,17 +26,28 @@ class Panel:
     title: str
     draw: Callable[[Axes], object]
     dots: Mapping[str, Sequence[str]] = field(default_factory=dict)  # what the dots of each tag are, in the order drawn
+    size: tuple[float, float] = PANEL
+    name: str = ""  # of a file of its own
 
 
-def inline_svg(panel: Panel, size: tuple[float, float] = PANEL) -> str:
+def inline_svg(panel: Panel) -> str:
     """The panel, without its title, as an SVG element whose ink is the page's own.
 
     The ids of groups are dropped, for a page holds many such elements; those of entries stay as data-entry, or data-dots.
     """
     with mpl.rc_context(RC):
-        figure = Figure(figsize=size, layout="constrained")
+        figure = Figure(figsize=panel.size, layout="constrained")
         panel.draw(figure.subplots())
         return _element(figure)
+
+
+def hover(text: str) -> str:
+    """The link of an artist that shows text to who points at it, on the page."""
+    return f"hover:{text}"
+
+
+def _with_titles(svg: str) -> str:
+    return re.sub(r'<a xlink:href="hover:([^"]*)"[^>]*>(.*?)</a>', r"<g><title>\1</title>\2</g>", svg, flags=re.DOTALL)
 
 
 def swatch(look: Look) -> str:
@@ -52,7 +63,7 @@ def swatch(look: Look) -> str:
 def _element(figure: Figure) -> str:
     text = io.StringIO()
     figure.savefig(text, format="svg", dpi=IMAGE, metadata={"Date": None})
-    svg = text.getvalue()
+    svg = _with_titles(text.getvalue())
     svg = re.sub(r"\s*<metadata>.*?</metadata>", "", svg[svg.index("<svg") :], flags=re.DOTALL)
     svg = re.sub(r'<g id="dots-(entry-[0-9a-f]+)"', r'<g data-dots="\1"', svg)
     svg = re.sub(r'<g id="(entry-[0-9a-f]+)"', r'<g data-entry="\1"', svg)
@@ -90,4 +101,12 @@ def save_sheet(
             date = "Date" if path.suffix == ".svg" else "CreationDate"
             with replaced(path) as file:
                 figure.savefig(file, dpi=IMAGE, metadata={date: None})
+                if path.suffix == ".svg":
+                    file.write_text(_with_titles(file.read_text(encoding="utf-8")), encoding="utf-8")
     return paths
+
+
+def save_each(panels: Sequence[Panel], stem: Path) -> None:
+    """Save each panel in a file of its own, STEM_NAME.svg and STEM_NAME.pdf."""
+    for panel in panels:
+        save_sheet([panel], {}, stem.with_name(f"{stem.name}_{panel.name}"), size=panel.size)

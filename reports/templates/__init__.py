@@ -36,6 +36,7 @@ def environment() -> Environment:
         "power": power,
         "share": lambda value: "–" if _absent(value) else f"{math.floor(100 * value + 1e-9)} %",
         "percent": lambda value: "–" if _absent(value) else f"{100 * value:.2g} %",
+        "permille": lambda value: "–" if _absent(value) else f"{math.floor(1000 * value + 1e-9) / 10:g} %",
         "whole": lambda value: "–" if _absent(value) else f"{value:.0f}",
         "breakable": lambda name: Markup("_<wbr>").join(str(name).split("_")),
         "flat": lambda value: list(_flat(value)),

@@ -1,0 +1,67 @@
+"""A user's own failure map, as the command line writes it."""
+
+from pathlib import Path
+
+from harness.plans.choose import tolerances
+from harness.plans.maps import axis, checked
+from harness.plans.plan import USUAL, Plan, Plugin
+from harness.plans.spec import parse
+from harness.plans.suites import MAPPED
+from problems import InputError, scene
+from problems.schemes import SCHEMES
+from results.maps import Map
+from solvers import find
+
+SOLVERS = (*MAPPED, "relaxation_ip")
+
+
+def plan_map(
+    scene_spec: str,
+    x: str,
+    y: str,
+    variants: tuple[str, ...] = (),
+    plugins: tuple[Plugin, ...] = (),
+    tol: str = "1e-6",
+    time_limit: float = 1.0,
+    scheme: str = USUAL,
+    steps: int = 0,
+) -> Plan:
+    """The plan of one map; steps > 0 makes it one in closed loop. Errors: InputError naming the field."""
+    name, settings = parse("scene", scene_spec)
+    scene(name, **settings)
+    if scheme not in SCHEMES:
+        raise InputError(f"scheme: unknown scheme {scheme!r}; known are {', '.join(SCHEMES)}")
+    across, upwards = axis("x", x, name), axis("y", y, name)
+    if across.parameter == upwards.parameter:
+        raise InputError(f"y: {upwards.parameter} is on the other axis already")
+    spec = Map(
+        name=f"{name}_{across.parameter}_{upwards.parameter}",
+        scene=name,
+        x=across,
+        y=upwards,
+        parameters=settings,
+        scheme=scheme,
+        steps=steps,
+        most=across.count * upwards.count,
+        thresholds=() if steps else ("p", "P0", "pointed", "gaps"),
+        title=scene_spec,
+    )
+    for variant in variants:
+        find(variant)
+    ladder = tolerances(tol)
+    return Plan(
+        suite="map",
+        sources=(),
+        solvers=variants or SOLVERS,
+        tolerances=ladder,
+        drive_solvers=variants or SOLVERS,
+        drive_tol=min(ladder),
+        maps=(checked(spec),),
+        time_limit=time_limit,
+        plugins=plugins,
+    )
+
+
+def folder_of(plan: Plan) -> Path:
+    """Where its results go by default."""
+    return Path("runs") / f"map-{plan.maps[0].name}"
