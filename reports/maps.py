@@ -1,7 +1,7 @@
 """The maps of a run as tables: every cell at its place, and how robust each solver is over each map.
 
 A solution is known to exist at a place where theory or the counting of all solutions says so (the column `existence`), or where
-any solver's verified answer is one.
+any solver's verified answer is one; but not where counting finds none, whatever passes for one within the tolerance.
 """
 
 import json
@@ -58,8 +58,10 @@ def _placed(run: Run, spec: Map) -> pd.DataFrame:
     places = pd.DataFrame([where[told] for told in rows["parameters"]], columns=["i", "j", "tile"], index=rows.index)
     rows = rows.join(places)
     solved = (rows["verdict"] == SOLVED).groupby([rows["i"], rows["j"]]).transform("any")
-    theory = rows["existence"].isin(["gaps", "pointed", "counted"]) if "existence" in rows else solved
-    return rows.assign(known=solved | theory)
+    if spec.steps:
+        return rows.assign(known=solved)
+    theory = rows["existence"].isin(["gaps", "pointed", "counted"])
+    return rows.assign(known=theory | (solved & (rows["existence"] != "none")))
 
 
 def robustness(maps: list[Cells]) -> pd.DataFrame:
@@ -103,6 +105,6 @@ def costs(run: Run) -> pd.DataFrame:
 
 
 def changes(cells: Cells) -> list[str]:
-    """Of a map over which nothing may change: the entries whose verdict does."""
-    kinds = cells.rows.groupby("entry", sort=False)["verdict"].nunique()
+    """Of a map over which nothing may change: the entries whose verdict or work does."""
+    kinds = cells.rows.groupby("entry", sort=False)[["verdict", "work"]].nunique().max(axis=1)
     return list(kinds.index[kinds > 1])

@@ -6,6 +6,7 @@ about 0: -high ... -low, 0, low ... high. Next to 0 these two are linear.
 """
 
 import json
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import product
@@ -16,7 +17,7 @@ from results.store import ResultsError
 
 Scale = Literal["linear", "log", "zero", "both"]
 Place = tuple[float, float]
-DIGITS = 6  # of a parameter's value: the same on every machine, and short in a table
+DIGITS = 6  # of a parameter's value, but for powers of two: the same on every machine, and short in a table
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,10 @@ class Axis:
 
     def value(self, place: float) -> float:
         """The parameter at a place; an int where the axis is whole."""
-        value = float(f"{self._value(place):.{DIGITS}g}")
+        exact = self._value(place)
+        power = round(math.log2(abs(exact))) if exact else 0
+        in_binary = math.isclose(abs(exact), 2.0**power, rel_tol=1e-12)  # units of which change no digit of a problem
+        value = math.copysign(2.0**power, exact) if in_binary else float(f"{exact:.{DIGITS}g}")
         return round(value) if self.whole else value
 
     def _value(self, place: float) -> float:

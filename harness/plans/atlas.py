@@ -201,12 +201,13 @@ UNITS = tuple(
     Map(
         name=f"units_{name}",
         scene=name,
-        x=Axis("mass_unit", 1e-12, 1e12, 5, "log"),
-        y=Axis("length_unit", 1e-12, 1e12, 5, "log"),
+        x=Axis("mass_unit", 2.0**-40, 2.0**40, 5, "log"),
+        y=Axis("length_unit", 2.0**-40, 2.0**40, 5, "log"),
         parameters=parameters,
         constant=True,
         title=f"Units of mass and length: {title}",
-        note="The same problem in other numbers: nothing may change.",
+        note="The same problem in other numbers, powers of two from 1e-12 to 1e12, so that not even round-off differs: nothing "
+        "may change.",
     )
     for name, title, parameters in (
         ("stack", "five boxes", {"blocks": 5, "push": 1.0}),

@@ -81,7 +81,7 @@ def _panel(run: Run, cells: Cells, fields: Sequence[Field], legend: dict[str, st
     spec = cells.spec
     height = CELL[1] * -(-len(fields) // ACROSS) + 0.6
     draw = partial(_draw, cells=cells, fields=fields, traced=run.thresholds.get(spec.name, {}), legend=legend)
-    return Panel(f"{spec.title or spec.name}. {spec.note}", draw, (ACROSS * CELL[0], height), spec.name)
+    return Panel(f"{spec.title or spec.name}. {spec.note}", draw, size=(ACROSS * CELL[0], height), name=spec.name)
 
 
 def _draw(
