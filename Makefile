@@ -1,14 +1,17 @@
 # make bench   install, run the standard suite, write its results and report, and say where the report is
 # make test    install, check the style and the types, run the tests
 # make timing  install, time the kernels with pytest-benchmark
+# make peers   the outside solvers into an environment of their own, as far as they can be had; run the peers suite, report
 # make regress install, run the smoke suite and compare it with the committed baseline
 
 PYTHON ?= python3
 BIN := .venv/bin
 REVISION := $(shell git describe --always --dirty --abbrev=12 2>/dev/null || echo unversioned)
+PEERS := .venv-peers
+PEERS_RUN ?= runs/peers-$(REVISION)
 RUN ?= runs/standard-$(REVISION)
 
-.PHONY: bench test timing regress install clean
+.PHONY: bench test timing peers regress install clean
 install: .venv/installed
 
 .venv/installed: pyproject.toml constraints.txt
@@ -30,9 +33,22 @@ test: install
 timing: install
 	$(BIN)/python -m pytest tests/benchmarks --benchmark-only --override-ini addopts= --import-mode=importlib
 
+$(PEERS)/installed: pyproject.toml constraints.txt
+	$(PYTHON) -m venv $(PEERS)
+	$(PEERS)/bin/pip install --quiet --constraint constraints.txt --editable .
+	for peer in $$($(PEERS)/bin/python -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["peers"])'); do \
+		$(PEERS)/bin/pip install --quiet $$peer || echo "$$peer cannot be had here; its solvers are skipped"; \
+	done
+	touch $@
+
+peers: $(PEERS)/installed
+	@/usr/bin/python3 -c 'import siconos.numerics' 2>/dev/null || echo 'Siconos is missing: apt-get install python3-siconos (Debian); its solvers are skipped'
+	$(PEERS)/bin/frictionbench run peers --out $(PEERS_RUN)
+	$(PEERS)/bin/frictionbench report $(PEERS_RUN) --markdown
+
 regress: install
 	$(BIN)/frictionbench run smoke --out runs/smoke-$(REVISION)
 	$(BIN)/frictionbench compare results/baselines/smoke runs/smoke-$(REVISION)
 
 clean:
-	rm -rf .venv build *.egg-info
+	rm -rf .venv $(PEERS) build *.egg-info

@@ -99,6 +99,7 @@ def run(
 def report(
     folder: Annotated[Path, typer.Argument(metavar="DIR")],
     paper: Annotated[bool, typer.Option("--paper", help="Also write vector figures and LaTeX tables for a paper.")] = False,
+    markdown: Annotated[bool, typer.Option("--markdown", help="Also write the run's figures as Markdown.")] = False,
 ) -> None:
     """Make the HTML report of a results folder."""
     from reports.page import write_report
@@ -108,6 +109,10 @@ def report(
         from reports.paper import write_paper
 
         typer.echo(f"paper:  {write_paper(folder)}")
+    if markdown:
+        from reports.markdown import write_markdown
+
+        typer.echo(f"figures: {write_markdown(folder)}")
 
 
 @app.command()

@@ -22,6 +22,7 @@ from problems import InputError
 from results import store
 from results.schema import CRASHED, TABLES, VERDICTS
 from results.store import ResultsError, Row, ShardWriter
+from solvers import find
 
 COLLECTING = 600.0  # seconds for one source's problems
 
@@ -52,9 +53,12 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
 def _run(
     cells: list[Cell], entries: dict[str, Entry], plan: Plan, folder: Path, engine: Pool | Cluster, progress: Progress
 ) -> None:
-    """Run the cells that have no row yet. Those of plug-ins come last: a worker that has run one runs nothing else."""
+    """Run the cells that have no row yet.
+
+    Those of plug-ins come last: a worker that has run one runs nothing else. A library's come together, to load it once.
+    """
     done = store.kept(folder, "solves") | store.kept(folder, "drives")
-    left = sorted((cell for cell in cells if cell.key not in done), key=lambda cell: plan.owner(cell.variant))
+    left = sorted((cell for cell in cells if cell.key not in done), key=lambda cell: _place(plan, cell))
     with (
         ShardWriter(folder, "solves", f"{os.getpid()}") as solved,
         ShardWriter(folder, "drives", f"{os.getpid()}") as driven,
@@ -135,6 +139,14 @@ def _record(plan: Plan, pool: Pool, progress: Progress) -> None:
     with progress.stage("motions", len(tasks), 0) as stage:
         for outcome in pool.run(tasks, stage.started):
             stage.finished(outcome.task)
+
+
+def _place(plan: Plan, cell: Cell) -> tuple[str, str]:
+    """The plug-in and the outside library that a cell runs, each empty where it runs none."""
+    if owner := plan.owner(cell.variant):
+        return owner, ""
+    info, _ = find(cell.variant)
+    return "", info.name if info.needs else ""
 
 
 def _task(cell: Cell, entries: dict[str, Entry], plan: Plan) -> Task:

@@ -113,6 +113,7 @@ SOLVES = (
     Column("form_time", _real, "s", "median of form_times: the problem written as what the method takes"),
     Column("setup_time", _real, "s", "median of setup_times: the method's or library's own preparation"),
     Column("solve_time", _real, "s", "median of solve_times"),
+    Column("clock_time", _real, "s", "median of the library's own clock of its solve, where it keeps one"),
     Column("form_times", _reals, "s", "every repeat, in order"),
     Column("setup_times", _reals, "s", "every repeat, in order"),
     Column("solve_times", _reals, "s", "every repeat, in order"),

@@ -35,6 +35,7 @@ class Call(NamedTuple):
 class Timing:
     """Raw times of the kept repeats, in order; of the first call, unless it loaded something; and of all calls: in seconds.
 
+    clock: the library's own of the kept repeats, where it has one.
     answers: of the first call and of those that were kept, each that is unlike the others.
     """
 
@@ -42,6 +43,7 @@ class Timing:
     setup: list[float] = field(default_factory=list)
     solve: list[float] = field(default_factory=list)
     first: float | None = None
+    clock: list[float] = field(default_factory=list)
     spent: float = 0.0
     answers: list[Answer] = field(default_factory=list)
 
@@ -54,6 +56,8 @@ class Timing:
         if not call.loaded:
             for samples, seconds in zip((self.form, self.setup, self.solve), call.times, strict=True):
                 samples.append(seconds)
+            if isinstance(call.answer.clock, float):
+                self.clock.append(call.answer.clock)
 
 
 def time_solver(

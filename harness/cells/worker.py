@@ -53,6 +53,7 @@ _worker: _Worker
 RANK = (SOLVED, RELAXED, MISSED, UNJUDGEABLE, UNSOLVED, WRONG)  # from the best to the worst
 FAR, NOTICED = 5.0, 1e-3  # a first call that took so many times as long as the repeats, and so many seconds, is remarked on
 IMPORTING = 60.0  # seconds a plug-in's import may take
+LOADING = 30.0  # seconds in which an outside library may be loaded and solve a single contact, whatever the limit
 
 
 def start(deadline: Deadline, core: int | None, folder: Path, plugin_files: tuple[Plugin, ...], memory_limit: int) -> None:
@@ -232,7 +233,7 @@ def _times(timing: Timing) -> Row:
     row: Row = {}
     for step, times in (("form", timing.form), ("setup", timing.setup), ("solve", timing.solve)):
         row |= {f"{step}_time": float(np.median(times)), f"{step}_times": times} if times else {}
-    return row
+    return row | ({"clock_time": float(np.median(timing.clock))} if timing.clock else {})
 
 
 @lru_cache(maxsize=8)
@@ -259,7 +260,7 @@ def _warm_up(variant: str, dimension: int, jointed: bool, limit: float) -> float
         return 0.0
     begun = perf_counter()
     _worker.warm.add((variant, dimension, jointed))
-    _, solver = find(variant)
+    info, solver = find(variant)
     free = np.zeros(dimension + 1)
     free[:2] = -1.0, 1.0
     rows = np.eye(dimension + 1)
@@ -273,7 +274,7 @@ def _warm_up(variant: str, dimension: int, jointed: bool, limit: float) -> float
         joints=rows[dimension:] if jointed else rows[:0],
         dimension=dimension,
     )
-    with suppress(BaseException), _worker.deadline.within(limit):
+    with suppress(BaseException), _worker.deadline.within(max(limit, LOADING) if info.needs else limit):
         solver.solve(solver.prepare(problem), 1e-6, None)
     gc.collect()
     gc.freeze()  # what is loaded now stays; collections between cells need not look at it

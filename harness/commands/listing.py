@@ -4,11 +4,12 @@ from typing import Any
 
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from harness.plans.suites import SUITES
 from problems import scenes
 from problems.instances import instances
-from solvers import available
+from solvers import available, find
 
 
 def show(what: str) -> None:
@@ -34,10 +35,12 @@ def _scenes() -> Table:
 
 
 def _solvers() -> Table:
-    table = _table("solver", "family", "model", "dimension", "")
-    for name, info in sorted(available().items()):
-        remark = f"not available: {info.missing}" if info.missing else info.summary
-        table.add_row(name, info.family, info.model, ", ".join(map(str, info.dimension)), remark)
+    table = _table("solver", "family", "model", "dimension", "version", "")
+    for _, info in sorted(available().items()):
+        for spec in info.specs:
+            fact, _ = find(spec)
+            version = f"not available: {fact.missing}" if fact.missing else fact.version
+            table.add_row(Text(spec), fact.family, fact.model, ", ".join(map(str, fact.dimension)), version, info.summary)
     return table
 
 

@@ -16,7 +16,6 @@ from harness.cells.collect import Entry, Met, collect, facts
 from harness.cells.rows import PROBLEM_FACTS
 from harness.commands.trusted import trusted
 from harness.plans.choose import named_source
-from harness.plans.entries import RELAXED as OUTSIDE
 from harness.plans.plan import COLD, DriveCell, Plan, Plugin, SolveCell, Source, origin
 from harness.run import row_of
 from harness.workers.introduce import introduce
@@ -28,7 +27,7 @@ from problems.recorded.own import save
 from results import store
 from results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
 from results.store import ResultsError, Row
-from solvers import available
+from solvers import available, find
 
 VERDICTS = (SOLVED, RELAXED, MISSED, UNJUDGEABLE, UNSOLVED, WRONG, TIMEOUT, CRASHED, SKIPPED)  # the best first
 
@@ -90,9 +89,8 @@ def _row(outcome: Outcome, plugins: tuple[Plugin, ...]) -> Row:
 
 
 def _everyone() -> tuple[str, ...]:
-    """All solvers, the outside ones with each backend."""
-    outside = {variant.partition("[")[0] for variant in OUTSIDE}
-    return (*(name for name in sorted(available()) if name not in outside), *OUTSIDE)
+    """All solvers and their variants, of the outside ones those that are here."""
+    return tuple(spec for _, info in sorted(available().items()) for spec in info.specs if not find(spec)[0].missing)
 
 
 def rerun_row(folder: Path, key: str, files: list[str]) -> tuple[Row, Row]:

@@ -2,6 +2,7 @@
 
 from harness.plans.atlas import ATLAS
 from harness.plans.entries import EXACT, LADDER, OTHERS, RELAXED
+from harness.plans.peers import peers
 from harness.plans.plan import COLD, KEEP_ANSWER, KEEP_VELOCITY, RELAX, SHUFFLED, WARM, Plan, Source
 from harness.plans.recorded import abh2018, recorded, spatial
 from problems.schemes import SCHEMES
@@ -158,4 +159,5 @@ SUITES = {
     "recorded": recorded,
     "spatial": spatial,
     "abh2018": abh2018,
+    "peers": peers,
 }
