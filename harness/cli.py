@@ -213,6 +213,21 @@ def map_(
     typer.echo(f"report: {write_report(folder)}")
 
 
+@app.command("check-solver")
+def check_solver(
+    solver: Annotated[
+        list[str], typer.Argument(metavar="FILE|NAME...", help="A file that defines solvers, or names; all variants of a name.")
+    ],
+    jobs: Jobs = None,
+) -> None:
+    """Hold a solver to the contract: what is wrong with it, and what to do; exit 0 where it keeps all of it, else 1."""
+    from harness.contract.examine import examine, told
+
+    found = examine(solver, _jobs(jobs))
+    typer.echo(told(found))
+    raise typer.Exit(int(any(one.complaints for one in found)))
+
+
 @app.command()
 def rerun(
     folder: Annotated[Path, typer.Argument(metavar="DIR")],

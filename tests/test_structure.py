@@ -33,6 +33,9 @@ MAY_KNOW = {
     "harness.plans": {"problems", "solvers", "results"},
     "harness.cells": {"problems", "solvers", "results", "harness.plans", "harness.verify", *_MECHANISMS},
     "harness.workers": {"problems", "solvers", "results", "harness.plans", "harness.cells", *_MECHANISMS},
+    "harness.contract": {
+        *("problems", "solvers", "results", "harness.cells", "harness.plans", "harness.verify", "harness.workers"),
+    },
     "harness.commands": {"problems", "solvers", "results", "harness"},
     "harness.cli": {"problems", "solvers", "results", "harness", "reports"},
     "harness": {"problems", "solvers", "results", "harness"},

@@ -7,6 +7,7 @@ given is a copy, and its answer is verified on the problem that it never held.
 import gc
 import json
 import os
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -151,6 +152,15 @@ def run_drive(cell: DriveCell, limit: float) -> Row:
     except BaseException as error:
         return _done(begun, row | {"verdict": CRASHED, "reason": plugins.told(error)})
     return _done(begun, row | driven | {"peak_memory": process.peak_memory()} | _undisturbed(core, perf_counter() - begun))
+
+
+def run_check(variant: str, check: str, complaints: Callable[[SolverInfo, Solver, str], list[str]], limit: float) -> list[str]:
+    """What a check of the contract (harness.contract) has to say of a solver."""
+    info, solver = _solver(variant)
+    for dimension in info.dimension:
+        _warm_up(variant, dimension, False, limit)
+    with _worker.deadline.within(limit):
+        return complaints(info, solver, check)
 
 
 def run_motion(source: Source, limit: float) -> None:

@@ -1,0 +1,56 @@
+"""A problem changed in a way under which its velocities are known to be the same, or to be multiplied."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from problems import FrictionProblem
+from problems.check import Array
+
+
+def changed(problem: FrictionProblem, **fields: Any) -> FrictionProblem:
+    """The problem with other fields."""
+    names = ("mass", "normal", "tangent", "friction", "free_velocity", "bias", "friction_bias", "joints", "joint_bias")
+    return FrictionProblem(**{name: getattr(problem, name) for name in (*names, "dimension")} | fields)
+
+
+def with_friction(problem: FrictionProblem, friction: Array) -> FrictionProblem:
+    return changed(problem, friction=friction)
+
+
+def permuted(problem: FrictionProblem, order: NDArray[np.intp]) -> FrictionProblem:
+    """The contacts in another order, which may name one twice."""
+    rows = (order[:, None] * (problem.dimension - 1) + np.arange(problem.dimension - 1)).ravel()
+    by_contact = {name: getattr(problem, name)[order] for name in ("friction", "bias", "friction_bias")}
+    return changed(problem, normal=problem.normal[order], tangent=problem.tangent[rows], **by_contact)
+
+
+def duplicated(problem: FrictionProblem) -> FrictionProblem:
+    """Every contact twice."""
+    return permuted(problem, np.repeat(np.arange(problem.contacts), 2))
+
+
+def mirrored(problem: FrictionProblem) -> FrictionProblem:
+    """The first tangent of every contact the other way round."""
+    sign = np.where(np.arange(problem.tangent.shape[0]) % (problem.dimension - 1) == 0, -1.0, 1.0)
+    return changed(problem, tangent=sparse.diags_array(sign) @ problem.tangent)
+
+
+def rotated(problem: FrictionProblem, angle: Array) -> FrictionProblem:
+    """The tangents of contact i turned by angle[i], in space."""
+    turns = [[[np.cos(a), np.sin(a)], [-np.sin(a), np.cos(a)]] for a in angle]
+    return changed(problem, tangent=sparse.block_diag(turns, format="csr") @ problem.tangent)
+
+
+def in_units(problem: FrictionProblem, mass: float, velocity: float) -> FrictionProblem:
+    """In units in which masses are `mass` and velocities `velocity` times as large."""
+    return changed(
+        problem,
+        mass=mass * problem.mass,
+        free_velocity=velocity * problem.free_velocity,
+        bias=velocity * problem.bias,
+        friction_bias=mass * velocity * problem.friction_bias,
+        joint_bias=velocity * problem.joint_bias,
+    )

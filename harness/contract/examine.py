@@ -1,0 +1,71 @@
+"""Every check on a solver, each in a worker of its own right: one that hangs or dies is a complaint like any other."""
+
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+from typing import NamedTuple
+
+from harness.cells import worker
+from harness.contract import form, hard, honesty, invariance
+from harness.contract.check import CHECKS, Subject
+from harness.plans.plan import Plan
+from harness.workers.introduce import introduce
+from harness.workers.pool import Pool
+from harness.workers.task import Task
+from problems import InputError
+from solvers import Solver, SolverInfo, available, find
+
+GROUPS = (form, hard, honesty, invariance)  # each lists its checks
+LIMIT = 20.0  # s, of one check: some forty small problems
+
+
+class Found(NamedTuple):
+    """What a check has to say of a variant."""
+
+    variant: str
+    check: str
+    complaints: list[str]
+
+
+def examine(specs: list[str], jobs: int) -> list[Found]:
+    """Every check on every variant that the specs name, FILE or NAME. Errors: InputError naming the solver or the file."""
+    named = [variant for spec in specs for variant in (available()[spec].specs if spec in available() else (spec,))]
+    variants, plugins = introduce(named)
+    for variant in variants:
+        if variant in named and (missing := find(variant)[0].missing):
+            raise InputError(f"solver: {variant}: {missing}")
+    plan = Plan("check-solver", (), variants, (1e-8,), plugins=plugins)
+    tasks = [
+        Task(f"{check} {variant}", worker.run_check, (variant, check, _complaints, LIMIT), LIMIT, plan.owner(variant))
+        for variant in variants
+        for check in CHECKS
+    ]
+    with tempfile.TemporaryDirectory() as folder, Pool(Path(folder), jobs, plugins, plan.memory_limit) as pool:
+        said = {outcome.task.arguments[:2]: outcome for outcome in pool.run(tasks)}
+    return [
+        Found(variant, check, [outcome.reason] if outcome.death else outcome.value)
+        for variant in variants
+        for check in CHECKS
+        if (outcome := said[variant, check])
+    ]
+
+
+def told(found: Iterable[Found]) -> str:
+    """The findings as text: a line a check that is kept, what is wrong and what to do where one is not."""
+    lines, last = [], ""
+    for one in found:
+        if one.variant != last:
+            lines.append(f"{one.variant}")
+            last = one.variant
+        name = one.check.replace("_", " ")
+        if not one.complaints:
+            lines.append(f"  kept    {name}")
+            continue
+        lines.append(f"  broken  {name}: {CHECKS[one.check].advice}")
+        lines += [f"            {complaint}" for complaint in one.complaints]
+    return "\n".join(lines)
+
+
+def _complaints(info: SolverInfo, solver: Solver, check: str) -> list[str]:
+    """What one check finds; at most five complaints."""
+    return [complaint for complaint, _ in zip(CHECKS[check].complaints(Subject(info, solver)), range(5), strict=False)]
