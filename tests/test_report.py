@@ -15,7 +15,7 @@ import pytest
 from markupsafe import Markup
 
 from reports import accuracy, choice, tables
-from reports.charts import CHARTS, MAPS, pareto, speed_accuracy
+from reports.charts import CHARTS, MAPS, classes, pareto, speed_accuracy
 from reports.drawing.figures import save_sheet
 from reports.drawing.style import looks
 from reports.drawing.text import plain, seconds
@@ -192,11 +192,15 @@ def assert_only_our_script_runs(path: Path, page: _Page) -> None:
 
 
 RUN = [
-    *(solve_row("nsgs", f"p{i}", tol, contacts=n, size=4 * n) for i, n in enumerate((2, 4, 8)) for tol in (1e-4, 1e-8)),
+    *(
+        solve_row("nsgs", f"p{i}", tol, contacts=n, size=4 * n, rank=rank)
+        for i, (n, rank) in enumerate(((2, 4), (4, 8), (8, 8)))
+        for tol in (1e-4, 1e-8)
+    ),
     solve_row("lemke", "p0", residual=0.0, model_residual=0.0),
     solve_row("lemke", "p1", verdict="wrong", residual=0.3, key="cell with 'quotes'; and a blank"),
     solve_row("ccp", "p0", model="relaxation", verdict="relaxed", residual=1e-3, model_residual=1e-9),
-    lost_row("nsgs", "p9", "timeout"),
+    lost_row("nsgs", "p9", "timeout", rank=2),
     lost_row("path", "p0", "skipped"),
 ]
 
@@ -446,3 +450,12 @@ def test_solvers_are_chosen_tables_sorted_and_dots_told(tmp_path):
     (opening,) = re.findall(r"<html[^>]*>", browse(path, "--dump-dom"))
     wanted = "false true 0 true false true false 0 true ascending s1 descending s0 false true true"
     assert f'data-seen="{wanted}"' in opening
+
+
+def test_profiles_by_size_and_rank_where_problems_are_of_several_classes(tmp_path) -> None:
+    sizes = {"a": (3, 6), "b": (10, 18), "c": (50, 50), "d": (100, 200), "e": (500, 700)}  # contacts and rank of W, planar
+    rows = [solve_row("nsgs", name, contacts=nc, rank=rank, scene=name) for name, (nc, rank) in sizes.items()]
+    titles = [panel.title for panel in classes.panels(read_run(write_folder(tmp_path / "several", rows)))]
+    assert titles == ["1 to 10 contacts: 2 problems", "11 to 100: 2 problems", *titles[2:]]
+    assert titles[2:] == ["W of full rank: 2 problems", "rank below that: 2 problems"]
+    assert classes.panels(read_run(write_folder(tmp_path / "one", rows[:2]))) == []

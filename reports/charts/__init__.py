@@ -1,6 +1,6 @@
 """The charts of page and paper, one file each, in the order in which they are shown."""
 
-from reports.charts import energy, growth, maps, pareto, profiles, speed_accuracy
+from reports.charts import classes, energy, growth, maps, pareto, profiles, speed_accuracy
 
 MAPS = (maps.VERDICTS, maps.TYPES, maps.TIMES)
-CHARTS = (pareto.CHART, *MAPS, speed_accuracy.CHART, profiles.CHART, growth.CHART, energy.CHART)
+CHARTS = (pareto.CHART, *MAPS, speed_accuracy.CHART, profiles.CHART, classes.CHART, growth.CHART, energy.CHART)

@@ -19,13 +19,13 @@ FARTHEST = 1e3  # ratio to the fastest at the right edge
 def panels(run: Run) -> list[Panel]:
     """A panel per target that somebody tried for."""
     return [
-        Panel(f"within {power(target)}", partial(_draw, times=times, looks=run.looks))
+        Panel(f"within {power(target)}", partial(draw, times=times, looks=run.looks))
         for target, times in run.times.items()
         if len(times)
     ]
 
 
-def _draw(ax: Axes, times: pd.DataFrame, looks: dict[str, Look]) -> None:
+def draw(ax: Axes, times: pd.DataFrame, looks: dict[str, Look]) -> None:
     for entry, (ratio, share) in profile(times).items():
         look = looks[entry]
         near = ratio <= FARTHEST

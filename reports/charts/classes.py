@@ -1,0 +1,55 @@
+"""Performance profiles by what makes a problem hard: its number of contacts, and the rank of W over its rows.
+
+Rank deficiency, rather than lack of convexity, is what most methods suffer from (Acary, Brémond and Huber 2018).
+"""
+
+from functools import partial
+
+import pandas as pd
+
+from reports.accuracy import TARGETS
+from reports.charts.chart import Chart
+from reports.charts.profiles import draw
+from reports.drawing.figures import Panel
+from reports.drawing.text import power
+from reports.run import Run
+
+SIZES = {"1 to 10 contacts": (1, 10), "11 to 100": (11, 100), "101 to 1000": (101, 1000), "more than 1000": (1001, 10**12)}
+RANKS = {
+    "W of full rank": (1.0, 1.0),
+    "rank 0.75 of the rows or more": (0.75, 1 - 1e-12),
+    "rank below that": (0.0, 0.75 - 1e-12),
+}
+FEWEST = 2  # problems of a class
+
+
+def panels(run: Run) -> list[Panel]:
+    """A panel per class, where the problems of a run are of several."""
+    tried = [target for target in sorted(TARGETS) if len(run.times[target])]
+    if not tried:
+        return []
+    times = run.times[tried[0]]
+    facts = run.contested.groupby("problem_id")[["contacts", "rank", "dimension"]].max()
+    ratio = facts["rank"] / (facts["contacts"] * facts["dimension"])
+    found = []
+    for values, classes in ((facts["contacts"], SIZES), (ratio, RANKS)):
+        members = {name: values.index[values.between(*ends)] for name, ends in classes.items()}
+        members = {name: problems for name, problems in members.items() if len(problems) >= FEWEST}
+        if len(members) > 1:
+            found += [_panel(name, times[times["problem_id"].isin(problems)], run) for name, problems in members.items()]
+    return found
+
+
+def _panel(name: str, times: pd.DataFrame, run: Run) -> Panel:
+    return Panel(f"{name}: {times['problem_id'].nunique()} problems", partial(draw, times=times, looks=run.looks))
+
+
+CHART = Chart(
+    name="classes",
+    panels=panels,
+    section="time",
+    title=f"Performance profiles by size and by rank, within {power(min(TARGETS))}",
+    caption="As above, for the problems of one class: the number of contacts, and the rank of W over its rows, which is "
+    "known of problems of up to 600 rows.",
+    columns=2,
+)
