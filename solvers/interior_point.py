@@ -16,18 +16,16 @@ from the boundary that their residual suggests, a good start saves most of the i
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from problems import FrictionProblem
 from problems.check import Array
 from problems.residual import residual
 from solvers.interface import Answer, impulses, solve, solver
 from solvers.interior.central_path import trace
 from solvers.interior.centred_point import centred_point
-from solvers.interior.phases import Phase, run
+from solvers.interior.phases import Phase, Phased, Prepared, first_point, run
 from solvers.interior.point import Point, start_point
 from solvers.interior.predictor_corrector import predictor_corrector
-from solvers.interior.system import System, in_velocities, prepare
+from solvers.interior.system import System
 
 # Impulses and speeds, relative to a contact's own: each of these arrives at a solution in three of four trapped instances.
 STARTS = ((0.1, 10.0), (1.0, 10.0), (0.1, 100.0), (1.0, 100.0), (10.0, 1.0), (1.0, 1.0))
@@ -45,7 +43,7 @@ PATIENCE = 12  # iterations of the predictor-corrector without progress: more th
     sparse=True,
     members=("nsgs",),
 )
-class InteriorPoint:
+class InteriorPoint(Phased):
     """Predictor-corrector on Coulomb's law, then its central path; one sparse factorisation an iteration.
 
     A portfolio where it is trapped: the path starts from what nsgs left, whose work is counted under that name.
@@ -56,20 +54,11 @@ class InteriorPoint:
     shortcut: bool = True
     paths: bool = True
 
-    def form(self, problem: FrictionProblem) -> FrictionProblem:
-        return in_velocities(problem)
-
-    def setup(self, problem: FrictionProblem) -> tuple[FrictionProblem, System]:
-        return problem, prepare(problem)
-
-    def solve(
-        self, prepared: tuple[FrictionProblem, System], tol: float, limit: int | None, start: Array | None = None
-    ) -> Answer:
+    def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         """limit bounds the factorisations, 2000 by default."""
-        problem, system = prepared
-        limit = 2000 if limit is None else limit
         swept: dict[str, int] = {}
-        answer = run(problem, system, self._phases(problem, system, start, swept), tol, limit, PATIENCE, residual)
+        phases = self._phases(*prepared, start, swept)
+        answer = run(prepared, phases, tol, 2000 if limit is None else limit, PATIENCE, residual)
         answer.work |= {f"nsgs {unit}": count for unit, count in swept.items()}
         return answer
 
@@ -77,8 +66,8 @@ class InteriorPoint:
         """The methods in turn, with the points they start from; swept: the work of nsgs, if it comes to that."""
         if start is not None:
             yield predictor_corrector, _around(problem, system, impulses(start, system.offset.shape), NEAR)
-        if self.shortcut:  # from between nothing and the weight of all the others on top
-            yield predictor_corrector, start_point(system, float(np.sqrt(problem.contacts)), 1.0)
+        if self.shortcut:
+            yield predictor_corrector, first_point(system)
         if not self.paths:
             return
         near = solve(problem, "nsgs", limit=SWEEPS)

@@ -7,25 +7,42 @@ import numpy as np
 from problems import FrictionProblem
 from problems.check import Array
 from solvers.interface import Answer, Status
-from solvers.interior.point import Point
+from solvers.interior.point import Point, start_point
 from solvers.interior.predictor_corrector import Best
-from solvers.interior.system import System
+from solvers.interior.system import System, in_velocities, prepare
 
 ROUNDING = 4 * np.finfo(float).eps
 SHARE = 250  # factorisations for one phase: hardly any path that arrived was longer
 
 Phase = tuple[Callable[..., int], Point]  # the method, and the point it starts from, to be moved
 Measure = Callable[[FrictionProblem, Array], float]
+Prepared = tuple[FrictionProblem, System]
 
 
-def run(
-    problem: FrictionProblem, system: System, phases: Iterable[Phase], tol: float, limit: int, patience: int, measure: Measure
-) -> Answer:
-    """Solve a prepared problem within limit factorisations; measure: the residual that counts.
+class Phased:
+    """The first two steps of an interior point method, for Coulomb's law or, relaxed, for its convex relaxation."""
+
+    relaxed = False
+
+    def form(self, problem: FrictionProblem) -> FrictionProblem:
+        return in_velocities(problem)
+
+    def setup(self, problem: FrictionProblem) -> Prepared:
+        return problem, prepare(problem, self.relaxed)
+
+
+def first_point(system: System) -> Point:
+    """From between nothing and the weight of all the other contacts on top."""
+    return start_point(system, float(np.sqrt(len(system.friction))), 1.0)
+
+
+def run(prepared: Prepared, phases: Iterable[Phase], tol: float, limit: int, patience: int, measure: Measure) -> Answer:
+    """The third step, within limit factorisations; measure: the residual that counts.
 
     phases: made one by one, as the one before fails.
     patience: iterations of the predictor-corrector without progress.
     """
+    problem, system = prepared
     if problem.fastest == 0:
         return Answer(np.zeros_like(system.offset), Status.SOLVED, {"iterations": 0, "factorisations": 0})
     history = np.empty(limit + 1)
