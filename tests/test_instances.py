@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from problems import InputError
+from problems import FrictionProblem, InputError
 from problems.instances import instances, make_instance
+from problems.reduce import keep_contacts
 from problems.residual import residual
 from solvers import solve
 
@@ -58,6 +59,16 @@ def test_instances_are_the_same_again_and_differ_by_seed() -> None:
         assert make_instance(name, **SMALL.get(name, {})).hash == again.hash
         if "seed" in instances()[name].parameters:
             assert make_instance(name, **SMALL.get(name, {}) | {"seed": 1}).hash != again.hash
+
+
+def test_a_part_of_a_spatial_problem_is_the_same_whether_known_by_its_mechanics_or_by_W() -> None:
+    problem = make_instance("cubes", boxes=3, push=1.0)
+    known = FrictionProblem.from_delassus(problem.W, problem.q, problem.friction, 3)
+    part, known_part = (keep_contacts(one, [4, 5, 6]) for one in (problem, known))
+    assert len(part.free_velocity) == 12  # the two bodies that touch there
+    assert np.array_equal(part.W.toarray(), known_part.W.toarray())
+    assert np.array_equal(part.q, known_part.q)
+    assert np.array_equal(part.q, problem.q[12:21])
 
 
 @pytest.mark.parametrize(

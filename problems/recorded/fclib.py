@@ -12,6 +12,7 @@ may be a placeholder: nothing here believes it.
 Beside FCLIB's own, write() leaves frictionbench/free_velocity, as M v* = f does not give back v* to the last bit.
 """
 
+import os
 import subprocess
 import sys
 from dataclasses import replace
@@ -28,6 +29,7 @@ from problems.friction import DelassusProblem, FrictionProblem
 from problems.recorded.forms import from_global, from_local
 
 LARGEST = 2**29  # bytes of all arrays of a file
+NO_PLUGINS = {"HDF5_PLUGIN_PRELOAD": "::"}  # code that a file may ask for
 LONGEST = 120.0  # seconds that reading a file may take
 OURS = "frictionbench/free_velocity"
 
@@ -67,7 +69,7 @@ def _unpack(path: Path) -> Arrays:
     child = Path(__file__).with_name("hdf5_child.py")
     command = [sys.executable, "-P", str(child), str(path.resolve()), str(LARGEST)]
     try:
-        done = subprocess.run(command, capture_output=True, timeout=LONGEST, check=False, env={"HDF5_PLUGIN_PRELOAD": "::"})
+        done = subprocess.run(command, capture_output=True, timeout=LONGEST, check=False, env=os.environ | NO_PLUGINS)
     except subprocess.TimeoutExpired:
         raise InputError(f"HDF5: not read within {LONGEST:g} s") from None
     if done.returncode == 2:
