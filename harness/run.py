@@ -12,15 +12,14 @@ from pathlib import Path
 from harness import machine
 from harness.cells import worker
 from harness.cells.collect import Entry
-from harness.cells.rows import drive_row, solve_row
+from harness.cells.rows import drive_row, nothing, solve_row
 from harness.plans.plan import Cell, Plan, Plugin, SolveCell, origin
 from harness.progress import Progress
 from harness.workers.cluster import Cluster
 from harness.workers.pool import Pool
 from harness.workers.task import Outcome, Task
-from problems import InputError
 from results import store
-from results.schema import CRASHED, TABLES, VERDICTS
+from results.schema import CRASHED, SKIPPED, TABLES, VERDICTS
 from results.store import ResultsError, Row, ShardWriter
 from solvers import find
 
@@ -44,7 +43,7 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
         with Cluster(cluster, folder, plan.plugins, plan.memory_limit) as engine:
             _run(cells, entries, plan, folder, engine, progress)
     lost = _merge(plan, folder, cells, entries)
-    names = sorted({entry["problem"] for entry in entries.values()})
+    names = sorted({entry["problem"] for entry in entries.values()} - {""})
     store.write_manifest(folder, store.read_manifest(folder) | {"problems": names, "finished": _now()})
     if lost:
         raise ResultsError(f"{folder}: {lost} rows were lost; the tables say which. The same command runs their cells again")
@@ -65,7 +64,15 @@ def _run(
         progress.stage("cells", len(cells), len(cells) - len(left)) as stage,
     ):
         shards = {"solves": solved, "drives": driven}
-        for outcome in engine.run((_task(cell, entries, plan) for cell in left), stage.started):
+        tasks = []
+        for task in (_task(cell, entries, plan) for cell in left):
+            if reason := _nothing_there(task):
+                stage.started(task)
+                solved.write(row_of(Outcome(task, death=SKIPPED, reason=reason), plan.plugins))
+                stage.finished(task)
+            else:
+                tasks.append(task)
+        for outcome in engine.run(tasks, stage.started):
             shards[outcome.task.arguments[0].table].write(row_of(outcome, plan.plugins))
             stage.finished(outcome.task)
 
@@ -113,7 +120,7 @@ def _brief(value: object) -> str:
 
 
 def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Entry]:
-    """The problems of all sources by their origin, in the plan's order."""
+    """The problems of all sources by their origin, in the plan's order; of one that yields none, what says so."""
     tasks = [
         Task(f"{source.scene} {source.parameters or ''}", worker.run_source, (source, COLLECTING), COLLECTING)
         for source in (*plan.sources, *plan.placed)
@@ -121,9 +128,8 @@ def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Entry]:
     by_task: dict[int, list[Entry]] = {}
     with progress.stage("problems", len(tasks), 0) as stage:
         for outcome in pool.run(tasks, stage.started):
-            if outcome.death:
-                raise InputError(f"scene: {outcome.task.name.strip()} yields no problems: {outcome.reason}")
-            by_task[id(outcome.task)] = outcome.value
+            source, _ = outcome.task.arguments
+            by_task[id(outcome.task)] = [nothing(source, outcome.reason)] if outcome.death else outcome.value
             stage.finished(outcome.task)
     return {origin(entry): entry for task in tasks for entry in by_task[id(task)]}
 
@@ -157,6 +163,12 @@ def _task(cell: Cell, entries: dict[str, Entry], plan: Plan) -> Task:
         limit = entry.get("time_limit", plan.time_limit)
         return Task(name, worker.run_solve, (cell, entry, limit), limit, owner)
     return Task(f"{cell.variant} drives {cell.scene}", worker.run_drive, (cell, plan.drive_limit), plan.drive_limit, owner)
+
+
+def _nothing_there(task: Task) -> str:
+    """Why there is no problem to solve, where the source yielded none."""
+    cell, facts, *_ = task.arguments
+    return str(facts.get("reason", "")) if isinstance(cell, SolveCell) else ""
 
 
 def row_of(outcome: Outcome, plugins: tuple[Plugin, ...]) -> Row:

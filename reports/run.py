@@ -46,8 +46,8 @@ class Run:
 
     @cached_property
     def contested(self) -> pd.DataFrame:
-        """The rows of problems that are not trivial."""
-        return self.rows[~self.rows["trivial"]]
+        """The rows of problems that are not trivial; a source that yielded none has no problem."""
+        return self.rows[~self.rows["trivial"] & (self.rows["problem"] != "")]
 
     @cached_property
     def looks(self) -> dict[str, Look]:

@@ -77,6 +77,7 @@ SOLVES = (
     Column("problem", _text, "", "content hash of the problem"),
     Column("step", _whole, "", "time step the problem comes from"),
     Column("phase", _text, "", "step, compression or decompression"),
+    Column("reference", _text, "", "whose verified answers moved the scene up to the problem, and why the motion ended early"),
     Column("contacts", _whole, "", "number of contacts"),
     Column("dimension", _whole, "", "2 planar, 3 spatial"),
     Column("velocities", _whole, "", "number of velocities"),

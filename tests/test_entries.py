@@ -66,11 +66,11 @@ def test_impulses_are_checked_before_loops_that_do_not_look(problem):
 
 def test_a_stored_start_that_is_none_is_named(tmp_path):
     (tmp_path / "problems").mkdir()
-    path = tmp_path / "problems" / "abc.starts.npz"
+    path = tmp_path / "problems" / "abc.e3b0c442.starts.npz"
     for content in (b"PK no archive", b""):
         path.write_bytes(content)
-        with pytest.raises(InputError, match=r"abc\.starts\.npz: no usable start warm"):
-            stored_start(tmp_path, "abc", "warm")
+        with pytest.raises(InputError, match=r"abc\.e3b0c442\.starts\.npz: no usable start warm"):
+            stored_start(tmp_path, "abc", "", "warm")
     np.savez(path, cold=np.zeros(2))
-    with pytest.raises(InputError, match=r"abc\.starts\.npz: no usable start warm"):
-        stored_start(tmp_path, "abc", "warm")
+    with pytest.raises(InputError, match=r"abc\.e3b0c442\.starts\.npz: no usable start warm"):
+        stored_start(tmp_path, "abc", "", "warm")

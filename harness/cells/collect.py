@@ -1,4 +1,4 @@
-"""Problems for the cells: recorded while the reference solver drives a scene, labelled and stored by their hash.
+"""Problems for the cells: recorded while verified reference answers drive a scene, labelled and stored by their hash.
 
 A recorded problem has starts too, the same for every solver that takes one: `warm`, the impulses of the problem of the same
 phase before it, and `shuffled`, those of one drawn from the whole motion; both carried over contact by contact.
@@ -6,12 +6,14 @@ phase before it, and `shuffled`, those of one drawn from the whole motion; both 
 
 import json
 import zipfile
+from hashlib import sha256
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from harness.plans.plan import COLD, SHUFFLED, USUAL, WARM, Source, phase
+from harness.cells.reference import NoReference, Reference
+from harness.plans.plan import COLD, SHUFFLED, USUAL, WARM, Source, origin, phase
 from problems import LCP, FrictionProblem, InputError, scene
 from problems.check import Array
 from problems.instances import instances, make_instance
@@ -24,30 +26,32 @@ from problems.planar.collision import Contacts
 from problems.recorded import read
 from problems.recorded.own import load, save
 from problems.residual import residual
+from problems.scene import Scene
 from problems.schemes import SCHEMES
 from problems.simulate import first_problem, simulate
 from results.files import replaced, room, write_text
-from solvers import solve
 
-REFERENCE, SPATIAL_REFERENCE = "lemke", "hybrid"
 MOST_PERTURBED = 30  # contacts; larger problems' response costs more than it tells
-RIGHT = 1e-8  # the residual up to which the reference's answer says something about the problem
 MOST_COUNTED = 6  # contacts; the modes to enumerate grow like 4^contacts
 Entry = dict[str, Any]
 
 
 class Met(NamedTuple):
-    """A problem as it was met, the contacts it is about, and its answer."""
+    """A problem as it was met, the contacts it is about, its answer, and who answered those before it."""
 
     step: int
     phase: str
     problem: FrictionProblem
     contacts: Contacts | None = None
     impulse: Array | None = None
+    reference: str = ""
 
 
 def collect(folder: Path, source: Source) -> list[Entry]:
-    """The source's problems, stored under folder/problems, as plain rows of facts; stored once, then read."""
+    """The source's problems, stored under folder/problems, as plain rows of facts; stored once, then read.
+
+    Errors: InputError with the reason where it yields none.
+    """
     store = room(folder, "problems")
     listed = store / f"{source.key}.json"
     if listed.exists():
@@ -58,10 +62,10 @@ def collect(folder: Path, source: Source) -> list[Entry]:
         if name not in entries:
             with replaced(store / f"{name}.npz") as file:
                 save(met.problem, file)
-            if starts:
-                with replaced(store / f"{name}.starts.npz") as file:
-                    np.savez(file, **starts)  # type: ignore[arg-type]
             entries[name] = facts(source, met) | {"starts": [COLD, *starts], **_own_terms(source)}
+            if starts:
+                with replaced(_starts_of(folder, name, origin(entries[name]))) as file:
+                    np.savez(file, **starts)  # type: ignore[arg-type]
     write_text(listed, json.dumps(list(entries.values())))
     return list(entries.values())
 
@@ -89,16 +93,20 @@ def stored(folder: Path, problem: str) -> FrictionProblem:
     return load(folder / "problems" / f"{problem}.npz")
 
 
-def stored_start(folder: Path, problem: str, start: str) -> Array | None:
-    """The impulses (nc, d) to start from; None for a cold start."""
+def stored_start(folder: Path, problem: str, home: str, start: str) -> Array | None:
+    """The impulses (nc, d) to start from, those of the motion that the problem is from; None for a cold start."""
     if start == COLD:
         return None
-    path = folder / "problems" / f"{problem}.starts.npz"
+    path = _starts_of(folder, problem, home)
     try:
         with np.load(path, allow_pickle=False) as starts:
             return starts[start]
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
         raise InputError(f"{path}: no usable start {start} ({error})") from None
+
+
+def _starts_of(folder: Path, problem: str, home: str) -> Path:
+    return folder / "problems" / f"{problem}.{sha256(home.encode()).hexdigest()[:8]}.starts.npz"
 
 
 def _chosen(source: Source) -> list[tuple[Met, dict[str, Array]]]:
@@ -112,18 +120,27 @@ def _chosen(source: Source) -> list[tuple[Met, dict[str, Array]]]:
         usual = source.scheme == USUAL
         problem = stage.problem() if usual else first_problem(stage, SCHEMES[source.scheme])
         return [(Met(0, phase(source.scheme), problem), {})]
-    met = [
-        Met(index, solved.phase, solved.problem, step.contacts, solved.impulse)
-        for index, step in enumerate(simulate(stage, _reference, steps=source.steps))
-        for solved in step.solved
-        if _worth_solving(solved.problem)
-    ]
+    met, ended = _motion(stage, source.steps)
+    if not met:
+        raise InputError(f"scene: {source.scene} yields no problem{': ' if ended else ''}{ended}")
     chosen = np.unique(np.linspace(0, len(met) - 1, min(source.pick, len(met))).astype(int))
-    return [(met[i], _starts(met, int(i))) for i in chosen]
+    told = f"{met[-1].reference}; the motion ended after step {met[-1].step}: {ended}" if ended else met[-1].reference
+    return [(met[i]._replace(reference=told), _starts(met, int(i))) for i in chosen]
 
 
-def _reference(problem: FrictionProblem) -> Array:
-    return solve(problem, REFERENCE if problem.dimension == 2 else SPATIAL_REFERENCE, tol=1e-10).impulse
+def _motion(stage: Scene, steps: int | None) -> tuple[list[Met], str]:
+    """The problems of a motion that are worth solving, and why it ended before its time, if it did."""
+    reference, met = Reference(), []
+    try:
+        for index, step in enumerate(simulate(stage, reference, steps=steps)):
+            met += [
+                Met(index, solved.phase, solved.problem, step.contacts, solved.impulse, str(reference))
+                for solved in step.solved
+                if _worth_solving(solved.problem)
+            ]
+    except NoReference as finding:
+        return met, str(finding)
+    return met, ""
 
 
 def _worth_solving(problem: FrictionProblem) -> bool:
@@ -171,6 +188,7 @@ def facts(source: Source, met: Met) -> Entry:
         "parameters": json.dumps(source.parameters, sort_keys=True),
         "step": met.step,
         "phase": met.phase,
+        "reference": met.reference,
         "contacts": problem.contacts,
         "dimension": problem.dimension,
         "velocities": len(problem.free_velocity),
@@ -186,7 +204,7 @@ def facts(source: Source, met: Met) -> Entry:
         "trivial": bool(found.trivial),
         **counted,
         "existence": _existence(problem, found.pointedness, counted["solutions"]),
-        "response": response(problem, _reference) if problem.contacts <= MOST_PERTURBED else None,
+        "response": _response(problem) if problem.contacts <= MOST_PERTURBED else None,
         "mode_distance": _mode_distance(problem),
     }
 
@@ -200,5 +218,15 @@ def _existence(problem: FrictionProblem, pointedness: float, solutions: str | No
 def _mode_distance(problem: FrictionProblem) -> float | None:
     if problem.dimension != 2 or not 0 < problem.contacts <= MOST_PERTURBED:
         return None
-    impulse = _reference(problem)
-    return distance_to_next_mode(problem, impulse) if residual(problem, impulse) <= RIGHT else None
+    try:
+        return distance_to_next_mode(problem, Reference()(problem))
+    except NoReference:
+        return None
+
+
+def _response(problem: FrictionProblem) -> float:
+    """See problems.nature.stability; infinity where the problem, or one near it, has no answer that holds."""
+    try:
+        return response(problem, Reference())
+    except NoReference:
+        return np.inf

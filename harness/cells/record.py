@@ -6,13 +6,14 @@ middle velocity w = (v + v+)/2 the kinetic energy changes by exactly
     p'w + r'J w + lam'F w:      external force, contacts (tangential and normal apart), hinges.
 """
 
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
-from harness.cells.collect import REFERENCE
 from harness.cells.drive import DIVERGED
+from harness.cells.reference import NoReference, Reference
 from harness.plans.plan import Source
 from harness.plans.spec import parse
 from problems import FrictionProblem, InputError, scene
@@ -39,31 +40,33 @@ def record_named(scene_spec: str, solver_spec: str, scheme: str, steps: int | No
 
 
 def keep(folder: Path, source: Source) -> None:
-    """Leave the source's motion by the reference solver in folder/motion, unless it is there."""
+    """Leave the source's motion by verified reference answers in folder/motion, unless it is there."""
     path = folder / "motion" / f"{source.scene}-{source.key.removeprefix('source-')}.json"
     if not path.exists():
-        write_motion(path, record(scene(source.scene, **source.parameters), REFERENCE, steps=source.steps))
+        write_motion(path, record(scene(source.scene, **source.parameters), Reference(), steps=source.steps))
 
 
-def record(stage: Scene, solver: str, scheme: str = "anitescu_potra", steps: int | None = None) -> Motion:
-    """The scene driven by a solver, up to where the scheme has no solution, or the solver no answer, or the energy changes
-    beyond all measure. Errors: InputError where the solver cannot be used or the scheme refuses the scene."""
+def record(stage: Scene, solver: str | Reference, scheme: str = "anitescu_potra", steps: int | None = None) -> Motion:
+    """The scene driven by a solver, or by reference answers, up to where the scheme has no solution, or the solver no answer,
+    or the energy changes beyond all measure. Errors: InputError where the solver cannot be used or the scheme refuses the
+    scene."""
     taken: list[Step] = []
+    answer = solver if isinstance(solver, Reference) else partial(_usable, solver=solver)
     ended, start = "", stage.energy(stage.q0, stage.v0)
     try:
-        for step in simulate(stage, lambda problem: _usable(problem, solver), SCHEMES[scheme], steps):
+        for step in simulate(stage, answer, SCHEMES[scheme], steps):
             if not abs(stage.energy(step.q, step.v) - start) <= DIVERGED * _measure(stage):
                 ended = f"diverged in step {len(taken)}"
                 break
             taken.append(step)
-    except (NoSolution, _NoAnswer) as finding:
+    except (NoSolution, NoReference, _NoAnswer) as finding:
         ended = str(finding)
     parts = [_account(stage, before, after) for before, after in pairwise(taken)]
     work = np.cumsum([np.zeros(3), *(work for _, work, _ in parts)], axis=0)
     return Motion(
         scene=stage.name,
         parameters=stage.parameters,
-        solver=solver,
+        solver=str(solver),
         scheme=scheme,
         step=stage.step,
         coefficient=stage.friction,

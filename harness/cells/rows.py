@@ -3,12 +3,12 @@
 import json
 
 from harness import machine
-from harness.plans.plan import DriveCell, Plugin, SolveCell
+from harness.plans.plan import COLD, DriveCell, Plugin, SolveCell, Source
 from results.store import Row
 from solvers import find
 
 PROBLEM_FACTS = (
-    *("problem", "scene", "parameters", "step", "phase"),
+    *("problem", "scene", "parameters", "step", "phase", "reference"),
     *("contacts", "dimension", "velocities", "size"),
     *("rank", "condition", "redundancy", "pointedness", "p0_margin", "mass_ratio", "asymmetry", "indefiniteness", "trivial"),
     *("solutions", "outcomes", "existence", "response", "mode_distance"),
@@ -23,6 +23,13 @@ def solve_row(cell: SolveCell, entry: Row, limit: float, plugins: tuple[Plugin, 
         | _solver_row(cell.variant, plugins)
         | {"key": cell.key, "tol": cell.tol, "time_limit": limit, "start": cell.start}
     )
+
+
+def nothing(source: Source, reason: str) -> Row:
+    """The facts of a source that yields no problem, for a row that says so of each of its planned cells."""
+    parameters = json.dumps(source.parameters, sort_keys=True)
+    known = {"problem": "", "scene": source.scene, "parameters": parameters, "step": None, "phase": "", "reference": ""}
+    return dict.fromkeys(PROBLEM_FACTS) | known | {"starts": [COLD], "reason": reason}
 
 
 def drive_row(cell: DriveCell, limit: float, plugins: tuple[Plugin, ...] = ()) -> Row:

@@ -183,7 +183,7 @@ def _solver(variant: str) -> tuple[SolverInfo, Solver]:
 
 def _timed(solver: Solver, problem: FrictionProblem, cell: SolveCell, limit: float, repeats: int) -> Timing:
     """The answers and their times, the first call under the limit; repeats, which are few or short, have a second more."""
-    start = stored_start(_worker.folder, cell.problem, cell.start)
+    start = stored_start(_worker.folder, cell.problem, cell.origin, cell.start)
     with _worker.deadline.within(limit) as allow:
         return time_solver(
             solver,
