@@ -7,7 +7,8 @@ limit, not dropped. A class of problems is summed up by the shifted geometric me
     exp(mean(log(t + s))) - s,     s = 1e-5 s,
 
 where s is about what one call costs, so that differences below it do not rule the mean. An entry that was skipped on all of
-a class has no figure there; one that enters a class and is skipped on some of it is charged for these.
+a class has no figure there; one that enters a class and is skipped on some of it is charged for these. Over all problems
+every entry is judged by the same ones: what it was skipped on is a miss, too.
 
 Dolan and Moré's performance profile (2002) is the share of problems an entry brings within the target in at most tau times
 the time of the fastest.
@@ -40,7 +41,8 @@ def times_to(rows: pd.DataFrame, target: float) -> pd.DataFrame:
     best = within.sort_values("time", kind="stable").drop_duplicates(pair).set_index(pair)
     ran = rows.assign(ran=rows["verdict"] != SKIPPED)
     ran = ran[ran.groupby(["problem_class", "entry"])["ran"].transform("any")]
-    times = ran.groupby(pair, sort=False).agg(problem_class=("problem_class", "first"), limit=("time_limit", "max"))
+    known = {name: (name, "first") for name in ("problem_class", "start", "host")}
+    times = ran.groupby(pair, sort=False).agg(**known, limit=("time_limit", "max"))
     times = times.join(best[["form_time", "setup_time", "solve_time", "time"]])
     times["reached"] = times["time"].notna()
     times["charged"] = times["time"].fillna(times["limit"])
@@ -50,7 +52,7 @@ def times_to(rows: pd.DataFrame, target: float) -> pd.DataFrame:
 def summary(times: pd.DataFrame) -> pd.DataFrame:
     """A row per class and entry, and per entry over all classes: problems, reached, share, mean (s), the medians of form,
     setup and solve (s) over the problems it reached, and written: form's share of all three."""
-    both = pd.concat([times.assign(problem_class=ALL), times], ignore_index=True)
+    both = pd.concat([_on_all(times), times], ignore_index=True)
     groups = both.groupby(["problem_class", "entry"], sort=False)
     table = groups.agg(
         problems=("reached", "size"),
@@ -63,6 +65,17 @@ def summary(times: pd.DataFrame) -> pd.DataFrame:
     table["written"] = groups["form_time"].sum() / groups["time"].sum()
     table["mean"] = groups["charged"].agg(shifted_geometric_mean)
     return table.reset_index()
+
+
+def _on_all(times: pd.DataFrame) -> pd.DataFrame:
+    """The times with a row for every entry on every problem that has its start and was met by its host, the class ALL."""
+    parts = [times]
+    for _, own in times.groupby(["start", "host"], sort=False):
+        limit = own.groupby("problem_id", sort=False)["limit"].max()
+        pairs = pd.MultiIndex.from_product([limit.index, own["entry"].unique()], names=["problem_id", "entry"])
+        lacking = pairs.difference(pd.MultiIndex.from_frame(own[["problem_id", "entry"]])).to_frame(index=False)
+        parts.append(lacking.assign(reached=False, charged=lacking["problem_id"].map(limit)))
+    return pd.concat([part for part in parts if len(part)] or parts, ignore_index=True).assign(problem_class=ALL)
 
 
 def profile(times: pd.DataFrame) -> dict[str, tuple[Array, Array]]:

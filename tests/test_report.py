@@ -93,6 +93,29 @@ def test_a_class_skipped_as_a_whole_has_no_figure():
     assert accuracy.times_to(rows, 1e-8)["entry"].tolist() == ["a", "c"]
 
 
+def test_whoever_is_skipped_on_a_class_gains_nothing_by_it(tmp_path):
+    """Two classes of five: b, fast and skipped on the second, is charged there; a warm start is met by warm starts alone."""
+    classes = [(scene, f"{scene}{i}") for scene in ("bar", "rod") for i in range(5)]
+    slow = [solve_row("a", name, scene=scene, solve_time=30e-3) for scene, name in classes]
+    quick = [
+        solve_row("b", name, scene=scene) if scene == "bar" else lost_row("b", name, "skipped", scene=scene)
+        for scene, name in classes
+    ]
+    warm = [solve_row("a", name, scene=scene, start="warm", key=f"warm {name}") for scene, name in classes[:3]]
+    run = run_of(*slow, *quick, *warm)
+    table = run.summaries[1e-8].set_index(["problem_class", "entry"])
+    assert table.loc[(accuracy.ALL, "a"), ["reached", "problems"]].tolist() == [10, 10]
+    assert table.loc[(accuracy.ALL, "b"), ["reached", "problems"]].tolist() == [5, 10]
+    assert table.loc[(accuracy.ALL, "b"), "mean"] > table.loc[(accuracy.ALL, "a"), "mean"]
+    assert table.loc[(accuracy.ALL, "a, warm"), ["reached", "problems"]].tolist() == [3, 3]
+    assert ("rod", "b") not in table.index
+    assert tables.leaders(run.summaries[1e-8]).fastest["entry"] == "a"
+    assert accuracy.profile(run.times[1e-8])["b"][1].tolist() == [0.1, 0.2, 0.3, 0.4, 0.5]
+    folder = write_folder(tmp_path / "run", [*slow, *quick, *warm])
+    assert "b & 5/10 &" in (write_paper(folder) / "times.tex").read_text()
+    assert "a reaches a verified residual of 1e-8 most often: on 10 of 10" in _Page(write_report(folder)).text
+
+
 def test_trivial_problems_enter_no_headline_and_are_counted_apart():
     run = run_of(solve_row("a", "p"), solve_row("a", "q", trivial=True), solve_row("a", "r", verdict="wrong", trivial=True))
     assert run.summaries[1e-8]["problems"].tolist() == [1, 1]

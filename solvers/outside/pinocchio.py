@@ -19,7 +19,7 @@ from scipy import sparse
 
 from problems import FrictionProblem
 from problems.check import Array, require
-from solvers.interface import Answer, Model, Status, solver
+from solvers.interface import Answer, Model, Status, impulses, solver
 from solvers.outside.pure_delassus import PureDelassus, pure_delassus
 
 _SOLVERS = {"admm": "ADMM", "pgs": "PGS"}
@@ -97,7 +97,7 @@ class Pinocchio:
         settings.absolute_feasibility_tol = settings.absolute_complementarity_tol = given.share * tol / 10
         settings.relative_feasibility_tol = settings.relative_complementarity_tol = 0.0
         if start is not None:
-            result.setConstraintImpulseGuess(given.to_space(start)[order])
+            result.setConstraintImpulseGuess(given.to_space(impulses(start, given.contacts))[order])
         found = getattr(pin, f"{name}ConstraintSolver")().solve(operator, g, models, datas, settings, result)
         r = np.empty(len(g))
         r[order] = result.retrieveConstraintImpulses()

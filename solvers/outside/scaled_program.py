@@ -27,6 +27,7 @@ from scipy import sparse
 from problems import FrictionProblem
 from problems.check import Array
 from problems.forms.relaxation import QP, ConeProgram, Program
+from solvers.interface import impulses
 
 Kind = TypeVar("Kind", QP, ConeProgram)
 
@@ -56,6 +57,7 @@ class ScaledProgram(Generic[Kind]):
 
     def multipliers(self, impulse: Array) -> Array:
         """Scaled multipliers of G that make about these planar impulses, for a warm start; friction's bias has none."""
+        impulse = impulses(impulse, (len(self.program.friction), 2))
         n, slip = impulse[:, 0], impulse[:, 1] / np.where(self.program.friction > 0, self.program.friction, 1.0)
         z = np.zeros(len(self.h))
         z[: 2 * len(n)] = np.maximum(np.column_stack([n + slip, n - slip]).ravel() / 2, 0.0)

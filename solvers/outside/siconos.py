@@ -17,7 +17,7 @@ import numpy as np
 
 from problems import LCP, FrictionProblem
 from problems.check import Array, require
-from solvers.interface import Answer, Model, Status, solver
+from solvers.interface import Answer, Model, Status, impulses, solver
 from solvers.outside.children.child import child
 from solvers.outside.dense_lcp import DenseLCP, dense_lcp
 from solvers.outside.pure_delassus import PureDelassus, pure_delassus
@@ -100,6 +100,7 @@ class Siconos:
         eps = tol if isinstance(given, DenseLCP) else tol * given.share
         guess = np.zeros(size)
         if start is not None and isinstance(given, PureDelassus):
+            start = impulses(start, given.contacts)
             own = start.ravel() / (given.theta * given.E)
             guess = given.to_space(start) if size == 3 * len(start) else own
         relative, most = (
