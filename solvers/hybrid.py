@@ -4,11 +4,11 @@ No single method is fast, accurate and reliable on every friction problem. In th
 some dozens of contacts, an interior point's sparse factorisations beyond. In space a few sweeps of Gauss-Seidel end the
 smallest problems, and bring the largest near enough for the interior point to start there and save most of its iterations;
 between them they cost more than they save. Where the interior point is trapped, the convex relaxation is asked before paths
-are followed: it cannot be trapped, and where nothing slides in its solution, that is a Coulomb solution. Pivoting ends on an
-exact basis; each method fails on some instances that another solves. A portfolio stops at the first answer whose residual,
-computed here from the problem's own velocities, is within the tolerance: so it solves what any of its members does, and says
-so when none does. (Algorithm
-portfolios: Gomes and Selman 2001.)
+are followed: it cannot be trapped, and where nothing slides in its solution, that is a Coulomb solution. Then come
+proximal points, which large friction does not trap. Pivoting ends on an exact basis; each method fails on some instances that
+another solves. A portfolio stops at the first answer whose residual, computed here from the problem's own velocities, is
+within the tolerance: so it solves what any of its members does, and says so when none does. (Algorithm portfolios: Gomes and
+Selman 2001.)
 """
 
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ from solvers.interface import Answer, Solver, SolverInfo, Status, find, solver
 
 PLANAR = ("lemke", "interior_point", "path_search", "staggered", "anitescu_hart", "fischer_newton")
 SPATIAL = (
-    *("nsgs", "interior_point[paths=false]", "relaxation_ip", "interior_point[shortcut=false]"),
+    *("nsgs", "interior_point[paths=false]", "relaxation_ip", "proximal_newton", "interior_point[shortcut=false]"),
     *("nncg", "apgd_coulomb", "staggered", "admm_coulomb", "anitescu_hart"),
 )
 PIVOTS = 48  # contacts up to which lemke comes first, formed and solved

@@ -15,6 +15,7 @@ from solvers import available
 UNITS = {
     "interior_point": {"factorisations": "sparse factorisations"},
     "relaxation_ip": {"factorisations": "sparse factorisations"},
+    "proximal_newton": {"factorisations": "sparse factorisations"},
     "path_search": {"factorisations": "basis factorisations", "pivots": "basis exchanges"},
     **{name: {"pivots": "exchanges", "inversions": "inversions"} for name in ("lemke", "dantzig", "murty")},
     **{name: {"factorisations": "dense factorisations"} for name in ("fischer_newton", "minmap_newton")},

@@ -1,0 +1,84 @@
+"""Proximal points of Coulomb's law in space, each found by Newton's method.
+
+The proximal point of an anchor a solves the contact problem with u + rho s (r - a) in place of u, s the contacts' scales: as
+if every contact were a little compliant, and unloaded at a. However redundant the contacts are, its impulses are isolated, and
+for a large rho it is one small problem a contact, which Newton's method (solvers.interior.alart_curnier) solves in a few steps.
+Then a moves there and rho is halved; where Newton's method does not arrive, it starts from a once more, with a rho five times
+larger.
+
+    a <- r,  rho <- rho / 2      where |s F| fell below a hundredth of the residual,         otherwise    rho <- 5 rho.
+
+Where a stays put it is a Coulomb solution, whatever rho. For a monotone problem the anchors converge; Coulomb's law is not
+monotone, and they need not. It is good for what traps interior points: large friction, and contacts in odd directions.
+
+References: Rockafellar 1976; Acary, Brémond and Huber 2018, section 4.4.
+"""
+
+import numpy as np
+
+from problems import FrictionProblem
+from problems.check import Array
+from problems.residual import residual
+from solvers.interface import Answer, Status, solver
+from solvers.interior.alart_curnier import new_state, newton
+from solvers.interior.system import System, in_velocities, new_work, prepare
+
+LIMIT = 500  # factorisations: hardly any problem that was solved took more
+STEPS = 20  # of Newton's method for one proximal point
+ENOUGH = 1e-2  # |s F| of a proximal point, relative to the least residual so far
+ACCURATE = 1e-11  # and in the largest free velocity: near what rounding leaves
+SOFT, SOFTER, STIFFER = 1.0, 5.0, 0.5  # rho at first, and its factors
+LEAST = 1e-8  # of rho
+
+
+@solver("proximal_newton", family="newton", model="coulomb", dimension=(3,), warm_start=True, sparse=True)
+class ProximalNewton:
+    """Proximal points found by Newton's method on Alart and Curnier's equations, sparse in the velocities.
+
+    Work: factorisations, and anchors tried. History: the residual after each of them.
+    """
+
+    def form(self, problem: FrictionProblem) -> FrictionProblem:
+        """Joints are eliminated: what is left is known by its Delassus matrix."""
+        if problem.joints.shape[0]:
+            laws = (problem.friction, problem.dimension, problem.friction_bias)
+            problem = FrictionProblem.from_delassus(problem.W, problem.q, *laws)
+        return in_velocities(problem)
+
+    def setup(self, problem: FrictionProblem) -> tuple[FrictionProblem, System]:
+        return problem, prepare(problem)
+
+    def solve(
+        self, prepared: tuple[FrictionProblem, System], tol: float, limit: int | None, start: Array | None = None
+    ) -> Answer:
+        """limit bounds the factorisations, 500 by default."""
+        problem, system = prepared
+        limit = LIMIT if limit is None else limit
+        nc, work = problem.contacts, new_work(system)
+        anchor = np.zeros((nc, 3)) if start is None else start / system.impulse
+        state, trial, step = new_state(nc), new_state(nc), np.zeros((nc, 3))
+        state.r[:] = anchor
+        impulse = anchor * system.impulse
+        least = residual(problem, impulse)
+        history, factorisations, rho = [least], 0, SOFT
+        while least > tol and factorisations < limit:
+            steps = min(STEPS, limit - factorisations)
+            aim = max(ACCURATE / 100, ENOUGH / 10 * min(least, 1.0))
+            used, off = newton(system, state, trial, anchor, rho, step, work, aim, steps)
+            factorisations += used
+            if not used:
+                break  # nothing is left of |s F|, but of the residual: rounding
+            found = residual(problem, state.r * system.impulse)
+            history.append(found)
+            if found < least:
+                impulse, least = state.r * system.impulse, found
+            if off < max(ENOUGH * least, ACCURATE):
+                anchor[:] = state.r
+                rho = max(STIFFER * rho, LEAST)
+            else:
+                state.r[:] = anchor
+                rho *= SOFTER
+        spent = {"factorisations": factorisations, "anchors": len(history) - 1}
+        if least <= tol:
+            return Answer(impulse, Status.SOLVED, spent, tuple(history))
+        return Answer(impulse, Status.WORK_LIMIT if factorisations == limit else Status.STALLED, spent, tuple(history))
