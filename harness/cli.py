@@ -255,9 +255,10 @@ def shrink(
 
 
 def _jobs(jobs: int | None) -> int:
-    from harness.process import cores
+    from harness.process import cores, require_linux
     from problems import InputError
 
+    require_linux()
     most = len(cores())
     if jobs is not None and jobs > most:
         raise InputError(f"jobs: at most {most} here, one core for each")

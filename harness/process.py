@@ -6,9 +6,9 @@ signal of a parent's death cannot be missed; a bound socket without a file is a 
 
 import ctypes
 import os
-import resource
 import signal
 import socket
+import sys
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -17,10 +17,21 @@ from time import monotonic, sleep
 
 import psutil
 
+from problems import InputError
+
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "RAYON_NUM_THREADS")
 PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36  # linux/prctl.h
 PATIENCE = 10.0  # seconds to end processes that start others as fast as they die
 _held: list[socket.socket] = []
+
+
+def require_linux() -> None:
+    """Errors: InputError where the mechanisms are missing that a measurement stands on."""
+    if sys.platform != "linux":
+        raise InputError(
+            f"platform: {sys.platform} has no parent-death signal, subreaper or core affinity as this suite needs them; "
+            "solvers are run and measured on Linux only"
+        )
 
 
 def pin_threads() -> None:
@@ -59,6 +70,8 @@ def hold_core() -> int | None:
 
 def bound_memory(limit: int) -> None:
     """Let this process map at most `limit` bytes beyond what it has mapped; allocations past that fail."""
+    import resource
+
     mapped = psutil.Process().memory_info().vms
     resource.setrlimit(resource.RLIMIT_AS, (mapped + limit, resource.RLIM_INFINITY))
 

@@ -191,16 +191,12 @@ def read_table(folder: Path, table: str) -> pd.DataFrame:
 def _read_parquet(path: Path, schema: pa.Schema) -> pa.Table:
     """The table's columns. A small file can say that it holds more than memory does: its metadata are looked at first, and
     texts are read as a dictionary, which holds each once, and measured before they are spread out."""
-    texts = [field.name for field in schema if pa.types.is_string(field.type)]
-    file = pq.ParquetFile(path, read_dictionary=texts)
-    facts = file.metadata
+    facts, columns = pq.read_metadata(path), pq.read_schema(path)
     for field in schema:
-        if field.name not in file.schema_arrow.names:
+        if field.name not in columns.names:
             raise ResultsError(f"{path}: column {field.name} is missing")
-        found = file.schema_arrow.field(field.name).type
-        plain = found.value_type if pa.types.is_dictionary(found) else found
-        if plain != field.type:
-            raise ResultsError(f"{path}: column {field.name} is {plain}, not {field.type}")
+        if (found := columns.field(field.name).type) != field.type:
+            raise ResultsError(f"{path}: column {field.name} is {found}, not {field.type}")
     unpacked = values = 0
     for group in map(facts.row_group, range(facts.num_row_groups)):
         chunks = [group.column(i) for i in range(group.num_columns)]
@@ -210,7 +206,8 @@ def _read_parquet(path: Path, schema: pa.Schema) -> pa.Table:
         raise ResultsError(f"{path}: unpacks to {unpacked / 2**30:.1f} GiB, more than {LARGEST_TABLE / 2**30:g}")
     if max(values, facts.num_rows, 0) > MOST_VALUES:
         raise ResultsError(f"{path}: holds {max(values, facts.num_rows):,} values, more than {MOST_VALUES:,}")
-    data = file.read(columns=schema.names, use_threads=False)
+    texts = [field.name for field in schema if pa.types.is_string(field.type)]
+    data = pq.ParquetFile(path, read_dictionary=texts).read(columns=schema.names, use_threads=False)
     spread = sum(_spread(chunk) for name in texts for chunk in data.column(name).chunks)
     if spread > LARGEST_TABLE:
         raise ResultsError(f"{path}: its texts take {spread / 2**30:.1f} GiB, more than {LARGEST_TABLE / 2**30:g}")

@@ -275,15 +275,15 @@ class Remembers(Bad):
     """Thinks for long once, and then knows the answer, that there is none, by heart."""
 
     def misbehave(self, problem):
-        if problem.hash not in _known:
+        if problem.contacts not in _known:
             end = time.perf_counter() + 0.02
             while time.perf_counter() < end:
                 pass
-            _known.add(problem.hash)
+            _known.add(problem.contacts)
         return Answer(np.zeros((problem.contacts, 2)), Status.STALLED)
 
 
-_known: set[str] = set()
+_known: set[int] = set()
 
 
 @solver("answers_once", family="bad", model="coulomb")

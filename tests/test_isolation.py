@@ -1,23 +1,56 @@
 """Workers run our code and nobody else's, end with the run whatever runs in them, and do not spoil one another."""
 
+import os
+import signal
 import subprocess
 import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
 
+import psutil
 import pytest
 
 from harness import machine
 from harness.workers import pool
 from harness.workers.pool import Pool
+from problems import InputError
 from results import store
 from results.store import ResultsError
 
+MARK = "FRICTIONBENCH_TEST_MARK"
+DEAF = """
+import os
+import signal
+
+from solvers import solver
+
+
+@solver("deaf", family="bad", model="coulomb")
+class Deaf:
+    '''Hangs from the first call with all signals blocked, and so does its child, which is nobody\'s.'''
+
+    def prepare(self, problem):
+        signal.pthread_sigmask(signal.SIG_SETMASK, set(signal.Signals))
+        if os.fork() == 0:
+            os.setsid()
+        open(os.environ["FRICTIONBENCH_TEST_MARK"] + "/hangs", "a").close()
+        while True:
+            pass
+"""
 SABOTAGE = "raise RuntimeError('the code of the current folder was run')"
 
 
 def frictionbench(*arguments: str, **options) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "frictionbench", *arguments]
     return subprocess.run(command, capture_output=True, text=True, check=False, timeout=300, **options)
+
+
+def wait_until(condition: Callable[[], bool], seconds: float = 60.0) -> bool:
+    end = time.monotonic() + seconds
+    while not (met := condition()) and time.monotonic() < end:
+        time.sleep(0.05)
+    return met
 
 
 @pytest.fixture
@@ -62,3 +95,56 @@ def test_a_worker_of_other_code_is_refused(monkeypatch, tmp_path) -> None:
     monkeypatch.setattr(machine, "code", lambda: {"root": str(machine.ROOT), "content": "another"})
     with pytest.raises(ResultsError, match=r"workers: they run .*, not .*another"):
         Pool(tmp_path, 1, (), 2**30)
+
+
+def test_a_platform_without_the_mechanisms_is_told_at_the_start(monkeypatch, tmp_path) -> None:
+    monkeypatch.setattr(sys, "platform", "darwin")
+    with pytest.raises(InputError, match=r"platform: darwin has no .* on Linux only"):
+        Pool(tmp_path, 1, (), 2**30)
+
+
+def marked(mark: str) -> list[int]:
+    """The processes, wherever they went, below one that was started with a mark in its environment."""
+    found = []
+    for process in psutil.process_iter():
+        try:
+            if process.environ().get(MARK) == mark and process.status() != psutil.STATUS_ZOMBIE:
+                found.append(process.pid)
+        except psutil.Error:
+            continue
+    return found
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGHUP])
+def test_a_run_that_is_ended_leaves_no_process_whatever_its_solver_does(tmp_path, number) -> None:
+    plugin = tmp_path / "deaf.py"
+    plugin.write_text(DEAF, encoding="utf-8")
+    options = [
+        "run",
+        "smoke",
+        "--scene",
+        "stack",
+        "--solver",
+        str(plugin),
+        "--time-limit",
+        "300",
+        "--out",
+        str(tmp_path / "run"),
+    ]
+    begun = subprocess.Popen(
+        [sys.executable, "-m", "frictionbench", *options],
+        env=os.environ | {MARK: str(tmp_path)},
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert wait_until((tmp_path / "hangs").exists)
+    begun.send_signal(number)
+    _, told = begun.communicate(timeout=60)
+    assert wait_until(lambda: not marked(str(tmp_path)))
+    if number == signal.SIGKILL:
+        assert begun.returncode == -number
+    else:
+        assert begun.returncode == 128 + number
+        assert f"broken off by {number.name}; the same command goes on" in told
+    assert store.read_manifest(tmp_path / "run")["settings"]["time_limit"] == 300.0

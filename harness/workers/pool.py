@@ -124,9 +124,13 @@ class _Hand:
 
 
 class Pool:
-    """Workers for one run; use as a context manager. Errors: ResultsError where workers would not run this very code."""
+    """Workers for one run; use as a context manager.
+
+    Errors: InputError on a platform that cannot isolate them, ResultsError where they would not run this very code.
+    """
 
     def __init__(self, folder: Path, jobs: int, plugins: tuple[Plugin, ...], memory_limit: int) -> None:
+        process.require_linux()
         self._hands = [_Hand((folder.absolute(), plugins, memory_limit)) for _ in range(jobs)]
 
     def __enter__(self) -> "Pool":
