@@ -9,6 +9,7 @@ import psutil
 import pytest
 from rich.console import Console
 
+from harness.commands.fairness import FIELDS, facts, page
 from harness.plans.plan import Plan, Source
 from harness.progress import Progress
 from harness.run import run
@@ -111,6 +112,16 @@ def test_every_adapter_is_short() -> None:
             if line.strip() and i not in silent and not line.startswith(("from", "import"))
         ]
         assert len(code) <= 80, f"{path.name}: {len(code)}"
+
+
+@pytest.mark.parametrize("info", [info for info in available().values() if info.needs], ids=lambda info: info.name)
+def test_every_outside_solver_says_how_it_is_treated(info) -> None:
+    assert facts(info).keys() == set(FIELDS)
+
+
+def test_the_fairness_page_is_the_registrys() -> None:
+    written = (TESTS.parent / "docs" / "fairness.md").read_text(encoding="utf-8")
+    assert written == page(), "python -m harness.commands.fairness > docs/fairness.md"
 
 
 def test_what_is_missing_is_said() -> None:
