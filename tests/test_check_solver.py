@@ -1,0 +1,100 @@
+"""The contract: what keeps it has no complaint, what breaks one thing is told so by the check for it."""
+
+from collections.abc import Callable
+from dataclasses import replace as changed
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from harness.cli import app
+from harness.contract.check import CHECKS, Subject
+from harness.contract.examine import GROUPS
+from solvers import Answer, Status, find
+
+GOOD = "interior_point"
+
+
+class Spoiled:
+    """A good solver, spoiled in one way: spoil(problem, answer, limit, start) gives another answer, or None."""
+
+    def __init__(self, spoil: Callable[..., Answer | None]) -> None:
+        self._good, self._spoil, self.calls = find(GOOD)[1], spoil, 0
+
+    def prepare(self, problem):
+        return problem
+
+    def solve(self, problem, tol, limit, start=None):
+        self.calls += 1
+        answer = self._good.solve(self._good.prepare(problem.fresh()), tol, limit)
+        return self._spoil(self, problem, answer, limit, start) or answer
+
+
+def nothing(problem) -> Answer:
+    return Answer(np.zeros((problem.contacts, problem.dimension)), Status.SOLVED)
+
+
+def rob(self, problem, *_):
+    problem.friction.setflags(write=True)
+    problem.friction[:] = 0
+
+
+def lie_where(condition):
+    return lambda self, problem, *_: nothing(problem) if problem.contacts and condition(problem) else None
+
+
+def tangents(problem):
+    return problem.q.reshape(problem.contacts, problem.dimension)[:, 1:]
+
+
+SPOILT = {
+    "leaves_its_input_alone": rob,
+    "answers_in_form": lambda self, problem, answer, *_: Answer(np.vstack([answer.impulse, answer.impulse]), answer.status),
+    "takes_no_contact": lambda self, problem, answer, *_: None if problem.contacts else Answer(np.zeros(0), Status.FAILED),
+    "solves_one_contact": lie_where(lambda problem: problem.contacts == 1),
+    "redundant_contacts": lie_where(lambda problem: problem.contacts > 8),
+    "duplicated_contacts": lie_where(lambda problem: len(problem.friction) > 2 and problem.bias[0] == problem.bias[1]),
+    "frictionless": lie_where(lambda problem: not problem.friction.any()),
+    "honest_claims": lie_where(lambda problem: problem.contacts == 8),
+    "same_answer_twice": lambda self, problem, answer, *_: changed(answer, impulse=answer.impulse * (1 + 1e-12 * self.calls)),
+    "keeps_its_limit": lambda self, problem, answer, limit, start: (
+        Answer(answer.impulse, Status.STALLED, {"sweeps": 10**6}) if limit else None
+    ),
+    "warm_start_does_no_harm": lambda self, problem, answer, limit, start: (
+        None if start is None else Answer(start, Status.SOLVED)
+    ),
+    "order_of_contacts": lie_where(lambda problem: problem.q[0] > problem.q[-problem.dimension] + 1e-9),
+    "mirror": lie_where(lambda problem: tangents(problem)[:, 0].sum() < -1e-9),
+    "tangent_frames": lie_where(lambda problem: problem.dimension == 3 and problem.tangent[[0]].count_nonzero() > 3),
+    "units": lie_where(lambda problem: np.abs(problem.q).max() < 1e-2),
+}
+
+
+def test_each_check_has_its_spoiler() -> None:
+    assert SPOILT.keys() == CHECKS.keys()
+    assert len(GROUPS) == 4
+
+
+@pytest.mark.parametrize("name", CHECKS)
+def test_a_good_solver_keeps_the_contract(name) -> None:
+    assert list(CHECKS[name].complaints(Subject(*find(GOOD)))) == []
+
+
+@pytest.mark.parametrize("name", CHECKS)
+def test_a_spoiled_one_is_told_what_is_wrong(name) -> None:
+    subject = Subject(find(GOOD)[0], Spoiled(SPOILT[name]))
+    assert list(CHECKS[name].complaints(subject))
+
+
+def test_a_solver_that_dies_or_hangs_is_told_so(tmp_path: Path) -> None:
+    file = tmp_path / "two.py"
+    file.write_text(
+        '"""Two solvers."""\nimport os\nimport numpy as np\nfrom solvers import Answer, Status, solver\n\n'
+        '@solver("aborts", family="bad", model="coulomb")\nclass Aborts:\n    """Aborts."""\n'
+        "    def solve(self, problem, tol, limit, start=None):\n        os.abort()\n"
+    )
+    result = CliRunner().invoke(app, ["check-solver", str(file), "--jobs", "1"])
+    assert result.exit_code == 1
+    assert result.output.count("broken") == result.output.count("SIGABRT") == len(CHECKS)
+    assert "broken  mirror" in result.output
