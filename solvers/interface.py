@@ -11,10 +11,19 @@
 A solver without form or setup needs none: the next step is given what the last one had. One that tells the two not apart
 defines `prepare(problem)` instead, which counts as setup. Every solver then has `prepare`, which is setup(form(problem)).
 
-`tol` is the residual asked for, in the measure of problems.residual. `limit` bounds the method's own unit of work (pivots,
-sweeps, iterations), None for its default: wall-clock limits are the harness's business. `start` is a guess of the impulses
-(nc, d), given only to solvers with warm_start. A solver says honestly how it ended; whether its answer is right is found out
-by others.
+`tol` is the residual asked for, of the solver's own model in the measure of problems.residual. One that computes this very
+residual stops at tol; one that stops by another measure keeps a margin, as much as that can fall short of this one:
+
+    1      sweeps, projected gradients and splittings: their residual is the verifier's, to the last bits
+    1/2    interior points and pivoting: the same in other units and by rows, a contact's normal and tangent apart, together
+           sqrt(2) as much, and added up in another order
+    1/10   Newton's methods on an LCP: its natural residual bounds this one up to a small factor (solvers.pivots.natural)
+    own    outside libraries: each file in solvers/outside says what it asks for, and why
+
+What a margin cannot promise is found out by the verifier, and is `missed` or `wrong` (harness.verify). `limit` bounds the
+method's own unit of work (pivots, sweeps, iterations), None for its default: wall-clock limits are the harness's business.
+`start` is a guess of the impulses (nc, d), given only to solvers with warm_start. A solver says honestly how it ended;
+whether its answer is right is found out by others.
 """
 
 from collections.abc import Callable

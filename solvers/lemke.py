@@ -43,7 +43,7 @@ from solvers.pivots.lemke_path import (
     evaluate,
     follow,
 )
-from solvers.pivots.scaled_lcp import ScaledLCP, finish, residual, scaled_lcp
+from solvers.pivots.scaled_lcp import MARGIN, ScaledLCP, finish, residual, scaled_lcp
 
 PERTURBATION = 1e-7  # of q, whose largest entry is 1
 HARRIS = 1e-4  # how far below zero near ties may reach, relative to the perturbation
@@ -151,7 +151,7 @@ class Lemke:
         lcp, _, M, q, unit = scaled
         guess = np.empty(0, np.int64) if start is None else guess_basis(lcp, start)
         limit = limit or 100_000 + 100 * len(q)
-        goal = tol / 2  # the verifier's norm is another, and it adds up in another order
+        goal = MARGIN * tol
         ended, y, pivots, restarts, inversions = lemke(
             M, q, cover, unit, guess, lcp.basis is not None, goal, limit, self.restarts
         )

@@ -12,6 +12,7 @@ from solvers.interior.predictor_corrector import Best
 from solvers.interior.system import System, in_velocities, prepare
 
 ROUNDING = 4 * np.finfo(float).eps
+MARGIN = 0.5  # of tol: the same residual in other units, added up in another order
 SHARE = 250  # factorisations for one phase: hardly any path that arrived was longer
 
 Phase = tuple[Callable[..., int], Point]  # the method, and the point it starts from, to be moved
@@ -50,7 +51,7 @@ def run(prepared: Prepared, phases: Iterable[Phase], tol: float, limit: int, pat
     used = 0
     status = Status.STALLED
     for method, point in phases:
-        used += method(system, point, best, tol / 2, patience, history[used : used + SHARE])
+        used += method(system, point, best, MARGIN * tol, patience, history[used : used + SHARE])
         if _is_solved(best, tol, system, problem, measure):
             status = Status.SOLVED
             break

@@ -15,6 +15,7 @@ from solvers.pivots.inverse_basis import Basis, Matrix, compress, symmetrised
 from solvers.pivots.lemke_path import COMPLEMENTARY, LIMIT, LOST, RAY, STUCK, add_product, evaluate
 from solvers.pivots.scaling import Scaling, diagonal_scaling, scaling
 
+MARGIN = 0.5  # of tol: rows measure a contact's normal and tangent apart, and add up in another order
 STATUS = {
     COMPLEMENTARY: Status.SOLVED,
     RAY: Status.RAY,
@@ -43,7 +44,7 @@ def pivot_by(method: Callable[..., tuple[int, Array, int, int]], lcp: ScaledLCP,
 
     tol is halved: the verifier's norm is another, and it adds up in another order.
     """
-    ended, y, pivots, inversions = method(lcp.M, lcp.q, lcp.unit, tol / 2, limit or 10_000 + 100 * len(lcp.q))
+    ended, y, pivots, inversions = method(lcp.M, lcp.q, lcp.unit, MARGIN * tol, limit or 10_000 + 100 * len(lcp.q))
     return lcp.answer(y, ended, pivots=pivots, inversions=inversions)
 
 
