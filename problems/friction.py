@@ -188,8 +188,10 @@ class FrictionProblem:
 
     @cached_property
     def q(self) -> Array:
-        """The free contact velocity with its bias (nc*d,): u where r = 0."""
-        return self._measures[0]
+        """The free contact velocity with its bias (nc*d,): u where r = 0. Read-only, as where it is given."""
+        q = self._measures[0]
+        q.setflags(write=False)
+        return q
 
     @cached_property
     def blocks(self) -> Blocks:
@@ -266,6 +268,7 @@ class FrictionProblem:
         """u (nc, d) where v = 0: the bias along the normal."""
         offset = np.zeros((self.contacts, self.dimension))
         offset[:, 0] = self.bias
+        offset.setflags(write=False)
         return offset
 
     @cached_property
