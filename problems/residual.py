@@ -105,7 +105,7 @@ def largest_defect(r, u, s, mu, b, shift):  # type: ignore[no-untyped-def]
     return worst
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def _defects(r: Array, u: Array, s: Array, mu: Array, b: Array, shift: float) -> Array:
     """|r_i - P_K(r_i - (u_i + shift mu_i |u_t,i| e_n)/s_i)| (nc,), contact by contact."""
     defects = np.empty(len(r))

@@ -44,6 +44,7 @@ from solvers.pivots.lemke_path import (
     follow,
 )
 from solvers.pivots.scaled_lcp import MARGIN, ScaledLCP, finish, residual, scaled_lcp
+from solvers.pivots.vectors import fill, largest, least, put
 
 PERTURBATION = 1e-7  # of q, whose largest entry is 1
 HARRIS = 1e-4  # how far below zero near ties may reach, relative to the perturbation
@@ -51,27 +52,30 @@ EXACT = 1e-12  # a residual of round-off, below which no smaller perturbation is
 CERTIFICATE = 1e-9  # how exactly a ray must hold, relative to its size
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def certified(M: Matrix, q: Array, d: Array, ray: Array, copositive: bool) -> bool:
     """Whether (v, v0) = ray is a secondary ray: v >= 0, v != 0, v0 >= 0, s = M v + d v0 >= 0 and v's = 0.
 
     Where M is copositive, as in every friction LCP, it then follows that v0 = 0 and q'v < 0, which is asked for too.
     """
     n = len(q)
-    v, v0 = ray[:n], ray[n]
-    s = d * v0
+    v, v0, s = ray[:n], ray[n], np.empty(n)
+    size = along = 0.0
+    for i in range(n):
+        s[i] = d[i] * v0
+        size = max(size, abs(v[i]))
+        along += q[i] * v[i]
     add_product(M, v, s)
-    size = np.abs(v).max()
     slack = CERTIFICATE * size
-    if not (size > CERTIFICATE * abs(v0) and v.min() >= -slack and v0 >= -slack and s.min() >= -slack):
+    if not (size > CERTIFICATE * abs(v0) and v0 >= -slack):
         return False
     for i in range(n):
-        if min(v[i], s[i]) > slack:
+        if not (v[i] >= -slack and s[i] >= -slack) or min(v[i], s[i]) > slack:
             return False
-    return not copositive or (v0 <= slack and q @ v < -slack)
+    return not copositive or (v0 <= slack and along < -slack)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def lemke(
     M: Matrix, q: Array, cover: Array, unit: Array, guess: Index, copositive: bool, tol: float, limit: int, restarts: int
 ) -> tuple[int, Array, int, int, int]:
@@ -81,11 +85,14 @@ def lemke(
     """
     n = len(q)
     work = np.zeros(2, np.int64)
-    space = np.ones((6, n))
+    space = np.empty((6, n))
     d, shifted, drawn, out, y, z = space[0], space[1], space[2], space[3], space[4], space[5]
     x, ray = np.empty(n + 1), np.empty(n + 1)
-    watched = np.ones(n + 1, np.bool_)
-    best_y = np.zeros(n)
+    watched = np.empty(n + 1, np.bool_)
+    fill(watched, True)
+    best_y = np.empty(n)
+    fill(best_y, 0.0)
+    fill(d, 1.0)
     best = residual(M, q, unit, best_y, out)
     ended = COMPLEMENTARY if best <= tol else LOST
     trial = first = -1 if len(guess) else 0
@@ -100,14 +107,15 @@ def lemke(
         # A path takes up to about 3 n pivots, or many more in Murty's examples: only the last trial may use up what is left.
         budget = limit if trial == restarts else min(limit, work[0] + 5 * n + 1000)
         while code == COMPLEMENTARY:
-            drawn[:] = cover
+            put(drawn, cover)
             if trial > 0:
                 draw(2 * trial, drawn)
-            d[:] = 0.0
+            fill(d, 0.0)
             add_coordinates(M, basis, drawn, 1.0, d, z)
             draw(2 * trial + 1, drawn)
-            drawn += 9.0  # tenths: nearly uniform perturbations make for shorter paths
-            shifted[:] = q
+            for i in range(n):
+                drawn[i] += 9.0  # tenths: nearly uniform perturbations make for shorter paths
+            put(shifted, q)
             add_coordinates(M, basis, drawn, size / 10.0, shifted, z)
             evaluate(M, d, basis, shifted, x, out, ACCURACY)
             code = follow(M, shifted, d, basis, x, ray, watched, HARRIS * size, budget, work)
@@ -119,8 +127,8 @@ def lemke(
                 error = finish(M, d, basis, q, unit, x, y, out)
                 if error < best:
                     best = error
-                    best_y[:] = y
-                if size < 1e-12 or error <= min(tol, EXACT) or x[:n].min() >= -4e-16 * x[:n].max():
+                    put(best_y, y)
+                if size < 1e-12 or error <= min(tol, EXACT) or least(x, n) >= -4e-16 * largest(x, n):
                     break
                 size, cold = size * 1e-2, False
         if best <= tol:

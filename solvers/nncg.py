@@ -39,7 +39,7 @@ class NNCG:
         return watch.answer(r, sweeps=sweeps, checks=watch.seen)
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def _iterate(form, r, watch):  # type: ignore[no-untyped-def]
     """Overwrite r by the solution; the number of sweeps."""
     x, u = np.empty_like(form.rest), np.empty_like(r)

@@ -43,7 +43,7 @@ class NSGS:
         return watch.answer(r, sweeps=sweeps, checks=watch.seen)
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def _iterate(form, r, relaxation, watch):  # type: ignore[no-untyped-def]
     """Overwrite r by the solution; the number of sweeps."""
     x, u = np.empty_like(form.rest), np.empty_like(r)

@@ -61,6 +61,7 @@ from solvers.pivots.natural import MARGIN, exact_residual, natural_residual, nat
 from solvers.pivots.newton_path import FACTORISATIONS, LIMIT, NEWTON, RAY, SINGULAR, follow, is_ray
 from solvers.pivots.ordering import in_order, reverse_cuthill_mckee
 from solvers.pivots.scaling import Scaling, scaling
+from solvers.pivots.vectors import fill, put
 
 SHIFT = 0.3  # size of a crash point's residual, relative to the largest scaled q
 SPREAD = 0.1  # randomness of its entries
@@ -157,30 +158,37 @@ class Prepared(NamedTuple):
     noise: Array
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def search(columns, basis, q, weight, noise, tol, limit, steps, proximal):  # type: ignore[no-untyped-def]
     """Newton's method from z = 0: the best z found, its residual, how the last path ended, whether on a true ray; work."""
     n = len(q)
     work = np.zeros(5, np.int64)
-    z, w, v = np.zeros(n), q.copy(), np.zeros(n)
-    A = np.zeros(n, np.bool_)
-    best, least = z.copy(), natural_residual(weight, z, w)
-    recent = np.full(MEMORY, least)
+    z, w, v, A = np.zeros(n), np.empty(n), np.zeros(n), np.zeros(n, np.bool_)
+    delta, right, along, best = np.empty(n), np.empty(n), np.empty(n), np.zeros(n)
+    put(w, q)
+    least = natural_residual(weight, z, w)
+    recent = np.empty(MEMORY)
+    fill(recent, least)
     residual, end, ray = least, NEWTON, False
     while least > tol:
-        delta = SHIFT * min(1.0, max(residual, 1e-4)) * (1.0 + SPREAD * noise[work[RESTARTS]])
+        shift = SHIFT * min(1.0, max(residual, 1e-4))
         eps = proximal * residual
-        columns.prox[:] = eps
-        shifted = q - eps * z  # F(z) + eps (z - centre) = (M + eps) z + shifted
-        crash_point(basis, columns, shifted + delta, A, z, w, steps, work)
+        fill(columns.prox, eps)
+        for i in range(n):
+            delta[i] = shift * (1.0 + SPREAD * noise[work[RESTARTS], i])
+            along[i] = q[i] - eps * z[i]  # F(z) + eps (z - centre) = (M + eps) z + along
+            right[i] = along[i] + delta[i]
+        crash_point(basis, columns, right, A, z, w, steps, work)
         for i in range(n):  # residual r of x: -delta on A; below, with w_i = max(F_i, 0) + delta_i
             columns.cover[i] = -delta[i] if A[i] else min(w[i] - delta[i], 0.0) - delta[i]
-        end = follow(basis, columns, columns.cover - shifted, v, limit, work)
+            right[i] = columns.cover[i] - along[i]
+        end = follow(basis, columns, right, v, limit, work)
         residual = np.inf
         if end == NEWTON:
             residual = newton_point(basis, columns, q, weight, v, z, w, work)
             if residual < least:
-                best, least = z.copy(), residual
+                put(best, z)
+                least = residual
             if residual <= round_off(columns, q, weight, z):
                 break
         elif end == RAY and eps == 0.0:
@@ -193,17 +201,18 @@ def search(columns, basis, q, weight, noise, tol, limit, steps, proximal):  # ty
             break
         work[RESTARTS] += 1
         if work[RESTARTS] % 2:
-            z[:] = 0.0
+            fill(z, 0.0)
             residual, steps, proximal = 1.0, 0, 0.0
         else:
-            z[:] = best
+            put(z, best)
             residual, steps, proximal = 1.0, RESTART_CRASH, RESTART_PROX
-        recent[:] = np.inf
-        A[:] = z > 0.0
+        fill(recent, np.inf)
+        for i in range(n):
+            A[i] = z[i] > 0.0
     return best, least, end, ray, work
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def crash_point(basis, columns, q, A, z, w, steps, work):  # type: ignore[no-untyped-def]
     """Improve the guess A of the basic z, and write the basic point of LCP(M, q) over z, w; A is empty where that fails.
 
@@ -211,17 +220,19 @@ def crash_point(basis, columns, q, A, z, w, steps, work):  # type: ignore[no-unt
     leaves, until z >= 0. A then has z_A >= 0, (Mz + q)_A = 0 and det M_AA > 0.
     """
     n = len(q)
-    kept = A.copy()
+    kept, right = np.empty(n, np.bool_), np.empty(n)
+    for i in range(n):
+        kept[i], right[i] = A[i], -q[i]
     least = np.inf
     for step in range(steps + 1):
         lost = complementary(basis, columns, A, work)
-        basic_point(basis, -q, z, w)
+        basic_point(basis, right, z, w)
         if not lost:
             infeasible = 0.0
             for i in range(n):
                 infeasible -= min(z[i], 0.0) + min(w[i], 0.0)
             if infeasible < least:
-                kept[:] = A
+                put(kept, A)
                 least = infeasible
             if infeasible == 0.0 or step == steps:
                 break
@@ -229,24 +240,27 @@ def crash_point(basis, columns, q, A, z, w, steps, work):  # type: ignore[no-unt
         for i in range(n):
             A[i] = z[i] > 0.0 if A[i] else w[i] < 0.0
         work[CRASH] += 1
-    A[:] = kept
+    put(A, kept)
     for _ in range(4):
         lost = complementary(basis, columns, A, work)
-        basic_point(basis, -q, z, w)
+        basic_point(basis, right, z, w)
         held(basis, A)
-        if not lost and z.min() >= 0.0:
+        below = lost
+        for i in range(n):
+            below += not z[i] >= 0.0
+        if not below:
             if orientation(basis) > 0:
                 return
             break
         for i in range(n):
             A[i] = A[i] and z[i] > 0.0
-    A[:] = False
+    fill(A, False)
     complementary(basis, columns, A, work)
-    z[:] = 0.0
-    w[:] = q
+    fill(z, 0.0)
+    put(w, q)
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def complementary(basis, columns, A, work):  # type: ignore[no-untyped-def]
     """Factorise the complementary basis of A; how many of its columns were left out as dependent."""
     hold(basis, A)
@@ -254,7 +268,7 @@ def complementary(basis, columns, A, work):  # type: ignore[no-untyped-def]
     return factorise(basis, columns, DEPENDENT)
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def newton_point(basis, columns, q, weight, end, z, w, work):  # type: ignore[no-untyped-def]
     """Write over z and w = M z + q the Newton point, solved and refined by the basis; its natural residual.
 
@@ -263,29 +277,40 @@ def newton_point(basis, columns, q, weight, end, z, w, work):  # type: ignore[no
     n = len(q)
     work[STEPS] += 1
     work[FACTORISATIONS] += 1
-    columns.prox[:] = 0.0
+    fill(columns.prox, 0.0)
     factorise(basis, columns, 0.0)
-    correction = np.empty(n)
-    basic_point(basis, -q, z, w)
-    defect = w - q
-    add_product(columns, -z, defect)
-    basic_point(basis, defect, correction, w)
+    correction, right, point, best = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
+    put(best, z)
+    for i in range(n):
+        right[i] = -q[i]
+    basic_point(basis, right, z, w)
+    for i in range(n):
+        right[i], point[i] = w[i] - q[i], -z[i]
+    add_product(columns, point, right)
+    basic_point(basis, right, correction, w)
     residual = np.inf
-    for point in (np.maximum(z + correction, 0.0), np.maximum(end, 0.0)):
-        w[:] = q
+    for refined in (True, False):
+        for i in range(n):
+            point[i] = max(z[i] + correction[i], 0.0) if refined else max(end[i], 0.0)
+        put(w, q)
         add_product(columns, point, w)
         here = natural_residual(weight, point, w)
         if here < residual:
-            z[:] = point
+            put(best, point)
             residual = here
+    put(z, best)
     return residual
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def round_off(columns, q, weight, z):  # type: ignore[no-untyped-def]
     """The natural residual that rounding leaves in w = M z + q even when it goes well: less is not worth a further step."""
-    size = np.abs(q)
+    size = np.empty(len(q))
+    for i in range(len(q)):
+        size[i] = abs(q[i])
     for j in range(len(z)):
         for k in range(columns.start[j], columns.start[j + 1]):
             size[columns.row[k]] += abs(z[j] * columns.value[k])
-    return EPSILON / 8 * largest(weight * size)
+    for i in range(len(q)):
+        size[i] *= weight[i]
+    return EPSILON / 8 * largest(size)

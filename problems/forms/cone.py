@@ -10,7 +10,7 @@ from numba import njit
 from problems.check import Array
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def nearest(n: float, size: float, mu: float, b: float) -> tuple[float, float]:
     """(m, share): the nearest point of the cone to (n, t), |t| = size, is (m, share t)."""
     if not size > mu * n + b:
@@ -20,7 +20,7 @@ def nearest(n: float, size: float, mu: float, b: float) -> tuple[float, float]:
     return m, limit / size if size > limit else 1.0
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def project_cone(x: Array, mu: Array, b: Array) -> Array:
     """The rows of x (nc, d) projected on the cones of mu and b (nc,)."""
     p = np.empty_like(x)

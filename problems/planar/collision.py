@@ -97,7 +97,7 @@ def near_pairs(low: Array, high: Array, owner: Index, margin: float) -> Index:
     return np.asarray(pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))])
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def _sweep(order: Index, low: Array, high: Array, owner: Index, axis: int, margin: float) -> Index:
     found = []
     for k in range(len(order)):

@@ -19,7 +19,7 @@ TIE = 1e-7
 Index = NDArray[np.int64]
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def meet(
     pairs: Index, X: Array, start: Index, radius: Array, endless: NDArray[np.bool_], margin: float
 ) -> tuple[Array, Array, Index, Index]:
@@ -42,7 +42,7 @@ def meet(
     return gap[:nc], place[:nc], feature[:nc], shape[:nc]
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def _edge(X: Array, e: int, first: int, last: int) -> tuple[int, float, float, float]:
     """The end of edge e of a shape with corners first..last-1, its outward unit normal, and its length."""
     f = e + 1 if e + 1 < last else first
@@ -51,7 +51,7 @@ def _edge(X: Array, e: int, first: int, last: int) -> tuple[int, float, float, f
     return f, dy / length, -dx / length, length
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def _widest(X: Array, a0: int, a1: int, b0: int, b1: int, edges: int, tie: float) -> tuple[int, float]:
     """The edge among A's first `edges` that B lies farthest outside of, and how far."""
     best, widest = a0, -np.inf
@@ -65,7 +65,7 @@ def _widest(X: Array, a0: int, a1: int, b0: int, b1: int, edges: int, tie: float
     return best, widest
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def _polygons(
     X: Array, i0: int, i1: int, j0: int, j1: int, endless: bool, margin: float, gap: Array, place: Array, feature: Index
 ) -> int:
@@ -116,7 +116,7 @@ def _polygons(
     return new
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def _round(
     X: Array,
     i0: int,

@@ -38,7 +38,7 @@ HAND_OVER = np.log(1e-4)  # log t at which the predictor-corrector is tried, and
 END = np.log(1e-20)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def trace(system: System, point: Point, best: Best, tol: float, patience: int, history: Array) -> int:
     """Follow the path from the point; stop where the residual is within tol, history is full, or the path is lost.
 
@@ -98,7 +98,7 @@ def trace(system: System, point: Point, best: Best, tol: float, patience: int, h
     return used
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def _aim(system: System, target: Array, t: float, product: Array, share: float, point: Point) -> None:
     """target = t product - share x ∘ s."""
     for i in range(len(target)):
@@ -107,7 +107,7 @@ def _aim(system: System, target: Array, t: float, product: Array, share: float, 
     add_products(system, -share, point.x, point.s, target)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def _dot(a: Point, b: Point) -> float:
     total = 0.0
     for i in range(len(a.x)):
@@ -116,7 +116,7 @@ def _dot(a: Point, b: Point) -> float:
     return total
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def _size(step: Point) -> float:
     """The largest component, infinity where one is not a number."""
     largest = 0.0

@@ -19,14 +19,14 @@ from solvers.interior.point import Point, new_point
 from solvers.interior.system import System
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def _phi(y: float, g: float) -> float:
     """(y + sqrt(y^2 + 4 g^2)) / 2 without cancellation."""
     larger = (abs(y) + np.sqrt(y * y + 4 * g * g)) / 2
     return larger if y >= 0 else g * g / larger
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def _phi_in_cone(y: Vector, g: float) -> Vector:
     size = np.sqrt(y[1] * y[1] + y[2] * y[2])
     high, low = _phi(y[0] + size, g), _phi(y[0] - size, g)
@@ -34,7 +34,7 @@ def _phi_in_cone(y: Vector, g: float) -> Vector:
     return (high + low) / 2, along * y[1], along * y[2]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def centred_point(system: System, r: Array, u: Array, g: float) -> Point:
     """The point for impulses r and velocities u (nc, d), in the problem's units; g relative to the largest free velocity."""
     point = new_point(system)

@@ -18,7 +18,7 @@ ROUNDING = 1e-15  # the least eigenvalue told from zero, relative to a_0
 Vector = tuple[float, float, float]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def longest_in_cone(a: Vector, step: Vector, limit: float) -> float:
     """The largest length <= limit with a + length step in the cone, for a in it up to rounding."""
     size = np.sqrt(a[1] * a[1] + a[2] * a[2])
@@ -38,7 +38,7 @@ def longest_in_cone(a: Vector, step: Vector, limit: float) -> float:
     return length
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def _quadratic(a: Vector, b: Vector) -> Vector:
     """Q(a) b."""
     twice = 2 * (a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
@@ -46,7 +46,7 @@ def _quadratic(a: Vector, b: Vector) -> Vector:
     return twice * a[0] - det * b[0], twice * a[1] + det * b[1], twice * a[2] + det * b[2]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def _root(a: Vector, sign: float) -> Vector:
     """a^(sign/2)."""
     size = np.sqrt(a[1] * a[1] + a[2] * a[2])
@@ -56,13 +56,13 @@ def _root(a: Vector, sign: float) -> Vector:
     return (high + low) / 2, along * a[1], along * a[2]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def to_geodesic(a: Vector, step: Vector) -> Vector:
     """w with step = Q(sqrt a) w."""
     return _quadratic(_root(a, -1.0), step)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def along_geodesic(a: Vector, w: Vector) -> Vector:
     """Q(sqrt a) exp(w)."""
     size = np.sqrt(w[1] * w[1] + w[2] * w[2])

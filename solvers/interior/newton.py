@@ -42,14 +42,14 @@ from solvers.sparse_lu.multifrontal import factorise, solve
 PIVOT = 1e-14  # the least pivot of A, whose mass matrix is scaled to the size of 1
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def _push_joints(joints: Elements, impulse: Array, momentum: Array) -> None:
     for j in range(len(impulse)):
         for a in range(joints.start[j], joints.start[j + 1]):
             momentum[joints.column[a]] += joints.push[a, 0] * impulse[j, 0]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def _feel_joints(joints: Elements, v: Array, velocity: Array) -> None:
     for j in range(len(velocity)):
         velocity[j, 0] = 0.0
@@ -57,7 +57,7 @@ def _feel_joints(joints: Elements, v: Array, velocity: Array) -> None:
             velocity[j, 0] += joints.feel[a, 0] * v[joints.column[a]]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def evaluate(system: System, point: Point, defect: Point, work: Work) -> float:
     """The residual of problems.residual at a point's impulses, infinity where it is not a number.
 
@@ -85,7 +85,7 @@ def evaluate(system: System, point: Point, defect: Point, work: Work) -> float:
     return worst
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def linearise(system: System, point: Point, work: Work) -> None:
     """Newton's matrix at a point, factorised."""
     work.storage[:] = 0
@@ -98,7 +98,7 @@ def linearise(system: System, point: Point, work: Work) -> None:
     factorise(system.fronts, work.storage, work.swap, PIVOT)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def direction(system: System, point: Point, target: Array, defect: Point, step: Point, work: Work) -> None:
     """The step with x ∘ ds + dx ∘ s = target that removes the defect, after linearise at the same point."""
     dv, planar = work.vector, system.offset.shape[1] == 2

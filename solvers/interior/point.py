@@ -40,13 +40,13 @@ class Point(NamedTuple):
     joint: Array
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def new_point(system: System) -> Point:
     nc, nj = len(system.friction), len(system.joint_bias)
     return Point(np.zeros((nc, 4)), np.zeros((nc, 4)), np.zeros((nj, 1)))
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def start_point(system: System, impulse: float, speed: float) -> Point:
     """Impulses of `impulse` times what stops a unit velocity at their contact, and `speed`; nothing tangential in space."""
     point, planar = new_point(system), system.offset.shape[1] == 2
@@ -61,7 +61,7 @@ def start_point(system: System, impulse: float, speed: float) -> Point:
     return point
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def add_products(system: System, factor: float, x: Array, s: Array, total: Array) -> None:
     """total += factor x ∘ s."""
     if system.offset.shape[1] == 2:
@@ -76,7 +76,7 @@ def add_products(system: System, factor: float, x: Array, s: Array, total: Array
             total[i, k] += factor * (x[i, 3] * x[i, k] + s[i, 3] * s[i, k])
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def set_identity(system: System, factor: float, total: Array) -> None:
     """total = factor times the identity of ∘."""
     planar = system.offset.shape[1] == 2
@@ -85,7 +85,7 @@ def set_identity(system: System, factor: float, total: Array) -> None:
             total[i, k] = factor if planar or k in (0, 3) else 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def longest(system: System, point: Point, step: Point, limit: float) -> float:
     """How far along the step x and s stay inside their cones, at most limit."""
     x, s, dx, ds, length = point.x, point.s, step.x, step.s, limit
@@ -104,12 +104,12 @@ def longest(system: System, point: Point, step: Point, limit: float) -> float:
     return length
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def _longest(value: float, step: float, limit: float) -> float:
     return -value / step if value + limit * step < 0 else limit
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def to_geodesics(system: System, point: Point, step: Point) -> None:
     """Overwrite a step's x and s with the geodesics that leave the point along it."""
     x, s, dx, ds = point.x, point.s, step.x, step.s
@@ -123,7 +123,7 @@ def to_geodesics(system: System, point: Point, step: Point) -> None:
             ds[i, 3], dx[i, 1], dx[i, 2] = to_geodesic((s[i, 3], x[i, 1], x[i, 2]), (ds[i, 3], dx[i, 1], dx[i, 2]))
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def move_along(system: System, point: Point, step: Point, length: float) -> None:
     """Move a point by `length` along a step's geodesics, its joints' impulses straight on."""
     x, s, dx, ds = point.x, point.s, step.x, step.s
@@ -141,7 +141,7 @@ def move_along(system: System, point: Point, step: Point, length: float) -> None
         point.joint[j, 0] += length * step.joint[j, 0]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def set_step(to: Point, factor: float, step: Point) -> None:
     """to = factor step."""
     for i in range(len(to.x)):
@@ -152,7 +152,7 @@ def set_step(to: Point, factor: float, step: Point) -> None:
         to.joint[j, 0] = factor * step.joint[j, 0]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def add_step(to: Point, factor: float, step: Point) -> None:
     """to += factor step."""
     for i in range(len(to.x)):

@@ -33,7 +33,7 @@ class Best(NamedTuple):
     factorisations: Index
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def judge(system: System, point: Point, defect: Point, work: Work, best: Best) -> float:
     """Evaluate a point and remember the best one."""
     residual = evaluate(system, point, defect, work)
@@ -45,7 +45,7 @@ def judge(system: System, point: Point, defect: Point, work: Work, best: Best) -
     return residual
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def predictor_corrector(system: System, point: Point, best: Best, tol: float, patience: int, history: Array) -> int:
     """Move the point to a solution; stop where the residual is within tol, history is full, or no progress is made.
 
@@ -56,7 +56,7 @@ def predictor_corrector(system: System, point: Point, best: Best, tol: float, pa
     return _iterate(system, point, step, defect, target, new_work(system), best, tol, patience, history)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def _iterate(
     system: System,
     point: Point,

@@ -83,7 +83,7 @@ class Work(NamedTuple):
     momentum: Array
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def new_work(system: System) -> Work:
     nc, d = system.offset.shape
     nv, nj = len(system.free_velocity), len(system.joint_bias)
@@ -270,7 +270,7 @@ def _gather(start, column, push, feel, unit):  # type: ignore[no-untyped-def]
     return Elements(own_start, own_column[:at], pushing[:at], feeling[:at], np.zeros(count, np.int64), np.zeros(at, np.uint32))
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def _settle(elements: Elements, fronts: Fronts, place: Index) -> None:
     """Renumber an element's variables by the order of elimination, and find them in its front."""
     for e in range(len(elements.front)):
@@ -279,7 +279,7 @@ def _settle(elements: Elements, fronts: Fronts, place: Index) -> None:
             elements.place[a] = find(fronts, elements.front[e], elements.column[a])
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def _slot(fronts: Fronts, front: int, row: int, column: int) -> int:
     return int(fronts.start[front] + row * (fronts.first[front + 1] - fronts.first[front]) + column)
 

@@ -92,10 +92,13 @@ def symmetrised(indptr, indices, data, D):  # type: ignore[no-untyped-def]
     return start, rows[:at], column[:at], row[:at]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def slack_basis(n: int) -> Basis:
     """All w basic."""
-    index = np.full((5, n + 1), -1, np.int64)
+    index = np.empty((5, n + 1), np.int64)
+    for k in range(5):
+        for i in range(n + 1):
+            index[k, i] = -1
     index[4, 0] = 0
     return Basis(np.empty((n + 1, n + 1)), index[0], index[1], index[2], index[3], index[4], np.empty((2, n + 1)))
 
@@ -211,7 +214,7 @@ def exchange(M: Matrix, d: Array, basis: Basis, a: Array, p: int, z_enters: bool
         basis.row[s] = -1
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def refactor(M: Matrix, d: Array, basis: Basis) -> bool:
     """Compute K^-1 afresh by Gauss-Jordan elimination with row exchanges; False where K is singular to working accuracy."""
     n, k = len(d), basis.size[0]
@@ -226,7 +229,9 @@ def refactor(M: Matrix, d: Array, basis: Basis) -> bool:
                 r = basis.column[M.rows[e]]
                 if r >= 0:
                     K[r, c] = M.column[e]
-    order = np.arange(k)
+    order = np.empty(k, np.int64)
+    for j in range(k):
+        order[j] = j
     for j in range(k):
         best = j
         for r in range(j + 1, k):
@@ -253,7 +258,7 @@ def refactor(M: Matrix, d: Array, basis: Basis) -> bool:
     return True
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def invert(M: Matrix, d: Array, basis: Basis, active: Index) -> bool:
     """Make the z of these indices basic in a slack basis, and their w nonbasic; False where that is singular."""
     for c in range(len(active)):

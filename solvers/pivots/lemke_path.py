@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from problems.check import Array
 from solvers.pivots.inverse_basis import Basis, Index, Matrix, exchange, refactor, transform
+from solvers.pivots.vectors import put
 
 Flags = NDArray[np.bool_]
 
@@ -41,10 +42,13 @@ def ratio_test(x: Array, a: Array, watched: Flags, least: float, slack: float) -
     return best
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def evaluate(M: Matrix, d: Array, basis: Basis, q: Array, x: Array, out: Array, accuracy: float) -> float:
     """x (n+1,) = the basic variables' values for the right side q; returns the relative defect."""
-    return transform(M, d, basis, -q, x, out, accuracy)[0]
+    rhs = np.empty(len(q))
+    for i in range(len(q)):
+        rhs[i] = -q[i]
+    return transform(M, d, basis, rhs, x, out, accuracy)[0]
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -59,7 +63,7 @@ def enter(M: Matrix, p: int, z_enters: bool, rhs: Array) -> None:
         rhs[p] = -1.0
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def follow(
     M: Matrix, q: Array, d: Array, basis: Basis, x: Array, a: Array, watched: Flags, slack: float, limit: int, work: Index
 ) -> int:
@@ -70,7 +74,8 @@ def follow(
     inversions, updated.
     """
     n = len(q)
-    rhs, out = d.copy(), np.empty(n)
+    rhs, out = np.empty(n), np.empty(n)
+    put(rhs, d)
     p, z_enters, fresh = n, True, True  # z0 enters first
     while True:
         defect, size = transform(M, d, basis, rhs, a, out, ACCURACY)
@@ -116,7 +121,7 @@ def follow(
         enter(M, p, z_enters, rhs)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def add_product(M: Matrix, v: Array, u: Array) -> None:
     """u += M v."""
     for j in range(len(u)):
@@ -125,7 +130,7 @@ def add_product(M: Matrix, v: Array, u: Array) -> None:
                 u[M.rows[e]] += M.column[e] * v[j]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def add_coordinates(M: Matrix, basis: Basis, y: Array, size: float, v: Array, z: Array) -> None:
     """v += the vector whose coordinates in a complementary basis are size * y, that is y_w - M y_z; z (n,) is workspace."""
     for i in range(len(v)):
@@ -138,7 +143,7 @@ def add_coordinates(M: Matrix, basis: Basis, y: Array, size: float, v: Array, z:
         add_product(M, z, v)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def draw(seed: int, drawn: Array) -> None:
     """Numbers from [1, 2), the same ones for the same seed, by Knuth's MMIX congruence."""
     state = np.uint64(seed)

@@ -18,6 +18,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from problems.check import Array
+from solvers.pivots.vectors import fill, put
 
 Indices = NDArray[np.int64]
 
@@ -66,40 +67,40 @@ def new_basis(n: int, memory: int = 96) -> Basis:
     )
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def hold(basis, A):  # type: ignore[no-untyped-def]
     """Make head the complementary basis of the set A (n, bool): z_i where A_i, w_i elsewhere."""
     for i in range(len(A)):
         basis.head[i] = i if A[i] else i + len(A)
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def held(basis, A):  # type: ignore[no-untyped-def]
     """Write over A (n, bool) which z the basis holds."""
-    A[:] = False
-    for j in basis.head:
-        if j < len(A):
-            A[j] = True
+    fill(A, False)
+    for i in range(len(A)):
+        if basis.head[i] < len(A):
+            A[basis.head[i]] = True
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def column(columns, j, y):  # type: ignore[no-untyped-def]
     """Write the column of variable j over y (n,); its largest magnitude."""
     n = len(y)
     if j == 2 * n:
-        y[:] = columns.cover
+        put(y, columns.cover)
     elif j >= n:
-        y[:] = 0.0
+        fill(y, 0.0)
         y[j - n] = -1.0
     else:
-        y[:] = 0.0
+        fill(y, 0.0)
         for k in range(columns.start[j], columns.start[j + 1]):
             y[columns.row[k]] = columns.value[k]
         y[j] += columns.prox[j]
     return largest(y)
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def largest(y):  # type: ignore[no-untyped-def]
     """max |y_i|; infinity if y holds a NaN."""
     most = 0.0
@@ -111,7 +112,7 @@ def largest(y):  # type: ignore[no-untyped-def]
     return most
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def factorise(basis, columns, floor):  # type: ignore[no-untyped-def]
     """Factorise head, placing its variables anew; how many of its columns depend on others.
 
@@ -121,14 +122,15 @@ def factorise(basis, columns, floor):  # type: ignore[no-untyped-def]
     head, order, L, U, span, slack = basis.head, basis.order, basis.L, basis.U, basis.span, basis.slack
     n = len(head)
     core = np.zeros(2 * n + 1, np.bool_)
-    slack[:] = False
     for i in range(n):
         core[head[i]] = True
     for i in range(n):
         slack[i] = core[n + i]
         core[n + i] = False
         head[i] = n + i
-    free = ~slack
+    free = np.empty(n, np.bool_)
+    for i in range(n):
+        free[i] = not slack[i]
     m = lost = 0
     for j in range(2 * n + 1):
         if not core[j]:
@@ -165,7 +167,7 @@ def factorise(basis, columns, floor):  # type: ignore[no-untyped-def]
     return lost
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def ftran(basis, y):  # type: ignore[no-untyped-def]
     """Solve B x = y, in place, x by position."""
     order, L, U, span = basis.order, basis.L, basis.U, basis.span
@@ -195,24 +197,25 @@ def ftran(basis, y):  # type: ignore[no-untyped-def]
             y[p] = step
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def exchange(basis, p, j, d):  # type: ignore[no-untyped-def]
     """Let variable j take position p, d being its column in terms of the basis; whether it is time to factorise."""
     k = basis.size[1]
     basis.head[p], basis.updated[k] = j, p
-    basis.update[k] = d
+    put(basis.update[k], d)
     basis.size[1] = k + 1
     return k + 1 == len(basis.updated)
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def basic_point(basis, b, z, w):  # type: ignore[no-untyped-def]
     """Write over z and w (n,) the basis's own solution of M z - w = b, t = 0."""
     n = len(b)
-    x = b.copy()
+    x = np.empty(n)
+    put(x, b)
     ftran(basis, x)
-    z[:] = 0.0
-    w[:] = 0.0
+    fill(z, 0.0)
+    fill(w, 0.0)
     for i in range(n):
         j = basis.head[i]
         if j < n:
@@ -221,11 +224,12 @@ def basic_point(basis, b, z, w):  # type: ignore[no-untyped-def]
             w[j - n] = x[i]
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def orientation(basis):  # type: ignore[no-untyped-def]
     """The sign of det M_AA, A the z of a complementary basis just factorised; +1 where there are none."""
     sign = 1
-    seat = basis.head.copy()
+    seat = np.empty(len(basis.head), np.int64)
+    put(seat, basis.head)
     for k in range(basis.size[0]):
         sign = -sign if basis.diagonal[k] < 0.0 else sign
     for k in range(basis.size[0]):
@@ -237,7 +241,7 @@ def orientation(basis):  # type: ignore[no-untyped-def]
     return sign
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def add_product(columns, z, y):  # type: ignore[no-untyped-def]
     """y += M z."""
     for j in range(len(z)):

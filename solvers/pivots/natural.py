@@ -58,7 +58,7 @@ def exact_residual(problem: FrictionProblem | LCP, lcp: LCP, z: Array, impulse: 
     return residual(problem, impulse) if problem.dimension == 2 else polygon_residual(problem, lcp, z)
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def natural_residual(weight, y, w):  # type: ignore[no-untyped-def]
     """max_i g_i |min(y_i, w_i)|, infinity if an entry is NaN; weight, y, w: (n,)."""
     worst = 0.0

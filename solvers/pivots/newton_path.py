@@ -10,6 +10,7 @@ import numpy as np
 from numba import njit
 
 from solvers.pivots.lu_basis import add_product, column, exchange, factorise, ftran, largest
+from solvers.pivots.vectors import fill, put
 
 DEPENDENT = 1e-12  # a column keeping less of its size in elimination depends on the others
 PIVOT = 1e-9  # smaller rates of change, relative to the direction's largest, count as zero
@@ -21,7 +22,7 @@ NEWTON, RETURNED, RAY, LIMIT, SINGULAR = range(5)  # how a path ends: at t = 1, 
 PIVOTS, FACTORISATIONS = 0, 1  # counted in work
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def follow(basis, columns, b, v, limit, work):  # type: ignore[no-untyped-def]
     """Follow M z - w + t cover = b from the factorised basis at t = 0 towards t = 1; how the path ends.
 
@@ -30,7 +31,8 @@ def follow(basis, columns, b, v, limit, work):  # type: ignore[no-untyped-def]
     n = len(b)
     t = entering = 2 * n
     t_at = -1
-    d, x = np.empty(n), b.copy()
+    d, x = np.empty(n), np.empty(n)
+    put(x, b)
     ftran(basis, x)
     while True:
         column(columns, entering, d)
@@ -61,7 +63,9 @@ def follow(basis, columns, b, v, limit, work):  # type: ignore[no-untyped-def]
         renew = basis.size[1] > 0 and (p < 0 or d[p] < DOUBTFUL * size)
         if not renew:
             if p < 0:
-                write_z(basis, -d, v)
+                for i in range(n):
+                    d[i] = -d[i]
+                write_z(basis, d, v)
                 if entering < n:
                     v[entering] = 1.0
                 return RAY
@@ -82,28 +86,30 @@ def follow(basis, columns, b, v, limit, work):  # type: ignore[no-untyped-def]
             work[FACTORISATIONS] += 1
             if factorise(basis, columns, DEPENDENT):
                 return SINGULAR
-            x[:] = b
+            put(x, b)
             ftran(basis, x)
             for i in range(n):
                 if basis.head[i] == t:
                     t_at = i
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def write_z(basis, x, z):  # type: ignore[no-untyped-def]
     """Write over z (n,) the z among the basic variables' values x (n,)."""
-    z[:] = 0.0
+    fill(z, 0.0)
     for i in range(len(z)):
         if basis.head[i] < len(z):
             z[basis.head[i]] = x[i]
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def is_ray(columns, v):  # type: ignore[no-untyped-def]
     """Whether 0 != v >= 0, Mv >= 0 and v_i (Mv)_i = 0, up to 1e-9 of the largest v."""
     size = largest(v)
-    Mv = np.zeros(len(v))
-    add_product(columns, v / size if size > 0.0 else v, Mv)
+    unit, Mv = np.empty(len(v)), np.zeros(len(v))
+    for i in range(len(v)):
+        unit[i] = v[i] / size if size > 0.0 else v[i]
+    add_product(columns, unit, Mv)
     for i in range(len(v)):
         if v[i] < -1e-9 * size or Mv[i] < -1e-9 or abs(v[i] * Mv[i]) > 1e-9 * size:
             return False

@@ -14,6 +14,7 @@ from solvers.interface import Answer, Status
 from solvers.pivots.inverse_basis import Basis, Matrix, compress, symmetrised
 from solvers.pivots.lemke_path import COMPLEMENTARY, LIMIT, LOST, RAY, STUCK, add_product, evaluate
 from solvers.pivots.scaling import Scaling, diagonal_scaling, scaling
+from solvers.pivots.vectors import put
 
 MARGIN = 0.5  # of tol: rows measure a contact's normal and tangent apart, and add up in another order
 STATUS = {
@@ -96,7 +97,7 @@ def _in_velocities(D, theta, scale, friction, fastest):  # type: ignore[no-untyp
 @njit(cache=True, error_model="numpy")
 def residual(M: Matrix, q: Array, unit: Array, y: Array, w: Array) -> float:
     """max |min(unit_0 y, unit_1 w)|, w = M y + q; infinity where that is not a number."""
-    w[:] = q
+    put(w, q)
     add_product(M, y, w)
     worst = 0.0
     for i in range(len(q)):

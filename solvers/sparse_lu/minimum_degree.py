@@ -20,7 +20,16 @@ from numpy.typing import NDArray
 Index = NDArray[np.int64]
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
+def _minus_one(n: int) -> Index:
+    """-1 in n places."""
+    index = np.empty(n, np.int64)
+    for i in range(n):
+        index[i] = -1
+    return index
+
+
+@njit(cache=True, no_cfunc_wrapper=True)
 def same_elements(start: Index, member: Index, n: int) -> tuple[Index, int]:
     """Number the variables (n,) so that those of just the same elements share a number, and how many numbers there are.
 
@@ -28,7 +37,7 @@ def same_elements(start: Index, member: Index, n: int) -> tuple[Index, int]:
     """
     label = np.zeros(n, np.int64)
     labels = len(member) + n + 1
-    split, into = np.full(labels, -1), np.zeros(labels, np.int64)
+    split, into = _minus_one(labels), np.zeros(labels, np.int64)
     made = 1
     for e in range(len(start) - 1):
         for k in range(start[e], start[e + 1]):
@@ -37,7 +46,7 @@ def same_elements(start: Index, member: Index, n: int) -> tuple[Index, int]:
                 split[old], into[old] = e, made
                 made += 1
             label[member[k]] = into[old]
-    number = np.full(labels, -1)
+    number = _minus_one(labels)
     groups = 0
     for v in range(n):
         if label[v] == 0:  # of no element: on its own
@@ -50,15 +59,17 @@ def same_elements(start: Index, member: Index, n: int) -> tuple[Index, int]:
     return label, groups
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def transpose(start: Index, member: Index, n: int) -> tuple[Index, Index]:
     """The elements of each variable, ascending."""
     begin = np.zeros(n + 1, np.int64)
-    for v in member:
-        begin[v + 1] += 1
+    for k in range(len(member)):
+        begin[member[k] + 1] += 1
     for v in range(n):
         begin[v + 1] += begin[v]
-    free, element = begin[:-1].copy(), np.empty(len(member), np.int64)
+    free, element = np.empty(n, np.int64), np.empty(len(member), np.int64)
+    for v in range(n):
+        free[v] = begin[v]
     for e in range(len(start) - 1):
         for k in range(start[e], start[e + 1]):
             element[free[member[k]]] = e
@@ -66,7 +77,7 @@ def transpose(start: Index, member: Index, n: int) -> tuple[Index, Index]:
     return begin, element
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def minimum_degree(start: Index, member: Index, width: Index) -> tuple[Index, Index, Index, Index, Index]:
     """Eliminate variables of the given widths (n,) front by front: (first, variable, pivots, parent, home).
 
@@ -75,23 +86,25 @@ def minimum_degree(start: Index, member: Index, width: Index) -> tuple[Index, In
     """
     n, elements = len(width), len(start) - 1
     begin, element = transpose(start, member, n)
-    count = begin[1:] - begin[:-1]
-    total = width.sum()
+    count, total = np.empty(n, np.int64), 0
+    for v in range(n):
+        count[v] = begin[v + 1] - begin[v]
+        total += width[v]
     # Elements, the fronts' after the given ones: where their variables stand, their size, the front that took them up.
-    low, high = np.zeros(elements + n, np.int64), np.zeros(elements + n, np.int64)
-    low[:elements], high[:elements] = start[:-1], start[1:]
-    size, taken, outside = np.zeros(elements + n, np.int64), np.full(elements + n, -1), np.zeros(elements + n, np.int64)
+    low, high, size = np.zeros(elements + n, np.int64), np.zeros(elements + n, np.int64), np.zeros(elements + n, np.int64)
+    taken, outside = _minus_one(elements + n), np.zeros(elements + n, np.int64)
     for e in range(elements):
+        low[e], high[e] = start[e], start[e + 1]
         for k in range(low[e], high[e]):
             size[e] += width[member[k]]
-    room = np.empty(2 * len(member) + 2 * n, np.int64)
-    room[: len(member)] = member
     end = len(member)
+    room = np.empty(2 * end + 2 * n, np.int64)
+    for k in range(end):
+        room[k] = member[k]
 
     # Variables by the bound on their degree, in doubly linked lists; the last one put in comes first.
     degree = np.zeros(n, np.int64)
-    head, after, before = np.full(total + 1, -1), np.full(n, -1), np.full(n, -1)
-    seen = np.full(n, -1)
+    head, after, before, seen = _minus_one(total + 1), _minus_one(n), _minus_one(n), _minus_one(n)
     for v in range(n - 1, -1, -1):
         for k in range(begin[v], begin[v + 1]):
             for m in range(start[element[k]], start[element[k] + 1]):
@@ -99,8 +112,7 @@ def minimum_degree(start: Index, member: Index, width: Index) -> tuple[Index, In
                     seen[member[m]] = v
                     degree[v] += width[member[m]]
         _put_in(v, degree[v], head, after, before)
-    seen[:] = -1
-    measured = np.full(elements + n, -1)
+    seen, measured = _minus_one(n), _minus_one(elements + n)
     first, pivots = np.zeros(n + 1, np.int64), np.zeros(n, np.int64)
     fronts, left, least = 0, n, 0
     while left:
@@ -109,8 +121,11 @@ def minimum_degree(start: Index, member: Index, width: Index) -> tuple[Index, In
         v = head[least]
         _take_out(v, degree[v], head, after, before)
         f, new = fronts, elements + fronts
-        while end + n > len(room):
-            room = np.concatenate((room, np.empty_like(room)))
+        if end + n > len(room):
+            larger = np.empty(2 * (end + n), np.int64)
+            for k in range(end):
+                larger[k] = room[k]
+            room = larger
         first[f] = end
         room[end] = v
         end += 1
@@ -165,16 +180,18 @@ def minimum_degree(start: Index, member: Index, width: Index) -> tuple[Index, In
         fronts += 1
     first[fronts] = end
     given = len(member)
+    for f in range(fronts + 1):
+        first[f] -= given
     return (
-        first[: fronts + 1] - given,
-        room[given:end].copy(),
+        first[: fronts + 1],
+        room[given:end],
         pivots[:fronts],
         taken[elements : elements + fronts],
         taken[:elements],
     )
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def _put_in(v: int, degree: int, head: Index, after: Index, before: Index) -> None:
     after[v], before[v] = head[degree], -1
     if head[degree] >= 0:
@@ -182,7 +199,7 @@ def _put_in(v: int, degree: int, head: Index, after: Index, before: Index) -> No
     head[degree] = v
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def _take_out(v: int, degree: int, head: Index, after: Index, before: Index) -> None:
     if before[v] >= 0:
         after[before[v]] = after[v]

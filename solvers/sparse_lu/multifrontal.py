@@ -45,14 +45,16 @@ class Fronts(NamedTuple):
     owner: Index
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def analyse(start: Index, member: Index, n: int) -> tuple[Fronts, Index, Index]:
     """The fronts, the place (n,) of each variable in the order of elimination, and the front to add each element to.
 
     Element e has the variables member[start[e]:start[e+1]], distinct. Every variable is given an entry on the diagonal.
     """
     group, groups = same_elements(start, member, n)
-    width, seen = np.zeros(groups, np.int64), np.full(groups, -1)
+    width, seen = np.zeros(groups, np.int64), np.empty(groups, np.int64)
+    for g in range(groups):
+        seen[g] = -1
     for v in range(n):
         width[group[v]] += 1
     part, begin, end = np.empty(len(member), np.int64), np.zeros(len(start), np.int64), 0
@@ -72,14 +74,18 @@ def analyse(start: Index, member: Index, n: int) -> tuple[Fronts, Index, Index]:
             rank[listed[k]] = turn
             offset[turn + 1] = offset[turn] + width[listed[k]]
             turn += 1
-    free, place = offset[:-1].copy(), np.empty(n, np.int64)
+    free, place = np.empty(groups, np.int64), np.empty(n, np.int64)
+    for g in range(groups):
+        free[g] = offset[g]
     for v in range(n):
         place[v] = free[rank[group[v]]]
         free[rank[group[v]]] += 1
     for k in range(len(listed)):
         listed[k] = rank[listed[k]]
     begin, front = transpose(first, listed, groups)  # and back: so each front's groups come in ascending order
-    free = first[:-1].copy()
+    free = np.empty(fronts, np.int64)
+    for f in range(fronts):
+        free[f] = first[f]
     for g in range(groups):
         for k in range(begin[g], begin[g + 1]):
             listed[free[front[k]]] = g
@@ -87,7 +93,7 @@ def analyse(start: Index, member: Index, n: int) -> tuple[Fronts, Index, Index]:
     return _lay_out(first, listed, pivots, parent, offset), place, home
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def _lay_out(first: Index, listed: Index, pivots: Index, parent: Index, offset: Index) -> Fronts:
     """Fronts of variables from fronts of groups: group g, in order of elimination, is variables offset[g] to offset[g+1]."""
     fronts, size = len(pivots), np.zeros(len(pivots) + 1, np.int64)
@@ -120,7 +126,7 @@ def _lay_out(first: Index, listed: Index, pivots: Index, parent: Index, offset: 
     return Fronts(begin, variable, above, own, parent, start, owner)
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def find(fronts: Fronts, front: int, variable: int) -> int:
     """Where a variable stands in a front, which must have it."""
     low, high = fronts.first[front], fronts.first[front + 1] - 1
@@ -133,7 +139,7 @@ def find(fronts: Fronts, front: int, variable: int) -> int:
     return int(low - fronts.first[front])
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def factorise(fronts: Fronts, storage: Array, swap: Index, floor: float) -> int:
     """Factorise in place what was added into storage (start[-1],); the number of pivots replaced.
 
@@ -186,7 +192,7 @@ def factorise(fronts: Fronts, storage: Array, swap: Index, floor: float) -> int:
     return replaced
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def solve(fronts: Fronts, storage: Array, swap: Index, b: Array) -> None:
     """Overwrite b (n,) with A^-1 b, after factorise."""
     eliminated = 0

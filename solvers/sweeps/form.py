@@ -111,10 +111,11 @@ def _in_impulses(first, beside, block, q, friction, friction_bias, scale):  # ty
     return start, column, read, push_start, push_column, push, q.copy(), np.zeros(nc * d), own_block, *own
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def state(form, r, x):  # type: ignore[no-untyped-def]
     """x (nx,) anew from the impulses r (nc, d), free of the drift of step-by-step updates."""
-    x[:] = form.rest
+    for v in range(len(x)):
+        x[v] = form.rest[v]
     for i in range(len(r)):
         for k in range(form.push_start[i], form.push_start[i + 1]):
             pushed = 0.0
@@ -123,11 +124,12 @@ def state(form, r, x):  # type: ignore[no-untyped-def]
             x[form.push_column[k]] += pushed
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def velocity(form, x, u):  # type: ignore[no-untyped-def]
     """u (nc, d), the contact velocities of state x."""
-    u[:] = form.offset
     for i in range(len(u)):
+        for j in range(u.shape[1]):
+            u[i, j] = form.offset[i, j]
         for k in range(form.read_start[i], form.read_start[i + 1]):
             for j in range(u.shape[1]):
                 u[i, j] += form.read[k, j] * x[form.read_column[k]]

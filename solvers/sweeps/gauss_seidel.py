@@ -20,7 +20,7 @@ def watch_sweeps(tol: float, limit: int | None) -> Watch:
     return watch(tol, LIMIT if limit is None else limit, PATIENCE, CHECK)
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def planar_sweeps(form, r, x, relaxation, count):  # type: ignore[no-untyped-def]
     """`count` sweeps over planar contacts; the impulses r (nc, 2) and the state x are brought up to date."""
     for _ in range(count):
@@ -38,17 +38,17 @@ def planar_sweeps(form, r, x, relaxation, count):  # type: ignore[no-untyped-def
                 x[form.push_column[k]] += form.push[k, 0] * change_n + form.push[k, 1] * change_t
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def spatial_sweeps(form, r, x, relaxation, count):  # type: ignore[no-untyped-def]
     """The same over spatial contacts, r (nc, 3)."""
     u, change = np.empty(3), np.empty(3)
     for _ in range(count):
         for i in range(len(r)):
-            u[:] = form.offset[i]
+            for j in range(3):
+                u[j], change[j] = form.offset[i, j], r[i, j]
             for k in range(form.read_start[i], form.read_start[i + 1]):
                 for j in range(3):
                     u[j] += form.read[k, j] * x[form.read_column[k]]
-            change[:] = r[i]
             spatial_contact(u, change, form.block[i], form.friction[i], form.friction_bias[i])
             for j in range(3):
                 change[j] = relaxation * (change[j] - r[i, j])

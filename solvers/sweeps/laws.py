@@ -50,7 +50,7 @@ def planar_contact(u_n, u_t, r_n, r_t, W, mu, b_f):  # type: ignore[no-untyped-d
     return max(-(p_n + w * t) / a, 0.0), t
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def spatial_contact(u, r, W, mu, b_f):  # type: ignore[no-untyped-def]
     """Overwrite r (3,) by the impulse after; u: (3,), W: (3, 3)."""
     a, w1, w2 = W[0, 0], W[0, 1], W[0, 2]
@@ -73,7 +73,7 @@ def spatial_contact(u, r, W, mu, b_f):  # type: ignore[no-untyped-def]
     r[0], r[1], r[2] = max(-(p_n + w1 * t1 + w2 * t2) / a, 0.0), t1, t2
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def bounded_tangent(S11, S12, S21, S22, tau1, tau2, L, k1, k2):  # type: ignore[no-untyped-def]
     """t with S t + tau = -alpha t, alpha >= 0 ⟂ |t| <= L - k't; zero where L <= 0 leaves no room.
 
@@ -109,7 +109,7 @@ def bounded_tangent(S11, S12, S21, S22, tau1, tau2, L, k1, k2):  # type: ignore[
     return t1, t2
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def defect(form, r, u, shift):  # type: ignore[no-untyped-def]
     """The residual of problems.residual at impulses r and velocities u (nc, d); shift: 1.0 Coulomb, 0.0 the relaxation."""
     worst = 0.0

@@ -26,14 +26,15 @@ def relax(form: ContactForm, r: Array, tol: float, limit: int) -> int:
     return products
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def descend(form, r, shift, watch):  # type: ignore[no-untyped-def]
     """Overwrite r by the solution; the iterations and the products with W."""
     x, u, u_next, u_y = np.empty_like(form.rest), np.empty_like(r), np.empty_like(r), np.empty_like(r)
-    y, r_next = r.copy(), np.empty_like(r)
+    y, r_next = np.empty_like(r), np.empty_like(r)
+    _copy(r, y)
     state(form, r, x)
     velocity(form, x, u)
-    u_y[:] = u
+    _copy(u, u_y)
     L, theta = 1.0, 1.0
     iterations, products = 0, 1
     while going(watch, defect(form, r, u, shift), iterations):
@@ -60,16 +61,26 @@ def descend(form, r, shift, watch):  # type: ignore[no-untyped-def]
         theta_next = (theta * np.sqrt(theta * theta + 4) - theta * theta) / 2
         beta = theta * (1 - theta) / (theta * theta + theta_next)
         theta = theta_next
-        y[:] = r_next + beta * (r_next - r)
-        u_y[:] = u_next + beta * (u_next - u)
-        r[:] = r_next
-        u[:] = u_next
+        for i in range(len(r)):
+            for j in range(r.shape[1]):
+                y[i, j] = r_next[i, j] + beta * (r_next[i, j] - r[i, j])
+                u_y[i, j] = u_next[i, j] + beta * (u_next[i, j] - u[i, j])
+        _copy(r_next, r)
+        _copy(u_next, u)
         L *= 0.9
         iterations += 1
     return iterations, products
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+def _copy(a, b):  # type: ignore[no-untyped-def]
+    """b = a, both (nc, d)."""
+    for i in range(len(a)):
+        for j in range(a.shape[1]):
+            b[i, j] = a[i, j]
+
+
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def step(form, r, y, u, shift, length):  # type: ignore[no-untyped-def]
     """r = P_K(y - length (u + shift mu |u_t| e_n) / s), contact by contact."""
     d = r.shape[1]

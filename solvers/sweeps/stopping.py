@@ -40,7 +40,7 @@ def watch(tol: float, limit: int, patience: int, every: int = 1) -> Watch:
     return Watch(tol, limit, patience, np.empty(2 + limit // every), np.array([np.inf, 0.0]), np.zeros(2, np.int64))
 
 
-@njit(cache=True)
+@njit(cache=True, no_cfunc_wrapper=True)
 def going(watch, error, count):  # type: ignore[no-untyped-def]
     """Whether to go on from a residual of `error` after `count` counts; otherwise the watch says how the method ended.
 
