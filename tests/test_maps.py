@@ -23,7 +23,7 @@ from reports.page import write_report
 from reports.run import read_run
 from results import store
 from results.maps import Axis, Map
-from tests.test_run import BAD_SOLVERS, frictionbench, quiet
+from tests.test_run import frictionbench, quiet
 
 MAPS = {spec.name: spec for spec in ATLAS}
 
@@ -43,9 +43,9 @@ def atlas(tmp_path_factory) -> Path:
     """Four small maps by two exact solvers and a relaxation, with a page."""
     folder = tmp_path_factory.mktemp("maps") / "run"
     maps = (
-        small("painleve_rod", 6, 6),
-        small("sliding_block", 6, 6),
-        small("jam", 5, 3, levels=0),
+        small("painleve_rod", 6, 6, levels=0),
+        small("sliding_block", 5, 5, most=8),
+        small("jam", 5, 3, levels=0, thresholds=("gaps",)),
         small("steps_painleve_rod", 3, 2, steps=5),
     )
     run_maps(plan(*maps, solvers=("hybrid", "lemke", "relaxation_ip")), folder, 2, quiet())
@@ -104,7 +104,7 @@ def test_a_map_is_refined_where_neighbours_differ() -> None:
     ],
 )
 def test_thresholds_are_traced_where_theory_has_them(name, threshold, curve) -> None:
-    spec = small(name)
+    spec = small(name, 4, 4) if name != "jam" else small(name)
     places = crossings(spec, THRESHOLDS[threshold])
     assert len(places) >= 5
     assert max(abs(curve(spec.x.value(i), spec.y.value(j))) for i, j in places) < 0.05
@@ -154,23 +154,23 @@ def test_the_page_shows_every_map(atlas) -> None:
 
 
 def test_a_map_goes_on_where_it_stopped(atlas) -> None:
-    before = store.read_rows(atlas, "solves")
-    rows = map_cells(read_run(atlas))[0].rows
+    before = store.kept(atlas, "solves")
+    rows = map_cells(read_run(atlas))[1].rows
     assert {0.5, 1.0} == set(rows["tile"])
     shard = next(iter((atlas / "shards").glob("solves-*.jsonl")))
     lines = shard.read_text(encoding="utf-8").splitlines(keepends=True)
     shard.write_text("".join(lines[:-5]), encoding="utf-8")
     maps = tuple(part.spec for part in map_cells(read_run(atlas)))
     run_maps(plan(*maps, solvers=("hybrid", "lemke", "relaxation_ip")), atlas, 1, quiet())
-    assert store.read_rows(atlas, "solves").keys() == before.keys()
+    assert store.kept(atlas, "solves") == before
 
 
 def test_units_change_nothing(tmp_path) -> None:
-    maps = [small(name, 3, 3, levels=0) for name in MAPS if name.startswith("units_")]
+    maps = [small(name, 2, 2, levels=0) for name in MAPS if name.startswith("units_")]
     run_maps(plan(*maps, solvers=MAPPED), tmp_path / "run", 2, quiet())
     for part in map_cells(read_run(tmp_path / "run")):
         for entry, rows in part.rows.groupby("entry"):
-            assert len(rows) == 9
+            assert len(rows) == 4
             assert len(set(rows["verdict"])) == 1, (part.spec.name, entry)
             assert len(set(rows["mode"])) == 1, (part.spec.name, entry)
             assert len(set(rows["work"])) == 1, (part.spec.name, entry)
@@ -187,15 +187,14 @@ def test_a_scene_in_other_units_is_the_same_problem() -> None:
 
 
 def test_a_map_of_ones_own_is_a_line(tmp_path) -> None:
-    command = ["map", "wedge[speed=2]", "--x", "angle=.2:1:3", "--y", "friction=log:.1:1:3", "--out", str(tmp_path / "run")]
+    command = ["map", "wedge[speed=2]", "--x", "angle=.2:1:2", "--y", "friction=log:.1:1:2", "--out", str(tmp_path / "run")]
     done = frictionbench(*command, "--solver", "lemke", "--solver", "apgd", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     rows = map_cells(read_run(tmp_path / "run"))[0].rows
-    assert len(rows) >= 18
+    assert len(rows) >= 8
     assert set(rows["parameters"].map(lambda told: json.loads(told)["speed"])) == {2}
     for arguments, complaint in (
         (("--x", "angle=.2:1:3", "--y", "colour=1:2:3"), "colour"),
-        (("--x", "angle=.2:1:3", "--y", "angle=1:2:3"), "y: angle is on the other axis"),
         (("--x", "angle=.2:3:3", "--y", "friction=.1:1:3"), "angle: must be"),
         (("--x", "angle", "--y", "friction=.1:1:3"), "x: cannot read"),
     ):
@@ -205,7 +204,7 @@ def test_a_map_of_ones_own_is_a_line(tmp_path) -> None:
 
 
 def test_what_a_failed_step_does_afterwards(tmp_path) -> None:
-    _, plugins = introduce([str(BAD_SOLVERS)])
+    _, plugins = introduce([str(Path(__file__).with_name("bad_solvers.py"))])
     made = Plan(
         suite="test",
         sources=(),
