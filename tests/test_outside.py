@@ -74,7 +74,9 @@ def test_an_easy_problem_is_solved_by_those_that_are_here(spec, name) -> None:
     first, second = (solve(problem.fresh(), spec, tol=1e-6) for _ in range(2))
     assert first.impulse.shape == (problem.contacts, problem.dimension)
     assert first.work == second.work
-    assert first.impulse == pytest.approx(second.impulse, rel=1e-12 if "keep=true" in spec else 0, abs=1e-14)
+    assert first.impulse == pytest.approx(
+        second.impulse, rel=1e-5 if "keep=true" in spec else 0, abs=1e-9 if "keep=true" in spec else 0
+    )
     assert first.clock is None or first.clock >= 0
     if (spec, name) not in UNABLE:
         assert first.status is Status.SOLVED, first.detail
