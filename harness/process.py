@@ -68,6 +68,12 @@ def hold_core() -> int | None:
     return None
 
 
+def release_cores() -> None:
+    """Give back what hold_core claimed for this process."""
+    while _held:
+        _held.pop().close()
+
+
 def bound_memory(limit: int) -> None:
     """Let this process map at most `limit` bytes beyond what it has mapped; allocations past that fail."""
     import resource

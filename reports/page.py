@@ -51,6 +51,8 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
         "folder": folder.resolve().name,
         "run": run,
         "setup": _setup(run.manifest),
+        "disturbed": int(run.rows["disturbed"].eq(True).sum()),
+        "homeless": int((run.rows["disturbed"].eq(True) & run.rows["core"].isna()).sum()),
         "finished": "finished" in run.manifest,
         "problems": run.rows["problem_id"].nunique(),
         "contested": run.contested["problem_id"].nunique(),

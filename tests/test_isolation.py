@@ -11,12 +11,16 @@ from pathlib import Path
 import psutil
 import pytest
 
-from harness import machine
+from harness import machine, process
+from harness.plans.plan import Plan, Source
+from harness.run import run
 from harness.workers import pool
 from harness.workers.pool import Pool
 from problems import InputError
+from reports.page import write_report
 from results import store
 from results.store import ResultsError
+from tests.test_run import quiet
 
 MARK = "FRICTIONBENCH_TEST_MARK"
 DEAF = """
@@ -106,10 +110,10 @@ def test_a_platform_without_the_mechanisms_is_told_at_the_start(monkeypatch, tmp
 def marked(mark: str) -> list[int]:
     """The processes, wherever they went, below one that was started with a mark in its environment."""
     found = []
-    for process in psutil.process_iter():
+    for one in psutil.process_iter():
         try:
-            if process.environ().get(MARK) == mark and process.status() != psutil.STATUS_ZOMBIE:
-                found.append(process.pid)
+            if one.environ().get(MARK) == mark and one.status() != psutil.STATUS_ZOMBIE:
+                found.append(one.pid)
         except psutil.Error:
             continue
     return found
@@ -148,3 +152,20 @@ def test_a_run_that_is_ended_leaves_no_process_whatever_its_solver_does(tmp_path
         assert begun.returncode == 128 + number
         assert f"broken off by {number.name}; the same command goes on" in told
     assert store.read_manifest(tmp_path / "run")["settings"]["time_limit"] == 300.0
+
+
+def test_without_a_core_of_its_own_a_row_is_marked_and_so_is_the_report(tmp_path) -> None:
+    plan = Plan("test", (Source("stack", {"blocks": 1}),), ("nsgs",), (1e-4,))
+    taken = [process.hold_core() for _ in process.cores()]  # of those that nobody else on this machine holds
+    try:
+        assert process.hold_core() is None
+        run(plan, tmp_path, 1, quiet())
+    finally:
+        process.release_cores()
+    (row,) = store.read_table(tmp_path, "solves").to_dict("records")
+    assert len(taken) == len(process.cores())
+    assert (row["verdict"], row["disturbed"], row["core"]) == ("solved", True, pytest.approx(float("nan"), nan_ok=True))
+    assert len(row["load"]) == 2
+    page = write_report(tmp_path).read_text(encoding="utf-8")
+    assert "1 of 1 cells shared their core" in page
+    assert "no core left" in page
