@@ -30,7 +30,9 @@ from solvers.interior.system import System
 # Impulses and speeds, relative to a contact's own: each of these arrives at a solution in three of four trapped instances.
 STARTS = ((0.1, 10.0), (1.0, 10.0), (0.1, 100.0), (1.0, 100.0), (10.0, 1.0), (1.0, 1.0))
 SWEEPS = 1000  # before the central path is followed: as dear as ten or twenty factorisations
-NEAR, FAR = 1e-10, 0.3  # a start's least distance from the boundary, in residuals: to step on from, and to follow a path
+NEAR = 1e-10  # a start's least distance from the boundary, in residuals, to step on from
+FAR = {2: (0.3,), 3: (0.1, 0.03, 0.3)}  # and to follow paths from, by dimension: in space each arrives where others do not
+LIMIT = {2: 2000, 3: 1000}  # factorisations: in space hardly any path arrived after more
 PATIENCE = 12  # iterations of the predictor-corrector without progress: more than ever helped
 
 
@@ -55,10 +57,11 @@ class InteriorPoint(Phased):
     paths: bool = True
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        """limit bounds the factorisations, 2000 by default."""
+        """limit bounds the factorisations."""
         swept: dict[str, int] = {}
         phases = self._phases(*prepared, start, swept)
-        answer = run(prepared, phases, tol, 2000 if limit is None else limit, PATIENCE, residual)
+        limit = LIMIT[prepared[0].dimension] if limit is None else limit
+        answer = run(prepared, phases, tol, limit, PATIENCE, residual)
         answer.work |= {f"nsgs {unit}": count for unit, count in swept.items()}
         return answer
 
@@ -72,7 +75,8 @@ class InteriorPoint(Phased):
             return
         near = solve(problem, "nsgs", limit=SWEEPS)
         swept |= near.work
-        yield trace, _around(problem, system, near.impulse, FAR)
+        for far in FAR[problem.dimension]:
+            yield trace, _around(problem, system, near.impulse, far)
         for impulse, speed in STARTS:
             yield trace, start_point(system, impulse, speed)
 
