@@ -20,6 +20,7 @@ from reports.charts import CHARTS
 from reports.charts.chart import Chart
 from reports.drawing.figures import Panel, inline_svg, save_each, save_sheet, swatch
 from reports.drawing.text import power, scene_title, seconds
+from reports.recorded import recorded_problems
 from reports.run import Run, read_run
 from reports.templates import as_json, environment, script
 from results.files import room, write_text
@@ -89,6 +90,7 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
         "much_form": MUCH_FORM,
         "rerun": lambda key: f"frictionbench rerun {shlex.quote(str(folder))} {shlex.quote(key)}",
         "scene_title": scene_title,
+        "recorded": recorded_problems(run),
     }
 
 

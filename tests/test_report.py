@@ -21,6 +21,7 @@ from reports.drawing.style import looks
 from reports.drawing.text import plain, seconds
 from reports.page import write_report
 from reports.paper import booktabs, write_paper
+from reports.recorded import recorded_problems
 from reports.run import Run, annotate, annotate_drives, read_run
 from reports.templates import script
 from results.schema import SOLVES, VERDICTS, arrow_schema
@@ -482,3 +483,23 @@ def test_profiles_by_size_and_rank_where_problems_are_of_several_classes(tmp_pat
     assert titles == ["1 to 10 contacts: 2 problems", "11 to 100: 2 problems", *titles[2:]]
     assert titles[2:] == ["W of full rank: 2 problems", "rank below that: 2 problems"]
     assert classes.panels(read_run(write_folder(tmp_path / "one", rows[:2]))) == []
+
+
+def test_recorded_problems_are_told_one_by_one(tmp_path) -> None:
+    chain = {"scene": "Chain", "parameters": '{"file": "a.hdf5"}', "dimension": 3, "contacts": 4, "rank": 9, "asymmetry": 1e-3}
+    torn = {"scene": "Chain", "parameters": '{"file": "torn.dat"}', "contacts": None, "dimension": None, "trivial": None}
+    rows = [
+        *(solve_row(name, "a", time_limit=1.0, solve_time=time, **chain) for name, time in (("slow", 0.5), ("fast", 0.1))),
+        solve_row("poor", "a", residual=1e-3, **chain),
+        lost_row("left", "a", "skipped", **chain),
+        lost_row("slow", "", "skipped", **torn),
+        solve_row("slow", "scene of ours"),
+    ]
+    run = read_run(write_folder(tmp_path / "run", rows))
+    whole, broken = recorded_problems(run)
+    assert (whole.file, whole.dimension, whole.contacts, whole.rank_ratio) == ("a.hdf5", 3, 4, 0.75)
+    assert (list(whole.solvers), whole.tried, whole.oddities) == (["fast", "slow"], 3, "unsymmetric by 1e-03")
+    assert (broken.file, broken.reason) == ("torn.dat", "for a reason")
+    text = _Page(write_report(tmp_path / "run")).text
+    assert "Recorded problems" in text
+    assert "no problem: for a reason" in text

@@ -1,0 +1,71 @@
+"""The problems that others recorded, one by one: what they are, who solves them, and who is the fastest.
+
+Of each problem the tightest tolerance that it was put to counts; who reaches it at a looser one has reached it, too.
+"""
+
+import json
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from reports.run import Run
+from results.schema import SKIPPED
+
+NOTICED = 1e-12  # asymmetry and indefiniteness of W that are not rounding
+
+
+class Recorded(NamedTuple):
+    """One file: rank_ratio is W's rank over its rows, None where unknown; solvers, the fastest first, with their times in s.
+
+    reason: why the file yields no problem; all else but its name is then empty.
+    """
+
+    family: str
+    file: str
+    dimension: int | None
+    contacts: int | None
+    rank_ratio: float | None
+    oddities: str
+    tol: float
+    solvers: dict[str, float]
+    tried: int
+    reason: str
+
+
+def recorded_problems(run: Run) -> list[Recorded]:
+    """A line per file, in the plan's order; none where the run has scenes alone."""
+    files = run.rows["parameters"].map(_file)
+    own = run.rows.assign(file=files)[files != ""]
+    groups = own.groupby(["scene", "file", "problem"], sort=False)
+    return [_line(str(family), str(file), rows) for (family, file, _), rows in groups]
+
+
+def _line(family: str, file: str, rows: pd.DataFrame) -> Recorded:
+    first, tol = rows.iloc[0], float(rows["tol"].min())
+    if first["problem"] == "":
+        return Recorded(family, file, None, None, None, "", tol, {}, 0, str(first["reason"]))
+    done = rows[rows["answered"] & (rows["residual"] <= tol)]
+    tried = rows.loc[rows["verdict"] != SKIPPED, "entry"].nunique()
+    contacts, dimension = int(first["contacts"]), int(first["dimension"])
+    ratio = first["rank"] / (contacts * dimension) if np.isfinite(first["rank"] or np.nan) and contacts else None
+    times = {str(entry): float(time) for entry, time in done.groupby("entry")["time"].min().sort_values().items()}
+    return Recorded(family, file, dimension, contacts, ratio, _oddities(first), tol, times, tried, "")
+
+
+def _oddities(facts: pd.Series) -> str:
+    """What mechanics has not, and the file has."""
+    told = ["trivial"] if facts["trivial"] else []
+    for name, column in (("unsymmetric", "asymmetry"), ("indefinite", "indefiniteness")):
+        share = abs(facts[column] or 0.0)
+        told += [f"{name} by {share:.0e}"] if share > NOTICED else []
+    return ", ".join(told)
+
+
+def _file(parameters: str) -> str:
+    """The file that a source's parameters name; empty for a scene."""
+    try:
+        told: Any = json.loads(parameters or "{}")
+    except (ValueError, RecursionError):
+        return ""
+    return str(told["file"]) if isinstance(told, dict) and list(told) == ["file"] else ""
