@@ -29,12 +29,12 @@ Solvers = Annotated[
     typer.Option(
         "--solver",
         metavar="SOLVER",
-        help="Only this solver, like `nsgs[relaxation=1.3]`, or a Python file that defines one; repeat for more.",
+        help="Only this solver, like `nsgs[relaxation=1.3]`, a file that defines some, or an installed one; repeat for more.",
     ),
 ]
 Files = Annotated[
     list[str] | None,
-    typer.Option("--solver", metavar="FILE", help="A file of solvers to trust; what a results folder names is not run."),
+    typer.Option("--solver", metavar="FILE|NAME", help="Solvers to trust; what a results folder names is not run."),
 ]
 Tolerances = Annotated[str | None, typer.Option("--tol", metavar="T,T,...", help="Residuals to ask for, like 1e-4,1e-6,1e-8.")]
 Limit = Annotated[

@@ -1,14 +1,21 @@
-"""Solvers from outside this repository: a file given on the command line, or the entry points of an installed package.
+"""Solvers from outside this repository: a file given on the command line, or an entry point of an installed distribution.
 
-Either is a module whose import runs @solver on its classes. Importing a file runs its code: the harness does so only in
-processes that run nothing else.
+Either is a module whose import runs @solver on its classes, and a string says which: the path of a file, which ends in .py and
+stands for all that it defines, or the name of an entry point in the group frictionbench.solvers, which is the solver's own:
+
+    [project.entry-points."frictionbench.solvers"]
+    mine = "my_package.solvers"
+
+Importing one runs its code: the harness does so only in processes that run nothing else. What is installed is told apart by
+its metadata alone; a name of ours stays ours.
 """
 
+import importlib
 import importlib.util
 import sys
 import traceback
 from hashlib import sha256
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
 from problems import InputError
@@ -18,17 +25,49 @@ GROUP = "frictionbench.solvers"
 FRAMES = 3  # told of an error
 
 
-def content(path: Path) -> str:
-    """The hash of a solver's file. Errors: InputError naming the file."""
+def is_file(source: str) -> bool:
+    """Whether it is a file that is meant, not the name of a solver."""
+    return source.endswith(".py")
+
+
+def installed() -> dict[str, EntryPoint]:
+    """The entry points by name, without those whose name is taken; nothing of theirs is run.
+
+    Errors: InputError where two distributions have one of the same name.
+    """
+    found: dict[str, EntryPoint] = {}
+    for point in entry_points(group=GROUP):
+        other = found.setdefault(point.name, point)
+        if (other.value, distribution(other)) != (point.value, distribution(point)):
+            raise InputError(f"solver: {point.name} is in both {distribution(other)} and {distribution(point)}")
+    return {name: point for name, point in sorted(found.items()) if name not in available()}
+
+
+def content(source: str) -> str:
+    """The hash of a solver's file, or of all files of an entry point's package. Errors: InputError naming the source."""
     try:
-        return sha256(path.read_bytes()).hexdigest()
+        if is_file(source):
+            return sha256(Path(source).read_bytes()).hexdigest()
+        digest = sha256()
+        for home, path in _files(_point(source)):
+            digest.update(f"{path.relative_to(home)}\0".encode() + sha256(path.read_bytes()).digest())
+        return digest.hexdigest()
     except OSError as error:
-        raise InputError(f"solver: {path} cannot be read ({error.strerror})") from None
+        raise InputError(f"solver: {source} cannot be read ({error.strerror})") from None
 
 
-def load(path: Path) -> tuple[str, ...]:
-    """Import a solver's file as it is now; the names it adds. Errors: InputError naming the file, and the line that fails."""
-    module_name = f"frictionbench_plugin_{path.stem}_{content(path)[:12]}"
+def version(source: str) -> str:
+    """What rows say of it: the file's name, or the distribution with its version, and the content."""
+    return f"{Path(source).name if is_file(source) else distribution(_point(source))} {content(source)[:12]}"
+
+
+def load(source: str) -> tuple[str, ...]:
+    """Import a source as it is now; the names it adds. Errors: InputError naming it, and the line that fails."""
+    return _load_file(Path(source)) if is_file(source) else _load_point(_point(source))
+
+
+def _load_file(path: Path) -> tuple[str, ...]:
+    module_name = f"frictionbench_plugin_{path.stem}_{content(str(path))[:12]}"
     if module_name in sys.modules:
         return ()
     before = set(available())
@@ -59,10 +98,38 @@ def told(error: BaseException) -> str:
     return " ".join(f"{type(error).__name__}: {text}"[:400].split()) + (f" (at {places})" if places else "")
 
 
-def load_entry_points() -> None:
-    """Import every installed package's solvers. Errors: InputError naming the entry point."""
-    for point in entry_points(group=GROUP):
-        try:
-            point.load()
-        except Exception as error:
-            raise InputError(f"solver: entry point {point.name} cannot be loaded ({error})") from error
+def _load_point(point: EntryPoint) -> tuple[str, ...]:
+    if point.module in sys.modules:
+        return ()
+    try:
+        importlib.import_module(point.module)
+    except BaseException as error:
+        raise InputError(f"solver: {point.name} of {distribution(point)} cannot be imported ({told(error)})") from error
+    if point.name not in available():
+        raise InputError(f"solver: {point.module} of {distribution(point)} defines no solver {point.name}")
+    return (point.name,)
+
+
+def _point(name: str) -> EntryPoint:
+    for point in entry_points(group=GROUP, name=name):
+        return point
+    raise InputError(f"solver: no installed distribution has an entry point {name}")
+
+
+def distribution(point: EntryPoint) -> str:
+    """The name and version of the distribution that an entry point is of."""
+    return f"{point.dist.name} {point.dist.version}" if point.dist else point.module
+
+
+def _files(point: EntryPoint) -> list[tuple[Path, Path]]:
+    """The files of the package or module that an entry point is in, each behind its folder; found without running them."""
+    top = importlib.util.find_spec(point.module.partition(".")[0])
+    if top is None:
+        raise InputError(f"solver: {point.name} of {distribution(point)}: there is no module {point.module}")
+    if not top.submodule_search_locations:
+        path = Path(str(top.origin))
+        return [(path.parent, path)]
+    homes = [Path(place) for place in top.submodule_search_locations]
+    return sorted(
+        (home, path) for home in homes for path in home.rglob("*") if path.is_file() and "__pycache__" not in path.parts
+    )

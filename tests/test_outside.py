@@ -127,7 +127,7 @@ def test_the_fairness_page_is_the_registrys() -> None:
 
 
 def test_what_is_missing_is_said() -> None:
-    plugins.load(PEERS)
+    plugins.load(str(PEERS))
     missing = "no-such-distribution, no.such.module@/usr/bin/python3 not installed"
     assert find("nowhere")[0].missing == missing
     with pytest.raises(InputError, match="not installed"):

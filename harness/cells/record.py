@@ -32,7 +32,7 @@ def record_named(scene_spec: str, solver_spec: str, scheme: str, steps: int | No
     """The motion of a scene and by a solver as the command line names them. Errors: InputError naming the field."""
     if scheme not in SCHEMES:
         raise InputError(f"scheme: unknown scheme {scheme!r}; known are {', '.join(SCHEMES)}")
-    variants = plugins.load(Path(solver_spec)) if solver_spec.endswith(".py") else (solver_spec,)
+    variants = plugins.load(solver_spec) if plugins.is_file(solver_spec) else (solver_spec,)
     if len(variants) != 1:
         raise InputError(f"solver: {solver_spec} stands for {len(variants)} solvers; name one")
     name, settings = parse("scene", scene_spec)

@@ -66,14 +66,14 @@ def start(deadline: Deadline, core: int | None, folder: Path, plugin_files: tupl
     process.bound_memory(memory_limit)
 
 
-def introduce(path: str, named: list[str], limit: float) -> dict[str, Any]:
-    """Import a plug-in and tell what harness.plans.plan.Plugin holds, of the solvers it defines and of the variants named."""
+def introduce(source: str, named: list[str], limit: float) -> dict[str, Any]:
+    """Import a plug-in and tell what harness.plans.plan.Plugin holds, of the variants named and of all solvers in a file."""
     with _worker.deadline.within(limit):
-        content = plugins.content(Path(path))
-        names = plugins.load(Path(path))
-    variants = [*names, *(spec for spec in named if split("solver", spec)[0] in names)]
-    version = f"{Path(path).name} {content[:12]}"
-    return {"path": path, "content": content, "solvers": {v: solver_facts(v) | {"version": version} for v in variants}}
+        content, version = plugins.content(source), plugins.version(source)
+        names = plugins.load(source)
+    whole = names if plugins.is_file(source) else ()
+    variants = [*whole, *(spec for spec in named if split("solver", spec)[0] in names)]
+    return {"source": source, "content": content, "solvers": {v: solver_facts(v) | {"version": version} for v in variants}}
 
 
 def run_source(source: Source, limit: float) -> list[Entry]:
@@ -170,14 +170,13 @@ def run_motion(source: Source, limit: float) -> None:
 
 
 def _solver(variant: str) -> tuple[SolverInfo, Solver]:
-    """The solver; where it is a plug-in's, its file is imported now, if it is still what the run began with."""
+    """The solver; where it is a plug-in's, that is imported now, if it is still what the run began with."""
     for plugin in _worker.plugins:
         if variant in plugin.solvers:
-            path = Path(plugin.path)
-            if plugins.content(path) != plugin.content:
-                raise InputError(f"solver: {path} was changed since the run began")
+            if plugins.content(plugin.source) != plugin.content:
+                raise InputError(f"solver: {plugin.source} was changed since the run began")
             with _worker.deadline.within(IMPORTING):
-                plugins.load(path)
+                plugins.load(plugin.source)
     return find(variant)
 
 

@@ -10,6 +10,7 @@ from harness.plans.suites import SUITES
 from problems import scenes
 from problems.instances import instances
 from solvers import available, find
+from solvers.plugins import distribution, installed
 
 
 def show(what: str) -> None:
@@ -41,6 +42,8 @@ def _solvers() -> Table:
             fact, _ = find(spec)
             version = f"not available: {fact.missing}" if fact.missing else fact.version
             table.add_row(Text(spec), fact.family, fact.model, ", ".join(map(str, fact.dimension)), version, info.summary)
+    for name, point in installed().items():  # whose code is not run for a list
+        table.add_row(name, "", "", "", distribution(point), f"from outside: {point.value}")
     return table
 
 

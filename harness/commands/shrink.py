@@ -26,11 +26,11 @@ from results.schema import SKIPPED, SOLVED
 from results.store import ResultsError, Row
 
 
-def shrink(folder: Path, key: str, files: list[str]) -> tuple[Path, FrictionProblem, int]:
+def shrink(folder: Path, key: str, named: list[str]) -> tuple[Path, FrictionProblem, int]:
     """Shrink the problem of a failing solve row into folder/shrunk; the file, the problem, and how many trials it took.
 
-    files: of solvers, which the user trusts. Errors: ResultsError where there is no such row, InputError where it did not
-    fail, or its solver is in none of the files and not ours.
+    named: solvers from outside, which the user trusts. Errors: ResultsError where there is no such row, InputError where it
+    did not fail, or its solver is in none of them and not ours.
     """
     row = store.find_row(folder, "solves", key)
     if row is None:
@@ -38,7 +38,7 @@ def shrink(folder: Path, key: str, files: list[str]) -> tuple[Path, FrictionProb
     if row["verdict"] in (SOLVED, SKIPPED):
         raise InputError(f"row: {key} is {row['verdict']}; there is no failure to keep")
     settings = store.read_manifest(folder)["settings"]
-    plugins = trusted(row, settings, files)
+    plugins = trusted(row, settings, named)
     problem = stored(folder, row["problem"])
     trials = 0
     with tempfile.TemporaryDirectory() as name:

@@ -28,6 +28,7 @@ from results import store
 from results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
 from results.store import ResultsError, Row
 from solvers import available, find
+from solvers.plugins import installed
 
 VERDICTS = (SOLVED, RELAXED, MISSED, UNJUDGEABLE, UNSOLVED, WRONG, TIMEOUT, CRASHED, SKIPPED)  # the best first
 
@@ -37,7 +38,7 @@ def solve_one(problem: str, solver_specs: list[str], tol: float, time_limit: flo
 
     Errors: InputError naming the field.
     """
-    variants, plugins = introduce(solver_specs) if solver_specs else (_everyone(), ())
+    variants, plugins = introduce(solver_specs or _everyone())
     plan = Plan("solve", (), variants, (tol,), time_limit=time_limit, plugins=plugins)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -88,15 +89,16 @@ def _row(outcome: Outcome, plugins: tuple[Plugin, ...]) -> Row:
     return found | {"variant": outcome.task.name}
 
 
-def _everyone() -> tuple[str, ...]:
-    """All solvers and their variants, of the outside ones those that are here."""
-    return tuple(spec for _, info in sorted(available().items()) for spec in info.specs if not find(spec)[0].missing)
+def _everyone() -> list[str]:
+    """All solvers and their variants, of the outside ones those that are here, and those of installed distributions."""
+    ours = [spec for _, info in sorted(available().items()) for spec in info.specs if not find(spec)[0].missing]
+    return [*ours, *installed()]
 
 
-def rerun_row(folder: Path, key: str, files: list[str]) -> tuple[Row, Row]:
-    """Run the cell of a row again; the row and the new one. files: of solvers, which the user trusts.
+def rerun_row(folder: Path, key: str, named: list[str]) -> tuple[Row, Row]:
+    """Run the cell of a row again; the row and the new one. named: solvers from outside, which the user trusts.
 
-    Errors: ResultsError where there is no such row, InputError where its solver is in none of the files and not ours.
+    Errors: ResultsError where there is no such row, InputError where its solver is in none of them and not ours.
     """
     settings = store.read_manifest(folder)["settings"]
     for table in ("solves", "drives"):
@@ -105,7 +107,7 @@ def rerun_row(folder: Path, key: str, files: list[str]) -> tuple[Row, Row]:
             break
     else:
         raise ResultsError(f"{folder}: no row has the key {key!r}")
-    plugins = trusted(row, settings, files)
+    plugins = trusted(row, settings, named)
     task = _task_again(row, table, plugins)
     with tempfile.TemporaryDirectory() as name:
         if table == "solves":
@@ -115,9 +117,9 @@ def rerun_row(folder: Path, key: str, files: list[str]) -> tuple[Row, Row]:
     return row, row_of(outcome, plugins)
 
 
-def show_rerun(folder: Path, key: str, files: list[str]) -> None:
+def show_rerun(folder: Path, key: str, named: list[str]) -> None:
     """Run the cell of a row again and print both rows. Errors: as rerun_row."""
-    row, again = rerun_row(folder, key, files)
+    row, again = rerun_row(folder, key, named)
     _show(f"{key}: {row['scene']} {row['parameters']}, tolerance {row['tol']:g}", [row, again])
 
 

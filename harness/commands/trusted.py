@@ -13,8 +13,8 @@ from results.store import Row
 from solvers import available, find
 
 
-def trusted(row: Row, settings: dict[str, Any], files: list[str]) -> tuple[Plugin, ...]:
-    """The plug-ins among the user's files that the row's solver needs; none for our own.
+def trusted(row: Row, settings: dict[str, Any], named: list[str]) -> tuple[Plugin, ...]:
+    """The plug-ins that the user named and the row's solver needs; none for our own.
 
     Errors: InputError naming the solver, and the file that the run had it from.
     """
@@ -22,9 +22,9 @@ def trusted(row: Row, settings: dict[str, Any], files: list[str]) -> tuple[Plugi
     if split("solver", variant)[0] in available():
         find(variant)
         return ()
-    if not files:
-        raise InputError(f"solver: {variant} is not ours; {_origin(variant, settings)}. Give its file with --solver to run it")
-    _, plugins = introduce([*files, variant])
+    if not named:
+        raise InputError(f"solver: {variant} is not ours; {_origin(variant, settings)}. Give that with --solver to run it")
+    _, plugins = introduce(named, (variant,))
     return tuple(plugin for plugin in plugins if variant in plugin.solvers)
 
 
@@ -32,5 +32,5 @@ def _origin(variant: str, settings: dict[str, Any]) -> str:
     plugins = settings.get("plugins")
     for plugin in plugins if isinstance(plugins, list) else []:
         if isinstance(plugin, dict) and variant in (plugin.get("solvers") or ()):
-            return f"the run had it from {plugin.get('path')!r} ({str(plugin.get('content'))[:12]})"
+            return f"the run had it from {plugin.get('source')!r} ({str(plugin.get('content'))[:12]})"
     return "the run does not say where it had it from"

@@ -31,10 +31,10 @@ def examine(specs: list[str], jobs: int) -> list[Found]:
     """Every check on every variant that the specs name, FILE or NAME. Errors: InputError naming the solver or the file."""
     named = [variant for spec in specs for variant in (available()[spec].specs if spec in available() else (spec,))]
     variants, plugins = introduce(named)
-    for variant in variants:
-        if variant in named and (missing := find(variant)[0].missing):
-            raise InputError(f"solver: {variant}: {missing}")
     plan = Plan("check-solver", (), variants, (1e-8,), plugins=plugins)
+    for variant in variants:
+        if not plan.owner(variant) and (missing := find(variant)[0].missing):
+            raise InputError(f"solver: {variant}: {missing}")
     tasks = [
         Task(f"{check} {variant}", worker.run_check, (variant, check, _complaints, LIMIT), LIMIT, plan.owner(variant))
         for variant in variants

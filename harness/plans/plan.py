@@ -94,9 +94,9 @@ Cell = SolveCell | DriveCell
 
 @dataclass(frozen=True)
 class Plugin:
-    """A file of solvers from outside this repository: its path, its content's hash, and by variant what rows say of it."""
+    """Solvers from outside this repository: where from (see solvers.plugins), its content's hash, by variant what rows say."""
 
-    path: str
+    source: str
     content: str
     solvers: dict[str, dict[str, str]]
 
@@ -160,8 +160,8 @@ class Plan:
         return [*driven, *self.placed_drives]
 
     def owner(self, variant: str) -> str:
-        """The solver from outside this repository that a variant is of, with its file; empty for our own."""
-        return next((f"{p.path} {p.solvers[variant]['solver']}" for p in self.plugins if variant in p.solvers), "")
+        """The solver from outside this repository that a variant is of, with its source; empty for our own."""
+        return next((f"{p.source} {p.solvers[variant]['solver']}" for p in self.plugins if variant in p.solvers), "")
 
     def shown(self) -> list[Source]:
         """What to record for the eye: every drive, and a short motion of each scene that none drives."""

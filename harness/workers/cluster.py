@@ -21,10 +21,11 @@ from harness.plans.plan import Plugin, SolveCell
 from harness.workers.pool import Pool
 from harness.workers.task import Outcome, Task
 from problems import InputError
+from solvers.plugins import is_file
 
 AHEAD = 4  # tasks handed out per worker, so that none waits for the network
 Files = dict[str, bytes]
-Settings = tuple[tuple[tuple[Plugin, bytes], ...], int]
+Settings = tuple[tuple[tuple[Plugin, Files], ...], int]
 _pools: dict[tuple[Any, ...], Pool] = {}  # of a dask worker, by plug-ins' content and bound on memory
 
 
@@ -41,7 +42,7 @@ class Cluster:
         except (OSError, ValueError) as error:
             raise InputError(f"cluster: no scheduler answers at {address} ({error})") from None
         self._folder = folder
-        self._settings = tuple((plugin, Path(plugin.path).read_bytes()) for plugin in plugins), memory_limit
+        self._settings = tuple((plugin, _sent(plugin)) for plugin in plugins), memory_limit
         codes = self._client.run(machine.content)
         if not codes or set(codes.values()) != {machine.content()}:
             self._client.close()
@@ -83,6 +84,11 @@ class Cluster:
         return {path.name: path.read_bytes() for path in (self._folder / "problems").glob(f"{cell.problem}*.npz")}
 
 
+def _sent(plugin: Plugin) -> Files:
+    """The plug-in's file; nothing of an installed distribution, which must be there, of the same content."""
+    return {Path(plugin.source).name: Path(plugin.source).read_bytes()} if is_file(plugin.source) else {}
+
+
 def _isolated(task: Task, files: Files, settings: Settings) -> Outcome:
     """Run a task on a dask worker in a process of its own, which is kept for the next task."""
     sent, memory_limit = settings
@@ -91,8 +97,8 @@ def _isolated(task: Task, files: Files, settings: Settings) -> Outcome:
     plugins = []
     for plugin, content in sent:
         home = folder / "plugins" / plugin.content
-        _write(home, {Path(plugin.path).name: content})
-        plugins.append(replace(plugin, path=str(home / Path(plugin.path).name)))
+        _write(home, content)
+        plugins.append(replace(plugin, source=str(home / next(iter(content)))) if content else plugin)
     key = (*(plugin.content for plugin in plugins), memory_limit)
     if key not in _pools:
         _pools[key] = Pool(folder, 1, tuple(plugins), memory_limit)

@@ -1,4 +1,4 @@
-"""Plug-ins made known: each file is imported in a worker of its own, which tells what it defines; never in this process."""
+"""Plug-ins made known: each is imported in a worker of its own, which tells what it defines; never in this process."""
 
 import tempfile
 from pathlib import Path
@@ -8,32 +8,37 @@ from harness.plans.plan import Plugin
 from harness.workers.pool import Pool
 from harness.workers.task import Task
 from problems import InputError
-from solvers import find
+from problems.spec import split
+from solvers import find, plugins
 
 MEMORY = 4 * 2**30  # bytes
 
 
-def introduce(specs: list[str]) -> tuple[tuple[str, ...], tuple[Plugin, ...]]:
+def introduce(specs: list[str], wanted: tuple[str, ...] = ()) -> tuple[tuple[str, ...], tuple[Plugin, ...]]:
     """The variants that the command line names, and the plug-ins among them; a file stands for all the solvers it defines.
 
+    wanted: more variants, which bring no code of their own: they must be ours, or in what specs bring.
     Errors: InputError naming the solver, or the file and its line.
     """
-    files = list(dict.fromkeys(str(Path(spec).absolute()) for spec in specs if spec.endswith(".py")))
-    named = [spec for spec in specs if not spec.endswith(".py")]
-    plugins = tuple(_asked(files, named)) if files else ()
+    files = [str(Path(spec).absolute()) for spec in specs if plugins.is_file(spec)]
+    named = [spec for spec in specs if not plugins.is_file(spec)]
+    heads = {split("solver", spec)[0] for spec in named}
+    sources = list(dict.fromkeys([*files, *(name for name in plugins.installed() if name in heads)])) if specs else []
+    named += wanted
+    made = tuple(_asked(sources, named)) if sources else ()
     for spec in named:
-        if not any(spec in plugin.solvers for plugin in plugins):
+        if not any(spec in plugin.solvers for plugin in made):
             find(spec)
-    variants = [variant for plugin in plugins for variant in plugin.solvers] + named
+    variants = [variant for plugin in made for variant in plugin.solvers] + named
     for variant in variants:
-        if sum(variant in plugin.solvers for plugin in plugins) > 1:
-            raise InputError(f"solver: {variant} is defined by two of the files")
-    return tuple(dict.fromkeys(variants)), plugins
+        if sum(variant in plugin.solvers for plugin in made) > 1:
+            raise InputError(f"solver: {variant} is defined by two of them")
+    return tuple(dict.fromkeys(variants)), made
 
 
-def _asked(files: list[str], named: list[str]) -> list[Plugin]:
+def _asked(sources: list[str], named: list[str]) -> list[Plugin]:
     limit = worker.IMPORTING
-    tasks = [Task(path, worker.introduce, (path, named, limit), limit, owner=path) for path in files]
+    tasks = [Task(source, worker.introduce, (source, named, limit), limit, owner=source) for source in sources]
     found = {}
     with tempfile.TemporaryDirectory() as scratch, Pool(Path(scratch), 1, (), MEMORY) as pool:
         for outcome in pool.run(tasks):
@@ -43,4 +48,4 @@ def _asked(files: list[str], named: list[str]) -> list[Plugin]:
                     outcome.reason if told else f"solver: {outcome.task.name} cannot be imported ({outcome.reason})"
                 )
             found[outcome.task.name] = Plugin(**outcome.value)
-    return [found[path] for path in files]
+    return [found[source] for source in sources]
