@@ -135,11 +135,13 @@ def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Entry]:
 
 
 def _record(plan: Plan, pool: Pool, progress: Progress) -> None:
-    """Record a motion of every scene, here; they are pictures, and one that cannot be made is no loss."""
+    """Record a motion of every scene, here, and what a polygon makes of one; a picture that cannot be made is no loss."""
     tasks = [
         Task(f"motion of {shown.scene}", worker.run_motion, (shown, plan.drive_limit), plan.drive_limit)
         for shown in plan.shown()
     ]
+    if plan.polygons:
+        tasks.append(Task("polygon's error", worker.run_polygon, (plan.drive_limit,), plan.drive_limit))
     if not tasks:
         return
     with progress.stage("motions", len(tasks), 0) as stage:

@@ -17,6 +17,7 @@ from problems.friction import FrictionProblem
 from problems.instances.bodies import GRAVITY, GROUND, touching
 
 MASS, RADIUS = 1.0, 0.1  # kg, m
+SPEED, SIDE_SPIN, FRICTION = 2.0, 14.0, 0.3  # m/s, 1/s: set down so, the lowest point slides at (2, 1.4) m/s
 UPRIGHT = np.array([[[0.0, 0, 1], [1, 0, 0], [0, 1, 0]]])
 
 
@@ -47,7 +48,7 @@ def roll(
     solve: Callable[[FrictionProblem], Array],
     velocity: tuple[float, float],
     spin: tuple[float, float, float] = (0.0, 0.0, 0.0),
-    friction: float = 0.3,
+    friction: float = FRICTION,
     step: float = 0.01,
     steps: int = 100,
 ) -> Path:
@@ -58,3 +59,18 @@ def roll(
         states.append(met.velocity(solve(met)))
         place.append(place[-1] + step * states[-1][:2])
     return Path(np.arange(steps + 1.0) * step, np.array(place), np.array(states))
+
+
+def slide(solve: Callable[[FrictionProblem], Array], step: float) -> tuple[Array, Array]:
+    """The path (steps+1, 2), m, of a ball set down with a side spin, for as long as it slides, and the parabola it is on."""
+    slip = np.array([SPEED, RADIUS * SIDE_SPIN])
+    speed = float(np.linalg.norm(slip))
+    steps = int(2 * speed / (7 * FRICTION * GRAVITY) / step)
+    path = roll(solve, (SPEED, 0.0), (SIDE_SPIN, 0.0, 0.0), step=step, steps=steps)
+    bend = FRICTION * GRAVITY / 2 * np.outer(path.time**2, slip / speed)
+    return path.place, np.outer(path.time, [SPEED, 0.0]) - bend
+
+
+def apart(one: Array, other: Array) -> float:
+    """The largest distance of two paths at the same times, m."""
+    return float(np.linalg.norm(one - other, axis=1).max())

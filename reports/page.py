@@ -24,6 +24,7 @@ from reports.recorded import recorded_problems
 from reports.run import Run, read_run
 from reports.templates import as_json, environment, script
 from results.files import room, write_text
+from results.polygon import read_deviations
 from results.schema import VERDICTS
 
 MOST_CLAIMS = 200  # wrong claims listed on the page
@@ -55,7 +56,7 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
         "disturbed": int(run.rows["disturbed"].eq(True).sum()),
         "homeless": int((run.rows["disturbed"].eq(True) & run.rows["core"].isna()).sum()),
         "finished": "finished" in run.manifest,
-        "problems": run.rows["problem_id"].nunique(),
+        "problems": run.rows.loc[run.rows["problem"] != "", "problem_id"].nunique(),
         "contested": run.contested["problem_id"].nunique(),
         "gaps": tables.gaps(run),
         "headline": headline(run),
@@ -91,6 +92,7 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
         "rerun": lambda key: f"frictionbench rerun {shlex.quote(str(folder))} {shlex.quote(key)}",
         "scene_title": scene_title,
         "recorded": recorded_problems(run),
+        "deviations": read_deviations(folder),
     }
 
 

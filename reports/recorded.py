@@ -58,7 +58,7 @@ def _oddities(facts: pd.Series) -> str:
     told = ["trivial"] if facts["trivial"] else []
     for name, column in (("unsymmetric", "asymmetry"), ("indefinite", "indefiniteness")):
         share = abs(facts[column] or 0.0)
-        told += [f"{name} by {share:.0e}"] if share > NOTICED else []
+        told += [f"{name} by {share:.0e}".replace("e-0", "e-")] if share > NOTICED else []
     return ", ".join(told)
 
 

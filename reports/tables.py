@@ -67,7 +67,7 @@ def problem_classes(run: Run) -> pd.DataFrame:
     return (
         problems.groupby("problem_class", sort=False)
         .agg(
-            problems=("problem_id", "size"),
+            problems=("problem", lambda names: int((names != "").sum())),
             trivial=("trivial", "sum"),
             dimension=("dimension", "max"),
             contacts_from=("contacts", "min"),

@@ -5,9 +5,14 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from harness.plans.choose import choose
+from harness.progress import Progress
+from harness.run import run
 from harness.verify import verify
 from problems import InputError
 from problems.instances import make_instance
+from results.files import ResultsError
+from results.polygon import NAME, read_deviations
 from results.schema import RELAXED
 from solvers import find, solve
 
@@ -48,3 +53,15 @@ def test_facets_are_even_and_at_least_four(facets) -> None:
 def test_in_the_plane_facets_change_nothing() -> None:
     problem = make_instance("random", seed=1, contacts=3)
     assert np.array_equal(solve(problem, "lemke[facets=16]").impulse, solve(problem, "lemke").impulse)
+
+
+def test_a_run_with_facets_leaves_what_polygons_make_of_a_ball(tmp_path) -> None:
+    plan = choose("spatial", ["cubes[boxes=1]"], ("lemke[facets=16]",), "1e-8", 5.0)
+    run(plan, tmp_path, 1, Progress())
+    circle, *polygons = read_deviations(tmp_path)
+    assert circle.from_parabola < 1e-3
+    assert [row.facets for row in polygons] == [4, 6, 8, 16, 32, 64]
+    assert all(later.from_cone < earlier.from_cone for earlier, later in pairwise(polygons))
+    (tmp_path / NAME).write_text('[{"facets": 4}]', encoding="utf-8")
+    with pytest.raises(ResultsError, match=r"polygon\.json: cannot be read"):
+        read_deviations(tmp_path)

@@ -41,7 +41,7 @@ def test_the_advice_is_the_best_of_those_that_solve() -> None:
     solved = {"variant": "a", "verdict": "solved", "form_time": 1e-3, "setup_time": 0.0, "solve_time": 1e-3, "residual": 1e-9}
     near = {"variant": "b", "verdict": "unsolved", "residual": 1e-3}
     dead = {"variant": "c", "verdict": "timeout"}
-    assert advice([solved, solved, near]) == "use a: solved in 2.0 ms; 1 others solve it too"
+    assert advice([solved, solved, near]) == "use a: solved in 2.0 ms; 1 more solves it, too"
     assert advice([near, dead]) == "none solves it; the nearest is b, with a residual of 1.0e-03"
     assert advice([dead]) == "no solver gave an answer"
 

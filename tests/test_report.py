@@ -24,6 +24,7 @@ from reports.paper import booktabs, write_paper
 from reports.recorded import recorded_problems
 from reports.run import Run, annotate, annotate_drives, read_run
 from reports.templates import script
+from results.polygon import Deviation, write_deviations
 from results.schema import SOLVES, VERDICTS, arrow_schema
 from results.store import ResultsError
 from tests.browser import browse, in_browser
@@ -252,8 +253,14 @@ def test_a_portfolio_is_marked_wherever_it_is_named(tmp_path):
 
 
 def test_the_page_has_all_its_parts_and_stands_alone(tmp_path):
-    path = write_report(write_folder(tmp_path / "run", RUN, [drive_row("nsgs"), drive_row("ccp", energies=[2.0, 2.1, 2.3])]))
+    torn = lost_row("nsgs", "", "skipped", scene="Chain", parameters='{"file": "torn.dat"}', contacts=None, dimension=None)
+    drives = [drive_row("nsgs"), drive_row("ccp", energies=[2.0, 2.1, 2.3])]
+    folder = write_folder(tmp_path / "run", [*RUN, torn], drives)
+    write_deviations(folder, [Deviation(0, 0.01, 1e-3, 0.0), Deviation(4, 0.01, 25e-3, 24e-3)])
+    path = write_report(folder)
     page = _Page(path)
+    for part in ("Recorded problems", "no problem: for a reason", "The polygon's error on a motion", "24 mm", "circle"):
+        assert part in page.text
     for part in ("At a glance", "Solvability", "Speed and accuracy", "Time to equal accuracy", "Energy in closed loop"):
         assert part in page.text
     assert "nsgs reaches a verified residual of 1e-8 most often: on 3 of 4 non-trivial problems" in page.text
@@ -498,8 +505,5 @@ def test_recorded_problems_are_told_one_by_one(tmp_path) -> None:
     run = read_run(write_folder(tmp_path / "run", rows))
     whole, broken = recorded_problems(run)
     assert (whole.file, whole.dimension, whole.contacts, whole.rank_ratio) == ("a.hdf5", 3, 4, 0.75)
-    assert (list(whole.solvers), whole.tried, whole.oddities) == (["fast", "slow"], 3, "unsymmetric by 1e-03")
+    assert (list(whole.solvers), whole.tried, whole.oddities) == (["fast", "slow"], 3, "unsymmetric by 1e-3")
     assert (broken.file, broken.reason) == ("torn.dat", "for a reason")
-    text = _Page(write_report(tmp_path / "run")).text
-    assert "Recorded problems" in text
-    assert "no problem: for a reason" in text

@@ -21,6 +21,7 @@ from harness import process
 from harness.cells.answers import AnswerError
 from harness.cells.collect import Entry, collect, stored, stored_start
 from harness.cells.drive import drive, refusal
+from harness.cells.polygon import measure
 from harness.cells.record import keep
 from harness.cells.rows import drive_row, solve_row, solver_facts
 from harness.cells.timing import MOST, Timing, time_solver
@@ -34,6 +35,7 @@ from problems.nature.mode import mode
 from problems.nature.stability import backward_error
 from problems.recorded import read
 from problems.spec import split
+from results.polygon import read_deviations, write_deviations
 from results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
 from results.store import Row
 from solvers import Answer, Solver, SolverInfo, Status, find, plugins
@@ -167,6 +169,13 @@ def run_motion(source: Source, limit: float) -> None:
     """Record the motion of a driven scene."""
     with _worker.deadline.within(limit):
         keep(_worker.folder, source)
+
+
+def run_polygon(limit: float) -> None:
+    """Leave in the folder what polygons make of a ball's motion, unless it is there."""
+    if not read_deviations(_worker.folder):
+        with _worker.deadline.within(limit):
+            write_deviations(_worker.folder, measure())
 
 
 def _solver(variant: str) -> tuple[SolverInfo, Solver]:

@@ -49,7 +49,7 @@ def solve_one(problem: str, solver_specs: list[str], tol: float, time_limit: flo
             run, path = worker.run_lcp, str(Path(problem).absolute())
             calls: list[tuple[Any, ...]] = [(path, variant, tol, time_limit) for variant in variants]
         else:
-            told = f"{entry['contacts']} contacts, LCP of {entry['size']} unknowns"
+            told = f"{entry['contacts']} contact{'s' * (entry['contacts'] != 1)}, LCP of {entry['size']} unknowns"
             run, calls = worker.run_solve, [(cell, entry, time_limit) for cell in plan.solve_cells([entry])]
         tasks = [
             Task(variant, run, call, time_limit, plan.owner(variant)) for variant, call in zip(variants, calls, strict=True)
@@ -69,7 +69,8 @@ def advice(rows: list[Row]) -> str:
     best = rows[0]
     if best["verdict"] == SOLVED:
         others = sum(row["verdict"] == SOLVED for row in rows) - 1
-        return f"use {best['variant']}: solved in {_time(_seconds(best))}" + f"; {others} others solve it too" * (others > 0)
+        told = f"; {others} more solve{'s' * (others == 1)} it, too" if others else ""
+        return f"use {best['variant']}: solved in {_time(_seconds(best))}{told}"
     answered = [row for row in rows if row.get("residual") is not None]
     if not answered:
         return "no solver gave an answer"

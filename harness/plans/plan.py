@@ -163,6 +163,11 @@ class Plan:
         """The solver from outside this repository that a variant is of, with its source; empty for our own."""
         return next((f"{p.source} {p.solvers[variant]['solver']}" for p in self.plugins if variant in p.solvers), "")
 
+    @property
+    def polygons(self) -> bool:
+        """Whether polygons in place of the friction cone are compared."""
+        return any("facets=" in variant for variant in self.solvers)
+
     def shown(self) -> list[Source]:
         """What to record for the eye: every drive, and a short motion of each scene that none drives."""
         driven = {drive.scene for drive in self.drives}

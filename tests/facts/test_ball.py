@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from problems.ball import GRAVITY, RADIUS, roll
+from problems.ball import FRICTION as MU
+from problems.ball import GRAVITY, RADIUS, SPEED, apart, roll, slide
 from solvers import solve
-
-MU, SPEED = 0.3, 2.0
 
 
 def by(spec):
@@ -23,27 +22,14 @@ def test_a_ball_without_spin_rolls_at_five_sevenths(step) -> None:
     assert path.time[slides][-1] == pytest.approx(end, abs=step)
 
 
-def askew(spec, step):
-    """The path while it slides, with a spin askew: s_0 = (2, 1.4); and the parabola at the same times."""
-    slip = np.array([SPEED, RADIUS * 14.0])
-    steps = int(2 * np.linalg.norm(slip) / (7 * MU * GRAVITY) / step)
-    path = roll(by(spec), (SPEED, 0.0), (14.0, 0.0, 0.0), MU, step, steps)
-    along = slip / np.linalg.norm(slip)
-    return path.place, np.outer(path.time, [SPEED, 0.0]) - MU * GRAVITY / 2 * np.outer(path.time**2, along)
-
-
-def apart(one, other) -> float:
-    return float(np.linalg.norm(one - other, axis=1).max())
-
-
 def test_a_ball_with_side_spin_runs_a_parabola_to_first_order() -> None:
-    coarse, fine = apart(*askew("interior_point", 0.02)), apart(*askew("interior_point", 0.005))
+    coarse, fine = apart(*slide(by("interior_point"), 0.02)), apart(*slide(by("interior_point"), 0.005))
     assert coarse < 0.01
     assert fine == pytest.approx(coarse / 4, rel=0.2)
 
 
 def test_a_polygon_bends_the_path_the_more_the_fewer_facets_it_has() -> None:
-    cone = askew("interior_point", 0.02)[0]
-    four, eight, many = (apart(askew(f"lemke[facets={k}]", 0.02)[0], cone) for k in (4, 8, 64))
+    cone, _ = slide(by("interior_point"), 0.02)
+    four, eight, many = (apart(slide(by(f"lemke[facets={k}]"), 0.02)[0], cone) for k in (4, 8, 64))
     assert four > 2 * eight > 10 * many
     assert many < 2e-3
