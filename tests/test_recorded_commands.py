@@ -7,7 +7,8 @@ import pytest
 
 from harness.cells.collect import collect
 from harness.commands.export import export
-from harness.commands.single import advice, solve_one
+from harness.commands.shrink import shrink
+from harness.commands.single import advice, rerun_row, solve_one
 from harness.plans.choose import choose, named_source
 from harness.progress import Progress
 from harness.run import run
@@ -90,3 +91,30 @@ def test_instances_are_sources_with_labels(tmp_path) -> None:
     assert named_source("stack").moves
     with pytest.raises(InputError, match=r"^bricks: cubes has no such parameter"):
         named_source("cubes[bricks=2]")
+
+
+def test_a_spatial_row_is_run_again_and_made_small(tmp_path) -> None:
+    plan = choose("spatial", ["cubes[boxes=2,mass_ratio=1e6,push=1]"], ("nsgs[relaxation=0.01]",), "1e-8", 5.0)
+    run(plan, tmp_path, 1, Progress())
+    (key,) = read_table(tmp_path, "solves")["key"]
+    row, again = rerun_row(tmp_path, key, [])
+    assert row["verdict"] == again["verdict"] == "unsolved"
+    assert again["residual"] == row["residual"]
+    path, small, _ = shrink(tmp_path, key, [])
+    assert read(path).hash == small.hash
+    assert (small.dimension, small.contacts < 8) == (3, True)
+
+
+def test_files_that_hold_no_friction_problem_leave_rows_that_say_why(tmp_path) -> None:
+    data, out = tmp_path / "set", tmp_path / "out"
+    data.mkdir()
+    np.savez(data / "lcp.npz", M=np.eye(2), q=np.ones(2))
+    (data / "torn.dat").write_text("3\n4\n")
+    fclib.write(random_problem(1, contacts=4), data / "whole.hdf5")
+    run(choose("recorded", [], ("nsgs",), "1e-8", 5.0, data=(str(data),)), out, 1, Progress())
+    lcp, torn, whole = read_table(out, "solves").to_dict("records")
+    assert (lcp["verdict"], torn["verdict"], whole["verdict"]) == ("skipped", "skipped", "solved")
+    assert "a bare LCP; only `frictionbench solve` takes one" in lcp["reason"]
+    assert "torn.dat: contacts: 4 is out of range" in torn["reason"]
+    with pytest.raises(InputError, match=r"^row: .* has no problem to run again: .*torn\.dat"):
+        rerun_row(out, torn["key"], [])

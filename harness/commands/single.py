@@ -21,11 +21,11 @@ from harness.run import row_of
 from harness.workers.introduce import introduce
 from harness.workers.pool import Pool
 from harness.workers.task import Outcome, Task
-from problems import LCP
+from problems import LCP, InputError
 from problems.recorded import read
 from problems.recorded.own import save
 from results import store
-from results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
+from results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TABLES, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
 from results.store import ResultsError, Row
 from solvers import available, find
 from solvers.plugins import installed
@@ -99,7 +99,8 @@ def _everyone() -> list[str]:
 def rerun_row(folder: Path, key: str, named: list[str]) -> tuple[Row, Row]:
     """Run the cell of a row again; the row and the new one. named: solvers from outside, which the user trusts.
 
-    Errors: ResultsError where there is no such row, InputError where its solver is in none of them and not ours.
+    Errors: ResultsError where there is no such row, InputError where it has no problem, or its solver is in none of them and
+    not ours.
     """
     settings = store.read_manifest(folder)["settings"]
     for table in ("solves", "drives"):
@@ -108,6 +109,9 @@ def rerun_row(folder: Path, key: str, named: list[str]) -> tuple[Row, Row]:
             break
     else:
         raise ResultsError(f"{folder}: no row has the key {key!r}")
+    row = dict.fromkeys(column.name for column in TABLES[table]) | row  # a shard keeps no nulls
+    if table == "solves" and not row["problem"]:
+        raise InputError(f"row: {key} has no problem to run again: {row['reason']}")
     plugins = trusted(row, settings, named)
     task = _task_again(row, table, plugins)
     with tempfile.TemporaryDirectory() as name:
@@ -139,7 +143,7 @@ def _stage(problem: str, folder: Path) -> tuple[LCP | None, Entry]:
 def _task_again(row: Row, table: str, plugins: tuple[Plugin, ...]) -> Task:
     limit, owner = row["time_limit"], row["variant"] if plugins else ""
     if table == "solves":
-        entry = {name: row[name] for name in PROBLEM_FACTS if name in row}
+        entry = {name: row[name] for name in PROBLEM_FACTS}
         cell = SolveCell(row["problem"], origin(row), row["variant"], row["tol"], row["start"])
         return Task(row["variant"], worker.run_solve, (cell, entry, limit), limit, owner)
     facts = json.loads(row["parameters"]), row["variant"], row["tol"], row["scheme"], row["steps"], row["after_failure"]
