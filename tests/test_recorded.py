@@ -327,7 +327,7 @@ def test_a_bad_text_is_named(tmp_path, name) -> None:
     text, field = BAD_TEXT[name]
     path = tmp_path / "p.dat"
     path.write_text(text, encoding="ascii")
-    with pytest.raises(InputError, match=rf"p\.dat: {field}.*: "):
+    with pytest.raises(InputError, match=rf"p\.dat: read as the text of Siconos: {field}.*: "):
         read(path)
 
 

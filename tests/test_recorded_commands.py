@@ -115,6 +115,6 @@ def test_files_that_hold_no_friction_problem_leave_rows_that_say_why(tmp_path) -
     lcp, torn, whole = read_table(out, "solves").to_dict("records")
     assert (lcp["verdict"], torn["verdict"], whole["verdict"]) == ("skipped", "skipped", "solved")
     assert "a bare LCP; only `frictionbench solve` takes one" in lcp["reason"]
-    assert "torn.dat: contacts: 4 is out of range" in torn["reason"]
+    assert "torn.dat: read as the text of Siconos: contacts: 4 is out of range" in torn["reason"]
     with pytest.raises(InputError, match=r"^row: .* has no problem to run again: .*torn\.dat"):
         rerun_row(out, torn["key"], [])

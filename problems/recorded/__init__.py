@@ -27,10 +27,11 @@ def read(path: Path) -> FrictionProblem | LCP:
         raise InputError(f"{path}: {'no such file' if isinstance(error, FileNotFoundError) else error.strerror}") from None
     if head[:4] == ZIP:
         return _archive(path)
+    hdf5 = head == HDF5
     try:
-        return fclib.read(path).problem if head == HDF5 else siconos.read(path)
+        return fclib.read(path).problem if hdf5 else siconos.read(path)
     except InputError as error:
-        raise InputError(f"{path}: {error}") from None
+        raise InputError(f"{path}: {'' if hdf5 else 'read as the text of Siconos: '}{error}") from None
 
 
 def _archive(path: Path) -> FrictionProblem | LCP:
