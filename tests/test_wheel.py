@@ -1,0 +1,67 @@
+"""An ordinary install: the wheel in an environment of its own, used from elsewhere, nothing writable but a scratch folder."""
+
+import os
+import shutil
+import subprocess
+import sys
+import venv
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+BUILD = "import sys; from setuptools.build_meta import build_wheel; build_wheel(sys.argv[1])"
+CODE = "problems", "solvers", "harness", "results", "reports"
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory) -> Path:
+    """The environment: the wheel, and the dependencies of this one, but not this checkout. Its path has spaces."""
+    pytest.importorskip("setuptools", minversion="77")
+    home = tmp_path_factory.mktemp("a folder with spaces")
+    source, wheels, environment = home / "source", home / "wheels", home / "an environment"
+    source.mkdir()
+    for name in (*CODE, "frictionbench.py", "pyproject.toml", "README.md", "LICENSE"):
+        copy = shutil.copytree if (ROOT / name).is_dir() else shutil.copy
+        copy(ROOT / name, source / name)
+    subprocess.run([sys.executable, "-c", BUILD, str(wheels)], cwd=source, check=True, capture_output=True)
+    shutil.rmtree(source)
+    venv.create(environment, symlinks=True)
+    (site,) = environment.glob("lib/python*/site-packages")
+    (wheel,) = wheels.iterdir()
+    shutil.unpack_archive(wheel, site, "zip")
+    others = [entry for entry in sys.path if Path(entry).name == "site-packages"]
+    (site / "dependencies.pth").write_text("\n".join(others), encoding="utf-8")
+    (environment / "no folder").touch()
+    return environment
+
+
+def frictionbench(environment: Path, *arguments: str) -> subprocess.CompletedProcess:
+    """Run it from another directory, by a user whose home cannot be made; nothing is compiled, which would take a minute."""
+    elsewhere = environment.parent / "else where"
+    elsewhere.mkdir(exist_ok=True)
+    kept = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "XDG_", "NUMBA_CACHE"))}
+    command = [environment / "bin" / "python", "-P", "-c", "import frictionbench; frictionbench.main()", *arguments]
+    asked = {
+        "HOME": str(environment / "no folder" / "home"),
+        "TMPDIR": str(elsewhere),
+        "COLUMNS": "200",
+        "NUMBA_DISABLE_JIT": "1",
+    }
+    return subprocess.run(command, cwd=elsewhere, env=kept | asked, capture_output=True, text=True, check=False, timeout=300)
+
+
+def test_a_wheel_works_from_elsewhere_without_a_home(installed) -> None:
+    baseline = next(installed.glob("lib/python*/site-packages/results/baselines/smoke"))
+    results = shutil.copytree(baseline, installed.parent / "results of mine")
+    for arguments, told in (
+        (["--help"], "Compare solvers for the friction LCPs"),
+        (["list", "solvers"], "nsgs"),
+        (["compare", str(baseline), str(results)], "Nothing worse"),
+        (["report", str(results)], "report: "),
+        (["solve", "stack[blocks=2]", "--solver", "nsgs"], "use nsgs: solved"),
+    ):
+        done = frictionbench(installed, *arguments)
+        assert done.returncode == 0, done.stderr
+        assert told in done.stdout
+    assert next(results.glob("*.html")).stat().st_size > 10**5
