@@ -148,18 +148,18 @@ def find_row(folder: Path, table: str, key: str) -> Row | None:
 
 
 def merge(folder: Path, table: str, order: Sequence[str], lost: Callable[[str], Row]) -> int:
-    """Write DIR/TABLE.parquet from the shards, rows in the order of the plan's keys; how many of these have none.
+    """Write DIR/TABLE.parquet from the shards, the row of every key of the plan in its order; how many of these have none.
 
-    lost: the row that stands for one that is not there. No table is written where there are no rows.
+    lost: the row that stands for one that is not there. A row that is not planned (of a source that yielded nothing, until it
+    was tried again) stays out. No table is written where there are no rows.
     """
     schema, places = arrow_schema(table), _places(folder, table)
-    keys = [*order, *sorted(places.keys() - set(order))]
     missing = 0
-    if keys:
+    if order:
         with replaced(folder / f"{table}.parquet") as partial, pq.ParquetWriter(partial, schema) as writer:
-            for start in range(0, len(keys), BATCH):
+            for start in range(0, len(order), BATCH):
                 batch = []
-                for key in keys[start : start + BATCH]:
+                for key in order[start : start + BATCH]:
                     found = next(_rows([places[key]]), None) if key in places else None
                     missing += found is None
                     batch.append(lost(key) if found is None else found)

@@ -56,6 +56,7 @@ def test_what_a_table_cannot_hold_costs_nothing_but_itself(tmp_path) -> None:
     with ShardWriter(tmp_path, "solves", "1") as writer:
         writer.write(strange | {"no such column": 1})
         writer.write(solve_row("b", "p"))
+        writer.write(solve_row("c", "not planned"))
     with open(tmp_path / "shards" / "solves-1.jsonl", "ab") as shard:
         shard.write(b"[" * 10**5 + b"\n\xff\xfe\n{}\n")
     assert store.merge(tmp_path, "solves", ["a-p-1e-08", "lost", "b-p-1e-08"], lambda key: {"key": key, "reason": "lost"}) == 1

@@ -169,3 +169,47 @@ def test_without_a_core_of_its_own_a_row_is_marked_and_so_is_the_report(tmp_path
     page = write_report(tmp_path).read_text(encoding="utf-8")
     assert "1 of 1 cells shared their core" in page
     assert "no core left" in page
+
+
+NAPS = """
+import time
+import numpy as np
+from solvers import Answer, Status, solver
+
+@solver("naps", family="test", model="coulomb")
+class Naps:
+    \"\"\"Sleeps, and gives up.\"\"\"
+
+    def solve(self, problem, tol, limit, start=None):
+        time.sleep(0.3)
+        return Answer(np.zeros((problem.contacts, problem.dimension)), Status.STALLED)
+"""
+
+
+def test_a_run_outlives_its_server_its_keepers_and_its_workers(tmp_path) -> None:
+    """Each is killed as soon as it is there, the server while it starts; the run itself is not, and misses nothing."""
+    plugin = tmp_path / "naps.py"
+    plugin.write_text(NAPS, encoding="utf-8")
+    command = [sys.executable, "-c", "from harness.cli import main; main()", "run", "smoke", "--jobs", "1"]
+    command += ["--scene", "stack", "--solver", str(plugin), "--out", str(tmp_path / "run")]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
+        for depth in (1, 3, 2, 1, 3):  # below the run: the server, keepers, workers
+            while process.poll() is None and not (victims := below(process.pid, depth)):
+                time.sleep(0.05)
+            assert process.poll() is None
+            victims[0].kill()
+        _, told = process.communicate(timeout=60)
+    assert process.returncode == 0, told
+    assert set(store.read_table(tmp_path / "run", "solves")["verdict"]) == {"unsolved"}
+    assert len(store.read_table(tmp_path / "run", "solves")) == 4
+
+
+def below(pid: int, depth: int) -> list[psutil.Process]:
+    """The processes so many generations below one; none where any of them is just ending."""
+    found = [psutil.Process(pid)]
+    try:
+        for _ in range(depth):
+            found = [child for one in found for child in one.children()]
+    except psutil.Error:
+        return []
+    return found

@@ -27,7 +27,10 @@ Settings = tuple[Path, tuple[Plugin, ...], int]
 
 
 class _Server:
-    """The process that forks the keepers: started once, it ends with this process. It never looks into the current folder."""
+    """The process that forks the keepers: started once, it ends with this process. It never looks into the current folder.
+
+    Errors: ConnectionError where it ends before it says a word, ResultsError where it runs other code.
+    """
 
     def __init__(self) -> None:
         process.pin_threads()
@@ -41,8 +44,9 @@ class _Server:
             theirs, ours = said.readline(2**16), machine.code()
         if not theirs or json.loads(theirs) != ours:
             self.close()
-            why = f"run {theirs.decode().strip()}, not {json.dumps(ours)}" if theirs else "do not start"
-            raise ResultsError(f"workers: they {why}")
+            if not theirs:
+                raise ConnectionError
+            raise ResultsError(f"workers: they run {theirs.decode().strip()}, not {json.dumps(ours)}")
 
     def keeper(self, settings: Settings) -> Connection:
         """The line to a new keeper. Errors: OSError where the server is gone."""
@@ -64,12 +68,14 @@ _server: _Server | None = None
 
 def _keeper(settings: Settings) -> Connection:
     global _server  # noqa: PLW0603  # one a process: what workers need is imported once
-    if _server is not None:
+    for _ in range(TRIES):  # it may be killed at any moment, as it starts too
         with suppress(OSError):
+            _server = _server or _Server()
             return _server.keeper(settings)
-        _server.close()
-    _server = _Server()
-    return _server.keeper(settings)
+        if _server is not None:
+            _server.close()
+            _server = None
+    raise ResultsError(f"workers: they do not start, tried {TRIES} times")
 
 
 class _Hand:
