@@ -1,0 +1,50 @@
+"""Where compiled kernels are kept between runs: a folder for every state of the kernels' source.
+
+numba's cache notices that the file of a kernel has changed, but not that a kernel it calls, in another file, has: the old code
+would go on running, and be measured under the new code's name. So the cache lies in a folder named by the content of all files
+that hold kernels; an older checkout finds its own again. Where the user's cache folder cannot be written, one of the user's own
+in the system's temporary folder takes its place. NUMBA_CACHE_DIR, where it is set, says under which folder instead.
+"""
+
+import getpass
+import os
+import tempfile
+from contextlib import suppress
+from hashlib import sha256
+from pathlib import Path
+
+from numba.core import config
+from platformdirs import user_cache_path
+
+HOUSE = Path(__file__).resolve().parent.parent
+FOLDERS = ("problems", "solvers")
+
+
+def keep_compiled() -> None:
+    """Tell numba where to keep what it compiles; to be called before the first kernel is declared."""
+    config.CACHE_DIR = str(_writable(state(HOUSE)))
+
+
+def state(house: Path) -> str:
+    """A hash of all files with kernels in a house, by name and content."""
+    digest = sha256()
+    for path in sorted(path for folder in FOLDERS for path in (house / folder).rglob("*.py")):
+        text = path.read_bytes()
+        if b"njit" in text:
+            digest.update(f"{path.relative_to(house).as_posix()}\0{len(text)}\0".encode() + text)
+    return digest.hexdigest()[:16]
+
+
+def _writable(name: str) -> Path:
+    """The folder for this state; what lies in it is executed, so one in a place open to all must be the user's own."""
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    usual = Path(chosen) if chosen else user_cache_path("frictionbench") / "compiled"
+    spare = Path(tempfile.gettempdir()) / f"frictionbench-{getpass.getuser()}"
+    for above in (usual, spare):
+        with suppress(OSError):
+            (above / name).mkdir(parents=True, exist_ok=True)
+            if above is spare:
+                spare.chmod(0o700)  # fails where it is somebody else's
+            if os.access(above / name, os.W_OK):
+                return above / name
+    return usual / name
