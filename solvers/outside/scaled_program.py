@@ -82,7 +82,8 @@ def scaled_program(problem: FrictionProblem, program: Kind) -> ScaledProgram[Kin
     A, joint = _joints(program, D)
     return ScaledProgram(
         program,
-        sparse.csc_matrix((P, objective.column, objective.start), shape=(len(D), len(D))),
+        # libraries may want arrays that they could write, and the mass's columns are the problem's own
+        sparse.csc_matrix((P, objective.column.copy(), objective.start), shape=(len(D), len(D))),
         D * program.q / theta,
         sparse.csc_matrix((G, bounds.column, bounds.start), shape=(len(rows), len(D))),
         program.h / rows / theta,
