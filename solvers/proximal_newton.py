@@ -19,7 +19,7 @@ import numpy as np
 from problems import FrictionProblem
 from problems.check import Array
 from problems.residual import residual
-from solvers.interface import Answer, Status, solver
+from solvers.interface import Answer, Status, impulses, solver
 from solvers.interior.alart_curnier import new_state, newton
 from solvers.interior.system import System, in_velocities, new_work, prepare
 
@@ -55,7 +55,7 @@ class ProximalNewton:
         problem, system = prepared
         limit = LIMIT if limit is None else limit
         nc, work = problem.contacts, new_work(system)
-        anchor = np.zeros((nc, 3)) if start is None else start / system.impulse
+        anchor = impulses(start, (nc, 3)) / system.impulse
         state, trial, step = new_state(nc), new_state(nc), np.zeros((nc, 3))
         state.r[:] = anchor
         impulse = anchor * system.impulse

@@ -17,11 +17,12 @@ WARM = sorted(name for name, info in available().items() if info.warm_start and 
     "start", [np.zeros((40, 2)), np.zeros((1, 3)), np.zeros(2), np.full((1, 2), np.nan), "start", [[None, 1]]]
 )
 def test_a_start_is_checked(name, start):
+    info, method = find(name)
+    problem = block() if 2 in info.dimension else spatial(0)
     with pytest.raises(InputError, match=r"^start: "):
-        solve(block(), name, start=start)
-    _, method = find(name)
+        solve(problem, name, start=start)
     with pytest.raises(InputError, match=r"^start: "):
-        method.solve(method.prepare(block()), 1e-8, None, start)
+        method.solve(method.prepare(problem), 1e-8, None, start)
 
 
 def test_a_good_start_is_taken_as_a_list():
