@@ -46,7 +46,7 @@ def run(prepared: Prepared, phases: Iterable[Phase], tol: float, limit: int, pat
     problem, system = prepared
     if problem.fastest == 0:
         return Answer(np.zeros_like(system.offset), Status.SOLVED, {"iterations": 0, "factorisations": 0})
-    history = np.empty(limit + 1)
+    history = np.empty(limit)
     best = Best(np.zeros_like(system.offset), np.array([np.inf]), np.zeros(1, np.int64))
     used = 0
     status = Status.STALLED

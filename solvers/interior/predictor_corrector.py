@@ -84,7 +84,7 @@ def _iterate(
         since += 1
         if not gap + off > milestone / 2:
             milestone, since = gap + off, 0
-        if best.residual[0] <= tol or since > patience or not gap + off < np.inf or iteration == len(history) - 1:
+        if best.residual[0] <= tol or since > patience or not gap + off < np.inf:
             return iteration + 1
         linearise(system, point, work)
         best.factorisations[0] += 1
