@@ -1,6 +1,9 @@
 """Results folders that were damaged, or made by an enemy: told in one line, never followed, never believed."""
 
 import os
+import re
+import subprocess
+import sys
 import tracemalloc
 from collections.abc import Callable
 
@@ -10,7 +13,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from harness.plans.plan import Plan, Source
-from harness.run import run
+from harness.run import open_folder, run
 from problems import InputError, scene
 from problems.recorded import own
 from reports.page import write_report
@@ -19,7 +22,7 @@ from results.compare import compare
 from results.schema import arrow_schema
 from results.store import ResultsError, ShardWriter
 from tests.made_results import solve_row, write_folder
-from tests.test_run import quiet
+from tests.test_run import quiet, small_plan
 
 SCHEMA = arrow_schema("solves")
 
@@ -179,3 +182,42 @@ def test_mutated_files_are_used_or_told_in_one_line(tmp_path, kind) -> None:
             told += complaints(lambda: compare(folder, folder), lambda: write_report(folder))
     assert told
     assert not any("\n" in text for text in told)
+
+
+@pytest.mark.parametrize(("room", "unwritten"), [(2000, "manifest.json"), (5000, "solves.parquet")])
+def test_a_disk_that_is_full_is_named_and_the_run_goes_on_where_there_is_room(tmp_path, room, unwritten) -> None:
+    """A disk with room for files of so many bytes."""
+    command = [sys.executable, "-c", "from harness.cli import main; main()", "run", "smoke", "--jobs", "1"]
+    command += ["--scene", "stack", "--solver", "nsgs", "--out", str(tmp_path / "run")]
+    full = "import os, sys; from resource import RLIMIT_FSIZE, setrlimit; "
+    full += f"setrlimit(RLIMIT_FSIZE, ({room}, {room})); os.execv(sys.argv[1], sys.argv[1:])"
+    broken = subprocess.run([sys.executable, "-c", full, *command], capture_output=True, text=True, check=False, timeout=120)
+    assert broken.returncode == 2
+    assert broken.stderr.splitlines()[-1].startswith("frictionbench: [Errno 27]")
+    assert str(tmp_path / "run" / unwritten) in broken.stderr.splitlines()[-1]
+    subprocess.run(command, check=True, capture_output=True, timeout=120)
+    assert set(store.read_table(tmp_path / "run", "solves")["verdict"]) == {"solved"}
+
+
+@pytest.mark.parametrize("place", ["", "shards"])
+def test_a_folder_that_cannot_be_written_is_named(tmp_path, place) -> None:
+    folder, plan = tmp_path / "run", small_plan(drives=())
+    if place:
+        open_folder(plan, folder)
+    (folder / place).touch()
+    with pytest.raises((OSError, ResultsError), match=re.escape(str(folder / place))):
+        run(plan, folder, 1, quiet())
+
+
+def test_a_source_that_cannot_keep_its_problems_is_rows_with_the_reason_until_it_can(tmp_path) -> None:
+    folder, plan = tmp_path / "run", small_plan(drives=())
+    open_folder(plan, folder)
+    (folder / "problems").touch()
+    run(plan, folder, 1, quiet())
+    rows = store.read_table(folder, "solves")
+    assert set(rows["verdict"]) == {"skipped"}
+    assert rows["reason"].str.contains(str(folder / "problems"), regex=False).all()
+    (folder / "problems").unlink()
+    run(plan, folder, 1, quiet())
+    again = store.read_table(folder, "solves")
+    assert (len(again), set(again["verdict"])) == (len(rows), {"solved"})
