@@ -19,7 +19,8 @@ def trusted(row: Row, settings: dict[str, Any], named: list[str]) -> tuple[Plugi
     Errors: InputError naming the solver, and the file that the run had it from.
     """
     variant = row["variant"]
-    if split("solver", variant)[0] in available():
+    info = available().get(split("solver", variant)[0])
+    if info is not None and info.make.__module__.startswith("solvers."):  # not one that this process has loaded as a plug-in
         find(variant)
         return ()
     if not named:
