@@ -17,6 +17,7 @@ from reports.charts.chart import Chart
 from reports.drawing.figures import Panel
 from reports.drawing.style import INK, Look, log_ticks, time_axis
 from reports.run import Run
+from results.schema import SKIPPED
 
 ZERO, WORST = 1e-17, 1e1  # where residuals of zero, and large or missing ones, are drawn
 
@@ -33,7 +34,7 @@ def ladder(run: Run) -> pd.DataFrame:
     rows = rows.assign(
         time=rows["time"].where(rows["answered"], rows["time_limit"]),
         residual=rows["residual"].where(rows["answered"], np.inf),
-        met=rows["problem_id"].where(rows["verdict"] != "skipped"),
+        met=rows["problem_id"].where(rows["verdict"] != SKIPPED),
     )
     groups = rows.groupby(["entry", "tol"], sort=False)
     points = groups.agg(time=("time", shifted_geometric_mean), residual=("residual", "median"), met=("met", "nunique"))
