@@ -15,6 +15,10 @@ problems.residual, which is the worst contact's. A solver that computes this ver
 another measure is to ask for as much less as that measure can fall short of this one, tol times a margin that stands where
 it is used, with its reason; so no solver does more work than its measure needs, and none is paid for claiming early. What a
 bound between two norms cannot promise is `missed` where it comes close and `wrong` where it does not.
+
+A solver of regularised contacts says how soft it made them, u = W r + q + R r, and is judged as that model's. With R chosen
+freely any answer is some soft model's, so R is bound to the tolerance: 0 <= R_i <= max(tol, SOFTEST) s_i, s_i as in
+problems.residual. Beyond that the answer is judged without any, and the reason says so; within, the reason tells R.
 """
 
 from dataclasses import dataclass
@@ -29,6 +33,7 @@ from results.schema import MISSED, RELAXED, SOLVED, UNJUDGEABLE, UNSOLVED, WRONG
 from solvers import Answer, SolverInfo, Status
 
 NEAR = 10.0  # times the tolerance: an honest difference of norms
+SOFTEST = 1e-6  # of s: softness that is allowed at any tolerance, for hard contacts are out of reach of such methods
 FAR = 10.0  # times the energy defect that the tolerance allows: a reason to look
 
 
@@ -52,11 +57,13 @@ def verify(problem: FrictionProblem, answer: Answer, info: SolverInfo, tol: floa
     if complaint := _complaint(problem, impulse):
         return Finding(WRONG if claimed else UNSOLVED, complaint, *(np.inf,) * 5)
     exact, floor = residual(problem, impulse), residual_floor(problem, impulse)
-    model = _model_residual(problem, answer, info, exact)
+    softness, soft = _softness(problem, answer, info, tol)
+    model = _model_residual(problem, answer, info, exact, softness)
     verdict = _verdict(exact, model, floor, claimed, tol)
     defect = ledger_defect(problem, impulse)
     reasons = [
         _reason(verdict, exact, model, floor, tol),
+        soft,
         answer.detail or (answer.status.value if verdict == UNSOLVED else ""),
     ]
     allowed = energy_within(problem, impulse, max(exact, tol))
@@ -74,9 +81,22 @@ def _complaint(problem: FrictionProblem, impulse: Array) -> str | None:
     return None
 
 
-def _model_residual(problem: FrictionProblem, answer: Answer, info: SolverInfo, exact: float) -> float:
+def _softness(problem: FrictionProblem, answer: Answer, info: SolverInfo, tol: float) -> tuple[Array | None, str]:
+    """The softness R (nc, d) that a regularised answer is judged with, None for none; what is to be said of it."""
+    if info.model != "regularised" or answer.softness is None or not problem.contacts:
+        return None, ""
+    claimed, bound = np.asarray(answer.softness, dtype=float), max(tol, SOFTEST)
+    if claimed.shape != (problem.contacts, problem.dimension) or not (claimed >= 0).all():
+        return None, f"softness must be {problem.contacts} by {problem.dimension} numbers, none below 0: judged without"
+    share = float((claimed / problem.scale[:, None]).max())
+    if not share <= bound * (1 + 1e-9):
+        return None, f"claims a softness of {share:.1g} of W's diagonal, where {bound:.1g} is allowed: judged without"
+    return claimed, f"contacts made soft by {share:.1g} of W's diagonal"
+
+
+def _model_residual(problem: FrictionProblem, answer: Answer, info: SolverInfo, exact: float, softness: Array | None) -> float:
     if info.model in ("relaxation", "regularised"):
-        return relaxation_residual(problem, np.asarray(answer.impulse, dtype=float), answer.softness)
+        return relaxation_residual(problem, np.asarray(answer.impulse, dtype=float), softness)
     if info.model == "lcp" and problem.dimension == 3 and answer.z is not None:
         facets = np.size(answer.z) // max(problem.contacts, 1) - 2  # z is (c, beta, lambda), beta of as many parts a contact
         if problem.contacts and np.shape(answer.z) == (problem.contacts * (facets + 2),) and facets >= 4 and facets % 2 == 0:

@@ -63,7 +63,8 @@ class Answer:
     history: the method's own measure of progress, one number an iteration, where it has one.
     detail: the outside library's own words, or a reason.
     clock: s, the library's own time of its solve, where it keeps one; the harness times the whole call besides.
-    softness: (nc, d), 1/kg, of a solver of regularised contacts: the R >= 0 with which it made u = W r + q + R r.
+    softness: (nc, d), 1/kg, of a solver of regularised contacts: the R >= 0 with which it made u = W r + q + R r;
+        harness.verify says how large that may be.
     """
 
     impulse: Array

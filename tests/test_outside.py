@@ -175,6 +175,7 @@ def test_a_peer_that_misbehaves_has_its_row_and_leaves_no_process(tmp_path) -> N
     for spec, (verdict, reason) in expected.items():
         assert rows.loc[spec, "verdict"] == verdict, (spec, rows.loc[spec, "reason"])
         assert reason in (rows.loc[spec, "reason"] or ""), spec
+    assert rows.loc["peer[does=print]", "clock_time"] == 1e-3, "the library's own clock"
     memory = rows["peak_memory"]
     assert memory["peer[does=big]"] - memory["peer[does=slow]"] > 2**26, "a child's memory counts"
     left = [

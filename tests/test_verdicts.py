@@ -1,5 +1,7 @@
 """What an answer is worth: near misses, what arithmetic cannot tell, and energy that no residual explains."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -58,6 +60,28 @@ def test_a_relaxation_misses_by_its_own_residual():
     assert finding.verdict == "missed"
     assert "of its model" in finding.reason
     assert verify(problem, claim(moved), RELAXATION, 4 * tol).verdict == "relaxed"
+
+
+@pytest.mark.parametrize(
+    ("share", "verdict", "said"),
+    [
+        (1e-6, "relaxed", "contacts made soft by 1e-06 of W's diagonal"),
+        (2e-6, "wrong", "claims a softness of 2e-06 of W's diagonal, where 1e-06 is allowed: judged without"),
+        (1.0, "wrong", "where 1e-06 is allowed: judged without"),
+        (-0.5, "wrong", "none below 0: judged without"),
+        (np.nan, "wrong", "none below 0: judged without"),
+    ],
+)
+def test_contacts_are_soft_within_bounds(share, verdict, said):
+    """r (1 + share) = r_hard solves the block's problem with R = share s, whatever share is."""
+    problem = block(speed=0.0, friction=0.0)
+    soft = replace(RELAXATION, model="regularised")
+    answer = claim(solve(problem, "lemke", tol=1e-14).impulse / (1 + np.nan_to_num(share, nan=1.0)))
+    answer.softness = np.full((1, 2), share * problem.scale[0])
+    finding = verify(problem, answer, soft, 5e-8)
+    assert finding.verdict == verdict
+    assert said in finding.reason
+    assert verify(problem, answer, RELAXATION, 5e-8).verdict == "wrong", "a hard model's answer may not be soft"
 
 
 def opposed() -> FrictionProblem:

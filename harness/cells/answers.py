@@ -1,5 +1,6 @@
 """What a solver hands back, made plain: numbers of our own that nobody else holds, or what is wrong with them, by name."""
 
+import math
 import operator
 from typing import Any
 
@@ -32,6 +33,8 @@ def plain(given: Any) -> Answer:
         work=_counts(given.work, claimed),
         z=None if given.z is None else _numbers("z", given.z, claimed),
         detail=str(given.detail)[:LONGEST],
+        clock=given.clock if isinstance(given.clock, float) and 0 <= given.clock < math.inf else None,
+        softness=None if given.softness is None else _numbers("softness", given.softness, claimed),
     )
 
 
@@ -41,8 +44,8 @@ def alike(one: Answer, other: Answer) -> bool:
 
 
 def _bits(answer: Answer) -> tuple[Any, ...]:
-    z = None if answer.z is None else answer.z.tobytes()
-    return answer.status, answer.impulse.shape, answer.impulse.tobytes(), z, answer.work
+    z, softness = (None if part is None else part.tobytes() for part in (answer.z, answer.softness))
+    return answer.status, answer.impulse.shape, answer.impulse.tobytes(), z, softness, answer.work
 
 
 def _numbers(field: str, value: Any, claimed: bool) -> Array:

@@ -56,7 +56,7 @@ class Timing:
         if not call.loaded:
             for samples, seconds in zip((self.form, self.setup, self.solve), call.times, strict=True):
                 samples.append(seconds)
-            if isinstance(call.answer.clock, float):
+            if call.answer.clock is not None:
                 self.clock.append(call.answer.clock)
 
 

@@ -16,7 +16,8 @@ from solvers.plugins import distribution, installed
 def show(what: str) -> None:
     """Print the scenes, solvers or suites."""
     table = {"scenes": _scenes, "solvers": _solvers, "suites": _suites}[what]()
-    Console().print(table)
+    console = Console()
+    (console if console.is_terminal else Console(width=160)).print(table)
 
 
 def _table(*columns: str) -> Table:
