@@ -10,8 +10,9 @@ where s is about what one call costs, so that differences below it do not rule t
 a class has no figure there; one that enters a class and is skipped on some of it is charged for these. Over all problems
 every entry is judged by the same ones: what it was skipped on is a miss, too.
 
-Dolan and Moré's performance profile (2002) is the share of problems an entry brings within the target in at most tau times
-the time of the fastest.
+Dolan and Moré's performance profile (2002) is the share of the same problems that an entry brings within the target in at
+most tau times the time of the fastest. Whoever was skipped on whole classes is compared on those it entered, too, with the
+others on the same. How much of a ranking is the charge for a miss shows where that is made larger.
 """
 
 import numpy as np
@@ -23,6 +24,8 @@ from results.schema import SKIPPED
 TARGETS = (1e-4, 1e-6, 1e-8)
 Array = NDArray[np.float64]
 SHIFT = 1e-5  # s
+CHARGES = (1, 3, 10)  # time limits that a miss may be charged
+DRAWS = 500  # of a bootstrap
 ALL = "all problems"
 
 
@@ -52,7 +55,7 @@ def times_to(rows: pd.DataFrame, target: float) -> pd.DataFrame:
 def summary(times: pd.DataFrame) -> pd.DataFrame:
     """A row per class and entry, and per entry over all classes: problems, reached, share, mean (s), the medians of form,
     setup and solve (s) over the problems it reached, and written: form's share of all three."""
-    both = pd.concat([_on_all(times), times], ignore_index=True)
+    both = pd.concat([on_all(times), times], ignore_index=True)
     groups = both.groupby(["problem_class", "entry"], sort=False)
     table = groups.agg(
         problems=("reached", "size"),
@@ -67,25 +70,67 @@ def summary(times: pd.DataFrame) -> pd.DataFrame:
     return table.reset_index()
 
 
-def _on_all(times: pd.DataFrame) -> pd.DataFrame:
-    """The times with a row for every entry on every problem that has its start and was met by its host, the class ALL."""
+def on_all(times: pd.DataFrame) -> pd.DataFrame:
+    """The times with a row for every entry on every problem that has its start and was met by its host, the class ALL: the
+    one denominator of mean, share and profile."""
     parts = [times]
     for _, own in times.groupby(["start", "host"], sort=False):
         limit = own.groupby("problem_id", sort=False)["limit"].max()
         pairs = pd.MultiIndex.from_product([limit.index, own["entry"].unique()], names=["problem_id", "entry"])
         lacking = pairs.difference(pd.MultiIndex.from_frame(own[["problem_id", "entry"]])).to_frame(index=False)
-        parts.append(lacking.assign(reached=False, charged=lacking["problem_id"].map(limit)))
+        charged = lacking["problem_id"].map(limit)
+        parts.append(lacking.assign(reached=False, charged=charged, limit=charged))
     return pd.concat([part for part in parts if len(part)] or parts, ignore_index=True).assign(problem_class=ALL)
 
 
-def profile(times: pd.DataFrame) -> dict[str, tuple[Array, Array]]:
-    """Of each entry the ratios tau, sorted, of the problems it reached, and the share of all problems within each."""
-    reached = times[times["reached"]]
-    fastest = reached.groupby("problem_id")["charged"].min()
-    count = times["problem_id"].nunique()
-    curves = {}
-    for entry in times["entry"].unique():
-        own = reached[reached["entry"] == entry]
-        ratio = np.sort(own["charged"].to_numpy() / fastest.loc[own["problem_id"]].to_numpy())
-        curves[entry] = (ratio, np.arange(1, len(ratio) + 1) / count)
-    return curves
+def ratios(times: pd.DataFrame, cost: str = "charged") -> dict[str, Array]:
+    """Of each entry its cost over the least of anybody's, of each problem of `on_all`; infinite where it missed."""
+    both = on_all(times)
+    least = both[both["reached"]].groupby("problem_id")[cost].min()
+    ratio = (both[cost] / both["problem_id"].map(least)).where(both["reached"], np.inf)
+    return {str(entry): np.sort(own.to_numpy()) for entry, own in ratio.groupby(both["entry"], sort=False)}
+
+
+def profile(times: pd.DataFrame, cost: str = "charged") -> dict[str, tuple[Array, Array]]:
+    """Of each entry the ratios tau, sorted, of the problems it reached, and the share of all its problems within each."""
+    reached = {entry: (ratio[np.isfinite(ratio)], len(ratio)) for entry, ratio in ratios(times, cost).items()}
+    return {entry: (ratio, np.arange(1, len(ratio) + 1) / count) for entry, (ratio, count) in reached.items()}
+
+
+def band(ratio: Array, at: Array) -> tuple[Array, Array]:
+    """The bootstrap band of a profile: between which shares 95 of 100 profiles of as many problems, drawn again with
+    replacement, lie at each tau of `at`. A problem drawn again keeps its ratio, so that only the share within tau is drawn."""
+    n = len(ratio)
+    within = np.searchsorted(ratio, at, side="right") / max(n, 1)
+    drawn = np.random.default_rng(0).binomial(n, within, size=(DRAWS, len(at))) / max(n, 1)
+    low, high = np.percentile(drawn, [2.5, 97.5], axis=0)
+    return low, high
+
+
+def by_charge(times: pd.DataFrame) -> pd.DataFrame:
+    """A row per entry: of each of CHARGES, in time limits, its mean (s) over all problems with misses charged so, its rank."""
+    both = on_all(times)
+    columns = {}
+    for charge in CHARGES:
+        charged = both["charged"].where(both["reached"], charge * both["limit"])
+        columns[f"mean {charge}"] = charged.groupby(both["entry"], sort=False).agg(shifted_geometric_mean)
+        columns[f"rank {charge}"] = columns[f"mean {charge}"].rank(method="min")
+    missed = (~both["reached"]).groupby(both["entry"], sort=False).sum()
+    return pd.DataFrame(columns).assign(missed=missed).sort_values("mean 1", kind="stable").reset_index()
+
+
+def entered_in_part(times: pd.DataFrame) -> pd.DataFrame:
+    """A row per entry that was skipped on whole classes: how many of all problems it entered, and on these alone its rank
+    among the `others` that entered all of them, itself with them, its mean, and the best entry with its mean (s)."""
+    found = []
+    count = on_all(times)["entry"].value_counts()
+    for entry, own in times.groupby("entry", sort=False):
+        if len(own) < count[entry]:
+            same = times[times["problem_id"].isin(own["problem_id"])]
+            groups = same.groupby("entry")["charged"]
+            means = groups.agg(shifted_geometric_mean)[groups.size() == len(own)].sort_values(kind="stable")
+            rank = int((means < means[entry]).sum()) + 1
+            told = {"entry": entry, "entered": len(own), "of": int(count[entry]), "rank": rank, "others": len(means)}
+            reached = int(own["reached"].sum())
+            found.append(told | {"reached": reached, "mean": means[entry], "best": means.index[0], "best_mean": means.iloc[0]})
+    return pd.DataFrame(found)

@@ -13,7 +13,6 @@ from reports.run import Run, read_run
 from results.schema import CRASHED, MISSED, SKIPPED, TIMEOUT, WRONG
 
 BANDS = ((0, 10), (10, 40), (40, np.inf))  # contacts
-APART = 0.1  # of solve_time, beyond which a library's own clock is shown
 ENDS = (max(TARGETS), min(TARGETS))
 
 
@@ -83,13 +82,11 @@ def _times(run: Run, dimension: int) -> str:
 
 
 def _clocks(run: Run) -> str:
-    rows = run.contested[run.contested["clock_time"].notna()]
-    body = []
-    for entry, own in rows.groupby("entry", sort=False):
-        ratio = (own["solve_time"] / own["clock_time"].clip(lower=1e-7)).median()
-        if abs(ratio - 1) > APART:
-            times = [f"{1e3 * own[name].median():.2g}" for name in ("solve_time", "clock_time")]
-            body.append([_name(str(entry)), *times, f"{ratio:.2g}"])
+    apart = tables.clocks(run).query("apart")
+    body = [
+        [_name(str(row.entry)), *(f"{1e3 * time:.2g}" for time in (row.solve_time, row.clock_time)), f"{row.ratio:.2g}"]
+        for row in apart.itertuples()
+    ]
     title = "## Whose own clock differs by more than a tenth (medians, ms)"
     return _table(title, ["solver", "solve, by the harness", "by its own clock", "ratio"], body) if body else ""
 

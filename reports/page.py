@@ -13,17 +13,17 @@ from typing import Any
 import pandas as pd
 from markupsafe import Markup
 
-from reports import choice, maps, tables
-from reports.accuracy import ALL, TARGETS
+from reports import choice, maps, tables, told
+from reports.accuracy import ALL, CHARGES, TARGETS, by_charge, entered_in_part
 from reports.animation import write_animations
 from reports.charts import CHARTS
 from reports.charts.chart import Chart
-from reports.drawing.figures import Panel, inline_svg, save_each, save_sheet, swatch
+from reports.drawing.figures import Panel, inline_svg, swatch
 from reports.drawing.text import power, scene_title, seconds
 from reports.recorded import recorded_problems
 from reports.run import Run, read_run
 from reports.templates import as_json, environment, script
-from results.files import room, write_text
+from results.files import write_text
 from results.polygon import read_deviations
 from results.schema import VERDICTS
 
@@ -33,7 +33,7 @@ MUCH_FORM = 0.2  # of the time: beyond this the writing of the problem decides t
 
 
 def write_report(folder: Path) -> Path:
-    """Write DIR/report.html, the figures in DIR/figures/ and the animations in DIR/motion/; return the report's path.
+    """Write DIR/report.html and the animations in DIR/motion/; return the report's path.
 
     Errors: results.store.ResultsError where DIR is not a results folder or a table cannot be read.
     """
@@ -48,6 +48,7 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
     mapped = maps.map_cells(run)
     animations = write_animations(folder)
     text, digest = script("page.js")
+    classes, ranked = tables.problem_classes(run), list(run.contested["problem_class"].unique())
     scene_of = dict(zip(run.rows["problem_class"], run.rows["scene"], strict=True))
     return {
         "folder": folder.resolve().name,
@@ -64,7 +65,10 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
         "ends": (max(TARGETS), min(TARGETS)),
         "swatches": {entry: Markup(swatch(one)) for entry, one in run.looks.items()},
         "matrices": {target: tables.matrix(table) for target, table in run.summaries.items()},
-        "races": {name: tables.race(run.summaries, name) for name in [ALL, *scene_of]},
+        "races": {name: tables.race(run.summaries, name) for name in [ALL, *ranked]},
+        "parts": entered_in_part(run.times[min(TARGETS)]),
+        "charged": {target: by_charge(times) for target, times in run.times.items() if len(times)},
+        "charges": CHARGES,
         "solvability": tables.solvability(run),
         "overhead": tables.overhead(run),
         "outcomes": tables.OUTCOMES,
@@ -75,7 +79,7 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
         "unsteady": {cells.spec.name: maps.changes(cells) for cells in mapped if cells.spec.constant},
         "costs": maps.costs(run),
         "shrink": lambda key: f"frictionbench shrink {shlex.quote(str(folder))} {shlex.quote(key)}",
-        "charts": _charts(folder, run),
+        "charts": _charts(run),
         "svg": lambda panel: Markup(inline_svg(panel)),
         "json": as_json,
         "families": _families(run),
@@ -83,11 +87,15 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
         "script": text,
         "script_hash": digest,
         "by_class": tables.by_class(run),
-        "classes": tables.problem_classes(run),
+        "classes": classes,
+        "ranked": ranked,
+        "trivial": classes[(classes["problems"] > 0) & (classes["trivial"] == classes["problems"])].to_dict("records"),
         "animations": animations,
         "animations_of": lambda name: [page for page in animations if page["scene"] == scene_of[name]],
         "claims": claims.head(MOST_CLAIMS),
         "claims_count": len(claims),
+        "settings": told.settings(run.manifest),
+        "clocks": tables.clocks(run),
         "much_form": MUCH_FORM,
         "rerun": lambda key: f"frictionbench rerun {shlex.quote(str(folder))} {shlex.quote(key)}",
         "scene_title": scene_title,
@@ -104,15 +112,17 @@ def headline(run: Run) -> list[str]:
         sentences = [f"No solver reaches a verified residual of {power(finest)} on any non-trivial problem."]
     else:
         first, equals = best.most_often, best.equals
-        among = f", the fastest of {equals} solvers that reach as many" if equals > 1 else ""
-        sentences = [
-            f"{first['entry']} reaches a verified residual of {power(finest)} most often: on {first['reached']} of "
-            f"{first['problems']} non-trivial problems, in {seconds(first['mean'])} on average{_written(first)}{among}."
-        ]
+        on = f"on {first['reached']} of {first['problems']} non-trivial problems"
+        if equals > 1:
+            tie = f"{equals} solvers reach a verified residual of {power(finest)} equally often, {on}; the fastest of them is"
+            sentences = [f"{tie} {first['entry']}, with a mean of {seconds(first['mean'])}{_written(first)}."]
+        else:
+            alone = f"{first['entry']} reaches a verified residual of {power(finest)} most often: {on}"
+            sentences = [f"{alone}, with a mean of {seconds(first['mean'])}{_written(first)}."]
     if best := found[coarsest]:
         sentences.append(
             f"For {power(coarsest)} {best.fastest['entry']} is the fastest of those that reach it about as often as any: on "
-            f"{best.fastest['reached']} of {best.fastest['problems']}, in {seconds(best.fastest['mean'])} on average"
+            f"{best.fastest['reached']} of {best.fastest['problems']}, with a mean of {seconds(best.fastest['mean'])}"
             f"{_written(best.fastest)}."
         )
     return sentences
@@ -126,15 +136,15 @@ def _written(row: pd.Series) -> str:
 
 def _setup(manifest: dict[str, Any]) -> str:
     """Suite, machine and versions that matter most, as far as the manifest tells."""
-    told = [f"suite {manifest['settings'].get('suite', 'unnamed')}"]
+    parts = [f"suite {manifest['settings'].get('suite', 'unnamed')}"]
     for part, names in (
         ("machine", ("host", "processor", "cores", "system")),
         ("versions", ("frictionbench", "numpy", "numba")),
     ):
         values = manifest.get(part)
         if isinstance(values, dict):
-            told += [f"{name} {values[name]}"[:80] for name in names if name in values]
-    return " · ".join(told)
+            parts += [f"{name} {values[name]}"[:80] for name in names if name in values]
+    return " · ".join(parts)
 
 
 def _families(run: Run) -> dict[str, str]:
@@ -154,15 +164,10 @@ def _rest(run: Run) -> list[str]:
     return [look.tag for entry, look in run.looks.items() if entry not in best] if len(run.looks) > FEW + 2 else []
 
 
-def _charts(folder: Path, run: Run) -> dict[str, list[tuple[Chart, Sequence[Panel]]]]:
-    """Of each section of the page the charts that have something to show, with their panels; saved in DIR/figures/, too."""
+def _charts(run: Run) -> dict[str, list[tuple[Chart, Sequence[Panel]]]]:
+    """Of each section of the page the charts that have something to show, with their panels."""
     found: dict[str, list[tuple[Chart, Sequence[Panel]]]] = {}
     for chart in CHARTS:
         if panels := chart.panels(run)[chart.on_page]:
-            room(folder, "figures")
-            if chart.wide:
-                save_each(panels, folder / "figures" / chart.name)
-            else:
-                save_sheet(panels, run.looks, folder / "figures" / chart.name)
             found.setdefault(chart.section, []).append((chart, panels))
     return found

@@ -10,6 +10,7 @@ from results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, U
 
 OUTCOMES = (SOLVED, RELAXED, MISSED, UNJUDGEABLE, WRONG, UNSOLVED, TIMEOUT, CRASHED, SKIPPED)
 NEARLY = 0.9  # as many problems as the best
+APART = 0.1  # of solve_time, beyond which a library's own clock says otherwise
 
 
 def solvability(run: Run) -> pd.DataFrame:
@@ -121,6 +122,16 @@ def gaps(run: Run) -> int:
     """How many pairs of a problem and an entry have no row at all, as in a run cut short."""
     rows = run.contested
     return rows["problem_id"].nunique() * rows["entry"].nunique() - len(rows.drop_duplicates(["problem_id", "entry"]))
+
+
+def clocks(run: Run) -> pd.DataFrame:
+    """A row per entry whose library keeps a clock of its own: medians of solve_time and clock_time (s), their ratio's median,
+    and apart: whether it is off one by more than APART."""
+    rows = run.contested[run.contested["clock_time"].notna() & run.contested["solve_time"].notna()]
+    ratio = rows["solve_time"] / rows["clock_time"].clip(lower=1e-7)
+    groups = rows.assign(ratio=ratio).groupby("entry", sort=False)
+    table = groups[["solve_time", "clock_time", "ratio"]].median()
+    return table.assign(apart=(table["ratio"] - 1).abs() > APART).reset_index()
 
 
 def overhead(run: Run) -> float | None:

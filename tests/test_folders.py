@@ -27,7 +27,7 @@ from tests.test_run import quiet, small_plan
 SCHEMA = arrow_schema("solves")
 
 
-@pytest.mark.parametrize("name", ["figures", "motion", "shards", "problems", "paper", "shrunk"])
+@pytest.mark.parametrize("name", ["motion", "shards", "problems", "paper", "shrunk"])
 def test_nothing_is_written_through_a_link_to_a_folder(tmp_path, name) -> None:
     (tmp_path / "elsewhere").mkdir()
     (tmp_path / "run").mkdir()

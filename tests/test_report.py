@@ -244,7 +244,7 @@ def test_a_portfolio_is_marked_wherever_it_is_named(tmp_path):
     folder = write_folder(tmp_path / "run", rows, [drive_row("mixture", members="lemke, nsgs")])
     page, run = _Page(write_report(folder)), read_run(folder)
     assert "mixture* may run lemke, nsgs." in page.text
-    assert "mixture* reaches a verified residual" in page.text
+    assert "the fastest of them is mixture*, with a mean of 2 ms" in page.text
     assert re.search(r"mixture(?!\*)", page.text) is None
     assert set(run.looks) == {"mixture*", "nsgs"}
     assert set(run.drives["entry"]) == {"mixture*"}
@@ -309,7 +309,7 @@ def test_strangers_text_stays_text(tmp_path):
     assert "alert(1)" in page.text
     assert "{{ 7 * 7 }}" in page.text
     assert "&lt;script&gt;" in path.read_text(encoding="utf-8")
-    sheet = (tmp_path / "figures" / "speed_accuracy.svg").read_text(encoding="utf-8")
+    sheet = (write_paper(tmp_path) / "speed_accuracy.svg").read_text(encoding="utf-8")
     assert "<script" not in sheet
     assert "&lt;script&gt;" in sheet
 
@@ -339,7 +339,6 @@ def test_every_chart_is_on_the_page_and_in_the_paper(tmp_path):
     drawn = [chart for chart in CHARTS if chart.panels(run)]
     assert [chart for chart in CHARTS if chart not in drawn] == list(MAPS)
     files = {f"{chart.name}.{kind}" for chart in drawn for kind in ("svg", "pdf")}
-    assert {file.name for file in (folder / "figures").iterdir()} == files
     assert {file.name for file in paper.iterdir() if file.suffix != ".tex"} == files
     assert page.count["figure"] == sum(len(chart.panels(run)[chart.on_page]) for chart in CHARTS)
     for chart in drawn:
@@ -507,3 +506,44 @@ def test_recorded_problems_are_told_one_by_one(tmp_path) -> None:
     assert (whole.file, whole.dimension, whole.contacts, whole.rank_ratio) == ("a.hdf5", 3, 4, 0.75)
     assert (list(whole.solvers), whole.tried, whole.oddities) == (["fast", "slow"], 3, "unsymmetric by 1e-3")
     assert (broken.file, broken.reason) == ("torn.dat", "for a reason")
+
+
+def test_mean_profile_and_page_have_one_denominator():
+    """Ten problems, four of them of a class that b is skipped on; warm starts are judged by the three that have one."""
+    names = [(scene, f"{scene}{i}") for scene, n in (("bar", 6), ("rod", 4)) for i in range(n)]
+    rows = [solve_row("a", name, scene=scene, solve_time=4e-3) for scene, name in names]
+    rows += [
+        (solve_row if scene == "bar" else lost_row)("b", name, *(["skipped"] * (scene == "rod")), scene=scene)
+        for scene, name in names
+    ]
+    rows += [solve_row("a", name, scene=scene, start="warm", key=f"warm {name}") for scene, name in names[:3]]
+    run = run_of(*rows)
+    shares = by_entry(run.summaries[1e-8], accuracy.ALL)["share"]
+    curves = accuracy.profile(run.times[1e-8])
+    assert (
+        {entry: share[-1] for entry, (_, share) in curves.items()} == shares.to_dict() == {"a": 1.0, "b": 0.6, "a, warm": 1.0}
+    )
+    assert by_entry(run.summaries[1e-8], accuracy.ALL)["problems"].to_dict() == {"a": 10, "b": 10, "a, warm": 3}
+    (part,) = accuracy.entered_in_part(run.times[1e-8]).to_dict("records")
+    assert (part["entry"], part["entered"], part["of"], part["rank"], part["others"], part["best"]) == ("b", 6, 10, 1, 2, "b")
+
+
+def test_the_rank_with_misses_charged_more_by_hand():
+    """a, fast, misses one of four; at the limit of 10 s it is the first, at ten limits the last."""
+    quick = [solve_row("a", f"p{i}", solve_time=1e-5, form_time=0.0, setup_time=0.0) for i in range(3)]
+    slow = [solve_row("b", f"p{i}", solve_time=7e-4, form_time=0.0, setup_time=0.0) for i in range(4)]
+    table = accuracy.by_charge(run_of(*quick, lost_row("a", "p3", "timeout"), *slow).times[1e-8]).set_index("entry")
+    assert table.loc["a", "missed"] == 1
+    assert table.loc["a", "mean 10"] == pytest.approx(((2e-5) ** 3 * 100) ** 0.25 - 1e-5, rel=1e-6)
+    assert table["rank 1"].to_dict() == {"a": 1, "b": 2}
+    assert table["rank 10"].to_dict() == {"a": 2, "b": 1}
+
+
+def test_a_band_holds_its_profile_and_narrows_with_problems():
+    at = np.array([1.0, 2.0, 4.0])
+    few, many = (np.sort(np.r_[np.ones(n // 2), np.full(n // 2, 3.0)]) for n in (10, 1000))
+    for ratio in (few, many):
+        low, high = accuracy.band(ratio, at)
+        assert (low <= [0.5, 0.5, 1.0]).all()
+        assert (high >= [0.5, 0.5, 1.0]).all()
+    assert np.ptp(accuracy.band(many, at), axis=0)[0] < 0.2 * np.ptp(accuracy.band(few, at), axis=0)[0]

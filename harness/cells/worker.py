@@ -105,7 +105,8 @@ def run_solve(cell: SolveCell, entry: Entry, limit: float) -> Row:
     except BaseException as error:  # whatever a solver raises is its row, not our end
         return _done(begun, row | {"verdict": CRASHED, "reason": plugins.told(error)})
     row["peak_memory"] = process.peak_memory()
-    row |= _found(problem, timing, info, cell.tol, limit) | _undisturbed(core, timing.spent)
+    row |= _undisturbed(core, timing.spent)
+    row |= _found(problem, timing, info, cell.tol, limit, disturbed=bool(row["disturbed"]))
     if not same(problem, given):
         row |= {"verdict": WRONG, "reason": "the solver changed its input"}
     return _done(begun, row | {"overhead": perf_counter() - begun - timing.spent})
@@ -202,8 +203,11 @@ def _timed(solver: Solver, problem: FrictionProblem, cell: SolveCell, limit: flo
         )
 
 
-def _found(problem: FrictionProblem, timing: Timing, info: SolverInfo, tol: float, limit: float) -> Row:
-    """What verification finds of the answers that were timed: of unlike ones the worst counts."""
+def _found(problem: FrictionProblem, timing: Timing, info: SolverInfo, tol: float, limit: float, *, disturbed: bool) -> Row:
+    """What verification finds of the answers that were timed: of unlike ones the worst counts.
+
+    disturbed: something else took the core meanwhile, which may have made the first call a slow one.
+    """
     findings = [(verify(problem, answer, info, tol), answer) for answer in timing.answers]
     finding, answer = _worst(findings)
     free = problem.free_velocity
@@ -232,7 +236,7 @@ def _found(problem: FrictionProblem, timing: Timing, info: SolverInfo, tol: floa
     row |= _times(timing)
     median = row["form_time"] + row["setup_time"] + row["solve_time"]
     row["first_time"] = timing.first
-    if timing.first and timing.first > max(FAR * median, NOTICED):
+    if timing.first and timing.first > max(FAR * median, NOTICED) and not disturbed:
         remarks.append(f"the first call took {timing.first / median:.0f} times as long as the repeats: does it remember?")
     row["reason"] = "; ".join(filter(None, remarks))
     if median > limit:

@@ -60,7 +60,7 @@ def _draw(ax: Axes, points: pd.DataFrame, looks: dict[str, Look]) -> None:
     ticks = {10.0**k: f"1e{k}" for k in range(0, -17, -4) if 10.0**k >= lowest}
     log_ticks(ax, "y", ticks | {ZERO: "0"} if lowest <= ZERO else ticks)
     ax.grid(lw=0.4, alpha=0.3)
-    ax.set_xlabel("mean time, form, setup and solve")
+    ax.set_xlabel("time, shifted geometric mean")
     ax.set_ylabel("median verified residual")
 
 
@@ -68,7 +68,7 @@ CHART = Chart(
     name="pareto",
     panels=panels,
     section="chart",
-    caption="All problems at once: the mean time and the median verified residual at each tolerance that was asked for, of the "
-    "solvers that ran on every problem. Down and left is better; the grey line is the front, the solvers that no other beats "
-    "in both.",
+    caption="All problems at once: the shifted geometric mean of the time (form, setup and solve) and the median verified "
+    "residual at each tolerance that was asked for, of the solvers that ran on every problem. Down and left is better; the "
+    "grey line is the front, the solvers that no other beats in both.",
 )

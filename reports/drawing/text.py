@@ -6,13 +6,13 @@ import numpy as np
 
 
 def scene_title(scene: str, parameters: str) -> str:
-    """The scene with its parameters, as one line: stack(blocks=10, friction=0.5)."""
+    """The scene with its parameters as the command line takes it: stack[blocks=10,friction=0.5]."""
     try:
         values = json.loads(parameters or "{}")
     except (ValueError, RecursionError):
         values = {}
-    shown = ", ".join(f"{key}={value}" for key, value in values.items()) if isinstance(values, dict) else ""
-    return f"{scene}({shown})" if shown else scene
+    shown = ",".join(f"{key}={value}" for key, value in values.items()) if isinstance(values, dict) else ""
+    return f"{scene}[{shown}]" if shown else scene
 
 
 def plain(text: str, longest: int = 48) -> str:

@@ -3,7 +3,6 @@
 import json
 import math
 from base64 import b64encode
-from collections.abc import Iterator
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -33,13 +32,13 @@ def environment() -> Environment:
     made.filters |= {
         "seconds": lambda value: "–" if _absent(value) else seconds(value),
         "residual": lambda value: "–" if _absent(value) else _residual(value),
+        "digits": lambda value: "–" if _absent(value) else _residual(value, 1),
         "power": power,
         "share": lambda value: "–" if _absent(value) else f"{math.floor(100 * value + 1e-9)} %",
         "percent": lambda value: "–" if _absent(value) else f"{100 * value:.2g} %",
         "permille": lambda value: "–" if _absent(value) else f"{math.floor(1000 * value + 1e-9) / 10:g} %",
         "whole": lambda value: "–" if _absent(value) else f"{value:.0f}",
         "breakable": lambda name: Markup("_<wbr>").join(str(name).split("_")),
-        "flat": lambda value: list(_flat(value)),
         "records": lambda table: table.to_dict("records"),
     }
     return made
@@ -49,17 +48,8 @@ def _absent(value: Any) -> bool:
     return value is None or (isinstance(value, float) and math.isnan(value))
 
 
-def _residual(value: float) -> str:
+def _residual(value: float, decimals: int = 0) -> str:
     if value == 0 or not math.isfinite(value):
         return f"{value:g}"
-    digit, exponent = f"{value:.0e}".split("e")
+    digit, exponent = f"{value:.{decimals}e}".split("e")
     return f"{digit}e{int(exponent)}"
-
-
-def _flat(value: dict[str, Any], above: str = "") -> Iterator[tuple[str, str]]:
-    """The manifest as pairs of name and text, nested objects spread out."""
-    for key, entry in value.items():
-        if isinstance(entry, dict):
-            yield from _flat(entry, f"{above}{key} · ")
-        else:
-            yield f"{above}{key}", ", ".join(map(str, entry)) if isinstance(entry, list) else str(entry)
