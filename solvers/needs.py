@@ -1,6 +1,7 @@
 """What a solver needs that is not ours, and its version.
 
 quantecon                          a distribution of this Python; its import name is the solver's own business
+dartpy>=7                          one of at least this major version
 siconos.numerics@/usr/bin/python3  a module of another Python, for a solver that runs in a child process
 """
 
@@ -15,10 +16,12 @@ def installed(need: str) -> str | None:
     module, _, python = need.partition("@")
     if python:
         return _elsewhere(module, python)
+    name, _, least = need.partition(">=")
     try:
-        return version(need)
+        found = version(name)
     except PackageNotFoundError:
         return None
+    return found if int(found.partition(".")[0]) >= int(least or 0) else None
 
 
 def _elsewhere(module: str, python: str) -> str | None:

@@ -2,7 +2,9 @@
 
 import ast
 import os
+import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import psutil
@@ -184,3 +186,34 @@ def test_a_peer_that_misbehaves_has_its_row_and_leaves_no_process(tmp_path) -> N
         if any("standin_child" in part or "orphan of a stand-in" in part for part in process.info["cmdline"] or [])
     ]
     assert left == []
+
+
+class FakeDart:
+    """What DART's tests of its Python interface say of it: w = A x - b, and a bound times x[findex] where findex is no -1."""
+
+    class LcpOptions:
+        pass
+
+    class LcpProblem:
+        def __init__(self, A, b, lo, hi, findex):
+            self.A, self.b, self.lo, self.hi, self.findex = A, b, lo, hi, findex
+
+    class DantzigSolver:
+        def solve(self, problem, initial_guess=None, options=None):
+            x = np.zeros(len(problem.b))
+            for _ in range(options.max_iterations):
+                for i in range(len(x)):
+                    share = x[problem.findex[i]] if problem.findex[i] >= 0 else 1.0
+                    moved = x[i] - (problem.A[i] @ x - problem.b[i]) / problem.A[i, i]
+                    x[i] = min(max(moved, share * problem.lo[i]), share * problem.hi[i]) if share else 0.0
+            return SimpleNamespace(succeeded=lambda: True, iterations=options.max_iterations, message=""), x
+
+
+def test_dart_is_handed_coulombs_law_in_the_plane(monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, "dartpy", FakeDart)
+    problem, (info, dart) = scene("stack", blocks=1, push=1.0).problem(), find("dart[method=dantzig]")
+    assert info.missing is None or info.missing == "dartpy>=7 not installed"
+    answer = dart.solve(dart.prepare(problem), 1e-8, 200)
+    assert residual(problem, answer.impulse) <= 1e-8
+    assert installed("numpy>=1") == np.__version__
+    assert installed("numpy>=999") is None

@@ -1,0 +1,75 @@
+"""DART's solvers of boxed LCPs with friction indices, from version 7 on: the plane's friction problem as it stands.
+
+    w = A x - b,    lo <= x <= hi complementary to w,    |x_t| <= mu x_n for a row t whose findex names row n
+
+With A = W and b = -q this is Coulomb's law in the plane, without the LCP's extra unknowns. In space its box is another law.
+
+Licence: BSD-2-Clause.
+Form: the Delassus matrix in pure numbers, dense; bounds and friction indices. Setup: DART's LcpProblem. Solve: a solver object
+    and its solve, from x = 0.
+Clock: none of its own.
+Tolerance: absolute and complementarity tolerance of eps/10, eps as in solvers.outside.pure_delassus; the relative one is off.
+Flaws: not tried yet: no 7.x can be installed from the index. 6.20 has no LcpProblem, and its BoxedLcpSolver binds pointers as
+    scalars. The calls are those of DART's own tests of its Python interface.
+Reference: Lee and others 2018, DART; Baraff 1994 and Smith's ODE for the Dantzig solver.
+"""
+
+from importlib import import_module
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from problems import FrictionProblem
+from problems.check import Array, require
+from solvers.interface import Answer, Status, solver
+from solvers.outside.pure_delassus import PureDelassus, pure_delassus
+
+_METHODS = {"dantzig": "DantzigSolver", "newton": "BoxedSemiSmoothNewtonSolver", "pgs": "PgsSolver", "nncg": "NncgSolver"}
+
+
+class Prepared(NamedTuple):
+    given: PureDelassus
+    problem: Any  # dartpy.LcpProblem
+
+
+@solver(
+    "dart",
+    family="outside",
+    model="coulomb",
+    needs=("dartpy>=7",),
+    lacks=("friction_bias",),
+    variants=tuple(f"method={method}" for method in _METHODS),
+)
+class Dart:
+    """DART's solvers of boxed LCPs with friction indices: Dantzig, semismooth Newton, PGS, NNCG. (outside)
+
+    method: dantzig, newton, pgs or nncg. Work: iterations.
+    """
+
+    method: str = "dantzig"
+
+    def __post_init__(self) -> None:
+        require(self.method in _METHODS, "method", f"must be one of {', '.join(_METHODS)}, got {self.method!r}")
+
+    def form(self, problem: FrictionProblem) -> tuple[PureDelassus, tuple[Any, ...]]:
+        given, normal = pure_delassus(problem), 2 * np.arange(problem.contacts)
+        hi, findex = np.full(len(given.q), np.inf), np.full(len(given.q), -1, dtype=np.int32)
+        hi[1::2], findex[1::2] = given.friction, normal
+        lo = np.where(findex < 0, 0.0, -hi)
+        return given, (given.W.toarray(), -given.q, lo, hi, findex)
+
+    def setup(self, formed: tuple[PureDelassus, tuple[Any, ...]]) -> Prepared:
+        dart: Any = import_module("dartpy")
+        given, parts = formed
+        return Prepared(given, dart.LcpProblem(*parts))
+
+    def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        dart: Any = import_module("dartpy")
+        given, options = prepared.given, dart.LcpOptions()
+        if not len(given.q):
+            return Answer(np.zeros(given.contacts), Status.SOLVED)
+        options.absolute_tolerance = options.complementarity_tolerance = given.share * tol / 10
+        options.relative_tolerance, options.max_iterations = 0.0, limit or 20_000
+        result, x = getattr(dart, _METHODS[self.method])().solve(prepared.problem, options=options)
+        status = Status.SOLVED if result.succeeded() else Status.FAILED
+        return Answer(given.impulse(x), status, {"iterations": int(result.iterations)}, detail=str(result.message))
