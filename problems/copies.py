@@ -1,24 +1,26 @@
 """Copies of a problem for those who are not trusted with the problem itself."""
 
 import copy
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from scipy import sparse
 
+from problems.forms.lcp import LCP
 from problems.friction import FrictionProblem
 
+Problem = TypeVar("Problem", bound=FrictionProblem | LCP)
 _PARTS = ("data", "indices", "indptr")
 
 
-def duplicate(problem: FrictionProblem) -> FrictionProblem:
+def duplicate(problem: Problem) -> Problem:
     """The same problem in memory of its own, read-only, with nothing derived: what is done to it is not done to this one."""
-    again = problem.fresh()
+    again: Any = problem.fresh()
     again.__dict__.update({name: _own(value) for name, value in vars(again).items()})
     return again
 
 
-def same(one: FrictionProblem, other: FrictionProblem) -> bool:
+def same(one: FrictionProblem | LCP, other: FrictionProblem | LCP) -> bool:
     """Whether the two hold the same numbers to the last bit, those that follow from the others included."""
     return all(_equal(value, vars(other).get(name)) for name, value in vars(one.fresh()).items())
 
@@ -28,7 +30,7 @@ def _own(value: Any) -> Any:
         array = value.copy()
         array.setflags(write=False)
         return array
-    if isinstance(value, tuple):  # a matrix by rows
+    if isinstance(value, tuple) and hasattr(value, "_fields"):  # a matrix by rows
         return type(value)(*map(_own, value))
     if sparse.issparse(value):
         matrix = copy.copy(value)

@@ -17,6 +17,7 @@ NOTICED = 1e-12  # asymmetry and indefiniteness of W that are not rounding
 
 class Recorded(NamedTuple):
     """One file: rank_ratio is W's rank over its rows, None where unknown; solvers, the fastest first, with their times in s.
+    A bare LCP has unknowns alone.
 
     reason: why the file yields no problem; all else but its name is then empty.
     """
@@ -25,6 +26,7 @@ class Recorded(NamedTuple):
     file: str
     dimension: int | None
     contacts: int | None
+    unknowns: int | None
     rank_ratio: float | None
     oddities: str
     tol: float
@@ -44,13 +46,15 @@ def recorded_problems(run: Run) -> list[Recorded]:
 def _line(family: str, file: str, rows: pd.DataFrame) -> Recorded:
     first, tol = rows.iloc[0], float(rows["tol"].min())
     if first["problem"] == "":
-        return Recorded(family, file, None, None, None, "", tol, {}, 0, str(first["reason"]))
+        return Recorded(family, file, None, None, None, None, "", tol, {}, 0, str(first["reason"]))
     done = rows[rows["answered"] & (rows["residual"] <= tol)]
     tried = rows.loc[rows["verdict"] != SKIPPED, "entry"].nunique()
-    contacts, dimension = int(first["contacts"]), int(first["dimension"])
-    ratio = first["rank"] / (contacts * dimension) if np.isfinite(first["rank"] or np.nan) and contacts else None
+    contacts, dimension, unknowns = (None if pd.isna(first[n]) else int(first[n]) for n in ("contacts", "dimension", "size"))
+    rows_of_w = (contacts or 0) * (dimension or 0)
+    ratio = first["rank"] / rows_of_w if rows_of_w and np.isfinite(first["rank"] or np.nan) else None
     times = {str(entry): float(time) for entry, time in done.groupby("entry")["time"].min().sort_values().items()}
-    return Recorded(family, file, dimension, contacts, ratio, _oddities(first), tol, times, tried, "")
+    size = dimension, contacts, unknowns, ratio
+    return Recorded(family, file, *size, _oddities(first), tol, times, tried, "")
 
 
 def _oddities(facts: pd.Series) -> str:

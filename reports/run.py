@@ -46,8 +46,8 @@ class Run:
 
     @cached_property
     def contested(self) -> pd.DataFrame:
-        """The rows of problems that are not trivial; a source that yielded none has no problem."""
-        return self.rows[~self.rows["trivial"] & (self.rows["problem"] != "")]
+        """The rows of friction problems that are not trivial; a source that yielded none has no problem, an LCP no contacts."""
+        return self.rows[~self.rows["trivial"] & (self.rows["problem"] != "") & self.rows["contacts"].notna()]
 
     @cached_property
     def looks(self) -> dict[str, Look]:

@@ -63,8 +63,11 @@ def by_class(run: Run) -> pd.DataFrame:
 
 
 def problem_classes(run: Run) -> pd.DataFrame:
-    """A row per class: problems, trivial ones among them, and the ranges of contacts, unknowns and condition."""
+    """A row per class, those of one scene together and by size: problems, trivial ones among them, and the ranges of contacts,
+    unknowns and condition."""
     problems = run.rows.sort_values("size").drop_duplicates("problem_id").sort_index()
+    met = {scene: place for place, scene in enumerate(problems["scene"].unique())}
+    problems = problems.assign(place=problems["scene"].map(met)).sort_values(["place", "size"], kind="stable")
     return (
         problems.groupby("problem_class", sort=False)
         .agg(

@@ -1,7 +1,9 @@
 """solve, export and run on problems in files and on instances, through the command line's own functions."""
 
+import json
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -16,7 +18,11 @@ from problems import InputError
 from problems.instances import make_instance
 from problems.random_problem import random_problem
 from problems.recorded import fclib, read
+from reports.page import write_report
+from reports.recorded import recorded_problems
+from reports.run import read_run
 from results.store import read_table
+from solvers import solve
 from tests.friction_problems import spatial
 
 
@@ -105,6 +111,52 @@ def test_a_spatial_row_is_run_again_and_made_small(tmp_path) -> None:
     assert (small.dimension, small.contacts < 8) == (3, True)
 
 
+def test_bare_lcps_of_a_folder_are_put_to_those_that_take_one(tmp_path) -> None:
+    """Beside a friction problem, whose headlines they do not enter; their rows are run again like any."""
+    data, out = tmp_path / "set", tmp_path / "out"
+    data.mkdir()
+    np.savez(data / "lcp.npz", M=[[2.0, 1.0], [1.0, 2.0]], q=[-5.0, -6.0])
+    fclib.write(random_problem(1, contacts=4), data / "whole.hdf5")
+    run(choose("recorded", [], ("nsgs", "lemke"), "1e-8", 5.0, data=(str(data),)), out, 1, Progress())
+    rows = read_table(out, "solves").set_index(["size", "variant"])
+    assert rows["verdict"].to_dict() == {
+        (2, "nsgs"): "skipped",
+        (2, "lemke"): "solved",
+        (16, "nsgs"): "solved",
+        (16, "lemke"): "solved",
+    }
+    lcp = rows.loc[(2, "lemke")]
+    assert np.isnan(lcp["contacts"])
+    assert lcp["solve_time"] > 0
+    _, again = rerun_row(out, lcp["key"], [])
+    assert (again["verdict"], again["residual"]) == ("solved", lcp["residual"])
+    ours = read_run(out)
+    assert ours.contested["size"].tolist() == [16, 16]
+    told = recorded_problems(ours)
+    assert [(line.contacts, line.unknowns, list(line.solvers)) for line in told[:1]] == [(None, 2, ["lemke"])]
+    assert "LCP, n = 2" in write_report(out).read_text(encoding="utf-8")
+    with pytest.raises(InputError, match="is a bare LCP"):
+        list(export(str(out), tmp_path / "again"))
+
+
+def test_the_guess_of_a_file_is_its_warm_start(tmp_path) -> None:
+    data, out = tmp_path / "set", tmp_path / "out"
+    data.mkdir()
+    problem = random_problem(1, contacts=4)
+    for name, guess in (("good", solve(problem, "lemke", tol=1e-12).impulse), ("zero", np.zeros((4, 2)))):
+        path = data / f"{name}.hdf5"
+        fclib.write(problem, path)
+        with h5py.File(path, "a") as file:
+            file["guesses/number_of_guesses"] = np.array([1], dtype=np.int32)
+            file["guesses/1/r"] = guess.ravel()
+    run(choose("recorded", [], ("nsgs", "lemke"), "1e-8", 5.0, data=(str(data),)), out, 1, Progress())
+    rows = read_table(out, "solves")
+    sweeps = rows[rows["variant"] == "nsgs"].set_index(["parameters", "start"])["work"].map(json.loads)
+    assert [start for _, start in sweeps.index] == ["cold", "warm", "cold"], "a guess of zeros is a cold start"
+    cold, warm = sweeps.iloc[0]["sweeps"], sweeps.iloc[1]["sweeps"]
+    assert warm < cold
+
+
 def test_files_that_hold_no_friction_problem_leave_rows_that_say_why(tmp_path) -> None:
     data, out = tmp_path / "set", tmp_path / "out"
     data.mkdir()
@@ -114,7 +166,7 @@ def test_files_that_hold_no_friction_problem_leave_rows_that_say_why(tmp_path) -
     run(choose("recorded", [], ("nsgs",), "1e-8", 5.0, data=(str(data),)), out, 1, Progress())
     lcp, torn, whole = read_table(out, "solves").to_dict("records")
     assert (lcp["verdict"], torn["verdict"], whole["verdict"]) == ("skipped", "skipped", "solved")
-    assert "a bare LCP; only `frictionbench solve` takes one" in lcp["reason"]
+    assert lcp["reason"] == "nsgs solves friction problems, not bare LCPs"
     assert "torn.dat: read as the text of Siconos: contacts: 4 is out of range" in torn["reason"]
     with pytest.raises(InputError, match=r"^row: .* has no problem to run again: .*torn\.dat"):
         rerun_row(out, torn["key"], [])

@@ -23,6 +23,7 @@ from reports.page import write_report
 from reports.paper import booktabs, write_paper
 from reports.recorded import recorded_problems
 from reports.run import Run, annotate, annotate_drives, read_run
+from reports.tables import problem_classes
 from reports.templates import script
 from results.polygon import Deviation, write_deviations
 from results.schema import SOLVES, VERDICTS, arrow_schema
@@ -547,3 +548,10 @@ def test_a_band_holds_its_profile_and_narrows_with_problems():
         assert (low <= [0.5, 0.5, 1.0]).all()
         assert (high >= [0.5, 0.5, 1.0]).all()
     assert np.ptp(accuracy.band(many, at), axis=0)[0] < 0.2 * np.ptp(accuracy.band(few, at), axis=0)[0]
+
+
+def test_classes_of_one_scene_stand_together_by_size(tmp_path) -> None:
+    large = {"parameters": '{"blocks": 500}', "size": 4000}
+    rows = [solve_row("a", "p", **large), solve_row("a", "q", scene="wall"), solve_row("a", "r", size=8)]
+    names = problem_classes(read_run(write_folder(tmp_path, rows)))["problem_class"]
+    assert names.tolist() == ["bar, n < 100", "bar, n from 1000", "wall"]

@@ -1,7 +1,8 @@
 """Problems for the cells: recorded while verified reference answers drive a scene, labelled and stored by their hash.
 
 A recorded problem has starts too, the same for every solver that takes one: `warm`, the impulses of the problem of the same
-phase before it, and `shuffled`, those of one drawn from the whole motion; both carried over contact by contact.
+phase before it, and `shuffled`, those of one drawn from the whole motion; both carried over contact by contact. The first guess
+that a file of FCLIB's holds, what its recorder began with, is `warm` too, where it is more than zeros.
 """
 
 import json
@@ -13,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from harness.cells.reference import NoReference, Reference
+from harness.cells.rows import PROBLEM_FACTS
 from harness.plans.plan import COLD, SHUFFLED, USUAL, WARM, Source, origin, phase
 from problems import LCP, FrictionProblem, InputError, scene
 from problems.check import Array
@@ -23,7 +25,7 @@ from problems.nature.mode import distance_to_next_mode
 from problems.nature.stability import response
 from problems.nature.thresholds import POINTED, existence
 from problems.planar.collision import Contacts
-from problems.recorded import read
+from problems.recorded import read_recording
 from problems.recorded.own import load, save
 from problems.residual import residual
 from problems.scene import Scene
@@ -57,25 +59,19 @@ def collect(folder: Path, source: Source) -> list[Entry]:
     if listed.exists():
         return json.loads(listed.read_text(encoding="utf-8"))
     entries: dict[str, Entry] = {}
-    for met, starts in _chosen(source):
-        name = met.problem.hash
+    for found, starts in _recorded(source) if source.file else _chosen(source):
+        problem = found if isinstance(found, LCP) else found.problem
+        name = problem.hash
         if name not in entries:
             with replaced(store / f"{name}.npz") as file:
-                save(met.problem, file)
-            entries[name] = facts(source, met) | {"starts": [COLD, *starts], **_own_terms(source)}
+                save(problem, file)
+            told = lcp_facts(source, found) if isinstance(found, LCP) else facts(source, found)
+            entries[name] = told | {"starts": [COLD, *starts], **_own_terms(source)}
             if starts:
                 with replaced(_starts_of(folder, name, origin(entries[name]))) as file:
                     np.savez(file, **starts)  # type: ignore[arg-type]
     write_text(listed, json.dumps(list(entries.values())))
     return list(entries.values())
-
-
-def friction_problem(path: Path) -> FrictionProblem:
-    """The friction problem in a file. Errors: InputError naming the file where it is none."""
-    problem = read(path)
-    if isinstance(problem, LCP):
-        raise InputError(f"{path}: a bare LCP; only `frictionbench solve` takes one")
-    return problem
 
 
 def _own_terms(source: Source) -> Entry:
@@ -88,9 +84,17 @@ def _own_terms(source: Source) -> Entry:
     return terms
 
 
-def stored(folder: Path, problem: str) -> FrictionProblem:
+def stored(folder: Path, problem: str) -> FrictionProblem | LCP:
     """A stored problem by its hash. Errors: InputError where the file is missing or damaged."""
     return load(folder / "problems" / f"{problem}.npz")
+
+
+def stored_friction(folder: Path, problem: str) -> FrictionProblem:
+    """A stored friction problem by its hash. Errors: InputError as stored, and where it is a bare LCP."""
+    found = stored(folder, problem)
+    if isinstance(found, LCP):
+        raise InputError(f"problem: {problem} is a bare LCP, without contacts")
+    return found
 
 
 def stored_start(folder: Path, problem: str, home: str, start: str) -> Array | None:
@@ -109,10 +113,16 @@ def _starts_of(folder: Path, problem: str, home: str) -> Path:
     return folder / "problems" / f"{problem}.{sha256(home.encode()).hexdigest()[:8]}.starts.npz"
 
 
+def _recorded(source: Source) -> list[tuple[Met | LCP, dict[str, Array]]]:
+    """The problem in the source's file, and the guess that it offers to start from."""
+    problem, guesses = read_recording(Path(source.file))
+    if isinstance(problem, LCP):
+        return [(problem, {})]
+    return [(Met(0, "step", problem), {WARM: guesses[0]} if guesses and guesses[0].any() else {})]
+
+
 def _chosen(source: Source) -> list[tuple[Met, dict[str, Array]]]:
     """The source's problems, each with its starts by name."""
-    if source.file:
-        return [(Met(0, "step", friction_problem(Path(source.file))), {})]
     if source.scene in instances():
         return [(Met(0, "step", make_instance(source.scene, **source.parameters)), {})]
     stage = scene(source.scene, **source.parameters)
@@ -207,6 +217,13 @@ def facts(source: Source, met: Met) -> Entry:
         "response": _response(problem) if problem.contacts <= MOST_PERTURBED else None,
         "mode_distance": _mode_distance(problem),
     }
+
+
+def lcp_facts(source: Source, lcp: LCP) -> Entry:
+    """What a row says of a bare LCP, which has no contacts."""
+    known: Entry = {"problem": lcp.hash, "scene": source.scene, "parameters": json.dumps(source.parameters, sort_keys=True)}
+    known |= {"step": 0, "phase": "lcp", "reference": "", "size": lcp.size, "trivial": bool((lcp.q >= 0).all())}
+    return dict.fromkeys(PROBLEM_FACTS) | known
 
 
 def _existence(problem: FrictionProblem, pointedness: float, solutions: str | None) -> str:

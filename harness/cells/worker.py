@@ -33,7 +33,6 @@ from problems.copies import duplicate, same
 from problems.measures import defects
 from problems.nature.mode import mode
 from problems.nature.stability import backward_error
-from problems.recorded import read
 from problems.spec import split
 from results.polygon import read_deviations, write_deviations
 from results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
@@ -93,7 +92,7 @@ def run_solve(cell: SolveCell, entry: Entry, limit: float) -> Row:
     takes_start = info.warm_start or cell.start == COLD
     if reason := info.missing or info.refuses(problem) or (None if takes_start else f"{info.name} takes no start"):
         return _done(begun, row | {"verdict": SKIPPED, "reason": reason})
-    begun += _warm_up(cell.variant, problem.dimension, problem.joints.shape[0] > 0, limit)
+    begun += _warm_up(cell.variant, *_kind(problem), limit)
     given = duplicate(problem)
     process.forget_peak_memory()
     try:
@@ -110,30 +109,6 @@ def run_solve(cell: SolveCell, entry: Entry, limit: float) -> Row:
     if not same(problem, given):
         row |= {"verdict": WRONG, "reason": "the solver changed its input"}
     return _done(begun, row | {"overhead": perf_counter() - begun - timing.spent})
-
-
-def run_lcp(path: str, variant: str, tol: float, limit: float) -> Row:
-    """Put one solver to the bare LCP in a file; what a row can say of it."""
-    row: Row = {"variant": variant, "tol": tol}
-    info, solver = _solver(variant)
-    lcp = read(Path(path))
-    assert isinstance(lcp, LCP)
-    if reason := info.missing or info.refuses(lcp):
-        return row | {"verdict": SKIPPED, "reason": reason}
-    with suppress(BaseException), _worker.deadline.within(limit):
-        solver.solve(solver.prepare(LCP(np.eye(2), np.array([-1.0, 1.0]))), tol, None)
-    given = read(Path(path))  # the solver's own, once more
-    try:
-        with _worker.deadline.within(limit) as allow:
-            timing = time_solver(solver, given, lambda prepared: solver.solve(prepared, tol, None), lambda: allow(limit + 1.0))
-    except AnswerError as complaint:
-        return row | {"verdict": WRONG if complaint.claimed else UNSOLVED, "reason": str(complaint)}
-    except BaseException as error:
-        return row | {"verdict": CRASHED, "reason": plugins.told(error)}
-    finding, answer = _worst([(verify_lcp(lcp, answer, tol), answer) for answer in timing.answers])
-    row |= {"status": answer.status.name, "work": json.dumps(answer.work, sort_keys=True), "verdict": finding.verdict}
-    row |= {"reason": finding.reason, "residual": finding.residual, "model_residual": finding.model_residual}
-    return row | _times(timing)
 
 
 def _worst(findings: list[tuple[Finding, Answer]]) -> tuple[Finding, Answer]:
@@ -190,7 +165,7 @@ def _solver(variant: str) -> tuple[SolverInfo, Solver]:
     return find(variant)
 
 
-def _timed(solver: Solver, problem: FrictionProblem, cell: SolveCell, limit: float, repeats: int) -> Timing:
+def _timed(solver: Solver, problem: FrictionProblem | LCP, cell: SolveCell, limit: float, repeats: int) -> Timing:
     """The answers and their times, the first call under the limit; repeats, which are few or short, have a second more."""
     start = stored_start(_worker.folder, cell.problem, cell.origin, cell.start)
     with _worker.deadline.within(limit) as allow:
@@ -203,15 +178,18 @@ def _timed(solver: Solver, problem: FrictionProblem, cell: SolveCell, limit: flo
         )
 
 
-def _found(problem: FrictionProblem, timing: Timing, info: SolverInfo, tol: float, limit: float, *, disturbed: bool) -> Row:
+def _found(
+    problem: FrictionProblem | LCP, timing: Timing, info: SolverInfo, tol: float, limit: float, *, disturbed: bool
+) -> Row:
     """What verification finds of the answers that were timed: of unlike ones the worst counts.
 
     disturbed: something else took the core meanwhile, which may have made the first call a slow one.
     """
-    findings = [(verify(problem, answer, info, tol), answer) for answer in timing.answers]
+    findings = [
+        (verify_lcp(problem, answer, tol) if isinstance(problem, LCP) else verify(problem, answer, info, tol), answer)
+        for answer in timing.answers
+    ]
     finding, answer = _worst(findings)
-    free = problem.free_velocity
-    energy = float(free @ (problem.mass @ free)) / 2 or 1.0
     row: Row = {
         "status": answer.status.name,
         "claimed": answer.status is Status.SOLVED,
@@ -219,13 +197,8 @@ def _found(problem: FrictionProblem, timing: Timing, info: SolverInfo, tol: floa
         "reason": finding.reason,
         "residual": finding.residual,
         "model_residual": finding.model_residual,
-        "residual_floor": finding.floor,
-        "fclib_error": finding.fclib_error,
-        **defects(problem, answer.impulse)._asdict(),
-        "backward_error": backward_error(problem, answer.impulse),
-        "energy_defect": abs(finding.energy_defect) / energy,
-        "mode": _mode(problem, answer),
         "work": json.dumps(answer.work, sort_keys=True),
+        **({} if isinstance(problem, LCP) else _of_contacts(problem, finding, answer)),
     }
     remarks = [finding.reason]
     if len(findings) > 1:
@@ -244,6 +217,20 @@ def _found(problem: FrictionProblem, timing: Timing, info: SolverInfo, tol: floa
     return row
 
 
+def _of_contacts(problem: FrictionProblem, finding: Finding, answer: Answer) -> Row:
+    """What an answer to a friction problem has beside its residuals."""
+    free = problem.free_velocity
+    energy = float(free @ (problem.mass @ free)) / 2 or 1.0
+    return {
+        "residual_floor": finding.floor,
+        "fclib_error": finding.fclib_error,
+        **defects(problem, answer.impulse)._asdict(),
+        "backward_error": backward_error(problem, answer.impulse),
+        "energy_defect": abs(finding.energy_defect) / energy,
+        "mode": _mode(problem, answer),
+    }
+
+
 def _mode(problem: FrictionProblem, answer: Answer) -> str | None:
     """The type of solution, where it is short enough to be read."""
     impulse = answer.impulse
@@ -259,7 +246,7 @@ def _times(timing: Timing) -> Row:
 
 
 @lru_cache(maxsize=8)
-def _problem(name: str) -> FrictionProblem:
+def _problem(name: str) -> FrictionProblem | LCP:
     return stored(_worker.folder, name)
 
 
@@ -273,8 +260,14 @@ def _done(begun: float, row: Row) -> Row:
     return row | {"core": _worker.core, "wall_time": perf_counter() - begun}
 
 
+def _kind(problem: FrictionProblem | LCP) -> tuple[int, bool]:
+    """Its dimension, 0 of an LCP, and whether there are joints."""
+    return (0, False) if isinstance(problem, LCP) else (problem.dimension, problem.joints.shape[0] > 0)
+
+
 def _warm_up(variant: str, dimension: int, jointed: bool, limit: float) -> float:
-    """Load and compile what the solver needs, once a worker, on a sliding contact; the seconds it took.
+    """Load and compile what the solver needs, once a worker, on a sliding contact, or on an LCP for dimension 0; the seconds it
+    took.
 
     What goes wrong here goes wrong again in the cell.
     """
@@ -283,10 +276,21 @@ def _warm_up(variant: str, dimension: int, jointed: bool, limit: float) -> float
     begun = perf_counter()
     _worker.warm.add((variant, dimension, jointed))
     info, solver = find(variant)
+    with suppress(BaseException), _worker.deadline.within(max(limit, LOADING) if info.needs else limit):
+        solver.solve(solver.prepare(_least(dimension, jointed)), 1e-6, None)
+    gc.collect()
+    gc.freeze()  # what is loaded now stays; collections between cells need not look at it
+    return perf_counter() - begun
+
+
+def _least(dimension: int, jointed: bool) -> FrictionProblem | LCP:
+    """A sliding contact; an LCP for dimension 0."""
+    if dimension == 0:
+        return LCP(np.eye(2), np.array([-1.0, 1.0]))
     free = np.zeros(dimension + 1)
     free[:2] = -1.0, 1.0
     rows = np.eye(dimension + 1)
-    problem = FrictionProblem(
+    return FrictionProblem(
         mass=rows,
         normal=rows[:1],
         tangent=rows[1:dimension],
@@ -296,8 +300,3 @@ def _warm_up(variant: str, dimension: int, jointed: bool, limit: float) -> float
         joints=rows[dimension:] if jointed else rows[:0],
         dimension=dimension,
     )
-    with suppress(BaseException), _worker.deadline.within(max(limit, LOADING) if info.needs else limit):
-        solver.solve(solver.prepare(problem), 1e-6, None)
-    gc.collect()
-    gc.freeze()  # what is loaded now stays; collections between cells need not look at it
-    return perf_counter() - begun

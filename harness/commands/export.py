@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-from harness.cells.collect import Entry, collect, stored
+from harness.cells.collect import Entry, collect, stored_friction
 from harness.plans.choose import named_source
 from problems import InputError
 from problems.recorded import fclib
@@ -33,7 +33,7 @@ def _written(folder: Path, entries: list[Entry], out: Path) -> Iterator[Path]:
     if len(entries) != 1 and out.suffix:
         raise InputError(f"out: {len(entries)} problems need a folder, and {out} looks like a file")
     for entry in entries:
-        problem = stored(folder, entry["problem"])
+        problem = stored_friction(folder, entry["problem"])
         path = out if out.suffix else out / f"{entry['scene']}-{entry['step']:05d}-{entry['contacts']}-{entry['problem']}.hdf5"
         if path.exists():
             raise InputError(f"out: {path} is there already; nothing was written over it")

@@ -11,7 +11,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from harness.cells import worker
-from harness.cells.collect import Met, facts, stored
+from harness.cells.collect import Met, facts, stored_friction
 from harness.commands.trusted import trusted
 from harness.plans.plan import COLD, Plugin, SolveCell, Source
 from harness.run import row_of
@@ -39,7 +39,7 @@ def shrink(folder: Path, key: str, named: list[str]) -> tuple[Path, FrictionProb
         raise InputError(f"row: {key} is {row['verdict']}; there is no failure to keep")
     settings = store.read_manifest(folder)["settings"]
     plugins = trusted(row, settings, named)
-    problem = stored(folder, row["problem"])
+    problem = stored_friction(folder, row["problem"])
     trials = 0
     with tempfile.TemporaryDirectory() as name:
         scratch = Path(name)

@@ -2,9 +2,7 @@
 
 import json
 import tempfile
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from rich.console import Console
@@ -12,18 +10,16 @@ from rich.table import Table
 from rich.text import Text
 
 from harness.cells import worker
-from harness.cells.collect import Entry, Met, collect, facts
+from harness.cells.collect import Entry, collect
 from harness.cells.rows import PROBLEM_FACTS
 from harness.commands.trusted import trusted
 from harness.plans.choose import named_source
-from harness.plans.plan import COLD, DriveCell, Plan, Plugin, SolveCell, Source, origin
+from harness.plans.plan import DriveCell, Plan, Plugin, SolveCell, Source, origin
 from harness.run import row_of
 from harness.workers.introduce import introduce
 from harness.workers.pool import Pool
-from harness.workers.task import Outcome, Task
-from problems import LCP, InputError
-from problems.recorded import read
-from problems.recorded.own import save
+from harness.workers.task import Task
+from problems import InputError
 from results import store
 from results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TABLES, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
 from results.store import ResultsError, Row
@@ -42,20 +38,16 @@ def solve_one(problem: str, solver_specs: list[str], tol: float, time_limit: flo
     plan = Plan("solve", (), variants, (tol,), time_limit=time_limit, plugins=plugins)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        lcp, entry = _stage(problem, folder)
-        run: Callable[..., Row]
-        if lcp is not None:
-            told = f"an LCP of {lcp.size} unknowns"
-            run, path = worker.run_lcp, str(Path(problem).absolute())
-            calls: list[tuple[Any, ...]] = [(path, variant, tol, time_limit) for variant in variants]
-        else:
-            told = f"{entry['contacts']} contact{'s' * (entry['contacts'] != 1)}, LCP of {entry['size']} unknowns"
-            run, calls = worker.run_solve, [(cell, entry, time_limit) for cell in plan.solve_cells([entry])]
+        entry = _stage(problem, folder)
+        told = f"an LCP of {entry['size']} unknowns"
+        if entry["contacts"] is not None:
+            told = f"{entry['contacts']} contact{'s' * (entry['contacts'] != 1)}, L{told.removeprefix('an L')}"
         tasks = [
-            Task(variant, run, call, time_limit, plan.owner(variant)) for variant, call in zip(variants, calls, strict=True)
+            Task(cell.variant, worker.run_solve, (cell, entry, time_limit), time_limit, plan.owner(cell.variant))
+            for cell in plan.solve_cells([entry])
         ]
         with Pool(folder, jobs, plugins, plan.memory_limit) as pool:
-            rows = [_row(outcome, plugins) for outcome in pool.run(tasks)]
+            rows = [row_of(outcome, plugins) for outcome in pool.run(tasks)]
     rows.sort(key=lambda row: (VERDICTS.index(row["verdict"]), _seconds(row), row["variant"]))
     applied = [row for row in rows if row["verdict"] != SKIPPED or solver_specs]
     _show(f"{problem}: {told}, tolerance {tol:g}", applied)
@@ -81,13 +73,6 @@ def advice(rows: list[Row]) -> str:
 def _seconds(row: Row) -> float:
     times = [row.get(f"{step}_time") for step in ("form", "setup", "solve")]
     return sum(filter(None, times)) if times[2] is not None else np.inf
-
-
-def _row(outcome: Outcome, plugins: tuple[Plugin, ...]) -> Row:
-    if isinstance(outcome.task.arguments[0], SolveCell):
-        return row_of(outcome, plugins)
-    found = outcome.value if isinstance(outcome.value, dict) else {"verdict": outcome.death, "reason": outcome.reason}
-    return found | {"variant": outcome.task.name}
 
 
 def _everyone() -> list[str]:
@@ -128,16 +113,11 @@ def show_rerun(folder: Path, key: str, named: list[str]) -> None:
     _show(f"{key}: {row['scene']} {row['parameters']}, tolerance {row['tol']:g}", [row, again])
 
 
-def _stage(problem: str, folder: Path) -> tuple[LCP | None, Entry]:
-    """The bare LCP of a file; or the problem of a file or of an instance, or a scene's first, stored under folder."""
-    if Path(problem).is_file() or Path(problem.partition("[")[0]).suffix:
-        loaded = read(Path(problem))
-        if isinstance(loaded, LCP):
-            return loaded, {}
-        (folder / "problems").mkdir()
-        save(loaded, folder / "problems" / f"{loaded.hash}.npz")
-        return None, facts(Source(Path(problem).name), Met(0, "step", loaded)) | {"starts": [COLD]}
-    return None, collect(folder, named_source(problem))[0]
+def _stage(problem: str, folder: Path) -> Entry:
+    """The problem of a file or of an instance, or a scene's first, stored under folder."""
+    path = Path(problem)
+    named = path.is_file() or Path(problem.partition("[")[0]).suffix
+    return collect(folder, Source(path.name, file=str(path.absolute())) if named else named_source(problem))[0]
 
 
 def _task_again(row: Row, table: str, plugins: tuple[Plugin, ...]) -> Task:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.plans.entries import EXACT, LADDER, OTHERS, RELAXED
-from harness.plans.plan import Plan, Source
+from harness.plans.plan import COLD, WARM, Plan, Source
 from problems import InputError
 from problems.recorded import collection
 
@@ -40,6 +40,7 @@ def recorded() -> Plan:
         sources=(),
         solvers=(*EXACT, *OTHERS, "relaxation_ip", *RELAXED),
         tolerances=LADDER,
+        starts=(COLD, WARM),  # warm: where a file holds a guess
         time_limit=10.0,
     )
 

@@ -9,7 +9,7 @@ arrays in an .npz         problems.recorded.plain       W, q, mu, d or M, N, T, 
 
 from pathlib import Path
 
-from problems.check import InputError
+from problems.check import Array, InputError
 from problems.forms.lcp import LCP
 from problems.friction import FrictionProblem
 from problems.recorded import contactbench, fclib, own, plain, siconos
@@ -20,16 +20,21 @@ HDF5, ZIP = b"\x89HDF\r\n\x1a\n", b"PK\x03\x04"
 
 def read(path: Path) -> FrictionProblem | LCP:
     """The problem in a file of any of these formats. Errors: InputError naming the file, and the field that cannot be used."""
+    return read_recording(path)[0]
+
+
+def read_recording(path: Path) -> tuple[FrictionProblem | LCP, tuple[Array, ...]]:
+    """The problem and the impulses (nc, d) that FCLIB's files may offer to start from. Errors: as read."""
     try:
         with path.open("rb") as file:
             head = file.read(8)
     except OSError as error:
         raise InputError(f"{path}: {'no such file' if isinstance(error, FileNotFoundError) else error.strerror}") from None
     if head[:4] == ZIP:
-        return _archive(path)
+        return _archive(path), ()
     hdf5 = head == HDF5
     try:
-        return fclib.read(path).problem if hdf5 else siconos.read(path)
+        return fclib.read(path)[:2] if hdf5 else (siconos.read(path), ())
     except InputError as error:
         raise InputError(f"{path}: {'' if hdf5 else 'read as the text of Siconos: '}{error}") from None
 

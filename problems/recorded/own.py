@@ -1,4 +1,4 @@
-"""Our own file of a friction problem: one .npz of plain arrays, which anyone can write.
+"""Our own file of a friction problem, or of a bare LCP: one .npz of plain arrays, which anyone can write.
 
 Every field of FrictionProblem by its name, dense fields as they are, a sparse one F as the four arrays of its CSR form:
 
@@ -7,7 +7,8 @@ Every field of FrictionProblem by its name, dense fields as they are, a sparse o
     mass, normal, tangent, joints  (nv, nv), (nc, nv), (nc*(d-1), nv), (nj, nv), each as F_data, F_indices, F_indptr, F_shape
 
 A problem known by its Delassus matrix holds W (as W_data ...) and q (nc*d) in place of the mechanical fields, rows per contact,
-normal first. Where dense arrays will do, problems.recorded.plain reads them under shorter names.
+normal first. A bare LCP holds M (n, n) and q (n), and its dimension is 0. Where dense arrays will do, problems.recorded.plain
+reads them under shorter names.
 """
 
 from pathlib import Path
@@ -16,6 +17,7 @@ import numpy as np
 from scipy import sparse
 
 from problems.check import Array, InputError
+from problems.forms.lcp import LCP
 from problems.friction import DelassusProblem, FrictionProblem
 from problems.recorded.archive import read_arrays
 
@@ -23,29 +25,36 @@ _SPARSE = ("mass", "normal", "tangent", "joints")
 _DENSE = ("friction", "free_velocity", "bias", "friction_bias", "joint_bias")
 
 
-def save(problem: FrictionProblem, path: Path) -> None:
+def save(problem: FrictionProblem | LCP, path: Path) -> None:
     """Write the problem to path (.npz)."""
-    if isinstance(problem, DelassusProblem):
+    dimension = 0
+    if isinstance(problem, LCP):
+        arrays, matrices = {"q": problem.q}, {"M": problem.M}
+    elif isinstance(problem, DelassusProblem):
         arrays = {"q": problem.q, "friction": problem.friction, "friction_bias": problem.friction_bias}
         matrices = {"W": problem.W}
+        dimension = problem.dimension
     else:
         arrays = {name: getattr(problem, name) for name in _DENSE}
         matrices = {name: getattr(problem, name) for name in _SPARSE}
+        dimension = problem.dimension
     for name, matrix in matrices.items():
         parts = {"data": matrix.data, "indices": matrix.indices, "indptr": matrix.indptr, "shape": np.array(matrix.shape)}
         arrays |= {f"{name}_{part}": value for part, value in parts.items()}
-    np.savez(path, allow_pickle=False, dimension=np.array(problem.dimension), **arrays)
+    np.savez(path, allow_pickle=False, dimension=np.array(dimension), **arrays)
 
 
-def load(path: Path) -> FrictionProblem:
+def load(path: Path) -> FrictionProblem | LCP:
     """Read a problem. Errors: InputError naming the file, or the field in it that cannot be used."""
     return problem(path, read_arrays(path))
 
 
-def problem(path: Path, arrays: dict[str, Array]) -> FrictionProblem:
+def problem(path: Path, arrays: dict[str, Array]) -> FrictionProblem | LCP:
     """The problem that the arrays of a file hold. Errors: InputError naming the file and the field."""
     try:
         dimension = int(arrays["dimension"])
+        if dimension == 0:
+            return LCP(_matrix(arrays, "M"), arrays["q"])
         if "W_data" in arrays:
             W, q, mu, b_f = _matrix(arrays, "W"), arrays["q"], arrays["friction"], arrays["friction_bias"]
             return FrictionProblem.from_delassus(W, q, mu, dimension, b_f)
