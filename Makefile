@@ -1,6 +1,6 @@
 # make bench   install, run the standard suite, write its results and report, and say where the report is
 # make test    install, check the style and the types, run the tests
-# make timing  install, time the kernels with pytest-benchmark
+# make timing  install, time the kernels with pytest-benchmark, a file in runs/timing-REVISION each time
 # make peers   the outside solvers into an environment of their own, as far as they can be had; run the peers suite, report
 # make regress install, run the smoke suite and compare it with the committed baseline
 
@@ -10,6 +10,7 @@ REVISION := $(shell git describe --always --dirty --abbrev=12 2>/dev/null || ech
 PEERS := .venv-peers
 PEERS_RUN ?= runs/peers-$(REVISION)
 RUN ?= runs/standard-$(REVISION)
+TIMING ?= runs/timing-$(REVISION)
 
 .PHONY: bench test timing peers regress install clean
 install: .venv/installed
@@ -31,7 +32,9 @@ test: install
 	$(BIN)/python -m pytest
 
 timing: install
-	$(BIN)/python -m pytest tests/benchmarks --benchmark-only --override-ini addopts= --import-mode=importlib
+	mkdir -p $(TIMING)
+	$(BIN)/python -m pytest tests/benchmarks --benchmark-only --override-ini addopts= --import-mode=importlib \
+		--benchmark-json=$(TIMING)/$$(date +%Y%m%dT%H%M%S).json
 
 $(PEERS)/installed: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(PEERS)
@@ -48,7 +51,7 @@ peers: $(PEERS)/installed
 
 regress: install
 	$(BIN)/frictionbench run smoke --out runs/smoke-$(REVISION)
-	$(BIN)/frictionbench compare results/baselines/smoke runs/smoke-$(REVISION)
+	$(BIN)/frictionbench compare results/baselines/smoke.tsv runs/smoke-$(REVISION)
 
 clean:
 	rm -rf .venv $(PEERS) build *.egg-info

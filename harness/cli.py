@@ -117,14 +117,78 @@ def report(
 
 @app.command()
 def compare(
-    baseline: Annotated[Path, typer.Argument(metavar="BASELINE")], folder: Annotated[Path, typer.Argument(metavar="DIR")]
+    baseline: Annotated[Path, typer.Argument(metavar="BASELINE", help="A baseline's text, or a results folder.")],
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A results folder. Both may be results of pytest-benchmark.")],
+    confirm: Annotated[bool, typer.Option("--confirm", help="Run the alerting cells again before exit 1.")] = False,
+    code: Annotated[
+        str | None,
+        typer.Option(
+            "--code",
+            metavar="REVISION|DIR",
+            help="With --confirm: the baseline's code, to run in turn with this one and compare times: a git revision, a "
+            "checkout, or an environment that has it.",
+        ),
+    ] = None,
+    solver: Files = None,
+    slowdown: Annotated[float, typer.Option("--slowdown", min=1, help="Ratio of times up to which nothing is slower.")] = 1.1,
+    growth: Annotated[float, typer.Option("--growth", min=1, help="Ratio of work up to which nothing has grown.")] = 1.05,
+    alpha: Annotated[float, typer.Option("--alpha", min=0, max=1, help="Chance of error of the times' intervals.")] = 0.05,
+    no_times: Annotated[bool, typer.Option("--no-times", help="Leave times out.")] = False,
+    known: Annotated[
+        Path | None, typer.Option("--known", metavar="FILE", help="Acknowledged changes with their reasons, in TOML.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FOLDER", help="Write it as Markdown, JSON, benchmark JSON and JUnit XML.")
+    ] = None,
 ) -> None:
     """Compare two runs as Markdown; exit 0 nothing worse, 1 a regression, 2 unusable input."""
+    from reports.comparison.files import write_files
+    from reports.comparison.markdown import markdown, summarise
+    from results.compare import Limits
     from results.compare import compare as compare_runs
+    from results.known import acknowledge, read
 
-    comparison = compare_runs(baseline, folder)
-    typer.echo(comparison.markdown)
+    acknowledged = read(known) if known else []
+    limits = Limits(slowdown, growth, alpha, not no_times)
+    comparison = compare_runs(baseline, folder, limits)
+    if confirm:
+        from harness.commands.confirm import confirmed
+
+        comparison = confirmed(comparison, limits, solver or [], code, lambda line: typer.echo(line, err=True))
+    comparison = acknowledge(comparison, acknowledged)
+    typer.echo(markdown(comparison))
+    summarise(comparison)
+    if out:
+        write_files(comparison, out)
     raise typer.Exit(comparison.exit_code)
+
+
+@app.command()
+def accept(
+    folder: Annotated[Path, typer.Argument(metavar="DIR")],
+    baseline: Annotated[
+        Path | None, typer.Argument(metavar="BASELINE", help="The text to write; baselines/SUITE.tsv by default.")
+    ] = None,
+) -> None:
+    """Make a run the baseline that others are compared with, and show what that changes."""
+    from harness.commands.accept import accept as accept_run
+    from reports.comparison.markdown import markdown
+
+    before, told = accept_run(folder, baseline)
+    if before is not None:
+        typer.echo(markdown(before))
+    typer.echo(told)
+
+
+@app.command()
+def history(folders: Annotated[list[Path], typer.Argument(metavar="DIR...", help="Results folders and baselines.")]) -> None:
+    """Show verdicts, work and times of runs over time."""
+    from rich.console import Console
+
+    from reports.comparison.history import history as table_of
+
+    console = Console()
+    (console if console.is_terminal else Console(width=160)).print(table_of(folders))
 
 
 @app.command()

@@ -1,143 +1,176 @@
 """Two runs compared, as a gate for CI: verdicts first, deterministic work counters next, times last.
 
-Verdicts and work compare across machines. Times are compared only where both manifests tell of the same machine and the
-same settings. Exit codes: 0 nothing worse, 1 a regression, 2 unusable input; a gate must not pass having measured nothing.
+Verdicts and work compare across machines, and alert by themselves. Times alert only where processes of both codes ran in turn
+(results.times): two runs have one process each, of which nothing can be said but that it is worth a look. `confirm` takes what
+the alerting cells did when they ran again. Exit codes: 0 nothing worse, 1 a regression, 2 unusable input; a gate must not pass
+having measured nothing.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from itertools import groupby
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
-import numpy as np
 import pandas as pd
 
-from results import changes
-from results.changes import Change
-from results.schema import TABLES, VERDICTS
-from results.store import ResultsError, read_manifest, read_table
+from results import benchmarks, changes
+from results.cells import Cells, read
+from results.changes import Finding, Flip, Growth
+from results.schema import SKIPPED
+from results.store import ResultsError
+from results.times import Pair, Time, times
 
-ALIKE = ("suite", "tolerances")  # settings that make two runs the same experiment
-SELECTION = ("sources", "solvers", "drives", "drive_solvers", "plugins")  # settings that only choose which of its cells are run
-LISTED = 20
+
+class Limits(NamedTuple):
+    """Ratios of time and work up to which nothing is worse; the chance of error of an interval; whether times count."""
+
+    slowdown: float = 1.10
+    growth: float = 1.05
+    alpha: float = 0.05
+    times: bool = True
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """What is worse or better in `current` than in `baseline`, or why that cannot be said."""
+    """What differs in `current` from `baseline`, or why that cannot be said."""
 
     baseline: Path
     current: Path
     unusable: str = ""
-    cells: int = 0
-    changes: tuple[Change, ...] = ()
+    same: int = 0
+    new: int = 0
+    skipped: int = 0
+    flips: tuple[Flip, ...] = ()
+    gone: tuple[Flip, ...] = ()
+    work: tuple[Growth, ...] = ()
+    times: tuple[Time, ...] = ()
     notes: tuple[str, ...] = ()
+    alpha: float = Limits().alpha
+    benchmarks: bool = False
+    sources: dict[str, str] = field(default_factory=dict)  # see results.cells
 
     @property
-    def worse(self) -> list[Change]:
-        return [change for change in self.changes if change.worse]
+    def findings(self) -> tuple[Finding, ...]:
+        return (*self.flips, *self.gone, *self.work, *self.times)
 
     @property
-    def better(self) -> list[Change]:
-        return [change for change in self.changes if not change.worse]
+    def worse(self) -> list[Finding]:
+        """What is worse, or gone, and not acknowledged."""
+        return [found for found in self.findings if found.worse and not found.known]
+
+    @property
+    def better(self) -> list[Finding]:
+        return [*(flip for flip in self.flips if not flip.worse), *(one for one in (*self.work, *self.times) if one.better)]
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How much of each: findings that are worse and better; cells that are the same, new, gone and skipped."""
+        lost = sum(not flip.known for flip in self.gone)
+        told = {"worse": len(self.worse) - lost, "better": len(self.better), "same": self.same, "new": self.new}
+        known = sum(found.worse and bool(found.known) for found in self.findings)
+        return told | {"gone": lost, "skipped": self.skipped} | ({"known": known} if known else {})
 
     @property
     def exit_code(self) -> int:
         """0 nothing worse, 1 a regression, 2 unusable input."""
         return 2 if self.unusable else 1 if self.worse else 0
 
-    @property
-    def markdown(self) -> str:
-        """A headline and a table for each kind of change, to be read in CI."""
-        runs = f"{_code(str(self.current))} against {_code(str(self.baseline))}"
-        if self.unusable:
-            return f"## Not comparable\n\n{runs}: {_code(self.unusable)}\n"
-        title = f"Worse: {len(self.worse)}" if self.worse else "Nothing worse"
-        parts = [f"## {title} · better: {len(self.better)}", f"{runs}, {self.cells} cells measured in both.", *self.notes]
-        for heading, found in (("Worse", self.worse), ("Better", self.better)):
-            parts += [_table(f"{heading}: {kind}", list(group)) for kind, group in groupby(found, lambda change: change.kind)]
-        return "\n\n".join(parts) + "\n"
 
+def compare(baseline: Path, current: Path, limits: Limits = Limits()) -> Comparison:  # noqa: B008  # it is a value
+    """Compare two runs, either of which may be a baseline's text, or two results of pytest-benchmark.
 
-def compare(baseline: Path, current: Path) -> Comparison:
-    """Compare the run in `current` with the one in `baseline`. Input that cannot be used is told of, not raised."""
+    Input that cannot be used is told of, not raised.
+    """
     try:
-        (old_manifest, old), (new_manifest, new) = _read(baseline), _read(current)
+        (old, *more_old), (new, *more_new) = _processes(baseline), _processes(current)
     except ResultsError as error:
         return Comparison(baseline, current, unusable=str(error))
-    for name in ALIKE:
-        if old_manifest["settings"].get(name) != new_manifest["settings"].get(name):
+    for name in ("suite", "tolerances"):
+        if getattr(old, name) != getattr(new, name):
             return Comparison(baseline, current, unusable=f"the runs differ in their {name}")
-    common = changes.measured(old).index.intersection(changes.measured(new).index)
+    common = old.measured.index.intersection(new.measured.index)
     if common.empty:
         return Comparison(baseline, current, unusable="no cell was measured in both runs")
-    before, after = old.loc[common], new.loc[common]
-    notes = []
-    reason = _unlike(old_manifest, new_manifest)
-    clocked = changes.by_the_clock(before, after) & bool(reason)
-    found = [*changes.verdicts(before[~clocked], after[~clocked]), *changes.missing(old, new), *changes.work(before, after)]
-    if reason:
-        notes.append(f"Times are not compared: {reason}.")
-        if clocked.any():
-            notes.append(f"Nor are timeouts with other verdicts: {clocked.sum()} cells.")
-    else:
-        same = (before["host"] == after["host"]) & (before["time_limit"] == after["time_limit"])
-        found += changes.times(before[same], after[same])
-    if added := len(new.index.difference(old.index)):
-        notes.append(f"Cells only in the current run: {added}.")
-    if dropped := len(changes.measured(old).index.difference(common)) - sum(change.kind == "missing" for change in found):
-        notes.append(f"Cells no longer measured because their solver was skipped, with a reason: {dropped}.")
-    return Comparison(baseline, current, "", len(common), tuple(found), tuple(notes))
+    alike = bool(old.machine) and old.machine == new.machine
+    if benchmarks.are(current) and not alike:
+        return Comparison(baseline, current, unusable="times of two machines do not compare")
+    flips, gone, work, clocked = _differences(old.table, new.table, alike, limits)
+    pairs = zip([old, *more_old], [new, *more_new], strict=False)
+    timed = times([(a.table, b.table) for a, b in pairs], limits.slowdown, limits.alpha) if alike and limits.times else []
+    return Comparison(
+        baseline,
+        current,
+        same=len(common) - len(flips),
+        new=len(new.measured.index.difference(old.measured.index)),
+        skipped=len(old.measured.index.difference(common)) - len(gone),
+        flips=flips,
+        gone=gone,
+        work=work,
+        times=tuple(timed),
+        notes=tuple(_notes(old, new, alike, limits, clocked)),
+        alpha=limits.alpha,
+        benchmarks=benchmarks.are(current),
+        sources=new.sources,
+    )
 
 
-def _read(folder: Path) -> tuple[dict[str, Any], pd.DataFrame]:
-    """The manifest, and the cells of both tables by key with the raw repeats of form, setup and solve together."""
-    manifest = read_manifest(folder)
-    tables = []
-    for name in TABLES:
-        table = read_table(folder, name)
-        table["repeats"] = _repeats(table) if name == "solves" else [np.empty(0)] * len(table)
-        table["work"] = table["work"].fillna("") if name == "solves" else ""
-        tables.append(table[["key", "variant", "verdict", "reason", "host", "time_limit", "work", "repeats"]])
-    cells = pd.concat([table for table in tables if len(table)] or tables[:1], ignore_index=True)
-    texts = ["key", "variant", "verdict", "reason", "host"]
-    cells[texts] = cells[texts].fillna("")
-    if unknown := set(cells["verdict"]) - VERDICTS.keys():
-        raise ResultsError(f"{folder}: unknown verdict {min(unknown)!r}")
-    if cells["key"].duplicated().any():
-        raise ResultsError(f"{folder}: the key {cells['key'][cells['key'].duplicated()].iloc[0]!r} stands in two rows")
-    return manifest, cells.set_index("key")
+def _processes(path: Path) -> list[Cells]:
+    return benchmarks.read(path) if benchmarks.are(path) else [read(path)]
 
 
-def _repeats(solves: pd.DataFrame) -> list[Any]:
-    before = solves["form_time"].fillna(0.0) + solves["setup_time"].fillna(0.0)
-    rows = zip(solves["solve_times"], before, strict=True)
-    sums = (np.asarray([] if solve is None else solve, dtype=float) + preparation for solve, preparation in rows)
-    return [total[np.isfinite(total) & (total > 0)] for total in sums]
+def _differences(
+    before: pd.DataFrame, after: pd.DataFrame, alike: bool, limits: Limits
+) -> tuple[tuple[Flip, ...], tuple[Flip, ...], tuple[Growth, ...], int]:
+    """Flips, what is gone, work, and how many timeouts only the machine's pace explains."""
+    ran = [cells[cells["verdict"] != SKIPPED] for cells in (before, after)]
+    common = ran[0].index.intersection(ran[1].index)
+    old, new = before.loc[common], after.loc[common]
+    clocked = changes.by_the_clock(old, new, alike)
+    flips = tuple(changes.flips(old[~clocked], new[~clocked]))
+    return flips, tuple(changes.gone(before, after)), tuple(changes.work(old, new, limits.growth)), int(clocked.sum())
 
 
-def _unlike(old: dict[str, Any], new: dict[str, Any]) -> str:
-    """Why times of the two runs do not compare, or nothing."""
-    if old.get("machine") != new.get("machine"):
-        return "the machines differ"
-    names = (old["settings"].keys() | new["settings"].keys()) - set(SELECTION)
-    differing = sorted(name for name in names if old["settings"].get(name) != new["settings"].get(name))
-    return f"the runs differ in {_code(', '.join(differing))}" if differing else ""
+def _notes(old: Cells, new: Cells, alike: bool, limits: Limits, clocked: int) -> Iterator[str]:
+    if clocked:
+        yield f"Timeouts that the machine's pace may explain, at other verdicts, are no change: {clocked} cells."
+    if limits.times and not alike:
+        reason = "the machines differ" if old.machine else "a baseline's text keeps none to compare"
+        yield f"Times are not compared: {reason}. `--confirm --code` runs both codes here, in turn."
+    if old.code and new.code and old.code != new.code:
+        yield f"Code {old.code} before, {new.code} now."
 
 
-def _table(heading: str, found: Sequence[Change]) -> str:
-    keyed = any(change.key for change in found)
-    lines = [f"### {heading} ({len(found)})", ""]
-    lines += ["| solver | change | cell |", "|---|---|---|"] if keyed else ["| solver | change |", "|---|---|"]
-    for change in found[:LISTED]:
-        cells = [change.variant, change.what, *([change.key] if keyed else [])]
-        lines.append(f"| {' | '.join(map(_code, cells))} |")
-    if len(found) > LISTED:
-        lines += ["", f"and {len(found) - LISTED} more."]
-    return "\n".join(lines)
+def suspects(comparison: Comparison, limits: Limits) -> list[Time]:
+    """Solvers that look slower by half of what the limit allows, and of which nothing is sure yet."""
+    return [time for time in comparison.times if not time.worse and time.n == 1 and time.ratio > (1 + limits.slowdown) / 2]
 
 
-def _code(text: str) -> str:
-    """Text as Markdown code that stays in its cell whatever it holds."""
-    return "`" + " ".join(text.split()).replace("`", "'").replace("|", "\\|") + "`"
+def confirm(comparison: Comparison, pairs: Sequence[Pair], both: bool, limits: Limits) -> Comparison:
+    """What is left of the alerts when their cells ran again.
+
+    pairs: of the runs in turn, the cells of the baseline's code and of the current one's; the baseline's own where that code
+    is not at hand, and both is false. An alert stands that stands in more than half of the pairs; times have their intervals.
+    """
+    votes: Counter[tuple[str, str]] = Counter()
+    for before, after in pairs:
+        flips, gone, work, _ = _differences(before, after, both, limits)
+        votes.update({_name(found) for found in (*flips, *gone, *work) if found.worse})
+    alerts = [found for found in (*comparison.flips, *comparison.gone, *comparison.work) if found.worse]
+    fallen = {_name(found) for found in alerts if 2 * votes[_name(found)] <= len(pairs)}
+    why = "both codes do the same here" if both else "its cells ran again"
+    notes = [f"Not confirmed, {why}: {variant}, {name}." for variant, name in sorted(fallen)]
+    timed = {time.variant: time for time in (times(pairs, limits.slowdown, limits.alpha) if both and limits.times else [])}
+    return replace(
+        comparison,
+        same=comparison.same + sum(_name(flip) in fallen for flip in comparison.flips),
+        flips=tuple(flip for flip in comparison.flips if _name(flip) not in fallen),
+        gone=tuple(flip for flip in comparison.gone if _name(flip) not in fallen),
+        work=tuple(growth for growth in comparison.work if _name(growth) not in fallen),
+        times=tuple(({time.variant: time for time in comparison.times} | timed).values()),
+        notes=(*comparison.notes, *notes),
+    )
+
+
+def _name(found: Finding) -> tuple[str, str]:
+    return found.variant, found.name

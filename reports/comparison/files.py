@@ -1,0 +1,127 @@
+"""A comparison as files for machines, written side by side into one folder.
+
+comparison.md      what the terminal shows
+comparison.json    all of it, as data
+benchmark.json     figures of the current run alone, each the smaller the better (github-action-benchmark's form
+                   customSmallerIsBetter)
+junit.xml          a suite per solver; a case per cell, counter and time (JUnit)
+"""
+
+import json
+import re
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pandas as pd
+
+from reports.comparison.markdown import again, change, markdown
+from results.cells import read, untold
+from results.changes import Finding, Flip, Growth
+from results.compare import Comparison
+from results.files import replaced, write_text
+from results.schema import RELAXED, SKIPPED, SOLVED
+from results.times import Time
+
+UNPRINTED = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # what XML 1.0 cannot hold
+
+
+def write_files(comparison: Comparison, folder: Path) -> None:
+    """Write all of them. Errors: OSError, ResultsError naming the file."""
+    folder.mkdir(parents=True, exist_ok=True)
+    write_text(folder / "comparison.md", markdown(comparison))
+    write_text(folder / "comparison.json", _text(data(comparison)))
+    cells = pd.DataFrame() if comparison.unusable or comparison.benchmarks else read(comparison.current).table
+    write_text(folder / "benchmark.json", _text(figures(comparison, cells)))
+    with replaced(folder / "junit.xml") as partial:
+        ElementTree.ElementTree(junit(comparison, cells)).write(partial, encoding="utf-8", xml_declaration=True)
+
+
+def data(comparison: Comparison) -> dict[str, Any]:
+    """The comparison as plain values."""
+    plain = {entry.name: getattr(comparison, entry.name) for entry in fields(comparison)}
+    plain |= {name: [_finding(comparison, one) for one in plain[name]] for name in ("flips", "gone", "work", "times")}
+    return {"exit_code": comparison.exit_code, "counts": comparison.counts, **plain}
+
+
+def _finding(comparison: Comparison, found: Finding) -> dict[str, Any]:
+    told = vars(found) | {"worse": found.worse}
+    return told | ({"again": again(comparison, found)} if isinstance(found, Flip) else {})
+
+
+def figures(comparison: Comparison, cells: pd.DataFrame) -> list[dict[str, Any]]:
+    """Of each solver: cells without the answer to its model, each counter, the mean time; of a benchmark its time."""
+    found = []
+    for variant, own in cells.groupby("variant") if len(cells) else ():
+        ran = own[own["verdict"] != SKIPPED]
+        good = ran["verdict"].isin([SOLVED, RELAXED])
+        found.append({"name": f"{variant}: not solved", "unit": "cells", "value": int((~good).sum())})
+        counters = pd.DataFrame([untold(line) for line in ran["work"]]).sum()
+        found += [{"name": f"{variant}: {name}", "unit": "", "value": int(count)} for name, count in counters.items()]
+        if np.isfinite(mean := np.exp(np.log(ran.loc[good, "seconds"].dropna()).mean())):
+            found.append({"name": f"{variant}: time", "unit": "µs", "value": 1e6 * mean})
+    if comparison.benchmarks:
+        found += [{"name": time.variant, "unit": "µs", "value": 1e6 * time.after} for time in comparison.times]
+    return found
+
+
+def junit(comparison: Comparison, cells: pd.DataFrame) -> ElementTree.Element:
+    """The comparison as JUnit's XML; what is known and worse passes."""
+    root = ElementTree.Element("testsuites", name="frictionbench compare")
+    worse = {(found.variant, getattr(found, "key", found.name)): found for found in comparison.worse}
+    suites: dict[str, ElementTree.Element] = {}
+
+    def case(variant: str, name: str, identity: str, skipped: str | None = None) -> None:
+        if variant not in suites:
+            suites[variant] = ElementTree.SubElement(root, "testsuite", name=_xml(variant))
+        one = ElementTree.SubElement(suites[variant], "testcase", classname=_xml(variant), name=_xml(name))
+        if found := worse.get((variant, identity)):
+            ElementTree.SubElement(one, "failure", message=_xml(message(found))).text = (
+                _xml(again(comparison, found)) if isinstance(found, Flip) else None
+            )
+        elif skipped is not None:
+            ElementTree.SubElement(one, "skipped", message=_xml(skipped))
+
+    for key, cell in cells.iterrows():
+        name = f"{cell['scene']} {cell['table']} {cell['step']} {cell['phase']} {cell['start']} to {cell['tol']:g}"
+        case(cell["variant"], " ".join(name.split()), str(key), cell["reason"] if cell["verdict"] == SKIPPED else None)
+    for found in (*comparison.gone, *comparison.work, *comparison.times):
+        case(found.variant, found.name, getattr(found, "key", found.name))
+    if comparison.unusable:
+        one = ElementTree.SubElement(ElementTree.SubElement(root, "testsuite", name="runs"), "testcase", name="comparable")
+        ElementTree.SubElement(one, "error", message=_xml(comparison.unusable))
+    for suite in suites.values():
+        suite.set("tests", str(len(suite)))
+        suite.set("failures", str(sum(one.find("failure") is not None for one in suite)))
+        suite.set("skipped", str(sum(one.find("skipped") is not None for one in suite)))
+    return root
+
+
+def message(found: Finding) -> str:
+    """A finding in one line."""
+    if isinstance(found, Flip):
+        return f"{change(found)}, residual {found.residual_before:.1e} → {found.residual_after:.1e} {found.reason}".strip()
+    if isinstance(found, Growth | Time):
+        return f"{found.name}: {found.before:.6g} → {found.after:.6g}, ×{found.ratio:.2f}"
+    return found.name
+
+
+def _xml(text: str) -> str:
+    return UNPRINTED.sub("?", text)
+
+
+def _text(value: Any) -> str:
+    return json.dumps(_finite(value), indent=1, default=str) + "\n"
+
+
+def _finite(value: Any) -> Any:
+    """JSON has no infinity."""
+    if isinstance(value, dict):
+        return {name: _finite(part) for name, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(part) for part in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not np.isfinite(value) else value

@@ -1,0 +1,54 @@
+"""Runs over time: of each solver a line per run, its verdicts, work and time over the cells that all of the runs measured."""
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from rich.table import Table
+from rich.text import Text
+
+from reports.drawing.text import seconds
+from results.cells import read, told, untold
+from results.schema import RELAXED, SOLVED
+from results.store import ResultsError
+
+
+def history(paths: Iterable[Path]) -> Table:
+    """The runs, the oldest first; baselines' texts may be among them.
+
+    Errors: ResultsError where one cannot be read, or no solver has a cell in all of them.
+    """
+    runs = sorted(map(read, paths), key=lambda run: run.made)
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for name in ("solver", "run", "made", "code", "cells", "verdicts", "work", "time"):
+        table.add_column(name, overflow="fold")
+    measured = [run.measured for run in runs]
+    for variant in sorted(set(measured[0]["variant"])):
+        common = _common([cells[cells["variant"] == variant] for cells in measured])
+        good = [key for key in common if all(cells["verdict"][key] in (SOLVED, RELAXED) for cells in measured)]
+        for i, (run, cells) in enumerate(zip(runs, measured, strict=True)) if len(common) else ():
+            first = Text("" if i else variant)
+            table.add_row(first, Text(str(run.path)), run.made[:10], Text(run.code), *_line(cells.loc[common], good))
+    if not table.row_count:
+        raise ResultsError("history: no cell was measured in all of these runs")
+    return table
+
+
+def _common(tables: Sequence[pd.DataFrame]) -> pd.Index:
+    common = tables[0].index
+    for table in tables[1:]:
+        common = common.intersection(table.index)
+    return common
+
+
+def _line(cells: pd.DataFrame, good: list[str]) -> list[str]:
+    """Cells; verdicts; counters summed and the geometric mean of the times, over the cells that are good in all runs."""
+    verdicts = ", ".join(f"{count} {verdict}" for verdict, count in Counter(cells["verdict"]).most_common())
+    work: Counter[str] = Counter()
+    for line in cells.loc[good, "work"]:
+        work.update(untold(line))
+    times = np.log(cells.loc[good, "seconds"])
+    mean = float(np.exp(times.mean())) if len(good) else np.nan
+    return [str(len(cells)), verdicts, told(dict(work)), seconds(mean)]

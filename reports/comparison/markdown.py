@@ -1,0 +1,143 @@
+"""A comparison as Markdown: the counts, what changed for each solver, the times. For a terminal and for a pull request."""
+
+import os
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from reports.drawing.text import seconds
+from results.changes import GONE, Finding, Flip, Growth
+from results.compare import Comparison
+from results.times import Time, overall
+
+LISTED = 12  # rows of a table before the rest is folded
+
+
+def markdown(comparison: Comparison) -> str:
+    """The comparison as a page of Markdown."""
+    runs = f"{_code(str(comparison.current))} against {_code(str(comparison.baseline))}"
+    if comparison.unusable:
+        return f"## Not comparable\n\n{runs}: {_code(comparison.unusable)}\n"
+    counts = " · ".join(f"{name} {count}" for name, count in comparison.counts.items())
+    parts = [f"## {counts}", f"{runs}.", *map(_text, comparison.notes)]
+    for variant in solvers(comparison):
+        own = [found for found in (*comparison.flips, *comparison.gone, *comparison.work) if found.variant == variant]
+        if own:
+            parts += [f"### {_code(variant)}{_state(own)}", *_changes(comparison, own)]
+    if comparison.times:
+        parts += ["### Times", *_times(comparison)]
+    return "\n\n".join(parts) + "\n"
+
+
+def summarise(comparison: Comparison) -> None:
+    """Append the page to the summary of a GitHub workflow's step, where it runs in one."""
+    if path := os.environ.get("GITHUB_STEP_SUMMARY"):
+        with open(path, "a", encoding="utf-8") as summary:
+            summary.write(markdown(comparison) + "\n")
+
+
+def solvers(comparison: Comparison) -> list[str]:
+    """Those of which anything is told, what is worse first."""
+    worse = {found.variant for found in comparison.worse}
+    return sorted({found.variant for found in comparison.findings}, key=lambda name: (name not in worse, name))
+
+
+def again(comparison: Comparison, flip: Flip) -> str:
+    """The command that runs a cell again."""
+    if flip.after == GONE:
+        return ""
+    source = comparison.sources.get(flip.variant, "")
+    given = f" --solver {os.path.relpath(source) if Path(source).is_absolute() else source}" if source else ""
+    return f"frictionbench rerun {comparison.current} {flip.key}{given}"
+
+
+def change(flip: Flip) -> str:
+    return f"{flip.before} → {flip.after}"
+
+
+def _state(own: Sequence[Finding]) -> str:
+    if any(found.worse and not found.known for found in own):
+        return ": worse"
+    return ": known" if any(found.worse for found in own) else ""
+
+
+def _changes(comparison: Comparison, own: Sequence[Finding]) -> Iterator[str]:
+    flips = [found for found in own if isinstance(found, Flip)]
+    work = [found for found in own if isinstance(found, Growth)]
+    if flips:
+        told = any(flip.reason or flip.known for flip in flips)
+        heads = ["verdict", "scene", "step", "tolerance", "residual", "again", *(["remark"] if told else [])]
+        rows = [[*_flip(comparison, flip), *([_remark(flip)] if told else [])] for flip in flips]
+        yield from _table(heads, rows)
+    if work:
+        told = any(growth.known for growth in work)
+        heads = ["work", "before", "after", "ratio", "cells", *(["remark"] if told else [])]
+        yield from _table(heads, [[*_growth(growth), *([_remark(growth)] if told else [])] for growth in work])
+
+
+def _flip(comparison: Comparison, flip: Flip) -> list[str]:
+    residuals = [f"{value:.1e}" if np.isfinite(value) else "–" for value in (flip.residual_before, flip.residual_after)]
+    command = again(comparison, flip)
+    place = [_code(flip.scene), flip.step or flip.table, f"{flip.tol:g}"]
+    return [_bold(change(flip), flip), *place, " → ".join(residuals), _code(command) if command else ""]
+
+
+def _growth(growth: Growth) -> list[str]:
+    ratio = f"×{growth.ratio:.2f}" if np.isfinite(growth.ratio) else ""
+    return [_bold(_text(growth.counter), growth), str(growth.before), str(growth.after), ratio, str(growth.cells)]
+
+
+def _remark(found: Finding) -> str:
+    reason = found.reason if isinstance(found, Flip) else ""
+    return _code(f"known: {found.known}" if found.known else reason) if found.known or reason else ""
+
+
+def _times(comparison: Comparison) -> Iterator[str]:
+    heads = ["solver", "before", "after", "ratio", f"{1 - comparison.alpha:.0%} interval", "p", "n"]
+    order = sorted(comparison.times, key=lambda time: (not time.worse, not time.sure, -time.ratio))
+    mean = ["geometric mean", "", "", f"×{overall(comparison.times):.2f}", "", "", ""]
+    yield from _table(heads, [_time(time) for time in order], mean)
+    if any(time.n == 1 for time in comparison.times):
+        yield "`~`: nothing can be said. With n = 1 there is one process of each code, and its repeats are not independent."
+
+
+def _time(time: Time) -> list[str]:
+    ratio = f"×{time.ratio:.2f}"
+    interval = f"{time.low:.2f} to {time.high:.2f}" if np.isfinite(time.high) else "~"
+    known = f", known: {_text(time.known)}" if time.known else ""
+    p = f"{time.p:.2g}" if np.isfinite(time.p) else ""
+    shown = f"{ratio} {'' if time.sure else '~'}".strip()
+    return [
+        _code(time.variant),
+        seconds(time.before),
+        seconds(time.after),
+        _bold(shown, time) + known,
+        interval,
+        p,
+        str(time.n),
+    ]
+
+
+def _bold(text: str, found: Finding) -> str:
+    return f"**{text}**" if found.worse and not found.known else text
+
+
+def _table(heads: list[str], rows: list[list[str]], last: list[str] | None = None) -> Iterator[str]:
+    """A table; what is too long to be read at once is folded, its last row is not."""
+    head = [f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
+    lines = [f"| {' | '.join(row)} |" for row in rows]
+    ends = [f"| {' | '.join(last)} |"] if last else []
+    yield "\n".join([*head, *lines[:LISTED], *ends])
+    if rest := lines[LISTED:]:
+        yield "\n".join([f"<details><summary>{len(rest)} more</summary>", "", *head, *rest, "", "</details>"])
+
+
+def _code(text: str) -> str:
+    """Text as Markdown code that stays in its cell whatever it holds."""
+    return "`" + " ".join(text.split()).replace("`", "'").replace("|", "\\|") + "`"
+
+
+def _text(text: str) -> str:
+    """Text that is no markup."""
+    return " ".join(text.split()).replace("|", "\\|").replace("<", "&lt;")

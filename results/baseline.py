@@ -1,0 +1,49 @@
+"""A baseline: what a run found, as one sorted table of text that a person reviews in a diff.
+
+Lines of `# name: value` say what was run, by which code; then, tab-separated, a head and a line per cell. Residuals are kept
+to two digits. Times are kept to one: they tell whether a timeout may be a slower machine's, and are compared with nothing.
+"""
+
+from collections.abc import Iterable, Mapping
+from itertools import takewhile
+from pathlib import Path
+
+from results.files import ResultsError, write_text
+
+COLUMNS = (
+    *("variant", "table", "scene", "step", "phase", "start", "tol"),
+    *("verdict", "residual", "work", "seconds", "limit"),
+)
+FACTS = ("suite", "tolerances", "code", "made")
+LARGEST = 64 * 2**20  # bytes
+
+
+def write(path: Path, facts: Mapping[str, str], rows: Iterable[tuple[str, ...]]) -> None:
+    """Write a baseline whole or not at all. rows: the values of COLUMNS and the key, as text."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    head = [f"# {name}: {_plain(facts[name])}" for name in FACTS]
+    lines = sorted("\t".join(map(_plain, row)) for row in rows)
+    write_text(path, "\n".join([*head, "\t".join([*COLUMNS, "key"]), *lines]) + "\n")
+
+
+def read(path: Path) -> tuple[dict[str, str], list[list[str]]]:
+    """The facts, and per cell the key and the values of COLUMNS. Errors: ResultsError naming the file and the line."""
+    try:
+        if path.stat().st_size > LARGEST:
+            raise ResultsError(f"{path}: larger than {LARGEST / 2**20:g} MiB")
+        lines = path.read_text(encoding="utf-8").split("\n")
+    except (OSError, UnicodeDecodeError) as error:
+        raise ResultsError(f"{path}: cannot be read ({error})") from None
+    head = list(takewhile(lambda line: line.startswith("#"), lines))
+    facts = {name.strip(): value.strip() for name, _, value in (line[1:].partition(":") for line in head)}
+    table = [(i, line.split("\t")) for i, line in enumerate(lines[len(head) :], len(head) + 1) if line]
+    if not table or table[0][1] != [*COLUMNS, "key"] or not facts.keys() >= set(FACTS):
+        raise ResultsError(f"{path}: not a baseline (`frictionbench accept` writes them) and not a results folder")
+    for i, cells in table[1:]:
+        if len(cells) != len(COLUMNS) + 1:
+            raise ResultsError(f"{path}:{i}: {len(cells)} columns, not {len(COLUMNS) + 1}")
+    return facts, [[cells[-1], *cells[:-1]] for _, cells in table[1:]]
+
+
+def _plain(text: str) -> str:
+    return " ".join(text.split())

@@ -1,0 +1,142 @@
+"""What a comparison knows of a run: a line per cell, read from a results folder or from a baseline's text.
+
+Columns, by key: table, variant, scene (as the command line takes it), step, phase, start, tol, verdict, reason, residual, work
+(the counters as `name count, ...`), seconds (form, setup and solve, the median of one process), disturbed, limit.
+"""
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from results import baseline
+from results.schema import SKIPPED, VERDICTS
+from results.store import ResultsError, read_manifest, read_table
+
+TEXTS = ("table", "variant", "scene", "step", "phase", "start", "verdict", "reason", "work")
+NUMBERS = ("tol", "residual", "seconds", "limit")
+
+
+@dataclass(frozen=True)
+class Cells:
+    """The cells of one run, and what it says of itself."""
+
+    path: Path
+    table: pd.DataFrame
+    suite: str
+    tolerances: tuple[float, ...]
+    machine: dict[str, Any] = field(default_factory=dict)
+    code: str = ""
+    made: str = ""
+    sources: dict[str, str] = field(default_factory=dict)  # of the solvers from outside, by variant: a file or a name
+
+    @property
+    def measured(self) -> pd.DataFrame:
+        """The cells that were run."""
+        return self.table[self.table["verdict"] != SKIPPED]
+
+
+def read(path: Path) -> Cells:
+    """The cells of a results folder, or of a baseline. Errors: ResultsError naming the file and what is wrong with it."""
+    found = _of_text(path) if path.is_file() else _of_folder(path)
+    if unknown := set(found.table["verdict"]) - VERDICTS.keys():
+        raise ResultsError(f"{path}: unknown verdict {min(unknown)!r}")
+    if found.table.index.has_duplicates:
+        twice = found.table.index[found.table.index.duplicated()][0]
+        raise ResultsError(f"{path}: the key {twice!r} stands in two rows")
+    return found
+
+
+def _of_text(path: Path) -> Cells:
+    facts, rows = baseline.read(path)
+    table = _typed(pd.DataFrame(rows, columns=["key", *baseline.COLUMNS]))
+    return Cells(path, table, facts["suite"], _numbers(facts["tolerances"].split()), code=facts["code"], made=facts["made"])
+
+
+def _of_folder(folder: Path) -> Cells:
+    manifest = read_manifest(folder)
+    settings, versions, machine = manifest["settings"], manifest.get("versions"), manifest.get("machine")
+    solves, drives = read_table(folder, "solves"), read_table(folder, "drives")
+    parts = [solves.assign(table="solve", seconds=solves[["form_time", "setup_time", "solve_time"]].sum(axis=1, skipna=False))]
+    renamed = drives.drop(columns="work", errors="ignore").rename(columns={"worst_residual": "residual", "scheme": "phase"})
+    parts.append(
+        renamed.assign(table="drive", step=None, start=drives["after_failure"], work="", seconds=drives["solver_time"])
+    )
+    rows = pd.concat([part for part in parts if len(part)] or parts[:1], ignore_index=True)
+    rows = rows.assign(
+        scene=[spec(*pair) for pair in zip(rows["scene"], rows["parameters"], strict=True)],
+        step=["" if pd.isna(step) else str(int(step)) for step in rows["step"]],
+        work=[told(counts(text)) for text in rows["work"]],
+        limit=rows["time_limit"],
+    )
+    return Cells(
+        folder,
+        _typed(rows),
+        str(settings.get("suite")),
+        _numbers(settings.get("tolerances")),
+        machine if isinstance(machine, dict) else {},
+        str(versions.get("frictionbench", "")) if isinstance(versions, dict) else "",
+        str(manifest.get("finished") or manifest.get("started") or ""),
+        dict(_sources(settings.get("plugins"))),
+    )
+
+
+def _sources(plugins: Any) -> Iterator[tuple[str, str]]:
+    for plugin in plugins if isinstance(plugins, list) else []:
+        if isinstance(plugin, dict) and isinstance(plugin.get("solvers"), dict):
+            yield from ((str(variant), str(plugin.get("source"))) for variant in plugin["solvers"])
+
+
+def _typed(rows: pd.DataFrame) -> pd.DataFrame:
+    told = {name: rows[name].fillna("").astype(str) if name in rows else "" for name in TEXTS}
+    numbers = {name: pd.to_numeric(rows[name], errors="coerce").astype(float) for name in NUMBERS}
+    disturbed = rows["disturbed"].fillna(False).astype(bool) if "disturbed" in rows else False
+    table = pd.DataFrame({"key": rows["key"].fillna("").astype(str), **told, **numbers, "disturbed": disturbed})
+    return table.assign(seconds=table["seconds"].where(table["seconds"] > 0)).set_index("key")
+
+
+def _numbers(values: Any) -> tuple[float, ...]:
+    try:
+        return tuple(sorted(float(value) for value in values))
+    except (TypeError, ValueError):
+        return ()
+
+
+def spec(scene: Any, parameters: Any) -> str:
+    """A scene with its parameters as the command line takes it: `stack[blocks=5]`."""
+    settings = _object(parameters)
+    given = ",".join(f"{name}={value}" for name, value in settings.items())
+    return f"{scene}[{given}]" if given else str(scene)
+
+
+def counts(text: Any) -> dict[str, int]:
+    """The counters of a row; what is no count is left out."""
+    return {name: count for name, count in _object(text).items() if type(count) is int and count >= 0}
+
+
+def told(work: dict[str, int]) -> str:
+    """Counters as a line."""
+    return ", ".join(f"{name} {count}" for name, count in sorted(work.items()))
+
+
+def untold(line: str) -> dict[str, int]:
+    """The counters of a line."""
+    parts = (part.rpartition(" ") for part in line.split(", "))
+    return {name: int(count) for name, _, count in parts if count.isdecimal() and len(count) < 19}
+
+
+def _object(text: Any) -> dict[str, Any]:
+    try:
+        found = json.loads(text) if isinstance(text, str) else {}
+    except (ValueError, RecursionError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def rounded(value: float, digits: int) -> str:
+    """A number to a few digits; nothing where there is none."""
+    return f"{value:.{digits - 1}e}" if np.isfinite(value) else ""

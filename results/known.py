@@ -1,0 +1,97 @@
+"""Changes for the worse that are acknowledged, each with its reason, so that a gate tells them and does not close.
+
+[[known]]
+solver = "nsgs"
+change = "sweeps"           # verdict, gone, time, or the name of a work counter
+scene = "stack[blocks=5]"   # of a verdict or what is gone; all scenes where it is left out
+after = "unsolved"          # of a verdict
+ratio = 1.2                 # of a counter or a time: as far as this
+reason = "a safer step"
+"""
+
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, TypeVar
+
+from results.changes import GONE, Finding, Flip, Growth
+from results.compare import Comparison
+from results.store import ResultsError
+from results.times import Time
+
+F = TypeVar("F", Flip, Growth, Time)
+FIELDS: dict[str, Any] = {"solver": str, "change": str, "scene": str, "after": str, "ratio": int | float, "reason": str}
+
+
+@dataclass(frozen=True)
+class Known:
+    """One acknowledged change."""
+
+    solver: str
+    change: str
+    reason: str
+    scene: str = ""
+    after: str = ""
+    ratio: float = 0.0
+
+    def is_of(self, found: Finding) -> bool:
+        if not found.worse or found.variant != self.solver:
+            return False
+        if isinstance(found, Flip):
+            if self.scene not in ("", found.scene):
+                return False
+            return self.change == (GONE if found.after == GONE else "verdict") and self.after in ("", found.after)
+        return isinstance(found, Growth | Time) and self.change == found.name and found.ratio <= self.ratio
+
+
+def read(path: Path) -> list[Known]:
+    """The acknowledged changes of a TOML file. Errors: ResultsError naming the file, the entry and the field."""
+    try:
+        told = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        raise ResultsError(f"{path}: cannot be read ({error})") from None
+    entries = told.get("known")
+    if told.keys() - {"known"} or not isinstance(entries, list):
+        raise ResultsError(f"{path}: must hold [[known]] tables and nothing else")
+    return [_entry(path, i, entry) for i, entry in enumerate(entries, 1)]
+
+
+def _entry(path: Path, number: int, entry: Any) -> Known:
+    where = f"{path}: known {number}"
+    if not isinstance(entry, dict):
+        raise ResultsError(f"{where}: not a table")
+    for name, value in entry.items():
+        if name not in FIELDS:
+            raise ResultsError(f"{where}: unknown field {name!r}; it has {', '.join(FIELDS)}")
+        if not isinstance(value, FIELDS[name]) or isinstance(value, bool):
+            raise ResultsError(f"{where}: {name} cannot be {value!r}")
+    for name in ("solver", "change", "reason"):
+        if not entry.get(name):
+            raise ResultsError(f"{where}: {name} is missing")
+    if entry["change"] not in ("verdict", GONE) and not entry.get("ratio"):
+        raise ResultsError(f"{where}: ratio is missing: how much more of {entry['change']!r} is acknowledged")
+    return Known(**entry)
+
+
+def acknowledge(comparison: Comparison, known: Sequence[Known]) -> Comparison:
+    """The comparison with the reasons of what is known; a note for each entry that nothing meets any more."""
+    met: set[Known] = set()
+
+    def marked(found: F) -> F:
+        entry = next((entry for entry in known if entry.is_of(found)), None)
+        if entry is None:
+            return found
+        met.add(entry)
+        return replace(found, known=entry.reason)
+
+    told = replace(
+        comparison,
+        flips=tuple(map(marked, comparison.flips)),
+        gone=tuple(map(marked, comparison.gone)),
+        work=tuple(map(marked, comparison.work)),
+        times=tuple(map(marked, comparison.times)),
+    )
+    idle = [entry for entry in known if entry not in met]
+    notes = [f"No longer met, and can be taken out of the acknowledged changes: {one.solver}, {one.change}." for one in idle]
+    return replace(told, notes=(*comparison.notes, *notes))
