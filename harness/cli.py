@@ -5,84 +5,67 @@ Everything heavy is imported inside the command that needs it, so that --help an
 
 import signal
 import sys
-from contextlib import suppress
-from enum import StrEnum
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+from harness.commands import options
+
 app = typer.Typer(
-    help="Compare solvers for the friction LCPs of rigid-body dynamics.",
+    help="Compare solvers for the friction LCPs of rigid-body dynamics. First: frictionbench solve stack",
     no_args_is_help=True,
     add_completion=False,
+    rich_markup_mode=None,  # which reads [blocks=5] as markup
     pretty_exceptions_enable=False,
 )
 
-Suite = Annotated[str, typer.Argument(help="smoke, standard, ...: see `frictionbench list suites`.")]
-Scenes = Annotated[
-    list[str] | None,
-    typer.Option("--scene", metavar="SCENE", help="Only this scene, like `stack` or `stack[blocks=5]`; repeat for more."),
-]
-Solvers = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--solver",
-        metavar="SOLVER",
-        help="Only this solver, like `nsgs[relaxation=1.3]`, a file that defines some, or an installed one; repeat for more.",
-    ),
-]
-Files = Annotated[
-    list[str] | None,
-    typer.Option("--solver", metavar="FILE|NAME", help="Solvers to trust; what a results folder names is not run."),
-]
-Tolerances = Annotated[str | None, typer.Option("--tol", metavar="T,T,...", help="Residuals to ask for, like 1e-4,1e-6,1e-8.")]
-Limit = Annotated[
-    float | None, typer.Option("--time-limit", metavar="S", help="Seconds for form, setup and solve together, enforced.")
-]
-Jobs = Annotated[int | None, typer.Option("--jobs", min=1, help="Worker processes, one core each; all cores by default.")]
+
+def _version(asked: bool) -> None:
+    if asked:
+        from importlib.metadata import version
+
+        typer.echo(f"frictionbench {version('frictionbench')}")
+        raise typer.Exit
 
 
-class Listing(StrEnum):
-    """What `list` can list."""
-
-    SCENES = "scenes"
-    SOLVERS = "solvers"
-    SUITES = "suites"
+@app.callback()
+def about(
+    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")] = False,
+) -> None:
+    pass
 
 
 @app.command("list")
-def list_(what: Annotated[Listing, typer.Argument()]) -> None:
-    """List the scenes, the solvers or the suites, a line of meaning each."""
+def list_(what: options.Listing) -> None:
+    """List the scenes, the solvers or the suites."""
     from harness.commands import listing
 
-    listing.show(what.value)
+    listing.show(what)
 
 
 @app.command()
 def run(
-    suite: Suite = "standard",
-    scene: Scenes = None,
-    solver: Solvers = None,
-    tol: Tolerances = None,
-    time_limit: Limit = None,
-    jobs: Jobs = None,
-    data: Annotated[
-        list[str] | None,
-        typer.Option("--data", metavar="DIR|fclib/FAMILY", help="Recorded problems to run; repeat for more."),
-    ] = None,
-    cluster: Annotated[
-        str | None,
-        typer.Option("--cluster", metavar="ADDRESS", help="Run the cells on this dask scheduler, like tcp://127.0.0.1:8786."),
-    ] = None,
+    suite: options.Suite = "standard",
+    scene: options.Scenes = None,
+    solver: options.Solvers = None,
+    tol: options.Tolerances = None,
+    time_limit: options.SuitesLimit = None,
+    jobs: options.Jobs = None,
+    data: options.Data = None,
+    cluster: options.Cluster = None,
     out: Annotated[
         Path | None,
-        typer.Option(
-            "--out", metavar="DIR", help="Results folder; runs/SUITE by default. A broken-off run goes on where it stopped."
-        ),
+        typer.Option("--out", metavar="DIR", help="Results folder; by default one below runs/ for these very settings."),
     ] = None,
 ) -> None:
-    """Run a suite, or what of it the options choose. The same command resumes a broken-off run."""
+    """Run a suite, or what of it the options choose.
+
+    The same command goes on with a run that was broken off.
+    """
+    from harness.commands.summary import folder_for, summary
     from harness.maps import run_maps
     from harness.plans.choose import choose
     from harness.progress import Progress
@@ -90,14 +73,15 @@ def run(
 
     variants, plugins = introduce(solver or [])
     plan = choose(suite, scene or [], variants, tol, time_limit, plugins, tuple(data or ()))
-    folder = out or Path("runs") / suite
-    run_maps(plan, folder, _jobs(jobs), Progress(), cluster)
-    typer.echo(f"results: {folder}\nreport:  frictionbench report {folder}")
+    folder = out or folder_for(plan)
+    with _goes_on(folder):
+        run_maps(plan, folder, _jobs(jobs), Progress(), cluster)
+    typer.echo(summary(folder))
 
 
 @app.command()
 def report(
-    folder: Annotated[Path, typer.Argument(metavar="DIR")],
+    folder: options.Folder,
     paper: Annotated[bool, typer.Option("--paper", help="Also write vector figures and LaTeX tables for a paper.")] = False,
     markdown: Annotated[bool, typer.Option("--markdown", help="Also write the run's figures as Markdown.")] = False,
 ) -> None:
@@ -129,10 +113,19 @@ def compare(
             "checkout, or an environment that has it.",
         ),
     ] = None,
-    solver: Files = None,
-    slowdown: Annotated[float, typer.Option("--slowdown", min=1, help="Ratio of times up to which nothing is slower.")] = 1.1,
-    growth: Annotated[float, typer.Option("--growth", min=1, help="Ratio of work up to which nothing has grown.")] = 1.05,
-    alpha: Annotated[float, typer.Option("--alpha", min=0, max=1, help="Chance of error of the times' intervals.")] = 0.05,
+    solver: options.Trusted = None,
+    slowdown: Annotated[
+        float,
+        typer.Option("--slowdown", metavar="RATIO", parser=options.number(1), help="Of times, up to which nothing is slower."),
+    ] = 1.1,
+    growth: Annotated[
+        float,
+        typer.Option("--growth", metavar="RATIO", parser=options.number(1), help="Of work, up to which nothing has grown."),
+    ] = 1.05,
+    alpha: Annotated[
+        float,
+        typer.Option("--alpha", metavar="P", parser=options.number(0, 1), help="Chance of error of the times' intervals."),
+    ] = 0.05,
     no_times: Annotated[bool, typer.Option("--no-times", help="Leave times out.")] = False,
     known: Annotated[
         Path | None, typer.Option("--known", metavar="FILE", help="Acknowledged changes with their reasons, in TOML.")
@@ -141,7 +134,10 @@ def compare(
         Path | None, typer.Option("--out", metavar="FOLDER", help="Write it as Markdown, JSON, benchmark JSON and JUnit XML.")
     ] = None,
 ) -> None:
-    """Compare two runs as Markdown; exit 0 nothing worse, 1 a regression, 2 unusable input."""
+    """Compare two runs as Markdown.
+
+    Exit 0 nothing worse, 1 a regression, 2 unusable input.
+    """
     from reports.comparison.files import write_files
     from reports.comparison.markdown import markdown, summarise
     from results.compare import Limits
@@ -165,12 +161,15 @@ def compare(
 
 @app.command()
 def accept(
-    folder: Annotated[Path, typer.Argument(metavar="DIR")],
+    folder: options.Folder,
     baseline: Annotated[
         Path | None, typer.Argument(metavar="BASELINE", help="The text to write; baselines/SUITE.tsv by default.")
     ] = None,
 ) -> None:
-    """Make a run the baseline that others are compared with, and show what that changes."""
+    """Make a run the baseline that others are compared with.
+
+    Shows what that changes.
+    """
     from harness.commands.accept import accept as accept_run
     from reports.comparison.markdown import markdown
 
@@ -193,11 +192,11 @@ def history(folders: Annotated[list[Path], typer.Argument(metavar="DIR...", help
 
 @app.command()
 def solve(
-    problem: Annotated[str, typer.Argument(metavar="FILE|SCENE", help="A problem file, or a scene like `stack[blocks=5]`.")],
-    solver: Solvers = None,
-    tol: Annotated[float, typer.Option("--tol")] = 1e-8,
-    time_limit: Annotated[float, typer.Option("--time-limit", metavar="S")] = 10.0,
-    jobs: Jobs = None,
+    problem: Annotated[str, typer.Argument(metavar="FILE|SCENE", help="A problem file, or a scene like 'stack[blocks=5]'.")],
+    solver: options.Solvers = None,
+    tol: options.Tolerance = 1e-8,
+    time_limit: options.Limit = 10.0,
+    jobs: options.Jobs = None,
 ) -> None:
     """Put every solver to one problem and show a table."""
     from harness.commands.single import solve_one
@@ -212,7 +211,8 @@ def export(
         Path, typer.Option("--out", "-o", metavar="FILE.hdf5|FOLDER", help="One file, or a folder where there are several.")
     ],
     pick: Annotated[
-        int, typer.Option("--pick", min=0, help="Problems spread over the scene's motion; 0: the first alone.")
+        int,
+        typer.Option("--pick", metavar="N", parser=options.whole(0), help="Problems spread over its motion; 0: the first."),
     ] = 0,
 ) -> None:
     """Write problems in FCLIB's HDF5 format, for others to solve."""
@@ -226,7 +226,10 @@ def export(
 def fetch(
     family: Annotated[str, typer.Argument(metavar="fclib/FAMILY", help="Like fclib/Capsules; `fclib/` lists those known.")],
 ) -> None:
-    """Download recorded problems of FCLIB's public collection, checked by size and sha256, into the user's cache."""
+    """Download recorded problems of FCLIB's collection.
+
+    They are checked by size and sha256 and go into the user's cache.
+    """
     from harness.commands.fetch import fetch as fetch_family
 
     fetch_family(family)
@@ -234,17 +237,23 @@ def fetch(
 
 @app.command()
 def show(
-    scene: Annotated[str, typer.Argument(metavar="SCENE", help="Like `stack` or `stack[blocks=5]`.")],
+    scene: Annotated[str, typer.Argument(metavar="SCENE", help="Like stack or 'stack[blocks=5]'.")],
     solver: Annotated[str, typer.Option("--solver", metavar="SOLVER", help="A solver, or a file that defines one.")] = "lemke",
-    scheme: Annotated[str, typer.Option("--scheme", metavar="SCHEME", help="How time is stepped.")] = "anitescu_potra",
-    steps: Annotated[int | None, typer.Option("--steps", min=1, help="The scene's whole duration by default.")] = None,
+    scheme: options.Scheme = "anitescu_potra",
+    steps: Annotated[
+        int | None,
+        typer.Option("--steps", metavar="N", parser=options.whole(), help="The scene's whole duration by default."),
+    ] = None,
     out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE.html", help="SCENE.html by default.")] = None,
 ) -> None:
-    """Animate a scene: one HTML page with its bodies, contact impulses, friction cones and energy."""
-    from harness.cells.record import record_named
+    """Animate a scene on an HTML page.
+
+    It shows bodies, contact impulses, friction cones and the ledger of energy.
+    """
+    from harness.commands.show import recorded
     from reports.animation import write_animation
 
-    motion = record_named(scene, solver, scheme, steps)
+    motion = recorded(scene, solver, scheme, steps)
     typer.echo(f"animation: {write_animation(motion, out or Path(f'{motion.scene}.html'))}")
     if motion.ended:
         typer.echo(f"it ends after {len(motion.times) - 1} steps: {motion.ended}", err=True)
@@ -252,19 +261,31 @@ def show(
 
 @app.command("map")
 def map_(
-    scene: Annotated[str, typer.Argument(metavar="SCENE", help="Like `painleve_rod` or `stack[push=1]`.")],
-    x: Annotated[str, typer.Option("--x", metavar="PARAMETER=FROM:TO:N", help="Like `friction=.1:3:30`.")],
-    y: Annotated[str, typer.Option("--y", metavar="PARAMETER=FROM:TO:N", help="Like `mass_ratio=log:1e-6:1e6:13`.")],
-    solver: Solvers = None,
+    scene: Annotated[str, typer.Argument(metavar="SCENE", help="Like painleve_rod or 'stack[push=1]'.")],
+    x: Annotated[str, typer.Option("--x", metavar="PARAMETER=FROM:TO:N", help="Like friction=.1:3:30.")],
+    y: Annotated[str, typer.Option("--y", metavar="PARAMETER=FROM:TO:N", help="Like mass_ratio=log:1e-6:1e6:13.")],
+    solver: options.Solvers = None,
     tol: Annotated[str, typer.Option("--tol", metavar="T", help="Residual to ask for.")] = "1e-6",
-    time_limit: Annotated[float, typer.Option("--time-limit", metavar="S")] = 1.0,
-    scheme: Annotated[str, typer.Option("--scheme", metavar="SCHEME", help="Whose problems.")] = "anitescu_potra",
-    steps: Annotated[int, typer.Option("--steps", min=0, help="Steps in closed loop; 0 for the first problem alone.")] = 0,
-    jobs: Jobs = None,
-    out: Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Results folder; goes on where it stopped.")] = None,
+    time_limit: options.Limit = 1.0,
+    scheme: options.Scheme = "anitescu_potra",
+    steps: Annotated[
+        int,
+        typer.Option(
+            "--steps", metavar="N", parser=options.whole(0), help="Steps in closed loop; 0 for the first problem alone."
+        ),
+    ] = 0,
+    jobs: options.Jobs = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Results folder; by default one below runs/ for these very settings."),
+    ] = None,
 ) -> None:
-    """Draw a failure map: a scene over a grid of two of its parameters, with every solver, refined where verdicts differ."""
-    from harness.commands.map import folder_of, plan_map
+    """Draw a failure map of a scene over two of its parameters.
+
+    Every solver is tried on a grid that is refined where verdicts differ.
+    """
+    from harness.commands.map import plan_map
+    from harness.commands.summary import folder_for
     from harness.maps import run_maps
     from harness.progress import Progress
     from harness.workers.introduce import introduce
@@ -272,8 +293,9 @@ def map_(
 
     variants, plugins = introduce(solver or [])
     plan = plan_map(scene, x, y, variants, plugins, tol, time_limit, scheme, steps)
-    folder = out or folder_of(plan)
-    run_maps(plan, folder, _jobs(jobs), Progress())
+    folder = out or folder_for(plan)
+    with _goes_on(folder):
+        run_maps(plan, folder, _jobs(jobs), Progress())
     typer.echo(f"report: {write_report(folder)}")
 
 
@@ -282,9 +304,12 @@ def check_solver(
     solver: Annotated[
         list[str], typer.Argument(metavar="FILE|NAME...", help="A file that defines solvers, or names; all variants of a name.")
     ],
-    jobs: Jobs = None,
+    jobs: options.Jobs = None,
 ) -> None:
-    """Hold a solver to the contract: what is wrong with it, and what to do; exit 0 where it keeps all of it, else 1."""
+    """Hold a solver to the contract.
+
+    Says what is wrong with it, and what to do; exit 0 where it keeps all of it, else 1.
+    """
     from harness.contract.examine import examine, told
 
     found = examine(solver, _jobs(jobs))
@@ -293,11 +318,7 @@ def check_solver(
 
 
 @app.command()
-def rerun(
-    folder: Annotated[Path, typer.Argument(metavar="DIR")],
-    row: Annotated[str, typer.Argument(metavar="ROW", help="The row's key, as tables and reports give it.")],
-    solver: Files = None,
-) -> None:
+def rerun(folder: options.Folder, row: options.Row, solver: options.Trusted = None) -> None:
     """Run one cell of a results folder again and show both rows."""
     from harness.commands.single import show_rerun
 
@@ -305,12 +326,11 @@ def rerun(
 
 
 @app.command()
-def shrink(
-    folder: Annotated[Path, typer.Argument(metavar="DIR")],
-    row: Annotated[str, typer.Argument(metavar="ROW", help="The key of a solve row that failed.")],
-    solver: Files = None,
-) -> None:
-    """Make a failing cell's problem as small as it can be while it still fails, and keep it as a file."""
+def shrink(folder: options.Folder, row: options.Row, solver: options.Trusted = None) -> None:
+    """Make a failing cell's problem as small as it can be.
+
+    It is kept as a file, which still fails.
+    """
     from harness.commands.shrink import shrink as shrink_row
 
     path, problem, trials = shrink_row(folder, row, solver or [])
@@ -339,6 +359,18 @@ def _stop(number: int, _: Any) -> None:
     raise _Stopped(number)
 
 
+@contextmanager
+def _goes_on(folder: Path) -> Iterator[None]:
+    """Say where a run goes, and of one that is stopped how it goes on."""
+    typer.echo(f"results go into {folder}", err=True)
+    try:
+        yield
+    except _Stopped as stopped:
+        stopped.add_note("the same command goes on where it stopped")
+        stopped.add_note(f"what is there: frictionbench report {folder}")
+        raise
+
+
 _SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 
 
@@ -354,11 +386,18 @@ def main() -> Any:
 
         if not isinstance(error, InputError | ResultsError | OSError):
             raise
-        typer.echo(f"frictionbench: {error}", err=True)
+        typer.echo(f"frictionbench: {_told(error)}", err=True)
         sys.exit(2)
     except _Stopped as stopped:
         number = stopped.args[0]
-        name = signal.Signals(number).name
+        told = [f"broken off by {signal.Signals(number).name}", *getattr(stopped, "__notes__", ["nothing was kept"])]
         with suppress(OSError):  # the terminal may be gone
-            typer.echo(f"frictionbench: broken off by {name}; the same command goes on where it stopped", err=True)
+            typer.echo(f"\nfrictionbench: {'; '.join(told)}", err=True)
         sys.exit(128 + number)
+
+
+def _told(error: Exception) -> str:
+    """The error in our words: a file's name with what the system says of it."""
+    if isinstance(error, OSError) and error.filename and error.strerror:
+        return f"{error.filename}: {error.strerror}"
+    return str(error)

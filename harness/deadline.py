@@ -15,11 +15,16 @@ OURS = 600.0  # seconds for what is not a solver's: reading a problem, verifying
 
 
 class Deadline:
-    """Made by the keeper before it forks the worker, so that both see the same eight bytes."""
+    """Made by the keeper before it forks the worker, so that both see the same bytes."""
 
     def __init__(self) -> None:
-        self._moment = memoryview(mmap(-1, 8)).cast("d")
+        self._moment = memoryview(mmap(-1, 16)).cast("d")
         self.allow(OURS)
+
+    @property
+    def compiling(self) -> bool:
+        """Whether numba is at work in a block within a limit; it is, for a moment, when it reads its cache."""
+        return bool(self._moment[1])
 
     @property
     def left(self) -> float:
@@ -47,11 +52,13 @@ class Deadline:
                 if not self.depth:
                     self.left = deadline.left
                     deadline.allow(COMPILING)
+                    deadline._moment[1] = 1.0
                 self.depth += 1
 
             def on_end(self, _: object) -> None:
                 self.depth -= 1
                 if not self.depth:
+                    deadline._moment[1] = 0.0
                     deadline.allow(self.left)
 
         try:
@@ -59,4 +66,5 @@ class Deadline:
                 self.allow(seconds)
                 yield self.allow
         finally:
+            self._moment[1] = 0.0
             self.allow(OURS)

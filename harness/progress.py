@@ -21,22 +21,34 @@ class Stage:
         self._console, self._bar, self._name, self._total, self._done = console, bar, name, total, done
         self._id = bar.add_task(name, total=total, completed=done, running="")
         self._running: list[str] = []
+        self._compiling: dict[int, str] = {}
         self._told = time.monotonic()
 
     def started(self, task: Task) -> None:
         self._running.append(task.name)
         self._show()
 
+    def compiling(self, task: Task, now: bool) -> None:
+        """Its worker began to compile, or is done with it."""
+        self._compiling.pop(id(task), None)
+        if now:
+            self._compiling[id(task)] = task.name
+        self._show()
+
     def finished(self, task: Task) -> None:
         self._running.remove(task.name)
+        self._compiling.pop(id(task), None)
         self._done += 1
         self._show()
 
     def _show(self) -> None:
-        self._bar.update(self._id, completed=self._done, running=escape(self._running[0]) if self._running else "")
+        running = next(iter(self._running), "")
+        told = f"compiling for {next(iter(self._compiling.values()))}" if self._compiling else running
+        self._bar.update(self._id, completed=self._done, running=escape(told))
         if not self._console.is_terminal and time.monotonic() - self._told > EVERY:
             self._told = time.monotonic()
-            self._console.print(f"{self._name}: {self._done} of {self._total}", highlight=False)
+            compiling = ", compiling" if self._compiling else ""
+            self._console.print(f"{self._name}: {self._done} of {self._total}{compiling}", highlight=False)
 
 
 class Progress:
@@ -57,5 +69,5 @@ class Progress:
         running = TextColumn("[dim]{task.fields[running]}")
         with Bar(*columns, running, console=self._console, disable=not self._console.is_terminal) as bar:
             yield Stage(self._console, bar, name, total, done)
-        if not self._console.is_terminal:
+        if not self._console.is_terminal and total > done:
             self._console.print(f"{name}: all {total} done", highlight=False)

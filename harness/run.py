@@ -72,7 +72,7 @@ def _run(
                 stage.finished(task)
             else:
                 tasks.append(task)
-        for outcome in engine.run(tasks, stage.started):
+        for outcome in engine.run(tasks, stage.started, stage.compiling):
             shards[outcome.task.arguments[0].table].write(row_of(outcome, plan.plugins))
             stage.finished(outcome.task)
 
@@ -127,7 +127,7 @@ def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Entry]:
     ]
     by_task: dict[int, list[Entry]] = {}
     with progress.stage("problems", len(tasks), 0) as stage:
-        for outcome in pool.run(tasks, stage.started):
+        for outcome in pool.run(tasks, stage.started, stage.compiling):
             source, _ = outcome.task.arguments
             by_task[id(outcome.task)] = [nothing(source, outcome.reason)] if outcome.death else outcome.value
             stage.finished(outcome.task)
@@ -145,7 +145,7 @@ def _record(plan: Plan, pool: Pool, progress: Progress) -> None:
     if not tasks:
         return
     with progress.stage("motions", len(tasks), 0) as stage:
-        for outcome in pool.run(tasks, stage.started):
+        for outcome in pool.run(tasks, stage.started, stage.compiling):
             stage.finished(outcome.task)
 
 

@@ -31,7 +31,10 @@ def replaced(path: Path) -> Iterator[Path]:
 
     Errors: OSError naming the path, where the disk is full or the folder may not be written.
     """
-    descriptor, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
+    try:
+        descriptor, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(path)) from None
     os.close(descriptor)
     partial = Path(name)
     try:

@@ -141,10 +141,22 @@ def kept(folder: Path, table: str) -> set[str]:
     return set(_places(folder, table))
 
 
-def find_row(folder: Path, table: str, key: str) -> Row | None:
-    """The row of a key in the table's shards, each value of its column's type."""
-    place = _places(folder, table).get(key)
-    return next((fitted(row, arrow_schema(table)) for row in _rows([place])), None) if place else None
+def find_row(folder: Path, given: str, tables: Sequence[str] = ("solves", "drives")) -> tuple[str, Row]:
+    """The table and the row of a key, or of what only one key begins with, each value of its column's type.
+
+    The shorter `3f9c` stands for `solve-3f9c...` too. Errors: ResultsError where no row has such a key, or several have.
+    """
+    places = {(table, key): place for table in tables for key, place in _places(folder, table).items()}
+    exact = [(table, key) for table, key in places if key == given]
+    found = exact or [one for one in places if one[1].startswith(given) or one[1].partition("-")[2].startswith(given)]
+    if not found or not given:
+        raise ResultsError(f"{folder}: no row has the key {given!r}")
+    if len(found) > 1:
+        listed = ", ".join(key for _, key in found[:3])
+        raise ResultsError(f"{folder}: {len(found)} rows have a key that begins with {given!r}: {listed}, ...")
+    table, key = found[0]
+    (row,) = _rows([places[table, key]])
+    return table, fitted(row, arrow_schema(table))
 
 
 def merge(folder: Path, table: str, order: Sequence[str], lost: Callable[[str], Row]) -> int:

@@ -31,15 +31,10 @@ def is_file(source: str) -> bool:
 
 
 def installed() -> dict[str, EntryPoint]:
-    """The entry points by name, without those whose name is taken; nothing of theirs is run.
-
-    Errors: InputError where two distributions have one of the same name.
-    """
+    """The entry points by name, the first of each, without those whose name is taken; nothing of theirs is run."""
     found: dict[str, EntryPoint] = {}
     for point in entry_points(group=GROUP):
-        other = found.setdefault(point.name, point)
-        if (other.value, distribution(other)) != (point.value, distribution(point)):
-            raise InputError(f"solver: {point.name} is in both {distribution(other)} and {distribution(point)}")
+        found.setdefault(point.name, point)
     return {name: point for name, point in sorted(found.items()) if name not in available()}
 
 
@@ -111,9 +106,14 @@ def _load_point(point: EntryPoint) -> tuple[str, ...]:
 
 
 def _point(name: str) -> EntryPoint:
-    for point in entry_points(group=GROUP, name=name):
-        return point
-    raise InputError(f"solver: no installed distribution has an entry point {name}")
+    """Errors: InputError where no distribution has such an entry point, or two have."""
+    points = {(point.value, distribution(point)): point for point in entry_points(group=GROUP, name=name)}
+    if not points:
+        raise InputError(f"solver: no installed distribution has an entry point {name}")
+    if len(points) > 1:
+        raise InputError(f"solver: {name} is in {' and in '.join(sorted(where for _, where in points))}")
+    (point,) = points.values()
+    return point
 
 
 def distribution(point: EntryPoint) -> str:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from harness.commands.single import everyone
 from harness.workers import pool
 from harness.workers.introduce import introduce
 from problems import InputError
@@ -44,7 +45,7 @@ def test_the_solver_of_an_installed_distribution_is_listed_solves_and_runs(distr
     assert not (tmp_path / "trace").exists()
     solved = frictionbench("solve", "stack[blocks=1,push=1]", "--solver", "guest", "--solver", "nsgs", env=wide)
     assert solved.returncode == 0, solved.stderr
-    assert {line.split()[0] for line in solved.stdout.splitlines()} >= {"guest", "nsgs"}
+    assert set(solved.stdout.split()) >= {"guest", "nsgs"}
     run = ("run", "smoke", "--scene", "stack[blocks=1,push=1]", "--solver", "guest[factor=2]", "--out", str(tmp_path / "run"))
     ran = frictionbench(*run, env=wide)
     assert ran.returncode == 0, ran.stderr
@@ -78,5 +79,10 @@ def test_one_that_cannot_be_used_is_named(distribution) -> None:
     twin.mkdir()
     (twin / "METADATA").write_text(METADATA.replace("made-up", "twin"), encoding="utf-8")
     (twin / "entry_points.txt").write_text(POINTS, encoding="utf-8")
-    with pytest.raises(InputError, match="is in both"):
-        introduce(["nsgs"])
+    with pytest.raises(InputError, match=r"guest is in made-up 1\.2 and in twin"):
+        introduce(["guest"])
+    assert introduce(["nsgs"]) == (("nsgs",), ())
+    variants, plugins, complaints = everyone()  # for a bare `solve`, which goes on without them
+    assert "nsgs" in variants
+    assert plugins == ()
+    assert [complaint.split()[:3] for complaint in complaints] == [["left", "out:", "solver:"]] * 2

@@ -1,6 +1,7 @@
 """Recorded motions agree with the scenes they are of, and their pages draw what is in them."""
 
 import json
+import os
 import re
 from base64 import b64encode
 from hashlib import sha256
@@ -12,7 +13,8 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from harness.cells.record import keep, record, record_named
+from harness.cells.record import keep, record
+from harness.commands.show import recorded
 from harness.plans.plan import Source
 from problems import InputError, scene, scenes
 from problems.schemes import SCHEMES
@@ -22,9 +24,22 @@ from reports.animation import write_animation, write_animations
 from reports.page import write_report
 from results.motion import read_motion, write_motion
 from results.store import ResultsError
-from solvers import solve
+from solvers import available, solve
 from tests.browser import browse, in_browser
 from tests.made_results import drive_row, solve_row, write_folder
+
+OUTSIDER = """
+import os
+import numpy as np
+from frictionbench import Answer, Status, solver
+open({trace!r}, "w").write(str(os.getpid()))
+
+@solver("outsider", family="outside", model="coulomb")
+class Outsider:
+    'No answer.'
+    def solve(self, problem, tol, limit, start=None):
+        return Answer(np.full((problem.contacts, 2), np.nan), Status.SOLVED)
+"""
 
 
 @pytest.mark.parametrize(
@@ -91,7 +106,7 @@ def test_the_ledger_by_hand() -> None:
 
 
 def test_a_scheme_that_fails_or_refuses_says_so() -> None:
-    motion = record_named("painleve_rod", "lemke", "acceleration", None)
+    motion = recorded("painleve_rod", "lemke", "acceleration", None)
     assert "no bounded force" in motion.ended
     assert len(motion.times) == len(motion.contacts) == 1
     for arguments, complaint in (
@@ -102,15 +117,19 @@ def test_a_scheme_that_fails_or_refuses_says_so() -> None:
         (("stack", str(Path(__file__).with_name("bad_solvers.py")), "moreau", None), r"^solver: .* name one"),
     ):
         with pytest.raises(InputError, match=complaint):
-            record_named(*arguments)
+            recorded(*arguments)
 
 
-def test_a_solver_without_an_answer_ends_the_motion(tmp_path) -> None:
-    with pytest.raises(InputError, match="name one"):  # loads them
-        record_named("stack", str(Path(__file__).with_name("bad_solvers.py")), "moreau", None)
-    motion = record_named("stack[blocks=1]", "not_a_number", "anitescu_potra", 5)
-    assert motion.ended.startswith("not_a_number gave no answer")
-    assert "not_a_number gave no answer" in write_animation(motion, tmp_path / "page.html").read_text()
+def test_a_solver_from_outside_runs_in_a_process_of_its_own(tmp_path) -> None:
+    """It has no answer, which ends the motion, and says what it likes of the scene's name, which names a file."""
+    plugin = tmp_path / "outsider.py"
+    plugin.write_text(OUTSIDER.format(trace=str(tmp_path / "trace")), encoding="utf-8")
+    motion = recorded("stack[blocks=1]", str(plugin), "anitescu_potra", 5)
+    assert (tmp_path / "trace").read_text() != str(os.getpid())
+    assert motion.ended.startswith("outsider gave no answer")
+    assert (motion.scene, motion.solver) == ("stack", "outsider")
+    assert "outsider gave no answer" in write_animation(motion, tmp_path / "page.html").read_text()
+    assert "outsider" not in available()
 
 
 def test_a_motion_that_diverges_ends(monkeypatch) -> None:

@@ -15,28 +15,16 @@ import numpy as np
 from harness.cells.drive import DIVERGED
 from harness.cells.reference import NoReference, Reference
 from harness.plans.plan import Source
-from harness.plans.spec import parse
-from problems import FrictionProblem, InputError, scene
+from problems import FrictionProblem, scene
 from problems.check import Array
 from problems.residual import residual
 from problems.scene import Scene
 from problems.schemes import SCHEMES, NoSolution, Step
 from problems.simulate import simulate
 from results.motion import Motion, Outline, write_motion
-from solvers import plugins, solve
+from solvers import solve
 
 TOLERANCE = 1e-8
-
-
-def record_named(scene_spec: str, solver_spec: str, scheme: str, steps: int | None) -> Motion:
-    """The motion of a scene and by a solver as the command line names them. Errors: InputError naming the field."""
-    if scheme not in SCHEMES:
-        raise InputError(f"scheme: unknown scheme {scheme!r}; known are {', '.join(SCHEMES)}")
-    variants = plugins.load(solver_spec) if plugins.is_file(solver_spec) else (solver_spec,)
-    if len(variants) != 1:
-        raise InputError(f"solver: {solver_spec} stands for {len(variants)} solvers; name one")
-    name, settings = parse("scene", scene_spec)
-    return record(scene(name, **settings), variants[0], scheme, steps)
 
 
 def keep(folder: Path, source: Source) -> None:

@@ -22,7 +22,7 @@ from harness.cells.answers import AnswerError
 from harness.cells.collect import Entry, collect, stored, stored_start
 from harness.cells.drive import drive, refusal
 from harness.cells.polygon import measure
-from harness.cells.record import keep
+from harness.cells.record import keep, record
 from harness.cells.rows import drive_row, solve_row, solver_facts
 from harness.cells.timing import MOST, Timing, time_solver
 from harness.deadline import Deadline
@@ -34,6 +34,7 @@ from problems.measures import defects
 from problems.nature.mode import mode
 from problems.nature.stability import backward_error
 from problems.spec import split
+from results.motion import write_motion
 from results.polygon import read_deviations, write_deviations
 from results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
 from results.store import Row
@@ -55,6 +56,7 @@ _worker: _Worker
 RANK = (SOLVED, RELAXED, MISSED, UNJUDGEABLE, UNSOLVED, WRONG)  # from the best to the worst
 FAR, NOTICED = 5.0, 1e-3  # a first call that took so many times as long as the repeats, and so many seconds, is remarked on
 IMPORTING = 60.0  # seconds a plug-in's import may take
+SHOWN = Path("motion") / "shown.json"  # of a motion that is recorded for itself
 LOADING = 30.0  # seconds in which an outside library may be loaded and solve a single contact, whatever the limit
 
 
@@ -145,6 +147,13 @@ def run_motion(source: Source, limit: float) -> None:
     """Record the motion of a driven scene."""
     with _worker.deadline.within(limit):
         keep(_worker.folder, source)
+
+
+def run_show(name: str, settings: dict[str, Any], variant: str, scheme: str, steps: int | None, limit: float) -> None:
+    """Record the motion of a scene by a solver, as folder/SHOWN."""
+    _solver(variant)
+    with _worker.deadline.within(limit):
+        write_motion(_worker.folder / SHOWN, record(scene(name, **settings), variant, scheme, steps))
 
 
 def run_polygon(limit: float) -> None:

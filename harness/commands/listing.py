@@ -1,58 +1,75 @@
-"""The lists of `frictionbench list`."""
+"""The lists of `frictionbench list`: an entry a paragraph, which fits every terminal."""
 
+from collections.abc import Callable, Iterator
+from dataclasses import fields
 from typing import Any
 
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
-
+from harness.commands.table import paragraph, screen
 from harness.plans.suites import SUITES
 from problems import scenes
 from problems.instances import instances
-from solvers import available, find
+from solvers import SolverInfo, available, find
 from solvers.plugins import distribution, installed
+
+Entry = tuple[str, list[str]]  # a name with what belongs beside it, and paragraphs
+SPACES = {2: "planar", 3: "spatial"}
 
 
 def show(what: str) -> None:
     """Print the scenes, solvers or suites."""
-    table = {"scenes": _scenes, "solvers": _solvers, "suites": _suites}[what]()
-    console = Console()
-    (console if console.is_terminal else Console(width=160)).print(table)
+    makers: dict[str, Callable[[], Iterator[Entry]]] = {"scenes": _scenes, "solvers": _solvers, "suites": _suites}
+    width = screen()
+    for head, told in makers[what]():
+        print(head)
+        for text in filter(None, told):
+            print("\n".join(paragraph(text, width)))
 
 
-def _table(*columns: str) -> Table:
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for column in columns:
-        table.add_column(column, overflow="fold")
-    return table
-
-
-def _scenes() -> Table:
-    table = _table("scene", "parameters", "")
+def _scenes() -> Iterator[Entry]:
     listed: dict[str, Any] = {**scenes(), **instances()}
     for name, generator in listed.items():
-        parameters = ", ".join(f"{key}={value}" for key, value in generator.parameters.items())
-        table.add_row(name, parameters, generator.summary)
-    return table
+        settings = ", ".join(f"{key}={_short(value)}" for key, value in generator.parameters.items())
+        yield name, [generator.summary, f"settings: {settings}" if settings else ""]
 
 
-def _solvers() -> Table:
-    table = _table("solver", "family", "model", "dimension", "version", "")
-    for _, info in sorted(available().items()):
-        for spec in info.specs:
-            fact, _ = find(spec)
-            version = f"not available: {fact.missing}" if fact.missing else fact.version
-            table.add_row(Text(spec), fact.family, fact.model, ", ".join(map(str, fact.dimension)), version, info.summary)
+def _solvers() -> Iterator[Entry]:
+    for name, info in sorted(available().items()):
+        facts = [info.family, info.model, " and ".join(SPACES[d] for d in info.dimension)]
+        facts += ["takes a start"] * info.warm_start + ["portfolio"] * bool(info.members)
+        variants = f"variants: {', '.join(_told(spec) for spec in info.specs)}" if info.variants else ""
+        yield f"{name}  ({'; '.join([*facts, *_here(info)])})", [info.summary, _settings(info), variants]
     for name, point in installed().items():  # whose code is not run for a list
-        table.add_row(name, "", "", "", distribution(point), f"from outside: {point.value}")
-    return table
+        yield f"{name}  ({distribution(point)})", [f"from outside: {point.value}"]
 
 
-def _suites() -> Table:
-    table = _table("suite", "sources", "solvers", "tolerances", "drives", "")
+def _here(info: SolverInfo) -> list[str]:
+    """The versions of the libraries that its variants need and have; where none has all, what is missing."""
+    found = [find(spec)[0] for spec in info.specs]
+    there = [library for fact in found if not fact.missing for library in fact.version.split(", ") if library]
+    if there or not any(fact.missing for fact in found):
+        return list(dict.fromkeys(there))
+    return [f"not available: {found[0].missing}"]
+
+
+def _told(spec: str) -> str:
+    missing = find(spec)[0].missing
+    return f"{spec} ({missing})" if missing else spec
+
+
+def _settings(info: SolverInfo) -> str:
+    made: Any = info.make()
+    settings = ", ".join(f"{entry.name}={_short(getattr(made, entry.name))}" for entry in fields(made))
+    return f"settings: {settings}" if settings else ""
+
+
+def _suites() -> Iterator[Entry]:
     for name, make in SUITES.items():
         plan = make()
         tolerances = ", ".join(f"{tol:g}" for tol in plan.tolerances)
-        numbers = str(len(plan.sources)), str(len(plan.solvers)), tolerances, str(len(plan.drives))
-        table.add_row(name, *numbers, (make.__doc__ or "").strip())
-    return table
+        parts = {"sources of problems": plan.sources, "drives": plan.drives, "maps": plan.maps, "solvers": plan.solvers}
+        numbers = ", ".join(f"{what}: {len(part)}" for what, part in parts.items() if part)
+        yield name, [(make.__doc__ or "").strip(), f"{numbers}; tolerances: {tolerances}"]
+
+
+def _short(value: Any) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

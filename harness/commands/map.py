@@ -1,7 +1,5 @@
 """A user's own failure map, as the command line writes it."""
 
-from pathlib import Path
-
 from harness.plans.choose import tolerances
 from harness.plans.maps import axis, checked
 from harness.plans.plan import USUAL, Plan, Plugin
@@ -60,8 +58,3 @@ def plan_map(
         time_limit=time_limit,
         plugins=plugins,
     )
-
-
-def folder_of(plan: Plan) -> Path:
-    """Where its results go by default."""
-    return Path("runs") / f"map-{plan.maps[0].name}"

@@ -23,21 +23,20 @@ from problems.reduce import keep_contacts
 from results import store
 from results.files import replaced, room
 from results.schema import SKIPPED, SOLVED
-from results.store import ResultsError, Row
+from results.store import Row
 
 
 def shrink(folder: Path, key: str, named: list[str]) -> tuple[Path, FrictionProblem, int]:
     """Shrink the problem of a failing solve row into folder/shrunk; the file, the problem, and how many trials it took.
 
-    named: solvers from outside, which the user trusts. Errors: ResultsError where there is no such row, InputError where it
-    did not fail, or its solver is in none of them and not ours.
+    named: solvers from outside, which the user trusts. Errors: as store.find_row's, and InputError where it did not
+    fail, or its solver is in none of them and not ours.
     """
-    row = store.find_row(folder, "solves", key)
-    if row is None:
-        raise ResultsError(f"{folder}: no solve row has the key {key!r}")
+    settings = store.read_manifest(folder)["settings"]
+    _, row = store.find_row(folder, key, ["solves"])
+    key = row["key"]
     if row["verdict"] in (SOLVED, SKIPPED):
         raise InputError(f"row: {key} is {row['verdict']}; there is no failure to keep")
-    settings = store.read_manifest(folder)["settings"]
     plugins = trusted(row, settings, named)
     problem = stored_friction(folder, row["problem"])
     trials = 0

@@ -5,16 +5,15 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
 
 from harness.cells import worker
 from harness.cells.collect import Entry, collect
 from harness.cells.rows import PROBLEM_FACTS
+from harness.commands.table import columns, paragraph, screen
 from harness.commands.trusted import trusted
 from harness.plans.choose import named_source
 from harness.plans.plan import DriveCell, Plan, Plugin, SolveCell, Source, origin
+from harness.progress import Progress
 from harness.run import row_of
 from harness.workers.introduce import introduce
 from harness.workers.pool import Pool
@@ -22,7 +21,7 @@ from harness.workers.task import Task
 from problems import InputError
 from results import store
 from results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TABLES, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
-from results.store import ResultsError, Row
+from results.store import Row
 from solvers import available, find
 from solvers.plugins import installed
 
@@ -34,7 +33,7 @@ def solve_one(problem: str, solver_specs: list[str], tol: float, time_limit: flo
 
     Errors: InputError naming the field.
     """
-    variants, plugins = introduce(solver_specs or _everyone())
+    variants, plugins, broken = (*introduce(solver_specs), []) if solver_specs else everyone()
     plan = Plan("solve", (), variants, (tol,), time_limit=time_limit, plugins=plugins)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -46,14 +45,19 @@ def solve_one(problem: str, solver_specs: list[str], tol: float, time_limit: flo
             Task(cell.variant, worker.run_solve, (cell, entry, time_limit), time_limit, plan.owner(cell.variant))
             for cell in plan.solve_cells([entry])
         ]
-        with Pool(folder, jobs, plugins, plan.memory_limit) as pool:
-            rows = [row_of(outcome, plugins) for outcome in pool.run(tasks)]
+        rows: list[Row] = []
+        with Pool(folder, jobs, plugins, plan.memory_limit) as pool, Progress().stage("solvers", len(tasks), 0) as stage:
+            for outcome in pool.run(tasks, stage.started, stage.compiling):
+                rows.append(row_of(outcome, plugins))
+                stage.finished(outcome.task)
     rows.sort(key=lambda row: (VERDICTS.index(row["verdict"]), _seconds(row), row["variant"]))
     applied = [row for row in rows if row["verdict"] != SKIPPED or solver_specs]
     _show(f"{problem}: {told}, tolerance {tol:g}", applied)
     if left_out := [row["variant"] for row in rows if row not in applied]:
-        _console().print(Text(f"not for this problem: {', '.join(left_out)}"))
-    _console().print(Text(advice(rows)))
+        print("\n".join(paragraph(f"not for this problem: {', '.join(left_out)}", screen(), "")))
+    for complaint in broken:
+        print("\n".join(paragraph(complaint, screen(), "")))
+    print("\n".join(paragraph(advice(rows), screen(), "")))
 
 
 def advice(rows: list[Row]) -> str:
@@ -75,28 +79,33 @@ def _seconds(row: Row) -> float:
     return sum(filter(None, times)) if times[2] is not None else np.inf
 
 
-def _everyone() -> list[str]:
-    """All solvers and their variants, of the outside ones those that are here, and those of installed distributions."""
-    ours = [spec for _, info in sorted(available().items()) for spec in info.specs if not find(spec)[0].missing]
-    return [*ours, *installed()]
+def everyone() -> tuple[tuple[str, ...], tuple[Plugin, ...], list[str]]:
+    """All solvers and their variants, of the outside ones those that are here, and those of installed distributions; what is
+    said of the installed ones that cannot be used."""
+    variants = [spec for _, info in sorted(available().items()) for spec in info.specs if not find(spec)[0].missing]
+    plugins: list[Plugin] = []
+    broken = []
+    for name in installed():
+        try:
+            named, made = introduce([name])
+        except InputError as complaint:
+            broken.append(f"left out: {complaint}")
+        else:
+            variants += named
+            plugins += made
+    return tuple(variants), tuple(plugins), broken
 
 
 def rerun_row(folder: Path, key: str, named: list[str]) -> tuple[Row, Row]:
     """Run the cell of a row again; the row and the new one. named: solvers from outside, which the user trusts.
 
-    Errors: ResultsError where there is no such row, InputError where it has no problem, or its solver is in none of them and
-    not ours.
+    Errors: as store.find_row's, and InputError where it has no problem, or its solver is in none of them and not ours.
     """
     settings = store.read_manifest(folder)["settings"]
-    for table in ("solves", "drives"):
-        row = store.find_row(folder, table, key)
-        if row is not None:
-            break
-    else:
-        raise ResultsError(f"{folder}: no row has the key {key!r}")
+    table, row = store.find_row(folder, key)
     row = dict.fromkeys(column.name for column in TABLES[table]) | row  # a shard keeps no nulls
     if table == "solves" and not row["problem"]:
-        raise InputError(f"row: {key} has no problem to run again: {row['reason']}")
+        raise InputError(f"row: {row['key']} has no problem to run again: {row['reason']}")
     plugins = trusted(row, settings, named)
     task = _task_again(row, table, plugins)
     with tempfile.TemporaryDirectory() as name:
@@ -110,7 +119,7 @@ def rerun_row(folder: Path, key: str, named: list[str]) -> tuple[Row, Row]:
 def show_rerun(folder: Path, key: str, named: list[str]) -> None:
     """Run the cell of a row again and print both rows. Errors: as rerun_row."""
     row, again = rerun_row(folder, key, named)
-    _show(f"{key}: {row['scene']} {row['parameters']}, tolerance {row['tol']:g}", [row, again])
+    _show(f"{row['key']}: {row['scene']} {row['parameters']}, tolerance {row['tol']:g}", [row, again])
 
 
 def _stage(problem: str, folder: Path) -> Entry:
@@ -132,25 +141,20 @@ def _task_again(row: Row, table: str, plugins: tuple[Plugin, ...]) -> Task:
 
 
 def _show(title: str, rows: list[Row]) -> None:
-    table = Table(title=Text(title), title_justify="left", box=None, pad_edge=False, header_style="bold")
-    for name in ("solver", "claims", "verdict", "residual", "of its model", "form", "setup", "solve"):
-        table.add_column(name, no_wrap=True)
-    for name in ("work", "remark"):
-        table.add_column(name, overflow="fold")
-    for row in rows:
-        numbers = [_number(row.get(name)) for name in ("residual", "model_residual")]
+    """Print a row each with its place, and below what there is to remark."""
+    lines, remarks = [], []
+    for place, row in enumerate(rows, start=1):
         times = [_time(row.get(name)) for name in ("form_time", "setup_time", "solve_time")]
         work = ", ".join(f"{key} {value}" for key, value in json.loads(row.get("work") or "{}").items())
-        table.add_row(
-            row["variant"], (row.get("status") or "").lower(), row["verdict"], *numbers, *times, work, row.get("reason") or ""
-        )
-    _console().print(table, markup=False)
-
-
-def _console() -> Console:
-    """As wide as the terminal; wide enough for a table where there is none."""
-    console = Console()
-    return console if console.is_terminal else Console(width=160)
+        told = (row["verdict"], _number(row.get("residual")), _time(_seconds(row)), _number(row.get("model_residual")))
+        lines.append((str(place), row["variant"], *told, *times, (row.get("status") or "").lower(), work))
+        if row.get("reason"):
+            remarks.append(f"{place} {row['variant']}: {row['reason']}")
+    header = ("", "solver", "verdict", "residual", "time", "of its model", "form", "setup", "solve", "claims", "work")
+    width = screen()
+    print(title, *columns(header, lines, width, ("work", "claims", "of its model", "form", "setup", "solve")), sep="\n")
+    for remark in remarks:
+        print("\n".join(paragraph(remark, width, "  ")))
 
 
 def _number(value: float | None) -> str:
@@ -158,6 +162,6 @@ def _number(value: float | None) -> str:
 
 
 def _time(seconds: float | None) -> str:
-    if seconds is None:
+    if seconds is None or seconds == np.inf:
         return ""
     return f"{seconds * 1e6:.0f} µs" if seconds < 1e-3 else f"{seconds * 1e3:.1f} ms" if seconds < 1 else f"{seconds:.2f} s"

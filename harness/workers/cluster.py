@@ -54,8 +54,10 @@ class Cluster:
     def __exit__(self, *_: object) -> None:
         self._client.close()
 
-    def run(self, tasks: Iterable[Task], started: Callable[[Task], None] = lambda task: None) -> Iterator[Outcome]:
-        """Every task's outcome as it comes; started is called when a task is handed out."""
+    def run(
+        self, tasks: Iterable[Task], started: Callable[[Task], None] = lambda task: None, _: object = None
+    ) -> Iterator[Outcome]:
+        """Every task's outcome as it comes; started is called when a task is handed out. Who compiles is not known here."""
         from distributed import as_completed
 
         queue = iter(tasks)

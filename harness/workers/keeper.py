@@ -116,7 +116,7 @@ class _Worker:
         last.allow(3 * (task.limit + COMPILING) + OURS)
         with suppress(OSError):
             self._tasks.send(task)
-        reply, look = bytearray(), LOOK
+        reply, look, compiling = bytearray(), LOOK, False
         open_ends: list[Any] = [self._replies, channel]
         while len(reply) < LONGEST_REPLY:
             left = min(self.deadline.left, last.left)
@@ -134,6 +134,9 @@ class _Worker:
                     open_ends, look = [channel], 0.01
             if (ended := self._ended()) is not None:
                 return _obituary(ended), False
+            if not ready and self.deadline.compiling != compiling:  # for some time, not just reading its cache
+                compiling = not compiling
+                channel.send_bytes(_reply(compiling=compiling))
         return _reply(death="crashed", reason=f"the process sent more than {LONGEST_REPLY} bytes"), False
 
     def _ended(self) -> int | None:

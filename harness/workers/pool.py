@@ -95,8 +95,8 @@ class _Hand:
         except OSError:
             self._begin_again()
 
-    def take(self) -> Outcome | None:
-        """The outcome of the task; None where it was begun again."""
+    def take(self, compiling: Callable[[Task, bool], None]) -> Outcome | None:
+        """The outcome of the task; None where it was begun again, or is compiling, which is told."""
         assert self.task is not None
         try:
             said: dict[str, Any] = json.loads(self.line.recv_bytes())
@@ -107,6 +107,9 @@ class _Hand:
                 return None
             self.line = _keeper(self._settings)
             said = {"death": "crashed", "reason": f"its processes were killed {TRIES} times"}
+        if "compiling" in said:
+            compiling(self.task, bool(said["compiling"]))
+            return None
         if said.pop("again", False) and self._tries < TRIES:
             self.give(self.task)
             return None
@@ -146,8 +149,14 @@ class Pool:
         for hand in self._hands:
             hand.dismiss()
 
-    def run(self, tasks: Iterable[Task], started: Callable[[Task], None] = lambda task: None) -> Iterator[Outcome]:
-        """Every task's outcome as it comes; started is called when a task is handed out."""
+    def run(
+        self,
+        tasks: Iterable[Task],
+        started: Callable[[Task], None] = lambda task: None,
+        compiling: Callable[[Task, bool], None] = lambda task, now: None,
+    ) -> Iterator[Outcome]:
+        """Every task's outcome as it comes; started is called when a task is handed out, compiling when its worker begins to
+        compile and when it is done with that."""
         queue = iter(tasks)
         while True:
             for hand in self._hands:
@@ -158,5 +167,5 @@ class Pool:
             if not busy:
                 return
             for line in wait(list(busy)):
-                if (outcome := busy[line].take()) is not None:  # type: ignore[index]
+                if (outcome := busy[line].take(compiling)) is not None:  # type: ignore[index]
                     yield outcome

@@ -1,0 +1,38 @@
+"""`frictionbench show`: the motion of a scene, driven here by a solver of ours; by one from outside in a worker."""
+
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+
+from harness.cells import worker
+from harness.cells.record import record
+from harness.plans.spec import parse
+from harness.workers.introduce import MEMORY, introduce
+from harness.workers.pool import Pool
+from harness.workers.task import Task
+from problems import InputError, scene
+from problems.schemes import SCHEMES
+from results.motion import Motion, read_motion
+
+LONGEST = 3600.0  # seconds
+
+
+def recorded(scene_spec: str, solver_spec: str, scheme: str, steps: int | None) -> Motion:
+    """The motion of a scene and by a solver as the command line names them. Errors: InputError naming the field."""
+    if scheme not in SCHEMES:
+        raise InputError(f"scheme: unknown scheme {scheme!r}; known are {', '.join(SCHEMES)}")
+    name, settings = parse("scene", scene_spec)
+    stage = scene(name, **settings)
+    variants, plugins = introduce([solver_spec])
+    if len(variants) != 1:
+        raise InputError(f"solver: {solver_spec} stands for {len(variants)} solvers; name one")
+    (variant,) = variants
+    if not plugins:
+        return record(stage, variant, scheme, steps)
+    with tempfile.TemporaryDirectory() as scratch, Pool(Path(scratch), 1, plugins, MEMORY) as pool:
+        call = (name, settings, variant, scheme, steps, LONGEST)
+        (outcome,) = pool.run([Task(variant, worker.run_show, call, LONGEST, plugins[0].source)])
+        if outcome.death:
+            told = outcome.reason.startswith(("solver: ", "scheme: "))
+            raise InputError(outcome.reason if told else f"solver: {variant}: {outcome.reason}")
+        return replace(read_motion(Path(scratch) / worker.SHOWN), scene=stage.name, solver=variant)

@@ -1,0 +1,45 @@
+"""Where a run goes, and what is said at its end: counts of verdicts, the folder, what to do next."""
+
+import json
+from hashlib import sha256
+from pathlib import Path
+
+import pandas as pd
+
+from harness.commands.table import columns, screen
+from harness.plans.plan import Plan
+from harness.plans.suites import SUITES
+from results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
+from results.store import read_table
+
+ORDER = (SOLVED, RELAXED, MISSED, UNJUDGEABLE, WRONG, UNSOLVED, TIMEOUT, CRASHED, SKIPPED)
+
+
+def folder_for(plan: Plan) -> Path:
+    """Where a plan's results go by default: a suite's own folder, and another for every other choice of settings."""
+    runs = Path("runs")
+    if plan.suite in SUITES and plan.settings() == SUITES[plan.suite]().settings():
+        return runs / plan.suite
+    name = "-".join([plan.suite, *(spec.name for spec in plan.maps if plan.suite == "map")])
+    return runs / f"{name}-{sha256(json.dumps(plan.settings(), sort_keys=True).encode()).hexdigest()[:8]}"
+
+
+def summary(folder: Path) -> str:
+    """The verdicts of a finished run, a line a solver, the folder, and the commands that go on from here."""
+    rows = read_table(folder, "solves")
+    real = rows[~rows["trivial"].eq(True)]
+    lines = [_counted("cells of problems that are not trivial", real)]
+    if trivial := len(rows) - len(real):
+        lines.append(f"{trivial} more cells are of trivial problems (no active friction, or nothing to solve), in no headline")
+    lines.append(_counted("drives, scenes moved in closed loop", read_table(folder, "drives")))
+    lines.append(f"results: {folder}\nreport:  frictionbench report {folder}")
+    return "\n\n".join(filter(None, lines))
+
+
+def _counted(what: str, rows: pd.DataFrame) -> str:
+    if rows.empty:
+        return ""
+    counts = pd.crosstab(rows["variant"], rows["verdict"]).reindex(columns=list(ORDER), fill_value=0)
+    counts = counts.sort_values(list(ORDER), ascending=False, kind="stable")
+    body = [(str(name), *(str(n or "") for n in row)) for name, row in zip(counts.index, counts.to_numpy(), strict=True)]
+    return "\n".join([f"{len(rows)} {what}", *columns(("solver", *ORDER), body, screen())])
