@@ -7,6 +7,7 @@ folder that holds a run of another plan, machine or code is refused with what di
 import os
 from collections.abc import Callable
 from datetime import UTC, datetime
+from inspect import cleandoc
 from pathlib import Path
 
 from harness import machine
@@ -102,7 +103,13 @@ def open_folder(plan: Plan, folder: Path) -> None:
         return
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise ResultsError(f"{folder}: neither empty nor a results folder; nothing was written")
-    store.write_manifest(folder, manifest | {"started": _now()})
+    store.write_manifest(folder, manifest | {"solvers": _in_their_words(plan), "started": _now()})
+
+
+def _in_their_words(plan: Plan) -> dict[str, str]:
+    """What our solvers say of themselves, for the report; a plug-in is not asked outside its worker."""
+    variants = dict.fromkeys(variant for variant in (*plan.solvers, *plan.drive_solvers) if not plan.owner(variant))
+    return {variant: cleandoc(find(variant)[0].make.__doc__ or "") for variant in variants}
 
 
 def _differences(held: Row, wanted: Row) -> list[str]:

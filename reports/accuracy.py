@@ -35,7 +35,7 @@ def shifted_geometric_mean(times: pd.Series) -> float:
 
 
 def times_to(rows: pd.DataFrame, target: float) -> pd.DataFrame:
-    """A row per problem and entry: class, reached, charged (s), and form_time, setup_time and solve_time where reached.
+    """A row per problem and entry: class, reached, charged (s), and form_time, setup_time, solve_time and work where reached.
 
     rows: annotated rows of the solves table, trivial problems left out.
     """
@@ -46,7 +46,7 @@ def times_to(rows: pd.DataFrame, target: float) -> pd.DataFrame:
     ran = ran[ran.groupby(["problem_class", "entry"])["ran"].transform("any")]
     known = {name: (name, "first") for name in ("problem_class", "start", "host")}
     times = ran.groupby(pair, sort=False).agg(**known, limit=("time_limit", "max"))
-    times = times.join(best[["form_time", "setup_time", "solve_time", "time"]])
+    times = times.join(best[["form_time", "setup_time", "solve_time", "time", "work"]])
     times["reached"] = times["time"].notna()
     times["charged"] = times["time"].fillna(times["limit"])
     return times.reset_index()

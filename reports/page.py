@@ -22,6 +22,7 @@ from reports.drawing.figures import Panel, inline_svg, swatch
 from reports.drawing.text import power, scene_title, seconds
 from reports.recorded import recorded_problems
 from reports.run import Run, read_run
+from reports.sheets import sheets
 from reports.templates import as_json, environment, script
 from results.files import write_text
 from results.polygon import read_deviations
@@ -29,6 +30,9 @@ from results.schema import VERDICTS
 
 MOST_CLAIMS = 200  # wrong claims listed on the page
 FEW = 8  # entries that a figure shows well at once
+BANDS = 3  # bands that it does
+MOST_DRIVES = 300  # of a scene, listed
+CURVES = ["times", "energies", "penetrations", "load", "clock"]
 MUCH_FORM = 0.2  # of the time: beyond this the writing of the problem decides the rank with the method
 
 
@@ -49,6 +53,11 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
     animations = write_animations(folder)
     text, digest = script("page.js")
     classes, ranked = tables.problem_classes(run), list(run.contested["problem_class"].unique())
+    driven = {
+        str(scene): own.drop(columns=CURVES).head(MOST_DRIVES).to_dict("records")
+        for scene, own in run.drives.groupby("scene", sort=False)
+    }
+    examples = _examples(run)
     scene_of = dict(zip(run.rows["problem_class"], run.rows["scene"], strict=True))
     return {
         "folder": folder.resolve().name,
@@ -83,14 +92,19 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
         "svg": lambda panel: Markup(inline_svg(panel)),
         "json": as_json,
         "families": _families(run),
-        "rest": _rest(run),
+        "rest": _rest(run, FEW, FEW + 2),
+        "unbanded": _rest(run, BANDS, BANDS),
         "script": text,
         "script_hash": digest,
-        "by_class": tables.by_class(run),
+        "by_class": {name: table.to_dict("records") for name, table in tables.by_class(run).groupby("problem_class")},
+        "sheets": sheets(run),
+        "drives_of": lambda name: driven.get(scene_of[name], []),
+        "lone": [row for scene, rows in driven.items() if scene not in scene_of.values() for row in rows],
+        "example_of": lambda name: examples.get(name, ""),
         "classes": classes,
         "ranked": ranked,
         "trivial": classes[(classes["problems"] > 0) & (classes["trivial"] == classes["problems"])].to_dict("records"),
-        "animations": animations,
+        "animations": [page for page in animations if page["scene"] not in scene_of.values()],
         "animations_of": lambda name: [page for page in animations if page["scene"] == scene_of[name]],
         "claims": claims.head(MOST_CLAIMS),
         "claims_count": len(claims),
@@ -147,6 +161,14 @@ def _setup(manifest: dict[str, Any]) -> str:
     return " · ".join(parts)
 
 
+def _examples(run: Run) -> dict[str, str]:
+    """Of each class of scenes the smallest, as the command line takes it; none of a class of recorded problems."""
+    smallest = run.rows.sort_values("contacts", kind="stable").drop_duplicates("problem_class")
+    whole = smallest[(smallest["problem"] != "") & ~smallest["parameters"].str.contains('"file"', regex=False)]
+    named = whole["scene"].str.fullmatch(r"[\w.-]+") & ~whole["parameters"].str.contains("'", regex=False)
+    return {row.problem_class: scene_title(row.scene, row.parameters) for row in whole[named].itertuples()}
+
+
 def _families(run: Run) -> dict[str, str]:
     """The tags of each family's entries, for families of several."""
     rows = pd.concat([run.rows[["family", "entry"]], run.drives[["family", "entry"]]]).drop_duplicates()
@@ -158,10 +180,10 @@ def _families(run: Run) -> dict[str, str]:
     }
 
 
-def _rest(run: Run) -> list[str]:
-    """The tags of those that stand back until somebody chooses: all but the best few."""
-    best = list(tables.best_first(run.summaries[min(run.summaries)]).index)[:FEW]
-    return [look.tag for entry, look in run.looks.items() if entry not in best] if len(run.looks) > FEW + 2 else []
+def _rest(run: Run, few: int, bearable: int) -> list[str]:
+    """The tags of those that stand back until somebody chooses: all but the best few, where there are more than bearable."""
+    best = list(tables.best_first(run.summaries[min(run.summaries)]).index)[:few]
+    return [look.tag for entry, look in run.looks.items() if entry not in best] if len(run.looks) > bearable else []
 
 
 def _charts(run: Run) -> dict[str, list[tuple[Chart, Sequence[Panel]]]]:

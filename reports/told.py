@@ -19,8 +19,8 @@ class Setting(NamedTuple):
 
 
 def settings(manifest: dict[str, Any]) -> list[tuple[str, list[Setting]]]:
-    """The parts of the manifest that are objects, then what stands alone, as the part "run"."""
-    parts = [(part, values) for part, values in manifest.items() if isinstance(values, dict)]
+    """The parts of the manifest that are objects, but for the solvers' words, then what stands alone, as the part "run"."""
+    parts = [(part, values) for part, values in manifest.items() if isinstance(values, dict) and part != "solvers"]
     alone = {name: value for name, value in manifest.items() if not isinstance(value, dict)}
     return [(part, [_setting(*item) for item in values.items()]) for part, values in [*parts, ("run", alone)] if values]
 

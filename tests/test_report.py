@@ -13,9 +13,12 @@ import pandas as pd
 import pyarrow as pa
 import pytest
 from markupsafe import Markup
+from matplotlib.figure import Figure
 
 from reports import accuracy, choice, tables
-from reports.charts import CHARTS, MAPS, classes, pareto, speed_accuracy
+from reports.charts import CHARTS, MAPS, classes, growth, pareto, speed_accuracy
+from reports.charts import work as work_chart
+from reports.drawing import style
 from reports.drawing.figures import save_sheet
 from reports.drawing.style import looks
 from reports.drawing.text import plain, seconds
@@ -23,8 +26,10 @@ from reports.page import write_report
 from reports.paper import booktabs, write_paper
 from reports.recorded import recorded_problems
 from reports.run import Run, annotate, annotate_drives, read_run
+from reports.sheets import sheets
 from reports.tables import problem_classes
 from reports.templates import script
+from reports.told import settings
 from results.polygon import Deviation, write_deviations
 from results.schema import SOLVES, VERDICTS, arrow_schema
 from results.store import ResultsError
@@ -229,6 +234,8 @@ RUN = [
     lost_row("nsgs", "p9", "timeout", rank=2),
     lost_row("path", "p0", "skipped"),
 ]
+for _row in RUN[:-2]:
+    _row |= {"response": 2.0, "backward_error": 1e-9, "work": '{"iterations": 3}'}
 
 
 def test_a_large_share_of_form_is_marked(tmp_path):
@@ -246,7 +253,7 @@ def test_a_portfolio_is_marked_wherever_it_is_named(tmp_path):
     page, run = _Page(write_report(folder)), read_run(folder)
     assert "mixture* may run lemke, nsgs." in page.text
     assert "the fastest of them is mixture*, with a mean of 2 ms" in page.text
-    assert re.search(r"mixture(?!\*)", page.text) is None
+    assert re.search(r"(?<!check-solver ')mixture(?!\*)", page.text) is None
     assert set(run.looks) == {"mixture*", "nsgs"}
     assert set(run.drives["entry"]) == {"mixture*"}
     assert looks(["hybrid*"])["hybrid*"].colour == looks(["hybrid"])["hybrid"].colour
@@ -555,3 +562,84 @@ def test_classes_of_one_scene_stand_together_by_size(tmp_path) -> None:
     rows = [solve_row("a", "p", **large), solve_row("a", "q", scene="wall"), solve_row("a", "r", size=8)]
     names = problem_classes(read_run(write_folder(tmp_path, rows)))["problem_class"]
     assert names.tolist() == ["bar, n < 100", "bar, n from 1000", "wall"]
+
+
+def test_work_is_compared_by_unit_among_those_who_count_it():
+    work = {"a": '{"pivots": 4}', "b": '{"pivots": 9}', "c": '{"sweeps": 3}', "d*": '{"a pivots": 4}'}
+    rows = [solve_row(name, f"p{i}", work=text) for name, text in work.items() for i in range(2)]
+    rows[-1]["work"] = '{"c sweeps": 7}'  # on one of its problems it counts something else
+    (panel,) = work_chart.panels(run_of(*rows))
+    assert panel.title == "pivots"
+    assert {name: ratio.tolist() for name, ratio in panel.draw.keywords["costs"].items()} == {"a": [1, 1], "b": [2, 2]}
+    assert work_chart.counted('{"lemke pivots": 3, "pivots": 2, "restarts": 9}') == {"pivots": 5}
+
+
+def test_the_exponent_of_growth_by_hand():
+    sizes = np.array([10.0, 20.0, 50.0, 100.0])
+    assert growth.exponent(sizes, 3e-6 * sizes**1.5) == pytest.approx((1.5, 0.0), abs=1e-12)
+    slope, error = growth.exponent(sizes, 3e-6 * sizes**1.5 * np.array([1.1, 0.9, 1.1, 0.9]))
+    assert abs(slope - 1.5) < 2 * error < 0.5
+    assert np.isnan(growth.exponent(sizes[:2], sizes[:2])[0])
+
+
+@pytest.mark.parametrize("ends", [(0.0, 1e-9), (-0.6, 0.0), (-1e-17, 3e-17), (-0.0123, 0.0004), (0.0, 0.0), (-3e-8, 2e-7)])
+def test_an_axis_of_shares_has_ticks_that_differ(ends):
+    ax = Figure().subplots()
+    ax.set_ylim(*ends) if ends[0] < ends[1] else ax.plot([0, 1], [0, 0])
+    style.percent_axis(ax)
+    texts = [label.get_text() for label in ax.get_yticklabels()]
+    assert len(texts) == len(set(texts)) >= 2
+
+
+@pytest.mark.parametrize("ends", [(1e-6, 1.1e-6), (1e-4, 9e-4), (2e-5, 3e-2), (1e-6, 10.0)])
+def test_an_axis_of_times_has_ticks_that_differ(ends):
+    ax = Figure().subplots()
+    ax.plot(ends, [0, 1])
+    style.time_axis(ax, "x")
+    low, high = ax.get_xlim()
+    texts = [seconds(tick) for tick in ax.xaxis.get_majorticklocs() if low <= tick <= high]
+    assert len(texts) == len(set(texts)) >= 2
+
+
+def test_a_sheet_says_what_a_solver_is_and_where_it_failed(tmp_path):
+    rows = [solve_row("a", f"p{i}", contacts=i + 2, family="some") for i in range(4)]
+    for row, verdict in zip(rows[1:], ("unsolved", "unsolved", "wrong"), strict=True):
+        row |= {"verdict": verdict, "residual": 2.4e-3, "reason": "so it says"}
+    folder = write_folder(tmp_path / "run", [*rows, solve_row("b", "p0")], solvers={"a": "Pivots.\n\nIt always ends."})
+    first, second = sheets(read_run(folder))
+    assert first.told == ["Pivots.", "It always ends."]
+    assert [(lost.verdict, lost.cells, lost.of, lost.contacts) for lost in first.failures] == [
+        ("unsolved", 2, 4, 3),
+        ("wrong", 1, 4, 5),
+    ]
+    assert first.results[1e-8]["reached"] == 1
+    assert (second.failures, second.told) == ([], [])
+    page = _Page(write_report(folder)).text
+    for text in ("It always ends.", "It failed nowhere.", "2.4e-3", "so it says"):
+        assert text in page
+
+
+def test_the_run_is_told_as_a_list_that_can_be_pasted():
+    sources = [{"scene": "stack", "parameters": {"blocks": 2, "friction": 0.5}, "pick": 3, "scheme": "anitescu_potra"}] * 9
+    told = dict(settings({"settings": {"sources": sources, "time_limit": 2.0, "memory_limit": 2**32}, "started": "now"}))
+    assert told["settings"][0] == ("sources", ", ".join(["stack[blocks=2,friction=0.5], 3 steps of its motion"] * 9), 9)
+    assert [line.text for line in told["settings"][1:]] == ["2", "4 GiB"]
+    assert told["run"] == [("started", "now", 0)]
+
+
+def test_a_page_says_why_an_unfinished_run_does_not_compare(tmp_path):
+    folder = write_folder(tmp_path / "run", [solve_row("a", "p"), solve_row("a", "q"), solve_row("b", "p")])
+    assert "Partial: 1 pairs" in _Page(write_report(folder)).text
+    (folder / "manifest.json").write_text('{"settings": {}}', encoding="utf-8")
+    text = _Page(write_report(folder)).text
+    assert "This run has not finished. 1 pairs of a problem and a solver have no row yet" in text
+    assert "Partial" not in text
+
+
+def test_a_librarys_own_clock_is_shown_beside_ours(tmp_path):
+    rows = [solve_row("a", f"p{i}", clock_time=1.9e-3) for i in range(3)]
+    rows += [solve_row("b", f"p{i}", clock_time=1e-3) for i in range(3)]
+    table = tables.clocks(run_of(*rows)).set_index("entry")
+    assert table["apart"].to_dict() == {"a": False, "b": True}
+    assert table.loc["b", "ratio"] == pytest.approx(2.0)
+    assert "By their own clocks" in _Page(write_report(write_folder(tmp_path / "run", rows))).text

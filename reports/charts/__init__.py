@@ -1,6 +1,9 @@
 """The charts of page and paper, one file each, in the order in which they are shown."""
 
-from reports.charts import classes, energy, growth, maps, pareto, profiles, speed_accuracy
+from reports.charts import budget, classes, energy, growth, maps, pareto, profiles, speed_accuracy, stability, work
 
 MAPS = (maps.VERDICTS, maps.TYPES, maps.TIMES)
-CHARTS = (pareto.CHART, *MAPS, speed_accuracy.CHART, profiles.CHART, classes.CHART, growth.CHART, energy.CHART)
+CHARTS = (
+    *(stability.CHART, *MAPS, pareto.CHART, speed_accuracy.CHART),
+    *(profiles.CHART, work.CHART, budget.CHART, classes.CHART, growth.CHART, energy.CHART),
+)

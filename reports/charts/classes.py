@@ -7,7 +7,7 @@ from functools import partial
 
 import pandas as pd
 
-from reports.accuracy import TARGETS
+from reports.accuracy import TARGETS, ratios
 from reports.charts.chart import Chart
 from reports.charts.profiles import draw
 from reports.drawing.figures import Panel
@@ -41,7 +41,7 @@ def panels(run: Run) -> list[Panel]:
 
 
 def _panel(name: str, times: pd.DataFrame, run: Run) -> Panel:
-    return Panel(f"{name}: {times['problem_id'].nunique()} problems", partial(draw, times=times, looks=run.looks))
+    return Panel(f"{name}: {times['problem_id'].nunique()} problems", partial(draw, costs=ratios(times), looks=run.looks))
 
 
 CHART = Chart(
@@ -52,4 +52,5 @@ CHART = Chart(
     caption="As above, for the problems of one class: the number of contacts, and the rank of W over its rows, which is "
     "known of problems of up to 600 rows.",
     columns=2,
+    folded=True,
 )

@@ -5,11 +5,10 @@ from functools import partial
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.ticker import PercentFormatter
 
 from reports.charts.chart import Chart
 from reports.drawing.figures import Panel
-from reports.drawing.style import ALARM, INK, Look
+from reports.drawing.style import ALARM, INK, Look, percent_axis
 from reports.drawing.text import scene_title
 from reports.run import Run
 
@@ -57,7 +56,7 @@ def _draw(ax: Axes, drives: pd.DataFrame, looks: dict[str, Look]) -> None:
         ax.axhspan(0, top, color=ALARM, alpha=0.08, lw=0)
         ax.set_ylim(bottom, top)
         ax.text(0.02, 0.95, "energy gained", transform=ax.transAxes, va="center", fontsize="x-small", alpha=0.8)
-    ax.yaxis.set_major_formatter(PercentFormatter(1))
+    percent_axis(ax)
     ax.grid(lw=0.4, alpha=0.3)
     ax.set_xlabel("time in s")
     ax.set_ylabel("change of energy")

@@ -1,11 +1,16 @@
-"""Time against size: how an entry's time to a target grows with the number of contacts, for scenes of several sizes."""
+"""Time against size: how an entry's time to a target grows with the number of contacts, for scenes of several sizes.
+
+The exponent p of time ~ contacts^p is the slope of the least-squares line through the logarithms, over the sizes of which every
+problem was solved; +- is the slope's standard error.
+"""
 
 from functools import partial
 
+import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from reports.accuracy import TARGETS, shifted_geometric_mean
+from reports.accuracy import TARGETS, Array, shifted_geometric_mean
 from reports.charts.chart import Chart
 from reports.drawing.figures import Panel
 from reports.drawing.style import Look, log_ticks, time_axis
@@ -17,28 +22,59 @@ SIZES = 3  # fewer make no curve
 
 
 def panels(run: Run) -> list[Panel]:
-    """A panel per scene that comes in three sizes or more."""
+    """A panel per scene that comes in three sizes or more, with each entry's exponent."""
     problems = run.contested.groupby("problem_id").agg(scene=("scene", "first"), contacts=("contacts", "max"))
-    scenes = run.times[TARGET].join(problems, on="problem_id").groupby("scene", sort=False)
+    scenes = run.times[TARGET].join(problems, on="problem_id").dropna(subset="contacts").groupby("scene", sort=False)
+    found = {str(scene): _curves(times) for scene, times in scenes if times["contacts"].nunique() >= SIZES}
+    means = [curve["mean"] for curves in found.values() for curve in curves.values()]
+    ends = (min(mean.min() for mean in means) / 1.5, 1.5 * max(mean.max() for mean in means)) if means else (0.0, 0.0)
     return [
-        Panel(scene, partial(_draw, times=times, looks=run.looks))
-        for scene, times in scenes
-        if times["contacts"].nunique() >= SIZES
+        Panel(scene, partial(_draw, curves=curves, looks=run.looks, ends=ends), notes=_exponents(curves))
+        for scene, curves in found.items()
     ]
 
 
-def _draw(ax: Axes, times: pd.DataFrame, looks: dict[str, Look]) -> None:
-    for entry, own in times.dropna(subset="contacts").groupby("entry"):
-        look = looks[entry]
-        groups = own.groupby("contacts")
-        mean = groups["charged"].agg(shifted_geometric_mean)
-        missed = ~groups["reached"].all()
-        ax.plot(mean.index, mean, color=look.colour, ls=look.dash, gid=look.tag)
-        ax.plot(mean.index[~missed], mean[~missed], look.marker, color=look.colour, gid=look.tag)
-        ax.plot(mean.index[missed], mean[missed], "x", color=look.colour, mew=1.4, gid=look.tag)
-    sizes = sorted(times["contacts"].dropna().unique())
-    shown = [n for i, n in enumerate(sizes) if i == 0 or n >= 1.8 * sizes[i - 1]]
-    log_ticks(ax, "x", {n: f"{n:g}" for n in shown})
+def _curves(times: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """Of each entry by number of contacts: mean (s), and all: whether all problems of that size were solved."""
+    groups = times.groupby(["entry", "contacts"])
+    table = pd.DataFrame({"mean": groups["charged"].agg(shifted_geometric_mean), "all": groups["reached"].all()})
+    return {str(entry): own.droplevel("entry") for entry, own in table.groupby("entry")}
+
+
+def exponent(contacts: Array, time: Array) -> tuple[float, float]:
+    """The slope of log time over log contacts, and its standard error; nan of fewer than three sizes."""
+    x, y = np.log(contacts), np.log(time)
+    if len(x) < SIZES:
+        return np.nan, np.nan
+    x = x - x.mean()
+    slope = float(x @ y / (x @ x))
+    left = y - y.mean() - slope * x
+    return slope, float(np.sqrt(left @ left / (len(x) - 2) / (x @ x)))
+
+
+def _exponents(curves: dict[str, pd.DataFrame]) -> dict[str, str]:
+    """Of the entries that solve enough sizes the exponents as text, the least first."""
+    found = {}
+    for entry, curve in curves.items():
+        own = curve[curve["all"] & (curve.index > 0)]
+        slope, error = exponent(own.index.to_numpy(dtype=float), own["mean"].to_numpy())
+        if np.isfinite(slope):
+            found[entry] = slope, error
+    return {entry: f"n^{slope:.1f} ± {error:.1f}" for entry, (slope, error) in sorted(found.items(), key=lambda one: one[1])}
+
+
+def _draw(ax: Axes, curves: dict[str, pd.DataFrame], looks: dict[str, Look], ends: tuple[float, float]) -> None:
+    for entry, curve in curves.items():
+        look, missed = looks[entry], curve[~curve["all"]]
+        ax.plot(curve.index, curve["mean"], color=look.colour, ls=look.dash, gid=look.tag)
+        ax.plot(curve.index[curve["all"]], curve.loc[curve["all"], "mean"], look.marker, color=look.colour, gid=look.tag)
+        ax.plot(missed.index, missed["mean"], "x", color=look.colour, mew=1.4, gid=look.tag)
+    sizes = sorted({size for curve in curves.values() for size in curve.index})
+    shown = sizes[:1]
+    for size in sizes[1:]:
+        shown += [size] if size >= 1.8 * shown[-1] else []
+    log_ticks(ax, "x", {n: f"{n:g}" for n in (shown if len(shown) > 1 else [sizes[0], sizes[-1]])})
+    ax.set_ylim(ends)
     time_axis(ax, "y")
     ax.grid(lw=0.4, alpha=0.3)
     ax.set_xlabel("contacts")
@@ -50,5 +86,6 @@ CHART = Chart(
     panels=panels,
     section="time",
     title=f"Time against size, residual within {power(TARGET)}",
-    caption="Crosses: at least one problem of that size was missed and is charged at the time limit.",
+    caption="Crosses: at least one problem of that size was missed and is charged at the time limit. Below each panel, how the "
+    "time grows with the number of contacts n, fitted to the sizes that were solved throughout, where these are three or more.",
 )

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from reports.accuracy import shifted_geometric_mean
 from reports.charts.chart import Chart
-from reports.drawing.figures import Panel
+from reports.drawing.figures import WHOLE, Panel
 from reports.drawing.style import INK, Look, log_ticks, time_axis
 from reports.run import Run
 from results.schema import SKIPPED
@@ -25,7 +25,7 @@ ZERO, WORST = 1e-17, 1e1  # where residuals of zero, and large or missing ones, 
 def panels(run: Run) -> list[Panel]:
     """One panel, where somebody ran on all problems."""
     points = ladder(run)
-    return [Panel("all problems", partial(_draw, points=points, looks=run.looks))] if len(points) else []
+    return [Panel("all problems", partial(_draw, points=points, looks=run.looks), size=WHOLE)] if len(points) else []
 
 
 def ladder(run: Run) -> pd.DataFrame:

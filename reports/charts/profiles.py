@@ -1,12 +1,16 @@
-"""Performance profiles of Dolan and Moré: who is how often within tau times the fastest."""
+"""Performance profiles of Dolan and Moré (2002), with bootstrap bands: who is how often within tau times the fastest.
+
+The band holds the middle 95 of 100 profiles of as many problems drawn again with replacement (reports.accuracy.band): where two
+bands overlap, other problems of the kind might have ranked the two the other way.
+"""
 
 from functools import partial
 
-import pandas as pd
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import PercentFormatter
 
-from reports.accuracy import TARGETS, profile
+from reports.accuracy import TARGETS, Array, band, ratios
 from reports.charts.chart import Chart
 from reports.drawing.figures import Panel
 from reports.drawing.style import Look, log_ticks
@@ -14,29 +18,34 @@ from reports.drawing.text import power
 from reports.run import Run
 
 FARTHEST = 1e3  # ratio to the fastest at the right edge
+POINTS = 61  # of a band
 
 
 def panels(run: Run) -> list[Panel]:
     """A panel per target that somebody tried for."""
     return [
-        Panel(f"within {power(target)}", partial(draw, times=times, looks=run.looks))
+        Panel(f"within {power(target)}", partial(draw, costs=ratios(times), looks=run.looks))
         for target, times in run.times.items()
         if len(times)
     ]
 
 
-def draw(ax: Axes, times: pd.DataFrame, looks: dict[str, Look]) -> None:
-    for entry, (ratio, share) in profile(times).items():
-        look = looks[entry]
-        near = ratio <= FARTHEST
-        x, y = [1.0, *ratio[near], FARTHEST], [0.0, *share[near]]
+def draw(
+    ax: Axes, costs: dict[str, Array], looks: dict[str, Look], across: str = "time over the fastest solver's time"
+) -> None:
+    """costs: of each entry its cost over the least, of each problem, sorted; infinite where it missed."""
+    at = np.geomspace(1, FARTHEST, POINTS)
+    for entry, ratio in costs.items():
+        look, reached = looks[entry], ratio[ratio <= FARTHEST]
+        x, y = [1.0, *reached, FARTHEST], [0.0, *np.arange(1, len(reached) + 1) / len(ratio)]
         ax.step(x, [*y, y[-1]], where="post", **look.line, markevery=(0.1, 0.15))
+        ax.fill_between(at, *band(ratio, at), color=look.colour, alpha=0.13, lw=0, gid=f"band-{look.tag}")
     log_ticks(ax, "x", {10.0**k: f"{10**k}" for k in range(4)})
     ax.set_xlim(1, FARTHEST)
     ax.set_ylim(0, 1.03)
     ax.yaxis.set_major_formatter(PercentFormatter(1))
     ax.grid(lw=0.4, alpha=0.3)
-    ax.set_xlabel("time over the fastest solver's time")
+    ax.set_xlabel(across)
     ax.set_ylabel("share of the problems")
 
 
@@ -45,7 +54,9 @@ CHART = Chart(
     panels=panels,
     section="time",
     title="Performance profiles",
-    caption="The share of all non-trivial problems brought within the target in at most so many times the time of the fastest "
-    "solver there. Left edge: how often a solver is the fastest; right edge: how often it gets there at all.",
+    caption="The share of all non-trivial problems, the same for everybody, brought within the target in at most so many "
+    "times the time of the fastest solver there. Left edge: how often a solver is the fastest; right edge: how often it gets "
+    "there at all. Bands, of the best few or of those chosen: 95 % of the profiles of as many problems, drawn again with "
+    "replacement.",
     in_paper=slice(None, None, len(TARGETS) - 1),  # the coarsest and the finest
 )

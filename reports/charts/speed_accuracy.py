@@ -28,12 +28,13 @@ CROWD = 1500  # dots beyond which they are drawn as an image
 
 
 def panels(run: Run) -> list[Panel]:
-    """A panel per problem class."""
+    """A panel per problem class, all on the same axes."""
+    answers = run.contested[run.contested["answered"]]
+    ends = (0.7 * answers["time"].min(), 1.4 * answers["time"].max()) if len(answers) else (1e-3, 1.0)
+    lowest = min(1e-10, _shown(answers["residual"]).min()) if len(answers) else 1e-10
+    draw, told = partial(_draw, looks=run.looks, ends=ends, lowest=lowest), len(run.contested) <= TOLD
     classes = run.contested.groupby("problem_class", sort=False)
-    return [
-        Panel(name, partial(_draw, rows=group, looks=run.looks), _told(group, run.looks) if len(run.contested) <= TOLD else {})
-        for name, group in classes
-    ]
+    return [Panel(name, partial(draw, rows=group), _told(group, run.looks) if told else {}) for name, group in classes]
 
 
 def _told(rows: pd.DataFrame, looks: dict[str, Look]) -> dict[str, list[str]]:
@@ -49,7 +50,7 @@ def _told(rows: pd.DataFrame, looks: dict[str, Look]) -> dict[str, list[str]]:
     }
 
 
-def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
+def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look], ends: tuple[float, float], lowest: float) -> None:
     answers = rows[rows["answered"]]
     crowded = len(answers) > CROWD
     for entry, own in answers.groupby("entry"):
@@ -65,8 +66,8 @@ def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
     ring = 1.7 * mpl.rcParams["lines.markersize"]
     ax.plot(wrong["time"], _shown(wrong["residual"]), "o", ms=ring, mfc="none", mec=ALARM, zorder=4)
     _model_error(ax, answers)
+    ax.set_xlim(ends)
     time_axis(ax, "x")
-    lowest = min(1e-10, _shown(answers["residual"]).min()) if len(answers) else 1e-10
     bottom = 10.0 ** np.floor(np.log10(lowest))
     ticks = {10.0**k: f"1e{k}" for k in range(0, -13, -4) if 10.0**k >= bottom}
     log_ticks(ax, "y", ticks | {ZERO: "0"} if lowest <= ZERO else ticks)

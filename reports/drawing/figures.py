@@ -16,6 +16,7 @@ from reports.drawing.text import plain
 from results.files import replaced
 
 PANEL = (3.9, 2.9)  # inches
+WHOLE = (6.8, 3.4)  # of a panel that stands alone
 IMAGE = 200  # dots an inch of what is drawn as an image
 
 
@@ -28,12 +29,14 @@ class Panel:
     dots: Mapping[str, Sequence[str]] = field(default_factory=dict)  # what the dots of each tag are, in the order drawn
     size: tuple[float, float] = PANEL
     name: str = ""  # of a file of its own
+    notes: Mapping[str, str] = field(default_factory=dict)  # of entries, for the panel's own legend
 
 
 def inline_svg(panel: Panel) -> str:
     """The panel, without its title, as an SVG element whose ink is the page's own.
 
-    The ids of groups are dropped, for a page holds many such elements; those of entries stay as data-entry, or data-dots.
+    The ids of groups are dropped, for a page holds many such elements; those of entries stay as data-entry, data-dots or
+    data-band.
     """
     with mpl.rc_context(RC):
         figure = Figure(figsize=panel.size, layout="constrained")
@@ -65,7 +68,7 @@ def _element(figure: Figure) -> str:
     figure.savefig(text, format="svg", dpi=IMAGE, metadata={"Date": None})
     svg = _with_titles(text.getvalue())
     svg = re.sub(r"\s*<metadata>.*?</metadata>", "", svg[svg.index("<svg") :], flags=re.DOTALL)
-    svg = re.sub(r'<g id="dots-(entry-[0-9a-f]+)"', r'<g data-dots="\1"', svg)
+    svg = re.sub(r'<g id="(dots|band)-(entry-[0-9a-f]+)"', r'<g data-\1="\2"', svg)
     svg = re.sub(r'<g id="(entry-[0-9a-f]+)"', r'<g data-entry="\1"', svg)
     return re.sub(r'<g id="[^"]*"', "<g", svg).replace(INK, "currentColor")
 

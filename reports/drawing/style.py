@@ -5,14 +5,17 @@ from collections.abc import Iterable
 from hashlib import sha256
 from typing import Any, Literal, NamedTuple
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
-from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
 from reports.drawing.text import seconds
 
 INK = "#20242b"  # text and axes; a page replaces it by its own ink
 ALARM = "#d62728"
+NARROW = 5.0  # the least ratio of the ends of an axis of times
+FLAT = 1e-9  # the least extent of an axis of shares: below it all is rounding
 RC: Any = {
     "font.size": 9.0,
     "font.family": "sans-serif",
@@ -101,8 +104,33 @@ def time_axis(ax: Axes, which: Literal["x", "y"]) -> None:
     """A logarithmic axis of times, once all is drawn."""
     axis = _logarithmic(ax, which)
     low, high = axis.get_view_interval()
-    axis.set_major_locator(LogLocator(subs=(1.0,) if high > 150 * low else (1.0, 3.0), numticks=7))
+    if high < NARROW * low:  # widened, for two ticks or more
+        middle = np.sqrt(low * high)
+        low, high = middle / np.sqrt(NARROW), middle * np.sqrt(NARROW)
+        axis.set_view_interval(low, high, ignore=True)
+    subs = (1.0,) if high > 150 * low else (1.0, 3.0) if high > 12 * low else (1.0, 2.0, 5.0)
+    axis.set_major_locator(LogLocator(subs=subs, numticks=7))
     axis.set_major_formatter(FuncFormatter(lambda value, _: seconds(value)))
+
+
+def percent_axis(ax: Axes) -> None:
+    """An upright axis of shares as per cent, each tick with the digits that tell it from the next; once all is drawn."""
+    low, high = ax.get_ylim()
+    if not high - low > FLAT:
+        low, high = (low + high - FLAT) / 2, (low + high + FLAT) / 2
+        ax.set_ylim(low, high)
+    ticks = np.asarray(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high))
+    shown = 100 * ticks[(ticks >= low) & (ticks <= high)]
+    exact = (k for k in range(4) if np.allclose(np.round(shown, k), shown, rtol=0, atol=0.1 * (ticks[1] - ticks[0])))
+    decimals = next(exact, None)
+    ax.set_yticks(
+        shown / 100, [f"{tick:.{decimals}f} %" if decimals is not None else f"{_scientific(tick)} %" for tick in shown]
+    )
+
+
+def _scientific(value: float) -> str:
+    digits, exponent = f"{value:.1e}".split("e")
+    return f"{float(digits):g}e{int(exponent)}" if value else "0"
 
 
 def log_ticks(ax: Axes, which: Literal["x", "y"], labels: dict[float, str]) -> None:

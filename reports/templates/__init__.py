@@ -35,7 +35,7 @@ def environment() -> Environment:
         "digits": lambda value: "–" if _absent(value) else _residual(value, 1),
         "power": power,
         "share": lambda value: "–" if _absent(value) else f"{math.floor(100 * value + 1e-9)} %",
-        "percent": lambda value: "–" if _absent(value) else f"{100 * value:.2g} %",
+        "percent": lambda value: "–" if _absent(value) else f"{100 * value:.{'2g' if abs(value) < 0.995 else '0f'}} %",
         "permille": lambda value: "–" if _absent(value) else f"{math.floor(1000 * value + 1e-9) / 10:g} %",
         "whole": lambda value: "–" if _absent(value) else f"{value:.0f}",
         "breakable": lambda name: Markup("_<wbr>").join(str(name).split("_")),

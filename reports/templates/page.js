@@ -1,6 +1,7 @@
 "use strict";
 // Choosing solvers, sorting tables and telling what a dot is. The page is whole without it: then the best few stand out.
 const marks = document.querySelectorAll("g[data-entry], g[data-dots]");
+const bands = document.querySelectorAll("g[data-band]");
 const chips = document.querySelectorAll("button[data-entry], button[data-family]");
 const chosen = new Set();
 
@@ -9,6 +10,7 @@ function show() {
   for (const mark of marks) {
     mark.classList.toggle("faint", chosen.size > 0 && !chosen.has(mark.dataset.entry || mark.dataset.dots));
   }
+  for (const band of bands) band.classList.toggle("gone", !chosen.has(band.dataset.band));
   for (const chip of chips) {
     const own = chip.dataset.entry ? [chip.dataset.entry] : chip.dataset.family.split(" ");
     chip.setAttribute("aria-pressed", own.every((entry) => chosen.has(entry)));

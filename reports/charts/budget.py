@@ -1,0 +1,50 @@
+"""Problems solved against time: what share of them is within the target after so long, each problem given that time alone."""
+
+from functools import partial
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.ticker import PercentFormatter
+
+from reports.accuracy import on_all
+from reports.charts.chart import Chart
+from reports.drawing.figures import Panel
+from reports.drawing.style import Look, time_axis
+from reports.drawing.text import power
+from reports.run import Run
+
+
+def panels(run: Run) -> list[Panel]:
+    """A panel per target that somebody reaches."""
+    return [
+        Panel(f"within {power(target)}", partial(_draw, times=on_all(times), looks=run.looks))
+        for target, times in run.times.items()
+        if times["reached"].any()
+    ]
+
+
+def _draw(ax: Axes, times: pd.DataFrame, looks: dict[str, Look]) -> None:
+    longest = float(times.loc[times["reached"], "charged"].max())
+    for entry, own in times.groupby("entry"):
+        spent = np.sort(own.loc[own["reached"], "charged"].to_numpy())
+        share = np.arange(1, len(spent) + 1) / len(own)
+        if len(spent):
+            ax.step([*spent, longest], [*share, share[-1]], where="post", **looks[str(entry)].line, markevery=(0.1, 0.15))
+    ax.set_ylim(0, 1.03)
+    ax.yaxis.set_major_formatter(PercentFormatter(1))
+    ax.grid(lw=0.4, alpha=0.3)
+    time_axis(ax, "x")
+    ax.set_xlabel("time for each problem")
+    ax.set_ylabel("share of the problems")
+
+
+CHART = Chart(
+    name="budget",
+    panels=panels,
+    section="time",
+    title="Solved against time",
+    caption="The share of all non-trivial problems that a solver brings within the target when each is given so much time: at "
+    "the time that a step may take, whatever others do.",
+    in_paper=slice(None, None, 2),
+)

@@ -1,0 +1,77 @@
+"""A sheet per solver: what it is, what it guarantees in its own words, how far it got, and where it failed, smallest first."""
+
+from typing import Any, NamedTuple
+
+import pandas as pd
+
+from reports.accuracy import ALL
+from reports.run import Run
+from results.schema import SKIPPED, SOLVED
+
+MOST_FAILURES = 12  # kinds of failure listed of one solver
+MOST_TOLD = 2000  # characters of a solver's own words
+
+
+class Failure(NamedTuple):
+    """The cells of one class that an entry ended with one verdict, of so many it ran there, and the smallest of them."""
+
+    problem_class: str
+    verdict: str
+    cells: int
+    of: int
+    contacts: float
+    residual: float
+    reason: str
+    key: str
+
+
+class Sheet(NamedTuple):
+    """One entry. told: the solver's own words, from the manifest; results: of each target its row of the summary over all."""
+
+    entry: str
+    variant: str
+    facts: dict[str, str]
+    told: list[str]
+    results: dict[float, dict[str, Any]]
+    failures: list[Failure]
+    more: int  # kinds of failure not listed
+    skipped: dict[str, int]
+
+
+def sheets(run: Run) -> list[Sheet]:
+    """The sheets of all entries that have cells, in the order of their names."""
+    words = run.manifest.get("solvers")
+    results = {target: table[table["problem_class"] == ALL].set_index("entry") for target, table in run.summaries.items()}
+    lost = _failures(run)
+    reasons = run.rows[run.rows["verdict"] == SKIPPED].groupby(["entry", "reason"], sort=False).size()
+    found = []
+    for row in run.rows.drop_duplicates("entry").sort_values("entry").itertuples():
+        entry = str(row.entry)
+        told = words.get(row.variant, "") if isinstance(words, dict) else ""
+        own = [Failure(*failure) for failure in lost[lost["entry"] == entry].drop(columns="entry").itertuples(index=False)]
+        facts = {name: str(getattr(row, name) or "") for name in ("family", "model", "version", "members")}
+        found.append(
+            Sheet(
+                entry,
+                str(row.variant),
+                {name: text for name, text in facts.items() if text not in ("", "nan", "None")},
+                [part for part in str(told)[:MOST_TOLD].split("\n\n") if part.strip()],
+                {target: table.loc[entry].to_dict() for target, table in results.items() if entry in table.index},
+                own[:MOST_FAILURES],
+                max(0, len(own) - MOST_FAILURES),
+                {str(key[1]): int(count) for key, count in reasons[reasons.index.get_level_values(0) == entry].items()},
+            )
+        )
+    return found
+
+
+def _failures(run: Run) -> pd.DataFrame:
+    """A row per entry, class and verdict that is neither solved nor skipped, as in Failure, the most cells first."""
+    ran = run.contested[run.contested["verdict"] != SKIPPED]
+    of = ran.groupby(["entry", "problem_class"]).size().rename("of")
+    lost = ran[ran["verdict"] != SOLVED].sort_values(["contacts", "tol"], kind="stable")
+    columns = ["contacts", "residual", "reason", "key"]
+    kinds = lost.groupby(["entry", "problem_class", "verdict"], sort=False)
+    table = kinds[columns].first().assign(cells=kinds.size()).reset_index().join(of, on=["entry", "problem_class"])
+    table = table.sort_values("cells", ascending=False, kind="stable")
+    return table[["entry", "problem_class", "verdict", "cells", "of", *columns]]
