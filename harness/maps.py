@@ -2,7 +2,7 @@
 
 A map needs nothing that a run does not do. Each round is the run of a plan with more places, in the same folder, so that what
 was broken off goes on where it stopped: what to refine follows from the rows that are there. At the end the thresholds of
-theory are traced over each map.
+theory are traced over each map, and of each map and exact solver the smallest failure is made smaller still.
 """
 
 from dataclasses import replace
@@ -12,9 +12,15 @@ from harness.plans import maps
 from harness.plans.plan import Plan
 from harness.progress import Progress
 from harness.run import run
+from harness.shrink import ENOUGH, shrink_rows
 from harness.trace import trace
 from results import store
 from results.maps import Map, Place
+from results.places import THEORY, lost, placed
+from results.shrunk import read_shrunk, write_shrunk
+from results.store import Row
+
+MOST_SHRUNK = 100  # failures
 
 
 def run_maps(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | None = None) -> None:
@@ -26,6 +32,24 @@ def run_maps(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: s
         run(_with_places(plan, known), folder, jobs, progress, cluster)
     for spec in plan.maps:
         trace(spec, folder)
+    if plan.maps:
+        _keep_failures(plan, folder, jobs, progress)
+
+
+def _keep_failures(plan: Plan, folder: Path, jobs: int, progress: Progress) -> None:
+    """Shrink the smallest failure of each exact solver on each map, where theory says that its problem's parts have a solution,
+    too."""
+    solves, found = store.read_table(folder, "solves"), read_shrunk(folder)
+    failed: list[Row] = []
+    for rows in (lost(placed(solves, spec)) for spec in plan.maps if not spec.steps):
+        failed += rows[rows["existence"].isin(THEORY)].drop_duplicates("variant").to_dict("records")
+    failed = failed[:MOST_SHRUNK]
+    left = [row for row in failed if row["key"] not in found]
+    with progress.stage("failures made small", len(failed), len(failed) - len(left)) as stage:
+        for row, small in shrink_rows(folder, left, plan.plugins, plan.memory_limit, jobs, ENOUGH):
+            found[row["key"]] = small
+            write_shrunk(folder, found)
+            stage.advance()
 
 
 def _refine(specs: tuple[Map, ...], known: list[dict[Place, None]], level: int, folder: Path) -> None:

@@ -38,6 +38,10 @@ class Stage:
     def finished(self, task: Task) -> None:
         self._running.remove(task.name)
         self._compiling.pop(id(task), None)
+        self.advance()
+
+    def advance(self) -> None:
+        """One more is done."""
         self._done += 1
         self._show()
 

@@ -1,20 +1,24 @@
 """The maps of a run as tables: every cell at its place, and how robust each solver is over each map.
 
-A solution is known to exist at a place where theory or the counting of all solutions says so (the column `existence`), or where
-any solver's verified answer is one; but not where counting finds none, whatever passes for one within the tolerance.
+Where a solution is known to exist results.places says.
 """
 
-import json
+import shlex
+from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
 from reports.run import Run
+from results.files import write_text
 from results.maps import Map, maps_of
+from results.places import lost, placed
 from results.schema import SKIPPED, SOLVED
+from results.shrunk import Shrunk
 
-USUAL = "anitescu_potra"
+NOT_TRIED = Shrunk("", 0, 0, whole=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,29 +43,9 @@ class Cells:
 
 def map_cells(run: Run) -> list[Cells]:
     """The maps of the run that have rows. Errors: ResultsError where the manifest's maps cannot be read."""
-    found = (Cells(spec, _placed(run, spec)) for spec in maps_of(run.manifest))
+    tables = {False: run.rows, True: run.mapped_drives}
+    found = (Cells(spec, placed(tables[spec.steps > 0], spec)) for spec in maps_of(run.manifest))
     return [cells for cells in found if len(cells.rows)]
-
-
-def _placed(run: Run, spec: Map) -> pd.DataFrame:
-    if spec.steps:
-        rows = run.mapped_drives[run.mapped_drives["scheme"] == spec.scheme]
-    else:
-        told = "step" if spec.scheme == USUAL else f"step of {spec.scheme}"
-        rows = run.rows[run.rows["phase"] == told]
-    rows = rows[rows["scene"] == spec.scene]
-    where: dict[str, tuple[float, float, float]] = {}
-    for i, j in spec.places():
-        tile = 1.0 if i % 1 == 0 and j % 1 == 0 else 0.5 if (2 * i) % 1 == 0 and (2 * j) % 1 == 0 else 0.25
-        where.setdefault(json.dumps(spec.at((i, j)), sort_keys=True), (i, j, tile))
-    rows = rows[rows["parameters"].isin(where.keys())]
-    places = pd.DataFrame([where[told] for told in rows["parameters"]], columns=["i", "j", "tile"], index=rows.index)
-    rows = rows.join(places)
-    solved = (rows["verdict"] == SOLVED).groupby([rows["i"], rows["j"]]).transform("any")
-    if spec.steps:
-        return rows.assign(known=solved)
-    theory = rows["existence"].isin(["gaps", "pointed", "counted"])
-    return rows.assign(known=theory | (solved & (rows["existence"] != "none")))
 
 
 def robustness(maps: list[Cells]) -> pd.DataFrame:
@@ -82,17 +66,38 @@ def robustness(maps: list[Cells]) -> pd.DataFrame:
     return table.sort_values("known", ascending=False, kind="stable").rename_axis("entry").reset_index()
 
 
-def failures(maps: list[Cells], exact: tuple[str, ...] = ("coulomb", "lcp")) -> pd.DataFrame:
-    """Cells of exact methods that are not solved where a solution is known: per map and entry the smallest, with the count."""
-    lost = []
+def failures(maps: list[Cells], shrunk: Mapping[str, Shrunk]) -> pd.DataFrame:
+    """Cells of exact methods that are not solved where a solution is known: per map and entry the smallest, with the count, and
+    what is left of its problem made small: file and left, its contacts."""
+    parts = []
     for cells in maps:
-        rows = cells.rows
         if cells.spec.steps:
             continue
-        failed = rows[rows["known"] & rows["model"].isin(exact) & ~rows["verdict"].isin([SOLVED, SKIPPED])]
-        first = failed.sort_values(["contacts", "i", "j"], kind="stable").drop_duplicates("entry")
-        lost.append(first.assign(map=cells.spec.name, count=first["entry"].map(failed["entry"].value_counts())))
-    return pd.concat(lost) if lost else pd.DataFrame(columns=["map", "entry", "count", "verdict", "contacts", "key"])
+        failed = lost(cells.rows)
+        first = failed.drop_duplicates("entry")
+        small = first["key"].map(lambda key: shrunk.get(key, NOT_TRIED))
+        parts.append(
+            first.assign(
+                map=cells.spec.name,
+                count=first["entry"].map(failed["entry"].value_counts()),
+                file=small.map(lambda one: one.file),
+                left=small.map(lambda one: one.contacts),
+            )
+        )
+    return pd.concat(parts) if parts else pd.DataFrame(columns=["map", "entry", "count", "key"])
+
+
+def write_lost(folder: Path, maps: list[Cells]) -> int:
+    """Write DIR/failures.txt: of every cell that `failures` counts the command that runs it again, and what it is; how many."""
+    rows = [row for cells in maps if not cells.spec.steps for row in lost(cells.rows).to_dict("records")]
+    lines = [
+        f"{shlex.join(['frictionbench', 'rerun', str(folder), row['key']])}"
+        f"  # {row['entry']}: {row['verdict']}, {row['scene']} {row['parameters']}, {row['contacts']:.0f} contacts"
+        for row in rows
+    ]
+    if lines:
+        write_text(folder / "failures.txt", "\n".join(lines) + "\n")
+    return len(lines)
 
 
 def costs(run: Run) -> pd.DataFrame:

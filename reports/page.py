@@ -27,6 +27,7 @@ from reports.templates import as_json, environment, script
 from results.files import write_text
 from results.polygon import read_deviations
 from results.schema import VERDICTS
+from results.shrunk import ROOM, read_shrunk
 
 MOST_CLAIMS = 200  # wrong claims listed on the page
 FEW = 8  # entries that a figure shows well at once
@@ -37,7 +38,7 @@ MUCH_FORM = 0.2  # of the time: beyond this the writing of the problem decides t
 
 
 def write_report(folder: Path) -> Path:
-    """Write DIR/report.html and the animations in DIR/motion/; return the report's path.
+    """Write DIR/report.html, the animations in DIR/motion/ and what maps lost in DIR/failures.txt; return the report's path.
 
     Errors: results.store.ResultsError where DIR is not a results folder or a table cannot be read.
     """
@@ -84,10 +85,13 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
         "verdicts": VERDICTS,
         "reasons": tables.reasons(run),
         "robustness": maps.robustness(mapped),
-        "map_failures": maps.failures(mapped),
+        "map_failures": maps.failures(mapped, read_shrunk(folder)),
         "unsteady": {cells.spec.name: maps.changes(cells) for cells in mapped if cells.spec.constant},
         "costs": maps.costs(run),
-        "shrink": lambda key: f"frictionbench shrink {shlex.quote(str(folder))} {shlex.quote(key)}",
+        "all_lost": maps.write_lost(folder, mapped),
+        "again": lambda row: shlex.join(
+            ["frictionbench", "solve", str(folder / ROOM / row["file"]), "--solver", row["variant"]]
+        ),
         "charts": _charts(run),
         "svg": lambda panel: Markup(inline_svg(panel)),
         "json": as_json,

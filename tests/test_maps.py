@@ -18,11 +18,16 @@ from harness.trace import crossings
 from harness.workers.introduce import introduce
 from problems import InputError, scene
 from problems.nature.thresholds import THRESHOLDS
-from reports.maps import costs, map_cells, robustness
+from problems.recorded.own import load
+from problems.residual import residual
+from reports.maps import costs, failures, map_cells, robustness
 from reports.page import write_report
 from reports.run import read_run
 from results import store
 from results.maps import Axis, Map
+from results.shrunk import read_shrunk
+from results.store import ResultsError
+from solvers import Status, solve
 from tests.test_run import frictionbench, quiet
 
 MAPS = {spec.name: spec for spec in ATLAS}
@@ -162,6 +167,27 @@ def test_a_map_goes_on_where_it_stopped(atlas) -> None:
     maps = tuple(part.spec for part in map_cells(read_run(atlas)))
     run_maps(plan(*maps, solvers=("hybrid", "lemke", "relaxation_ip")), atlas, 1, quiet())
     assert store.kept(atlas, "solves") == before
+
+
+def test_the_smallest_failure_of_each_solver_is_made_small_by_itself(tmp_path) -> None:
+    spec = Map("m", "stack", Axis("blocks", 2, 3, 2, whole=True), Axis("mass_ratio", 1.0, 1e6, 2, "log"), {"push": 1.0})
+    made = plan(replace(spec, levels=0), solvers=("hybrid", "nsgs"))
+    run_maps(made, tmp_path / "run", 2, quiet())
+    failed = failures(map_cells(read_run(tmp_path / "run")), found := read_shrunk(tmp_path / "run"))
+    (row,) = failed.to_dict("records")
+    assert (row["entry"], json.loads(row["parameters"])["blocks"], row["contacts"]) == ("nsgs", 2, 4)
+    assert found.keys() == {row["key"]}
+    assert found[row["key"]].whole
+    small = load(tmp_path / "run" / "shrunk" / row["file"])
+    assert small.contacts == row["left"] < 4
+    assert solve(small, "nsgs", tol=1e-6).status is not Status.SOLVED
+    assert residual(small, solve(small, "hybrid", tol=1e-6).impulse) < 1e-6
+    page = write_report(tmp_path / "run").read_text(encoding="utf-8")
+    assert row["file"] in page
+    assert row["key"] in (tmp_path / "run" / "failures.txt").read_text(encoding="utf-8")
+    (tmp_path / "run" / "shrunk" / "index.json").write_text('{"a": {"file": 1}}', encoding="utf-8")
+    with pytest.raises(ResultsError, match=r"index\.json: cannot be read"):
+        write_report(tmp_path / "run")
 
 
 def test_units_change_nothing(tmp_path) -> None:

@@ -1,13 +1,15 @@
 """Failing cells are made small, and stay failing."""
 
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from harness.commands.shrink import shrink, smallest
+from harness.commands.shrink import shrink
 from harness.plans.plan import Plan, Source
 from harness.run import run
+from harness.shrink import smallest
 from harness.workers.introduce import introduce
 from problems import FrictionProblem, InputError, scene
 from problems.random_problem import random_problem
@@ -21,15 +23,15 @@ BAD_SOLVERS = Path(__file__).with_name("bad_solvers.py")
 
 
 def test_the_smallest_failing_part_is_found() -> None:
-    asked = []
-
-    def fails(parts: list[int]) -> bool:
-        asked.append(parts)
-        return {3, 17} <= set(parts)
-
-    assert smallest(list(range(40)), fails) == [3, 17]
-    assert len(asked) < 80
-    assert smallest([5], fails) == [5]
+    search, kept, asked, fails = smallest(list(range(40))), list(range(40)), 0, None
+    with suppress(StopIteration):
+        while True:
+            parts = search.send(fails)
+            asked, fails = asked + 1, {3, 17} <= set(parts)
+            kept = parts if fails else kept
+    assert kept == [3, 17]
+    assert 5 < asked < 80
+    assert list(smallest([5])) == []
 
 
 def test_contacts_and_bodies_are_removed() -> None:
