@@ -20,6 +20,7 @@ from reports.charts import CHARTS
 from reports.charts.chart import Chart
 from reports.drawing.figures import Panel, inline_svg, swatch
 from reports.drawing.text import power, scene_title, seconds
+from reports.drawing.tiles import Drawing, on_page
 from reports.recorded import recorded_problems
 from reports.run import Run, read_run
 from reports.sheets import sheets
@@ -93,7 +94,7 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
             ["frictionbench", "solve", str(folder / ROOM / row["file"]), "--solver", row["variant"]]
         ),
         "charts": _charts(run),
-        "svg": lambda panel: Markup(inline_svg(panel)),
+        "svg": lambda one: Markup(inline_svg(one) if isinstance(one, Panel) else on_page(one)),
         "json": as_json,
         "families": _families(run),
         "rest": _rest(run, FEW, FEW + 2),
@@ -190,9 +191,9 @@ def _rest(run: Run, few: int, bearable: int) -> list[str]:
     return [look.tag for entry, look in run.looks.items() if entry not in best] if len(run.looks) > bearable else []
 
 
-def _charts(run: Run) -> dict[str, list[tuple[Chart, Sequence[Panel]]]]:
+def _charts(run: Run) -> dict[str, list[tuple[Chart, Sequence[Panel] | Sequence[Drawing]]]]:
     """Of each section of the page the charts that have something to show, with their panels."""
-    found: dict[str, list[tuple[Chart, Sequence[Panel]]]] = {}
+    found: dict[str, list[tuple[Chart, Sequence[Panel] | Sequence[Drawing]]]] = {}
     for chart in CHARTS:
         if panels := chart.panels(run)[chart.on_page]:
             found.setdefault(chart.section, []).append((chart, panels))

@@ -8,8 +8,9 @@ from pathlib import Path
 
 from reports import tables
 from reports.charts import CHARTS
-from reports.drawing.figures import save_each, save_sheet
+from reports.drawing.figures import Panel, save_sheet
 from reports.drawing.text import power, seconds
+from reports.drawing.tiles import Drawing, in_file
 from reports.run import Run, read_run
 from results.files import room, write_text
 
@@ -24,17 +25,17 @@ _SPECIAL = str.maketrans({
 
 
 def write_paper(folder: Path) -> Path:
-    """Write figures as PDF and SVG and tables as LaTeX from the tables in DIR; return DIR/paper.
+    """Write figures as PDF and SVG, maps as SVG and tables as LaTeX from the tables in DIR; return DIR/paper.
 
     Errors: results.store.ResultsError where DIR is not a results folder or a table cannot be read.
     """
     run = read_run(folder)
     paper = room(folder, "paper")
     for chart in CHARTS:
-        if panels := chart.panels(run)[chart.in_paper]:
-            if chart.wide:
-                save_each(panels, paper / chart.name)
-                continue
+        found = chart.panels(run)[chart.in_paper]
+        for drawing in (one for one in found if isinstance(one, Drawing)):
+            write_text(paper / f"{chart.name}_{drawing.name}.svg", in_file(drawing))
+        if panels := [one for one in found if isinstance(one, Panel)]:
             width = (COLUMN if chart.columns == 1 else PAGE) / chart.columns
             save_sheet(panels, run.looks, paper / chart.name, chart.columns, size=(width, 0.75 * width), font=FONT)
     for name, table in (("solvability", _solvability), ("times", _times), ("classes", _classes)):

@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pandas as pd
@@ -20,8 +21,10 @@ from problems import InputError, scene
 from problems.nature.thresholds import THRESHOLDS
 from problems.recorded.own import load
 from problems.residual import residual
+from reports.drawing.tiles import Grid, Tile, panel
 from reports.maps import costs, failures, map_cells, robustness
 from reports.page import write_report
+from reports.paper import write_paper
 from reports.run import read_run
 from results import store
 from results.maps import Axis, Map
@@ -154,7 +157,18 @@ def test_the_page_shows_every_map(atlas) -> None:
     for name in ("painleve_rod", "sliding_block", "jam", "steps_painleve_rod"):
         assert escape(MAPS[name].title) in page
     assert "<title>overlap 0.1, friction" in page
-    assert "hover:" not in page
+    assert "Every place is solved by hybrid*, lemke." in page
+    maps = [file for file in write_paper(atlas).iterdir() if file.name.startswith("map_")]
+    assert {"map_jam.svg", "map_times_steps_painleve_rod.svg", "map_work_jam.svg"} <= {file.name for file in maps}
+    for file in maps:
+        assert ElementTree.parse(file).getroot().tag.endswith("svg")
+
+
+def test_a_map_is_drawn_in_few_words_and_names_are_no_markup() -> None:
+    row = [Tile(i, 0, 1.0, "red") for i in range(5)]
+    drawn = panel("<b>&", [*row, Tile(1.5, 0, 0.5, "blue", "<i>")], Grid(("a", "0", "1", 5), ("b", "0", "1", 2), {}), "green")
+    assert '<path d="M0 0H5v1H0z" fill="red"/><path d="M1.75 0.25H2.25v0.5H1.75z" fill="blue"><title>&lt;i&gt;' in drawn
+    assert "&lt;b&gt;&amp;" in drawn
 
 
 def test_a_map_goes_on_where_it_stopped(atlas) -> None:

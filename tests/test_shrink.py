@@ -65,5 +65,5 @@ def test_a_failing_row_is_shrunk_into_a_file(tmp_path) -> None:
     assert load(path).hash == problem.hash
     with pytest.raises(InputError, match="there is no failure"):
         shrink(folder, rows.loc["lemke", "key"], [])
-    with pytest.raises(ResultsError, match="no solve row"):
+    with pytest.raises(ResultsError, match="no row has the key"):
         shrink(folder, "nonsense", [])

@@ -3,10 +3,10 @@
 from math import inf
 from pathlib import Path
 
-from harness.cells.collect import friction_problem
 from harness.commands.trusted import trusted
 from harness.shrink import shrink_rows
 from problems import FrictionProblem, InputError
+from problems.recorded.own import load
 from results import store
 from results.schema import SKIPPED, SOLVED
 from results.shrunk import ROOM
@@ -27,4 +27,6 @@ def shrink(folder: Path, key: str, named: list[str]) -> tuple[Path, FrictionProb
     if not found.file:
         raise InputError(f"row: {key} does not fail again from a cold start; it is not shrunk")
     path = folder / ROOM / found.file
-    return path, friction_problem(path), found.trials
+    small = load(path)
+    assert isinstance(small, FrictionProblem)
+    return path, small, found.trials

@@ -2,7 +2,7 @@
 
 from reports.charts import budget, classes, energy, growth, maps, pareto, profiles, speed_accuracy, stability, work
 
-MAPS = (maps.VERDICTS, maps.TYPES, maps.TIMES)
+MAPS = (maps.VERDICTS, maps.TYPES, maps.TIMES, maps.WORK)
 CHARTS = (
     *(stability.CHART, *MAPS, pareto.CHART, speed_accuracy.CHART),
     *(profiles.CHART, work.CHART, budget.CHART, classes.CHART, growth.CHART, energy.CHART),

@@ -28,7 +28,6 @@ class Panel:
     draw: Callable[[Axes], object]
     dots: Mapping[str, Sequence[str]] = field(default_factory=dict)  # what the dots of each tag are, in the order drawn
     size: tuple[float, float] = PANEL
-    name: str = ""  # of a file of its own
     notes: Mapping[str, str] = field(default_factory=dict)  # of entries, for the panel's own legend
 
 
@@ -44,15 +43,6 @@ def inline_svg(panel: Panel) -> str:
         return _element(figure)
 
 
-def hover(text: str) -> str:
-    """The link of an artist that shows text to who points at it, on the page."""
-    return f"hover:{text}"
-
-
-def _with_titles(svg: str) -> str:
-    return re.sub(r'<a xlink:href="hover:([^"]*)"[^>]*>(.*?)</a>', r"<g><title>\1</title>\2</g>", svg, flags=re.DOTALL)
-
-
 def swatch(look: Look) -> str:
     """An entry's line and marker as a small SVG element, for a legend on the page."""
     with mpl.rc_context(RC):
@@ -66,11 +56,12 @@ def swatch(look: Look) -> str:
 def _element(figure: Figure) -> str:
     text = io.StringIO()
     figure.savefig(text, format="svg", dpi=IMAGE, metadata={"Date": None})
-    svg = _with_titles(text.getvalue())
+    svg = text.getvalue()
     svg = re.sub(r"\s*<metadata>.*?</metadata>", "", svg[svg.index("<svg") :], flags=re.DOTALL)
     svg = re.sub(r'<g id="(dots|band)-(entry-[0-9a-f]+)"', r'<g data-\1="\2"', svg)
     svg = re.sub(r'<g id="(entry-[0-9a-f]+)"', r'<g data-entry="\1"', svg)
-    return re.sub(r'<g id="[^"]*"', "<g", svg).replace(INK, "currentColor")
+    svg = re.sub(r'<g id="[^"]*"', "<g", svg).replace(INK, "currentColor")
+    return re.sub(r'(?<= d=")[^"]*', lambda way: re.sub(r"(\.\d)\d+|\s*\n", r"\1", way[0]), svg)  # tenths of a point will do
 
 
 def save_sheet(
@@ -104,12 +95,4 @@ def save_sheet(
             date = "Date" if path.suffix == ".svg" else "CreationDate"
             with replaced(path) as file:
                 figure.savefig(file, dpi=IMAGE, metadata={date: None})
-                if path.suffix == ".svg":
-                    file.write_text(_with_titles(file.read_text(encoding="utf-8")), encoding="utf-8")
     return paths
-
-
-def save_each(panels: Sequence[Panel], stem: Path) -> None:
-    """Save each panel in a file of its own, STEM_NAME.svg and STEM_NAME.pdf."""
-    for panel in panels:
-        save_sheet([panel], {}, stem.with_name(f"{stem.name}_{panel.name}"), size=panel.size)
