@@ -32,8 +32,11 @@ class Choice(NamedTuple):
     sure: float | None  # share of the bootstrap samples; None of FEW problems or less
 
 
-def choices(run: Run) -> list[tuple[str, dict[float, Choice]]]:
-    """Of each kind that has problems of its own, the winner at each target that somebody reaches."""
+def choices(run: Run, among: set[str] | None = None) -> list[tuple[str, dict[float, Choice]]]:
+    """Of each kind that has problems of its own, the winner at each target that somebody reaches.
+
+    among: entries that may win; all where None.
+    """
     problems = run.contested.drop_duplicates("problem_id").set_index("problem_id")
     contacts = problems["contacts"]
     kinds = {
@@ -52,7 +55,10 @@ def choices(run: Run) -> list[tuple[str, dict[float, Choice]]]:
     found = []
     for kind, chosen, entries in asked:
         if chosen and entries and (chosen != everything or kind in ("all problems", "warm starts")):
-            best = {target: choose(times, chosen, entries) for target, times in run.times.items()}
+            best = {
+                target: choose(times, chosen, entries if among is None else entries & among)
+                for target, times in run.times.items()
+            }
             found.append((kind, {target: choice for target, choice in best.items() if choice}))
     return found
 

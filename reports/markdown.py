@@ -4,32 +4,62 @@ says otherwise. `make peers` writes it, and docs/peers.md keeps one."""
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
 from reports import choice, tables
 from reports.accuracy import TARGETS
 from reports.drawing.text import power, seconds
 from reports.run import Run, read_run
+from reports.standing import sentences, standings
 from results.schema import CRASHED, MISSED, SKIPPED, TIMEOUT, WRONG
 
-BANDS = ((0, 10), (10, 40), (40, np.inf))  # contacts
+BANDS = ((0, 4), (4, 20), (20, 100), (100, np.inf))  # contacts
 ENDS = (max(TARGETS), min(TARGETS))
 
 
 def write_markdown(folder: Path) -> Path:
     """Write DIR/report.md; its path. Errors: results.store.ResultsError where DIR is not a results folder."""
     run = read_run(folder)
-    parts = [_which(run), _exact(run), *(_times(run, dimension) for dimension in (2, 3)), _clocks(run), _skipped(run)]
+    parts = [
+        _head(run),
+        _which(run),
+        *(f"**{what}**: {names}.\n" for what, names in sentences(run)),
+        _exact(run),
+        *(_times(run, dimension) for dimension in (2, 3)),
+        _clocks(run),
+        _skipped(run),
+    ]
     path = folder / "report.md"
     path.write_text("\n".join(part for part in parts if part), encoding="utf-8")
     return path
 
 
+def _head(run: Run) -> str:
+    told, machine = run.manifest.get("settings", {}), run.manifest.get("machine", {})
+    problems = run.contested.drop_duplicates("problem_id")
+    shaken = f"; {run.rows['disturbed'].eq(True).mean():.0%} of the cells waited for their core" if len(run.rows) else ""
+    return (
+        f"Suite {told.get('suite')}, finished {run.manifest.get('finished', 'never')}, {machine.get('processor')}, "
+        f"{machine.get('cores')} cores: {len(problems)} problems that are not trivial, "
+        f"{run.contested['entry'].nunique()} entries, {told.get('time_limit')} s for form, setup and solve together{shaken}.\n"
+    )
+
+
 def _which(run: Run) -> str:
-    rows = [
-        [kind, *(_said(found[target]) if target in found else "–" for target in ENDS)] for kind, found in choice.choices(run)
-    ]
-    return _table("## Which solver", ["problems", *(f"to {power(target)}" for target in ENDS)], rows)
+    """The fastest of all, and the fastest of the outside solvers, by kind of problem."""
+    theirs = choice.choices(run, outside(run))
+    rows = []
+    for (kind, found), (_, other) in zip(choice.choices(run), theirs, strict=True):
+        best = [_said(found[target]) if target in found else "nobody" for target in ENDS]
+        peer = other.get(min(TARGETS))
+        rows.append([kind, *best, _said(peer) if peer else "nobody"])
+    heads = ["for", *(f"to {power(target)}" for target in ENDS), f"of the outside solvers, to {power(min(TARGETS))}"]
+    return _table("## Which solver, who is exact, who claims falsely", heads, rows)
+
+
+def outside(run: Run) -> set[str]:
+    """The entries that rest on an outside library: their version is not this project's own."""
+    ours = run.manifest.get("versions", {}).get("frictionbench")
+    return set(run.rows.loc[run.rows["version"].fillna(ours) != ours, "entry"])
 
 
 def _said(found: choice.Choice) -> str:
@@ -40,20 +70,9 @@ def _said(found: choice.Choice) -> str:
 
 def _exact(run: Run) -> str:
     """Of each entry the problems it met at the tightest tolerance, and how many it ended how."""
-    rows = run.contested[(run.contested["tol"] == run.contested["tol"].min()) & (run.contested["verdict"] != SKIPPED)]
-    best = rows["tol"].min()
-    own = rows["model_residual"] <= best
-    counts = pd.DataFrame({"problems": rows.groupby("entry").size()})
-    counts["exact"] = (rows["residual"] <= best).groupby(rows["entry"]).sum()
-    counts["its own model"] = own.groupby(rows["entry"]).sum()
-    for verdict in (MISSED, WRONG, TIMEOUT, CRASHED):
-        counts[verdict] = (rows["verdict"] == verdict).groupby(rows["entry"]).sum()
-    models = rows.drop_duplicates("entry").set_index("entry")["model"]
-    counts = counts.assign(model=models).sort_values(["exact", "its own model"], ascending=False, kind="stable")
     names = ["problems", "exact", "its own model", MISSED, WRONG, TIMEOUT, CRASHED]
-    body = [[_name(entry), row["model"], *(str(row[name]) for name in names)] for entry, row in counts.iterrows()]
-    title = f"## Who is exact, who claims falsely, at {power(best)}"
-    return _table(title, ["solver", "model", *names], body)
+    body = [[_name(one.entry), *map(str, one[1:])] for one in standings(run)]
+    return _table(f"## How each ended, at {power(run.contested['tol'].min())}", ["solver", "model", *names], body)
 
 
 def _times(run: Run, dimension: int) -> str:
@@ -77,18 +96,27 @@ def _times(run: Run, dimension: int) -> str:
     body = [body[i] for i in sorted(range(len(body)), key=order.__getitem__)]
     where = "the plane" if dimension == 2 else "space"
     title = f"## Times in {where}, ms: form + setup + solve (solved/problems, each its own model)"
-    heads = [f"{low + 1} to {high:.0f} contacts" if high < np.inf else f"more than {low}" for low, high in BANDS]
-    return _table(title, ["solver", *heads], body)
+    return _table(title, ["solver", *_bands()], body)
 
 
 def _clocks(run: Run) -> str:
+    """Medians by size of those whose own clock tells another time, over the problems whose model they solve."""
     apart = tables.clocks(run).query("apart")
-    body = [
-        [_name(str(row.entry)), *(f"{1e3 * time:.2g}" for time in (row.solve_time, row.clock_time)), f"{row.ratio:.2g}"]
-        for row in apart.itertuples()
-    ]
-    title = "## Whose own clock differs by more than a tenth (medians, ms)"
-    return _table(title, ["solver", "solve, by the harness", "by its own clock", "ratio"], body) if body else ""
+    rows = run.contested[run.contested["clock_time"].notna() & (run.contested["tol"] == run.contested["tol"].min())]
+    rows = rows[rows["answered"] & (rows[["residual", "model_residual"]].min(axis=1) <= rows["tol"])]
+    body = []
+    for entry, ratio in zip(apart["entry"], apart["ratio"], strict=True):
+        own, shown = rows[rows["entry"] == entry], []
+        for low, high in BANDS:
+            times = own.loc[(own["contacts"] > low) & (own["contacts"] <= high), ["solve_time", "clock_time"]].median() * 1e3
+            shown.append("–" if times.isna().any() else f"{times['solve_time']:.2g} / {times['clock_time']:.2g}")
+        body.append([_name(str(entry)), *shown, f"{ratio:.2g}"])
+    title = "## Whose own clock differs by more than a tenth: solve by the harness / by its own clock, ms"
+    return _table(title, ["solver", *_bands(), "ratio"], body) if body else ""
+
+
+def _bands() -> list[str]:
+    return [f"{low + 1} to {high:.0f} contacts" if high < np.inf else f"more than {low}" for low, high in BANDS]
 
 
 def _skipped(run: Run) -> str:

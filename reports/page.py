@@ -24,6 +24,7 @@ from reports.drawing.tiles import Drawing, on_page
 from reports.recorded import recorded_problems
 from reports.run import Run, read_run
 from reports.sheets import sheets
+from reports.standing import sentences
 from reports.templates import as_json, environment, script
 from results.files import write_text
 from results.polygon import read_deviations
@@ -74,6 +75,7 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
         "headline": headline(run),
         "choices": choice.choices(run),
         "ends": (max(TARGETS), min(TARGETS)),
+        "standing": sentences(run),
         "swatches": {entry: Markup(swatch(one)) for entry, one in run.looks.items()},
         "matrices": {target: tables.matrix(table) for target, table in run.summaries.items()},
         "races": {name: tables.race(run.summaries, name) for name in [ALL, *ranked]},

@@ -2,27 +2,36 @@
 
 import ast
 import os
+import re
+import shlex
 import sys
 from pathlib import Path
 from types import SimpleNamespace
 
+import h5py
 import numpy as np
 import psutil
 import pytest
 from rich.console import Console
+from scipy import sparse
 
-from harness.commands.fairness import FIELDS, facts, page
+from harness.commands.export import export
+from harness.commands.fairness import FIELDS, facts, outcomes, page
+from harness.plans.choose import named_source
 from harness.plans.plan import Plan, Source
+from harness.plans.suites import SUITES
 from harness.progress import Progress
 from harness.run import run
 from harness.workers.introduce import introduce
-from problems import InputError, scene
+from problems import FrictionProblem, InputError, scene
+from problems.recorded import fclib, read
 from problems.residual import relaxation_residual, residual
 from results import store
 from solvers import Answer, Status, available, find, outside, plugins, solve
 from solvers.needs import installed
-from solvers.outside.children.child import Child, DiedError
+from solvers.outside.children.child import Child, DiedError, child
 from solvers.outside.pure_delassus import pure_delassus
+from solvers.outside.siconos import PYTHON
 from tests.friction_problems import block, nothing, spatial, with_joints
 
 TESTS = Path(__file__).parent
@@ -128,6 +137,29 @@ def test_the_fairness_page_is_the_registrys() -> None:
     assert written == page(), "python -m harness.commands.fairness > docs/fairness.md"
 
 
+def test_the_contract_was_held_to_every_entry_that_could_be_had() -> None:
+    told = outcomes()
+    assert set(told) == {spec for info in available().values() if info.needs for spec in info.specs}
+    absent = {spec.partition("[")[0] for spec, line in told.items() if line["broken"].startswith("not here")}
+    assert absent == {"dart"}, "no 7.x can be installed yet"
+
+
+@pytest.mark.parametrize("info", [info for info in available().values() if info.needs], ids=lambda info: info.name)
+def test_the_commands_of_its_flaws_can_be_given(info) -> None:
+    """Each names a scene, a suite and a solver that there are; they were run where the libraries are."""
+    for command in re.findall(r"`frictionbench ([^`]*)`", facts(info)["Flaws"]):
+        verb, what, *rest = shlex.split(command)
+        solvers = [rest[i + 1] for i, word in enumerate(rest) if word == "--solver"]
+        assert solvers
+        for spec in solvers:
+            assert find(spec)[0].name == info.name
+        if verb == "solve":
+            named_source(what)
+        else:
+            assert verb == "run"
+            assert what in SUITES
+
+
 def test_what_is_missing_is_said() -> None:
     plugins.load(str(PEERS))
     missing = "no-such-distribution, no.such.module@/usr/bin/python3 not installed"
@@ -217,3 +249,37 @@ def test_dart_is_handed_coulombs_law_in_the_plane(monkeypatch) -> None:
     assert residual(problem, answer.impulse) <= 1e-8
     assert installed("numpy>=1") == np.__version__
     assert installed("numpy>=999") is None
+
+
+def fclib_matrix(file: h5py.File, name: str) -> np.ndarray:
+    """A matrix as FCLIB means it, without our reader: i is the row and p the column, or p the starts of columns or rows."""
+    m, n, nz = (int(file[f"{name}/{part}"][0]) for part in ("m", "n", "nz"))
+    i, p, x = (file[f"{name}/{part}"][:] for part in ("i", "p", "x"))
+    made = {-1: sparse.csc_array, -2: sparse.csr_array}.get(nz)
+    return (made((x, i, p), shape=(m, n)) if made else sparse.coo_array((x, (i, p)), shape=(m, n))).toarray()
+
+
+@pytest.mark.parametrize("form", ["global", "friction_3d", "friction_2d"])
+def test_siconos_solves_an_exported_file(tmp_path, form) -> None:
+    """What stands in the file goes to Siconos as it is, unscaled; its impulses solve the problem that was exported."""
+    if missing := find("siconos[method=friction_3d_nsgs]")[0].missing:
+        pytest.skip(missing)
+    path, spec = tmp_path / "p.hdf5", "stack[blocks=2,push=1]" if form == "friction_2d" else "cubes[boxes=2,push=1]"
+    list(export(spec, path))
+    problem = read(path)
+    d = problem.dimension
+    if form != "global":
+        path = tmp_path / "local.hdf5"
+        fclib.write(FrictionProblem.from_delassus(problem.W, problem.q, problem.friction, d), path)
+    with h5py.File(path) as file:
+        group = "fclib_global" if form == "global" else "fclib_local"
+        names = {"mu": "mu", **({"q": "f", "b": "w"} if form == "global" else {"q": "q"})}
+        told = {name: file[f"{group}/vectors/{stored}"][:].ravel() for name, stored in names.items()}
+        told |= {name: fclib_matrix(file, f"{group}/{name}") for name in (("M", "H") if form == "global" else ("W",))}
+    siconos = child("siconos_numerics.py", PYTHON)
+    siconos.ask(kind=form, **told)
+    method = {"global": "global_friction_3d_admm", "friction_3d": "friction_3d_nsgs", "friction_2d": "friction_2d_nsgs"}[form]
+    found = siconos.ask(solver=method, eps=1e-10, size=1.0, limit=100_000, start=np.zeros(problem.contacts * d))
+    siconos.end()
+    assert found["code"] == 0
+    assert residual(problem, found["r"].reshape(-1, d)) <= 1e-8

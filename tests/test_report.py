@@ -22,11 +22,13 @@ from reports.drawing import style
 from reports.drawing.figures import save_sheet
 from reports.drawing.style import looks
 from reports.drawing.text import plain, seconds
+from reports.markdown import write_markdown
 from reports.page import write_report
 from reports.paper import booktabs, write_paper
 from reports.recorded import recorded_problems
 from reports.run import Run, annotate, annotate_drives, read_run
 from reports.sheets import sheets
+from reports.standing import sentences, standings
 from reports.tables import problem_classes
 from reports.templates import script
 from reports.told import settings
@@ -643,3 +645,32 @@ def test_a_librarys_own_clock_is_shown_beside_ours(tmp_path):
     assert table["apart"].to_dict() == {"a": False, "b": True}
     assert table.loc["b", "ratio"] == pytest.approx(2.0)
     assert "By their own clocks" in _Page(write_report(write_folder(tmp_path / "run", rows))).text
+
+
+def test_who_is_exact_and_who_claims_falsely_by_hand(tmp_path):
+    """Two problems: one entry solves both, one its own model alone, one lies once, one dies once; the library's own is told."""
+    rows = [solve_row(name, problem, version="ours") for name in "ab" for problem in "pq"]
+    rows += [solve_row("soft", problem, model="relaxation", residual=0.1, verdict="relaxed") for problem in "pq"]
+    rows += [solve_row("liar", "p", version="lib 2"), solve_row("liar", "q", version="lib 2", residual=0.1, verdict="wrong")]
+    rows[-1] |= {"model_residual": 0.1}
+    rows += [solve_row("weak", "p"), lost_row("weak", "q", "crashed")]
+    folder = write_folder(tmp_path / "run", [{"version": "ours"} | row for row in rows], versions={"frictionbench": "ours"})
+    run = read_run(folder)
+    assert [(one.entry, one.exact, one.own, one.wrong, one.crashed) for one in standings(run)] == [
+        ("a", 2, 2, 0, 0),
+        ("b", 2, 2, 0, 0),
+        ("liar", 1, 1, 1, 0),
+        ("weak", 1, 1, 0, 1),
+        ("soft", 0, 2, 0, 0),
+    ]
+    assert dict(sentences(run)) == {
+        "Exact to 1e-8 on every problem taken": "a, b",
+        "So, but of a relaxation, which is another law where bodies slide": "soft",
+        "Claim answers that are off by more than ten times": "liar (1 of 2)",
+        "Died": "weak (1 of 2)",
+    }
+    told = write_markdown(folder).read_text(encoding="utf-8")
+    assert "**Died**: weak (1 of 2)." in told
+    best = next(line for line in told.splitlines() if line.startswith("| all problems"))
+    assert "`liar`" in best.split("|")[-2], "the best of the outside solvers"
+    assert "Claim answers that are off by more than ten times" in write_report(folder).read_text(encoding="utf-8")

@@ -4,18 +4,17 @@ Planar problems only, where the cones are polygons; `ccp_cone` takes round ones 
 problems.forms.relaxation.
 
 Licence: qpsolvers LGPL-3.0; Clarabel and OSQP Apache-2.0, ProxSuite and PIQP BSD-2-Clause, DAQP, HiGHS and SCS MIT, quadprog
-    GPL-2.0, ECOS GPL-3.0, QPALM LGPL-3.0.
+    GPL-2.0-or-later, ECOS GPL-3.0, QPALM LGPL-3.0-or-later.
 Form: the QP scaled to pure numbers (solvers.outside.scaled_program), dense for DAQP, quadprog and ECOS. Setup: qpsolvers'
-problem.
-    Solve: qpsolvers' call, the backend's own setup inside.
+    problem. Solve: qpsolvers' call, the backend's own setup inside.
 Clock: qpsolvers', around the backend's solve, after its setup where the two can be told apart.
 Tolerance: eps stands for tol in the project's measure, and complementarity needs a gap of eps^2.
     clarabel tol_feas = eps, gaps eps^2. osqp eps_abs = eps/10, not polished. proxqp and piqp eps_abs = eps, gap eps^2, which
     ProxQP does not test unless told to. daqp primal and dual eps/10. highs both feasibilities eps/10, no less than 1e-10.
     scs and qpalm eps_abs = eps/10. ecos feastol = eps/10, gaps eps^2. quadprog takes none. Relative tolerances are 0.
 Flaws: another model than Coulomb's wherever boxes slide, `frictionbench solve stopping_block --solver 'ccp[backend=daqp]'`;
-that is
-    the relaxation's, not the libraries'.
+    that is the relaxation's, not the libraries'. quadprog and ECOS want a definite matrix and take no friction_bias.
+    HiGHS' least feasibility of 1e-10 and ECOS' arithmetic leave some claims at 1e-8 off by a few times that.
 Reference: Anitescu 2006 for the model; Caron and others, qpsolvers; Goulart and Chen 2024 (Clarabel); Stellato and others 2020
     (OSQP); Bambade and others 2022 (ProxQP); Schwan and others 2023 (PIQP); Arnström and others 2022 (DAQP).
 """
@@ -35,12 +34,14 @@ from solvers.outside.scaled_program import ScaledProgram, gap_tolerance, scaled_
 
 
 class Backend(NamedTuple):
-    """A backend's distribution, the name and default of its limit on iterations, and whether it likes dense matrices."""
+    """A backend's distribution, the name and default of its limit on iterations, whether it likes dense matrices, and whether
+    it wants a definite P: then no friction_bias, whose variable has no weight."""
 
     distribution: str
     limit: str
     most: int
     dense: bool = False
+    definite: bool = False
 
 
 BACKENDS = {
@@ -49,10 +50,10 @@ BACKENDS = {
     "proxqp": Backend("proxsuite", "max_iter", 10_000),
     "piqp": Backend("piqp", "max_iter", 500),
     "daqp": Backend("daqp", "iter_limit", 10_000, dense=True),
-    "quadprog": Backend("quadprog", "", 0, dense=True),
+    "quadprog": Backend("quadprog", "", 0, dense=True, definite=True),
     "highs": Backend("highspy", "qp_iteration_limit", 100_000),
     "scs": Backend("scs", "max_iters", 100_000),
-    "ecos": Backend("ecos", "max_iters", 200, dense=True),
+    "ecos": Backend("ecos", "max_iters", 200, dense=True, definite=True),
     "qpalm": Backend("qpalm", "max_iter", 10_000),
 }
 
@@ -62,14 +63,10 @@ class Prepared(NamedTuple):
     problem: Any  # qpsolvers.Problem
 
 
-@solver(
-    "ccp",
-    family="relaxation",
-    model="relaxation",
-    sparse=True,
-    needs=("qpsolvers", "clarabel"),
-    variants=tuple(f"backend={name}" for name in BACKENDS),
-)
+_VARIANTS = tuple(f"backend={name}" for name in BACKENDS)
+
+
+@solver("ccp", family="relaxation", model="relaxation", sparse=True, needs=("qpsolvers", "clarabel"), variants=_VARIANTS)
 class CCP:
     """The convex relaxation as a QP in the velocities, by a library through qpsolvers.
 
@@ -84,6 +81,10 @@ class CCP:
     @property
     def needs(self) -> tuple[str, ...]:
         return "qpsolvers", BACKENDS[self.backend].distribution
+
+    @property
+    def lacks(self) -> tuple[str, ...]:
+        return ("friction_bias",) if BACKENDS[self.backend].definite else ()
 
     def form(self, problem: FrictionProblem) -> ScaledProgram[QP]:
         return scaled_program(problem, problem.qp())

@@ -1,6 +1,6 @@
 """Drake's two solvers of LCPs: MobyLcp, a Lemke method with retries, and UnrevisedLemke.
 
-Licence: BSD-3-Clause.
+Licence: BSD-3-Clause; the wheel bundles proprietary libraries that none of these solvers calls.
 Form: the friction LCP's M, dense and scaled, and q. Setup: a MathematicalProgram with that one constraint. Solve: a solver
     object made afresh, for one that is reused starts from its last basis, and its Solve.
 Clock: none of its own.

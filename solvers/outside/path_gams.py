@@ -1,7 +1,7 @@
 """PATH through GAMSPy, for whoever has it: the package brings a demonstration licence that forbids commercial use, holds for at
 most 1000 rows and may expire. Never a dependency.
 
-Licence: proprietary, demonstration licence in the package.
+Licence: GAMSPy MIT; GAMS and PATH proprietary, with a demonstration licence in the package gamspy_base.
 Form: the friction LCP's M, dense and scaled, and q. Setup: GAMSPy's container and model. Solve: GAMSPy's call from z = 0, with
     30 to 100 ms of GAMS around PATH.
 Clock: the total time in PATH's own log, GAMS' evaluation of M z + q inside.

@@ -5,7 +5,8 @@ Form: for lcp_ the friction LCP's M, dense and scaled; for friction_ the Delassu
     second tangent that nothing moves where the problem is planar; for global_, in space alone, M, H = J' and q, sparse, in
     pure numbers. Setup: sending them, and Siconos' problem object. Solve: the driver's call, and some 50 µs to ask for it.
 Clock: around the driver's call, in the child.
-Tolerance: eps/2 over |q^|, for Siconos divides its natural map's norm by |q|; eps as in solvers.outside.pure_delassus.
+Tolerance: eps/2 over |q^|, for Siconos divides its natural map's norm by |q|; eps as in solvers.outside.pure_delassus. Where
+    |r^| is larger it divides by that, and is asked again from its own answer for as much less.
 Flaws: return codes lie in both directions, `frictionbench solve 'stack[blocks=20,push=1.0]' --solver
     'siconos[method=friction_2d_lemke]'`; some methods abort or hang, which costs their cell.
 Reference: Acary, Brémond and Huber 2018; Acary, Bonnefon, Brémond, Huber, Pérignon and Sinclair 2019, Siconos.
@@ -103,11 +104,9 @@ class Siconos:
             start = impulses(start, given.contacts)
             own = start.ravel() / (given.theta * given.E)
             guess = given.to_space(start) if size == 3 * len(start) else own
-        relative, most = (
-            eps / 2 / (np.linalg.norm(given.q) or 1.0),
-            limit or (1000 if "new" in self.method or "nsn" in self.method else 100_000),
-        )
-        found = child(_SCRIPT, PYTHON).ask(solver=self.method, tol=relative, limit=most, start=guess)
+        most = limit or (1000 if "new" in self.method or "nsn" in self.method else 100_000)
+        norm = float(np.linalg.norm(given.q)) or 1.0
+        found = child(_SCRIPT, PYTHON).ask(solver=self.method, eps=eps / 2, size=norm, limit=most, start=guess)
         status, detail = (Status.FAILED if found["code"] else Status.SOLVED), f"Siconos' code {found['code']}"
         work, r = {"iterations": found["iterations"]}, found["r"]
         if isinstance(given, DenseLCP):

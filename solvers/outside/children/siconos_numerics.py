@@ -10,6 +10,7 @@ import numpy as np
 import siconos.numerics as sn
 from talk import Array, serve  # this folder, on the path of a child
 
+CALLS = 3  # the answer grows a little with accuracy
 told: dict[str, Any] = {}
 
 
@@ -46,26 +47,37 @@ def compressed(matrix: Array) -> Any:
     return kept
 
 
-def solve(solver: str, tol: float, limit: int, start: Array) -> dict[str, Any]:
-    """The driver's call from `start`, its code, count of iterations and seconds."""
-    options = sn.SolverOptions(getattr(sn, f"SICONOS_{solver.upper()}"))
-    options.dparam[sn.SICONOS_DPARAM_TOL] = tol
-    options.iparam[sn.SICONOS_IPARAM_MAX_ITER] = limit
-    r, kind, problem = start.copy(), told["kind"], told["problem"]
+def solve(solver: str, eps: float, size: float, limit: int, start: Array) -> dict[str, Any]:
+    """The driver's calls from `start`, the last one's code, the iterations and seconds of all.
+
+    Siconos divides its error by |q| or, in friction problems, by |r| where that is larger, which is known only afterwards: it
+    is then asked once more, from its own answer, for as much less. eps: the error before that division. size: |q|.
+    """
+    r, iterations, seconds = start.copy(), 0, 0.0
+    for _ in range(CALLS):
+        options = sn.SolverOptions(getattr(sn, f"SICONOS_{solver.upper()}"))
+        options.dparam[sn.SICONOS_DPARAM_TOL] = eps / size
+        options.iparam[sn.SICONOS_IPARAM_MAX_ITER] = limit
+        driver, arguments = call(r)
+        begun = perf_counter()
+        code = driver(*arguments, options)
+        seconds += perf_counter() - begun
+        iterations += max(int(options.iparam[sn.SICONOS_IPARAM_ITER_DONE]), 0)
+        larger = float(np.linalg.norm(r))
+        if code or told["kind"] == "lcp" or not larger > size:
+            break
+        size = 1.1 * larger
+    return {"r": r, "code": int(code), "iterations": iterations, "clock": seconds}
+
+
+def call(r: Array) -> tuple[Any, tuple[Any, ...]]:
+    """The driver of the problem that is kept, and its arguments, r the guess and the answer."""
+    kind, problem = told["kind"], told["problem"]
     if kind == "lcp":
-        arguments: tuple[Any, ...] = (problem, r, np.zeros(len(r)))
-        driver = sn.linearComplementarity_driver
-    elif kind == "global":
-        arguments = (problem, r, np.zeros(len(r)), np.zeros(len(told["q"])))
-        driver = sn.gfc3d_driver
-    else:
-        arguments = (problem, r, told["W"] @ r + told["q"])
-        driver = sn.fc2d_driver if kind == "friction_2d" else sn.fc3d_driver
-    begun = perf_counter()
-    code = driver(*arguments, options)
-    seconds = perf_counter() - begun
-    iterations = int(options.iparam[sn.SICONOS_IPARAM_ITER_DONE])
-    return {"r": r, "code": int(code), "iterations": max(iterations, 0), "clock": seconds}
+        return sn.linearComplementarity_driver, (problem, r, np.zeros(len(r)))
+    if kind == "global":
+        return sn.gfc3d_driver, (problem, r, np.zeros(len(r)), np.zeros(len(told["q"])))
+    return sn.fc2d_driver if kind == "friction_2d" else sn.fc3d_driver, (problem, r, told["W"] @ r + told["q"])
 
 
 serve(answer)

@@ -1,0 +1,67 @@
+"""Who is exact, who claims falsely, and who dies, at the tightest tolerance of a run: a line an entry, and all in sentences.
+
+A relaxation's or a polygon's answers are exact as such where the residual of that model is within the tolerance.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from reports.drawing.text import power
+from reports.run import Run
+from results.schema import CRASHED, MISSED, SKIPPED, TIMEOUT, WRONG
+
+
+class Standing(NamedTuple):
+    """Of the problems that an entry met how many it ended how; own: exactly in its own model."""
+
+    entry: str
+    model: str
+    problems: int
+    exact: int
+    own: int
+    missed: int
+    wrong: int
+    timeout: int
+    crashed: int
+
+
+def standings(run: Run) -> list[Standing]:
+    """Those exact most often first."""
+    rows = run.contested[(run.contested["tol"] == run.contested["tol"].min()) & (run.contested["verdict"] != SKIPPED)]
+    found = []
+    for entry, own in rows.groupby("entry", sort=False):
+        exact, model = own["residual"] <= own["tol"], own[["residual", "model_residual"]].min(axis=1) <= own["tol"]
+        ended = [int((own["verdict"] == verdict).sum()) for verdict in (MISSED, WRONG, TIMEOUT, CRASHED)]
+        found.append(Standing(str(entry), own["model"].iloc[0], len(own), int(exact.sum()), int(model.sum()), *ended))
+    return sorted(found, key=lambda one: (-one.exact, -one.own))
+
+
+def sentences(run: Run) -> list[tuple[str, str]]:
+    """What is said of entries, and which they are, with counts; what holds of nobody is left out."""
+    everybody = standings(run)
+    if not everybody:
+        return []
+    to = power(float(run.contested["tol"].min()))
+    everywhere = [one for one in everybody if one.own == one.problems]
+    claims: dict[str, tuple[list[Standing], Callable[[Standing], int] | None]] = {
+        f"Exact to {to} on every problem taken": ([one for one in everywhere if one.exact == one.problems], None),
+        "So, but with a polygon for the cone in space": (
+            [one for one in everywhere if one.exact < one.problems and one.model == "lcp"],
+            None,
+        ),
+        "So, but of a relaxation, which is another law where bodies slide": (
+            [one for one in everywhere if one.exact < one.problems and one.model != "lcp"],
+            None,
+        ),
+        "Claim answers that are off by more than ten times": ([one for one in everybody if one.wrong], lambda one: one.wrong),
+        "Died": ([one for one in everybody if one.crashed], lambda one: one.crashed),
+    }
+    return [
+        (what, ", ".join(_named(one, count(one) if count else None) for one in entries))
+        for what, (entries, count) in claims.items()
+        if entries
+    ]
+
+
+def _named(one: Standing, count: int | None) -> str:
+    return one.entry if count is None else f"{one.entry} ({count} of {one.problems})"
