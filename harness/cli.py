@@ -60,6 +60,9 @@ def run(
         Path | None,
         typer.Option("--out", metavar="DIR", help="Results folder; by default one below runs/ for these very settings."),
     ] = None,
+    retake: Annotated[
+        bool, typer.Option("--retake", help="Run again the cells of an earlier run that did not have their core to themselves.")
+    ] = False,
 ) -> None:
     """Run a suite, or what of it the options choose.
 
@@ -75,7 +78,7 @@ def run(
     plan = choose(suite, scene or [], variants, tol, time_limit, plugins, tuple(data or ()))
     folder = out or folder_for(plan)
     with _goes_on(folder):
-        run_maps(plan, folder, _jobs(jobs), Progress(), cluster)
+        run_maps(plan, folder, _jobs(jobs), Progress(), cluster, retake=retake)
     typer.echo(summary(folder))
 
 

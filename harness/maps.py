@@ -11,20 +11,27 @@ from pathlib import Path
 from harness.plans import maps
 from harness.plans.plan import Plan
 from harness.progress import Progress
-from harness.run import run
+from harness.run import open_folder, run
 from harness.shrink import ENOUGH, shrink_rows
 from harness.trace import trace
 from results import store
 from results.maps import Map, Place
 from results.places import THEORY, lost, placed
+from results.schema import TABLES
 from results.shrunk import read_shrunk, write_shrunk
 from results.store import Row
 
 MOST_SHRUNK = 100  # failures
 
 
-def run_maps(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | None = None) -> None:
-    """Run a plan and its maps. Errors: as of harness.run.run."""
+def run_maps(
+    plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | None = None, *, retake: bool = False
+) -> None:
+    """Run a plan and its maps; with retake again what shared its core when it ran before. Errors: as of harness.run.run."""
+    if retake:
+        open_folder(plan, folder)
+        for table in TABLES:
+            store.drop(folder, table, lambda row: row.get("disturbed") is True)
     known: list[dict[Place, None]] = [dict.fromkeys(spec.grid) for spec in plan.maps]
     for level in range(max((spec.levels for spec in plan.maps), default=0) + 1):
         if level:

@@ -34,6 +34,7 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
     """
     folder = folder.absolute()
     open_folder(plan, folder)
+    store.write_manifest(folder, store.read_manifest(folder) | {"workers": None if cluster else jobs})
     with Pool(folder, 1 if cluster else jobs, plan.plugins, plan.memory_limit) as pool:
         entries = _collect(plan, pool, progress)
         _record(plan, pool, progress)

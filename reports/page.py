@@ -68,6 +68,7 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
         "setup": _setup(run.manifest),
         "disturbed": int(run.rows["disturbed"].eq(True).sum()),
         "homeless": int((run.rows["disturbed"].eq(True) & run.rows["core"].isna()).sum()),
+        "crowded": told.crowded(run.manifest),
         "finished": "finished" in run.manifest,
         "problems": run.rows.loc[run.rows["problem"] != "", "problem_id"].nunique(),
         "contested": run.contested["problem_id"].nunique(),

@@ -25,6 +25,13 @@ def settings(manifest: dict[str, Any]) -> list[tuple[str, list[Setting]]]:
     return [(part, [_setting(*item) for item in values.items()]) for part, values in [*parts, ("run", alone)] if values]
 
 
+def crowded(manifest: dict[str, Any]) -> int:
+    """The workers of a run that left its main process no core of its own; 0 where one was left, or nothing says so."""
+    machine = manifest.get("machine")
+    workers, cores = manifest.get("workers"), machine.get("cores") if isinstance(machine, dict) else None
+    return workers if isinstance(workers, int) and isinstance(cores, int) and workers >= cores else 0
+
+
 def _setting(name: str, value: Any) -> Setting:
     text = _bytes(value) if name in ("memory", "memory_limit") else _told(value)
     return Setting(name.replace("_", " "), text[:MOST], len(value) if isinstance(value, list) and len(text) > LONG else 0)

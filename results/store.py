@@ -159,6 +159,18 @@ def find_row(folder: Path, given: str, tables: Sequence[str] = ("solves", "drive
     return table, fitted(row, arrow_schema(table))
 
 
+def drop(folder: Path, table: str, unwanted: Callable[[Row], bool]) -> int:
+    """Take rows out of the table's shards, and what is no row with them; how many rows. Errors: OSError naming the shard."""
+    dropped = 0
+    for shard in (folder / "shards").glob(f"{table}-*.jsonl"):
+        found = [row for _, row in _parse(shard)]
+        kept = [row for row in found if not unwanted(row)]
+        if len(kept) < len(found):
+            write_text(shard, "".join(json.dumps(row) + "\n" for row in kept))
+        dropped += len(found) - len(kept)
+    return dropped
+
+
 def merge(folder: Path, table: str, order: Sequence[str], lost: Callable[[str], Row]) -> int:
     """Write DIR/TABLE.parquet from the shards, the row of every key of the plan in its order; how many of these have none.
 

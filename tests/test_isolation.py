@@ -1,23 +1,27 @@
 """Workers run our code and nobody else's, end with the run whatever runs in them, and do not spoil one another."""
 
+import json
 import os
 import signal
 import subprocess
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import psutil
 import pytest
 
 from harness import machine, process
+from harness.maps import run_maps
 from harness.plans.plan import Plan, Source
 from harness.run import run
 from harness.workers import pool
 from harness.workers.pool import Pool
 from problems import InputError
 from reports.page import write_report
+from reports.told import crowded
 from results import store
 from results.store import ResultsError
 from tests.test_run import quiet
@@ -169,6 +173,30 @@ def test_without_a_core_of_its_own_a_row_is_marked_and_so_is_the_report(tmp_path
     page = write_report(tmp_path).read_text(encoding="utf-8")
     assert "1 of 1 cells shared their core" in page
     assert "no core left" in page
+
+
+def test_rows_of_a_disturbed_core_are_taken_again_if_asked(tmp_path) -> None:
+    plan = Plan("test", (Source("stack", {"blocks": 1}),), ("nsgs", "lemke"), (1e-4,))
+    run(plan, tmp_path, 1, quiet())
+    (shard,) = (tmp_path / "shards").glob("solves-*.jsonl")
+    lines = shard.read_text(encoding="utf-8").splitlines()
+    rows = [json.loads(line) | {"disturbed": k == 0, "reason": "before"} for k, line in enumerate(lines)]
+    shard.write_text("".join(json.dumps(row) + "\n" for row in rows), encoding="utf-8")
+    with pytest.raises(ResultsError, match="holds another run"):
+        run_maps(replace(plan, time_limit=1.0), tmp_path, 1, quiet(), retake=True)
+    run_maps(plan, tmp_path, 1, quiet(), retake=True)
+    again = store.read_table(tmp_path, "solves").set_index("key")["reason"]
+    assert [again[row["key"]] for row in rows] == ["", "before"]
+
+
+def test_a_run_on_all_cores_says_so(tmp_path) -> None:
+    cores = len(process.cores())
+    run(Plan("test", (Source("stack", {"blocks": 1}),), ("nsgs",), (1e-4,)), tmp_path, 1, quiet())
+    manifest = store.read_manifest(tmp_path)
+    assert (manifest["workers"], crowded(manifest)) == (1, int(cores == 1))
+    store.write_manifest(tmp_path, manifest | {"workers": cores})
+    assert f"{cores} workers on all cores" in write_report(tmp_path).read_text(encoding="utf-8")
+    assert crowded({"workers": "many", "machine": {"cores": 1}}) == crowded({"workers": 1, "machine": 7}) == 0
 
 
 NAPS = """
