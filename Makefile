@@ -2,7 +2,7 @@
 # make test    install, check the style and the types, run the tests
 # make timing  install, time the kernels with pytest-benchmark, a file in runs/timing-REVISION each time
 # make peers   the outside solvers into an environment of their own, as far as they can be had; run the peers suite, report
-# make regress install, run the smoke suite and compare it with the committed baseline
+# make regress install, run the smoke suite and compare it with the committed baseline; COMPARE: more options of compare
 
 PYTHON ?= python3
 BIN := .venv/bin
@@ -51,7 +51,7 @@ peers: $(PEERS)/installed
 
 regress: install
 	$(BIN)/frictionbench run smoke --out runs/smoke-$(REVISION)
-	$(BIN)/frictionbench compare results/baselines/smoke.tsv runs/smoke-$(REVISION)
+	$(BIN)/frictionbench compare results/baselines/smoke.tsv runs/smoke-$(REVISION) $(COMPARE)
 
 clean:
 	rm -rf .venv $(PEERS) build *.egg-info

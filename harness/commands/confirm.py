@@ -61,7 +61,7 @@ def confirmed(
     with tempfile.TemporaryDirectory() as name:
         scratch = Path(name)
         now = Code([sys.executable, "-P", "-c", START, str(machine.ROOT)], outside)
-        before = _baseline(code, outside, scratch) if code else None
+        before = baseline_code(code, outside, scratch) if code else None
         timed = before is not None and limits.times
         sides = [side for side in (before, now) if side is not None]
         pairs: list[Pair] = []
@@ -79,9 +79,9 @@ def _options(settings: dict[str, Any]) -> list[str]:
         suite, sources = settings["suite"], settings["sources"]
         if suite not in SUITES or any(source["file"] for source in sources):
             raise InputError(f"confirm: the problems of {suite} come from files, and its cells are not run again")
-        own = {source.scene for source in SUITES[suite]().sources}
-        scenes = [(source["scene"], json.dumps(source["parameters"])) for source in sources]
-        chosen = dict.fromkeys(scene if scene in own else cells.spec(scene, parameters) for scene, parameters in scenes)
+        own = {cells.spec(source.scene, json.dumps(source.parameters)) for source in SUITES[suite]().sources}
+        met = [(source["scene"], cells.spec(source["scene"], json.dumps(source["parameters"]))) for source in sources]
+        chosen = dict.fromkeys(scene if spec in own else spec for scene, spec in met)
         limits = ["--tol", ",".join(map(repr, settings["tolerances"])), "--time-limit", repr(settings["time_limit"])]
     except (KeyError, TypeError):
         raise ResultsError("confirm: the run's manifest does not say what was run") from None
@@ -98,7 +98,8 @@ def _cells(code: Code, asked: list[str], folder: Path) -> cells.Cells:
     return cells.read(folder)
 
 
-def _baseline(code: str, named: list[str], scratch: Path) -> Code:
+def baseline_code(code: str, named: list[str], scratch: Path) -> Code:
+    """The baseline's code where `code` says; a revision is unpacked in scratch. Errors: InputError where it is not there."""
     folder = Path(code).absolute()
     if (folder / "bin" / "python").exists():
         return Code([str(folder / "bin" / "python"), "-P", "-m", "frictionbench"], named)

@@ -59,7 +59,7 @@ def figures(comparison: Comparison, cells: pd.DataFrame) -> list[dict[str, Any]]
         good = ran["verdict"].isin([SOLVED, RELAXED])
         found.append({"name": f"{variant}: not solved", "unit": "cells", "value": int((~good).sum())})
         counters = pd.DataFrame([untold(line) for line in ran["work"]]).sum()
-        found += [{"name": f"{variant}: {name}", "unit": "", "value": int(count)} for name, count in counters.items()]
+        found += [{"name": f"{variant}: {name}", "unit": name, "value": int(count)} for name, count in counters.items()]
         if np.isfinite(mean := np.exp(np.log(ran.loc[good, "seconds"].dropna()).mean())):
             found.append({"name": f"{variant}: time", "unit": "µs", "value": 1e6 * mean})
     if comparison.benchmarks:
