@@ -2,7 +2,8 @@
 
 Delta debugging (Zeller and Hildebrandt 2002): try to do without each of n parts of the contacts, n growing as parts turn out
 to be needed, until no single contact can go. Bodies go with their last contact. Every trial runs isolated and is verified,
-like any cell; it fails as long as its verdict is the row's own. Several rows are shrunk side by side, a trial each in turn.
+like any cell; it fails as long as its verdict is the row's own, and rounding does not hide the residual. Several rows are
+shrunk side by side, a trial each in turn.
 """
 
 import tempfile
@@ -41,7 +42,8 @@ class Search:
         """What became of the trial."""
         self.trials += 1
         self._left -= found.get("wall_time") or self.row["time_limit"]
-        fails = found["verdict"] == self.row["verdict"]
+        hidden = (found.get("residual_floor") or 0.0) > max(self.row["tol"], self.row.get("residual_floor") or 0.0)
+        fails = found["verdict"] == self.row["verdict"] and not hidden
         if fails:
             self.kept = self.asked
         try:

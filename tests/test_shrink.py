@@ -9,7 +9,7 @@ import pytest
 from harness.commands.shrink import shrink
 from harness.plans.plan import Plan, Source
 from harness.run import run
-from harness.shrink import smallest
+from harness.shrink import Search, smallest
 from harness.workers.introduce import introduce
 from problems import FrictionProblem, InputError, scene
 from problems.random_problem import random_problem
@@ -32,6 +32,13 @@ def test_the_smallest_failing_part_is_found() -> None:
     assert kept == [3, 17]
     assert 5 < asked < 80
     assert list(smallest([5])) == []
+
+
+def test_a_part_whose_residual_is_hidden_by_rounding_does_not_count() -> None:
+    search = Search({"verdict": "unsolved", "tol": 1e-6, "time_limit": 1.0}, random_problem(3, contacts=2), 10.0)
+    for floor, kept in ((1e-12, [0, 1]), (9.4, [0, 1]), (1e-12, [0])):
+        search.hear({"verdict": "unsolved", "residual_floor": floor, "wall_time": 1e-3})
+        assert search.kept == kept
 
 
 def test_contacts_and_bodies_are_removed() -> None:
