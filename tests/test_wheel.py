@@ -33,22 +33,24 @@ def installed(tmp_path_factory) -> Path:
     others = [entry for entry in sys.path if Path(entry).name == "site-packages"]
     (site / "dependencies.pth").write_text("\n".join(others), encoding="utf-8")
     (environment / "no folder").touch()
+    for folder in {path.parent for name in CODE for path in (site / name).rglob("*.py")}:
+        (folder / "__pycache__").touch()  # where a folder cannot be made: root may write whatever its mode
     return environment
 
 
-def frictionbench(environment: Path, *arguments: str) -> subprocess.CompletedProcess:
-    """Run it from another directory, by a user whose home cannot be made; nothing is compiled, which would take a minute."""
+def python(environment: Path, code: str, *arguments: str, **asked: str) -> subprocess.CompletedProcess:
+    """Run it from another directory, by a user whose home cannot be made and whose packages cannot be written to."""
     elsewhere = environment.parent / "else where"
     elsewhere.mkdir(exist_ok=True)
     kept = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "XDG_", "NUMBA_CACHE"))}
-    command = [environment / "bin" / "python", "-P", "-c", "import frictionbench; frictionbench.main()", *arguments]
-    asked = {
-        "HOME": str(environment / "no folder" / "home"),
-        "TMPDIR": str(elsewhere),
-        "COLUMNS": "200",
-        "NUMBA_DISABLE_JIT": "1",
-    }
+    command = [environment / "bin" / "python", "-P", "-c", code, *arguments]
+    asked |= {"HOME": str(environment / "no folder" / "home"), "TMPDIR": str(elsewhere), "COLUMNS": "200"}
     return subprocess.run(command, cwd=elsewhere, env=kept | asked, capture_output=True, text=True, check=False, timeout=300)
+
+
+def frictionbench(environment: Path, *arguments: str) -> subprocess.CompletedProcess:
+    """The command line so; nothing is compiled, which would take a minute."""
+    return python(environment, "import frictionbench; frictionbench.main()", *arguments, NUMBA_DISABLE_JIT="1")
 
 
 def test_a_wheel_works_from_elsewhere_without_a_home(installed) -> None:
@@ -69,3 +71,10 @@ def test_a_wheel_works_from_elsewhere_without_a_home(installed) -> None:
         assert done.returncode == 0, done.stderr
         assert told in done.stdout
     assert next(results.glob("*.html")).stat().st_size > 5 * 10**4
+
+
+def test_kernels_are_kept_in_the_temporary_folder_where_nothing_else_can_be_written(installed) -> None:
+    done = python(installed, "from problems.forms.cone import nearest; print(nearest(-1.0, 1.0, 0.5, 0.0))")
+    assert (done.returncode, done.stdout) == (0, "(0.0, 0.0)\n"), done.stderr
+    assert list((installed.parent / "else where").rglob("*.nbi"))
+    assert not [path for path in installed.rglob("__pycache__/*") if "site-packages/problems" in str(path)]
