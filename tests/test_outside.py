@@ -17,13 +17,14 @@ from scipy import sparse
 
 from harness.commands.export import export
 from harness.commands.fairness import FIELDS, facts, outcomes, page
-from harness.plans.choose import named_source
 from harness.plans.plan import Plan, Source
-from harness.plans.suites import SUITES
+from harness.plans.spec import parse
 from harness.progress import Progress
 from harness.run import run
+from harness.verify import verify
 from harness.workers.introduce import introduce
 from problems import FrictionProblem, InputError, scene
+from problems.instances import instances, make_instance
 from problems.recorded import fclib, read
 from problems.residual import relaxation_residual, residual
 from results import store
@@ -144,20 +145,32 @@ def test_the_contract_was_held_to_every_entry_that_could_be_had() -> None:
     assert absent == {"dart"}, "no 7.x can be installed yet"
 
 
-@pytest.mark.parametrize("info", [info for info in available().values() if info.needs], ids=lambda info: info.name)
-def test_the_commands_of_its_flaws_can_be_given(info) -> None:
-    """Each names a scene, a suite and a solver that there are; they were run where the libraries are."""
-    for command in re.findall(r"`frictionbench ([^`]*)`", facts(info)["Flaws"]):
-        verb, what, *rest = shlex.split(command)
-        solvers = [rest[i + 1] for i, word in enumerate(rest) if word == "--solver"]
-        assert solvers
-        for spec in solvers:
-            assert find(spec)[0].name == info.name
-        if verb == "solve":
-            named_source(what)
-        else:
-            assert verb == "run"
-            assert what in SUITES
+FLAWS = [
+    (command, info.name)
+    for info in available().values()
+    if info.needs
+    for command in re.findall(r"`frictionbench ([^`]*)`", facts(info)["Flaws"])
+]
+
+
+@pytest.mark.parametrize(("command", "name"), FLAWS)
+def test_the_command_of_a_flaw_shows_it(command, name) -> None:
+    """It names a problem and solvers that there are; of none of them both claim and answer are good."""
+    verb, what, *rest = shlex.split(command)
+    specs = rest[1::2]
+    assert (verb, set(rest[::2]), {find(spec)[0].name for spec in specs}) == ("solve", {"--solver"}, {name})
+    problem = first_problem(what)
+    for spec in specs:
+        info, solver = find(spec)
+        if info.missing:
+            pytest.skip(info.missing)
+        answer = solver.solve(solver.prepare(problem.fresh()), 1e-8, None)
+        assert not (verify(problem, answer, info, 1e-8).verdict == "solved" and answer.status is Status.SOLVED), spec
+
+
+def first_problem(spec: str) -> FrictionProblem:
+    name, settings = parse("scene", spec)
+    return make_instance(name, **settings) if name in instances() else scene(name, **settings).problem()
 
 
 def test_what_is_missing_is_said() -> None:

@@ -11,8 +11,8 @@ Licence: Apache-2.0.
 Form: that program, dense, in pure numbers. Setup: none. Solve: mju_boxQP, and sending it the matrix.
 Clock: around mju_boxQP, in the child.
 Tolerance: it takes none.
-Flaws: it returns a rank and no word on its accuracy, and is wrong now and then on redundant contacts: `frictionbench run peers
-    --scene pyramid --solver mujoco_boxqp`.
+Flaws: it returns a rank and no word on its accuracy, and there is none to ask for: `frictionbench solve
+    'stack[blocks=5,mass_ratio=1e6,push=1]' --solver mujoco_boxqp`.
 Reference: Tassa, Mansard and Todorov 2014, "Control-limited differential dynamic programming".
 """
 

@@ -12,7 +12,7 @@ Clock: none that is told apart from its setup.
 Tolerance: eps stands for tol in the project's measure. clarabel tol_feas = eps, both gaps eps^2. scs eps_abs = eps/10 for both
     residuals and the gap, eps_rel = 0.
 Flaws: a gap of eps^2 is often out of Clarabel's reach on round cones, and it then says so though the answer is good,
-    `frictionbench solve cubes --solver ccp_cone --tol 1e-9`; another model than Coulomb's wherever bodies slide.
+    `frictionbench solve 'random_bodies[seed=0,contacts=4]' --solver ccp_cone`. Another model than Coulomb's where bodies slide.
 Reference: Anitescu and Tasora 2010 for the model; Diamond and Boyd 2016 (CVXPY); Goulart and Chen 2024 (Clarabel); O'Donoghue
     and others 2016 (SCS).
 """

@@ -6,8 +6,8 @@ Form: the program scaled to pure numbers (solvers.outside.scaled_program), A and
     places. Solve: its solve. (It has no warm start: an interior point starts from the middle.)
 Clock: none: its solve_time holds its setup too.
 Tolerance: tol_feas = eps, both gaps eps^2; eps stands for tol.
-Flaws: a gap of eps^2 is often out of reach of its arithmetic, and it then says so though the answer is good, `frictionbench run
-    peers --solver clarabel --tol 1e-8`.
+Flaws: a gap of eps^2 is often out of reach of its arithmetic, and it then says so though the answer is good, `frictionbench
+    solve 'random_bodies[seed=0,contacts=4]' --solver clarabel`.
 Reference: Goulart and Chen 2024.
 """
 

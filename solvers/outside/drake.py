@@ -5,9 +5,9 @@ Form: the friction LCP's M, dense and scaled, and q. Setup: a MathematicalProgra
     object made afresh, for one that is reused starts from its last basis, and its Solve.
 Clock: none of its own.
 Tolerance: it takes none; both pivot and check what they found against zero tolerances of their own, left as they are.
-Flaws: UnrevisedLemke gives up on exact ties, `frictionbench solve 'stack[blocks=20]' --solver 'drake[method=unrevised]'`;
-MobyLcp
-    takes seconds from 100 contacts on.
+Flaws: UnrevisedLemke gives up where masses are far apart and MobyLcp claims what is no answer, `frictionbench solve
+    'stack[blocks=5,mass_ratio=1e4,push=1]' --solver 'drake[method=unrevised]' --solver 'drake[method=moby]'`. MobyLcp takes
+    seconds from 100 contacts on.
 Reference: Drewniak, Tedrake and others, Drake; Dai and Drumwright, "Computing the Principal Pivoting Transform"
 (UnrevisedLemke).
 """

@@ -9,8 +9,9 @@ Form: contact rows in pure numbers, three a contact, on velocities whitened by t
     template, once for a size. Solve: mj_fwdConstraint, and some time to send the rows and overwrite the template's.
 Clock: around mj_fwdConstraint, in the child.
 Tolerance: R as above, and MuJoCo's own tolerance 0: it goes on until it can improve no more, which is judged by its gradient.
-Flaws: soft contacts; Newton stalls where R is small against W, `frictionbench solve 'stack[blocks=20,push=1.0]' --solver
-    'mujoco[method=newton]'`; CG is far from its own minimum in 2000 iterations.
+Flaws: soft contacts. Newton stalls where R is small against W, `frictionbench solve 'random_bodies[seed=1,contacts=20]'
+    --solver 'mujoco[method=newton]'`; CG is far from its own minimum in 2000 iterations, `frictionbench solve
+    'stack[blocks=5,friction=0.2,push=1]' --solver 'mujoco[method=cg]'`.
 Reference: Todorov 2014, "Convex and analytically-invertible dynamics with contacts and constraints".
 """
 

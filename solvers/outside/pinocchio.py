@@ -6,9 +6,10 @@ Form: the Delassus matrix in pure numbers with three rows a contact, (t1, t2, n)
 Clock: none of its own.
 Tolerance: absolute feasibility and complementarity of eps/10 for ADMM and eps/100 for PGS, whose measure falls further short,
     eps as in solvers.outside.pure_delassus; relative ones are off.
-Flaws: tall stacks are not reached in 20 000 iterations, `frictionbench solve 'stack[blocks=50]' --solver
-'pinocchio[method=admm]'`.
-    With solve_ncp off it solves the relaxation, here law=ccp.
+Flaws: ADMM does not get there in 20 000 iterations where masses are far apart, `frictionbench solve
+    'stack[blocks=5,mass_ratio=1e6,push=1]' --solver 'pinocchio[method=admm]'`. PGS stops at once without friction, and claims,
+    `frictionbench solve 'stack[blocks=1,friction=0,push=1]' --solver 'pinocchio[method=pgs]'`. With solve_ncp off it solves the
+    relaxation, here law=ccp.
 Reference: Carpentier, Montaut and Le Lidec 2024, "From compliant to rigid contact simulation"; Le Lidec and others 2024.
 """
 

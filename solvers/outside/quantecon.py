@@ -4,8 +4,8 @@ Licence: MIT.
 Form: the friction LCP's M, dense and scaled, and q. Setup: none. Solve: lcp_lemke's call.
 Clock: none of its own.
 Tolerance: it takes none; a basis is exact up to rounding. tol_ratio_diff is its slack for ties, 1e-13 unless set.
-Flaws: from some 200 contacts on the tableau drifts and a claim may be wrong; `frictionbench solve 'stack[blocks=100]' --solver
-    quantecon`. Its success flag is unreliable both ways.
+Flaws: it says ray of what it has solved, `frictionbench solve 'pyramid[rows=7,push=1]' --solver quantecon`. A dense tableau:
+    time grows with the cube of the contacts.
 Reference: Stachurski, Oyama and others, QuantEcon.py, quantecon.optimize.lcp_lemke.
 """
 

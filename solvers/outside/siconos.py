@@ -7,8 +7,9 @@ Form: for lcp_ the friction LCP's M, dense and scaled; for friction_ the Delassu
 Clock: around the driver's call, in the child.
 Tolerance: eps/2 over |q^|, for Siconos divides its natural map's norm by |q|; eps as in solvers.outside.pure_delassus. Where
     |r^| is larger it divides by that, and is asked again from its own answer for as much less.
-Flaws: return codes lie in both directions, `frictionbench solve 'stack[blocks=20,push=1.0]' --solver
-    'siconos[method=friction_2d_lemke]'`; some methods abort or hang, which costs their cell.
+Flaws: return codes lie in both directions, `frictionbench solve 'pyramid[rows=3,friction=0.5,push=1]' --solver
+    'siconos[method=friction_2d_lemke]'`. friction_3d_nsn_fb and global_friction_3d_ipm end in assertions of their own, and
+    fixed points (aclmfp, tfp) take minutes on bad problems, which costs their cell.
 Reference: Acary, Brémond and Huber 2018; Acary, Bonnefon, Brémond, Huber, Pérignon and Sinclair 2019, Siconos.
 """
 
