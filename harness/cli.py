@@ -85,21 +85,38 @@ def run(
 @app.command()
 def report(
     folder: options.Folder,
-    paper: Annotated[bool, typer.Option("--paper", help="Also write vector figures and LaTeX tables for a paper.")] = False,
-    markdown: Annotated[bool, typer.Option("--markdown", help="Also write the run's figures as Markdown.")] = False,
+    paper: Annotated[bool, typer.Option("--paper", help="Also figures, tables, captions and references for LaTeX.")] = False,
+    solvers: Annotated[
+        str | None, typer.Option("--solvers", metavar="A,B,...", help="For the paper: only these, by their names.")
+    ] = None,
+    width: Annotated[
+        float,
+        typer.Option("--width", metavar="85mm|3.35in|241pt", parser=options.length, help="For the paper: a column's width."),
+    ] = 3.35,
+    font: Annotated[
+        str,
+        typer.Option("--font", metavar="serif|sans", parser=options.one_of("serif", "sans"), help="For the paper: its own."),
+    ] = "serif",
+    markdown: Annotated[bool, typer.Option("--markdown", help="Also the run's figures as Markdown.")] = False,
 ) -> None:
     """Make the HTML report of a results folder."""
     from reports.page import write_report
+    from reports.run import read_run
 
-    typer.echo(f"report: {write_report(folder)}")
+    run = read_run(folder)
+    typer.echo(f"report: {write_report(folder, run)}")
     if paper:
-        from reports.paper import write_paper
+        from reports.latex import Layout
+        from reports.paper import chosen, write_paper
 
-        typer.echo(f"paper:  {write_paper(folder)}")
+        written = write_paper(folder, chosen(run, options.listed(solvers)) if solvers else run, Layout(width, font))
+        typer.echo(f"paper:  {written}, its preview.tex shows all; references in references.bib")
+        if not any(written.glob("*.pgf")):
+            typer.echo("no PGF: pdflatex is not installed, which measures its texts")
     if markdown:
         from reports.markdown import write_markdown
 
-        typer.echo(f"figures: {write_markdown(folder)}")
+        typer.echo(f"figures: {write_markdown(folder, run)}")
 
 
 @app.command()

@@ -8,7 +8,7 @@ import numpy as np
 from reports import choice, tables
 from reports.accuracy import TARGETS
 from reports.drawing.text import power, seconds
-from reports.run import Run, read_run
+from reports.run import Run
 from reports.standing import sentences, standings
 from results.schema import CRASHED, MISSED, SKIPPED, TIMEOUT, WRONG
 
@@ -16,9 +16,8 @@ BANDS = ((0, 4), (4, 20), (20, 100), (100, np.inf))  # contacts
 ENDS = (max(TARGETS), min(TARGETS))
 
 
-def write_markdown(folder: Path) -> Path:
-    """Write DIR/report.md; its path. Errors: results.store.ResultsError where DIR is not a results folder."""
-    run = read_run(folder)
+def write_markdown(folder: Path, run: Run) -> Path:
+    """Write DIR/report.md; its path."""
     parts = [
         _head(run),
         _which(run),

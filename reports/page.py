@@ -39,12 +39,13 @@ CURVES = ["times", "energies", "penetrations", "load", "clock"]
 MUCH_FORM = 0.2  # of the time: beyond this the writing of the problem decides the rank with the method
 
 
-def write_report(folder: Path) -> Path:
+def write_report(folder: Path, run: Run | None = None) -> Path:
     """Write DIR/report.html, the animations in DIR/motion/ and what maps lost in DIR/failures.txt; return the report's path.
 
+    run: what read_run(folder) gave, where it is at hand.
     Errors: results.store.ResultsError where DIR is not a results folder or a table cannot be read.
     """
-    page = environment().get_template("page.html").render(_contents(folder, read_run(folder)))
+    page = environment().get_template("page.html").render(_contents(folder, run or read_run(folder)))
     path = folder / "report.html"
     write_text(path, page)
     return path

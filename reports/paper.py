@@ -1,74 +1,199 @@
-"""For a paper: vector figures at the widths of a two-column page and LaTeX tables (booktabs), in DIR/paper/.
+"""For a paper: figures at the widths of a two-column page, booktabs tables, captions and references, in DIR/paper/.
 
-\\includegraphics{speed_accuracy}      \\input{times}
+    \\input{speed_accuracy.pgf}                    a figure in the paper's own fonts, or \\includegraphics{speed_accuracy}
+    \\input{times}                                 a table that fits its width
+    \\caption{\\benchcaption{speed_accuracy}}       from captions.tex
+    \\bibliography{references}
+
+preview.tex is a document that shows all of them. From the same tables come the same files, byte for byte.
 """
 
-from collections.abc import Sequence
+import shutil
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
+from markupsafe import Markup
+
 from reports import tables
-from reports.charts import CHARTS
-from reports.drawing.figures import Panel, save_sheet
-from reports.drawing.text import power, seconds
+from reports.charts import CHARTS, profiles
+from reports.drawing.figures import Panel
+from reports.drawing.sheets import BANDS, save_sheet
+from reports.drawing.text import power
 from reports.drawing.tiles import Drawing, in_file
-from reports.run import Run, read_run
-from results.files import room, write_text
+from reports.latex import Cell, Layout, Table, Tex, booktabs, escaped, one_unit
+from reports.references import bibliography, cited
+from reports.run import PORTFOLIO, Run
+from results.files import ResultsError, room, write_text
 
-COLUMN, PAGE = 3.35, 7.0  # inches: one column, both
-FONT = 7  # points
-_SPECIAL = str.maketrans({
-    **{sign: "\\" + sign for sign in "&%$#_{}"},
-    "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}",
-    ">": r"\textgreater{}",
-    "[": "{[}", "]": "{]}", "µ": r"\textmu{}", "–": "--",
-})  # fmt: skip
+FONT = 7  # points, in figures
+ON_PAGE_ONLY = ("Point at", "Bands, ")  # how sentences begin that are of the page alone
 
 
-def write_paper(folder: Path) -> Path:
-    """Write figures as PDF and SVG, maps as SVG and tables as LaTeX from the tables in DIR; return DIR/paper.
-
-    Errors: results.store.ResultsError where DIR is not a results folder or a table cannot be read.
-    """
-    run = read_run(folder)
+def write_paper(folder: Path, run: Run, layout: Layout | None = None) -> Path:
+    """Write figures as PDF, SVG and, where LaTeX is installed, PGF; tables, captions and references; return DIR/paper."""
+    layout = layout or Layout()
     paper = room(folder, "paper")
+    escape = escaped if shutil.which("pdflatex") else None
+    floats: list[tuple[str, str, bool]] = []  # name, caption, whether it takes the page's width
     for chart in CHARTS:
         found = chart.panels(run)[chart.in_paper]
+        caption = f"{chart.title}. {_plain(chart.caption)}".removeprefix(". ")
+        if chart is profiles.CHART and len(run.looks) <= BANDS:
+            caption += " Bands: 95 % of the profiles of as many problems, drawn again with replacement."
         for drawing in (one for one in found if isinstance(one, Drawing)):
             write_text(paper / f"{chart.name}_{drawing.name}.svg", in_file(drawing))
         if panels := [one for one in found if isinstance(one, Panel)]:
-            width = (COLUMN if chart.columns == 1 else PAGE) / chart.columns
-            save_sheet(panels, run.looks, paper / chart.name, chart.columns, size=(width, 0.75 * width), font=FONT)
-    for name, table in (("solvability", _solvability), ("times", _times), ("classes", _classes)):
-        write_text(paper / f"{name}.tex", table(run))
+            width = (layout.column if chart.columns == 1 else layout.page) / chart.columns
+            size = width, 0.75 * width
+            save_sheet(panels, run.looks, paper / chart.name, chart.columns, size, FONT, layout.font, escape)
+            floats.append((chart.name, caption, chart.columns > 1))
+    made = {name: make(run, layout) for name, make in TABLES.items()}
+    for name, table in made.items():
+        write_text(paper / f"{name}.tex", table.text)
+    told = {name: CAPTIONS[name] for name in made} | {name: caption for name, caption, _ in floats}
+    write_text(paper / "captions.tex", _captions(told, _setting(run)))
+    write_text(paper / "references.bib", bibliography({*run.rows["solver"], *run.drives["solver"]}))
+    write_text(paper / "preview.tex", _preview(made, [(name, wide) for name, _, wide in floats], layout))
     return paper
 
 
-def _solvability(run: Run) -> str:
-    columns = ["cells", "claimed", *tables.OUTCOMES]
-    rows = tables.solvability(run).to_dict("records")
-    return booktabs(["solver", *columns], [[row["entry"], *(str(row[column]) for column in columns)] for row in rows])
+def chosen(run: Run, names: Collection[str]) -> Run:
+    """The run as if only the solvers named had been in it, by their names or their variants'.
+
+    Errors: ResultsError naming one that is not there.
+    """
+    kept: set[str] = set()
+    for name in names:
+        found = {
+            str(entry)
+            for table in (run.rows, run.drives)
+            for entry in table.loc[
+                (table["solver"] == name) | (table["variant"] == name) | (table["entry"].str.removesuffix(PORTFOLIO) == name),
+                "entry",
+            ]
+        }
+        if not found:
+            there = ", ".join(sorted({*run.rows["variant"], *run.drives["variant"]}))
+            raise ResultsError(f"solvers: {name} is not in this run; there are {there}")
+        kept |= found
+    parts = {
+        name: table[table["entry"].isin(kept)] if len(table) else table
+        for name, table in (("rows", run.rows), ("drives", run.drives), ("mapped_drives", run.mapped_drives))
+    }
+    return replace(run, **parts)
 
 
-def _times(run: Run) -> str:
-    header = [text for target in run.summaries for text in (f"to {power(target)}", "mean")]
-    body = [
-        [entry, *(text for cell in cells for text in (f"{cell['reached']}/{cell['problems']}", seconds(cell["mean"])))]
-        for entry, cells in tables.race(run.summaries)
-    ]
-    return booktabs(["solver", *header], body)
-
-
-def _classes(run: Run) -> str:
-    columns = ["problems", "trivial", "contacts_from", "contacts_to", "size_from", "size_to"]
-    rows = tables.problem_classes(run).to_dict("records")
-    body = [[row["problem_class"], *(f"{row[column]:.0f}" for column in columns)] for row in rows]
-    return booktabs(["class", "problems", "trivial", "contacts from", "to", "unknowns from", "to"], body)
-
-
-def booktabs(header: Sequence[str], body: Sequence[Sequence[str]]) -> str:
-    """A tabular of plain texts: the first column to the left, the others to the right."""
-    lines = [" & ".join(text.translate(_SPECIAL) for text in row) + r" \\" for row in (header, *body)]
-    inner = [lines[0], r"\midrule", *lines[1:]]
-    return "\n".join(
-        [rf"\begin{{tabular}}{{l{'r' * (len(header) - 1)}}}", r"\toprule", *inner, r"\bottomrule", r"\end{tabular}", ""]
+def _solvability(run: Run, layout: Layout) -> Table:
+    """Verdicts that nobody has are left out."""
+    rows = tables.solvability(run)
+    columns = ["cells", "claimed", *(name for name in tables.OUTCOMES if rows[name].any())]
+    return booktabs(
+        ["solver", *columns], [[row["entry"], *(str(row[name]) for name in columns)] for row in rows.to_dict("records")], layout
     )
+
+
+def _times(run: Run, layout: Layout) -> Table:
+    race = tables.race(run.summaries)
+    header, groups, columns = ["solver"], [("", 1)], [[entry for entry, _ in race]]
+    for i, target in enumerate(run.summaries):
+        unit, means = one_unit([cells[i]["mean"] for _, cells in race])
+        header += ["reached", f"mean, {unit}"]
+        groups.append((f"to {power(target)}", 2))
+        columns += [[f"{cells[i]['reached']}/{cells[i]['problems']}" for _, cells in race], means]
+    return booktabs(header, list(zip(*columns, strict=True)), layout, groups)
+
+
+def _problems(run: Run, layout: Layout) -> Table:
+    classes = tables.problem_classes(run)
+    body = [
+        [row["problem_class"], f"{row['problems']:.0f}", f"{row['trivial']:.0f}", _range(row, "contacts"), _range(row, "size")]
+        for row in classes.to_dict("records")
+    ]
+    return booktabs(["class", "problems", "trivial", "contacts", "unknowns"], body, layout)
+
+
+def _range(row: dict[str, float], what: str) -> str:
+    low, high = row[f"{what}_from"], row[f"{what}_to"]
+    return f"{low:.0f}" if low == high else f"{low:.0f}–{high:.0f}" if np.isfinite(low) else "–"
+
+
+def _solvers(run: Run, layout: Layout) -> Table:
+    both = pd.concat([run.rows[["solver", "model"]], run.drives[["solver"]]]).drop_duplicates("solver").fillna("")
+    body: list[list[Cell]] = []
+    for row in both.sort_values("solver").itertuples():
+        keys = cited(row.solver)
+        citation = Tex(rf"\cite{{{','.join(keys)}}}", f"[{', '.join('00' for _ in keys)}]") if keys else "–"
+        body.append([row.solver, row.model, citation])
+    return booktabs(["solver", "solves", "references"], body, layout)
+
+
+TABLES: dict[str, Callable[[Run, Layout], Table]] = {
+    "solvability": _solvability,
+    "times": _times,
+    "problems": _problems,
+    "solvers": _solvers,
+}
+CAPTIONS = {
+    "solvability": "Verdicts of an independent verification, by solver; claimed: cells that the solver itself says are solved. "
+    "Trivial problems are left out.",
+    "times": "Problems brought within a verified residual of each target, and the shifted geometric mean of the time to it, "
+    "misses charged at the time limit.",
+    "problems": "Problems by class; trivial: no active friction, or nothing to solve; unknowns of the friction LCP.",
+    "solvers": "Solvers, the model that each solves, and references.",
+}
+
+
+def _plain(caption: str) -> str:
+    """A caption without markup, and without what only a page can do."""
+    sentences = Markup(caption).striptags().replace(". ", ".\n").splitlines()
+    return " ".join(sentence for sentence in sentences if not sentence.startswith(ON_PAGE_ONLY))
+
+
+def _setting(run: Run) -> str:
+    """Where and on what the figures were made."""
+    machine = run.manifest.get("machine")
+    processor = f", one thread of {machine['processor']}" if isinstance(machine, dict) and "processor" in machine else ""
+    problems = run.contested["problem_id"].nunique()
+    return f"Suite {run.manifest['settings'].get('suite', 'unnamed')}, {problems} problems{processor}."
+
+
+def _captions(captions: dict[str, str], setting: str) -> str:
+    lines = [
+        r"% \input{captions}, then \caption{\benchcaption{times}} and, where and on what it was made, \benchsetting",
+        r"\newcommand{\benchcaption}[1]{\csname benchcaption@#1\endcsname}",
+        rf"\newcommand{{\benchsetting}}{{{escaped(setting)}}}",
+    ]
+    for name, caption in captions.items():
+        lines.append(rf"\expandafter\def\csname benchcaption@{_label(name)}\endcsname{{{escaped(caption)}}}")
+    return "\n".join([*lines, ""])
+
+
+def _label(name: str) -> str:
+    return "".join(c for c in name if c.isalnum() or c in "_-")
+
+
+def _preview(made: dict[str, Table], figures: Sequence[tuple[str, bool]], layout: Layout) -> str:
+    body = [_float("table", name, table.wide, rf"\input{{{name}}}") for name, table in made.items()]
+    for name, wide in figures:
+        drawn = rf"\IfFileExists{{{name}.pgf}}{{\input{{{name}.pgf}}}}{{\includegraphics{{{name}.pdf}}}}"
+        body.append(_float("figure", name, wide, drawn))
+    family = [r"\renewcommand{\familydefault}{\sfdefault}"] if layout.font == "sans" else []
+    return "\n".join([
+        r"% pdflatex preview; bibtex preview; pdflatex preview; pdflatex preview",
+        r"\documentclass[twocolumn]{article}",
+        rf"\usepackage[textwidth={layout.page:.3f}in,columnsep={layout.gap}in,textheight=9.5in]{{geometry}}",
+        r"\usepackage[T1]{fontenc}", r"\usepackage{lmodern}", *family,
+        r"\usepackage{booktabs,graphicx,pgf,url}", r"\input{captions}",
+        r"\begin{document}", r"\nocite{*}", *body,
+        r"\bibliographystyle{plain}", r"\bibliography{references}", r"\end{document}", "",
+    ])  # fmt: skip
+
+
+def _float(kind: str, name: str, wide: bool, content: str) -> str:
+    star = "*" * wide
+    caption = rf"\caption{{\benchcaption{{{_label(name)}}} \benchsetting}}\label{{{kind}:{_label(name)}}}"
+    parts = (rf"\begin{{{kind}{star}}}", r"\centering", content, caption, rf"\end{{{kind}{star}}}", r"\clearpage")
+    return "\n".join(parts)

@@ -1,5 +1,6 @@
 """What the commands take: each option's name for its value, its help, and what is said of a value that cannot be used."""
 
+import re
 from collections.abc import Callable
 from math import inf, nan
 from pathlib import Path
@@ -50,6 +51,21 @@ def one_of(*known: str) -> Callable[[str], str]:
     return read
 
 
+def length(text: Any) -> float:
+    """A reader of lengths with a unit, in inches."""
+    match = re.fullmatch(r"\s*([\d.]+)\s*(in|cm|mm|pt)?\s*", str(text))
+    value = number()(match[1]) / INCH[match[2] or "in"] if match else 0.0
+    if not 1 <= value <= 20:
+        raise typer.BadParameter(f"takes a length from 1 to 20 inches, like 85mm, 3.35in or 241pt, not {str(text)!r}")
+    return value
+
+
+def listed(text: str) -> list[str]:
+    """Names separated by commas, of which those in brackets separate settings."""
+    return [name.strip() for name in re.split(r",(?![^\[]*\])", text) if name.strip()]
+
+
+INCH = {"in": 1.0, "cm": 2.54, "mm": 25.4, "pt": 72.27}
 Listing = Annotated[
     str, typer.Argument(metavar="scenes|solvers|suites", parser=one_of("scenes", "solvers", "suites"), help="What to list.")
 ]

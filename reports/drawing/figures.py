@@ -1,19 +1,15 @@
-"""Panels and what is made of them: inline SVG for a page, sheets of panels as SVG and PDF files."""
+"""Panels, and inline SVG made of them for a page."""
 
 import io
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from reports.drawing.style import INK, RC, Look
-from reports.drawing.text import plain
-from results.files import replaced
 
 PANEL = (3.9, 2.9)  # inches
 WHOLE = (6.8, 3.4)  # of a panel that stands alone
@@ -62,37 +58,3 @@ def _element(figure: Figure) -> str:
     svg = re.sub(r'<g id="(entry-[0-9a-f]+)"', r'<g data-entry="\1"', svg)
     svg = re.sub(r'<g id="[^"]*"', "<g", svg).replace(INK, "currentColor")
     return re.sub(r'(?<= d=")[^"]*', lambda way: re.sub(r"(\.\d)\d+|\s*\n", r"\1", way[0]), svg)  # tenths of a point will do
-
-
-def save_sheet(
-    panels: Sequence[Panel],
-    looks: dict[str, Look],
-    stem: Path,
-    columns: int = 3,
-    size: tuple[float, float] = PANEL,
-    font: float = RC["font.size"],
-) -> list[Path]:
-    """Save the panels on one sheet with a legend, as STEM.svg and STEM.pdf, reproducible byte for byte.
-
-    size: of one panel, in inches; font: in points.
-    """
-    columns = max(1, min(columns, len(panels)))
-    rows = -(-len(panels) // columns)
-    across = max(1, int(columns * size[0] / (0.18 * font)))  # a legend's entry is some 13 letters wide
-    height = 0.02 * font * -(-len(looks) // across)
-    with mpl.rc_context(RC | {"font.size": font, "lines.markersize": font / 2, "lines.linewidth": font / 8}):
-        figure = Figure(figsize=(columns * size[0], rows * size[1] + height), layout="constrained")
-        grid = figure.subplots(rows, columns, squeeze=False).ravel()
-        for ax, panel in zip(grid, panels, strict=False):
-            panel.draw(ax)
-            ax.set_title(plain(panel.title))
-        for ax in grid[len(panels) :]:
-            ax.axis("off")
-        handles = [Line2D([], [], **look.line) for look in looks.values()]
-        figure.legend(handles, [plain(name) for name in looks], loc="outside lower center", ncols=across)
-        paths = [stem.with_suffix(f".{kind}") for kind in ("svg", "pdf")]
-        for path in paths:
-            date = "Date" if path.suffix == ".svg" else "CreationDate"
-            with replaced(path) as file:
-                figure.savefig(file, dpi=IMAGE, metadata={date: None})
-    return paths

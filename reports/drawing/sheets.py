@@ -1,0 +1,101 @@
+"""Sheets of panels as files for a paper: SVG and PDF, and PGF where LaTeX is at hand to measure its texts.
+
+A PGF figure is set in the paper's own fonts and size. All are the same byte for byte from the same panels.
+"""
+
+import shutil
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.text import Text
+from matplotlib.ticker import FixedFormatter, FixedLocator
+
+from reports.drawing.figures import IMAGE, PANEL, Panel
+from reports.drawing.style import RC, Look
+from reports.drawing.text import plain
+from results.files import replaced
+
+FAMILIES = {"serif": "STIXGeneral", "sans": "DejaVu Sans"}  # which matplotlib brings
+_PGF = {"pgf.texsystem": "pdflatex", "pgf.rcfonts": False, "pgf.preamble": ""}
+BANDS = 3  # entries beyond which their bands would hide each other
+Escape = Callable[[str], str]
+
+
+def save_sheet(
+    panels: Sequence[Panel],
+    looks: dict[str, Look],
+    stem: Path,
+    columns: int = 3,
+    size: tuple[float, float] = PANEL,
+    font: float = RC["font.size"],
+    family: str = "sans",
+    escape: Escape | None = None,
+) -> list[Path]:
+    """Save the panels on one sheet with a legend, as STEM.svg and STEM.pdf; as STEM.pgf, too, where there is an escape.
+
+    size: of one panel, in inches; font: in points; escape: what makes LaTeX of a text.
+    """
+    columns = max(1, min(columns, len(panels)))
+    rows = -(-len(panels) // columns)
+    across = max(1, int(columns * size[0] / (0.2 * font)))  # a legend's entry is some 13 letters wide
+    height = 0.02 * font * -(-len(looks) // across)
+    told = {"font.size": font, "lines.markersize": font / 2, "lines.linewidth": font / 8, "font.family": _family(family)}
+    with mpl.rc_context(RC | told | {f"font.{_family(family)}": [FAMILIES[family]]} | _PGF):
+        figure = Figure(figsize=(columns * size[0], rows * size[1] + height), layout="constrained")
+        grid = figure.subplots(rows, columns, squeeze=False).ravel()
+        for ax, panel in zip(grid, panels, strict=False):
+            panel.draw(ax)
+            ax.set_title(plain(panel.title))
+            if len(looks) > BANDS:
+                for band in ax.findobj(lambda artist: (artist.get_gid() or "").startswith("band-")):
+                    band.remove()
+        for ax in grid[len(panels) :]:
+            ax.axis("off")
+        handles = [Line2D([], [], **look.line) for look in looks.values()]
+        figure.legend(handles, [plain(name) for name in looks], loc="outside lower center", ncols=across, handlelength=3)
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")  # all is in its place
+        paths = [stem.with_suffix(f".{kind}") for kind in ("svg", "pdf")]
+        for path in paths:
+            date = "Date" if path.suffix == ".svg" else "CreationDate"
+            with replaced(path) as file:
+                figure.savefig(file, dpi=IMAGE, metadata={date: None})
+        return paths + (_save_pgf(figure, stem, escape) if escape else [])
+
+
+def _family(family: str) -> str:
+    return {"serif": "serif", "sans": "sans-serif"}[family]
+
+
+def _save_pgf(figure: Figure, stem: Path, escape: Escape) -> list[Path]:
+    """The figure as STEM.pgf with the images that it includes, STEM-img0.png and so on."""
+    figure.set_layout_engine("constrained")  # in other letters
+    _escape_all(figure, escape)
+    saved = []
+    with tempfile.TemporaryDirectory() as scratch:
+        figure.savefig(Path(scratch) / f"{stem.name}.pgf", dpi=IMAGE, backend="pgf")
+        for made in sorted(Path(scratch).iterdir()):
+            with replaced(stem.with_name(made.name)) as file:
+                shutil.copyfile(made, file)
+            saved.append(stem.with_name(made.name))
+    return saved
+
+
+def _escape_all(figure: Figure, escape: Escape) -> None:
+    """Make LaTeX of all texts: matplotlib hands them on as they are. Ticks stay where they are, with labels made now."""
+    figure.draw_without_rendering()
+    for ax in figure.axes:
+        for axis in (ax.xaxis, ax.yaxis):
+            for minor, locate, form in (
+                (False, axis.set_major_locator, axis.set_major_formatter),
+                (True, axis.set_minor_locator, axis.set_minor_formatter),
+            ):
+                labels = [escape(label.get_text()) for label in axis.get_ticklabels(minor=minor)]
+                locate(FixedLocator(axis.get_ticklocs(minor=minor).tolist()))
+                form(FixedFormatter(labels))
+    for text in figure.findobj(Text):
+        text.set_text("\n".join(map(escape, text.get_text().split("\n"))))

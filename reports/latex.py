@@ -1,0 +1,132 @@
+"""LaTeX made of plain texts: nothing in a name is a command, and a table fits the width that it is made for."""
+
+import re
+import unicodedata
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.font_manager import findfont, get_font
+
+LARGEST, LEAST = 9.0, 6.5  # points: of a table's letters; below the least it takes the page's width
+BETWEEN = 0.8  # ems between columns
+_DESIGNED = (5.0, 6.0, 7.0, 8.0, 9.0, 10.0)  # points: the sizes of Computer Modern, and how much wider than the last's
+_WIDER = (1.361, 1.222, 1.139, 1.063, 1.028, 1.0)
+_SPECIAL = str.maketrans({
+    **{sign: "\\" + sign for sign in "&%$#_{}"},
+    "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}",
+    ">": r"\textgreater{}", "|": r"\textbar{}", '"': "''", "`": "'",
+    "[": "{[}", "]": "{]}", "µ": r"\textmu{}", "μ": r"\textmu{}", "–": "--", "−": r"\ensuremath{-}",
+    "×": r"\ensuremath{\times}", "≤": r"\ensuremath{\leq}",
+})  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Layout:
+    """The page that a figure or a table is made for.
+
+    column: inches, the width of a column of text; page: of both with what is between. font: serif or sans, as the text's.
+    """
+
+    column: float = 3.35
+    font: str = "serif"
+
+    gap = 0.3  # inches
+
+    @property
+    def page(self) -> float:
+        return 2 * self.column + self.gap
+
+
+class Table(NamedTuple):
+    """A tabular, and whether it takes the page's width."""
+
+    text: str
+    wide: bool
+
+
+class Tex(NamedTuple):
+    """A cell in LaTeX of our own, and about what it looks like in print."""
+
+    code: str
+    printed: str
+
+
+Cell = str | Tex
+
+
+def escaped(text: str) -> str:
+    """The text as LaTeX prints it, in letters that every font has."""
+    plain = "".join(c if c.isprintable() else "?" for c in text).translate(_SPECIAL)
+    if plain.isascii():
+        return plain
+    letters = (c for c in unicodedata.normalize("NFKD", plain) if not unicodedata.combining(c))
+    return "".join(letters).encode("ascii", "replace").decode()
+
+
+def one_unit(times: Sequence[float]) -> tuple[str, list[str]]:
+    """The unit that suits the times, s, and the times in it, three digits each."""
+    known = [time for time in times if np.isfinite(time) and time > 0]
+    middle = float(np.exp(np.mean(np.log(known)))) if known else 1.0
+    scale, unit = next(((s, u) for s, u in ((1.0, "s"), (1e-3, "ms")) if middle >= s), (1e-6, "µs"))
+    return unit, [_digits(time / scale) if np.isfinite(time) else "–" for time in times]
+
+
+def _digits(value: float) -> str:
+    return f"{value:.0f}" if abs(value) >= 99.5 else f"{value:#.3g}".rstrip(".")
+
+
+def booktabs(
+    header: Sequence[str], body: Sequence[Sequence[Cell]], layout: Layout, groups: Sequence[tuple[str, int]] = ()
+) -> Table:
+    """A tabular of plain texts: the first column to the left, the others to the right.
+
+    groups: texts over so many columns each, one after the other, empty over those that have none.
+    """
+    ems = sum(max(_ems(row[i], layout.font) for row in (header, *body)) for i in range(len(header)))
+    ems += BETWEEN * (len(header) - 1)
+    wide = _size(ems, layout.column) < LEAST
+    size = _size(ems, layout.page if wide else layout.column)
+    lines = [
+        " & ".join(cell.code if isinstance(cell, Tex) else escaped(cell) for cell in row) + r" \\" for row in (header, *body)
+    ]
+    over = [rf"\multicolumn{{{span}}}{{c}}{{{escaped(text)}}}" for text, span in groups]
+    head = [" & ".join(over) + r" \\", *_rules(groups)] if groups else []
+    return Table(
+        "\n".join([
+            f"% {'both columns, table*' if wide else 'one column, table'}",
+            rf"{{\fontsize{{{size:.1f}}}{{{1.2 * size:.1f}}}\selectfont\setlength{{\tabcolsep}}{{{BETWEEN / 2}em}}%",
+            rf"\begin{{tabular}}{{@{{}}l{'r' * (len(header) - 1)}@{{}}}}",
+            *(r"\toprule", *head, lines[0], r"\midrule", *lines[1:], r"\bottomrule", r"\end{tabular}}", ""),
+        ]),
+        wide,
+    )  # fmt: skip
+
+
+def _rules(groups: Sequence[tuple[str, int]]) -> list[str]:
+    first, rules = 1, []
+    for text, span in groups:
+        if text:
+            rules.append(rf"\cmidrule(lr){{{first}-{first + span - 1}}}")
+        first += span
+    return ["".join(rules)] if rules else []
+
+
+def _size(ems: float, inches: float) -> float:
+    """The size of letters, points, at which so many ems of ten-point letters are no wider; small letters are drawn wider."""
+    sizes = np.arange(3.0, LARGEST + 0.05, 0.1)
+    drawn = sizes * np.interp(sizes, _DESIGNED, _WIDER)
+    fitting = sizes[ems * drawn <= 72.27 * inches]
+    return float(fitting[-1]) if len(fitting) else 3.0
+
+
+@cache
+def _ems(cell: Cell, font: str) -> float:
+    """The width of a text in Computer Modern, in ems, a little on the wide side."""
+    text = cell.printed if isinstance(cell, Tex) else cell
+    face = get_font(findfont("cmr10" if font == "serif" else "cmss10"))
+    face.set_size(100.0, 72)
+    face.set_text(re.sub(r"[^A-Za-z0-9 .,]", "0", text), 0.0)  # signs that it may lack are no wider than a digit
+    return 1.02 * face.get_width_height()[0] / 64 / 100
