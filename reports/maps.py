@@ -101,12 +101,16 @@ def write_lost(folder: Path, maps: list[Cells]) -> int:
 
 
 def costs(run: Run) -> pd.DataFrame:
-    """A row per drive with failed steps that was gone on with in several ways: what each way costs."""
-    drives = run.drives[(run.drives["unsolved"] > 0)]
-    ways = drives.groupby(["scene", "parameters", "scheme", "variant"])["after_failure"].transform("nunique")
-    order = {"answer": 0, "velocity": 1, "relaxation": 2}
-    several = drives[ways > 1]
-    return several.assign(way=several["after_failure"].map(order)).sort_values(["scene", "parameters", "variant", "way"])
+    """A row per drive with failed steps that was gone on with in several ways: what each way costs. Before those of a scene a
+    drive without failed steps, where there is one."""
+    drives = run.drives.assign(way=run.drives["after_failure"].map({"answer": 0, "velocity": 1, "relaxation": 2}))
+    same = ["scene", "parameters", "scheme"]
+    failed = drives[drives["unsolved"] > 0]
+    several = failed[failed.groupby([*same, "variant"])["after_failure"].transform("nunique") > 1]
+    clean = drives[(drives["unsolved"] == 0) & (drives["verdict"] == SOLVED)].drop_duplicates(same)
+    clean = clean.merge(several[same].drop_duplicates()).assign(way=-1)
+    found = pd.concat([clean.assign(first=0), several.assign(first=1)])
+    return found.sort_values([*same, "first", "variant", "way"], kind="stable")
 
 
 def changes(cells: Cells) -> list[str]:

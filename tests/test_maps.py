@@ -10,10 +10,11 @@ import pandas as pd
 import pytest
 from markupsafe import escape
 
+from harness.cells.drive import drive
 from harness.maps import run_maps
 from harness.plans.atlas import ATLAS
 from harness.plans.maps import axis, finer, home, phase
-from harness.plans.plan import Plan, Source
+from harness.plans.plan import DriveCell, Plan, Source
 from harness.plans.suites import MAPPED
 from harness.trace import crossings
 from harness.workers.introduce import introduce
@@ -30,7 +31,7 @@ from results import store
 from results.maps import Axis, Map
 from results.shrunk import read_shrunk
 from results.store import ResultsError
-from solvers import Status, solve
+from solvers import Status, find, solve
 from tests.test_run import frictionbench, quiet
 
 MAPS = {spec.name: spec for spec in ATLAS}
@@ -242,6 +243,12 @@ def test_a_map_of_ones_own_is_a_line(tmp_path) -> None:
         assert complaint in done.stderr
 
 
+def test_a_motion_that_has_hardly_begun_has_not_diverged() -> None:
+    cell = DriveCell("bowl", {"step": 1e-4}, "lemke", 1e-8, "stewart_trinkle", steps=3)
+    row = drive(cell, *find("lemke"))
+    assert (row["verdict"], row["reason"], row["steps_done"]) == ("solved", "", 3)
+
+
 def test_what_a_failed_step_does_afterwards(tmp_path) -> None:
     _, plugins = introduce([str(Path(__file__).with_name("bad_solvers.py"))])
     made = Plan(
@@ -265,4 +272,6 @@ def test_what_a_failed_step_does_afterwards(tmp_path) -> None:
     fallen = scene("stack").gravity[1] * scene("stack").step ** 2 * 6
     assert lost.loc["answer", "worst_penetration"] == pytest.approx(-fallen)
     assert abs(lost.loc[["velocity", "relaxation"], "worst_penetration"]).max() < 1e-9
-    assert set(costs(read_run(tmp_path / "run"))["variant"]) == {"gives_up"}
+    found = costs(read_run(tmp_path / "run"))
+    assert found["variant"].tolist() == ["lemke", *["gives_up"] * 3] * 2
+    assert set(found.loc[found["variant"] == "lemke", "unsolved"]) == {0}

@@ -117,7 +117,8 @@ def drive(cell: DriveCell, info: SolverInfo, solver: Solver) -> dict[str, Any]:
             kinetic.append(float(step.v @ (stage.mass @ step.v)) / 2)
             penetrations.append(penetration(stage, step.q))
             driver.overhead += perf_counter() - begun
-            if not np.isfinite(energies[-1]) or abs(energies[-1]) > DIVERGED * _scale(stage, energies[:-1], kinetic[:-1]):
+            gained = energies[-1] - energies[0]  # where the potential's zero lies says nothing
+            if not np.isfinite(gained) or abs(gained) > DIVERGED * _scale(stage, energies[:-1], kinetic[:-1]):
                 broken_off = "the motion diverged"
                 break
     except NoSolution as nothing:
