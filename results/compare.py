@@ -153,7 +153,9 @@ def confirm(comparison: Comparison, pairs: Sequence[Pair], both: bool, limits: L
     is not at hand, and both is false. An alert stands that stands in more than half of the pairs; times have their intervals.
     """
     votes: Counter[tuple[str, str]] = Counter()
-    for before, after in pairs:
+    record = read(comparison.baseline).table
+    for ran, after in pairs:
+        before = pd.concat([ran, record[~record.index.isin(ran.index)]])  # what that code does not have any more is on record
         flips, gone, work, _ = _differences(before, after, both, limits)
         votes.update({_name(found) for found in (*flips, *gone, *work) if found.worse})
     alerts = [found for found in (*comparison.flips, *comparison.gone, *comparison.work) if found.worse]

@@ -211,6 +211,14 @@ def test_an_alert_that_does_not_come_again_falls(runs):
     assert "Not confirmed, its cells ran again: a, pivots." in markdown(fallen)
 
 
+def test_what_is_gone_with_its_code_stands(runs):
+    seen = runs([*rows(["solved"]), solve_row("b", "p0")], rows(["solved"]))
+    before, after = (cells.read(path).table for path in (seen.baseline, seen.current))
+    without = before[before["variant"] != "b"]
+    assert told(confirm(seen, [(without, after)] * 3, both=True, limits=Limits()).worse) == ["b-p0-1e-08 solved → gone"]
+    assert confirm(seen, [(without, before)] * 3, both=True, limits=Limits()).exit_code == 0
+
+
 def test_times_of_unlike_machines_are_not_compared(runs):
     result = runs(timed(1e-3), timed(9e-3), **ELSEWHERE)
     assert (result.exit_code, result.times) == (0, ())

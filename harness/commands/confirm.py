@@ -47,11 +47,11 @@ def confirmed(
     if comparison.unusable or comparison.benchmarks:
         return comparison
     settings = store.read_manifest(comparison.current)["settings"]
-    alerts = [found for found in comparison.worse if found.worse]
     slow = suspects(comparison, limits) if code and limits.times else []
-    variants = {found.variant for found in (*alerts, *slow)}
+    present = set(cells.read(comparison.current).measured["variant"])
+    variants = {found.variant for found in (*comparison.worse, *slow)} & present
     if code and limits.times and not comparison.times:  # other machines' times say nothing: everybody's are taken
-        variants = set(cells.read(comparison.current).measured["variant"])
+        variants = present
     if not variants:
         return comparison
     for variant in sorted(variants):

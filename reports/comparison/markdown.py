@@ -1,6 +1,7 @@
 """A comparison as Markdown: the counts, what changed for each solver, the times. For a terminal and for a pull request."""
 
 import os
+import shlex
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -48,8 +49,8 @@ def again(comparison: Comparison, flip: Flip) -> str:
     if flip.after == GONE:
         return ""
     source = comparison.sources.get(flip.variant, "")
-    given = f" --solver {os.path.relpath(source) if Path(source).is_absolute() else source}" if source else ""
-    return f"frictionbench rerun {comparison.current} {flip.key}{given}"
+    given = ["--solver", os.path.relpath(source) if Path(source).is_absolute() else source] if source else []
+    return shlex.join(["frictionbench", "rerun", str(comparison.current), flip.key, *given])
 
 
 def change(flip: Flip) -> str:
