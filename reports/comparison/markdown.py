@@ -95,12 +95,22 @@ def _remark(found: Finding) -> str:
 
 
 def _times(comparison: Comparison) -> Iterator[str]:
-    heads = ["solver", "before", "after", "ratio", f"{1 - comparison.alpha:.0%} interval", "p", "n"]
+    heads = [
+        "benchmark" if comparison.benchmarks else "solver",
+        "before",
+        "after",
+        "ratio",
+        f"{1 - comparison.alpha:.0%} interval",
+        "p",
+        "n",
+    ]
     order = sorted(comparison.times, key=lambda time: (not time.worse, not time.sure, -time.ratio))
     mean = ["geometric mean", "", "", f"×{overall(comparison.times):.2f}", "", "", ""]
     yield from _table(heads, [_time(time) for time in order], mean)
     if any(time.n == 1 for time in comparison.times):
-        yield "`~`: nothing can be said. With n = 1 there is one process of each code, and its repeats are not independent."
+        more = "two folders of files made in turn" if comparison.benchmarks else "`--confirm --code`, which runs both in turn,"
+        told = "`~`: nothing can be said of one process of each code (n = 1), whose repeats are not independent;"
+        yield f"{told} {more} can."
 
 
 def _time(time: Time) -> list[str]:
