@@ -58,8 +58,8 @@ class Run:
     @cached_property
     def portfolios(self) -> dict[str, str]:
         """Of each portfolio that has a row, the solvers that it may run."""
-        tables = [table[table["members"].fillna("") != ""] for table in (self.rows, self.drives)]
-        return {row["solver"]: row["members"] for table in tables for _, row in table.iterrows()}
+        rows = pd.concat([table[["solver", "members"]] for table in (self.rows, self.drives)]).drop_duplicates("solver")
+        return {solver: members for solver, members in rows.fillna("").itertuples(index=False) if members}
 
     @cached_property
     def times(self) -> dict[float, pd.DataFrame]:

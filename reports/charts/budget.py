@@ -9,6 +9,7 @@ from matplotlib.ticker import PercentFormatter
 
 from reports.accuracy import on_all
 from reports.charts.chart import Chart
+from reports.charts.profiles import staircase
 from reports.drawing.figures import Panel
 from reports.drawing.style import Look, time_axis
 from reports.drawing.text import power
@@ -27,8 +28,7 @@ def panels(run: Run) -> list[Panel]:
 def _draw(ax: Axes, times: pd.DataFrame, looks: dict[str, Look]) -> None:
     longest = float(times.loc[times["reached"], "charged"].max())
     for entry, own in times.groupby("entry"):
-        spent = np.sort(own.loc[own["reached"], "charged"].to_numpy())
-        share = np.arange(1, len(spent) + 1) / len(own)
+        spent, share = staircase(np.sort(own.loc[own["reached"], "charged"].to_numpy()), len(own))
         if len(spent):
             ax.step([*spent, longest], [*share, share[-1]], where="post", **looks[str(entry)].line, markevery=(0.1, 0.15))
     ax.set_ylim(0, 1.03)

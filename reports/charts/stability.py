@@ -6,6 +6,7 @@ problem it is large for any solver. So an unstable solver is high on the left, a
 """
 
 from functools import partial
+from typing import Any
 
 import pandas as pd
 from matplotlib.axes import Axes
@@ -48,6 +49,7 @@ def _told(rows: pd.DataFrame, run: Run) -> dict[str, list[str]]:
 
 
 def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
+    crowded = len(rows) > TOLD
     ax.axvline(ILL, color=INK, lw=0.6, ls=":")
     ax.axhline(UNSTABLE, color=INK, lw=0.6, ls=":")
     for entry, own in rows.groupby("entry"):
@@ -60,11 +62,12 @@ def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
             color=look.colour,
             marker=look.marker,
             alpha=0.5,
-            rasterized=len(rows) > TOLD,
+            rasterized=crowded,
         )
         dots.set_gid(f"dots-{look.tag}")
     lost = rows[rows["verdict"] != SOLVED]
-    ax.plot(lost["response"].clip(*RESPONSE), lost["backward_error"].clip(*ERROR), "x", color=INK, ms=3, mew=0.5, alpha=0.6)
+    cross: Any = {"color": INK, "ms": 3, "mew": 0.5, "alpha": 0.6, "rasterized": crowded}
+    ax.plot(lost["response"].clip(*RESPONSE), lost["backward_error"].clip(*ERROR), "x", **cross)
     corners = (
         (0.02, 0.97, "left", "unstable solver"),
         (0.98, 0.97, "right", "both"),
