@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from reports.drawing.style import INK, RC, Look
 
 PANEL = (3.9, 2.9)  # inches
-WHOLE = (6.8, 3.4)  # of a panel that stands alone
+WHOLE = (5.0, 3.1)  # of a panel that stands alone
 IMAGE = 200  # dots an inch of what is drawn as an image
 
 
