@@ -168,7 +168,9 @@ def test_the_page_shows_every_map(atlas) -> None:
 def test_a_map_is_drawn_in_few_words_and_names_are_no_markup() -> None:
     row = [Tile(i, 0, 1.0, "red") for i in range(5)]
     drawn = panel("<b>&", [*row, Tile(1.5, 0, 0.5, "blue", "<i>")], Grid(("a", "0", "1", 5), ("b", "0", "1", 2), {}), "green")
-    assert '<path d="M0 0H5v1H0z" fill="red"/><path d="M1.75 0.25H2.25v0.5H1.75z" fill="blue"><title>&lt;i&gt;' in drawn
+    assert (
+        '<g fill="red"><path d="M0 0H5v1H0z"/></g><g fill="blue"><path d="M1.75 0.25H2.25v0.5H1.75z"><title>&lt;i&gt;' in drawn
+    )
     assert "&lt;b&gt;&amp;" in drawn
 
 

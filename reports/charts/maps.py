@@ -127,6 +127,7 @@ def _verdicts(cells: Cells) -> dict[str, Field]:
         residual = rows["worst_residual" if cells.spec.steps else "residual"]
         told = _at(cells, rows) + ": " + rows["verdict"] + residual.map(lambda value: f", residual {value:.1e}")
         told += rows["reason"].map(lambda reason: f"; {reason}" if reason else "") + " · " + rows["key"]
+        told = told.where(rows["verdict"] != RELAXED, "")  # a relaxation's model is solved as it should be: nothing failed
         fields[entry] = Field(entry + share, rows, rows["verdict"].map(VERDICT).fillna(INK), VERDICT[SOLVED], told)
     return fields
 

@@ -100,17 +100,25 @@ def panel(title: str, tiles: Iterable[Tile], grid: Grid, ground: str = "") -> st
 def _squares(tiles: Iterable[Tile]) -> str:
     """The wider below the narrower; those of one colour without a text in one path, neighbours joined."""
     parts = []
-    for (_, colour, told), same in groupby(sorted(tiles, key=_order), key=_order):
-        bars: list[list[float]] = []  # from, to, height, lower edge
-        for j, i, w in sorted((tile.j, tile.i, tile.width) for tile in same):
-            a, b = i + 0.5 - w / 2, j + 0.5 - w / 2
-            if bars and bars[-1][1:] == [a, w, b]:
-                bars[-1][1] = a + w
-            else:
-                bars.append([a, a + w, w, b])
-        way = "".join(f"M{a:g} {b:g}H{end:g}v{w:g}H{a:g}z" for a, end, w, b in bars)
-        parts.append(f'<path d="{way}" fill="{colour}"' + (f"><title>{escape(told)}</title></path>" if told else "/>"))
+    for (_, colour), alike in groupby(sorted(tiles, key=_order), key=lambda tile: _order(tile)[:2]):
+        parts.append(f'<g fill="{colour}">')
+        for told, same in groupby(alike, key=lambda tile: tile.told):
+            way = "".join(f"M{a:g} {b:g}H{end:g}v{w:g}H{a:g}z" for a, end, w, b in _bars(same))
+            parts.append(f'<path d="{way}"' + (f"><title>{escape(told)}</title></path>" if told else "/>"))
+        parts.append("</g>")
     return "".join(parts)
+
+
+def _bars(tiles: Iterable[Tile]) -> list[list[float]]:
+    """Tiles as bars along the grid lines: from, to, height, lower edge."""
+    bars: list[list[float]] = []
+    for j, i, w in sorted((tile.j, tile.i, tile.width) for tile in tiles):
+        a, b = i + 0.5 - w / 2, j + 0.5 - w / 2
+        if bars and bars[-1][1:] == [a, w, b]:
+            bars[-1][1] = a + w
+        else:
+            bars.append([a, a + w, w, b])
+    return bars
 
 
 def _order(tile: Tile) -> tuple[float, str, str]:
