@@ -144,6 +144,17 @@ def die_with_parent(parent: int) -> None:
         os._exit(1)
 
 
+@contextmanager
+def no_twin() -> Iterator[None]:
+    """A child that the block forks and that comes out of it ends there: it is no second worker, and forks no further."""
+    home = os.getpid()
+    try:
+        yield
+    finally:
+        if os.getpid() != home:
+            os._exit(1)
+
+
 def adopt_orphans() -> None:
     """Make this process the parent of every orphan below it."""
     _prctl(PR_SET_CHILD_SUBREAPER, 1)

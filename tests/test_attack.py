@@ -4,6 +4,8 @@ Every planned row is there with the right verdict and reason, the good ones' ver
 run without the bad ones, no process of the run is left, and no cell takes more than its limit and what starting over costs.
 """
 
+import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -130,3 +132,30 @@ def test_all_that_misbehave_together_with_two_good_ones(own_server, tmp_path) ->
     assert drives["verdict"].to_dict() == DRIVEN
     # A cell has its limit to be warmed up in, once to be solved and once to be repeated, and a second each to be ended.
     assert taken < (len(rows) + len(drives)) * 3 * (LIMIT + 1)
+
+
+FORKING = """
+import os, sys
+from harness.cells.timing import time_solver
+from problems import LCP
+from solvers import Answer, Status
+from solvers.interface import with_all_steps
+
+@with_all_steps
+class Forks:
+    def solve(self, lcp, tol, limit, start=None):
+        os.fork()
+        os.write(1, b".")
+        return Answer(lcp.q, Status.SOLVED, z=lcp.q)
+
+solver = Forks()
+time_solver(solver, LCP([[1.0]], [1.0]), lambda prepared: solver.solve(prepared, 1e-8, None), lambda: None, most=5)
+os.write(1, b"end")
+"""
+
+
+def test_children_that_a_solver_forks_do_not_double_on_repeats() -> None:
+    """Each call is made by the worker alone: two processes a call come out of it, and one of them goes on."""
+    done = subprocess.run([sys.executable, "-c", FORKING], capture_output=True, cwd=BAD_SOLVERS.parents[1], check=True)
+    assert done.stdout.count(b"end") == 1
+    assert 2 * 3 <= done.stdout.count(b".") <= 2 * 8

@@ -139,7 +139,7 @@ def run_check(variant: str, check: str, complaints: Callable[[SolverInfo, Solver
     info, solver = _solver(variant)
     for dimension in info.dimension:
         _warm_up(variant, dimension, False, limit)
-    with _worker.deadline.within(limit):
+    with _worker.deadline.within(limit), process.no_twin():
         return complaints(info, solver, check)
 
 
@@ -285,7 +285,8 @@ def _warm_up(variant: str, dimension: int, jointed: bool, limit: float) -> float
     begun = perf_counter()
     _worker.warm.add((variant, dimension, jointed))
     info, solver = find(variant)
-    with suppress(BaseException), _worker.deadline.within(max(limit, LOADING) if info.needs else limit):
+    within = max(limit, LOADING) if info.needs else limit
+    with suppress(BaseException), _worker.deadline.within(within), process.no_twin():
         solver.solve(solver.prepare(_least(dimension, jointed)), 1e-6, None)
     gc.collect()
     gc.freeze()  # what is loaded now stays; collections between cells need not look at it
