@@ -1,7 +1,10 @@
 """What a comparison knows of a run: a line per cell, read from a results folder or from a baseline's text.
 
 Columns, by key: table, variant, scene (as the command line takes it), step, phase, start, tol, verdict, reason, residual, work
-(the counters as `name count, ...`), seconds (form, setup and solve, the median of one process), disturbed, limit.
+(the counters as `name count, ...`), seconds, disturbed, limit.
+
+seconds: form, setup and solve, the least of a process's repeats. What else runs on the machine only adds to a time, and adds
+nothing to some of many short repeats; a cell is disturbed where it waited for its core and had too few of them.
 """
 
 import json
@@ -19,6 +22,7 @@ from results.store import ResultsError, read_manifest, read_table
 
 TEXTS = ("table", "variant", "scene", "step", "phase", "start", "verdict", "reason", "work")
 NUMBERS = ("tol", "residual", "seconds", "limit")
+ENOUGH = 5  # repeats, of which one is undisturbed
 
 
 @dataclass(frozen=True)
@@ -61,7 +65,10 @@ def _of_folder(folder: Path) -> Cells:
     manifest = read_manifest(folder)
     settings, versions, machine = manifest["settings"], manifest.get("versions"), manifest.get("machine")
     solves, drives = read_table(folder, "solves"), read_table(folder, "drives")
-    parts = [solves.assign(table="solve", seconds=solves[["form_time", "setup_time", "solve_time"]].sum(axis=1, skipna=False))]
+    repeats = list(map(_repeats, *(solves[f"{step}_times"] for step in ("form", "setup", "solve"))))
+    least = [times.min() if len(times) else np.nan for times in repeats]
+    few = np.array([len(times) < ENOUGH for times in repeats], dtype=bool)
+    parts = [solves.assign(table="solve", seconds=least, disturbed=solves["disturbed"].fillna(False).astype(bool) & few)]
     renamed = drives.drop(columns="work", errors="ignore").rename(columns={"worst_residual": "residual", "scheme": "phase"})
     parts.append(
         renamed.assign(table="drive", step=None, start=drives["after_failure"], work="", seconds=drives["solver_time"])
@@ -83,6 +90,13 @@ def _of_folder(folder: Path) -> Cells:
         str(manifest.get("finished") or manifest.get("started") or ""),
         dict(_sources(settings.get("plugins"))),
     )
+
+
+def _repeats(*steps: Any) -> np.ndarray:
+    """Form, setup and solve of each repeat together; steps that were not all timed leave none."""
+    times = [np.asarray([] if step is None else step, dtype=float) for step in steps]
+    total = sum(times[1:], times[0]) if len({len(one) for one in times}) == 1 else np.empty(0)
+    return total[np.isfinite(total)]
 
 
 def _sources(plugins: Any) -> Iterator[tuple[str, str]]:

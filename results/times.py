@@ -1,6 +1,6 @@
 """Times of two codes compared over pairs of processes, one of each, that ran in turn.
 
-Repeats of one process share its memory layout, its core and the minutes in which it ran: they are one sample, their median.
+Repeats of one process share its memory layout, its core and the minutes in which it ran: they are one sample (results.cells).
 A pair gives a solver one number, the mean over its cells of log(after / before); of n pairs the ratio is the Hodges-Lehmann
 estimate (1963) of their centre, its interval that of Wilcoxon's signed ranks (1945), exact, and p their two-sided test of no
 change. No model of the noise is needed, and a pair that other work on the machine spoiled counts for little. With one pair
@@ -19,7 +19,7 @@ from results.changes import Finding, settled
 
 @dataclass(frozen=True)
 class Time(Finding):
-    """A solver's time per cell in seconds, geometric means over the cells; the ratio with its interval; p; n pairs.
+    """A solver's time per cell in seconds, the median of n processes; the ratio with its interval; p; n pairs.
 
     limit: how large a ratio is still no slowdown.
     """
@@ -64,7 +64,7 @@ def times(pairs: Sequence[Pair], limit: float, alpha: float) -> list[Time]:
     for variant in sorted({name for log in logs for name in log["variant"]}):
         own = [log[log["variant"] == variant] for log in logs]
         own = [log for log in own if len(log)]
-        before, after = (float(np.exp(np.mean([log[side].mean() for log in own]))) for side in ("before", "after"))
+        before, after = (float(np.exp(np.median([log[side].mean() for log in own]))) for side in ("before", "after"))
         shifts = np.array([(log["after"] - log["before"]).mean() for log in own])
         found.append(Time(variant, before, after, *estimate(shifts, alpha), len(own), max(map(len, own)), limit))
     return found

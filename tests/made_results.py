@@ -22,8 +22,10 @@ def solve_row(variant: str, problem: str, tol: float = 1e-8, **given: Any) -> di
         "form_time": 5e-4,
         "setup_time": 5e-4,
         "solve_time": 2e-3,
-        "solve_times": [2e-3] * 3,
     } | given
+    for step in ("form", "setup", "solve"):
+        time = row[f"{step}_time"]
+        row[f"{step}_times"] = given.get(f"{step}_times", None if time is None else [time] * 3)
     return row
 
 

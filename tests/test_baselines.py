@@ -145,7 +145,7 @@ def test_results_of_pytest_benchmark_compare_too(tmp_path):
     old, new = benchmark(tmp_path / "old.json", {"x": 1.0, "y": 1.0}), benchmark(tmp_path / "new.json", {"x": 2.0, "z": 1.0})
     result = compare(old, new)
     assert (result.exit_code, result.counts["new"], result.counts["gone"]) == (1, 1, 1)
-    assert "| `x` | 1 s | 2 s | ×2.00 ~ | ~ |  | 1 |" in markdown(result)
+    assert "| `x` | 1 s | 2 s | ×2.00 ~ | ~ |  | 1 | 1 |" in markdown(result)
     for i in range(8):
         benchmark(tmp_path / "before" / f"{i}.json", {"x": 1.0 + i / 100, "y": 1.0})
         benchmark(tmp_path / "after" / f"{i}.json", {"x": 1.4, "y": 1.0})

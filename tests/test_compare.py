@@ -62,7 +62,7 @@ def test_verdicts_are_ordered(runs, better, worse):
 @pytest.mark.parametrize(("seconds", "code"), [(0.02, 1), (6.0, 0)])  # of a limit of 10 s
 @pytest.mark.parametrize("manifest", [{}, ELSEWHERE])
 def test_a_timeout_that_the_machine_may_explain_is_no_flip(runs, seconds, code, manifest):
-    taken = {"solve_time": seconds, "solve_times": [seconds] * 3}
+    taken = {"solve_time": seconds}
     pace = 1.5 if manifest else 1.0  # of a slower machine, as the others show it
     others = [solve_row("b", f"p{i}") for i in range(9)]
     slower = [solve_row("b", f"p{i}", solve_time=pace * 2e-3) for i in range(9)]
@@ -174,8 +174,8 @@ def test_of_one_process_each_nothing_is_said(runs):
     result = runs(timed(1e-3), timed(9e-3))
     assert (result.exit_code, [time.n for time in result.times]) == (0, [1, 1])
     assert [time.variant for time in suspects(result, Limits())] == ["a"]
-    assert "| `a` | 2 ms | 10 ms | ×5.00 ~ | ~ |  | 1 |" in markdown(result)
-    assert "| geometric mean |  |  | ×2.24 |  |  |  |" in markdown(result)
+    assert "| `a` | 2 ms | 10 ms | ×5.00 ~ | ~ |  | 1 | 4 |" in markdown(result)
+    assert "| geometric mean |  |  | ×2.24 |  |  |  |  |" in markdown(result)
     assert runs(timed(1e-3), timed(9e-3), Limits(times=False)).times == ()
 
 
@@ -199,6 +199,21 @@ def test_pairs_of_processes_tell_a_slowdown_through_noise(runs, tmp_path, solve,
     assert ("**×1.3" in markdown(result)) is bool(worse)
     assert confirm(seen, pairs, both=True, limits=Limits(slowdown=1.5)).exit_code == 0
     assert confirm(seen, pairs, both=False, limits=Limits()).times == seen.times
+
+
+def test_what_waited_for_its_core_counts_where_it_is_all_there_is_or_has_repeats(runs):
+    def waited(slow, fast):
+        times = {"form_times": [5e-4] * (slow + fast), "setup_times": [5e-4] * (slow + fast)}
+        return times | {"solve_times": [9e-3] * slow + [2e-3] * fast, "disturbed": True}
+
+    before = [solve_row("a", f"p{i}") for i in range(2)]
+    for after, cells_and_ratio in (
+        ([solve_row("a", "p0"), solve_row("a", "p1", **waited(2, 0))], (1, 1.0)),
+        ([solve_row("a", "p0"), solve_row("a", "p1", **waited(4, 1))], (2, 1.0)),
+        ([solve_row("a", f"p{i}", **waited(2, 0)) for i in range(2)], (2, 10 / 3)),
+    ):
+        (time,) = runs(before, after).times
+        assert (time.cells, time.ratio) == (cells_and_ratio[0], pytest.approx(cells_and_ratio[1]))
 
 
 def test_an_alert_that_does_not_come_again_falls(runs):

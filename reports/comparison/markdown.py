@@ -95,17 +95,10 @@ def _remark(found: Finding) -> str:
 
 
 def _times(comparison: Comparison) -> Iterator[str]:
-    heads = [
-        "benchmark" if comparison.benchmarks else "solver",
-        "before",
-        "after",
-        "ratio",
-        f"{1 - comparison.alpha:.0%} interval",
-        "p",
-        "n",
-    ]
+    first = "benchmark" if comparison.benchmarks else "solver"
+    heads = [first, "before", "after", "ratio", f"{1 - comparison.alpha:.0%} interval", "p", "n", "cells"]
     order = sorted(comparison.times, key=lambda time: (not time.worse, not time.sure, -time.ratio))
-    mean = ["geometric mean", "", "", f"×{overall(comparison.times):.2f}", "", "", ""]
+    mean = ["geometric mean", "", "", f"×{overall(comparison.times):.2f}", "", "", "", ""]
     yield from _table(heads, [_time(time) for time in order], mean)
     if any(time.n == 1 for time in comparison.times):
         more = "two folders of files made in turn" if comparison.benchmarks else "`--confirm --code`, which runs both in turn,"
@@ -119,15 +112,8 @@ def _time(time: Time) -> list[str]:
     known = f", known: {_text(time.known)}" if time.known else ""
     p = f"{time.p:.2g}" if np.isfinite(time.p) else ""
     shown = f"{ratio} {'' if time.sure else '~'}".strip()
-    return [
-        _code(time.variant),
-        seconds(time.before),
-        seconds(time.after),
-        _bold(shown, time) + known,
-        interval,
-        p,
-        str(time.n),
-    ]
+    names = [_code(time.variant), seconds(time.before), seconds(time.after)]
+    return [*names, _bold(shown, time) + known, interval, p, str(time.n), str(time.cells)]
 
 
 def _bold(text: str, found: Finding) -> str:
