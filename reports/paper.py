@@ -20,6 +20,7 @@ from markupsafe import Markup
 from reports import tables
 from reports.charts import CHARTS, profiles
 from reports.drawing.figures import Panel
+from reports.drawing.print import save_drawing
 from reports.drawing.sheets import BANDS, save_sheet
 from reports.drawing.text import power
 from reports.drawing.tiles import Drawing, in_file
@@ -44,7 +45,10 @@ def write_paper(folder: Path, run: Run, layout: Layout | None = None) -> Path:
         if chart is profiles.CHART and len(run.looks) <= BANDS:
             caption += " Bands: 95 % of the profiles of as many problems, drawn again with replacement."
         for drawing in (one for one in found if isinstance(one, Drawing)):
-            write_text(paper / f"{chart.name}_{drawing.name}.svg", in_file(drawing))
+            name = f"{chart.name}_{drawing.name}"
+            write_text(paper / f"{name}.svg", in_file(drawing))
+            save_drawing(drawing, paper / name, layout.page, layout.font)
+            floats.append((name, f"{drawing.title} {caption}", True))
         if panels := [one for one in found if isinstance(one, Panel)]:
             width = (layout.column if chart.columns == 1 else layout.page) / chart.columns
             size = width, 0.75 * width

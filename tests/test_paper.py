@@ -7,9 +7,13 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
 
 from harness.commands.options import length, listed
 from reports.charts import pareto, profiles
+from reports.drawing import tiles
+from reports.drawing.print import draw_panel, save_drawing
 from reports.drawing.sheets import save_sheet
 from reports.latex import Layout, booktabs, escaped, one_unit
 from reports.paper import chosen, write_paper
@@ -85,6 +89,30 @@ def test_a_few_have_bands_and_many_have_none(run, tmp_path) -> None:
     for drawn, banded in ((run, False), (few, True)):
         sheet, _ = save_sheet(profiles.CHART.panels(drawn), drawn.looks, tmp_path / "profiles")
         assert ("band-" in sheet.read_text()) is banded
+
+
+def test_a_map_is_drawn_as_its_svg_has_it(tmp_path) -> None:
+    """Ground, tiles, dots and texts, each with its colour and at its place, as PDF, twice the same."""
+    grid = tiles.Grid(("friction", "0", "1", 4), ("mass", "1", "9", 4), {"#112233": [(0, 0), (3, 3)]})
+    wrong = [
+        tiles.Tile(0, 0, 1, "#cc0000", "a reason"),
+        tiles.Tile(1, 0, 1, "#cc0000", "another"),
+        tiles.Tile(3, 3, 1, "#0000cc"),
+    ]
+    panels = (tiles.legend([("solved", "#a9d8b8", False)], grid), tiles.panel("lemke 90 %", wrong, grid, "#a9d8b8"))
+    ax = Figure().subplots()
+    draw_panel(ax, panels[1], 10.0, 20.0, 1.0)
+    boxes = {to_hex(patch.get_facecolor()): patch.get_path().get_extents(patch.get_transform()) for patch in ax.patches}
+    data = {colour: box.transformed(ax.transData.inverted()) for colour, box in boxes.items()}
+    assert data.keys() == {"#a9d8b8", "#cc0000", "#0000cc"}
+    left, right, low, high = 10 + tiles.LEFT, 10 + tiles.LEFT + tiles.ACROSS, 20 + tiles.TOP + tiles.UP, 20 + tiles.TOP
+    assert data["#a9d8b8"].extents == pytest.approx([left, high, right, low])
+    assert (data["#0000cc"].x1, data["#0000cc"].y0) == pytest.approx((right, high))
+    assert (ax.lines[0].get_color(), len(ax.lines[0].get_xdata())) == ("#112233", 2)
+    assert [text.get_text() for text in ax.texts] == ["lemke 90 %"]
+    for name in "ab":
+        save_drawing(tiles.Drawing("A map.", "map", panels), tmp_path / name, 7.0, "sans")
+    assert (tmp_path / "a.pdf").read_bytes() == (tmp_path / "b.pdf").read_bytes()
 
 
 @latex
