@@ -63,6 +63,8 @@ def shrink_rows(
 
     seconds: of trials for each row, after which the smallest so far counts. Errors: InputError where a problem is damaged.
     """
+    if not rows:
+        return
     searches = [Search(row, stored_friction(folder, row["problem"]), seconds) for row in rows]
     with tempfile.TemporaryDirectory() as name:
         scratch = Path(name)

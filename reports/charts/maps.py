@@ -7,7 +7,7 @@ alike.
 """
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -45,6 +45,7 @@ THRESHOLDS = {
 }
 WORST = "#5b0f14"  # of a scale, where the value is infinite
 SHADES = 16  # of a scale
+NOTHING: Mapping[str, str] = {}
 
 
 class Field(NamedTuple):
@@ -65,32 +66,27 @@ def verdicts(run: Run) -> list[Drawing]:
         shown = [field for field in fields.values() if set(field.colours) != {field.ground}]
         perfect = ", ".join(entry for entry, field in fields.items() if set(field.colours) == {field.ground})
         note = f"Every place is solved by {perfect}." if perfect else ""
-        drawings.append(_drawing(run, cells, [*_problem(cells), *shown], VERDICT | SOLUTIONS)._replace(note=note))
+        drawings.append(_drawing(run, cells, [*_problem(cells), *shown], note, VERDICT | SOLUTIONS))
     return drawings
 
 
 def types(run: Run) -> list[Drawing]:
     """A drawing per map on which a solver finds more than one type of solution, and few enough contacts to tell."""
     told = [cells for cells in map_cells(run) if "mode" in cells.rows and len(set(cells.rows["mode"].map(_type).dropna())) > 1]
-    drawings = []
-    for cells in told:
-        fields = _types(cells)
-        note = "; ".join(", ".join(names) + " find the same" for names in fields if len(names) > 1)
-        drawings.append(_drawing(run, cells, list(fields.values()), TYPE)._replace(note=note))
-    return drawings
+    return [_drawing(run, cells, *_alike(_types(cells)), TYPE) for cells in told]
 
 
 def times(run: Run) -> list[Drawing]:
     """A drawing per map: each solver's time; in closed loop the drift of energy and the penetration."""
-    return [_drawing(run, cells, _loop(cells) if cells.spec.steps else _times(cells), {}) for cells in map_cells(run)]
+    return [_drawing(run, cells, *_alike(_loop(cells) if cells.spec.steps else _times(cells))) for cells in map_cells(run)]
 
 
 def work(run: Run) -> list[Drawing]:
     """A drawing per map of first problems: each solver's count of work."""
-    return [_drawing(run, cells, _work(cells), {}) for cells in map_cells(run) if not cells.spec.steps]
+    return [_drawing(run, cells, *_alike(_work(cells))) for cells in map_cells(run) if not cells.spec.steps]
 
 
-def _drawing(run: Run, cells: Cells, fields: Sequence[Field], legend: dict[str, str]) -> Drawing:
+def _drawing(run: Run, cells: Cells, fields: Sequence[Field], note: str, legend: Mapping[str, str] = NOTHING) -> Drawing:
     spec = cells.spec
     traced = {name: places for name, places in run.thresholds.get(spec.name, {}).items() if name in THRESHOLDS and places}
     used = {colour for field in fields for colour in {*field.colours, field.ground}}
@@ -164,7 +160,7 @@ def _scale(title: str, rows: pd.DataFrame, values: "pd.Series[Any]", write: Call
     share = (np.log(size.clip(lower=low)) - np.log(low)) / max(np.log(high / low), 1e-9)
     shades = [to_hex(colormaps["viridis"](k / SHADES)) for k in range(SHADES + 1)]
     colours = share.map(lambda x: WORST if x > 1 + 1e-9 else "" if np.isnan(x) else shades[round(x * SHADES)])
-    return Field(f"{title} {write(low)} .. {write(high)}", rows, colours)
+    return Field(f"{title} {write(low)} .. {write(high)}".strip(), rows, colours)
 
 
 def _type(mode: object) -> str | None:
@@ -174,29 +170,38 @@ def _type(mode: object) -> str | None:
     return ", ".join(kinds)
 
 
-def _types(cells: Cells) -> dict[tuple[str, ...], Field]:
-    """By the entries that find the same."""
-    alike: dict[tuple[Any, ...], list[Field]] = {}
+def _types(cells: Cells) -> list[tuple[str, Field]]:
+    fields = []
     for entry in cells.entries:
-        rows = cells.rows[(cells.rows["entry"] == entry) & (cells.rows["verdict"] == SOLVED)].sort_values(["i", "j"])
-        field = Field(entry, rows, rows["mode"].map(_type).map(TYPE).fillna(""))
-        alike.setdefault((*zip(rows["i"], rows["j"], field.colours, strict=True),), []).append(field)
-    return {
-        tuple(field.title for field in same): same[0]._replace(
-            title=same[0].title + (f" and {len(same) - 1} more" if len(same) > 1 else "")
-        )
-        for same in alike.values()
-    }
+        rows = cells.rows[(cells.rows["entry"] == entry) & (cells.rows["verdict"] == SOLVED)]
+        fields.append((entry, Field("", rows, rows["mode"].map(_type).map(TYPE).fillna(""))))
+    return fields
 
 
-def _times(cells: Cells) -> list[Field]:
+def _alike(fields: Sequence[tuple[str, Field]]) -> tuple[list[Field], str]:
+    """One field for all entries whose fields have the same scale and colours, titled by them; and who is alike, in words."""
+    same: dict[tuple[Any, ...], list[tuple[str, Field]]] = {}
+    for entry, field in fields:
+        colours = sorted(zip(field.rows["i"], field.rows["j"], field.colours, strict=True))
+        same.setdefault((field.title, *colours), []).append((entry, field))
+    found, words = [], []
+    for alike in same.values():
+        (entry, field), others = alike[0], len(alike) - 1
+        what = f": {field.title}" if field.title else ""
+        found.append(field._replace(title=f"{entry}{f' and {others} more' if others else ''}{what}"))
+        if others:
+            words.append(f"{', '.join(name for name, _ in alike)} are alike{f' in {field.title}' if field.title else ''}")
+    return found, "; ".join(words) + "." * bool(words)
+
+
+def _times(cells: Cells) -> list[tuple[str, Field]]:
     parts = ((entry, cells.rows[cells.rows["entry"] == entry]) for entry in cells.entries)
-    return [_scale(entry, rows, rows["time"], seconds) for entry, rows in parts]
+    return [(entry, _scale("", rows, rows["time"], seconds)) for entry, rows in parts]
 
 
-def _work(cells: Cells) -> list[Field]:
+def _work(cells: Cells) -> list[tuple[str, Field]]:
     parts = ((entry, cells.rows[cells.rows["entry"] == entry]) for entry in cells.entries)
-    return [_scale(entry, rows, rows["work"].map(_count), "{:.0f}".format) for entry, rows in parts]
+    return [(entry, _scale("", rows, rows["work"].map(_count), "{:.0f}".format)) for entry, rows in parts]
 
 
 def _count(work: str) -> float:
@@ -208,12 +213,15 @@ def _count(work: str) -> float:
         return np.nan
 
 
-def _loop(cells: Cells) -> list[Field]:
+def _loop(cells: Cells) -> list[tuple[str, Field]]:
+    """What changes over the map."""
     fields = []
     for title, column in (("drift", "energy_drift"), ("overlap, m", "worst_penetration"), ("free steps", "loose_steps")):
         for entry in cells.entries:
             rows = cells.rows[cells.rows["entry"] == entry]
-            fields.append(_scale(f"{entry}: {title}", rows, rows[column].astype(float)))
+            values = rows[column].astype(float)
+            if values.max() > values.min():
+                fields.append((entry, _scale(title, rows, values)))
     return fields
 
 

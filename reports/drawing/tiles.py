@@ -16,7 +16,7 @@ from reports.drawing.text import plain
 WIDTH, HEIGHT = 124.0, 112.0
 LEFT, TOP, ACROSS, UP = 1.0, 14.0, 120.0, 96.0  # of the field
 IN_A_ROW, HEAD = 7, 26.0  # panels, and the height of the words above them, in a file
-LONGEST = 36  # letters of a title
+SHORT, LONGEST = 28, 40  # letters of a title: beyond the one smaller, beyond the other cut
 LINES = 7  # of a legend, in a column
 Dots = Mapping[str, Iterable[tuple[float, float]]]  # places, by colour
 
@@ -86,7 +86,7 @@ def panel(title: str, tiles: Iterable[Tile], grid: Grid, ground: str = "") -> st
     field = f'x="{LEFT:g}" y="{TOP:g}" width="{ACROSS:g}" height="{UP:g}"'
     place = f"translate({LEFT:g} {TOP + UP:g}) scale({ACROSS / columns:.5g} {-UP / lines:.5g})"
     parts = [
-        _text(LEFT, 10, plain(title, LONGEST)),
+        _text(LEFT, 10, plain(title, LONGEST), small=len(title) > SHORT),
         f'<rect {field} fill="{ground or "none"}" stroke="currentColor" stroke-width=".5"/>',
         f'<g transform="{place}" shape-rendering="crispEdges">{_squares(tiles)}</g>',
     ]
@@ -125,5 +125,6 @@ def _order(tile: Tile) -> tuple[float, str, str]:
     return -tile.width, tile.colour, tile.told
 
 
-def _text(x: float, y: float, text: str) -> str:
-    return f'<text x="{x:g}" y="{y:g}">{escape(text)}</text>'
+def _text(x: float, y: float, text: str, *, small: bool = False) -> str:
+    size = ' font-size="5.6"' if small else ""
+    return f'<text x="{x:g}" y="{y:g}"{size}>{escape(text)}</text>'
