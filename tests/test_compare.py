@@ -272,6 +272,17 @@ def test_markdown_folds_what_is_long_and_keeps_strangers_text_in_its_cell(runs):
     assert "\n# c" not in text
 
 
+def test_a_page_fits_a_comment(runs):
+    before, after = (
+        [solve_row(f"s{n}", f"p{i}", verdict=v) for n in range(5) for i in range(130)] for v in ("solved", "wrong")
+    )
+    text = markdown(runs(before, after))
+    assert text.startswith("## worse 650 ")
+    assert "and 18 more." in text
+    assert text.endswith("The page is too long and ends here; `--out` writes all of it as data.\n")
+    assert 40_000 < len(text) < 65_536
+
+
 def test_the_files_say_what_the_page_says(runs, tmp_path, monkeypatch):
     before, after = (
         rows(["solved", "solved", "unsolved"]),

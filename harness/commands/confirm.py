@@ -48,10 +48,11 @@ def confirmed(
         return comparison
     settings = store.read_manifest(comparison.current)["settings"]
     slow = suspects(comparison, limits) if code and limits.times else []
-    present = set(cells.read(comparison.current).measured["variant"])
-    variants = {found.variant for found in (*comparison.worse, *slow)} & present
+    record, current = cells.read(comparison.baseline), cells.read(comparison.current)
+    known = set(record.measured["variant"]) & set(current.measured["variant"])
+    variants = {found.variant for found in (*comparison.worse, *slow)} & known
     if code and limits.times and not comparison.times:  # other machines' times say nothing: everybody's are taken
-        variants = present
+        variants = known
     if not variants:
         return comparison
     for variant in sorted(variants):
@@ -68,7 +69,7 @@ def confirmed(
         for i in range(PAIRS if timed else PAIRS_UNTIMED):
             tell(f"confirm: pair {i + 1} of {PAIRS if timed else PAIRS_UNTIMED}")
             found = {id(side): _cells(side, asked, scratch / f"{i}-{sides.index(side)}") for side in sides[:: (-1) ** i]}
-            base = found[id(before)] if before else cells.read(comparison.baseline)
+            base = found[id(before)] if before else record
             pairs.append((base.table, found[id(now)].table))
     return confirm(comparison, pairs, before is not None, limits)
 

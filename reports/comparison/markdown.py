@@ -3,6 +3,7 @@
 import os
 import shlex
 from collections.abc import Iterator, Sequence
+from itertools import accumulate, takewhile
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,8 @@ from results.changes import GONE, Finding, Flip, Growth
 from results.compare import Comparison
 from results.times import Time, overall
 
-LISTED = 12  # rows of a table before the rest is folded
+LISTED, FOLDED = 12, 100  # rows of a table that are shown, and folded below
+LONGEST = 60_000  # characters; a comment on GitHub holds 65 536
 
 
 def markdown(comparison: Comparison) -> str:
@@ -28,7 +30,9 @@ def markdown(comparison: Comparison) -> str:
             parts += [f"### {_code(variant)}{_state(own)}", *_changes(comparison, own)]
     if comparison.times:
         parts += ["### Times", *_times(comparison)]
-    return "\n\n".join(parts) + "\n"
+    whole = list(takewhile(lambda size: size < LONGEST, accumulate(len(part) + 2 for part in parts)))
+    cut = [] if len(whole) == len(parts) else ["The page is too long and ends here; `--out` writes all of it as data."]
+    return "\n\n".join([*parts[: len(whole)], *cut]) + "\n"
 
 
 def summarise(comparison: Comparison) -> None:
@@ -127,7 +131,8 @@ def _table(heads: list[str], rows: list[list[str]], last: list[str] | None = Non
     ends = [f"| {' | '.join(last)} |"] if last else []
     yield "\n".join([*head, *lines[:LISTED], *ends])
     if rest := lines[LISTED:]:
-        yield "\n".join([f"<details><summary>{len(rest)} more</summary>", "", *head, *rest, "", "</details>"])
+        cut = ["", f"and {len(rest) - FOLDED} more."] if len(rest) > FOLDED else []
+        yield "\n".join([f"<details><summary>{len(rest)} more</summary>", "", *head, *rest[:FOLDED], *cut, "", "</details>"])
 
 
 def _code(text: str) -> str:
