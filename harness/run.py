@@ -14,6 +14,7 @@ from harness import machine
 from harness.cells import worker
 from harness.cells.collect import Entry
 from harness.cells.rows import drive_row, nothing, solve_row
+from harness.follow import follow
 from harness.plans.plan import Cell, Plan, Plugin, SolveCell, origin
 from harness.progress import Progress
 from harness.workers.cluster import Cluster
@@ -41,6 +42,7 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
         cells: list[Cell] = [*plan.solve_cells(entries.values()), *plan.drive_cells()]
         if not cluster:
             _run(cells, entries, plan, folder, pool, progress)
+            follow(plan, folder, entries.values(), pool, progress)
     if cluster:  # whose workers want the cores that ours held
         with Cluster(cluster, folder, plan.plugins, plan.memory_limit) as engine:
             _run(cells, entries, plan, folder, engine, progress)

@@ -23,6 +23,7 @@ import pandas as pd
 
 from reports.accuracy import TARGETS, summary, times_to
 from reports.drawing.style import Look, looks
+from results.courses import Course, read_courses
 from results.maps import Place, maps_of, read_thresholds
 from results.schema import CRASHED, SKIPPED, TIMEOUT
 from results.store import read_manifest, read_table
@@ -42,6 +43,7 @@ class Run:
     rows: pd.DataFrame  # solves
     drives: pd.DataFrame
     mapped_drives: pd.DataFrame = field(default_factory=pd.DataFrame)  # those of maps in closed loop
+    courses: list[Course] = field(default_factory=list)
     thresholds: dict[str, dict[str, list[Place]]] = field(default_factory=dict)  # of each map, by name
 
     @cached_property
@@ -85,7 +87,8 @@ def read_run(folder: Path) -> Run:
     where = zip(drives["scene"], drives["scheme"], drives["parameters"], strict=True)
     mapped = np.array([told in loops for told in where], dtype=bool)
     thresholds = {spec.name: read_thresholds(folder, spec) for spec in specs}
-    return Run(manifest, annotate(read_table(folder, "solves")), drives[~mapped], drives[mapped], thresholds)
+    solves = annotate(read_table(folder, "solves"))
+    return Run(manifest, solves, drives[~mapped], drives[mapped], read_courses(folder), thresholds)
 
 
 def annotate(solves: pd.DataFrame) -> pd.DataFrame:

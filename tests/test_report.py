@@ -32,6 +32,7 @@ from reports.standing import sentences, standings
 from reports.tables import problem_classes
 from reports.templates import script
 from reports.told import settings
+from results.courses import Course, write_courses
 from results.polygon import Deviation, write_deviations
 from results.schema import SOLVES, VERDICTS, arrow_schema
 from results.store import ResultsError
@@ -344,6 +345,7 @@ def test_an_entry_looks_the_same_whatever_the_order():
 
 def test_every_chart_is_on_the_page_and_in_the_paper(tmp_path):
     folder = write_folder(tmp_path, RUN, [drive_row("nsgs")])
+    write_courses(folder, [Course("bar", "{}", 0, "nsgs", 2, True, [1, 2], [1.0, 1e-9], [[1.0, 0.0], [2.0, 0.0]])])
     page, paper = _Page(write_report(folder)), write_paper(folder, read_run(folder))
     run = read_run(folder)
     drawn = [chart for chart in CHARTS if chart.panels(run)]
@@ -654,7 +656,7 @@ def test_who_is_exact_and_who_claims_falsely_by_hand(tmp_path):
         "Claim answers that are off by more than ten times": "liar (1 of 2)",
         "Died": "weak (1 of 2)",
     }
-    told = write_markdown(folder).read_text(encoding="utf-8")
+    told = write_markdown(folder, read_run(folder)).read_text(encoding="utf-8")
     assert "**Died**: weak (1 of 2)." in told
     best = next(line for line in told.splitlines() if line.startswith("| all problems"))
     assert "`liar`" in best.split("|")[-2], "the best of the outside solvers"

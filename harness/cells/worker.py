@@ -20,6 +20,7 @@ import numpy as np
 from harness import process
 from harness.cells.answers import AnswerError
 from harness.cells.collect import Entry, collect, stored, stored_start
+from harness.cells.course import follow
 from harness.cells.drive import drive, refusal
 from harness.cells.polygon import measure
 from harness.cells.record import keep, record
@@ -141,6 +142,19 @@ def run_check(variant: str, check: str, complaints: Callable[[SolverInfo, Solver
         _warm_up(variant, dimension, False, limit)
     with _worker.deadline.within(limit), process.no_twin():
         return complaints(info, solver, check)
+
+
+def run_course(name: str, variant: str, tol: float, limit: float) -> dict[str, Any]:
+    """How a solver gets to its answer on a stored problem: units of work, verified residuals, the last impulses."""
+    _, solver = _solver(variant)
+    problem = _problem(name)
+    assert isinstance(problem, FrictionProblem)
+    _warm_up(variant, problem.dimension, problem.joints.shape[0] > 0, limit)
+    with _worker.deadline.within(limit):
+        units, residuals, impulse = follow(problem, solver, tol)
+    kept = np.isfinite(residuals)
+    told = {"units": np.array(units)[kept].tolist(), "residuals": np.array(residuals)[kept].tolist()}
+    return told | {"impulse": impulse.tolist()}
 
 
 def run_motion(source: Source, limit: float) -> None:

@@ -1,9 +1,22 @@
 """The charts of page and paper, one file each, in the order in which they are shown."""
 
-from reports.charts import budget, classes, energy, growth, maps, pareto, profiles, speed_accuracy, stability, work
+from reports.charts import (
+    budget,
+    classes,
+    courses,
+    energy,
+    forces,
+    growth,
+    maps,
+    pareto,
+    profiles,
+    speed_accuracy,
+    stability,
+    work,
+)
 
 MAPS = (maps.VERDICTS, maps.TYPES, maps.TIMES, maps.WORK)
 CHARTS = (
-    *(stability.CHART, *MAPS, pareto.CHART, speed_accuracy.CHART),
+    *(stability.CHART, forces.CHART, *MAPS, pareto.CHART, speed_accuracy.CHART, courses.CHART),
     *(profiles.CHART, work.CHART, budget.CHART, classes.CHART, growth.CHART, energy.CHART),
 )
