@@ -98,11 +98,22 @@ def test_other_settings_have_another_folder_by_default() -> None:
 
 
 def test_a_run_ends_with_its_verdicts_and_what_to_do_next(tmp_path) -> None:
-    solves = [solve_row("a", "p"), solve_row("a", "q"), solve_row("b", "p"), lost_row("b", "q", "timeout")]
+    solves = [
+        solve_row("a", "p"),
+        solve_row("a", "q"),
+        solve_row("b", "p"),
+        lost_row("b", "q", "timeout"),
+        lost_row("b", "s", "skipped"),
+    ]
     write_folder(tmp_path, [*solves, solve_row("a", "r", trivial=True)], [drive_row("a")])
     lines = summary(tmp_path).splitlines()
-    assert lines[0] == "4 cells of problems that are not trivial"
-    assert [line.split() for line in lines[1:4]] == [["solver", "solved", "timeout"], ["a", "2"], ["b", "1", "1"]]
+    assert lines[0] == "cells of problems that are not trivial: 5"
+    assert [line.split() for line in lines[1:4]] == [
+        ["solver", "solved", "timeout", "skipped"],
+        ["a", "2"],
+        ["b", "1", "1", "1"],
+    ]
+    assert "1 × b skipped: for a reason" in lines
     assert lines[-1] == f"report:  frictionbench report {tmp_path}"
 
 

@@ -52,7 +52,7 @@ def solve_one(problem: str, solver_specs: list[str], tol: float, time_limit: flo
                 stage.finished(outcome.task)
     rows.sort(key=lambda row: (VERDICTS.index(row["verdict"]), _seconds(row), row["variant"]))
     applied = [row for row in rows if row["verdict"] != SKIPPED or solver_specs]
-    _show(f"{problem}: {told}, tolerance {tol:g}", applied)
+    _show(f"{problem}: {told}, tolerance {tol:g}", {str(place): row for place, row in enumerate(applied, start=1)})
     if left_out := [row["variant"] for row in rows if row not in applied]:
         print("\n".join(paragraph(f"not for this problem: {', '.join(left_out)}", screen(), "")))
     for complaint in broken:
@@ -119,7 +119,7 @@ def rerun_row(folder: Path, key: str, named: list[str]) -> tuple[Row, Row]:
 def show_rerun(folder: Path, key: str, named: list[str]) -> None:
     """Run the cell of a row again and print both rows. Errors: as rerun_row."""
     row, again = rerun_row(folder, key, named)
-    _show(f"{row['key']}: {row['scene']} {row['parameters']}, tolerance {row['tol']:g}", [row, again])
+    _show(f"{row['key']}: {row['scene']} {row['parameters']}, tolerance {row['tol']:g}", {"row": row, "again": again})
 
 
 def _stage(problem: str, folder: Path) -> Entry:
@@ -140,14 +140,14 @@ def _task_again(row: Row, table: str, plugins: tuple[Plugin, ...]) -> Task:
     return Task(row["variant"], worker.run_drive, (drive, limit), limit, owner)
 
 
-def _show(title: str, rows: list[Row]) -> None:
-    """Print a row each with its place, and below what there is to remark."""
+def _show(title: str, rows: dict[str, Row]) -> None:
+    """Print a row each behind its name, and below what there is to remark."""
     lines, remarks = [], []
-    for place, row in enumerate(rows, start=1):
+    for place, row in rows.items():
         times = [_time(row.get(name)) for name in ("form_time", "setup_time", "solve_time")]
         work = ", ".join(f"{key} {value}" for key, value in json.loads(row.get("work") or "{}").items())
         told = (row["verdict"], _number(row.get("residual")), _time(_seconds(row)), _number(row.get("model_residual")))
-        lines.append((str(place), row["variant"], *told, *times, (row.get("status") or "").lower(), work))
+        lines.append((place, row["variant"], *told, *times, (row.get("status") or "").lower(), work))
         if row.get("reason"):
             remarks.append(f"{place} {row['variant']}: {row['reason']}")
     header = ("", "solver", "verdict", "residual", "time", "of its model", "form", "setup", "solve", "claims", "work")

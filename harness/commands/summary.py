@@ -12,6 +12,7 @@ from harness.plans.suites import SUITES
 from results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
 from results.store import read_table
 
+MOST, LONGEST = 6, 160  # reasons told, and letters of one
 ORDER = (SOLVED, RELAXED, MISSED, UNJUDGEABLE, WRONG, UNSOLVED, TIMEOUT, CRASHED, SKIPPED)
 
 
@@ -30,8 +31,8 @@ def summary(folder: Path) -> str:
     real = rows[~rows["trivial"].eq(True)]
     lines = [_counted("cells of problems that are not trivial", real)]
     if trivial := len(rows) - len(real):
-        lines.append(f"{trivial} more cells are of trivial problems (no active friction, or nothing to solve), in no headline")
-    lines.append(_counted("drives, scenes moved in closed loop", read_table(folder, "drives")))
+        lines.append(f"of trivial problems (no active friction, or nothing to solve), in no headline: {trivial} more")
+    lines += [_counted("drives, scenes moved in closed loop", read_table(folder, "drives")), _reasons(rows)]
     lines.append(f"results: {folder}\nreport:  frictionbench report {folder}")
     return "\n\n".join(filter(None, lines))
 
@@ -42,4 +43,13 @@ def _counted(what: str, rows: pd.DataFrame) -> str:
     counts = pd.crosstab(rows["variant"], rows["verdict"]).reindex(columns=list(ORDER), fill_value=0)
     counts = counts.sort_values(list(ORDER), ascending=False, kind="stable")
     body = [(str(name), *(str(n or "") for n in row)) for name, row in zip(counts.index, counts.to_numpy(), strict=True)]
-    return "\n".join([f"{len(rows)} {what}", *columns(("solver", *ORDER), body, screen())])
+    return "\n".join([f"{what}: {len(rows)}", *columns(("solver", *ORDER), body, screen())])
+
+
+def _reasons(rows: pd.DataFrame) -> str:
+    """Why cells were skipped or crashed, the most frequent first."""
+    lost = rows[rows["verdict"].isin([SKIPPED, CRASHED]) & rows["reason"].notna()]
+    counts = lost.groupby(["variant", "verdict", "reason"]).size().sort_values(ascending=False, kind="stable")
+    told = [f"{count} × {variant} {verdict}: {reason}"[:LONGEST] for (variant, verdict, reason), count in counts.items()]
+    more = [f"... and {len(told) - MOST} more reasons, in the report"] if len(told) > MOST else []
+    return "\n".join([*told[:MOST], *more])
