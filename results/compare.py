@@ -46,6 +46,7 @@ class Comparison:
     work: tuple[Growth, ...] = ()
     times: tuple[Time, ...] = ()
     notes: tuple[str, ...] = ()
+    untimed: str = ""  # why times were not compared
     alpha: float = Limits().alpha
     benchmarks: bool = False
     sources: dict[str, str] = field(default_factory=dict)  # see results.cells
@@ -108,7 +109,8 @@ def compare(baseline: Path, current: Path, limits: Limits = Limits()) -> Compari
         gone=gone,
         work=work,
         times=tuple(timed),
-        notes=tuple(_notes(old, new, alike, limits, clocked)),
+        notes=tuple(_notes(old, new, clocked)),
+        untimed="" if alike or not limits.times else "the machines differ" if old.machine else "a baseline's text keeps none",
         alpha=limits.alpha,
         benchmarks=benchmarks.are(current),
         sources=new.sources,
@@ -131,12 +133,9 @@ def _differences(
     return flips, tuple(changes.gone(before, after)), tuple(changes.work(old, new, limits.growth)), int(clocked.sum())
 
 
-def _notes(old: Cells, new: Cells, alike: bool, limits: Limits, clocked: int) -> Iterator[str]:
+def _notes(old: Cells, new: Cells, clocked: int) -> Iterator[str]:
     if clocked:
         yield f"Timeouts that the machine's pace may explain, at other verdicts, are no change: {clocked} cells."
-    if limits.times and not alike:
-        reason = "the machines differ" if old.machine else "a baseline's text keeps none to compare"
-        yield f"Times are not compared: {reason}. `--confirm --code` runs both codes here, in turn."
     if old.code and new.code and old.code != new.code:
         yield f"Code {old.code} before, {new.code} now."
 
@@ -170,6 +169,7 @@ def confirm(comparison: Comparison, pairs: Sequence[Pair], both: bool, limits: L
         gone=tuple(flip for flip in comparison.gone if _name(flip) not in fallen),
         work=tuple(growth for growth in comparison.work if _name(growth) not in fallen),
         times=tuple(({time.variant: time for time in comparison.times} | timed).values()),
+        untimed="" if timed else comparison.untimed,
         notes=(*comparison.notes, *notes),
     )
 

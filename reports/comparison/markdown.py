@@ -24,6 +24,8 @@ def markdown(comparison: Comparison) -> str:
         return f"## Not comparable\n\n{runs}: {_code(comparison.unusable)}\n"
     counts = " · ".join(f"{name} {count}" for name, count in comparison.counts.items())
     parts = [f"## {counts}", f"{runs}.", *map(_text, comparison.notes)]
+    if comparison.untimed:
+        parts.append(f"Times are not compared: {comparison.untimed}. `--confirm --code` runs both codes here, in turn.")
     for variant in solvers(comparison):
         own = [found for found in (*comparison.flips, *comparison.gone, *comparison.work) if found.variant == variant]
         if own:
