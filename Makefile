@@ -1,7 +1,8 @@
 # make bench   install, run the standard suite, write its results and report, and say where the report is
 # make test    install, check the style and the types, run the tests
 # make timing  install, time the kernels with pytest-benchmark, a file in runs/timing-REVISION each time
-# make peers   the outside solvers into an environment of their own, as far as they can be had; run the peers suite, report
+# make peers   the outside solvers into an environment of their own, as far as they can be had; run the peers suite, report,
+#              and put its tables into docs/peers.md
 # make regress install, run the smoke suite and compare it with the committed baseline; COMPARE: more options of compare
 
 PYTHON ?= python3
@@ -48,6 +49,7 @@ peers: $(PEERS)/installed
 	@/usr/bin/python3 -c 'import siconos.numerics' 2>/dev/null || echo 'Siconos is missing: apt-get install python3-siconos (Debian); its solvers are skipped'
 	$(PEERS)/bin/frictionbench run peers --out $(PEERS_RUN)
 	$(PEERS)/bin/frictionbench report $(PEERS_RUN) --markdown
+	sed -i -e '/^<!-- begin/,/^<!-- end/{//!d}' -e '/^<!-- begin/r $(PEERS_RUN)/report.md' docs/peers.md
 
 regress: install
 	$(BIN)/frictionbench run smoke --out runs/smoke-$(REVISION)

@@ -45,16 +45,16 @@ def sentences(run: Run) -> list[tuple[str, str]]:
     everywhere = [one for one in everybody if one.own == one.problems]
     claims: dict[str, tuple[list[Standing], Callable[[Standing], int] | None]] = {
         f"Exact to {to} on every problem taken": ([one for one in everywhere if one.exact == one.problems], None),
-        "So, but with a polygon for the cone in space": (
+        f"To {to} as well, with a polygon for the cone in space": (
             [one for one in everywhere if one.exact < one.problems and one.model == "lcp"],
-            None,
-        ),
-        "So, but of a relaxation, which is another law where bodies slide": (
-            [one for one in everywhere if one.exact < one.problems and one.model != "lcp"],
             None,
         ),
         "Claim answers that are off by more than ten times": ([one for one in everybody if one.wrong], lambda one: one.wrong),
         "Died": ([one for one in everybody if one.crashed], lambda one: one.crashed),
+        f"To {to} as well, of a relaxation, another law where bodies slide": (
+            [one for one in everywhere if one.exact < one.problems and one.model != "lcp"],
+            None,
+        ),
     }
     return [
         (what, ", ".join(_named(one, count(one) if count else None) for one in entries))

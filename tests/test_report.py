@@ -652,7 +652,7 @@ def test_who_is_exact_and_who_claims_falsely_by_hand(tmp_path):
     ]
     assert dict(sentences(run)) == {
         "Exact to 1e-8 on every problem taken": "a, b",
-        "So, but of a relaxation, which is another law where bodies slide": "soft",
+        "To 1e-8 as well, of a relaxation, another law where bodies slide": "soft",
         "Claim answers that are off by more than ten times": "liar (1 of 2)",
         "Died": "weak (1 of 2)",
     }
