@@ -94,7 +94,7 @@ def _drawing(run: Run, cells: Cells, fields: Sequence[Field], note: str, legend:
     entries += [(*THRESHOLDS[name], True) for name in traced]
     grid = Grid(_axis(spec.x), _axis(spec.y), {THRESHOLDS[name][1]: places for name, places in traced.items()})
     panels = [tiles.panel(field.title, _tiles(field), grid, field.ground) for field in fields]
-    return Drawing(f"{spec.title or spec.name}. {spec.note}", spec.name, (*([tiles.legend(entries, grid)]), *panels))
+    return Drawing(f"{spec.title or spec.name}. {spec.note}", spec.name, (tiles.legend(entries, grid), *panels), note)
 
 
 def _axis(axis: Axis) -> tuple[str, str, str, int]:

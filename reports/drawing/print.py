@@ -52,7 +52,8 @@ def _draw(ax: Axes, group: ElementTree.Element, place: Transform, points: float,
             _draw(ax, element, _moved(element) + place, points, colour)
         elif element.tag == "text":
             x, y = place.transform((float(element.get("x", 0)), float(element.get("y", 0))))
-            ax.text(x, y, element.text or "", color=INK, va="baseline")
+            size = points * float(element.get("font-size", LETTERS))
+            ax.text(x, y, element.text or "", color=INK, va="baseline", fontsize=size)
         elif element.tag == "rect":
             x, y, w, h, corner = (float(element.get(name, 0)) for name in ("x", "y", "width", "height", "rx"))
             style = f"round,pad=0,rounding_size={corner}" if corner else "square,pad=0"
