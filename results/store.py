@@ -1,6 +1,7 @@
 """The results folder of a run.
 
     DIR/manifest.json             what was run, where, with which versions and settings
+    DIR/courses.json              how solvers get to their answers on a few problems, see results.courses
     DIR/problems/HASH.npz         the problems, so that any cell can be rerun
     DIR/shards/TABLE-*.jsonl      rows as they came, one file a writer, appended and flushed row by row
     DIR/solves.parquet, drives.parquet    the shards merged
