@@ -44,7 +44,7 @@ def small(name: str, across: int = 5, upwards: int = 5, **changes) -> Map:
 
 
 def plan(*maps: Map, solvers: tuple[str, ...]) -> Plan:
-    return Plan("test", (), solvers, (1e-6,), drive_solvers=solvers, drive_tol=1e-6, maps=maps, time_limit=5.0)
+    return Plan("test", (), solvers, (1e-6,), drive_solvers=solvers, drive_tol=1e-6, maps=maps, time_limit=60.0)
 
 
 @pytest.fixture(scope="module")
