@@ -35,7 +35,8 @@ def write_markdown(folder: Path, run: Run) -> Path:
 def _head(run: Run) -> str:
     told, machine = run.manifest.get("settings", {}), run.manifest.get("machine", {})
     problems = run.contested.drop_duplicates("problem_id")
-    shaken = f"; {run.rows['disturbed'].eq(True).mean():.0%} of the cells waited for their core" if len(run.rows) else ""
+    timed = run.rows["disturbed"].dropna()
+    shaken = f"; {timed.eq(True).mean():.0%} of the cells that ran waited for their core" if len(timed) else ""
     return (
         f"Suite {told.get('suite')}, finished {run.manifest.get('finished', 'never')}, {machine.get('processor')}, "
         f"{machine.get('cores')} cores: {len(problems)} problems that are not trivial, "
