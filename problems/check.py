@@ -3,10 +3,10 @@
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy import sparse
 
+from problems.compiled import kernel
 from problems.rows import Rows, copied, from_dense, from_matrix
 
 Array = NDArray[np.float64]
@@ -89,7 +89,7 @@ def floats(field: str, value: Any) -> Array:
         raise InputError(f"{field}: not an array of numbers ({error})") from None
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def _finite(array):  # type: ignore[no-untyped-def]
     """Whether all entries of a vector are."""
     for entry in array:  # noqa: SIM110  # a compiled loop
@@ -98,7 +98,7 @@ def _finite(array):  # type: ignore[no-untyped-def]
     return True
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def _any_negative(array):  # type: ignore[no-untyped-def]
     for entry in array:  # noqa: SIM110  # a compiled loop
         if entry < 0:

@@ -13,11 +13,19 @@ from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
 
+from numba import njit
 from numba.core import config
 from platformdirs import user_cache_path
 
 HOUSE = Path(__file__).resolve().parent.parent
 FOLDERS = ("problems", "solvers")
+
+# What Python calls is a kernel, kept from run to run. A part is called by kernels only, and has no way in from Python, which
+# for a tuple of arrays takes longer to compile than the code itself. What is inlined becomes the caller's own code before that
+# is typed: where a call would cost more than what it does.
+kernel = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+part = njit(error_model="numpy", no_cfunc_wrapper=True, no_cpython_wrapper=True)
+inlined = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, inline="always")
 
 
 def keep_compiled() -> None:
@@ -30,7 +38,7 @@ def state(house: Path) -> str:
     digest = sha256()
     for path in sorted(path for folder in FOLDERS for path in (house / folder).rglob("*.py")):
         text = path.read_bytes()
-        if b"njit" in text:
+        if any(word in text for word in (b"njit", b"problems.compiled")):
             digest.update(f"{path.relative_to(house).as_posix()}\0{len(text)}\0".encode() + text)
     return digest.hexdigest()[:16]
 

@@ -126,21 +126,22 @@ class FrictionProblem:
     @cached_property
     def _joint_response(self) -> tuple[Array, Array]:
         """(M^-1 F', (F M^-1 F')^+), dense; joints are few, and may be redundant."""
-        response = (self.inverse_mass @ self.joints.T).toarray()
-        return response, np.linalg.pinv(self.joints @ response, hermitian=True)
+        response = delassus.joint_response(*self.joint_rows, *self.inverse_rows)
+        return response, np.linalg.pinv(delassus.product(*self.joint_rows, response), hermitian=True)
 
     @property
     def _joint_coupling(self) -> tuple[Array, Array]:
         """(F M^-1 J', (F M^-1 F')^+), dense."""
         response, inverse = self._joint_response
-        return (self.jacobian @ response).T, inverse
+        return delassus.coupling(*self.contact_rows, response), inverse
 
     def _on_joints(self, velocity: Array, bias: Array) -> Array:
         """The velocity nearest in the kinetic metric with F v + bias = 0."""
         if not self._has_joints:
             return velocity
         response, inverse = self._joint_response
-        return velocity - response @ (inverse @ (self.joints @ velocity + bias))
+        apart = delassus.product(*self.joint_rows, velocity[:, None].copy())[:, 0]
+        return velocity - response @ (inverse @ (apart + bias))
 
     def velocity(self, impulse: Array) -> Array:
         """v (nv,) after the contact impulses (nc, d) or (nc*d,), joints kept; computed without W."""
@@ -150,13 +151,23 @@ class FrictionProblem:
 
     def contact_velocity(self, impulse: Array) -> Array:
         """u (nc, d), bias included, after the contact impulses (nc, d); computed without W."""
+        if not self._has_joints:
+            rows = *self.contact_rows, *self.inverse_rows
+            return delassus.pushed_contact_velocity(*rows, self.free_velocity, self._by_contact(impulse), self.bias)
         u = delassus.contact_velocity(*self.contact_rows, self.velocity(impulse), self.bias)
-        if self._has_joints:
-            np.copyto(u, self.q.reshape(u.shape), where=self._locked)
+        np.copyto(u, self.q.reshape(u.shape), where=self._locked)
         return u
 
     def _by_contact(self, impulse: Array) -> Array:
-        return check.entries("impulse", impulse, self.contacts * self.dimension).reshape(self.contacts, self.dimension)
+        shape = self.contacts, self.dimension
+        if (
+            type(impulse) is np.ndarray
+            and impulse.shape == shape
+            and impulse.dtype == np.float64
+            and impulse.flags.c_contiguous
+        ):
+            return impulse
+        return check.entries("impulse", impulse, shape[0] * shape[1]).reshape(shape)
 
     def velocity_size(self, impulse: Array) -> Array:
         """(nc, d): the size of the terms that add up to contact_velocity, of whose sum rounding takes some eps."""
@@ -170,9 +181,14 @@ class FrictionProblem:
         size[:, 0] += np.abs(self.bias)
         return size
 
-    @cached_property
+    def _measured(self, name: str) -> Any:
+        """q, scale or fastest; all three are kept."""
+        q, scale, fastest = self._measures()
+        q.setflags(write=False)
+        self.__dict__.update(q=q, scale=scale, fastest=fastest)
+        return self.__dict__[name]
+
     def _measures(self) -> tuple[Array, Array, float]:
-        """q, scale and fastest."""
         free = self._on_joints(self.free_velocity, self.joint_bias)
         measures = delassus.measures(*self.contact_rows, *self.inverse_rows, free, self.bias)
         if not self._has_joints:
@@ -189,9 +205,7 @@ class FrictionProblem:
     @cached_property
     def q(self) -> Array:
         """The free contact velocity with its bias (nc*d,): u where r = 0. Read-only, as where it is given."""
-        q = self._measures[0]
-        q.setflags(write=False)
-        return q
+        return self._measured("q")
 
     @cached_property
     def blocks(self) -> Blocks:
@@ -216,7 +230,7 @@ class FrictionProblem:
     def scale(self) -> Array:
         """s (nc,): the mean diagonal of each contact's block of W, 1/kg, where joints lock it of W without joints; 1 where
         that vanishes, too."""
-        return self._measures[1]
+        return self._measured("scale")
 
     @cached_property
     def _locked(self) -> NDArray[np.bool_]:
@@ -231,7 +245,7 @@ class FrictionProblem:
     @cached_property
     def fastest(self) -> float:
         """max_i |q_i|, the unit of the residual."""
-        return self._measures[2]
+        return self._measured("fastest")
 
     @property
     def _has_joints(self) -> bool:
@@ -240,7 +254,7 @@ class FrictionProblem:
     def lcp(self, facets: int = 8) -> LCP:
         """The friction LCP. Exact in the plane; in space the cone's section is a polygon inscribed with `facets` corners."""
         basis = tangent_basis(self.dimension, facets)
-        return friction_lcp(self.blocks, self.q.reshape(-1, self.dimension), self.friction, self.friction_bias, basis)
+        return friction_lcp(self.blocks, self.q, self.friction, self.friction_bias, basis)
 
     def qp(self, facets: int = 8) -> QP:
         """The convex relaxation as a quadratic program in the velocities (Anitescu 2006); polygonal in space."""

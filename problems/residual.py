@@ -16,10 +16,10 @@ may come out as 0 whatever they are.
 """
 
 import numpy as np
-from numba import njit
 
 from problems import check
 from problems.check import Array
+from problems.compiled import inlined, kernel
 from problems.forms.cone import nearest
 from problems.forms.lcp import LCP
 from problems.friction import FrictionProblem
@@ -94,7 +94,7 @@ def _defect(problem: FrictionProblem, impulse: Array, shift: float, softness: Ar
     return float(worst / free)
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@kernel
 def largest_defect(r, u, s, mu, b, shift):  # type: ignore[no-untyped-def]
     """max_i s_i |r_i - P_K(r_i - (u_i + shift mu_i |u_t,i| e_n)/s_i)|, infinity where that is not a number."""
     worst = 0.0
@@ -105,7 +105,7 @@ def largest_defect(r, u, s, mu, b, shift):  # type: ignore[no-untyped-def]
     return worst
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@kernel
 def _defects(r: Array, u: Array, s: Array, mu: Array, b: Array, shift: float) -> Array:
     """|r_i - P_K(r_i - (u_i + shift mu_i |u_t,i| e_n)/s_i)| (nc,), contact by contact."""
     defects = np.empty(len(r))
@@ -114,7 +114,7 @@ def _defects(r: Array, u: Array, s: Array, mu: Array, b: Array, shift: float) ->
     return defects
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def contact_defect(r: Array, u: Array, s: float, mu: float, b: float, shift: float) -> float:
     """|r - P_K(r - (u + shift mu |u_t| e_n)/s)| of one contact, r and u (d,)."""
     sliding = size = 0.0

@@ -9,9 +9,10 @@ arithmetic on ten contacts.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy import sparse
+
+from problems.compiled import kernel, part
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int32]
@@ -26,9 +27,9 @@ class Rows(NamedTuple):
 
     def matrix(self, columns: int) -> sparse.csr_array:
         """The matrix as scipy has it; read-only."""
-        parts = [part.view() for part in (self.value, self.column, self.start)]
-        for part in parts:
-            part.setflags(write=False)
+        parts = [piece.view() for piece in (self.value, self.column, self.start)]
+        for piece in parts:
+            piece.setflags(write=False)
         return sparse.csr_array(tuple(parts), shape=(len(self.start) - 1, columns))
 
 
@@ -50,7 +51,7 @@ def from_matrix(matrix: sparse.csr_array) -> Rows:
     return Rows(np.array(matrix.indptr, np.int32), np.array(matrix.indices, np.int32), np.array(matrix.data))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def _from_dense(dense):  # type: ignore[no-untyped-def]
     entries = 0
     for entry in dense.flat:
@@ -66,7 +67,16 @@ def _from_dense(dense):  # type: ignore[no-untyped-def]
     return start, column, value
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
+def nowhere(n):  # type: ignore[no-untyped-def]
+    """-1 in n places."""
+    index = np.empty(n, np.int32)
+    for i in range(n):
+        index[i] = -1
+    return index
+
+
+@kernel
 def copied(start, column, value, columns):  # type: ignore[no-untyped-def]
     """(whether they are a canonical matrix of so many columns with finite entries, copies of the three)."""
     good = start[0] == 0 and start[-1] <= len(column) and start[-1] <= len(value)
@@ -84,7 +94,7 @@ def copied(start, column, value, columns):  # type: ignore[no-untyped-def]
     return good and start[-1] == len(column) and start[-1] == len(value), own_start, own_column, own_value
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def by_contact(n_start, n_column, n_value, t_start, t_column, t_value, d):  # type: ignore[no-untyped-def]
     """A contact's normal row and its d-1 tangent rows over the union of their columns, ascending."""
     nc = len(n_start) - 1
@@ -115,7 +125,7 @@ def by_contact(n_start, n_column, n_value, t_start, t_column, t_value, d):  # ty
     return start, column[:at], value[:at]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def by_row(start, column, value, first, d):  # type: ignore[no-untyped-def]
     """Of a matrix by contacts the rows first, ..., d-1 of every contact, by rows."""
     nc, own = len(start) - 1, d - first
@@ -131,7 +141,7 @@ def by_row(start, column, value, first, d):  # type: ignore[no-untyped-def]
     return own_start, own_column[:at], own_value[:at]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def normal_first(start, column, value):  # type: ignore[no-untyped-def]
     """A matrix by contacts with the columns of a contact's normal first, then those that the first tangent adds, and so on.
 

@@ -17,12 +17,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from problems import FrictionProblem
 from problems.check import Array
+from problems.compiled import kernel, part
 from problems.rows import Index
 from solvers.interface import Answer, impulses, solver
 from solvers.sweeps.form import ContactForm, contact_form
@@ -120,7 +120,7 @@ def _factorise(W: sparse.csc_array, diagonal: Array) -> Factor:
     return Factor(lu.perm_r.astype(np.int32), lu.perm_c.astype(np.int32), L, U, lu.U.diagonal())
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _solve(factor, b, y):  # type: ignore[no-untyped-def]
     """Overwrite b by A^-1 b; y is scratch."""
     n = len(b)
@@ -139,7 +139,7 @@ def _solve(factor, b, y):  # type: ignore[no-untyped-def]
         b[i] = y[factor.column[i]]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def _alternate(form, factor, q, rho, shift, z, w, count):  # type: ignore[no-untyped-def]
     """`count` iterations on z and w (nc, d). Returns the primal and the dual residual of the last, squared."""
     nc, d = z.shape

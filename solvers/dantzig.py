@@ -19,10 +19,10 @@ covering vectors without a zero.
 from functools import partial
 
 import numpy as np
-from numba import njit
 
 from problems import LCP, FrictionProblem
 from problems.check import Array
+from problems.compiled import kernel
 from solvers.interface import Answer, solver
 from solvers.pivots.inverse_basis import Index, Matrix, slack_basis
 from solvers.pivots.lemke_path import ACCURACY, COMPLEMENTARY, LOST, RAY, STUCK, add_coordinates, draw, evaluate, follow
@@ -32,7 +32,7 @@ PERTURBATION = 1e-7  # of q, whose largest entry is 1
 HARRIS = 1e-4  # how far below zero near ties may reach, relative to the perturbation
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def dantzig(order: Index, M: Matrix, q: Array, unit: Array, tol: float, limit: int) -> tuple[int, Array, int, int]:
     """(how it ended, y, pivots, inversions) for the scaled problem; order: the indices in the order in which they are taken."""
     n = len(q)

@@ -24,10 +24,10 @@ problems, Mathematical Programming 75 (1996).
 """
 
 import numpy as np
-from numba import njit
 
 from problems import LCP, FrictionProblem
 from problems.check import Array, require
+from problems.compiled import kernel
 from solvers.interface import Answer, Status, solver
 from solvers.pivots.dense_lcp import (
     EVALUATIONS,
@@ -75,7 +75,7 @@ class FischerNewton:
         return answer
 
 
-@njit(cache=True)
+@kernel
 def fischer(y, w):  # type: ignore[no-untyped-def]
     """Phi (n,), without cancellation where a + b > 0."""
     value = np.empty(len(y))
@@ -86,7 +86,7 @@ def fischer(y, w):  # type: ignore[no-untyped-def]
     return value
 
 
-@njit(cache=True)
+@kernel
 def jacobian(M, y, w):  # type: ignore[no-untyped-def]
     """The diagonals A, B (n,) of an element H = A + B M of the generalised Jacobian.
 
@@ -105,7 +105,7 @@ def jacobian(M, y, w):  # type: ignore[no-untyped-def]
     return A, B
 
 
-@njit(cache=True)
+@kernel
 def iterate(M, q, y, descent, eps):  # type: ignore[no-untyped-def]
     """From y: how it ended, the iterations, and nothing to remark."""
     n, work = len(q), descent.work

@@ -11,9 +11,8 @@ within the tolerance: so it solves what any of its members does, and says so whe
 Selman 2001.)
 """
 
-from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -36,8 +35,7 @@ CLOSE = 0.01  # the residual up to which what a member leaves makes a better sta
 Members = tuple[tuple[SolverInfo, Solver], ...]
 
 
-@dataclass(frozen=True, eq=False)
-class Prepared:
+class Prepared(NamedTuple):
     """The problem, the members in order with their facts, and the first of them's form, then its setup."""
 
     problem: FrictionProblem
@@ -73,7 +71,8 @@ class Hybrid:
             guess = impulse if least <= CLOSE else start
             answer = member.solve(stage, tol, own_limit, guess if info.warm_start else None)
             for unit, count in answer.work.items():
-                work[f"{info.name} {unit}"] = work.get(f"{info.name} {unit}", 0) + count
+                named = f"{info.name} {unit}"
+                work[named] = work.get(named, 0) + count
             work["members"] = tried
             found = residual(problem, answer.impulse)
             if found < least:

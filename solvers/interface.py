@@ -244,11 +244,14 @@ def solve(
     or start where that cannot be used.
     """
     info, instance = find(spec)
-    require(isinstance(problem, FrictionProblem | LCP), "problem", f"must be a FrictionProblem or an LCP, got {type(problem)}")
-    require(isinstance(tol, Real) and 0 < tol < float("inf"), "tol", f"must be a positive, finite number, got {tol!r}")
-    whole = isinstance(limit, Integral) and not isinstance(limit, bool)
-    allowed = limit is None or (whole and 1 <= limit <= MOST_WORK)
-    require(allowed, "limit", f"must be a whole number, at least 1 and at most {MOST_WORK}, got {limit!r}")
+    if not isinstance(problem, FrictionProblem | LCP):
+        raise InputError(f"problem: must be a FrictionProblem or an LCP, got {type(problem)}")
+    if not (isinstance(tol, Real) and 0 < tol < float("inf")):
+        raise InputError(f"tol: must be a positive, finite number, got {tol!r}")
+    if limit is not None:
+        whole = isinstance(limit, Integral) and not isinstance(limit, bool)
+        allowed = whole and 1 <= limit <= MOST_WORK
+        require(allowed, "limit", f"must be a whole number, at least 1 and at most {MOST_WORK}, got {limit!r}")
     if reason := info.missing or info.refuses(problem):
         raise InputError(f"solver: {reason}")
     shape = problem.contacts if isinstance(problem, LCP) else (problem.contacts, problem.dimension)

@@ -25,7 +25,7 @@ from solvers.interior.centred_point import centred_point
 from solvers.interior.phases import Phase, Phased, Prepared, first_point, run
 from solvers.interior.point import Point, start_point
 from solvers.interior.predictor_corrector import predictor_corrector
-from solvers.interior.system import System
+from solvers.interior.system import System, space_of
 
 # Impulses and speeds, relative to a contact's own: each of these arrives at a solution in three of four trapped instances.
 STARTS = ((0.1, 10.0), (1.0, 10.0), (0.1, 100.0), (1.0, 100.0), (10.0, 1.0), (1.0, 1.0))
@@ -84,4 +84,4 @@ class InteriorPoint(Phased):
 def _around(problem: FrictionProblem, system: System, impulse: Array, least: float) -> Point:
     """The centred point around impulses (nc, d), as far from the boundary as they are from a solution, or by `least`."""
     distance = max(residual(problem, impulse), least)
-    return centred_point(system, impulse, problem.contact_velocity(impulse), distance)
+    return centred_point(system, space_of(system), impulse, problem.contact_velocity(impulse), distance)

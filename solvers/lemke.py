@@ -24,11 +24,13 @@ A start (impulses) becomes a guess of the basis. If that can be inverted the met
 with a smaller perturbation; if it cannot, or that fails, from z = 0.
 """
 
+from functools import lru_cache
+
 import numpy as np
-from numba import njit
 
 from problems import LCP, FrictionProblem
 from problems.check import Array
+from problems.compiled import kernel, part
 from solvers.interface import Answer, impulses, solver
 from solvers.pivots.inverse_basis import Index, Matrix, invert, slack_basis
 from solvers.pivots.lemke_path import (
@@ -49,10 +51,11 @@ from solvers.pivots.vectors import fill, largest, least, put
 PERTURBATION = 1e-7  # of q, whose largest entry is 1
 HARRIS = 1e-4  # how far below zero near ties may reach, relative to the perturbation
 EXACT = 1e-12  # a residual of round-off, below which no smaller perturbation is tried
+NONE = np.empty(0, np.int64)
 CERTIFICATE = 1e-9  # how exactly a ray must hold, relative to its size
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def certified(M: Matrix, q: Array, d: Array, ray: Array, copositive: bool) -> bool:
     """Whether (v, v0) = ray is a secondary ray: v >= 0, v != 0, v0 >= 0, s = M v + d v0 >= 0 and v's = 0.
 
@@ -75,7 +78,7 @@ def certified(M: Matrix, q: Array, d: Array, ray: Array, copositive: bool) -> bo
     return not copositive or (v0 <= slack and along < -slack)
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@kernel
 def lemke(
     M: Matrix, q: Array, cover: Array, unit: Array, guess: Index, copositive: bool, tol: float, limit: int, restarts: int
 ) -> tuple[int, Array, int, int, int]:
@@ -152,27 +155,28 @@ class Lemke:
         return scaled_lcp(problem, self.facets)
 
     def setup(self, formed: ScaledLCP) -> tuple[ScaledLCP, Array]:
-        return formed, covering_vector(formed.lcp)
+        return formed, covering_vector(len(formed.q), formed.contacts[0])
 
     def solve(self, prepared: tuple[ScaledLCP, Array], tol: float, limit: int | None, start: Array | None = None) -> Answer:
         scaled, cover = prepared
-        lcp, _, M, q, unit = scaled
-        guess = np.empty(0, np.int64) if start is None else guess_basis(lcp, start)
+        M, q, unit = scaled.M, scaled.q, scaled.unit
+        guess = NONE if start is None else guess_basis(scaled.lcp, start)
         limit = limit or 100_000 + 100 * len(q)
         goal = MARGIN * tol
         ended, y, pivots, restarts, inversions = lemke(
-            M, q, cover, unit, guess, lcp.basis is not None, goal, limit, self.restarts
+            M, q, cover, unit, guess, scaled.basis is not None, goal, limit, self.restarts
         )
         return scaled.answer(y, ended, pivots=pivots, restarts=restarts, inversions=inversions)
 
 
-def covering_vector(lcp: LCP) -> Array:
-    """d (n,) in scaled units: 1, and 30 in the tangential rows of a friction LCP.
+@lru_cache(maxsize=64)
+def covering_vector(n: int, contacts: int) -> Array:
+    """d (n,) in scaled units: 1, and 30 in the tangential rows of the LCP of so many contacts with friction.
 
     Any d > 0 will do; with this one contacts come to bear before they rub, which was measured to save a third of the pivots.
     """
-    d, nc = np.ones(lcp.size), lcp.contacts[0]
-    d[nc : lcp.size - nc] = 30.0 if nc else 1.0
+    d = np.ones(n)
+    d[contacts : n - contacts] = 30.0 if contacts else 1.0
     return d
 
 
@@ -181,7 +185,7 @@ def guess_basis(lcp: LCP, impulse: Array) -> Index:
     nc, d = lcp.contacts
     impulse = impulses(impulse, lcp.contacts)
     if not nc:
-        return np.empty(0, np.int64)
+        return NONE
     K = lcp.size // nc - 2
     c, r_t = impulse[:, 0], impulse[:, 1:]
     directions = lcp.basis[1:, 1:].T  # type: ignore[index]

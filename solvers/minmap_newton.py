@@ -22,10 +22,10 @@ Mathematical Programming 134 (2012).
 """
 
 import numpy as np
-from numba import njit
 
 from problems import LCP, FrictionProblem
 from problems.check import Array, require
+from problems.compiled import kernel, part
 from solvers.interface import Answer, Status, solver
 from solvers.pivots.dense_lcp import (
     EVALUATIONS,
@@ -75,7 +75,7 @@ class MinmapNewton:
         return answer
 
 
-@njit(cache=True)
+@part
 def newton_direction(M, y, w, eps):  # type: ignore[no-untyped-def]
     """d (n,) of the active set A = {w < y}, NaN where M_AA + eps is singular."""
     A, rest = np.flatnonzero(w < y), np.flatnonzero(w >= y)
@@ -92,7 +92,7 @@ def newton_direction(M, y, w, eps):  # type: ignore[no-untyped-def]
     return d
 
 
-@njit(cache=True)
+@part
 def signature(A):  # type: ignore[no-untyped-def]
     """A 64-bit hash of a set (n, bool)."""
     h = np.int64(1)
@@ -101,7 +101,7 @@ def signature(A):  # type: ignore[no-untyped-def]
     return h
 
 
-@njit(cache=True)
+@kernel
 def iterate(M, q, y, descent, eps, globalised):  # type: ignore[no-untyped-def]
     """From y: how it ended, the iterations, and the period of the first cycle seen, or 0."""
     work, visited = descent.work, np.empty(len(descent.history), np.int64)

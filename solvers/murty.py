@@ -11,10 +11,10 @@ whose pivot vanishes, where it stalls.
 """
 
 import numpy as np
-from numba import njit
 
 from problems import LCP, FrictionProblem
 from problems.check import Array
+from problems.compiled import kernel
 from solvers.interface import Answer, solver
 from solvers.pivots.inverse_basis import Matrix, exchange, refactor, slack_basis, transform
 from solvers.pivots.lemke_path import ACCURACY, COMPLEMENTARY, LIMIT, LOSS, LOST, PIVOT, STUCK, enter, evaluate
@@ -23,7 +23,7 @@ from solvers.pivots.scaled_lcp import ScaledLCP, finish, pivot_by, scaled_lcp
 NEGATIVE = 1e-13  # of the largest basic variable: what is less negative counts as zero
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def murty(M: Matrix, q: Array, unit: Array, tol: float, limit: int) -> tuple[int, Array, int, int]:
     """(how it ended, y, pivots, inversions) for the scaled problem."""
     n = len(q)

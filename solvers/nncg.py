@@ -12,10 +12,10 @@ Reference: Silcowitz, Niebe and Erleben 2010.
 """
 
 import numpy as np
-from numba import njit
 
 from problems import FrictionProblem
 from problems.check import Array
+from problems.compiled import kernel
 from solvers.interface import Answer, impulses, solver
 from solvers.sweeps.form import ContactForm, contact_form
 from solvers.sweeps.gauss_seidel import CHECK, planar_sweeps, spatial_sweeps, watch_sweeps
@@ -39,7 +39,7 @@ class NNCG:
         return watch.answer(r, sweeps=sweeps, checks=watch.seen)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def _iterate(form, r, watch):  # type: ignore[no-untyped-def]
     """Overwrite r by the solution; the number of sweeps."""
     x, u = np.empty_like(form.rest), np.empty_like(r)

@@ -10,10 +10,10 @@ References: Jourdan, Alart and Jean 1998; Jean 1999.
 """
 
 import numpy as np
-from numba import njit
 
 from problems import FrictionProblem
 from problems.check import Array, require
+from problems.compiled import kernel
 from solvers.interface import Answer, impulses, solver
 from solvers.sweeps.form import ContactForm, contact_form
 from solvers.sweeps.gauss_seidel import CHECK, planar_sweeps, spatial_sweeps, watch_sweeps
@@ -39,18 +39,18 @@ class NSGS:
 
     def solve(self, form: ContactForm, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         r, watch = impulses(start, form.offset.shape), watch_sweeps(tol, limit)
-        sweeps = _iterate(form, r, float(self.relaxation), watch)
+        sweeps = _iterate(form, r, float(self.relaxation), watch, True if r.shape[1] == 3 else None)
         return watch.answer(r, sweeps=sweeps, checks=watch.seen)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
-def _iterate(form, r, relaxation, watch):  # type: ignore[no-untyped-def]
-    """Overwrite r by the solution; the number of sweeps."""
-    x, u = np.empty_like(form.rest), np.empty_like(r)
+@kernel
+def _iterate(form, r, relaxation, watch, space):  # type: ignore[no-untyped-def]
+    """Overwrite r by the solution; the number of sweeps. space: None in the plane, so that only one of the two is compiled."""
+    x, u = np.empty(len(form.rest)), np.empty(r.shape)
     sweeps = 0
     while going(watch, evaluate(form, r, x, u, 1.0), sweeps):
         count = min(CHECK, watch.limit - sweeps)
-        if r.shape[1] == 2:
+        if space is None:
             planar_sweeps(form, r, x, relaxation, count)
         else:
             spatial_sweeps(form, r, x, relaxation, count)

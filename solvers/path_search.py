@@ -38,12 +38,11 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from problems import LCP, FrictionProblem
 from problems.check import Array, require
+from problems.compiled import kernel, part
 from solvers.interface import Answer, Status, solver
-from solvers.pivots.inverse_basis import compress
 from solvers.pivots.lu_basis import (
     Basis,
     Columns,
@@ -57,10 +56,9 @@ from solvers.pivots.lu_basis import (
     new_basis,
     orientation,
 )
-from solvers.pivots.natural import MARGIN, exact_residual, natural_residual, natural_weight
+from solvers.pivots.natural import MARGIN, exact_residual, natural_residual, own_scale, scaled_and_weighed
 from solvers.pivots.newton_path import FACTORISATIONS, LIMIT, NEWTON, RAY, SINGULAR, follow, is_ray
-from solvers.pivots.ordering import in_order, reverse_cuthill_mckee
-from solvers.pivots.scaling import Scaling, scaling
+from solvers.pivots.ordering import in_order
 from solvers.pivots.vectors import fill, put
 
 SHIFT = 0.3  # size of a crash point's residual, relative to the largest scaled q
@@ -96,26 +94,24 @@ class PathSearch:
 
     def form(self, problem: FrictionProblem | LCP) -> "Formed":
         lcp = problem if isinstance(problem, LCP) else problem.lcp(self.facets)
-        scale = scaling(lcp)
-        return Formed(problem, lcp, scale, natural_weight(problem, lcp, scale))
+        return Formed(problem, lcp, *scaled_and_weighed(*lcp.rows, lcp.q, own_scale(problem)))
 
     def setup(self, formed: "Formed") -> "Prepared":
-        problem, lcp, scale, weight = formed
+        problem, lcp, *parts = formed
         n = lcp.size
-        order = reverse_cuthill_mckee(compress(lcp.rows, scale.D))
-        columns = Columns(*in_order(lcp.rows, scale.D, order), np.zeros(n), np.zeros(n))
+        start, row, value, q, weight, order, stretch = in_order(*lcp.rows, lcp.q, *parts)
+        columns = Columns(start, row, value, np.zeros(n), np.zeros(n))
         noise = perturbations(self.seed, self.restarts + 1, n)
-        q = scale.vector(lcp.q)[order]
-        return Prepared(problem, lcp, scale, order, columns, new_basis(n), q, weight[order], noise)
+        return Prepared(problem, lcp, stretch, order, columns, new_basis(n), q, weight, noise)
 
     def solve(self, prepared: "Prepared", tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        problem, lcp, scale, order, columns, basis, q, weight, noise = prepared
+        problem, lcp, stretch, order, columns, basis, q, weight, noise = prepared
         limit = 50 * lcp.size + 1000 if limit is None else limit
         target = MARGIN * tol
         y, least, end, ray, work = search(columns, basis, q, weight, noise, target, limit, self.crash, self.proximal)
         z = np.empty(lcp.size)
         z[order] = y
-        z = scale.solution(z)
+        z *= stretch
         impulse = lcp.impulse(z)
         if least <= target or exact_residual(problem, lcp, z, impulse) <= tol:
             status = Status.SOLVED
@@ -130,11 +126,12 @@ class PathSearch:
 
 
 class Formed(NamedTuple):
-    """The LCP, its scaling, and the weight of the natural residual."""
+    """The LCP, its scaling D and theta, and the weight of the natural residual."""
 
     problem: FrictionProblem | LCP
     lcp: LCP
-    scale: Scaling
+    D: Array
+    theta: float
     weight: Array
 
 
@@ -145,11 +142,14 @@ def perturbations(seed: int, attempts: int, n: int) -> Array:
 
 
 class Prepared(NamedTuple):
-    """The scaled LCP in reverse Cuthill-McKee order, storage for one basis, and the perturbations of all attempts."""
+    """The scaled LCP in reverse Cuthill-McKee order, storage for one basis, and the perturbations of all attempts.
+
+    stretch (n,): theta D, in the LCP's own order.
+    """
 
     problem: FrictionProblem | LCP
     lcp: LCP
-    scale: Scaling
+    stretch: Array
     order: Indices
     columns: Columns
     basis: Basis
@@ -158,7 +158,7 @@ class Prepared(NamedTuple):
     noise: Array
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def search(columns, basis, q, weight, noise, tol, limit, steps, proximal):  # type: ignore[no-untyped-def]
     """Newton's method from z = 0: the best z found, its residual, how the last path ended, whether on a true ray; work."""
     n = len(q)
@@ -212,7 +212,7 @@ def search(columns, basis, q, weight, noise, tol, limit, steps, proximal):  # ty
     return best, least, end, ray, work
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def crash_point(basis, columns, q, A, z, w, steps, work):  # type: ignore[no-untyped-def]
     """Improve the guess A of the basic z, and write the basic point of LCP(M, q) over z, w; A is empty where that fails.
 
@@ -260,7 +260,7 @@ def crash_point(basis, columns, q, A, z, w, steps, work):  # type: ignore[no-unt
     put(w, q)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def complementary(basis, columns, A, work):  # type: ignore[no-untyped-def]
     """Factorise the complementary basis of A; how many of its columns were left out as dependent."""
     hold(basis, A)
@@ -268,7 +268,7 @@ def complementary(basis, columns, A, work):  # type: ignore[no-untyped-def]
     return factorise(basis, columns, DEPENDENT)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def newton_point(basis, columns, q, weight, end, z, w, work):  # type: ignore[no-untyped-def]
     """Write over z and w = M z + q the Newton point, solved and refined by the basis; its natural residual.
 
@@ -302,7 +302,7 @@ def newton_point(basis, columns, q, weight, end, z, w, work):  # type: ignore[no
     return residual
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def round_off(columns, q, weight, z):  # type: ignore[no-untyped-def]
     """The natural residual that rounding leaves in w = M z + q even when it goes well: less is not worth a further step."""
     size = np.empty(len(q))

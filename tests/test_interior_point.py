@@ -17,19 +17,10 @@ from problems.scenes import scene
 from solvers import Status, solve
 from solvers.interior.centred_point import centred_point
 from solvers.interior.lorentz import longest_in_cone
-from solvers.interior.newton import direction, evaluate, linearise
-from solvers.interior.point import (
-    add_products,
-    longest,
-    move_along,
-    new_point,
-    set_identity,
-    set_step,
-    start_point,
-    to_geodesics,
-)
-from solvers.interior.system import new_work, prepare
+from solvers.interior.point import add_products, set_identity, set_step, start_point
+from solvers.interior.system import new_work, prepare, space_of
 from tests.friction_problems import block, nothing, spatial
+from tests.kernels import direction, evaluate, linearise, longest, move_along, new_point, to_geodesics
 from tests.recorded import FOLDER as RECORDED
 
 METHODS = ("interior_point", "interior_point[shortcut=false]")
@@ -337,6 +328,7 @@ def with_every_kind_of_contact(dimension, joints=0) -> FrictionProblem:
 def test_a_full_newton_step_meets_its_target_and_removes_the_defect(joints, accuracy, relaxed, dimension) -> None:
     """Joints are soft, so they are met in two or three steps."""
     system = prepare(with_every_kind_of_contact(dimension, joints), relaxed)
+    space = space_of(system)
     point, step, defect, work = start_point(system, 2.0, 1.0), new_point(system), new_point(system), new_work(system)
     random = np.random.default_rng(1)
     for values in (point.x, point.s):
@@ -345,18 +337,18 @@ def test_a_full_newton_step_meets_its_target_and_removes_the_defect(joints, accu
             values[system.pairs > 1, 1:3] = random.uniform(-0.1, 0.1, (7, 2)) * point.s[system.pairs > 1, 3:]
     rubs = system.pairs[:, None] > 1
     target = np.where(rubs, random.standard_normal(point.x.shape), 0) + np.array([1.0, 0, 0, 0])
-    evaluate(system, point, defect, work)
-    linearise(system, point, work)
-    direction(system, point, target, defect, step, work)
+    evaluate(system, space, point, defect, work)
+    linearise(system, space, point, work)
+    direction(system, space, point, target, defect, step, work)
     met = np.zeros_like(target)
     for x, partner in ((point.x, step.s), (step.x, point.s)):
-        add_products(system, 1.0, x, partner, met)
+        add_products(space, 1.0, x, partner, met)
     if dimension == 3:  # of a product there, x alone makes one half and s the other
         met[:, 1:3] = sum(p.x[:, 1:3] * q.x[:, 3:] + p.s[:, 1:3] * q.s[:, 3:] for p, q in ((point, step), (step, point)))
     assert np.allclose(met, target, rtol=0, atol=1e-9)
     for unknown, change in zip(point, step, strict=True):
         unknown[:] += change
-    evaluate(system, point, defect, work)
+    evaluate(system, space, point, defect, work)
     assert np.abs(defect.x).max() < accuracy
     assert np.abs(defect.joint).max(initial=0) < accuracy
 
@@ -366,12 +358,13 @@ def test_the_residual_inside_is_the_residual_of_the_project(dimension) -> None:
     problem = with_every_kind_of_contact(dimension)
     for relaxed, measure in ((False, residual), (True, relaxation_residual)):
         system = prepare(problem, relaxed)
+        space = space_of(system)
         point, work = start_point(system, 1.0, 1.0), new_work(system)
         for seed in range(20):
             point.x[:] = (
                 np.random.default_rng(seed).uniform(0, 3, point.x.shape) * np.where(system.pairs > 1, 1, [[1], [0], [0], [0]]).T
             )
-            inside = evaluate(system, point, new_point(system), work)
+            inside = evaluate(system, space, point, new_point(system), work)
             assert inside == pytest.approx(measure(problem, work.impulse * system.impulse), rel=1e-10)
 
 
@@ -380,28 +373,29 @@ def test_a_centred_point_keeps_the_distance_it_is_asked_for(dimension) -> None:
     """x ∘ s = g^2 in units of velocity; and around a solution, as g goes to 0, the solution and no defect."""
     problem = with_every_kind_of_contact(dimension)
     system, r = prepare(problem), solve(problem, "hybrid", tol=1e-13).impulse
+    space = space_of(system)
     u = problem.contact_velocity(r)
     for g in (1e-3, 0.3, 10.0):
-        point = centred_point(system, r, u, g)
+        point = centred_point(system, space, r, u, g)
         product, one = np.zeros((2, problem.contacts, 4))
-        add_products(system, 1.0, point.x, point.s, product)
-        set_identity(system, g * g, one)
+        add_products(space, 1.0, point.x, point.s, product)
+        set_identity(space, g * g, one)
         one[system.pairs == 1, 1:] = 0
         assert np.allclose(product * system.weight[:, None], one, rtol=1e-9, atol=1e-9 * g * g)
-        assert longest(system, point, new_point(system), 1.0) == 1.0
-    point, defect, work = centred_point(system, r, u, 1e-12), new_point(system), new_work(system)
-    assert evaluate(system, point, defect, work) < 1e-10
+        assert longest(system, space, point, new_point(system), 1.0) == 1.0
+    point, defect, work = centred_point(system, space, r, u, 1e-12), new_point(system), new_work(system)
+    assert evaluate(system, space, point, defect, work) < 1e-10
     assert np.abs(defect.x).max() < 1e-10
     assert np.allclose(work.impulse * system.impulse, r, rtol=0, atol=1e-10)
 
 
 def test_the_longest_step_stops_at_the_first_zero() -> None:
-    system = prepare(random_problem(0, 3))
+    system, space = prepare(random_problem(0, 3)), None
     point, step = start_point(system, 1.0, 1.0), new_point(system)
-    assert longest(system, point, step, 1.0) == 1.0
+    assert longest(system, space, point, step, 1.0) == 1.0
     step.x[1, 2] = -4 * point.x[1, 2]
     step.s[0, 1] = -2 * point.s[0, 1]
-    assert longest(system, point, step, 1.0) == pytest.approx(0.25)
+    assert longest(system, space, point, step, 1.0) == pytest.approx(0.25)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -421,6 +415,7 @@ def test_the_longest_step_ends_on_the_cone(seed) -> None:
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_geodesics_leave_along_the_step_and_stay_inside(dimension) -> None:
     system = prepare(with_every_kind_of_contact(dimension, joints=1))
+    space = space_of(system)
     point, step, there = start_point(system, 1.0, 2.0), new_point(system), new_point(system)
     random = np.random.default_rng(0)
     rubs = system.pairs > 1
@@ -431,14 +426,14 @@ def test_geodesics_leave_along_the_step_and_stay_inside(dimension) -> None:
         change[rubs, 1:] = random.standard_normal((rubs.sum(), 3))
     straight = new_point(system)
     set_step(straight, 1.0, step)
-    to_geodesics(system, point, step)
+    to_geodesics(system, space, point, step)
     for length, accuracy in ((1e-4, 1e-7), (1e-5, 1e-9)):
         set_step(there, 1.0, point)
-        move_along(system, there, step, length)
+        move_along(system, space, there, step, length)
         for end, begin, change in zip(there, point, straight, strict=True):
             assert np.allclose(end, begin + length * change, rtol=0, atol=accuracy)
-    move_along(system, point, step, 5.0)
-    assert longest(system, point, new_point(system), 1.0) == 1.0
+    move_along(system, space, point, step, 5.0)
+    assert longest(system, space, point, new_point(system), 1.0) == 1.0
     if dimension == 3:
         assert np.all(point.s[rubs, 3] >= np.hypot(*point.x[rubs, 1:3].T))
 

@@ -7,9 +7,10 @@ from problems import FrictionProblem
 from problems.instances import make_instance
 from problems.residual import residual
 from solvers import Status, solve
-from solvers.interior.alart_curnier import equations, new_state, newton_step
+from solvers.interior.alart_curnier import new_state
 from solvers.interior.system import new_work, prepare
 from tests.friction_problems import nothing, spatial
+from tests.kernels import equations, newton_step
 
 
 @pytest.mark.parametrize("rho", [1e-3, 1.0])

@@ -13,10 +13,11 @@ ROAD = ("problems", "solvers", "harness", "results", "reports")
 _MECHANISMS = ("harness.machine", "harness.process", "harness.deadline")
 # What each place may import of the house: a folder, a room or a file, by its dotted name. Its own files it always may.
 MAY_KNOW = {
-    "problems.rows": set(),
-    "problems.check": {"problems.rows"},
-    "problems.forms": {"problems.check", "problems.rows"},
-    "problems.planar": {"problems.check"},
+    "problems.compiled": set(),
+    "problems.rows": {"problems.compiled"},
+    "problems.check": {"problems.compiled", "problems.rows"},
+    "problems.forms": {"problems.check", "problems.compiled", "problems.rows"},
+    "problems.planar": {"problems.check", "problems.compiled", "problems.rows"},
     "problems.nature": {"problems.check", "problems.forms", "problems.friction", "problems.residual"},
     "problems.recorded": {"problems.check", "problems.forms", "problems.friction"},
     "problems": {"problems"},
@@ -24,7 +25,7 @@ MAY_KNOW = {
     "solvers.interface": {"problems", "solvers.needs"},
     "solvers.pivots": {"problems", "solvers.interface"},
     "solvers.sweeps": {"problems", "solvers.interface"},
-    "solvers.sparse_lu": {"problems.check"},
+    "solvers.sparse_lu": {"problems.check", "problems.compiled"},
     "solvers.interior": {"problems", "solvers.interface", "solvers.sparse_lu"},
     "solvers.outside.children": set(),
     "solvers.outside": {"problems", "solvers.interface", "solvers.pivots.scaling"},

@@ -299,9 +299,11 @@ def _warm_up(variant: str, dimension: int, jointed: bool, limit: float) -> float
     begun = perf_counter()
     _worker.warm.add((variant, dimension, jointed))
     info, solver = find(variant)
+    gc.disable()  # what compiles keeps most of what it makes: collections would find nothing, for a tenth of the time
     within = max(limit, LOADING) if info.needs else limit
     with suppress(BaseException), _worker.deadline.within(within), process.no_twin():
         solver.solve(solver.prepare(_least(dimension, jointed)), 1e-6, None)
+    gc.enable()
     gc.collect()
     gc.freeze()  # what is loaded now stays; collections between cells need not look at it
     return perf_counter() - begun

@@ -5,12 +5,12 @@ The nearest point of (n, t) keeps the direction of t, so that it is a matter of 
 """
 
 import numpy as np
-from numba import njit
 
 from problems.check import Array
+from problems.compiled import kernel, part
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def nearest(n: float, size: float, mu: float, b: float) -> tuple[float, float]:
     """(m, share): the nearest point of the cone to (n, t), |t| = size, is (m, share t)."""
     if not size > mu * n + b:
@@ -20,7 +20,7 @@ def nearest(n: float, size: float, mu: float, b: float) -> tuple[float, float]:
     return m, limit / size if size > limit else 1.0
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@kernel
 def project_cone(x: Array, mu: Array, b: Array) -> Array:
     """The rows of x (nc, d) projected on the cones of mu and b (nc,)."""
     p = np.empty_like(x)

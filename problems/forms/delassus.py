@@ -6,10 +6,10 @@ J is given by contacts, M^-1 by rows (problems.rows), and each function is one p
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from scipy import sparse
 
-from problems.rows import Array, Index
+from problems.compiled import kernel
+from problems.rows import Array, Index, nowhere
 
 
 class Blocks(NamedTuple):
@@ -34,21 +34,22 @@ def blocks(W: sparse.csr_array, d: int) -> Blocks:
     return Blocks(*_blocks(W.indptr, W.indices, W.data, d))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def velocity(start, column, J, m_start, m_column, m_value, free, impulse):  # type: ignore[no-untyped-def]
     """free + M^-1 J' impulse (nv,), for impulse (nc, d)."""
-    momentum, pushed = np.zeros(len(free)), free.copy()
+    momentum, pushed = np.zeros(len(free)), np.empty(len(free))
     for i in range(len(impulse)):
         for a in range(impulse.shape[1]):
             for k in range(start[i], start[i + 1]):
                 momentum[column[k]] += J[k, a] * impulse[i, a]
     for v in range(len(free)):
+        pushed[v] = free[v]
         for m in range(m_start[v], m_start[v + 1]):
             pushed[v] += m_value[m] * momentum[m_column[m]]
     return pushed
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def contact_velocity(start, column, J, v, bias):  # type: ignore[no-untyped-def]
     """J v + bias e_n (nc, d)."""
     nc, d = len(start) - 1, J.shape[1]
@@ -61,7 +62,7 @@ def contact_velocity(start, column, J, v, bias):  # type: ignore[no-untyped-def]
     return u
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def velocity_size(start, column, J, m_start, m_column, m_value, free, impulse):  # type: ignore[no-untyped-def]
     """|J| (|free| + |M^-1| |J'| |impulse|) (nc, d): the size of what adds up to J (free + M^-1 J' impulse)."""
     nc, d = impulse.shape
@@ -81,7 +82,7 @@ def velocity_size(start, column, J, m_start, m_column, m_value, free, impulse): 
     return u
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def diagonal(start, column, J, m_start, m_column, m_value):  # type: ignore[no-untyped-def]
     """The diagonal of W (nc, d)."""
     nc, d = len(start) - 1, J.shape[1]
@@ -100,7 +101,46 @@ def diagonal(start, column, J, m_start, m_column, m_value):  # type: ignore[no-u
     return result
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
+def product(start, column, value, right):  # type: ignore[no-untyped-def]
+    """A matrix by rows times a dense one (columns, k)."""
+    result = np.zeros((len(start) - 1, right.shape[1]))
+    for i in range(len(result)):
+        for k in range(start[i], start[i + 1]):
+            for j in range(right.shape[1]):
+                result[i, j] += value[k] * right[column[k], j]
+    return result
+
+
+@kernel
+def joint_response(start, column, F, m_start, m_column, m_value):  # type: ignore[no-untyped-def]
+    """M^-1 F' (nv, nj)."""
+    nv, nj = len(m_start) - 1, len(start) - 1
+    dense, response = np.zeros((nj, nv)), np.zeros((nv, nj))
+    for j in range(nj):
+        for k in range(start[j], start[j + 1]):
+            dense[j, column[k]] = F[k]
+    for v in range(nv):
+        for m in range(m_start[v], m_start[v + 1]):
+            for j in range(nj):
+                response[v, j] += m_value[m] * dense[j, m_column[m]]
+    return response
+
+
+@kernel
+def coupling(start, column, J, response):  # type: ignore[no-untyped-def]
+    """F M^-1 J' (nj, nc*d), of M^-1 F' (nv, nj)."""
+    nc, d, nj = len(start) - 1, J.shape[1], response.shape[1]
+    coupled = np.zeros((nj, nc * d))
+    for i in range(nc):
+        for k in range(start[i], start[i + 1]):
+            for a in range(d):
+                for j in range(nj):
+                    coupled[j, i * d + a] += J[k, a] * response[column[k], j]
+    return coupled
+
+
+@kernel
 def delassus(start, column, J, m_start, m_column, m_value):  # type: ignore[no-untyped-def]
     """W by blocks.
 
@@ -113,13 +153,15 @@ def delassus(start, column, J, m_start, m_column, m_value):  # type: ignore[no-u
         c_start[column[k] + 1] += 1
     for v in range(nv):
         c_start[v + 1] += c_start[v]
-    contact, entry, end = np.empty(len(column), np.int32), np.empty(len(column), np.int32), c_start.copy()
+    contact, entry, end = np.empty(len(column), np.int32), np.empty(len(column), np.int32), np.empty(nv, np.int64)
+    for v in range(nv):
+        end[v] = c_start[v]
     for i in range(nc):
         for k in range(start[i], start[i + 1]):
             contact[end[column[k]]], entry[end[column[k]]] = i, k
             end[column[k]] += 1
     response, reached = np.zeros((nv, d)), np.empty(nv, np.int32)
-    seen, place = np.full(nv, -1, np.int32), np.full(nc, -1, np.int32)
+    seen, place = nowhere(nv), nowhere(nc)
     first, size = np.zeros(nc + 1, np.int32), 8 + 4 * nc
     beside, block = np.empty(size, np.int32), np.zeros((size, d, d))
     for i in range(nc):
@@ -175,10 +217,10 @@ def delassus(start, column, J, m_start, m_column, m_value):  # type: ignore[no-u
     return first, beside[: first[nc]], block[: first[nc]]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def _blocks(start, column, value, d):  # type: ignore[no-untyped-def]
     nc = (len(start) - 1) // d
-    first, place = np.zeros(nc + 1, np.int32), np.full(nc, -1, np.int32)
+    first, place = np.zeros(nc + 1, np.int32), nowhere(nc)
     beside, block = np.empty(len(column) + nc, np.int32), np.zeros((len(column) + nc, d, d))
     for i in range(nc):
         beside[first[i]], place[i] = i, first[i]  # there in any case
@@ -200,7 +242,7 @@ def _blocks(start, column, value, d):  # type: ignore[no-untyped-def]
     return first, beside[: first[nc]], block[: first[nc]]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def act(first, beside, block, r, q):  # type: ignore[no-untyped-def]
     """W r + q (nc, d)."""
     u = np.zeros(r.shape)
@@ -213,21 +255,20 @@ def act(first, beside, block, r, q):  # type: ignore[no-untyped-def]
     return u
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def mean_diagonal(diagonal):  # type: ignore[no-untyped-def]
     """The mean (nc,) of each contact's diagonal (nc, d); 1 where it is not positive."""
     nc, d = diagonal.shape
-    mean = np.ones(nc)
+    mean = np.empty(nc)
     for i in range(nc):
         total = 0.0
         for a in range(d):
             total += diagonal[i, a]
-        if total > 0:
-            mean[i] = total / d
+        mean[i] = total / d if total > 0 else 1.0
     return mean
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def largest(q, d):  # type: ignore[no-untyped-def]
     """max_i |q_i| of q (nc*d,)."""
     most = 0.0
@@ -239,8 +280,18 @@ def largest(q, d):  # type: ignore[no-untyped-def]
     return np.sqrt(most)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
+def pushed_contact_velocity(start, column, J, m_start, m_column, m_value, free, impulse, bias):  # type: ignore[no-untyped-def]
+    """J v + bias e_n (nc, d), v the velocity after an impulse (nc, d)."""
+    return contact_velocity(start, column, J, velocity(start, column, J, m_start, m_column, m_value, free, impulse), bias)
+
+
+@kernel
 def measures(start, column, J, m_start, m_column, m_value, free, bias):  # type: ignore[no-untyped-def]
     """The free contact velocities (nc*d,), the mean diagonal (nc,) of each contact's own block, and max_i |q_i|."""
-    q = contact_velocity(start, column, J, free, bias).ravel()
-    return q, mean_diagonal(diagonal(start, column, J, m_start, m_column, m_value)), largest(q, J.shape[1])
+    nc, d = len(bias), J.shape[1]
+    u, q = contact_velocity(start, column, J, free, bias), np.empty(nc * d)
+    for i in range(nc):
+        for a in range(d):
+            q[i * d + a] = u[i, a]
+    return q, mean_diagonal(diagonal(start, column, J, m_start, m_column, m_value)), largest(q, d)

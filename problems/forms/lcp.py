@@ -19,11 +19,11 @@ from hashlib import sha256
 from typing import Any, Self
 
 import numpy as np
-from numba import njit
 from scipy import sparse
 
 from problems import check
 from problems.check import Array
+from problems.compiled import kernel, part
 from problems.rows import Index, Rows
 
 
@@ -115,14 +115,14 @@ def tangent_basis(dimension: int, facets: int = 8) -> Array:
 def friction_lcp(W: tuple[Index, Index, Array], q: Array, friction: Array, friction_bias: Array, basis: Array) -> LCP:
     """The friction LCP of a Delassus matrix.
 
-    W: by blocks (problems.forms.delassus). q: (nc, d), normal first. friction, friction_bias: (nc,).
+    W: by blocks (problems.forms.delassus). q: (nc*d,), normal first. friction, friction_bias: (nc,).
     basis: (d, 1 + K), see tangent_basis.
     """
-    *rows, right = friction_rows(*W, q @ basis, friction, friction_bias, basis)
+    *rows, right = friction_rows(*W, q, friction, friction_bias, basis)
     return LCP.of_friction(Rows(*rows), right, basis, (len(friction), len(basis)))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def impulse(basis, z, nc):  # type: ignore[no-untyped-def]
     """The contact impulses (nc, d) of a friction LCP's z."""
     d, width = basis.shape
@@ -135,7 +135,7 @@ def impulse(basis, z, nc):  # type: ignore[no-untyped-def]
     return r
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def dense_matrix(start, column, value, n):  # type: ignore[no-untyped-def]
     """A square matrix of rows, dense."""
     dense = np.zeros((n, n))
@@ -145,10 +145,10 @@ def dense_matrix(start, column, value, n):  # type: ignore[no-untyped-def]
     return dense
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
-def friction_rows(first, beside, block, along, friction, friction_bias, basis):  # type: ignore[no-untyped-def]
-    """The friction LCP's matrix by rows, without zeros, and its right side; along = q @ basis (nc, 1 + K)."""
-    nc, width = len(friction), basis.shape[1]
+@kernel
+def friction_rows(first, beside, block, q, friction, friction_bias, basis):  # type: ignore[no-untyped-def]
+    """The friction LCP's matrix by rows, without zeros, and its right side."""
+    nc, (d, width) = len(friction), basis.shape
     K = width - 1
     n, entries = nc * (width + 1), len(beside) * width * width + nc * (2 * K + 1)
     start, column, value, right = np.empty(n + 1, np.int32), np.empty(entries, np.int32), np.empty(entries), np.zeros(n)
@@ -157,7 +157,8 @@ def friction_rows(first, beside, block, along, friction, friction_bias, basis): 
     for tangential in range(2):  # the normal rows of all contacts, then the directions of one after another
         for i in range(nc):
             for own in range(1, width) if tangential else range(1):
-                right[row] = along[i, own]
+                for a in range(d):
+                    right[row] += basis[a, own] * q[i * d + a]
                 for k in range(first[i], first[i + 1]):
                     column[at], value[at] = beside[k], part[k, own, 0]
                     at += part[k, own, 0] != 0
@@ -180,12 +181,17 @@ def friction_rows(first, beside, block, along, friction, friction_bias, basis): 
     return start, column[:at], value[:at], right
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _in_basis(block, basis):  # type: ignore[no-untyped-def]
     """basis' B basis for each block B."""
     d, width = basis.shape
     part = np.zeros((len(block), width, width))
     for k in range(len(block)):
+        if d == 2:  # as below, unrolled: t and -t
+            part[k, 0, 0], part[k, 0, 1], part[k, 0, 2] = block[k, 0, 0], block[k, 0, 1], -block[k, 0, 1]
+            part[k, 1, 0], part[k, 1, 1], part[k, 1, 2] = block[k, 1, 0], block[k, 1, 1], -block[k, 1, 1]
+            part[k, 2, 0], part[k, 2, 1], part[k, 2, 2] = -block[k, 1, 0], -block[k, 1, 1], block[k, 1, 1]
+            continue
         for s in range(d):
             for t in range(d):
                 for a in range(width):
@@ -206,6 +212,6 @@ def content_hash(**fields: Any) -> str:
             array = np.asarray(value)
             parts = [np.array(array.shape), array + 0.0 if array.dtype.kind == "f" else array]
         digest.update(name.encode())
-        for part in parts:
-            digest.update(part.dtype.str.encode() + np.ascontiguousarray(part).tobytes())
+        for piece in parts:
+            digest.update(piece.dtype.str.encode() + np.ascontiguousarray(piece).tobytes())
     return digest.hexdigest()[:16]

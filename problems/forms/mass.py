@@ -5,12 +5,12 @@ description couples. Each block's inverse is dense, so the inverse has the block
 """
 
 import numpy as np
-from numba import njit
 from scipy import sparse
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from scipy.sparse.csgraph import connected_components
 
 from problems.check import require
+from problems.compiled import kernel
 from problems.rows import Rows, from_matrix
 
 
@@ -26,7 +26,7 @@ def inverse_mass(mass: Rows) -> Rows:
     return from_matrix(invert_mass(mass.matrix(n)))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def _reciprocal(start, column, value):  # type: ignore[no-untyped-def]
     """(1/value, whether that is the inverse: the matrix is diagonal, with positive entries)."""
     inverse = np.empty(len(value))

@@ -19,9 +19,9 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from scipy import sparse
 
+from problems.compiled import kernel
 from problems.rows import Array, ByContact, Rows
 
 
@@ -110,7 +110,7 @@ def _by_columns(columns: Rows, rows: int) -> sparse.csc_array:
     return sparse.csc_array((columns.value, columns.column, columns.start), shape=(rows, len(columns.start) - 1))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def _matrices(start, column, J, m_start, m_column, m_value, free, offset, mu, wider, section):  # type: ignore[no-untyped-def]
     """P's columns' starts, q, G by columns (start, row, value) without zeros, and h."""
     nc, nv, m, d = len(mu), len(free), len(section), offset.shape[1]
@@ -162,7 +162,7 @@ def _matrices(start, column, J, m_start, m_column, m_value, free, offset, mu, wi
     return P_start, q, G_start[: nv + wide + 1], row[: G_start[nv + wide]], value[: G_start[nv + wide]], h
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def _impulse(section, mu, wider, z):  # type: ignore[no-untyped-def]
     """The contact impulses (nc, d): the rows' coefficients times their multipliers."""
     nc, (m, d) = len(mu), section.shape

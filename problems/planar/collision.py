@@ -5,52 +5,76 @@ normal, so that the gap's gradient is exactly the contact's normal row: both bod
 that are near each other are found here, where they meet in problems.planar.narrow_phase.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Self
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy import sparse
 
+from problems import check
 from problems.check import Array
+from problems.compiled import kernel
 from problems.planar.bodies import Geometry
 from problems.planar.narrow_phase import Index, meet
+from problems.rows import Rows
 
 
 @dataclass(frozen=True, eq=False)
 class Contacts:
     """nc contacts, in the order of their shapes.
 
-    gap: (nc,), m, positive where separated. point: (nc, 2), the corner's place. direction: (nc, 2), the unit normal, from the
-    second body to the first. bodies: (nc, 2), -1 for the ground. feature: (nc, 2), the corner and the edge (by its first
-    corner) that meet: the same contact in two steps has the same feature. normal, tangent: (nc, nv), the relative velocity of
-    the bodies at the point along the normal, and along the normal turned by -90 degrees.
+    gap: (nc,), m, positive where separated. place: (nc, 4), the corner's point and the unit normal, from the second body to the
+    first. bodies: (nc, 2), -1 for the ground. feature: (nc, 2), the corner and the edge (by its first corner) that meet: the
+    same contact in two steps has the same feature. q: (nv,), the bodies' coordinates.
     """
 
     gap: Array
-    point: Array
-    direction: Array
+    place: Array
     bodies: Index
     feature: Index
-    normal: sparse.csr_array
-    tangent: sparse.csr_array
+    q: Array
 
     def __len__(self) -> int:
         return len(self.gap)
 
+    @property
+    def point(self) -> Array:
+        return self.place[:, :2]
+
+    @property
+    def direction(self) -> Array:
+        return self.place[:, 2:]
+
+    @cached_property
+    def normal_rows(self) -> Rows:
+        """(nc, nv), the relative velocity of the bodies at the point along the normal."""
+        return Rows(*_rows(self.q, self.bodies, self.place, False))
+
+    @cached_property
+    def tangent_rows(self) -> Rows:
+        """(nc, nv), along the normal turned by -90 degrees."""
+        return Rows(*_rows(self.q, self.bodies, self.place, True))
+
+    @cached_property
+    def normal(self) -> sparse.csr_array:
+        return self.normal_rows.matrix(len(self.q))
+
+    @cached_property
+    def tangent(self) -> sparse.csr_array:
+        return self.tangent_rows.matrix(len(self.q))
+
     def only(self, chosen: NDArray[np.bool_]) -> Self:
         """The contacts where `chosen` (nc,) is true."""
-        return type(self)(*(getattr(self, entry.name)[chosen] for entry in fields(self)))
+        return type(self)(self.gap[chosen], self.place[chosen], self.bodies[chosen], self.feature[chosen], self.q)
 
 
 def find_contacts(geometry: Geometry, q: Array, margin: float) -> Contacts:
     """All contacts with gap <= margin (m) at the coordinates q (nv,)."""
+    q = check.vector("q", q)
     gap, place, feature, shape = _meet(geometry, q, margin)
-    point, direction = place[:, :2], place[:, 2:]
-    bodies = geometry.owner[shape]
-    turned = np.column_stack([direction[:, 1], -direction[:, 0]])
-    return Contacts(gap, point, direction, bodies, feature, _rows(q, bodies, point, direction), _rows(q, bodies, point, turned))
+    return Contacts(gap, place, geometry.owner[shape], feature, q)
 
 
 def deepest_overlap(geometry: Geometry, q: Array) -> float:
@@ -72,17 +96,28 @@ def _reduce(extreme: np.ufunc, corners: Array, start: Index) -> Array:
     return np.asarray(extreme.reduceat(corners, start[:-1])) if len(start) > 1 else np.zeros((0, 2))
 
 
-def _rows(q: Array, bodies: Index, point: Array, axis: Array) -> sparse.csr_array:
-    """Rows (nc, nv) of the velocity of the first body at the point relative to the second's, along the axis."""
-    contact, side = np.nonzero(bodies >= 0)
-    body = bodies[contact, side]
-    sign = np.where(side == 0, 1.0, -1.0)
-    arm = point[contact] - q.reshape(-1, 3)[body, :2]
-    e = axis[contact]
-    entries = sign[:, None] * np.column_stack([e, arm[:, 0] * e[:, 1] - arm[:, 1] * e[:, 0]])
-    columns = 3 * body[:, None] + np.arange(3)
-    triplets = (entries.ravel(), (np.repeat(contact, 3), columns.ravel()))
-    return sparse.csr_array(sparse.coo_array(triplets, shape=(len(bodies), len(q))))
+@kernel
+def _rows(q: Array, bodies: Index, place: Array, turned: bool) -> tuple[NDArray[np.int32], NDArray[np.int32], Array]:
+    """Rows (nc, nv) of the velocity of the first body at the point relative to the second's, along the normal or it turned."""
+    nc, at = len(bodies), 0
+    start, column, value = np.zeros(nc + 1, np.int32), np.empty(6 * nc, np.int32), np.empty(6 * nc)
+    for i in range(nc):
+        ex, ey = place[i, 2], place[i, 3]
+        if turned:
+            ex, ey = ey, -ex
+        for k in range(2):  # columns ascending
+            side = k if bodies[i, 0] < bodies[i, 1] else 1 - k
+            body, sign = bodies[i, side], 1.0 if side == 0 else -1.0
+            if body < 0:
+                continue
+            turn = (place[i, 0] - q[3 * body]) * ey - (place[i, 1] - q[3 * body + 1]) * ex
+            for a in range(3):
+                entry = sign * (ex if a == 0 else ey if a == 1 else turn)
+                if entry != 0:
+                    column[at], value[at] = 3 * body + a, entry
+                    at += 1
+        start[i + 1] = at
+    return start, column[:at], value[:at]
 
 
 def near_pairs(low: Array, high: Array, owner: Index, margin: float) -> Index:
@@ -97,9 +132,9 @@ def near_pairs(low: Array, high: Array, owner: Index, margin: float) -> Index:
     return np.asarray(pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))])
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def _sweep(order: Index, low: Array, high: Array, owner: Index, axis: int, margin: float) -> Index:
-    found = []
+    pairs, found = np.empty((2 * len(order) + 1, 2), np.int64), 0
     for k in range(len(order)):
         i = order[k]
         for m in range(k + 1, len(order)):
@@ -112,8 +147,11 @@ def _sweep(order: Index, low: Array, high: Array, owner: Index, axis: int, margi
                 and low[i, across] <= high[j, across] + margin
                 and low[j, across] <= high[i, across] + margin
             ):
-                found.append((min(i, j), max(i, j)))
-    pairs = np.empty((len(found), 2), dtype=np.int64)
-    for k, (i, j) in enumerate(found):
-        pairs[k, 0], pairs[k, 1] = i, j
-    return pairs
+                if found == len(pairs):
+                    longer = np.empty((2 * found, 2), np.int64)
+                    for f in range(found):
+                        longer[f, 0], longer[f, 1] = pairs[f, 0], pairs[f, 1]
+                    pairs = longer
+                pairs[found, 0], pairs[found, 1] = min(i, j), max(i, j)
+                found += 1
+    return pairs[:found]

@@ -10,16 +10,16 @@ one only by more than TIE times the length of the first shape's first edge, and 
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from problems.check import Array
+from problems.compiled import kernel, part
 
 TIE = 1e-7
 Index = NDArray[np.int64]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def meet(
     pairs: Index, X: Array, start: Index, radius: Array, endless: NDArray[np.bool_], margin: float
 ) -> tuple[Array, Array, Index, Index]:
@@ -27,7 +27,8 @@ def meet(
     gap, place = np.empty(2 * len(pairs)), np.empty((2 * len(pairs), 4))
     feature, shape = np.empty((2 * len(pairs), 2), dtype=np.int64), np.empty((2 * len(pairs), 2), dtype=np.int64)
     nc = 0
-    for i, j in pairs:
+    for p in range(len(pairs)):
+        i, j = pairs[p, 0], pairs[p, 1]
         i0, i1, j0, j1 = start[i], start[i + 1], start[j], start[j + 1]
         new = 0
         if i1 - i0 == 1 or j1 - j0 == 1:
@@ -36,13 +37,15 @@ def meet(
             new = _polygons(X, i0, i1, j0, j1, endless[j], margin, gap[nc:], place[nc:], feature[nc:])
         for k in range(nc, nc + new):
             if gap[k] <= margin:
-                gap[nc], place[nc], feature[nc] = gap[k], place[k], feature[k]
-                shape[nc, 0], shape[nc, 1] = i, j
+                gap[nc], shape[nc, 0], shape[nc, 1] = gap[k], i, j
+                feature[nc, 0], feature[nc, 1] = feature[k, 0], feature[k, 1]
+                for a in range(4):  # not by rows: numba compiles what it would say of rows of other lengths
+                    place[nc, a] = place[k, a]
                 nc += 1
     return gap[:nc], place[:nc], feature[:nc], shape[:nc]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _edge(X: Array, e: int, first: int, last: int) -> tuple[int, float, float, float]:
     """The end of edge e of a shape with corners first..last-1, its outward unit normal, and its length."""
     f = e + 1 if e + 1 < last else first
@@ -51,7 +54,7 @@ def _edge(X: Array, e: int, first: int, last: int) -> tuple[int, float, float, f
     return f, dy / length, -dx / length, length
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _widest(X: Array, a0: int, a1: int, b0: int, b1: int, edges: int, tie: float) -> tuple[int, float]:
     """The edge among A's first `edges` that B lies farthest outside of, and how far."""
     best, widest = a0, -np.inf
@@ -65,7 +68,7 @@ def _widest(X: Array, a0: int, a1: int, b0: int, b1: int, edges: int, tie: float
     return best, widest
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _polygons(
     X: Array, i0: int, i1: int, j0: int, j1: int, endless: bool, margin: float, gap: Array, place: Array, feature: Index
 ) -> int:
@@ -116,7 +119,7 @@ def _polygons(
     return new
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _round(
     X: Array,
     i0: int,

@@ -18,9 +18,9 @@ References: Alart and Curnier 1991; Acary, Brémond and Huber 2018, sections 4.2
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from problems.check import Array
+from problems.compiled import inlined, kernel, part
 from solvers.interior.elements import add_spatial, feel_spatial, push_spatial
 from solvers.interior.lorentz import Vector
 from solvers.interior.newton import PIVOT
@@ -39,16 +39,17 @@ class State(NamedTuple):
     F: Array
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def new_state(contacts: int) -> State:
     return State(np.zeros((contacts, 3)), np.zeros((contacts, 3)), np.zeros((contacts, 3)))
 
 
-@njit(cache=True, error_model="numpy")
+@part
 def velocities(system: System, r: Array, u: Array, work: Work) -> None:
     """Overwrite u by the contact velocities after the impulses r."""
     v = work.vector
-    work.momentum[:] = 0
+    for i in range(len(v)):
+        work.momentum[i] = 0.0
     for i in range(len(r)):
         push_spatial(system.contacts, i, (r[i, 0], r[i, 1], r[i, 2]), work.momentum)
     for i in range(len(v)):
@@ -61,7 +62,7 @@ def velocities(system: System, r: Array, u: Array, work: Work) -> None:
             u[i, k] += system.offset[i, k]
 
 
-@njit(cache=True, error_model="numpy")
+@part
 def _pair(system: System, i: int, state: State, anchor: Array, rho: float) -> Vector:
     """x = r - w / k."""
     r, u, s = state.r, state.u, system.weight[i]
@@ -72,7 +73,7 @@ def _pair(system: System, i: int, state: State, anchor: Array, rho: float) -> Ve
     return x0, x1, x2
 
 
-@njit(cache=True, error_model="numpy")
+@part
 def equations(system: System, state: State, anchor: Array, rho: float, work: Work) -> float:
     """Overwrite u and F for the impulses r; |s F|."""
     velocities(system, state.r, state.u, work)
@@ -90,7 +91,7 @@ def equations(system: System, state: State, anchor: Array, rho: float, work: Wor
     return float(np.sqrt(total))
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def _respond(system: System, i: int, state: State, anchor: Array, rho: float, F: Vector, du: Vector) -> Vector:
     """-G (F + B du): the change of r for a change du of u, and the equations' defect F."""
     s, mu = system.weight[i], system.friction[i]
@@ -113,14 +114,16 @@ def _respond(system: System, i: int, state: State, anchor: Array, rho: float, F:
     return r0, along * d1 - turn * d2, along * d2 + turn * d1
 
 
-@njit(cache=True, error_model="numpy")
+@part
 def newton_step(system: System, state: State, anchor: Array, rho: float, step: Array, work: Work) -> None:
     """Overwrite step (nc, 3) by dr; one factorisation."""
     storage, dv = work.storage, work.vector
-    storage[:] = 0
+    for k in range(len(storage)):
+        storage[k] = 0.0
     for k in range(len(system.slot)):
         storage[system.slot[k]] += system.constant[k]
-    dv[:] = 0
+    for k in range(len(dv)):
+        dv[k] = 0.0
     none = (0.0, 0.0, 0.0)
     for i in range(len(step)):
         F = (state.F[i, 0], state.F[i, 1], state.F[i, 2])
@@ -138,7 +141,7 @@ def newton_step(system: System, state: State, anchor: Array, rho: float, step: A
         step[i, 0], step[i, 1], step[i, 2] = _respond(system, i, state, anchor, rho, F, du)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def newton(
     system: System, state: State, trial: State, anchor: Array, rho: float, step: Array, work: Work, tol: float, limit: int
 ) -> tuple[int, float]:

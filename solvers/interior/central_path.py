@@ -22,14 +22,14 @@ References: Kojima, Megiddo, Noda and Yoshise 1991 (the path); Allgower and Geor
 """
 
 import numpy as np
-from numba import njit
 
 from problems.check import Array
+from problems.compiled import kernel, part
 from solvers.interior.elements import larger
 from solvers.interior.newton import direction, linearise
 from solvers.interior.point import Point, add_products, add_step, move_along, new_point, set_step, to_geodesics
-from solvers.interior.predictor_corrector import Best, judge, predictor_corrector
-from solvers.interior.system import System, new_work
+from solvers.interior.predictor_corrector import Best, Room, judge, predictor_corrector
+from solvers.interior.system import Space, System
 
 NEAR = 0.3  # a correction, in logarithms, up to which a point counts as on the curve
 FAR = 1.0  # and from which the prediction is taken back
@@ -38,48 +38,48 @@ HAND_OVER = np.log(1e-4)  # log t at which the predictor-corrector is tried, and
 END = np.log(1e-20)
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
-def trace(system: System, point: Point, best: Best, tol: float, patience: int, history: Array) -> int:
+@kernel
+def trace(system: System, space: Space, point: Point, room: Room, best: Best, tol: float, patience: int, history: Array) -> int:
     """Follow the path from the point; stop where the residual is within tol, history is full, or the path is lost.
 
     patience: that of the predictor-corrector, where it is tried. history receives the residual of every iterate; their
     number is returned.
     """
     first, defect, correction, tangent = new_point(system), new_point(system), new_point(system), new_point(system)
-    ahead, saved, trial, work = new_point(system), new_point(system), new_point(system), new_work(system)
-    judge(system, point, first, work, best)
+    ahead, saved, trial, work = new_point(system), new_point(system), new_point(system), room.work
+    judge(system, space, point, first, work, best)
     product, target = np.zeros((len(point.x), 4)), np.zeros((len(point.x), 4))
-    _aim(system, product, 0.0, target, -1.0, point)
+    _aim(space, product, 0.0, target, -1.0, point)
     log_t, saved_log_t, ahead_log_t = 0.0, 0.0, -1.0
     length, hand_over = FIRST, HAND_OVER
     used = 0
     while used < len(history):
-        history[used] = judge(system, point, defect, work, best)
+        history[used] = judge(system, space, point, defect, work, best)
         used += 1
         if best.residual[0] <= tol or length < SHORTEST or not END < log_t < 1:
             return used
-        linearise(system, point, work)
+        linearise(system, space, point, work)
         best.factorisations[0] += 1
         t = np.exp(log_t)
-        _aim(system, target, t, product, 1.0, point)
+        _aim(space, target, t, product, 1.0, point)
         add_step(defect, -t, first)
-        direction(system, point, target, defect, correction, work)
-        _aim(system, target, t, product, 0.0, point)
+        direction(system, space, point, target, defect, correction, work)
+        _aim(space, target, t, product, 0.0, point)
         set_step(defect, -t, first)
-        direction(system, point, target, defect, tangent, work)
-        to_geodesics(system, point, correction)
-        to_geodesics(system, point, tangent)
+        direction(system, space, point, target, defect, tangent, work)
+        to_geodesics(system, space, point, correction)
+        to_geodesics(system, space, point, tangent)
         back = -_dot(correction, tangent) / (1 + _dot(tangent, tangent))
         add_step(correction, back, tangent)
         off = max(_size(correction), abs(back))
         if off < FAR or used == 1:
-            move_along(system, point, correction, 1.0)
+            move_along(system, space, point, correction, 1.0)
             log_t += back
             if off > NEAR:
                 continue
             if log_t < hand_over and used < len(history):
                 set_step(trial, 1.0, point)
-                used += predictor_corrector(system, trial, best, tol, patience, history[used:])
+                used += predictor_corrector(system, space, trial, room, best, tol, patience, history[used:])
                 hand_over += HAND_OVER
             if used > 1:
                 length = min(LONGEST, length * min(2.0, max(0.3, np.sqrt(NEAR / 2 / max(off, 1e-9)))))
@@ -93,21 +93,21 @@ def trace(system: System, point: Point, best: Best, tol: float, patience: int, h
             set_step(point, 1.0, saved)
             log_t = saved_log_t
             length /= 4
-        move_along(system, point, ahead, length)
+        move_along(system, space, point, ahead, length)
         log_t += length * ahead_log_t
     return used
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
-def _aim(system: System, target: Array, t: float, product: Array, share: float, point: Point) -> None:
+@part
+def _aim(space: Space, target: Array, t: float, product: Array, share: float, point: Point) -> None:
     """target = t product - share x ∘ s."""
     for i in range(len(target)):
         for k in range(4):
             target[i, k] = t * product[i, k]
-    add_products(system, -share, point.x, point.s, target)
+    add_products(space, -share, point.x, point.s, target)
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def _dot(a: Point, b: Point) -> float:
     total = 0.0
     for i in range(len(a.x)):
@@ -116,7 +116,7 @@ def _dot(a: Point, b: Point) -> float:
     return total
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def _size(step: Point) -> float:
     """The largest component, infinity where one is not a number."""
     largest = 0.0

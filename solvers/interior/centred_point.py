@@ -11,22 +11,22 @@ References: Chen and Harker 1993; Kanzow 1996; in the cone Fukushima, Luo and Ts
 """
 
 import numpy as np
-from numba import njit
 
 from problems.check import Array
+from problems.compiled import kernel, part
 from solvers.interior.lorentz import Vector
 from solvers.interior.point import Point, new_point
-from solvers.interior.system import System
+from solvers.interior.system import Space, System
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def _phi(y: float, g: float) -> float:
     """(y + sqrt(y^2 + 4 g^2)) / 2 without cancellation."""
     larger = (abs(y) + np.sqrt(y * y + 4 * g * g)) / 2
     return larger if y >= 0 else g * g / larger
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def _phi_in_cone(y: Vector, g: float) -> Vector:
     size = np.sqrt(y[1] * y[1] + y[2] * y[2])
     high, low = _phi(y[0] + size, g), _phi(y[0] - size, g)
@@ -34,8 +34,8 @@ def _phi_in_cone(y: Vector, g: float) -> Vector:
     return (high + low) / 2, along * y[1], along * y[2]
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
-def centred_point(system: System, r: Array, u: Array, g: float) -> Point:
+@kernel
+def centred_point(system: System, space: Space, r: Array, u: Array, g: float) -> Point:
     """The point for impulses r and velocities u (nc, d), in the problem's units; g relative to the largest free velocity."""
     point = new_point(system)
     x, s = point.x, point.s
@@ -46,7 +46,7 @@ def centred_point(system: System, r: Array, u: Array, g: float) -> Point:
         if system.pairs[i] == 1:
             continue
         limit = max(mu * c, 0.0) + weight * system.friction_bias[i]
-        if r.shape[1] == 2:
+        if space is None:
             t, ut = weight * r[i, 1] / system.impulse, u[i, 1] / system.speed
             slide = abs(ut)
             plus, minus, left = max(t, 0.0), max(-t, 0.0), limit - abs(t)

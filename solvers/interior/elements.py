@@ -4,23 +4,23 @@ Scalars in and scalars out, as these are the innermost loops of the interior poi
 """
 
 import numpy as np
-from numba import njit
 
 from problems.check import Array
+from problems.compiled import inlined, part
 from problems.forms.cone import nearest
 from solvers.interior.lorentz import Vector
 from solvers.interior.system import Elements
 from solvers.sparse_lu.multifrontal import Fronts
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def push_planar(contacts: Elements, i: int, normal: float, tangent: float, momentum: Array) -> None:
     """momentum += push' (normal, tangent) of contact i."""
     for a in range(contacts.start[i], contacts.start[i + 1]):
         momentum[contacts.column[a]] += contacts.push[a, 0] * normal + contacts.push[a, 1] * tangent
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def push_spatial(contacts: Elements, i: int, r: Vector, momentum: Array) -> None:
     """momentum += push' r of contact i."""
     for a in range(contacts.start[i], contacts.start[i + 1]):
@@ -28,7 +28,7 @@ def push_spatial(contacts: Elements, i: int, r: Vector, momentum: Array) -> None
         momentum[contacts.column[a]] += along
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def feel_planar(contacts: Elements, i: int, v: Array) -> tuple[float, float]:
     """feel v of contact i."""
     un = ut = 0.0
@@ -38,7 +38,7 @@ def feel_planar(contacts: Elements, i: int, v: Array) -> tuple[float, float]:
     return un, ut
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def feel_spatial(contacts: Elements, i: int, v: Array) -> Vector:
     """feel v of contact i."""
     u0 = u1 = u2 = 0.0
@@ -50,7 +50,7 @@ def feel_spatial(contacts: Elements, i: int, v: Array) -> Vector:
     return u0, u1, u2
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def add_planar(contacts: Elements, i: int, nn: float, nt: float, tn: float, tt: float, fronts: Fronts, storage: Array) -> None:
     """Add push' C feel of contact i, C = [[nn, nt], [tn, tt]], to its front."""
     f, lo, hi = contacts.front[i], contacts.start[i], contacts.start[i + 1]
@@ -63,7 +63,7 @@ def add_planar(contacts: Elements, i: int, nn: float, nt: float, tn: float, tt: 
             storage[row + contacts.place[b]] += normal * contacts.feel[b, 0] + tangent * contacts.feel[b, 1]
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def add_spatial(contacts: Elements, i: int, n: Vector, s: Vector, t: Vector, fronts: Fronts, storage: Array) -> None:
     """Add push' C feel of contact i, C by its rows n, s, t, to its front."""
     f, lo, hi = contacts.front[i], contacts.start[i], contacts.start[i + 1]
@@ -77,7 +77,7 @@ def add_spatial(contacts: Elements, i: int, n: Vector, s: Vector, t: Vector, fro
             storage[row + contacts.place[b]] += along
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def larger(a: float, b: float) -> float:
     """max(a, b) for a >= 0, infinity where b is not a number."""
     if b <= a:
@@ -85,12 +85,12 @@ def larger(a: float, b: float) -> float:
     return b if b > a else np.inf
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def _norm(a: float, b: float) -> float:
     return np.sqrt(a * a + b * b) if b else abs(a)  # in the plane b is 0, and a root a good part of a contact's time
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def natural(r: Vector, u: Vector, mu: float, bias: float, shift: float, weight: float) -> float:
     """weight |r - P_K(r - (u + shift |u_t| e_n) / weight)| for one contact (problems.residual)."""
     compliance = 1 / weight

@@ -11,14 +11,15 @@ For a number, Q(sqrt a) w = a w: a step relative to a, and the geodesic goes alo
 """
 
 import numpy as np
-from numba import njit
+
+from problems.compiled import kernel, part
 
 ROUNDING = 1e-15  # the least eigenvalue told from zero, relative to a_0
 
 Vector = tuple[float, float, float]
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@kernel
 def longest_in_cone(a: Vector, step: Vector, limit: float) -> float:
     """The largest length <= limit with a + length step in the cone, for a in it up to rounding."""
     size = np.sqrt(a[1] * a[1] + a[2] * a[2])
@@ -38,7 +39,7 @@ def longest_in_cone(a: Vector, step: Vector, limit: float) -> float:
     return length
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def _quadratic(a: Vector, b: Vector) -> Vector:
     """Q(a) b."""
     twice = 2 * (a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
@@ -46,7 +47,7 @@ def _quadratic(a: Vector, b: Vector) -> Vector:
     return twice * a[0] - det * b[0], twice * a[1] + det * b[1], twice * a[2] + det * b[2]
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def _root(a: Vector, sign: float) -> Vector:
     """a^(sign/2)."""
     size = np.sqrt(a[1] * a[1] + a[2] * a[2])
@@ -56,13 +57,13 @@ def _root(a: Vector, sign: float) -> Vector:
     return (high + low) / 2, along * a[1], along * a[2]
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def to_geodesic(a: Vector, step: Vector) -> Vector:
     """w with step = Q(sqrt a) w."""
     return _quadratic(_root(a, -1.0), step)
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def along_geodesic(a: Vector, w: Vector) -> Vector:
     """Q(sqrt a) exp(w)."""
     size = np.sqrt(w[1] * w[1] + w[2] * w[2])

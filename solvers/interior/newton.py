@@ -17,9 +17,8 @@ are not, and the error is driven out by the next step. A joint is a row of C = 1
 no harm.
 """
 
-from numba import njit
-
 from problems.check import Array
+from problems.compiled import part
 from solvers.interior.elements import larger
 from solvers.interior.planar_newton import (
     add_planar_stiffness,
@@ -36,20 +35,20 @@ from solvers.interior.spatial_newton import (
     spatial_defects,
     spatial_steps,
 )
-from solvers.interior.system import JOINT_SOFTNESS, Elements, System, Work
+from solvers.interior.system import JOINT_SOFTNESS, Elements, Space, System, Work
 from solvers.sparse_lu.multifrontal import factorise, solve
 
 PIVOT = 1e-14  # the least pivot of A, whose mass matrix is scaled to the size of 1
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def _push_joints(joints: Elements, impulse: Array, momentum: Array) -> None:
     for j in range(len(impulse)):
         for a in range(joints.start[j], joints.start[j + 1]):
             momentum[joints.column[a]] += joints.push[a, 0] * impulse[j, 0]
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def _feel_joints(joints: Elements, v: Array, velocity: Array) -> None:
     for j in range(len(velocity)):
         velocity[j, 0] = 0.0
@@ -57,15 +56,16 @@ def _feel_joints(joints: Elements, v: Array, velocity: Array) -> None:
             velocity[j, 0] += joints.feel[a, 0] * v[joints.column[a]]
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
-def evaluate(system: System, point: Point, defect: Point, work: Work) -> float:
+@part
+def evaluate(system: System, space: Space, point: Point, defect: Point, work: Work) -> float:
     """The residual of problems.residual at a point's impulses, infinity where it is not a number.
 
     defect: overwritten with H'u + K x - s and F v + b_F.
     """
-    v, planar = work.vector, system.offset.shape[1] == 2
-    work.momentum[:] = 0
-    if planar:
+    v = work.vector
+    for i in range(len(v)):
+        work.momentum[i] = 0.0
+    if space is None:
         push_planar_impulses(system, point.x, work.impulse, work.momentum)
     else:
         push_spatial_impulses(system, point.x, work.impulse, work.momentum)
@@ -75,7 +75,7 @@ def evaluate(system: System, point: Point, defect: Point, work: Work) -> float:
         for k in range(system.indptr[i], system.indptr[i + 1]):
             v[i] += system.inverse[k] * work.momentum[system.indices[k]]
     _feel_joints(system.joints, v, defect.joint)
-    if planar:
+    if space is None:
         worst = planar_defects(system, point, v, work.impulse, defect.x)
     else:
         worst = spatial_defects(system, point, v, work.impulse, defect.x)
@@ -85,25 +85,27 @@ def evaluate(system: System, point: Point, defect: Point, work: Work) -> float:
     return worst
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
-def linearise(system: System, point: Point, work: Work) -> None:
+@part
+def linearise(system: System, space: Space, point: Point, work: Work) -> None:
     """Newton's matrix at a point, factorised."""
-    work.storage[:] = 0
+    for k in range(len(work.storage)):
+        work.storage[k] = 0.0
     for k in range(len(system.slot)):
         work.storage[system.slot[k]] += system.constant[k]
-    if system.offset.shape[1] == 2:
+    if space is None:
         add_planar_stiffness(system, point, work)
     else:
         add_spatial_stiffness(system, point, work)
     factorise(system.fronts, work.storage, work.swap, PIVOT)
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
-def direction(system: System, point: Point, target: Array, defect: Point, step: Point, work: Work) -> None:
+@part
+def direction(system: System, space: Space, point: Point, target: Array, defect: Point, step: Point, work: Work) -> None:
     """The step with x ∘ ds + dx ∘ s = target that removes the defect, after linearise at the same point."""
-    dv, planar = work.vector, system.offset.shape[1] == 2
-    dv[:] = 0
-    if planar:
+    dv = work.vector
+    for i in range(len(dv)):
+        dv[i] = 0.0
+    if space is None:
         push_planar_response(system, target, defect.x, work)
     else:
         push_spatial_response(system, point, target, defect.x, step, work)
@@ -111,7 +113,7 @@ def direction(system: System, point: Point, target: Array, defect: Point, step: 
         step.joint[j, 0] = -defect.joint[j, 0] / JOINT_SOFTNESS
     _push_joints(system.joints, step.joint, dv)
     solve(system.fronts, work.storage, work.swap, dv)
-    if planar:
+    if space is None:
         planar_steps(system, point, target, step, work)
     else:
         spatial_steps(system, point, target, defect.x, step, work)

@@ -8,8 +8,8 @@ from problems import FrictionProblem
 from problems.check import Array
 from solvers.interface import Answer, Status
 from solvers.interior.point import Point, start_point
-from solvers.interior.predictor_corrector import Best
-from solvers.interior.system import System, in_velocities, prepare
+from solvers.interior.predictor_corrector import Best, new_room
+from solvers.interior.system import System, in_velocities, prepare, space_of
 
 ROUNDING = 4 * np.finfo(float).eps
 MARGIN = 0.5  # of tol: the same residual in other units, added up in another order
@@ -46,12 +46,12 @@ def run(prepared: Prepared, phases: Iterable[Phase], tol: float, limit: int, pat
     problem, system = prepared
     if problem.fastest == 0:
         return Answer(np.zeros_like(system.offset), Status.SOLVED, {"iterations": 0, "factorisations": 0})
-    history = np.empty(limit)
+    history, space, room = np.empty(limit), space_of(system), new_room(system)
     best = Best(np.zeros_like(system.offset), np.array([np.inf]), np.zeros(1, np.int64))
     used = 0
     status = Status.STALLED
     for method, point in phases:
-        used += method(system, point, best, MARGIN * tol, patience, history[used : used + SHARE])
+        used += method(system, space, point, room, best, MARGIN * tol, patience, history[used : used + SHARE])
         if _is_solved(best, tol, system, problem, measure):
             status = Status.SOLVED
             break

@@ -6,15 +6,14 @@ and K for the parts in which a contact's own unknowns act on its s. c is elimina
 every pivot is a sum of positive numbers.
 """
 
-from numba import njit
-
 from problems.check import Array
+from problems.compiled import part
 from solvers.interior.elements import add_planar, feel_planar, larger, natural, push_planar
 from solvers.interior.point import Point
 from solvers.interior.system import SOFTNESS, System, Work
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def push_planar_impulses(system: System, x: Array, impulse: Array, momentum: Array) -> None:
     """The impulses r = H x, and momentum += J'r."""
     for i in range(len(x)):
@@ -23,7 +22,7 @@ def push_planar_impulses(system: System, x: Array, impulse: Array, momentum: Arr
         push_planar(system.contacts, i, impulse[i, 0], impulse[i, 1], momentum)
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def planar_defects(system: System, point: Point, v: Array, impulse: Array, defect: Array) -> float:
     """defect = H'u + K x - s at velocities v; the largest residual of a contact."""
     x, s, worst = point.x, point.s, 0.0
@@ -42,7 +41,7 @@ def planar_defects(system: System, point: Point, v: Array, impulse: Array, defec
     return worst
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def add_planar_stiffness(system: System, point: Point, work: Work) -> None:
     """Add J'C J to the fronts, C = H B^-1 H', and keep the inverses of x and of the pivots."""
     x, s, inverse, pivot = point.x, point.s, work.inverse, work.pivot
@@ -67,7 +66,7 @@ def add_planar_stiffness(system: System, point: Point, work: Work) -> None:
         add_planar(system.contacts, i, nn, nt, tn, tt, system.fronts, work.storage)
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def _unknowns(pivot: Array, mu: float, shift: float, g: Array, un: float, ut: float) -> tuple[float, float, float, float]:
     """B^-1 (g - H'u) of one contact."""
     c = pivot[0] * (g[0] - un)
@@ -76,7 +75,7 @@ def _unknowns(pivot: Array, mu: float, shift: float, g: Array, un: float, ut: fl
     return c + pivot[0] * shift * slide, plus - pivot[1] * slide, minus - pivot[2] * slide, slide
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def push_planar_response(system: System, target: Array, defect: Array, work: Work) -> None:
     """Add J'H B^-1 g to work.vector, and keep g."""
     g, inverse = work.right, work.inverse
@@ -87,7 +86,7 @@ def push_planar_response(system: System, target: Array, defect: Array, work: Wor
         push_planar(system.contacts, i, c, plus - minus, work.vector)
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def planar_steps(system: System, point: Point, target: Array, step: Point, work: Work) -> None:
     """dx = B^-1 (g - H'du) and ds, du from the velocities in work.vector."""
     s, g, inverse = point.s, work.right, work.inverse

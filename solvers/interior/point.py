@@ -22,11 +22,12 @@ Steps are measured along geodesics: for a pair of numbers, in their logarithms.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from problems.check import Array
+from problems.compiled import kernel, part
 from solvers.interior.lorentz import along_geodesic, longest_in_cone, to_geodesic
-from solvers.interior.system import System
+from solvers.interior.system import Space, System, space_of
+from solvers.sparse_lu.minimum_degree import Index
 
 
 class Point(NamedTuple):
@@ -40,31 +41,37 @@ class Point(NamedTuple):
     joint: Array
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def new_point(system: System) -> Point:
     nc, nj = len(system.friction), len(system.joint_bias)
     return Point(np.zeros((nc, 4)), np.zeros((nc, 4)), np.zeros((nj, 1)))
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 def start_point(system: System, impulse: float, speed: float) -> Point:
     """Impulses of `impulse` times what stops a unit velocity at their contact, and `speed`; nothing tangential in space."""
-    point, planar = new_point(system), system.offset.shape[1] == 2
-    for i in range(len(point.x)):
-        own = impulse / system.weight[i]
-        point.x[i, 0], point.s[i, 0] = own, speed
-        if system.pairs[i] > 1:
-            point.x[i, 3], point.s[i, 3] = speed, own
-            if planar:
-                point.x[i, 1] = point.x[i, 2] = own
-                point.s[i, 1] = point.s[i, 2] = speed
-    return point
+    x, s = _start(system.weight, system.pairs, space_of(system), impulse, speed)
+    return Point(x, s, np.zeros((len(system.joint_bias), 1)))
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
-def add_products(system: System, factor: float, x: Array, s: Array, total: Array) -> None:
+@kernel
+def _start(weight: Array, pairs: Index, space: Space, impulse: float, speed: float) -> tuple[Array, Array]:
+    """x and s."""
+    x, s = np.zeros((len(weight), 4)), np.zeros((len(weight), 4))
+    for i in range(len(x)):
+        own = impulse / weight[i]
+        x[i, 0], s[i, 0] = own, speed
+        if pairs[i] > 1:
+            x[i, 3], s[i, 3] = speed, own
+            if space is None:
+                x[i, 1] = x[i, 2] = own
+                s[i, 1] = s[i, 2] = speed
+    return x, s
+
+
+@kernel
+def add_products(space: Space, factor: float, x: Array, s: Array, total: Array) -> None:
     """total += factor x ∘ s."""
-    if system.offset.shape[1] == 2:
+    if space is None:
         for i in range(len(x)):
             for k in range(4):
                 total[i, k] += factor * x[i, k] * s[i, k]
@@ -76,20 +83,19 @@ def add_products(system: System, factor: float, x: Array, s: Array, total: Array
             total[i, k] += factor * (x[i, 3] * x[i, k] + s[i, 3] * s[i, k])
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
-def set_identity(system: System, factor: float, total: Array) -> None:
+@kernel
+def set_identity(space: Space, factor: float, total: Array) -> None:
     """total = factor times the identity of ∘."""
-    planar = system.offset.shape[1] == 2
     for i in range(len(total)):
         for k in range(4):
-            total[i, k] = factor if planar or k in (0, 3) else 0.0
+            total[i, k] = factor if space is None or k in (0, 3) else 0.0
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
-def longest(system: System, point: Point, step: Point, limit: float) -> float:
+@part
+def longest(system: System, space: Space, point: Point, step: Point, limit: float) -> float:
     """How far along the step x and s stay inside their cones, at most limit."""
     x, s, dx, ds, length = point.x, point.s, step.x, step.s, limit
-    if system.offset.shape[1] == 2:
+    if space is None:
         for i in range(len(x)):
             for k in range(4):
                 length = _longest(x[i, k], dx[i, k], length)
@@ -104,35 +110,33 @@ def longest(system: System, point: Point, step: Point, limit: float) -> float:
     return length
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def _longest(value: float, step: float, limit: float) -> float:
     return -value / step if value + limit * step < 0 else limit
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
-def to_geodesics(system: System, point: Point, step: Point) -> None:
+@part
+def to_geodesics(system: System, space: Space, point: Point, step: Point) -> None:
     """Overwrite a step's x and s with the geodesics that leave the point along it."""
     x, s, dx, ds = point.x, point.s, step.x, step.s
-    planar = system.offset.shape[1] == 2
     for i in range(len(x)):
-        for k in range(system.pairs[i] if planar else 1):
+        for k in range(system.pairs[i] if space is None else 1):
             dx[i, k] /= x[i, k]
             ds[i, k] /= s[i, k]
-        if not planar and system.pairs[i] > 1:
+        if space is not None and system.pairs[i] > 1:
             dx[i, 3], ds[i, 1], ds[i, 2] = to_geodesic((x[i, 3], s[i, 1], s[i, 2]), (dx[i, 3], ds[i, 1], ds[i, 2]))
             ds[i, 3], dx[i, 1], dx[i, 2] = to_geodesic((s[i, 3], x[i, 1], x[i, 2]), (ds[i, 3], dx[i, 1], dx[i, 2]))
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
-def move_along(system: System, point: Point, step: Point, length: float) -> None:
+@part
+def move_along(system: System, space: Space, point: Point, step: Point, length: float) -> None:
     """Move a point by `length` along a step's geodesics, its joints' impulses straight on."""
     x, s, dx, ds = point.x, point.s, step.x, step.s
-    planar = system.offset.shape[1] == 2
     for i in range(len(x)):
-        for k in range(4 if planar else 1):
+        for k in range(4 if space is None else 1):
             x[i, k] *= np.exp(length * dx[i, k])
             s[i, k] *= np.exp(length * ds[i, k])
-        if not planar and system.pairs[i] > 1:
+        if space is not None and system.pairs[i] > 1:
             w = (length * dx[i, 3], length * ds[i, 1], length * ds[i, 2])
             x[i, 3], s[i, 1], s[i, 2] = along_geodesic((x[i, 3], s[i, 1], s[i, 2]), w)
             w = (length * ds[i, 3], length * dx[i, 1], length * dx[i, 2])
@@ -141,7 +145,7 @@ def move_along(system: System, point: Point, step: Point, length: float) -> None
         point.joint[j, 0] += length * step.joint[j, 0]
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@kernel
 def set_step(to: Point, factor: float, step: Point) -> None:
     """to = factor step."""
     for i in range(len(to.x)):
@@ -152,7 +156,7 @@ def set_step(to: Point, factor: float, step: Point) -> None:
         to.joint[j, 0] = factor * step.joint[j, 0]
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def add_step(to: Point, factor: float, step: Point) -> None:
     """to += factor step."""
     for i in range(len(to.x)):

@@ -14,12 +14,12 @@ notice. References: Mehrotra 1992; Wright 1997, chapter 10.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from problems.check import Array
+from problems.compiled import kernel, part
 from solvers.interior.newton import direction, evaluate, linearise
-from solvers.interior.point import Point, add_products, add_step, longest, new_point, set_identity
-from solvers.interior.system import System, Work, new_work
+from solvers.interior.point import Point, add_products, add_step, longest, set_identity
+from solvers.interior.system import Space, System, Work, new_work
 from solvers.sparse_lu.minimum_degree import Index
 
 TO_BOUNDARY = 0.995
@@ -33,10 +33,10 @@ class Best(NamedTuple):
     factorisations: Index
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
-def judge(system: System, point: Point, defect: Point, work: Work, best: Best) -> float:
+@part
+def judge(system: System, space: Space, point: Point, defect: Point, work: Work, best: Best) -> float:
     """Evaluate a point and remember the best one."""
-    residual = evaluate(system, point, defect, work)
+    residual = evaluate(system, space, point, defect, work)
     if residual < best.residual[0]:
         best.residual[0] = residual
         for i in range(len(best.impulse)):
@@ -45,36 +45,38 @@ def judge(system: System, point: Point, defect: Point, work: Work, best: Best) -
     return residual
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
-def predictor_corrector(system: System, point: Point, best: Best, tol: float, patience: int, history: Array) -> int:
+class Room(NamedTuple):
+    """Room to work in, made before: a loop over arrays of its own would count references to them at every call."""
+
+    step: Point
+    defect: Point
+    target: Array
+    work: Work
+
+
+def new_room(system: System) -> Room:
+    nc, nj = len(system.friction), len(system.joint_bias)
+    pairs, joints = np.zeros((5, nc, 4)), np.zeros((2, nj, 1))
+    step, defect = Point(pairs[0], pairs[1], joints[0]), Point(pairs[2], pairs[3], joints[1])
+    return Room(step, defect, pairs[4], new_work(system))
+
+
+@kernel
+def predictor_corrector(
+    system: System, space: Space, point: Point, room: Room, best: Best, tol: float, patience: int, history: Array
+) -> int:
     """Move the point to a solution; stop where the residual is within tol, history is full, or no progress is made.
 
     Progress is that mean(x s) and the largest defect, added, halve within `patience` iterations.
     history receives the residual of every iterate; their number is returned.
     """
-    step, defect, target = new_point(system), new_point(system), np.zeros((len(point.x), 4))
-    return _iterate(system, point, step, defect, target, new_work(system), best, tol, patience, history)
-
-
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
-def _iterate(
-    system: System,
-    point: Point,
-    step: Point,
-    defect: Point,
-    target: Array,
-    work: Work,
-    best: Best,
-    tol: float,
-    patience: int,
-    history: Array,
-) -> int:
-    """The iterations, with room to work in: a loop over arrays of its own would count references to them at every call."""
-    x, s = point.x, point.s
-    pairs = system.pairs.sum()
+    x, s, step, defect, target, work = point.x, point.s, room.step, room.defect, room.target, room.work
+    pairs = 0
+    for i in range(len(x)):
+        pairs += system.pairs[i]
     milestone, since = np.inf, 0
     for iteration in range(len(history)):
-        history[iteration] = judge(system, point, defect, work, best)
+        history[iteration] = judge(system, space, point, defect, work, best)
         gap, off = 0.0, 0.0
         for i in range(len(x)):
             for k in range(4):
@@ -86,21 +88,21 @@ def _iterate(
             milestone, since = gap + off, 0
         if best.residual[0] <= tol or since > patience or not gap + off < np.inf:
             return iteration + 1
-        linearise(system, point, work)
+        linearise(system, space, point, work)
         best.factorisations[0] += 1
-        target[:] = 0
-        add_products(system, -1.0, x, s, target)
-        direction(system, point, target, defect, step, work)
-        length = longest(system, point, step, 1.0)
+        set_identity(space, 0.0, target)
+        add_products(space, -1.0, x, s, target)
+        direction(system, space, point, target, defect, step, work)
+        length = longest(system, space, point, step, 1.0)
         ahead = 0.0
         for i in range(len(x)):
             for k in range(4):
                 ahead += (x[i, k] + length * step.x[i, k]) * (s[i, k] + length * step.s[i, k])
         sigma = (ahead / pairs / gap) ** 2
-        set_identity(system, sigma * gap, target)
-        add_products(system, -1.0, x, s, target)
-        add_products(system, -1.0, step.x, step.s, target)
-        direction(system, point, target, defect, step, work)
-        length = min(1.0, TO_BOUNDARY * longest(system, point, step, 1 / TO_BOUNDARY))
+        set_identity(space, sigma * gap, target)
+        add_products(space, -1.0, x, s, target)
+        add_products(space, -1.0, step.x, step.s, target)
+        direction(system, space, point, target, defect, step, work)
+        length = min(1.0, TO_BOUNDARY * longest(system, space, point, step, 1 / TO_BOUNDARY))
         add_step(point, length, step)
     return len(history)

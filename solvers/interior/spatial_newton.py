@@ -19,9 +19,8 @@ which is 2 y_0 z_0 where the contact slides, r_t opposite to u_t, and positive f
 The delta of solvers.interior.newton comes in as z + delta y in place of z, which adds delta dy to dz.
 """
 
-from numba import njit
-
 from problems.check import Array
+from problems.compiled import inlined, part
 from solvers.interior.elements import add_spatial, feel_spatial, larger, natural, push_spatial
 from solvers.interior.point import Point
 from solvers.interior.system import SOFTNESS, System, Work
@@ -29,7 +28,7 @@ from solvers.interior.system import SOFTNESS, System, Work
 INSIDE = 0.1  # det y / y_0^2 from which a contact clearly sticks
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def push_spatial_impulses(system: System, x: Array, impulse: Array, momentum: Array) -> None:
     """The impulses r = H x, and momentum += J'r."""
     for i in range(len(x)):
@@ -38,7 +37,7 @@ def push_spatial_impulses(system: System, x: Array, impulse: Array, momentum: Ar
         push_spatial(system.contacts, i, (x[i, 0], x[i, 1], x[i, 2]), momentum)
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def spatial_defects(system: System, point: Point, v: Array, impulse: Array, defect: Array) -> float:
     """defect = H'u + K x - s at velocities v; the largest residual of a contact."""
     x, s, worst = point.x, point.s, 0.0
@@ -58,7 +57,7 @@ def spatial_defects(system: System, point: Point, v: Array, impulse: Array, defe
     return worst
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def _eliminate(x: Array, s: Array, i: int, mu: float, shift: float, soft: float) -> tuple[float, ...]:
     """z softened, D, the two factors a of dlambda = .. - a . du_t - share mu dc, the share, and the inverse pivot of c."""
     z0, z1, z2 = x[i, 3] + soft * s[i, 3], s[i, 1] + soft * x[i, 1], s[i, 2] + soft * x[i, 2]
@@ -68,7 +67,7 @@ def _eliminate(x: Array, s: Array, i: int, mu: float, shift: float, soft: float)
     return z0, z1, z2, D, a1, a2, share, 1 / (s[i, 0] / x[i, 0] + soft + shift * mu * share)
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def add_spatial_stiffness(system: System, point: Point, work: Work) -> None:
     """Add J'C J to the fronts, C = H B^-1 H'."""
     x, s = point.x, point.s
@@ -86,7 +85,7 @@ def add_spatial_stiffness(system: System, point: Point, work: Work) -> None:
         add_spatial(system.contacts, i, n, row1, row2, system.fronts, work.storage)
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def _steps(system: System, point: Point, target: Array, defect: Array, step: Point, u: Array) -> None:
     """Fill dx = (dc, dr_t, dlambda) and ds for changes u of the contacts' velocities.
 
@@ -121,16 +120,18 @@ def _steps(system: System, point: Point, target: Array, defect: Array, step: Poi
         ds[i, 1], ds[i, 2], ds[i, 3] = (t1 - y1 * slide) / y0, (t2 - y2 * slide) / y0, y
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def push_spatial_response(system: System, point: Point, target: Array, defect: Array, step: Point, work: Work) -> None:
     """Add J'H B^-1 g to work.vector."""
-    work.velocity[:] = 0
+    for i in range(len(target)):
+        for k in range(3):
+            work.velocity[i, k] = 0.0
     _steps(system, point, target, defect, step, work.velocity)
     for i in range(len(target)):
         push_spatial(system.contacts, i, (step.x[i, 0], step.x[i, 1], step.x[i, 2]), work.vector)
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def spatial_steps(system: System, point: Point, target: Array, defect: Array, step: Point, work: Work) -> None:
     """dx = B^-1 (g - H'du) and ds, du from the velocities in work.vector."""
     u = work.velocity

@@ -11,9 +11,9 @@ W on the left of C and J = I on its right, so that an unsymmetric W is solved as
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from problems.check import Array
+from problems.compiled import kernel, part
 from problems.friction import DelassusProblem, FrictionProblem
 from solvers.sparse_lu.minimum_degree import Index
 from solvers.sparse_lu.multifrontal import Fronts, Place, analyse, find
@@ -64,6 +64,10 @@ class System(NamedTuple):
     impulse: float
 
 
+# None in the plane, True in space: a type of its own for each, so that what is of the other is not compiled.
+Space = bool | None
+
+
 class Work(NamedTuple):
     """Room for Newton's method on one system.
 
@@ -83,22 +87,15 @@ class Work(NamedTuple):
     momentum: Array
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
 def new_work(system: System) -> Work:
-    nc, d = system.offset.shape
-    nv, nj = len(system.free_velocity), len(system.joint_bias)
-    return Work(
-        np.zeros(system.fronts.start[-1]),
-        np.zeros(nv, dtype=np.int64),
-        np.zeros((nc, 4)),
-        np.zeros((nc, 4)),
-        np.zeros((nc, 4)),
-        np.zeros((nc, d)),
-        np.zeros((nc, d)),
-        np.zeros((nj, 1)),
-        np.zeros(nv),
-        np.zeros(nv),
-    )
+    (nc, d), nv = system.offset.shape, len(system.free_velocity)
+    storage, swap, joints = np.zeros(system.fronts.start[-1]), np.zeros(nv, np.int64), np.zeros((len(system.joint_bias), 1))
+    own, contact, velocity = np.zeros((3, nc, 4)), np.zeros((2, nc, d)), np.zeros((2, nv))
+    return Work(storage, swap, own[0], own[1], own[2], contact[0], contact[1], joints, velocity[0], velocity[1])
+
+
+def space_of(system: System) -> Space:
+    return True if system.offset.shape[1] == 3 else None
 
 
 def in_velocities(problem: FrictionProblem) -> FrictionProblem:
@@ -112,57 +109,73 @@ def prepare(problem: FrictionProblem, relaxed: bool = False) -> System:
     nc, scale, speed = problem.contacts, problem.scale, problem.fastest or 1.0
     impulse = speed / float(np.exp(np.add.reduce(np.log(scale)) / nc)) if nc else speed
     if isinstance(problem, DelassusProblem):
-        start, column, push, feel = _in_impulses(*problem.blocks, impulse / speed)
-        unit, ratio = np.ones(len(problem.q)), 1.0
+        contacts, own, ratio = _in_impulses(*problem.blocks, impulse / speed), 1.0, 1.0
     else:  # v = speed * unit * v^
-        start, column, feel = problem.contact_rows
-        push = feel
-        unit, ratio = _units(*problem.mass_rows, impulse / speed), speed / impulse
-    joints = problem.joint_rows
+        rows = problem.contact_rows
+        contacts, own, ratio = (*rows, rows.value), impulse / speed, speed / impulse
+    laws = problem.friction, problem.friction_bias, scale, problem.offset, problem.free_velocity, problem.joint_bias
+    matrices = *problem.joint_rows, *problem.mass_rows, *problem.inverse_rows
+    return _system(*contacts, *matrices, *laws, own, ratio, relaxed, speed, impulse)
+
+
+@kernel
+def _system(  # type: ignore[no-untyped-def]
+    start, column, push, feel, f_start, f_column, f_value, m_start, m_column, m_value, i_start, i_column, i_value,
+    friction, friction_bias, scale, offset, free, joint_bias, own, ratio, relaxed, speed, impulse,
+):  # fmt: skip
+    """A System; own, ratio: what the mass matrix is divided by to find the units of the velocities, and multiplied by."""
+    unit = _units(m_start, m_column, m_value, own)
+    F = np.empty((len(f_value), 1))
+    for k in range(len(f_value)):
+        F[k, 0] = f_value[k]
     fronts, place, contacts, joined, length, slot, constant = _lay_out(
-        start, column, push, feel, joints.start, joints.column, joints.value.reshape(-1, 1), *problem.mass_rows, unit, ratio
+        start, column, push, feel, f_start, f_column, F, m_start, m_column, m_value, unit, ratio
     )
-    value, index, begin = _reorder(*problem.inverse_rows, place, unit, ratio)
-    laws = problem.friction, problem.friction_bias, scale, problem.offset, problem.free_velocity
-    free, offset, friction, friction_bias, shift, weight, pairs = _laws(*laws, place, unit, relaxed, speed, impulse)
-    joint_bias = problem.joint_bias / (length * speed)
+    value, index, begin = _reorder(i_start, i_column, i_value, place, unit, ratio)
+    own_free, own_offset, mu, bias, shift, weight, pairs = _laws(
+        friction, friction_bias, scale, offset, free, place, unit, relaxed, speed, impulse
+    )
+    held = np.empty(len(joint_bias))
+    for j in range(len(held)):
+        held[j] = joint_bias[j] / (length[j] * speed)
     return System(
         fronts, contacts, joined, slot, constant, value, index, begin,
-        free, offset, joint_bias, friction, friction_bias, shift, weight, pairs, speed, impulse,
+        own_free, own_offset, held, mu, bias, shift, weight, pairs, speed, impulse,
     )  # fmt: skip
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _laws(friction, friction_bias, scale, offset, free, place, unit, relaxed, speed, impulse):  # type: ignore[no-untyped-def]
     """What stands beside the matrices, in the system's units."""
     nc, d = offset.shape
     own_free, own_offset, bias = np.empty(len(free)), np.empty((nc, d)), np.empty(nc)
-    mu, shift, weight, pairs = np.empty(nc), np.zeros(nc), np.empty(nc), np.ones(nc, np.int64)
+    mu, shift, weight, pairs = np.empty(nc), np.zeros(nc), np.empty(nc), np.empty(nc, np.int64)
     for v in range(len(free)):
         own_free[place[v]] = free[v] / (unit[v] * speed)
     for i in range(nc):
         mu[i], bias[i], weight[i] = friction[i], friction_bias[i] / impulse, scale[i] * (impulse / speed)
         if relaxed:
             shift[i] = mu[i]
-        if mu[i] > 0 or bias[i] > 0:
-            pairs[i] = 4 if d == 2 else 2
+        rubs = mu[i] > 0 or bias[i] > 0
+        pairs[i] = (4 if d == 2 else 2) if rubs else 1
         for a in range(d):
             own_offset[i, a] = offset[i, a] / speed
     return own_free, own_offset, mu, bias, shift, weight, pairs
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _units(start, column, value, ratio):  # type: ignore[no-untyped-def]
     """The units (nv,) in which the mass matrix has a unit diagonal."""
-    unit = np.ones(len(start) - 1)
+    unit = np.empty(len(start) - 1)
     for i in range(len(unit)):
+        unit[i] = 1.0
         for k in range(start[i], start[i + 1]):
             if column[k] == i:
                 unit[i] = np.sqrt(ratio / value[k])
     return unit
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def _in_impulses(first, beside, block, ratio):  # type: ignore[no-untyped-def]
     """Where only W is known: push = W' by contacts, times the ratio, and feel = I on the same columns."""
     nc, d = len(first) - 1, block.shape[1]
@@ -172,7 +185,9 @@ def _in_impulses(first, beside, block, ratio):  # type: ignore[no-untyped-def]
     for i in range(nc):
         start[i + 1] += start[i]
     column, push, feel = np.empty(len(beside) * d, np.int32), np.empty((len(beside) * d, d)), np.zeros((len(beside) * d, d))
-    end = start.copy()
+    end = np.empty(nc, np.int32)
+    for i in range(nc):
+        end[i] = start[i]
     for j in range(nc):
         for k in range(first[j], first[j + 1]):
             i = beside[k]
@@ -186,20 +201,19 @@ def _in_impulses(first, beside, block, ratio):  # type: ignore[no-untyped-def]
     return start, column, push, feel
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _lay_out(start, column, push, feel, f_start, f_column, F, m_start, m_column, m_value, unit, ratio):  # type: ignore[no-untyped-def]
     """Fronts, places, contacts, joints, the joints' lengths, slots and constants of a System."""
     n = len(unit)
     contacts = _gather(start, column, push, feel, unit)
     joined = _gather(f_start, f_column, F, F, unit)
     nc, nj = len(contacts.front), len(joined.front)
-    length = np.ones(nj)
+    length = np.empty(nj)
     for j in range(nj):
         square = 0.0
         for a in range(joined.start[j], joined.start[j + 1]):
             square += joined.feel[a, 0] ** 2
-        if square > 0:
-            length[j] = np.sqrt(square)
+        length[j] = np.sqrt(square) if square > 0 else 1.0
         for a in range(joined.start[j], joined.start[j + 1]):
             joined.feel[a, 0] /= length[j]
             joined.push[a, 0] = joined.feel[a, 0]
@@ -242,13 +256,13 @@ def _lay_out(start, column, push, feel, f_start, f_column, F, m_start, m_column,
     for j in range(nj):
         for a in range(joined.start[j], joined.start[j + 1]):
             for b in range(joined.start[j], joined.start[j + 1]):
-                slot[at] = _slot(fronts, joined.front[j], joined.place[a], joined.place[b])
+                slot[at] = _slot(fronts, joined.front[j], np.int64(joined.place[a]), np.int64(joined.place[b]))
                 constant[at] = joined.feel[a, 0] * joined.feel[b, 0] / JOINT_SOFTNESS
                 at += 1
     return fronts, place, contacts, joined, length, slot, constant
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _gather(start, column, push, feel, unit):  # type: ignore[no-untyped-def]
     """push and feel by contacts, or by joints, as elements, columns times unit; not yet placed.
 
@@ -270,21 +284,22 @@ def _gather(start, column, push, feel, unit):  # type: ignore[no-untyped-def]
     return Elements(own_start, own_column[:at], pushing[:at], feeling[:at], np.zeros(count, np.int64), np.zeros(at, np.uint32))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _settle(elements: Elements, fronts: Fronts, place: Index) -> None:
     """Renumber an element's variables by the order of elimination, and find them in its front."""
     for e in range(len(elements.front)):
         for a in range(elements.start[e], elements.start[e + 1]):
-            elements.column[a] = place[elements.column[a]]
-            elements.place[a] = find(fronts, elements.front[e], elements.column[a])
+            column = elements.column[a]
+            elements.column[a] = place[column]
+            elements.place[a] = find(fronts, elements.front[e], place[column])
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _slot(fronts: Fronts, front: int, row: int, column: int) -> int:
     return int(fronts.start[front] + row * (fronts.first[front + 1] - fronts.first[front]) + column)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _reorder(start, column, value, place, unit, ratio):  # type: ignore[no-untyped-def]
     """The inverse of the mass matrix in the system's units and order: values, columns, starts."""
     n = len(place)

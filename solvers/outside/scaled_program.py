@@ -21,11 +21,11 @@ from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 import numpy as np
-from numba import njit
 from scipy import sparse
 
 from problems import FrictionProblem
 from problems.check import Array
+from problems.compiled import kernel
 from problems.forms.relaxation import QP, ConeProgram, Program
 from solvers.interface import impulses
 
@@ -103,7 +103,7 @@ def _joints(program: Program, D: Array) -> tuple[sparse.csc_matrix | None, Array
     return sparse.csc_matrix(program.A * D * joint[:, None]), joint
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def _scaled(start, row, value, left, right):  # type: ignore[no-untyped-def]
     """The values of diag(left) A diag(right), for A by columns."""
     scaled = np.empty(len(value))
@@ -113,7 +113,7 @@ def _scaled(start, row, value, left, right):  # type: ignore[no-untyped-def]
     return scaled
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def _units(scale, wider, q, m_start, m_column, m_value, m, d):  # type: ignore[no-untyped-def]
     """D, 1/E on the rows of G, theta and share."""
     nc, nv, wide, stiffest, fastest, theta = len(scale), len(m_start) - 1, 0, 0.0, 0.0, 0.0

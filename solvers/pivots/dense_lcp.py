@@ -3,11 +3,11 @@
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from problems import LCP, FrictionProblem
 from problems.check import Array
+from problems.compiled import kernel, part
 from solvers.interface import Answer, Status
 from solvers.pivots.natural import MARGIN, exact_residual, natural_residual, natural_weight
 from solvers.pivots.scaling import Scaling, scaling
@@ -60,7 +60,7 @@ def new_descent(weight: Array, tol: float, limit: int, memory: int) -> Descent:
     return Descent(weight, tol, limit, np.zeros(n), np.full(1, np.inf), history, np.zeros(memory), work)
 
 
-@njit(cache=True)
+@part
 def judge(descent, k, y, w, merit):  # type: ignore[no-untyped-def]
     """Take down the k-th iterate y, w = M y + q and its merit; GOING, or how the method ended."""
     descent.history[k] = natural_residual(descent.weight, y, w)
@@ -90,7 +90,7 @@ def solve_by(iterate: Any, form: DenseLCP, tol: float, limit: int | None, memory
     return Answer(impulse, STATUS[end], work, tuple(descent.history[: iterations + 1].tolist()), z), remark
 
 
-@njit(cache=True)
+@kernel
 def solve_dense(A, b):  # type: ignore[no-untyped-def]
     """x (n,) with A x = b by LU with partial pivoting; NaN where A is singular."""
     try:

@@ -15,10 +15,10 @@ Vectors over the basis are indexed by pair: entry i belongs to w_i or z_i, which
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from problems.check import Array
+from problems.compiled import inlined, kernel, part
 from problems.rows import Rows
 
 Index = NDArray[np.int64]
@@ -57,7 +57,7 @@ def compress(M: Rows, D: Array) -> Matrix:
     return Matrix(*symmetrised(*M, D))
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@kernel
 def symmetrised(indptr, indices, data, D):  # type: ignore[no-untyped-def]
     n, entries = len(indptr) - 1, len(indices)
     below = np.zeros(n + 1, np.int64)  # the columns of M, by counting
@@ -65,7 +65,9 @@ def symmetrised(indptr, indices, data, D):  # type: ignore[no-untyped-def]
         below[indices[k] + 1] += 1
     for j in range(n):
         below[j + 1] += below[j]
-    free = below[:-1].copy()
+    free = np.empty(n, np.int64)
+    for j in range(n):
+        free[j] = below[j]
     above, value = np.empty(entries, np.int64), np.empty(entries)
     for i in range(n):
         for k in range(indptr[i], indptr[i + 1]):
@@ -92,7 +94,7 @@ def symmetrised(indptr, indices, data, D):  # type: ignore[no-untyped-def]
     return start, rows[:at], column[:at], row[:at]
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@kernel
 def slack_basis(n: int) -> Basis:
     """All w basic."""
     index = np.empty((5, n + 1), np.int64)
@@ -103,7 +105,7 @@ def slack_basis(n: int) -> Basis:
     return Basis(np.empty((n + 1, n + 1)), index[0], index[1], index[2], index[3], index[4], np.empty((2, n + 1)))
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def transform(M: Matrix, d: Array, basis: Basis, rhs: Array, a: Array, out: Array, accuracy: float) -> tuple[float, float]:
     """a (n+1,) = (inverse of the whole basis) rhs, by K^-1 and iterative refinement; returns the relative defect and the size.
 
@@ -149,7 +151,7 @@ def transform(M: Matrix, d: Array, basis: Basis, rhs: Array, a: Array, out: Arra
     return relative, size
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def exchange(M: Matrix, d: Array, basis: Basis, a: Array, p: int, z_enters: bool, s: int) -> None:
     """Let z_p (z0 where p = n) or w_p enter, a its transformed column, and the basic member of pair s leave."""
     n, k, G, g, h = len(d), basis.size[0], basis.inverse, basis.work[0], basis.work[1]
@@ -214,7 +216,7 @@ def exchange(M: Matrix, d: Array, basis: Basis, a: Array, p: int, z_enters: bool
         basis.row[s] = -1
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def refactor(M: Matrix, d: Array, basis: Basis) -> bool:
     """Compute K^-1 afresh by Gauss-Jordan elimination with row exchanges; False where K is singular to working accuracy."""
     n, k = len(d), basis.size[0]
@@ -258,7 +260,7 @@ def refactor(M: Matrix, d: Array, basis: Basis) -> bool:
     return True
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@kernel
 def invert(M: Matrix, d: Array, basis: Basis, active: Index) -> bool:
     """Make the z of these indices basic in a slack basis, and their w nonbasic; False where that is singular."""
     for c in range(len(active)):

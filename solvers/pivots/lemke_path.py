@@ -6,10 +6,10 @@ go to the largest pivot (Harris 1973); exact ties the caller excludes by perturb
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from problems.check import Array
+from problems.compiled import inlined, kernel, part
 from solvers.pivots.inverse_basis import Basis, Index, Matrix, exchange, refactor, transform
 from solvers.pivots.vectors import put
 
@@ -21,7 +21,7 @@ ACCURACY = 1e-12  # a transformed column with a larger relative defect is refine
 LOSS = 1e-9  # one that then still has a larger defect needs a new inverse
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def ratio_test(x: Array, a: Array, watched: Flags, least: float, slack: float) -> int:
     """The pair whose basic variable blocks x - t a >= 0 first, z0 if it may; the largest pivot among near ties; -1 on a ray.
 
@@ -42,7 +42,7 @@ def ratio_test(x: Array, a: Array, watched: Flags, least: float, slack: float) -
     return best
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def evaluate(M: Matrix, d: Array, basis: Basis, q: Array, x: Array, out: Array, accuracy: float) -> float:
     """x (n+1,) = the basic variables' values for the right side q; returns the relative defect."""
     rhs = np.empty(len(q))
@@ -51,7 +51,7 @@ def evaluate(M: Matrix, d: Array, basis: Basis, q: Array, x: Array, out: Array, 
     return transform(M, d, basis, rhs, x, out, accuracy)[0]
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def enter(M: Matrix, p: int, z_enters: bool, rhs: Array) -> None:
     """rhs = M_p where z_p enters, -e_p where w_p does: the right side whose transform is the entering column."""
     for i in range(len(rhs)):
@@ -63,7 +63,7 @@ def enter(M: Matrix, p: int, z_enters: bool, rhs: Array) -> None:
         rhs[p] = -1.0
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@kernel
 def follow(
     M: Matrix, q: Array, d: Array, basis: Basis, x: Array, a: Array, watched: Flags, slack: float, limit: int, work: Index
 ) -> int:
@@ -121,7 +121,7 @@ def follow(
         enter(M, p, z_enters, rhs)
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def add_product(M: Matrix, v: Array, u: Array) -> None:
     """u += M v."""
     for j in range(len(u)):
@@ -130,7 +130,7 @@ def add_product(M: Matrix, v: Array, u: Array) -> None:
                 u[M.rows[e]] += M.column[e] * v[j]
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def add_coordinates(M: Matrix, basis: Basis, y: Array, size: float, v: Array, z: Array) -> None:
     """v += the vector whose coordinates in a complementary basis are size * y, that is y_w - M y_z; z (n,) is workspace."""
     for i in range(len(v)):
@@ -143,7 +143,7 @@ def add_coordinates(M: Matrix, basis: Basis, y: Array, size: float, v: Array, z:
         add_product(M, z, v)
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def draw(seed: int, drawn: Array) -> None:
     """Numbers from [1, 2), the same ones for the same seed, by Knuth's MMIX congruence."""
     state = np.uint64(seed)

@@ -14,10 +14,10 @@ gathered since. Values are in M's units; scale M first.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from problems.check import Array
+from problems.compiled import kernel, part
 from solvers.pivots.vectors import fill, put
 
 Indices = NDArray[np.int64]
@@ -52,7 +52,7 @@ def new_basis(n: int, memory: int = 96) -> Basis:
     """Storage for a basis of n columns with at most `memory` updates; all w, not yet factorised."""
     whole = np.int64
     head, order, updated = np.arange(n, 2 * n), np.zeros(n, whole), np.zeros(memory, whole)
-    square, span = np.zeros((2, n, n)), np.zeros((n, 3), whole)
+    square, span = np.empty((2, n, n)), np.zeros((n, 3), whole)
     return Basis(
         head,
         np.zeros(2, whole),
@@ -62,19 +62,19 @@ def new_basis(n: int, memory: int = 96) -> Basis:
         np.zeros(n),
         span,
         np.zeros(n, bool),
-        np.zeros((memory, n)),
+        np.empty((memory, n)),
         updated,
     )
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def hold(basis, A):  # type: ignore[no-untyped-def]
     """Make head the complementary basis of the set A (n, bool): z_i where A_i, w_i elsewhere."""
     for i in range(len(A)):
         basis.head[i] = i if A[i] else i + len(A)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def held(basis, A):  # type: ignore[no-untyped-def]
     """Write over A (n, bool) which z the basis holds."""
     fill(A, False)
@@ -83,7 +83,7 @@ def held(basis, A):  # type: ignore[no-untyped-def]
             A[basis.head[i]] = True
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def column(columns, j, y):  # type: ignore[no-untyped-def]
     """Write the column of variable j over y (n,); its largest magnitude."""
     n = len(y)
@@ -100,7 +100,7 @@ def column(columns, j, y):  # type: ignore[no-untyped-def]
     return largest(y)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def largest(y):  # type: ignore[no-untyped-def]
     """max |y_i|; infinity if y holds a NaN."""
     most = 0.0
@@ -112,7 +112,7 @@ def largest(y):  # type: ignore[no-untyped-def]
     return most
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def factorise(basis, columns, floor):  # type: ignore[no-untyped-def]
     """Factorise head, placing its variables anew; how many of its columns depend on others.
 
@@ -167,11 +167,11 @@ def factorise(basis, columns, floor):  # type: ignore[no-untyped-def]
     return lost
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def ftran(basis, y):  # type: ignore[no-untyped-def]
     """Solve B x = y, in place, x by position."""
     order, L, U, span = basis.order, basis.L, basis.U, basis.span
-    m, updates = basis.size
+    m, updates = basis.size[0], basis.size[1]
     x = np.empty(m)
     for k in range(m):
         x[k] = y[order[k]]
@@ -197,7 +197,7 @@ def ftran(basis, y):  # type: ignore[no-untyped-def]
             y[p] = step
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def exchange(basis, p, j, d):  # type: ignore[no-untyped-def]
     """Let variable j take position p, d being its column in terms of the basis; whether it is time to factorise."""
     k = basis.size[1]
@@ -207,7 +207,7 @@ def exchange(basis, p, j, d):  # type: ignore[no-untyped-def]
     return k + 1 == len(basis.updated)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def basic_point(basis, b, z, w):  # type: ignore[no-untyped-def]
     """Write over z and w (n,) the basis's own solution of M z - w = b, t = 0."""
     n = len(b)
@@ -224,7 +224,7 @@ def basic_point(basis, b, z, w):  # type: ignore[no-untyped-def]
             w[j - n] = x[i]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def orientation(basis):  # type: ignore[no-untyped-def]
     """The sign of det M_AA, A the z of a complementary basis just factorised; +1 where there are none."""
     sign = 1
@@ -241,7 +241,7 @@ def orientation(basis):  # type: ignore[no-untyped-def]
     return sign
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def add_product(columns, z, y):  # type: ignore[no-untyped-def]
     """y += M z."""
     for j in range(len(z)):

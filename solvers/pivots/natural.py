@@ -12,26 +12,37 @@ and look at the exact residual at the end.
 """
 
 import numpy as np
-from numba import njit
 
 from problems import LCP, FrictionProblem
 from problems.check import Array
+from problems.compiled import kernel
 from problems.residual import polygon_residual, residual
-from solvers.pivots.scaling import Scaling
+from solvers.pivots.scaling import Scaling, diagonal_scaling
 
 MARGIN = 0.1
 
 
 def natural_weight(problem: FrictionProblem | LCP, lcp: LCP, scale: Scaling) -> Array:
     """g (n,) for the LCP of a problem, or a bare one, and its scaling."""
-    own = problem.scale if isinstance(problem, FrictionProblem) else _NOTHING
-    return _weight(*lcp.rows, lcp.q, scale.D, scale.theta, own)
+    return _weight(*lcp.rows, lcp.q, scale.D, scale.theta, own_scale(problem))
+
+
+def own_scale(problem: FrictionProblem | LCP) -> Array:
+    """s (nc,), nothing of a bare LCP."""
+    return problem.scale if isinstance(problem, FrictionProblem) else _NOTHING
 
 
 _NOTHING = np.zeros(0)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
+def scaled_and_weighed(start, column, value, q, own):  # type: ignore[no-untyped-def]
+    """D and theta of an LCP (solvers.pivots.scaling) and g; own: s (nc,) of a friction problem's contacts, if it is one's."""
+    D, theta = diagonal_scaling(start, column, value, q)
+    return D, theta, _weight(start, column, value, q, D, theta, own)
+
+
+@kernel
 def _weight(start, column, value, q, D, theta, own):  # type: ignore[no-untyped-def]
     n, nc = len(q), len(own)
     weight, m, size = np.zeros(n), 0.0, 0.0
@@ -58,7 +69,7 @@ def exact_residual(problem: FrictionProblem | LCP, lcp: LCP, z: Array, impulse: 
     return residual(problem, impulse) if problem.dimension == 2 else polygon_residual(problem, lcp, z)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def natural_residual(weight, y, w):  # type: ignore[no-untyped-def]
     """max_i g_i |min(y_i, w_i)|, infinity if an entry is NaN; weight, y, w: (n,)."""
     worst = 0.0

@@ -7,8 +7,8 @@ who starts from a random point meets none before t = 1, where they no longer mat
 """
 
 import numpy as np
-from numba import njit
 
+from problems.compiled import kernel, part
 from solvers.pivots.lu_basis import add_product, column, exchange, factorise, ftran, largest
 from solvers.pivots.vectors import fill, put
 
@@ -22,7 +22,7 @@ NEWTON, RETURNED, RAY, LIMIT, SINGULAR = range(5)  # how a path ends: at t = 1, 
 PIVOTS, FACTORISATIONS = 0, 1  # counted in work
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def follow(basis, columns, b, v, limit, work):  # type: ignore[no-untyped-def]
     """Follow M z - w + t cover = b from the factorised basis at t = 0 towards t = 1; how the path ends.
 
@@ -56,13 +56,13 @@ def follow(basis, columns, b, v, limit, work):  # type: ignore[no-untyped-def]
                 x[t_at] = room
             write_z(basis, x, v)
             return NEWTON
-        p = -1
+        p = n  # none
         for i in range(n):
-            if d[i] > PIVOT * size and x[i] <= reach * d[i] and (p < 0 or d[i] > d[p]):
+            if d[i] > PIVOT * size and x[i] <= reach * d[i] and (p == n or d[i] > d[p]):
                 p = i
-        renew = basis.size[1] > 0 and (p < 0 or d[p] < DOUBTFUL * size)
+        renew = basis.size[1] > 0 and (p == n or d[p] < DOUBTFUL * size)
         if not renew:
-            if p < 0:
+            if p == n:
                 for i in range(n):
                     d[i] = -d[i]
                 write_z(basis, d, v)
@@ -93,7 +93,7 @@ def follow(basis, columns, b, v, limit, work):  # type: ignore[no-untyped-def]
                     t_at = i
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def write_z(basis, x, z):  # type: ignore[no-untyped-def]
     """Write over z (n,) the z among the basic variables' values x (n,)."""
     fill(z, 0.0)
@@ -102,7 +102,7 @@ def write_z(basis, x, z):  # type: ignore[no-untyped-def]
             z[basis.head[i]] = x[i]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def is_ray(columns, v):  # type: ignore[no-untyped-def]
     """Whether 0 != v >= 0, Mv >= 0 and v_i (Mv)_i = 0, up to 1e-9 of the largest v."""
     size = largest(v)

@@ -5,27 +5,33 @@ numbers are reversed at the end (George 1971), which leaves less fill. The graph
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from problems.rows import Rows
-from solvers.pivots.inverse_basis import Matrix
+from problems.compiled import kernel, part
+from solvers.pivots.inverse_basis import symmetrised
 
 Order = NDArray[np.int64]
 
 
-def reverse_cuthill_mckee(M: Matrix) -> Order:
-    """The unknowns (n,) in their order, for a matrix on its symmetrised pattern."""
-    degree, start, neighbour = _graph(*M)
-    return _by_levels(start, neighbour, degree, np.argsort(degree))
+@kernel
+def in_order(start, column, value, q, D, theta, weight):  # type: ignore[no-untyped-def]
+    """A scaled LCP with its unknowns in this order.
+
+    M by rows, D and theta: solvers.pivots.scaling. Returns D M D by columns (start, row, value), rows ascending, D q / theta,
+    the weight (n,), the order (n,) and, not in it, theta D.
+    """
+    n = len(q)
+    degree, first, neighbour = _graph(*symmetrised(start, column, value, D))
+    order = _by_levels(first, neighbour, degree)
+    own_q, own_weight, stretch = np.empty(n), np.empty(n), np.empty(n)
+    for i in range(n):
+        own_q[i], own_weight[i] = D[order[i]] * q[order[i]] / theta, weight[order[i]]
+        stretch[i] = theta * D[i]
+    begin, row, entry = _reordered(start, column, value, D, order)
+    return begin, row, entry, own_q, own_weight, order, stretch
 
 
-def in_order(M: Rows, D: NDArray[np.float64], order: Order) -> tuple[Order, Order, NDArray[np.float64]]:
-    """D M D with rows and columns in this order, by columns: (start, row, value), rows ascending."""
-    return _in_order(*M, D, order)
-
-
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _graph(begin, rows, column, row):  # type: ignore[no-untyped-def]
     """How many neighbours each unknown has, itself counted twice, and which: neighbour[start[i]:start[i+1]], ascending."""
     n = len(begin) - 1
@@ -40,11 +46,11 @@ def _graph(begin, rows, column, row):  # type: ignore[no-untyped-def]
     return degree, start, neighbour
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
-def _by_levels(start, neighbour, degree, seeds):  # type: ignore[no-untyped-def]
+@part
+def _by_levels(start, neighbour, degree):  # type: ignore[no-untyped-def]
     n = len(degree)
     order, numbered, end = np.empty(n, np.int64), np.zeros(n, np.bool_), 0
-    for seed in seeds:
+    for seed in _by_degree(degree):
         if numbered[seed]:
             continue
         order[end], numbered[seed], at = seed, True, end
@@ -61,11 +67,30 @@ def _by_levels(start, neighbour, degree, seeds):  # type: ignore[no-untyped-def]
                     order[here] = j
                     end += 1
             at += 1
-    return order[::-1].copy()
+    for i in range(n // 2):
+        order[i], order[n - 1 - i] = order[n - 1 - i], order[i]
+    return order
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
-def _in_order(start, column, value, D, order):  # type: ignore[no-untyped-def]
+@part
+def _by_degree(degree):  # type: ignore[no-untyped-def]
+    """The unknowns by their degree, those of the same one as they come."""
+    n, most = len(degree), 0
+    for i in range(n):
+        most = max(most, degree[i])
+    begin, order = np.zeros(most + 2, np.int64), np.empty(n, np.int64)
+    for i in range(n):
+        begin[degree[i] + 1] += 1
+    for k in range(most + 1):
+        begin[k + 1] += begin[k]
+    for i in range(n):
+        order[begin[degree[i]]] = i
+        begin[degree[i]] += 1
+    return order
+
+
+@part
+def _reordered(start, column, value, D, order):  # type: ignore[no-untyped-def]
     n = len(order)
     place, begin = np.empty(n, np.int64), np.zeros(n + 2, np.int64)
     for i in range(n):

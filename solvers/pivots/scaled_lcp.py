@@ -4,16 +4,15 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from problems import LCP, FrictionProblem
 from problems.check import Array
-from problems.forms.lcp import friction_rows, tangent_basis
-from problems.rows import Rows
+from problems.compiled import kernel, part
+from problems.forms.lcp import friction_rows, impulse, tangent_basis
 from solvers.interface import Answer, Status
 from solvers.pivots.inverse_basis import Basis, Matrix, compress, symmetrised
 from solvers.pivots.lemke_path import COMPLEMENTARY, LIMIT, LOST, RAY, STUCK, add_product, evaluate
-from solvers.pivots.scaling import Scaling, diagonal_scaling, scaling
+from solvers.pivots.scaling import diagonal_scaling, scaling
 from solvers.pivots.vectors import put
 
 MARGIN = 0.5  # of tol: rows measure a contact's normal and tangent apart, and add up in another order
@@ -27,17 +26,29 @@ STATUS = {
 
 
 class ScaledLCP(NamedTuple):
-    """w = M y + q, scaled; unit (2, n) is what the residual multiplies y and w by."""
+    """w = M y + q, scaled; z = stretch * y. unit (2, n) is what the residual multiplies y and w by.
 
-    lcp: LCP
-    scale: Scaling
+    problem: what it is the LCP of, with so many facets; contacts and basis as in LCP.
+    """
+
+    problem: FrictionProblem | LCP
+    facets: int
+    contacts: tuple[int, int]
+    basis: Array | None
+    stretch: Array
     M: Matrix
     q: Array
     unit: Array
 
+    @property
+    def lcp(self) -> LCP:
+        """Not scaled; made when it is asked for."""
+        return self.problem if isinstance(self.problem, LCP) else self.problem.lcp(self.facets)
+
     def answer(self, y: Array, ended: int, **work: int) -> Answer:
-        z = self.scale.solution(y)
-        return Answer(self.lcp.impulse(z), STATUS[ended], work, z=z)
+        z = self.stretch * y
+        r = np.zeros((0, 0)) if self.basis is None else impulse(self.basis, z, self.contacts[0])
+        return Answer(r, STATUS[ended], work, z=z)
 
 
 def pivot_by(method: Callable[..., tuple[int, Array, int, int]], lcp: ScaledLCP, tol: float, limit: int | None) -> Answer:
@@ -54,29 +65,28 @@ def scaled_lcp(problem: FrictionProblem | LCP, facets: int = 8) -> ScaledLCP:
     if isinstance(problem, LCP):
         scale = scaling(problem)
         unit = scale.theta * np.array([scale.D, 1 / scale.D]) / (np.abs(problem.q).max(initial=0.0) or 1.0)
-        return ScaledLCP(problem, scale, compress(problem.rows, scale.D), scale.vector(problem.q), unit)
+        M, q = compress(problem.rows, scale.D), scale.vector(problem.q)
+        return ScaledLCP(problem, facets, problem.contacts, problem.basis, scale.theta * scale.D, M, q, unit)
     d, mu, b_f = problem.dimension, problem.friction, problem.friction_bias
     basis = tangent_basis(d, facets)
-    along = problem.q.reshape(-1, d) @ basis
-    parts = _of_friction(*problem.blocks, along, mu, b_f, basis, problem.scale, problem.fastest)
-    lcp = LCP.of_friction(Rows(*parts[:3]), parts[3], basis, (len(mu), d))
-    return ScaledLCP(lcp, Scaling(*parts[4:6]), Matrix(*parts[6:10]), *parts[10:])
+    start, rows, column, row, *parts = _of_friction(*problem.blocks, problem.q, mu, b_f, basis, problem.scale, problem.fastest)
+    return ScaledLCP(problem, facets, (len(mu), d), basis, parts[0], Matrix(start, rows, column, row), *parts[1:])
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
-def _of_friction(first, beside, block, along, friction, friction_bias, basis, scale, fastest):  # type: ignore[no-untyped-def]
-    """The LCP by rows and its right side, D, theta, the scaled matrix on its symmetrised pattern, q and the units."""
-    start, column, value, right = friction_rows(first, beside, block, along, friction, friction_bias, basis)
+@kernel
+def _of_friction(first, beside, block, q, friction, friction_bias, basis, scale, fastest):  # type: ignore[no-untyped-def]
+    """The scaled matrix on its symmetrised pattern, the stretch, the scaled right side and the units."""
+    start, column, value, right = friction_rows(first, beside, block, q, friction, friction_bias, basis)
     D, theta = diagonal_scaling(start, column, value, right)
-    q = np.empty(len(D))
-    for i in range(len(D)):
-        q[i] = D[i] * right[i] / theta
     begin, rows, below, across = symmetrised(start, column, value, D)
     unit = _in_velocities(D, theta, scale, friction, fastest)
-    return start, column, value, right, D, theta, begin, rows, below, across, q, unit
+    for i in range(len(D)):
+        right[i] = D[i] * right[i] / theta
+        D[i] *= theta
+    return begin, rows, below, across, D, right, unit
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _in_velocities(D, theta, scale, friction, fastest):  # type: ignore[no-untyped-def]
     """(2, n): what turns y and w into velocities relative to the largest free one, as problems.residual measures them.
 
@@ -94,7 +104,7 @@ def _in_velocities(D, theta, scale, friction, fastest):  # type: ignore[no-untyp
     return unit
 
 
-@njit(cache=True, error_model="numpy")
+@part
 def residual(M: Matrix, q: Array, unit: Array, y: Array, w: Array) -> float:
     """max |min(unit_0 y, unit_1 w)|, w = M y + q; infinity where that is not a number."""
     put(w, q)
@@ -106,7 +116,7 @@ def residual(M: Matrix, q: Array, unit: Array, y: Array, w: Array) -> float:
     return worst
 
 
-@njit(cache=True, error_model="numpy")
+@part
 def finish(M: Matrix, d: Array, basis: Basis, q: Array, unit: Array, x: Array, y: Array, out: Array) -> float:
     """Solve a complementary basis for q itself, as exactly as can be: x (n+1,), y = its z part, cut off at 0; the residual."""
     evaluate(M, d, basis, q, x, out, 4e-16)  # twice the rounding: asking for less refines in vain

@@ -11,10 +11,10 @@ speed of a friction contact) is scaled by the column through which it acts: D_i 
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from problems import LCP
 from problems.check import Array
+from problems.compiled import kernel
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +46,7 @@ def scaling(lcp: LCP) -> Scaling:
     return Scaling(*diagonal_scaling(*lcp.rows, lcp.q))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def diagonal_scaling(start, column, value, q):  # type: ignore[no-untyped-def]
     """D and theta."""
     n = len(q)

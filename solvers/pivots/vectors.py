@@ -1,23 +1,23 @@
 """Loops over vectors: compiled much sooner than numpy's own expressions, which bring broadcasting and its errors along."""
 
-from numba import njit
+from problems.compiled import kernel, part
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def put(v, u):  # type: ignore[no-untyped-def]
     """v = u."""
     for i in range(len(v)):
         v[i] = u[i]
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def fill(v, value):  # type: ignore[no-untyped-def]
     """Every entry of v = value."""
     for i in range(len(v)):
         v[i] = value
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@kernel
 def least(v, count):  # type: ignore[no-untyped-def]
     """The least of the first entries of v, NaN where one is."""
     smallest = v[0]
@@ -27,7 +27,7 @@ def least(v, count):  # type: ignore[no-untyped-def]
     return smallest
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def largest(v, count):  # type: ignore[no-untyped-def]
     """The largest of the first entries of v, NaN where one is."""
     most = v[0]

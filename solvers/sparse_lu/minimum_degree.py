@@ -14,13 +14,14 @@ References: George and Liu 1989 (minimum degree); Amestoy, Davis and Duff 1996 (
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from problems.compiled import kernel, part
 
 Index = NDArray[np.int64]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _minus_one(n: int) -> Index:
     """-1 in n places."""
     index = np.empty(n, np.int64)
@@ -29,7 +30,7 @@ def _minus_one(n: int) -> Index:
     return index
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def same_elements(start: Index, member: Index, n: int) -> tuple[Index, int]:
     """Number the variables (n,) so that those of just the same elements share a number, and how many numbers there are.
 
@@ -59,7 +60,7 @@ def same_elements(start: Index, member: Index, n: int) -> tuple[Index, int]:
     return label, groups
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def transpose(start: Index, member: Index, n: int) -> tuple[Index, Index]:
     """The elements of each variable, ascending."""
     begin = np.zeros(n + 1, np.int64)
@@ -77,7 +78,7 @@ def transpose(start: Index, member: Index, n: int) -> tuple[Index, Index]:
     return begin, element
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def minimum_degree(start: Index, member: Index, width: Index) -> tuple[Index, Index, Index, Index, Index]:
     """Eliminate variables of the given widths (n,) front by front: (first, variable, pivots, parent, home).
 
@@ -191,7 +192,7 @@ def minimum_degree(start: Index, member: Index, width: Index) -> tuple[Index, In
     )
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _put_in(v: int, degree: int, head: Index, after: Index, before: Index) -> None:
     after[v], before[v] = head[degree], -1
     if head[degree] >= 0:
@@ -199,7 +200,7 @@ def _put_in(v: int, degree: int, head: Index, after: Index, before: Index) -> No
     head[degree] = v
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _take_out(v: int, degree: int, head: Index, after: Index, before: Index) -> None:
     if before[v] >= 0:
         after[before[v]] = after[v]

@@ -19,10 +19,10 @@ The order is that of solvers.sparse_lu.minimum_degree. References: Duff and Reid
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from problems.check import Array
+from problems.compiled import kernel, part
 from solvers.sparse_lu.minimum_degree import Index, minimum_degree, same_elements, transpose
 
 Place = NDArray[np.uint32]  # unsigned, so that compiled code need not ask whether an index counts from the end
@@ -45,7 +45,7 @@ class Fronts(NamedTuple):
     owner: Index
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def analyse(start: Index, member: Index, n: int) -> tuple[Fronts, Index, Index]:
     """The fronts, the place (n,) of each variable in the order of elimination, and the front to add each element to.
 
@@ -93,7 +93,7 @@ def analyse(start: Index, member: Index, n: int) -> tuple[Fronts, Index, Index]:
     return _lay_out(first, listed, pivots, parent, offset), place, home
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
 def _lay_out(first: Index, listed: Index, pivots: Index, parent: Index, offset: Index) -> Fronts:
     """Fronts of variables from fronts of groups: group g, in order of elimination, is variables offset[g] to offset[g+1]."""
     fronts, size = len(pivots), np.zeros(len(pivots) + 1, np.int64)
@@ -126,7 +126,7 @@ def _lay_out(first: Index, listed: Index, pivots: Index, parent: Index, offset: 
     return Fronts(begin, variable, above, own, parent, start, owner)
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def find(fronts: Fronts, front: int, variable: int) -> int:
     """Where a variable stands in a front, which must have it."""
     low, high = fronts.first[front], fronts.first[front + 1] - 1
@@ -139,7 +139,7 @@ def find(fronts: Fronts, front: int, variable: int) -> int:
     return int(low - fronts.first[front])
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@kernel
 def factorise(fronts: Fronts, storage: Array, swap: Index, floor: float) -> int:
     """Factorise in place what was added into storage (start[-1],); the number of pivots replaced.
 
@@ -192,7 +192,7 @@ def factorise(fronts: Fronts, storage: Array, swap: Index, floor: float) -> int:
     return replaced
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@kernel
 def solve(fronts: Fronts, storage: Array, swap: Index, b: Array) -> None:
     """Overwrite b (n,) with A^-1 b, after factorise."""
     eliminated = 0

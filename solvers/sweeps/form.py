@@ -12,12 +12,12 @@ Both are packed alike: contact i reads columns read_column[read_start[i]:read_st
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from problems import FrictionProblem
 from problems.check import Array
+from problems.compiled import kernel, part
 from problems.friction import DelassusProblem
-from problems.rows import Index, normal_first
+from problems.rows import Index, normal_first, nowhere
 
 
 class ContactForm(NamedTuple):
@@ -53,7 +53,7 @@ def contact_form(problem: FrictionProblem) -> ContactForm:
     return ContactForm._make((*parts, problem.fastest))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def _in_velocities(start, column, J, m_start, m_column, m_value, free, bias, friction, friction_bias, scale):  # type: ignore[no-untyped-def]
     """All of a ContactForm but its last entry, with the velocities as the state."""
     nc, d, nv = len(bias), J.shape[1], len(free)
@@ -62,7 +62,7 @@ def _in_velocities(start, column, J, m_start, m_column, m_value, free, bias, fri
     for k in range(len(column)):
         entries += m_start[column[k] + 1] - m_start[column[k]]
     push_start, push_column, push = np.zeros(nc + 1, np.int32), np.empty(entries, np.int32), np.zeros((entries, d))
-    block, offset, x, place = np.zeros((nc, d, d)), np.zeros((nc, d)), np.empty(nv), np.full(nv, -1)
+    block, offset, x, place = np.zeros((nc, d, d)), np.zeros((nc, d)), np.empty(nv), nowhere(nv)
     at = 0
     for i in range(nc):
         offset[i, 0] = bias[i]
@@ -84,11 +84,11 @@ def _in_velocities(start, column, J, m_start, m_column, m_value, free, bias, fri
                         block[i, a, b] += read[k, a] * push[place[column[k]], b]
     for v in range(nv):
         x[v] = free[v]
-    own = friction.copy(), friction_bias.copy(), scale.copy()
+    own = _copies(friction, friction_bias, scale)
     return start, column, read, push_start, push_column[:at], push[:at], offset, x, block, *own
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def _in_impulses(first, beside, block, q, friction, friction_bias, scale):  # type: ignore[no-untyped-def]
     """All of a ContactForm but its last entry, with the impulses as the state."""
     nc, d = q.shape
@@ -107,11 +107,20 @@ def _in_impulses(first, beside, block, q, friction, friction_bias, scale):  # ty
                         own_block[i, a, b] = block[k, a, b]
         for a in range(d):
             push_column[i * d + a], push[i * d + a, a] = i * d + a, 1.0
-    own = friction.copy(), friction_bias.copy(), scale.copy()
+    own = _copies(friction, friction_bias, scale)
     return start, column, read, push_start, push_column, push, q.copy(), np.zeros(nc * d), own_block, *own
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@part
+def _copies(friction, friction_bias, scale):  # type: ignore[no-untyped-def]
+    nc = len(scale)
+    own_friction, own_bias, own_scale = np.empty(nc), np.empty(nc), np.empty(nc)
+    for i in range(nc):
+        own_friction[i], own_bias[i], own_scale[i] = friction[i], friction_bias[i], scale[i]
+    return own_friction, own_bias, own_scale
+
+
+@kernel
 def state(form, r, x):  # type: ignore[no-untyped-def]
     """x (nx,) anew from the impulses r (nc, d), free of the drift of step-by-step updates."""
     for v in range(len(x)):
@@ -124,7 +133,7 @@ def state(form, r, x):  # type: ignore[no-untyped-def]
             x[form.push_column[k]] += pushed
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def velocity(form, x, u):  # type: ignore[no-untyped-def]
     """u (nc, d), the contact velocities of state x."""
     for i in range(len(u)):

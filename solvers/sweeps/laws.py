@@ -21,8 +21,8 @@ References: Jean 1999; Daviet, Bertails-Descoubes and Boissieux 2011, for one ex
 from math import hypot
 
 import numpy as np
-from numba import njit
 
+from problems.compiled import inlined, kernel, part
 from problems.residual import contact_defect
 from solvers.sweeps.form import state, velocity
 
@@ -30,7 +30,7 @@ LIFT = 1e-14
 TINY = 1e-300
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def planar_contact(u_n, u_t, r_n, r_t, W, mu, b_f):  # type: ignore[no-untyped-def]
     """(r_n, r_t) after; W: (2, 2)."""
     a, w, w_t, g = W[0, 0], W[0, 1], W[1, 0], W[1, 1]
@@ -50,7 +50,7 @@ def planar_contact(u_n, u_t, r_n, r_t, W, mu, b_f):  # type: ignore[no-untyped-d
     return max(-(p_n + w * t) / a, 0.0), t
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@kernel
 def spatial_contact(u, r, W, mu, b_f):  # type: ignore[no-untyped-def]
     """Overwrite r (3,) by the impulse after; u: (3,), W: (3, 3)."""
     a, w1, w2 = W[0, 0], W[0, 1], W[0, 2]
@@ -73,7 +73,7 @@ def spatial_contact(u, r, W, mu, b_f):  # type: ignore[no-untyped-def]
     r[0], r[1], r[2] = max(-(p_n + w1 * t1 + w2 * t2) / a, 0.0), t1, t2
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def bounded_tangent(S11, S12, S21, S22, tau1, tau2, L, k1, k2):  # type: ignore[no-untyped-def]
     """t with S t + tau = -alpha t, alpha >= 0 ⟂ |t| <= L - k't; zero where L <= 0 leaves no room.
 
@@ -109,7 +109,7 @@ def bounded_tangent(S11, S12, S21, S22, tau1, tau2, L, k1, k2):  # type: ignore[
     return t1, t2
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@kernel
 def defect(form, r, u, shift):  # type: ignore[no-untyped-def]
     """The residual of problems.residual at impulses r and velocities u (nc, d); shift: 1.0 Coulomb, 0.0 the relaxation."""
     worst = 0.0
@@ -121,7 +121,7 @@ def defect(form, r, u, shift):  # type: ignore[no-untyped-def]
     return worst / form.free if form.free > 0 else (0.0 if worst == 0 else np.inf)
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def evaluate(form, r, x, u, shift):  # type: ignore[no-untyped-def]
     """The residual at impulses r, whose state x and velocities u are computed anew."""
     state(form, r, x)

@@ -9,9 +9,9 @@ whenever the step goes uphill, u(y)'(r+ - r) > 0. One product with W an iteratio
 """
 
 import numpy as np
-from numba import njit
 
 from problems.check import Array
+from problems.compiled import kernel, part
 from problems.forms.cone import nearest
 from solvers.sweeps.form import ContactForm, state, velocity
 from solvers.sweeps.laws import defect
@@ -26,7 +26,7 @@ def relax(form: ContactForm, r: Array, tol: float, limit: int) -> int:
     return products
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@kernel
 def descend(form, r, shift, watch):  # type: ignore[no-untyped-def]
     """Overwrite r by the solution; the iterations and the products with W."""
     x, u, u_next, u_y = np.empty_like(form.rest), np.empty_like(r), np.empty_like(r), np.empty_like(r)
@@ -72,7 +72,7 @@ def descend(form, r, shift, watch):  # type: ignore[no-untyped-def]
     return iterations, products
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def _copy(a, b):  # type: ignore[no-untyped-def]
     """b = a, both (nc, d)."""
     for i in range(len(a)):
@@ -80,7 +80,7 @@ def _copy(a, b):  # type: ignore[no-untyped-def]
             b[i, j] = a[i, j]
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@part
 def step(form, r, y, u, shift, length):  # type: ignore[no-untyped-def]
     """r = P_K(y - length (u + shift mu |u_t| e_n) / s), contact by contact."""
     d = r.shape[1]

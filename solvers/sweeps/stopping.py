@@ -3,10 +3,10 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from problems.check import Array
+from problems.compiled import kernel
 from solvers.interface import Answer, Status
 
 ENDS = (Status.SOLVED, Status.BREAKDOWN, Status.STALLED, Status.WORK_LIMIT)
@@ -40,7 +40,7 @@ def watch(tol: float, limit: int, patience: int, every: int = 1) -> Watch:
     return Watch(tol, limit, patience, np.empty(2 + limit // every), np.array([np.inf, 0.0]), np.zeros(2, np.int64))
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@kernel
 def going(watch, error, count):  # type: ignore[no-untyped-def]
     """Whether to go on from a residual of `error` after `count` counts; otherwise the watch says how the method ended.
 

@@ -7,8 +7,8 @@ from problems.instances.cubes import cubes
 from problems.scenes import scene
 from solvers import find
 from solvers.interior.point import start_point
-from solvers.interior.predictor_corrector import Best, predictor_corrector
-from solvers.interior.system import new_work, prepare
+from solvers.interior.predictor_corrector import Best, new_room, predictor_corrector
+from solvers.interior.system import new_work, prepare, space_of
 from solvers.sparse_lu.multifrontal import factorise, solve
 
 PROBLEMS = {
@@ -38,10 +38,11 @@ def test_factors(benchmark, kernel, name) -> None:
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_ten_iterations(benchmark, name) -> None:
     system = prepare(PROBLEMS[name])
+    space, room = space_of(system), new_room(system)
 
     def iterate() -> int:
         best = Best(np.zeros_like(system.offset), np.array([np.inf]), np.zeros(1, np.int64))
-        return predictor_corrector(system, start_point(system, 1.0, 1.0), best, 0.0, 12, np.empty(11))
+        return predictor_corrector(system, space, start_point(system, 1.0, 1.0), room, best, 0.0, 12, np.empty(11))
 
     assert iterate() == 11
     benchmark.extra_info["contacts"] = len(system.friction)

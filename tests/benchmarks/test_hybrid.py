@@ -1,0 +1,32 @@
+"""Time from a problem that is there to impulses, hybrid beside the methods it chooses from, in the plane and in space.
+
+Its first member should be the fastest at every size: the table of docs/peers.md.
+"""
+
+import pytest
+
+from problems.instances.cubes import cubes
+from problems.scenes import scene
+from solvers import solve
+
+BOXES = [1, 2, 3, 5, 10, 12, 16, 24, 50, 100, 300, 1000]
+CUBES = [1, 2, 3, 5, 8, 12, 16, 25, 50, 100, 250]  # interfaces of four contacts
+
+
+@pytest.mark.parametrize("boxes", BOXES)
+@pytest.mark.parametrize("spec", ["hybrid", "nsgs", "lemke", "interior_point"])
+def test_in_the_plane(benchmark, spec, boxes) -> None:
+    run(benchmark, spec, scene("stack", blocks=boxes, push=1.0).problem())
+
+
+@pytest.mark.parametrize("boxes", CUBES)
+@pytest.mark.parametrize("spec", ["hybrid", "nsgs", "interior_point"])
+def test_in_space(benchmark, spec, boxes) -> None:
+    run(benchmark, spec, cubes(boxes, push=1.0))
+
+
+def run(benchmark, spec, problem) -> None:
+    limit = 1000 if spec == "nsgs" else None  # sweeps: beyond, it is no match
+    answer = benchmark.pedantic(lambda: solve(problem.fresh(), spec, limit=limit), rounds=25, warmup_rounds=2)
+    benchmark.extra_info.update(contacts=problem.contacts, solved=answer.status.name, **answer.work)
+    assert answer.impulse.shape == (problem.contacts, problem.dimension)
