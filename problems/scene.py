@@ -91,7 +91,8 @@ class Scene:
 
     def joints(self, q: Array) -> tuple[Array, sparse.csr_array]:
         """The joints' residual Theta(q) (nj,), m, and Jacobian F (nj, nv)."""
-        return hinge_equations(self.hinges, q)
+        theta, rows = hinge_equations(self.hinges, q)
+        return theta, rows.matrix(len(q))
 
     def energy(self, q: Array, v: Array) -> float:
         """Kinetic and potential energy, J; the potential is zero at the origin."""
@@ -108,17 +109,17 @@ class Scene:
         joint_bias: Array | float = 0.0,
     ) -> FrictionProblem:
         """The friction problem of these contacts and of the joints at q; a bias may be one number for all."""
-        nc, F = len(contacts), self.joints(q)[1]
+        nc, F = len(contacts), hinge_equations(self.hinges, q)[1] if self.hinges else None
         return FrictionProblem(
             mass=self.mass,
-            normal=contacts.normal,
-            tangent=contacts.tangent,
+            normal=contacts.normal_rows,  # as plain arrays
+            tangent=contacts.tangent_rows,
             friction=np.full(nc, self.friction),
             free_velocity=free_velocity,
             bias=np.broadcast_to(bias, nc),
             friction_bias=np.broadcast_to(friction_bias, nc),
             joints=F,
-            joint_bias=np.broadcast_to(joint_bias, F.shape[0]),
+            joint_bias=np.broadcast_to(joint_bias, 2 * len(self.hinges)),
         )
 
     def problem(self) -> FrictionProblem:

@@ -1,12 +1,15 @@
 """Hinges: revolute joints, which hold a point of one body on a point of another, or of the ground."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
-from scipy import sparse
+from numpy.typing import NDArray
 
 from problems import check
 from problems.check import Array, require
+from problems.compiled import kernel
+from problems.rows import Rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,23 +28,41 @@ class Hinge:
         object.__setattr__(self, "points", points)
 
 
-def hinge_equations(hinges: tuple[Hinge, ...], q: Array) -> tuple[Array, sparse.csr_array]:
-    """How far apart each hinge's two points are, Theta (2 hinges,), m, x before y, and its Jacobian F (2 hinges, nv)."""
-    theta = np.zeros((len(hinges), 2))
-    rows: list[int] = []
-    columns: list[int] = []
-    entries: list[float] = []
-    for k, hinge in enumerate(hinges):
-        for body, point, sign in zip(hinge.bodies, hinge.points, (1.0, -1.0), strict=True):
-            if body < 0:
-                theta[k] += sign * point
-                continue
-            x, y, angle = q[3 * body : 3 * body + 3]
-            cos, sin = np.cos(angle), np.sin(angle)
-            arm = np.array([cos * point[0] - sin * point[1], sin * point[0] + cos * point[1]])
-            theta[k] += sign * (np.array([x, y]) + arm)
-            rows += [2 * k, 2 * k + 1, 2 * k, 2 * k + 1]
-            columns += [3 * body, 3 * body + 1, 3 * body + 2, 3 * body + 2]
-            entries += [sign, sign, -sign * arm[1], sign * arm[0]]
-    F = sparse.coo_array((entries, (rows, columns)), shape=(2 * len(hinges), len(q)))
-    return theta.ravel(), sparse.csr_array(F)
+def hinge_equations(hinges: tuple[Hinge, ...], q: Array) -> tuple[Array, Rows]:
+    """How far apart each hinge's two points are, Theta (2 hinges,), m, x before y, and its Jacobian F by rows."""
+    theta, *rows = _equations(*_as_arrays(hinges), check.vector("q", q))
+    return theta, Rows(*rows)
+
+
+@lru_cache(maxsize=64)
+def _as_arrays(hinges: tuple[Hinge, ...]) -> tuple[NDArray[np.int64], Array]:
+    """Their bodies (hinges, 2) and points (hinges, 2, 2)."""
+    bodies = np.array([hinge.bodies for hinge in hinges], np.int64).reshape(-1, 2)
+    return bodies, np.array([hinge.points for hinge in hinges]).reshape(-1, 2, 2)
+
+
+@kernel
+def _equations(bodies, points, q):  # type: ignore[no-untyped-def]
+    theta, at = np.zeros(2 * len(bodies)), 0
+    start = np.zeros(2 * len(bodies) + 1, np.int32)
+    column, value = np.empty(8 * len(bodies), np.int32), np.empty(8 * len(bodies))
+    for k in range(len(bodies)):
+        for axis in range(2):
+            for n in range(2):  # columns ascending
+                side = n if bodies[k, 0] < bodies[k, 1] else 1 - n
+                body, sign, x, y = bodies[k, side], 1.0 if side == 0 else -1.0, points[k, side, 0], points[k, side, 1]
+                if body < 0:
+                    theta[2 * k + axis] += sign * (y if axis else x)
+                    continue
+                cos, sin = np.cos(q[3 * body + 2]), np.sin(q[3 * body + 2])
+                arm, across = cos * x - sin * y, sin * x + cos * y
+                if axis:
+                    arm, across = across, -arm
+                theta[2 * k + axis] += sign * (q[3 * body + axis] + arm)
+                column[at], value[at] = 3 * body + axis, sign
+                at += 1
+                if across != 0:
+                    column[at], value[at] = 3 * body + 2, -sign * across
+                    at += 1
+            start[2 * k + axis + 1] = at
+    return theta, start, column[:at], value[:at]
