@@ -1,6 +1,6 @@
 """Siconos/Numerics in a child process: Debian's python3-siconos, for the system's Python alone.
 
-Licence: Apache-2.0.
+Licence: Apache-2.0. (The metadata of Debian's 4.4.0 say 4.5.0.)
 Form: for lcp_ the friction LCP's M, dense and scaled; for friction_ the Delassus matrix in pure numbers, dense, in space with a
     second tangent that nothing moves where the problem is planar; for global_, in space alone, M, H = J' and q, sparse, in
     pure numbers. Setup: sending them, and Siconos' problem object. Solve: the driver's call, and some 50 µs to ask for it.
