@@ -5,6 +5,7 @@ folder that holds a run of another plan, machine or code is refused with what di
 """
 
 import os
+import sys
 from collections.abc import Callable
 from datetime import UTC, datetime
 from inspect import cleandoc
@@ -110,9 +111,11 @@ def open_folder(plan: Plan, folder: Path) -> None:
 
 
 def _in_their_words(plan: Plan) -> dict[str, str]:
-    """What our solvers say of themselves, for the report; a plug-in is not asked outside its worker."""
+    """What our solvers' files and classes say of them, for the report; a plug-in is not asked outside its worker."""
     variants = dict.fromkeys(variant for variant in (*plan.solvers, *plan.drive_solvers) if not plan.owner(variant))
-    return {variant: cleandoc(find(variant)[0].make.__doc__ or "") for variant in variants}
+    makes = {variant: find(variant)[0].make for variant in variants}
+    words = {variant: (sys.modules[make.__module__].__doc__, make.__doc__) for variant, make in makes.items()}
+    return {variant: "\n\n".join(cleandoc(text) for text in texts if text) for variant, texts in words.items()}
 
 
 def _differences(held: Row, wanted: Row) -> list[str]:

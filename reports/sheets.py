@@ -1,5 +1,6 @@
 """A sheet per solver: what it is, what it guarantees in its own words, how far it got, and where it failed, smallest first."""
 
+import re
 from typing import Any, NamedTuple
 
 import pandas as pd
@@ -9,7 +10,7 @@ from reports.run import Run
 from results.schema import SKIPPED, SOLVED
 
 MOST_FAILURES = 12  # kinds of failure listed of one solver
-MOST_TOLD = 2000  # characters of a solver's own words
+MOST_TOLD = 6000  # characters of a solver's own words
 
 
 class Failure(NamedTuple):
@@ -55,7 +56,7 @@ def sheets(run: Run) -> list[Sheet]:
                 entry,
                 str(row.variant),
                 {name: text for name, text in facts.items() if text not in ("", "nan", "None")},
-                [part for part in str(told)[:MOST_TOLD].split("\n\n") if part.strip()],
+                [_flowing(part) for part in str(told)[:MOST_TOLD].split("\n\n") if part.strip()],
                 {target: table.loc[entry].to_dict() for target, table in results.items() if entry in table.index},
                 own[:MOST_FAILURES],
                 max(0, len(own) - MOST_FAILURES),
@@ -63,6 +64,13 @@ def sheets(run: Run) -> list[Sheet]:
             )
         )
     return found
+
+
+def _flowing(paragraph: str) -> str:
+    """The paragraph with its lines joined, but for formulas, which are indented as a whole, and entries of lists."""
+    if all(line.startswith(" ") for line in paragraph.splitlines()):
+        return paragraph
+    return re.sub(r"\n(?!\* |\d\. |[A-Z]\w*: )\s*", " ", paragraph)
 
 
 def _failures(run: Run) -> pd.DataFrame:

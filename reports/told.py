@@ -22,7 +22,7 @@ def settings(manifest: dict[str, Any]) -> list[tuple[str, list[Setting]]]:
     """The parts of the manifest that are objects, but for the solvers' words, then what stands alone, as the part "run"."""
     parts = [(part, values) for part, values in manifest.items() if isinstance(values, dict) and part != "solvers"]
     alone = {name: value for name, value in manifest.items() if not isinstance(value, dict)}
-    return [(part, [_setting(*item) for item in values.items()]) for part, values in [*parts, ("run", alone)] if values]
+    return [(part, [_setting(part, *item) for item in values.items()]) for part, values in [*parts, ("run", alone)] if values]
 
 
 def crowded(manifest: dict[str, Any]) -> int:
@@ -32,9 +32,10 @@ def crowded(manifest: dict[str, Any]) -> int:
     return workers if isinstance(workers, int) and isinstance(cores, int) and workers >= cores else 0
 
 
-def _setting(name: str, value: Any) -> Setting:
+def _setting(part: str, name: str, value: Any) -> Setting:
     text = _bytes(value) if name in ("memory", "memory_limit") else _told(value)
-    return Setting(name.replace("_", " "), text[:MOST], len(value) if isinstance(value, list) and len(text) > LONG else 0)
+    shown = name if part == "versions" else name.replace("_", " ")
+    return Setting(shown, text[:MOST], len(value) if isinstance(value, list) and len(text) > LONG else 0)
 
 
 def _bytes(value: Any) -> str:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from harness.cells import course
 from harness.cells.course import follow
 from harness.follow import chosen
 from harness.run import run
@@ -17,6 +18,12 @@ from results.store import ResultsError
 from solvers import Answer, Status, find
 from tests.made_results import solve_row, write_folder
 from tests.test_run import quiet, small_plan
+
+
+@pytest.fixture(autouse=True)
+def no_hurry(monkeypatch) -> None:
+    """What is compiled in a first call, on a busy machine, takes longer than a course may."""
+    monkeypatch.setattr(course, "BUDGET", 1e3)
 
 
 def test_a_course_comes_down_to_the_answer() -> None:
