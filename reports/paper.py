@@ -8,10 +8,10 @@
 preview.tex is a document that shows all of them. From the same tables come the same files, byte for byte.
 """
 
-import shutil
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from pathlib import Path
+from shutil import which
 
 import numpy as np
 import pandas as pd
@@ -37,7 +37,7 @@ def write_paper(folder: Path, run: Run, layout: Layout | None = None) -> Path:
     """Write figures as PDF, SVG and, where LaTeX is installed, PGF; tables, captions and references; return DIR/paper."""
     layout = layout or Layout()
     paper = room(folder, "paper")
-    escape = escaped if shutil.which("pdflatex") else None
+    escape = escaped if which("pdflatex") else None
     floats: list[tuple[str, str, bool]] = []  # name, caption, whether it takes the page's width
     for chart in CHARTS:
         found = chart.panels(run)[chart.in_paper]

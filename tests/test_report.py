@@ -40,6 +40,12 @@ from tests.browser import browse, in_browser
 from tests.made_results import drive_row, lost_row, solve_row, write_folder
 
 
+@pytest.fixture(autouse=True)
+def no_latex(monkeypatch) -> None:
+    """PGF, which takes its time, has a test of its own (tests/test_paper.py)."""
+    monkeypatch.setattr("reports.paper.which", lambda name: None)
+
+
 def table(name, rows):
     return pa.Table.from_pylist(list(rows), arrow_schema(name)).to_pandas()
 
