@@ -7,14 +7,17 @@ more for a thousand boxes than for ten.
 
 The problem is not monotone, and the predictor-corrector can be trapped: in a few random instances of a hundred, and in large
 sheared pyramids with much friction. Then the central path is followed around its folds (solvers.interior.central_path), first
-from where Gauss-Seidel gets in SWEEPS sweeps (solvers.interior.centred_point), which shows how the contacts are loaded; then
-from up to six starts that know nothing.
+from around where Gauss-Seidel gets in SWEEPS sweeps (solvers.interior.centred_point), or around impulses given if these are
+nearer, which show how the contacts are loaded; then from up to six starts that know nothing. Each path arrives with a chance
+that falls with the number of contacts, and one that winds on is left for the next.
 
 Given impulses to start from, the predictor-corrector sets out from the centred point around them. As this keeps the distance
 from the boundary that their residual suggests, a good start saves most of the iterations, and a bad one does no harm.
 """
 
 from collections.abc import Iterator
+
+import numpy as np
 
 from problems import FrictionProblem
 from problems.check import Array
@@ -27,12 +30,15 @@ from solvers.interior.point import Point, start_point
 from solvers.interior.predictor_corrector import predictor_corrector
 from solvers.interior.system import System, space_of
 
-# Impulses and speeds, relative to a contact's own: each of these arrives at a solution in three of four trapped instances.
-STARTS = ((0.1, 10.0), (1.0, 10.0), (0.1, 100.0), (1.0, 100.0), (10.0, 1.0), (1.0, 1.0))
+# Impulses and speeds, relative to a contact's own, by dimension: each of these arrives in three of four instances in the plane.
+STARTS = {
+    2: ((0.1, 10.0), (1.0, 10.0), (0.1, 100.0), (1.0, 100.0), (10.0, 1.0), (1.0, 1.0)),
+    3: ((1.0, 100.0), (1.0, 10.0), (0.1, 1.0), (10.0, 100.0), (1.0, 1.0), (10.0, 10.0)),
+}
 SWEEPS = 1000  # before the central path is followed: as dear as ten or twenty factorisations
 NEAR = 1e-10  # a start's least distance from the boundary, in residuals, to step on from
-FAR = {2: (0.3,), 3: (0.1, 0.03, 0.3)}  # and to follow paths from, by dimension: in space each arrives where others do not
-LIMIT = {2: 2000, 3: 1000}  # factorisations: in space hardly any path arrived after more
+FAR = {2: (0.3,), 3: (0.8, 0.4, 1.6, 0.2, 3.0)}  # and to follow paths from, by dimension
+LIMIT = 2000  # factorisations
 PATIENCE = 12  # iterations of the predictor-corrector without progress: more than ever helped
 
 
@@ -60,7 +66,7 @@ class InteriorPoint(Phased):
         """limit bounds the factorisations."""
         swept: dict[str, int] = {}
         phases = self._phases(*prepared, start, swept)
-        limit = LIMIT[prepared[0].dimension] if limit is None else limit
+        limit = LIMIT if limit is None else limit
         answer = run(prepared, phases, tol, limit, PATIENCE, residual)
         answer.work |= {f"nsgs {unit}": count for unit, count in swept.items()}
         return answer
@@ -75,10 +81,16 @@ class InteriorPoint(Phased):
             return
         near = solve(problem, "nsgs", limit=SWEEPS)
         swept |= near.work
+        guess = near.impulse
+        if start is not None and residual(problem, start) < residual(problem, guess):
+            guess = start
         for far in FAR[problem.dimension]:
-            yield trace, _around(problem, system, near.impulse, far)
-        for impulse, speed in STARTS:
-            yield trace, start_point(system, impulse, speed)
+            yield trace, _around(problem, system, guess, far)
+        for impulse, speed in STARTS[problem.dimension]:
+            point = start_point(system, impulse, speed)
+            if problem.dimension == 3:  # with large mu paths arrive only where the friction is what mu c allows
+                point.s[:, 3] *= np.maximum(system.friction, 1)
+            yield trace, point
 
 
 def _around(problem: FrictionProblem, system: System, impulse: Array, least: float) -> Point:

@@ -275,6 +275,20 @@ def test_a_mass_matrix_that_is_dense() -> None:
     assert_solved(changed(pyramid, mass=root @ root.T + np.eye(len(root))), "interior_point")
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_a_sliding_pyramid_of_spheres_is_solved_by_a_path_that_does_not_turn_back(seed) -> None:
+    """225 contacts of which half slide or open: a path told its way by the last tangent goes back to its start."""
+    problem = sphere_pyramid(seed, levels=5, friction=0.5)
+    answer = solve(problem, "hybrid")
+    assert answer.detail == "interior_point"
+    assert residual(problem, answer.impulse) <= 1e-8
+
+
+@pytest.mark.parametrize("seed", [1, 12])
+def test_large_friction_that_traps_all_but_paths(seed) -> None:
+    assert_solved(random_bodies(seed, friction=1000.0), "interior_point")
+
+
 def test_the_answer_does_not_depend_on_units() -> None:
     problem = random_problem(7, 12)
     heavy = changed(problem, mass=problem.mass * 1e9)

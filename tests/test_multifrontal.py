@@ -6,7 +6,7 @@ from scipy import sparse
 
 from problems.scenes import scene
 from solvers.sparse_lu.minimum_degree import same_elements
-from solvers.sparse_lu.multifrontal import analyse, factorise, find, solve
+from solvers.sparse_lu.multifrontal import analyse, determinant_sign, factorise, find, solve
 
 
 def pattern(name, **parameters):
@@ -57,6 +57,13 @@ def test_solves_what_a_dense_solver_solves(name) -> None:
     solve(fronts, storage, swap, x)
     assert replaced == 0
     assert np.allclose(A @ x, b, rtol=0, atol=1e-9 * np.abs(x).max())
+
+
+@pytest.mark.parametrize("shift", [0.0, 3.0])
+@pytest.mark.parametrize("name", PATTERNS)
+def test_the_determinant_has_the_sign_that_a_dense_one_has(name, shift) -> None:
+    A, fronts, storage, swap, _ = factors(PATTERNS[name], shift)
+    assert determinant_sign(fronts, storage, swap) == np.linalg.slogdet(A.toarray()).sign
 
 
 def test_no_variable_at_all() -> None:

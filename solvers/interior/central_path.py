@@ -9,11 +9,15 @@ logarithms of x, s and t (the geodesics of solvers.interior.point), in which the
 straight near a solution, however fast the pairs vanish. Each iteration factorises Newton's matrix once
 (solvers.interior.newton), for both parts of a step:
 
-    correction   towards the curve, orthogonal to its tangent,
-    prediction   along the tangent, oriented by the last one, so that a fold is passed through.
+    correction   towards the curve, orthogonal to its tangent; as often as it takes, but the first one too long is taken back,
+    prediction   along the tangent, the longer the smaller the correction that the last one caused.
 
-The step's length follows from the size of the correction it caused; a correction too large is taken back. Where t is small and
-the point on the curve, the faster predictor_corrector is tried from there.
+Which way along the tangent is told by the sign of det A: along a curve dt changes its sign together with the determinant of
+the derivative by (x, s), and nowhere else (Allgower and Georg 1990, section 2.1), and that of the eliminated contacts is
+positive. The angle with the last tangent, the usual criterion, turns round where t is small and a corner is sharp, and the path
+goes back to where it came from. With the determinant a step across a corner may only exchange branches.
+
+Where t is small and the point on the curve, the faster predictor_corrector is tried from there.
 
 It may also leave to t > 1, or wind on for long; then another start is tried. Speeds s0 large against W x0 make that rare: the
 problem at t = 1 then has nearly q > 0, as for the ray on which Lemke's method starts. This is an observation and not a theorem.
@@ -30,12 +34,16 @@ from solvers.interior.newton import direction, linearise
 from solvers.interior.point import Point, add_products, add_step, move_along, new_point, set_step, to_geodesics
 from solvers.interior.predictor_corrector import Best, Room, judge, predictor_corrector
 from solvers.interior.system import Space, System
+from solvers.sparse_lu.multifrontal import determinant_sign
 
-NEAR = 0.3  # a correction, in logarithms, up to which a point counts as on the curve
+NEAR = 0.2  # a correction, in logarithms, up to which a point counts as on the curve
 FAR = 1.0  # and from which the prediction is taken back
-FIRST, LONGEST, SHORTEST = 0.1, 3.0, 1e-8  # predictions, in logarithms
+AIM = 0.3  # what the length of a prediction aims at
+HALFWAY = 0.5  # a correction is no longer than this
+MOST = 12  # corrections of one prediction
+FIRST, LONGEST, SHORTEST = 0.1, 3.0, 1e-7  # predictions, in logarithms
 HAND_OVER = np.log(1e-4)  # log t at which the predictor-corrector is tried, and again by each of these further on
-END = np.log(1e-20)
+END, LOST = np.log(1e-20), 3.0
 
 
 @kernel
@@ -52,14 +60,17 @@ def trace(system: System, space: Space, point: Point, room: Room, best: Best, to
     _aim(space, product, 0.0, target, -1.0, point)
     log_t, saved_log_t, ahead_log_t = 0.0, 0.0, -1.0
     length, hand_over = FIRST, HAND_OVER
-    used = 0
+    used, corrections, inwards = 0, 0, 0
     while used < len(history):
         history[used] = judge(system, space, point, defect, work, best)
         used += 1
-        if best.residual[0] <= tol or length < SHORTEST or not END < log_t < 1:
+        if best.residual[0] <= tol or length < SHORTEST or not END < log_t < LOST:
             return used
         linearise(system, space, point, work)
         best.factorisations[0] += 1
+        sign = determinant_sign(system.fronts, work.storage, work.swap)
+        if used == 1:
+            inwards = sign
         t = np.exp(log_t)
         _aim(space, target, t, product, 1.0, point)
         add_step(defect, -t, first)
@@ -72,27 +83,30 @@ def trace(system: System, space: Space, point: Point, room: Room, best: Best, to
         back = -_dot(correction, tangent) / (1 + _dot(tangent, tangent))
         add_step(correction, back, tangent)
         off = max(_size(correction), abs(back))
-        if off < FAR or used == 1:
-            move_along(system, space, point, correction, 1.0)
-            log_t += back
+        if (used > 1 and not off <= (FAR if corrections == 0 else np.inf)) or corrections > MOST:
+            set_step(point, 1.0, saved)
+            log_t, corrections = saved_log_t, 0
+            length /= 4
+        else:
+            share = min(1.0, HALFWAY / max(off, HALFWAY))
+            move_along(system, space, point, correction, share)
+            log_t += share * back
             if off > NEAR:
+                corrections += 1
                 continue
             if log_t < hand_over and used < len(history):
                 set_step(trial, 1.0, point)
                 used += predictor_corrector(system, space, trial, room, best, tol, patience, history[used:])
                 hand_over += HAND_OVER
-            if used > 1:
-                length = min(LONGEST, length * min(2.0, max(0.3, np.sqrt(NEAR / 2 / max(off, 1e-9)))))
+            if corrections > 1:
+                length /= 2
+            elif corrections == 0 and used > 1:
+                length = min(LONGEST, length * min(2.0, max(0.3, np.sqrt(AIM / max(off, 1e-9)))))
+            corrections = 0
             set_step(saved, 1.0, point)
             saved_log_t = log_t
-            forward = ahead_log_t + _dot(ahead, tangent) > 0
-            unit = (1.0 if forward else -1.0) / max(_size(tangent), 1.0)
-            set_step(ahead, unit, tangent)
-            ahead_log_t = unit
-        else:
-            set_step(point, 1.0, saved)
-            log_t = saved_log_t
-            length /= 4
+            ahead_log_t = (-1.0 if sign == inwards else 1.0) / max(_size(tangent), 1.0)
+            set_step(ahead, ahead_log_t, tangent)
         move_along(system, space, point, ahead, length)
         log_t += length * ahead_log_t
     return used

@@ -13,7 +13,7 @@ from solvers.interior.system import System, in_velocities, prepare, space_of
 
 ROUNDING = 4 * np.finfo(float).eps
 MARGIN = 0.5  # of tol: the same residual in other units, added up in another order
-SHARE = 250  # factorisations for one phase: hardly any path that arrived was longer
+SHARE = 250  # factorisations for one phase, or one for each contact in space: few paths that arrived were longer
 
 Phase = tuple[Callable[..., int], Point]  # the method, and the point it starts from, to be moved
 Measure = Callable[[FrictionProblem, Array], float]
@@ -49,9 +49,10 @@ def run(prepared: Prepared, phases: Iterable[Phase], tol: float, limit: int, pat
     history, space, room = np.empty(limit), space_of(system), new_room(system)
     best = Best(np.zeros_like(system.offset), np.array([np.inf]), np.zeros(1, np.int64))
     used = 0
+    share = SHARE if problem.dimension == 2 else max(SHARE, problem.contacts)
     status = Status.STALLED
     for method, point in phases:
-        used += method(system, space, point, room, best, MARGIN * tol, patience, history[used : used + SHARE])
+        used += method(system, space, point, room, best, MARGIN * tol, patience, history[used : used + share])
         if _is_solved(best, tol, system, problem, measure):
             status = Status.SOLVED
             break

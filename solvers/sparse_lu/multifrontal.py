@@ -217,3 +217,16 @@ def solve(fronts: Fronts, storage: Array, swap: Index, b: Array) -> None:
             for j in range(k + 1, w):
                 total -= storage[row + j] * b[fronts.variable[begin + j]]
             b[eliminated + k] = total * storage[row + k]
+
+
+@kernel
+def determinant_sign(fronts: Fronts, storage: Array, swap: Index) -> int:
+    """The sign of det A, after factorise: that of its pivots and row interchanges."""
+    sign, eliminated = 1, 0
+    for f in range(len(fronts.pivots)):
+        w = fronts.first[f + 1] - fronts.first[f]
+        for k in range(fronts.pivots[f]):
+            if (storage[fronts.start[f] + k * (w + 1)] < 0) != (swap[eliminated + k] != k):
+                sign = -sign
+        eliminated += fronts.pivots[f]
+    return sign
