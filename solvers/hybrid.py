@@ -5,10 +5,10 @@ some dozens of contacts, an interior point's sparse factorisations beyond. In sp
 smallest problems, and bring the largest near enough for the interior point to start there and save most of its iterations;
 between them they cost more than they save. Where the interior point is trapped, the convex relaxation is asked before paths
 are followed: it cannot be trapped, and where nothing slides in its solution, that is a Coulomb solution. Then come
-proximal points, which large friction does not trap. Pivoting ends on an exact basis; each method fails on some instances that
-another solves. A portfolio stops at the first answer whose residual, computed here from the problem's own velocities, is
-within the tolerance: so it solves what any of its members does, and says so when none does. (Algorithm portfolios: Gomes and
-Selman 2001.)
+proximal points, which large friction does not trap, and paths around where they got. Pivoting ends on an exact basis; each
+method fails on some instances that another solves. A portfolio stops at the first answer whose residual, computed here from
+the problem's own velocities, is within the tolerance: so it solves what any of its members does, and says so when none does.
+(Algorithm portfolios: Gomes and Selman 2001.)
 """
 
 from functools import cache
@@ -24,11 +24,13 @@ from solvers.interface import Answer, Solver, SolverInfo, Status, find, solver
 PLANAR = ("lemke", "interior_point", "path_search", "staggered", "anitescu_hart", "fischer_newton")
 SPATIAL = (
     *("nsgs", "interior_point[paths=false]", "relaxation_ip", "proximal_newton", "interior_point[shortcut=false]"),
-    *("nncg", "apgd_coulomb", "staggered", "admm_coulomb", "anitescu_hart"),
+    *("proximal_newton", "nncg", "apgd_coulomb", "staggered", "admm_coulomb", "anitescu_hart"),
 )
 PIVOTS = 48  # contacts up to which lemke comes first, formed and solved
 SWEPT = 6, 60  # contacts up to and from which nsgs does
-SWEEPS = 30  # of nsgs: a fraction of the interior point's time at any size
+# The limits of members that are asked briefly at first: sweeps, a fraction of the interior point's time at any size, and
+# factorisations, within which most of what proximal points solve is solved, and a good guess found for paths where they do not.
+FIRST = {"nsgs": 30, "proximal_newton": 500}
 CLOSE = 0.01  # the residual up to which what a member leaves makes a better start than nothing
 
 
@@ -65,9 +67,11 @@ class Hybrid:
         problem = prepared.problem
         impulse, least, found_by = np.zeros((problem.contacts, problem.dimension)), np.inf, ""
         work: dict[str, int] = {}
+        brief = dict(FIRST)
         for tried, (info, member) in enumerate(prepared.members, start=1):
             stage = prepared.first if tried == 1 else member.prepare(problem)
-            own_limit = min(SWEEPS, limit or SWEEPS) if info.name == "nsgs" else limit
+            most = brief.pop(info.name, limit)
+            own_limit = most if limit is None or most is None else min(most, limit)
             guess = impulse if least <= CLOSE else start
             answer = member.solve(stage, tol, own_limit, guess if info.warm_start else None)
             for unit, count in answer.work.items():
