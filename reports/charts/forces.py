@@ -1,7 +1,7 @@
 """The force at each contact of redundant supports, by solver: where W lacks rank, many distributions move the bodies alike.
 
-A body on more supports than it needs is hyperstatic: velocities and the net impulse are the same in every answer, the share of
-a single contact is not. What is compared is never these shares; they show what a simulator that reads forces gets.
+A body on more supports than it needs is hyperstatic: one motion and one net impulse come of many shares of the single
+contacts. What is compared is never these shares; they show what a simulator that reads forces gets.
 """
 
 from functools import partial
@@ -46,7 +46,7 @@ CHART = Chart(
     panels=panels,
     section="solvability",
     title="Force per contact on redundant supports",
-    caption="The normal impulses of exact answers. With more supports than a body needs, the sum and the motion are the same "
-    "in every answer, and how the load is shared is the solver's choice: none is more right, and none is compared by it.",
+    caption="The normal impulses of exact answers. With more supports than a body needs, one motion comes of many "
+    "distributions of the load, and which of them is the solver's choice: none is more right, and none is compared by it.",
     columns=2,
 )
