@@ -3,11 +3,13 @@
 No single method is fast, accurate and reliable on every friction problem. In the plane Lemke's pivots are the fastest up to
 some dozens of contacts, an interior point's sparse factorisations beyond. In space a few sweeps of Gauss-Seidel end the
 smallest problems, and bring the largest near enough for the interior point to start there and save most of its iterations;
-between them they cost more than they save. Where the interior point is trapped, the convex relaxation is asked before paths
-are followed: it cannot be trapped, and where nothing slides in its solution, that is a Coulomb solution. Then come
-proximal points, which large friction does not trap, and paths around where they got. Pivoting ends on an exact basis; each
-method fails on some instances that another solves. A portfolio stops at the first answer whose residual, computed here from
-the problem's own velocities, is within the tolerance: so it solves what any of its members does, and says so when none does.
+between them they cost more than they save, and so they do where bodies rest on more contacts than it takes to hold them, as in
+stacks of cubes: W is singular there, and 30 sweeps leave a residual of a tenth. Where the interior point is trapped, the
+convex relaxation is asked before paths are followed: it cannot be trapped, and where nothing slides in its solution, that is a
+Coulomb solution. Then come proximal points, which large friction does not trap, and paths around where they got. Pivoting ends
+on an exact basis; each method fails on some instances that another solves. A portfolio stops at the first answer whose
+residual, computed here from the problem's own velocities, is within the tolerance: so it solves what any of its members does,
+and says so when none does.
 (Algorithm portfolios: Gomes and Selman 2001.)
 """
 
@@ -28,6 +30,7 @@ SPATIAL = (
 )
 PIVOTS = 48  # contacts up to which lemke comes first, formed and solved
 SWEPT = 6, 60  # contacts up to and from which nsgs does
+HYPERSTATIC = 1.25  # contact rows a velocity, above which it does in the smallest problems only
 # The limits of members that are asked briefly at first: sweeps, a fraction of the interior point's time at any size, and
 # factorisations, within which most of what proximal points solve is solved, and a good guess found for paths where they do not.
 FIRST = {"nsgs": 30, "proximal_newton": 500}
@@ -57,7 +60,7 @@ class Hybrid:
 
     def form(self, problem: FrictionProblem) -> Prepared:
         nc, d = problem.contacts, problem.dimension
-        members = _members(d, nc <= PIVOTS if d == 2 else not SWEPT[0] < nc < SWEPT[1])
+        members = _members(d, nc <= PIVOTS if d == 2 else _sweeps_help(problem))
         return Prepared(problem, members, members[0][1].form(problem))
 
     def setup(self, formed: Prepared) -> Prepared:
@@ -84,6 +87,12 @@ class Hybrid:
             if least <= tol:
                 return Answer(impulse, Status.SOLVED, work, detail=found_by)
         return Answer(impulse, Status.STALLED, work, detail=found_by)
+
+
+def _sweeps_help(problem: FrictionProblem) -> bool:
+    """Whether nsgs comes first in space."""
+    nc, velocities = problem.contacts, len(problem.free_velocity)
+    return nc <= SWEPT[0] or (nc >= SWEPT[1] and nc * problem.dimension <= HYPERSTATIC * velocities)
 
 
 @cache
