@@ -30,6 +30,7 @@ from problems import FrictionProblem
 from problems.check import Array, require
 from problems.forms.relaxation import QP
 from solvers.interface import Answer, Status, solver
+from solvers.outside.margin import MARGIN
 from solvers.outside.scaled_program import ScaledProgram, gap_tolerance, scaled_program
 
 
@@ -113,18 +114,18 @@ class CCP:
 def _settings(backend: str, eps: float) -> dict[str, Any]:
     gap = gap_tolerance(eps, round_cones=False)
     absolute = {"eps_abs": eps, "eps_rel": 0.0, "eps_duality_gap_abs": gap, "eps_duality_gap_rel": 0.0}
-    split = {"eps_abs": eps / 10, "eps_rel": 0.0}
-    feasible = max(eps / 10, 1e-10)
+    split = {"eps_abs": eps / MARGIN, "eps_rel": 0.0}
+    feasible = max(eps / MARGIN, 1e-10)
     return {
         "clarabel": {"tol_feas": eps, "tol_gap_abs": gap, "tol_gap_rel": gap},
         "osqp": split,
         "proxqp": absolute | {"check_duality_gap": True},
         "piqp": absolute,
-        "daqp": {"primal_tol": eps / 10, "dual_tol": eps / 10},
+        "daqp": {"primal_tol": eps / MARGIN, "dual_tol": eps / MARGIN},
         "quadprog": {},
         "highs": {"primal_feasibility_tolerance": feasible, "dual_feasibility_tolerance": feasible},
         "scs": split,
-        "ecos": {"feastol": eps / 10, "abstol": gap, "reltol": gap},
+        "ecos": {"feastol": eps / MARGIN, "abstol": gap, "reltol": gap},
         "qpalm": split,
     }[backend]
 

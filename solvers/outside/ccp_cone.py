@@ -28,6 +28,7 @@ from problems import FrictionProblem
 from problems.check import Array, require
 from problems.forms.relaxation import ConeProgram
 from solvers.interface import Answer, Status, solver
+from solvers.outside.margin import MARGIN
 from solvers.outside.scaled_program import ScaledProgram, gap_tolerance, scaled_program
 
 _BACKENDS = ("clarabel", "scs")
@@ -111,4 +112,4 @@ class CCPCone:
     def _settings(self, eps: float, gap: float, limit: int | None) -> dict[str, float]:
         if self.backend == "clarabel":
             return {"tol_feas": eps, "tol_gap_abs": gap, "tol_gap_rel": gap, "max_iter": limit or 200}
-        return {"eps_abs": eps / 10, "eps_rel": 0.0, "max_iters": limit or 100_000}
+        return {"eps_abs": eps / MARGIN, "eps_rel": 0.0, "max_iters": limit or 100_000}

@@ -22,6 +22,7 @@ import numpy as np
 from problems import FrictionProblem
 from problems.check import Array, require
 from solvers.interface import Answer, Status, solver
+from solvers.outside.margin import MARGIN
 from solvers.outside.pure_delassus import PureDelassus, pure_delassus
 
 _METHODS = {"dantzig": "DantzigSolver", "newton": "BoxedSemiSmoothNewtonSolver", "pgs": "PgsSolver", "nncg": "NncgSolver"}
@@ -68,7 +69,7 @@ class Dart:
         given, options = prepared.given, dart.LcpOptions()
         if not len(given.q):
             return Answer(np.zeros(given.contacts), Status.SOLVED)
-        options.absolute_tolerance = options.complementarity_tolerance = given.share * tol / 10
+        options.absolute_tolerance = options.complementarity_tolerance = given.share * tol / MARGIN
         options.relative_tolerance, options.max_iterations = 0.0, limit or 20_000
         result, x = getattr(dart, _METHODS[self.method])().solve(prepared.problem, options=options)
         status = Status.SOLVED if result.succeeded() else Status.FAILED

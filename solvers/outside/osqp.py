@@ -20,6 +20,7 @@ from problems import FrictionProblem
 from problems.check import Array
 from problems.forms.relaxation import QP
 from solvers.interface import Answer, Status, solver
+from solvers.outside.margin import MARGIN
 from solvers.outside.scaled_program import ScaledProgram, scaled_program
 
 
@@ -71,7 +72,7 @@ class OSQP:
         scaled, workspace = prepared
         if not scaled.program.contacts[0]:
             return Answer(scaled.impulse(scaled.h), Status.SOLVED)
-        workspace.update_settings(eps_abs=tol * scaled.share / 10, max_iter=limit or 100_000)
+        workspace.update_settings(eps_abs=tol * scaled.share / MARGIN, max_iter=limit or 100_000)
         x, y = np.zeros(len(scaled.q)), np.zeros(len(scaled.h) + len(scaled.b))
         if start is not None:
             y[: len(scaled.h)] = scaled.multipliers(start)

@@ -21,6 +21,7 @@ from problems import LCP, FrictionProblem
 from problems.check import Array
 from solvers.interface import Answer, Status, solver
 from solvers.outside.dense_lcp import DenseLCP, dense_lcp
+from solvers.outside.margin import MARGIN
 
 _SILENT = ("crash_iterations", "major_iterations", "minor_iterations", "initial_point_statistics", "final_point_statistics")
 
@@ -60,7 +61,7 @@ class Path:
             return given.answer(np.zeros(0), Status.SOLVED)
         z.l[i] = 0
         log = io.StringIO()
-        options = {f"output_{name}": "no" for name in _SILENT} | {"convergence_tolerance": tol / 10}
+        options = {f"output_{name}": "no" for name in _SILENT} | {"convergence_tolerance": tol / MARGIN}
         if limit:
             options["cumulative_iteration_limit"] = limit
         model.solve(solver="path", solver_options=options, output=log, options=gp.Options(solve_link_type="memory"))

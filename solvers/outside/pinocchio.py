@@ -22,10 +22,11 @@ from scipy import sparse
 from problems import FrictionProblem
 from problems.check import Array, require
 from solvers.interface import Answer, Model, Status, impulses, solver
+from solvers.outside.margin import MARGIN
 from solvers.outside.pure_delassus import PureDelassus, pure_delassus
 
 _SOLVERS = {"admm": "ADMM", "pgs": "PGS"}
-_MARGINS = {"admm": 10, "pgs": 100}
+_MARGINS = {"admm": MARGIN, "pgs": 10 * MARGIN}
 _LAWS: dict[str, Model] = {"ncp": "coulomb", "ccp": "relaxation"}
 _OPERATORS = {"dense": "DelassusOperatorDense", "sparse": "DelassusOperatorSparse"}
 _VARIANTS = ("method=admm", "method=admm,operator=sparse", "method=admm,law=ccp", "method=pgs")
