@@ -40,10 +40,9 @@ def follow(recipe: str, house: Path) -> str:
     if chart := re.search(r"add `(\w+)\.CHART` to `CHARTS`", recipe):
         charts = house / "reports" / "charts" / "__init__.py"
         text = charts.read_text(encoding="utf-8")
-        text = re.sub(r"^(from reports.charts import .*)$", rf"\1, {chart[1]}", text, flags=re.M)
-        charts.write_text(
-            re.sub(r"^CHARTS = \((.*)\)$", rf"CHARTS = (\1, {chart[1]}.CHART)", text, flags=re.M), encoding="utf-8"
-        )
+        text = re.sub(r"^(from reports.charts import) \(\n(.*?)^\)$", rf"\1 (\n\2    {chart[1]},\n)", text, flags=re.M | re.S)
+        text = re.sub(r"^CHARTS = \(\n(.*?)^\)$", rf"CHARTS = (\n\1    {chart[1]}.CHART,\n)", text, flags=re.M | re.S)
+        charts.write_text(text, encoding="utf-8")
     printed = ""
     for command in re.findall(r"^    frictionbench (.+)$", recipe, re.M):
         call = [sys.executable, "-c", "from harness.cli import main; main()", *command.split()]
