@@ -95,7 +95,7 @@ def _escape_all(figure: Figure, escape: Escape) -> None:
                 (True, axis.set_minor_locator, axis.set_minor_formatter),
             ):
                 labels = [escape(label.get_text()) for label in axis.get_ticklabels(minor=minor)]
-                locate(FixedLocator(axis.get_ticklocs(minor=minor).tolist()))
+                locate(FixedLocator(list(axis.get_ticklocs(minor=minor))))
                 form(FixedFormatter(labels))
     for text in figure.findobj(Text):
         text.set_text("\n".join(map(escape, text.get_text().split("\n"))))
