@@ -9,23 +9,36 @@ in the system's temporary folder takes its place. NUMBA_CACHE_DIR, where it is s
 import getpass
 import os
 import tempfile
+from collections.abc import Callable
 from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
+from typing import Any, NoReturn
 
 from numba import njit
 from numba.core import config
+from numba.core.registry import CPUDispatcher
 from platformdirs import user_cache_path
 
 HOUSE = Path(__file__).resolve().parent.parent
 FOLDERS = ("problems", "solvers")
 
-# What Python calls is a kernel, kept from run to run. A part is called by kernels only, and has no way in from Python, which
-# for a tuple of arrays takes longer to compile than the code itself. What is inlined becomes the caller's own code before that
-# is typed: where a call would cost more than what it does.
+# What Python calls is a kernel, kept from run to run. What is inlined becomes the caller's own code before that is typed: where
+# a call would cost more than what it does.
 kernel = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
-part = njit(error_model="numpy", no_cfunc_wrapper=True, no_cpython_wrapper=True)
 inlined = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, inline="always")
+
+
+def part(function: Callable[..., Any]) -> Any:
+    """Called by kernels only: a way in from Python would, for a tuple of arrays, take longer to compile than the part."""
+    compiled = njit(error_model="numpy", no_cfunc_wrapper=True, no_cpython_wrapper=True)(function)
+    compiled.__class__ = _Part
+    return compiled
+
+
+class _Part(CPUDispatcher):
+    def __call__(self, *_: object) -> NoReturn:
+        raise TypeError(f"{self.py_func.__name__} is a part of kernels, to be called from one: there is no way in from Python")
 
 
 def keep_compiled() -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from problems import compiled
+from problems.forms.cone import nearest
 
 ROOT = Path(__file__).resolve().parent.parent
 KERNEL = """
@@ -75,3 +76,8 @@ def test_without_a_cache_folder_the_temporary_one_serves(house) -> None:
     assert value == 1
     assert folder.parent.parent == house / "tmp"
     assert folder.parent.stat().st_mode & 0o077 == 0
+
+
+def test_a_part_called_from_python_says_what_it_is() -> None:
+    with pytest.raises(TypeError, match="nearest is a part of kernels"):
+        nearest(-1.0, 1.0, 0.5, 0.0)

@@ -75,8 +75,9 @@ def test_widths_are_read_with_their_units() -> None:
             length(text)
 
 
-def test_every_solver_has_its_references() -> None:
-    assert [name for name in available() if not cited(name)] == []
+def test_every_solver_has_its_references() -> None:  # but for the plug-ins that other tests load
+    ours = [name for name, info in available().items() if info.make.__module__.startswith("solvers.")]
+    assert [name for name in ours if not cited(name)] == []
     named = {solver for entry in references() for solver in entry.solvers}
     assert named - set(available()) == {"all"}
     keys = [entry.key for entry in references()]

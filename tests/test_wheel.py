@@ -74,7 +74,7 @@ def test_a_wheel_works_from_elsewhere_without_a_home(installed) -> None:
 
 
 def test_kernels_are_kept_in_the_temporary_folder_where_nothing_else_can_be_written(installed) -> None:
-    done = python(installed, "from problems.forms.cone import nearest; print(nearest(-1.0, 1.0, 0.5, 0.0))")
-    assert (done.returncode, done.stdout) == (0, "(0.0, 0.0)\n"), done.stderr
+    done = python(installed, "import frictionbench as fb; print(len(fb.scene('stack').problem().friction))")
+    assert done.returncode == 0, done.stderr
     assert list((installed.parent / "else where").rglob("*.nbi"))
     assert not [path for path in installed.rglob("__pycache__/*") if "site-packages/problems" in str(path)]
