@@ -32,7 +32,8 @@ inlined = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, inline="a
 def part(function: Callable[..., Any]) -> Any:
     """Called by kernels only: a way in from Python would, for a tuple of arrays, take longer to compile than the part."""
     compiled = njit(error_model="numpy", no_cfunc_wrapper=True, no_cpython_wrapper=True)(function)
-    compiled.__class__ = _Part
+    if isinstance(compiled, CPUDispatcher):  # and not the function itself, where numba is told to compile nothing
+        compiled.__class__ = _Part
     return compiled
 
 

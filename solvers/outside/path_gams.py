@@ -6,7 +6,9 @@ Form: the friction LCP's M, dense and scaled, and q. Setup: GAMSPy's container a
     30 to 100 ms of GAMS around PATH.
 Clock: the total time in PATH's own log, GAMS' evaluation of M z + q inside.
 Tolerance: convergence_tolerance = tol/10, of PATH's own residual on the scaled LCP.
-Flaws: the wall time is GAMS' and not PATH's; read its clock.
+Flaws: the wall time is GAMS' and not PATH's; read its clock. Beyond its licence's 1000 rows GAMS does not ask PATH: the answer
+then
+    is that of no solver, unsolved with that reason, which says nothing of PATH.
 Reference: Dirkse and Ferris 1995; Ferris and Munson 1999.
 """
 
@@ -64,7 +66,12 @@ class Path:
         options = {f"output_{name}": "no" for name in _SILENT} | {"convergence_tolerance": tol / MARGIN}
         if limit:
             options["cumulative_iteration_limit"] = limit
-        model.solve(solver="path", solver_options=options, output=log, options=gp.Options(solve_link_type="memory"))
+        try:
+            model.solve(solver="path", solver_options=options, output=log, options=gp.Options(solve_link_type="memory"))
+        except gp.exceptions.GamspyException as error:
+            if "license" not in str(error):
+                raise
+            return given.answer(np.zeros(len(given.q)), Status.FAILED, "not tried: larger than GAMS' licence here allows")
         total = re.search(r"Total Time[. ]*([\d.]+)", log.getvalue())
         minor = re.search(r"Minor Iterations[. ]*(\d+)", log.getvalue())
         status = Status.SOLVED if model.status.name in ("OptimalGlobal", "OptimalLocal") else Status.FAILED
