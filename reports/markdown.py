@@ -6,14 +6,12 @@ from pathlib import Path
 import numpy as np
 
 from reports import choice, tables
-from reports.accuracy import TARGETS
 from reports.drawing.text import power, seconds
 from reports.run import Run
 from reports.standing import sentences, standings
 from results.schema import CRASHED, MISSED, SKIPPED, TIMEOUT, WRONG
 
 BANDS = ((0, 4), (4, 20), (20, 100), (100, np.inf))  # contacts
-ENDS = (max(TARGETS), min(TARGETS))
 
 
 def write_markdown(folder: Path, run: Run) -> Path:
@@ -46,13 +44,14 @@ def _head(run: Run) -> str:
 
 def _which(run: Run) -> str:
     """The fastest of all, and the fastest of the outside solvers, by kind of problem."""
-    theirs = choice.choices(run, outside(run))
+    theirs, tightest = choice.choices(run, outside(run)), min(run.times)
+    ends = sorted({max(run.times), tightest}, reverse=True)
     rows = []
     for (kind, found), (_, other) in zip(choice.choices(run), theirs, strict=True):
-        best = [_said(found[target]) if target in found else "nobody" for target in ENDS]
-        peer = other.get(min(TARGETS))
+        best = [_said(found[target]) if target in found else "nobody" for target in ends]
+        peer = other.get(tightest)
         rows.append([kind, *best, _said(peer) if peer else "nobody"])
-    heads = ["for", *(f"to {power(target)}" for target in ENDS), f"of the outside solvers, to {power(min(TARGETS))}"]
+    heads = ["for", *(f"to {power(target)}" for target in ends), f"of the outside solvers, to {power(tightest)}"]
     return _table("## Which solver, who is exact, who claims falsely", heads, rows)
 
 

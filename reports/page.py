@@ -14,7 +14,7 @@ import pandas as pd
 from markupsafe import Markup
 
 from reports import choice, maps, tables, told
-from reports.accuracy import ALL, CHARGES, TARGETS, by_charge, entered_in_part
+from reports.accuracy import ALL, CHARGES, by_charge, entered_in_part
 from reports.animation import write_animations
 from reports.charts import CHARTS
 from reports.charts.chart import Chart
@@ -76,12 +76,12 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
         "gaps": tables.gaps(run),
         "headline": headline(run),
         "choices": choice.choices(run),
-        "ends": (max(TARGETS), min(TARGETS)),
+        "ends": sorted({max(run.times), min(run.times)}, reverse=True),
         "standing": sentences(run),
         "swatches": {entry: Markup(swatch(one)) for entry, one in run.looks.items()},
         "matrices": {target: tables.matrix(table) for target, table in run.summaries.items()},
         "races": {name: tables.race(run.summaries, name) for name in [ALL, *ranked]},
-        "parts": entered_in_part(run.times[min(TARGETS)]),
+        "parts": entered_in_part(run.times[min(run.times)]),
         "charged": {target: by_charge(times) for target, times in run.times.items() if len(times)},
         "charges": CHARGES,
         "solvability": tables.solvability(run),

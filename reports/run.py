@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from reports.accuracy import TARGETS, summary, times_to
+from reports.accuracy import summary, targets, times_to
 from reports.drawing.style import Look, looks
 from results.courses import Course, read_courses
 from results.maps import Place, maps_of, read_thresholds
@@ -66,7 +66,7 @@ class Run:
     @cached_property
     def times(self) -> dict[float, pd.DataFrame]:
         """Of each target the times to it, per problem and entry: see reports.accuracy."""
-        return {target: times_to(self.contested, target) for target in TARGETS}
+        return {target: times_to(self.contested, target) for target in targets(self.contested)}
 
     @cached_property
     def summaries(self) -> dict[float, pd.DataFrame]:

@@ -667,3 +667,13 @@ def test_who_is_exact_and_who_claims_falsely_by_hand(tmp_path):
     best = next(line for line in told.splitlines() if line.startswith("| all problems"))
     assert "`liar`" in best.split("|")[-2], "the best of the outside solvers"
     assert "Claim answers that are off by more than ten times" in write_report(folder).read_text(encoding="utf-8")
+
+
+def test_nobody_misses_what_nobody_asked_for(tmp_path) -> None:
+    asked = [solve_row(name, problem, 1e-6, residual=1e-7) for name in ("a", "b") for problem in ("p", "q")]
+    run = read_run(write_folder(tmp_path / "asked", asked))
+    assert list(run.times) == [1e-4, 1e-6]
+    assert all(times["reached"].all() for times in run.times.values())
+    loose = read_run(write_folder(tmp_path / "loose", [row | {"tol": 1e-2} for row in asked]))
+    assert list(loose.times) == [1e-4]
+    assert "within 1e-8" not in write_report(tmp_path / "asked").read_text()

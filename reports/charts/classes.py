@@ -7,11 +7,10 @@ from functools import partial
 
 import pandas as pd
 
-from reports.accuracy import TARGETS, ratios
+from reports.accuracy import ratios
 from reports.charts.chart import Chart
 from reports.charts.profiles import draw
 from reports.drawing.figures import Panel
-from reports.drawing.text import power
 from reports.run import Run
 
 SIZES = {"1 to 10 contacts": (1, 10), "11 to 100": (11, 100), "101 to 1000": (101, 1000), "more than 1000": (1001, 10**12)}
@@ -25,7 +24,7 @@ FEWEST = 2  # problems of a class
 
 def panels(run: Run) -> list[Panel]:
     """A panel per class, where the problems of a run are of several."""
-    tried = [target for target in sorted(TARGETS) if len(run.times[target])]
+    tried = [target for target in sorted(run.times) if len(run.times[target])]
     if not tried:
         return []
     times = run.times[tried[0]]
@@ -48,7 +47,7 @@ CHART = Chart(
     name="classes",
     panels=panels,
     section="time",
-    title=f"Performance profiles by size and by rank, within {power(min(TARGETS))}",
+    title="Performance profiles by size and by rank, within the tightest target",
     caption="As above, for the problems of one class: the number of contacts, and the rank of W over its rows, which is "
     "known of problems of up to 600 rows.",
     columns=2,
