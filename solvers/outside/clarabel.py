@@ -22,6 +22,7 @@ from problems import FrictionProblem
 from problems.check import Array
 from problems.forms.relaxation import QP, ConeProgram
 from solvers.interface import Answer, Status, solver
+from solvers.outside.kept import Kept
 from solvers.outside.scaled_program import ScaledProgram, gap_tolerance, scaled_program
 
 Scaled = ScaledProgram[QP] | ScaledProgram[ConeProgram]
@@ -50,8 +51,8 @@ class Clarabel:
     keep: bool = False
 
     @cached_property
-    def _kept(self) -> dict[tuple[bytes, ...], Any]:
-        return {}
+    def _kept(self) -> Kept:
+        return Kept()
 
     def form(self, problem: FrictionProblem) -> Scaled:
         if problem.dimension == 2:
@@ -67,14 +68,14 @@ class Clarabel:
             cones = [clarabel.SecondOrderConeT(3)] * (len(scaled.h) // 3)
         P, q = sparse.triu(scaled.P, format="csc"), scaled.q
         A, b = scaled.constraints, np.concatenate([scaled.h, scaled.b])
-        pattern = scaled.pattern()
-        if self.keep and (made := self._kept.get(pattern)):
+
+        def make() -> Any:
+            return clarabel.DefaultSolver(P, q, A, b, [*cones, clarabel.ZeroConeT(len(scaled.b))], _settings())
+
+        def update(made: Any) -> None:
             made.update(P=P, q=q, A=A, b=b)
-        else:
-            made = clarabel.DefaultSolver(P, q, A, b, [*cones, clarabel.ZeroConeT(len(scaled.b))], _settings())
-            self._kept.clear()
-            self._kept[pattern] = made
-        return Prepared(scaled, made)
+
+        return Prepared(scaled, self._kept.take(scaled.pattern(), make, update) if self.keep else make())
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         clarabel: Any = import_module("clarabel")

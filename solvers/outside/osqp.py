@@ -20,6 +20,7 @@ from problems import FrictionProblem
 from problems.check import Array
 from problems.forms.relaxation import QP
 from solvers.interface import Answer, Status, solver
+from solvers.outside.kept import Kept
 from solvers.outside.margin import MARGIN
 from solvers.outside.scaled_program import ScaledProgram, scaled_program
 
@@ -47,8 +48,8 @@ class OSQP:
     keep: bool = False
 
     @cached_property
-    def _kept(self) -> dict[tuple[bytes, ...], Any]:
-        return {}
+    def _kept(self) -> Kept:
+        return Kept()
 
     def form(self, problem: FrictionProblem) -> ScaledProgram[QP]:
         return scaled_program(problem, problem.qp())
@@ -57,16 +58,17 @@ class OSQP:
         osqp: Any = import_module("osqp")
         P, A = sparse.triu(scaled.P, format="csc"), scaled.constraints
         lower, upper = np.concatenate([np.full(len(scaled.h), -np.inf), scaled.b]), np.concatenate([scaled.h, scaled.b])
-        pattern = scaled.pattern()
-        if self.keep and (workspace := self._kept.get(pattern)):
-            workspace.update(q=scaled.q, l=lower, u=upper, Px=P.data, Ax=A.data)
-            workspace.update_settings(rho=0.1)  # as at its setup: it adapts
-        else:
+
+        def make() -> Any:
             workspace = osqp.OSQP()
             workspace.setup(P, scaled.q, A, lower, upper, verbose=False, eps_rel=0.0)
-            self._kept.clear()
-            self._kept[pattern] = workspace
-        return Prepared(scaled, workspace)
+            return workspace
+
+        def update(workspace: Any) -> None:
+            workspace.update(q=scaled.q, l=lower, u=upper, Px=P.data, Ax=A.data)
+            workspace.update_settings(rho=0.1)  # as at its setup: it adapts
+
+        return Prepared(scaled, self._kept.take(scaled.pattern(), make, update) if self.keep else make())
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         scaled, workspace = prepared

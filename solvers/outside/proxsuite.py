@@ -19,6 +19,7 @@ from problems import FrictionProblem
 from problems.check import Array, require
 from problems.forms.relaxation import QP
 from solvers.interface import Answer, Status, solver
+from solvers.outside.kept import Kept
 from solvers.outside.scaled_program import ScaledProgram, gap_tolerance, scaled_program
 
 
@@ -49,8 +50,8 @@ class ProxSuite:
         require(self.matrices in ("sparse", "dense"), "matrices", f"must be sparse or dense, got {self.matrices!r}")
 
     @cached_property
-    def _kept(self) -> dict[tuple[bytes, ...], Any]:
-        return {}
+    def _kept(self) -> Kept:
+        return Kept()
 
     def form(self, problem: FrictionProblem) -> ScaledProgram[QP]:
         return scaled_program(problem, problem.qp())
@@ -59,16 +60,17 @@ class ProxSuite:
         proxqp: Any = import_module("proxsuite").proxqp
         P, G, A = (M if self.matrices == "sparse" or M is None else M.toarray() for M in (scaled.P, scaled.G, scaled.A))
         parts = (P, scaled.q, A, None if A is None else scaled.b, G, np.full(len(scaled.h), -1e20), scaled.h)
-        pattern = scaled.pattern()
-        if self.keep and (qp := self._kept.get(pattern)):
-            qp.update(*parts, update_preconditioner=True)
-        else:
+
+        def make() -> Any:
             qp = getattr(proxqp, self.matrices).QP(len(scaled.q), len(scaled.b), len(scaled.h))
             qp.settings.compute_timings = True
             qp.init(*parts)
-            self._kept.clear()
-            self._kept[pattern] = qp
-        return Prepared(scaled, qp)
+            return qp
+
+        def update(qp: Any) -> None:
+            qp.update(*parts, update_preconditioner=True)
+
+        return Prepared(scaled, self._kept.take(scaled.pattern(), make, update) if self.keep else make())
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         proxqp: Any = import_module("proxsuite").proxqp
