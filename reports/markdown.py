@@ -44,14 +44,13 @@ def _head(run: Run) -> str:
 
 def _which(run: Run) -> str:
     """The fastest of all, and the fastest of the outside solvers, by kind of problem."""
-    theirs, tightest = choice.choices(run, outside(run)), min(run.times)
-    ends = sorted({max(run.times), tightest}, reverse=True)
+    theirs = choice.choices(run, outside(run))
     rows = []
     for (kind, found), (_, other) in zip(choice.choices(run), theirs, strict=True):
-        best = [_said(found[target]) if target in found else "nobody" for target in ends]
-        peer = other.get(tightest)
+        best = [_said(found[target]) if target in found else "nobody" for target in run.ends]
+        peer = other.get(run.ends[-1])
         rows.append([kind, *best, _said(peer) if peer else "nobody"])
-    heads = ["for", *(f"to {power(target)}" for target in ends), f"of the outside solvers, to {power(tightest)}"]
+    heads = ["for", *(f"to {power(target)}" for target in run.ends), f"of the outside solvers, to {power(run.ends[-1])}"]
     return _table("## Which solver, who is exact, who claims falsely", heads, rows)
 
 

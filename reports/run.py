@@ -68,6 +68,11 @@ class Run:
         """Of each target the times to it, per problem and entry: see reports.accuracy."""
         return {target: times_to(self.contested, target) for target in targets(self.contested)}
 
+    @property
+    def ends(self) -> list[float]:
+        """The coarsest and the tightest target; one, where there is no other."""
+        return sorted({max(self.times), min(self.times)}, reverse=True)
+
     @cached_property
     def summaries(self) -> dict[float, pd.DataFrame]:
         """Of each target its times summed up, per class and entry."""

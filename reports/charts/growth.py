@@ -24,7 +24,7 @@ SIZES = 3  # fewer make no curve
 def panels(run: Run) -> list[Panel]:
     """A panel per scene that comes in three sizes or more, with each entry's exponent."""
     problems = run.contested.groupby("problem_id").agg(scene=("scene", "first"), contacts=("contacts", "max"))
-    times = run.times[TARGET if TARGET in run.times else min(run.times)].join(problems, on="problem_id")
+    times = run.times[TARGET if TARGET in run.times else run.ends[-1]].join(problems, on="problem_id")
     scenes = times.dropna(subset="contacts").groupby("scene", sort=False)
     found = {str(scene): _curves(times) for scene, times in scenes if times["contacts"].nunique() >= SIZES}
     means = [curve["mean"] for curves in found.values() for curve in curves.values()]

@@ -22,7 +22,7 @@ UNITS = ("pivots", "sweeps", "iterations", "factorisations")
 
 def panels(run: Run) -> list[Panel]:
     """A panel per unit that two entries or more count."""
-    times = run.times[min(run.times)]
+    times = run.times[run.ends[-1]]
     counts = pd.DataFrame([counted(text) for text in times["work"]], index=times.index, columns=list(UNITS))
     found = []
     for unit in UNITS:
