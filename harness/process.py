@@ -22,6 +22,7 @@ from problems import InputError
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "RAYON_NUM_THREADS")
 PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36  # linux/prctl.h
 PATIENCE = 10.0  # seconds to end processes that start others as fast as they die
+DEAD = "ZX"  # states of a process in /proc: died and not waited for; gone
 _held: list[socket.socket] = []
 
 
@@ -177,12 +178,13 @@ def descendants(pid: int) -> list[int]:
 def end_descendants(*, spare: Collection[int] = ()) -> bool:
     """Kill everything below this process but those to spare; whether there was anything alive.
 
-    Calling this, a process must be a subreaper, or what was detached escapes.
+    The dead children of one that is spared are its own to wait for. Calling this, a process must be a subreaper, or what was
+    detached escapes.
     """
     found, patience = False, monotonic() + PATIENCE
-    while (strays := set(descendants(os.getpid())).difference(spare)) and monotonic() < patience:
+    while (strays := [pid for pid in descendants(os.getpid()) if not _may_stay(pid, spare)]) and monotonic() < patience:
         for pid in strays:
-            found = found or not _is_dead(pid)
+            found = found or _state(pid)[0] not in DEAD
             with suppress(OSError):
                 os.kill(pid, signal.SIGKILL)
         for pid in strays:
@@ -192,12 +194,19 @@ def end_descendants(*, spare: Collection[int] = ()) -> bool:
     return found
 
 
-def _is_dead(pid: int) -> bool:
+def _may_stay(pid: int, spare: Collection[int]) -> bool:
+    state, parent = _state(pid)
+    return pid in spare or (state in DEAD and parent != os.getpid())
+
+
+def _state(pid: int) -> tuple[str, int]:
+    """A process's state, a letter, and its parent; X and 0 of one that is gone."""
     try:
         with open(f"/proc/{pid}/stat", encoding="utf-8", errors="replace") as stat:
-            return stat.read().rpartition(")")[2].split()[0] in "ZX"
-    except (OSError, IndexError):
-        return True
+            state, parent, *_ = stat.read().rpartition(")")[2].split()
+            return state, int(parent)
+    except (OSError, ValueError):
+        return "X", 0
 
 
 def _listed(path: str) -> list[str]:

@@ -90,7 +90,7 @@ class EatsMemory(Bad):
 
 @cache
 def slow_to_compile():
-    statements = "\n".join(f"    x = np.sin(x) * {i} + np.cumsum(x)" for i in range(60))
+    statements = "\n".join(f"    x = np.sin(x) * {i} + np.cumsum(x)" for i in range(20))
     space = {"np": np}
     exec(f"def slow(x):\n{statements}\n    return x", space)
     return njit(space["slow"])
