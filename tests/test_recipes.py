@@ -8,6 +8,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from numba.core import config
+from numba.core.caching import _CacheLocator
+
+from problems.compiled import HOUSE
 
 ROOT = Path(__file__).resolve().parent.parent
 RECIPES = dict(
@@ -28,7 +32,20 @@ def house(tmp_path_factory) -> Path:
     copy = tmp_path_factory.mktemp("house")
     for folder in ("problems", "solvers", "harness", "results", "reports"):
         shutil.copytree(ROOT / folder, copy / folder)
+    share_compiled(copy)
     return copy
+
+
+def share_compiled(copy: Path) -> None:
+    """What numba has compiled for this house serves the copy, whose files are as old and as long."""
+    kept = Path(config.CACHE_DIR)
+    for folder in {path.parent for path in copy.rglob("*.py")}:
+        here, there = (
+            _CacheLocator.get_suitable_cache_subpath(str(home / "any.py"))
+            for home in (HOUSE / folder.relative_to(copy), folder)
+        )
+        if (kept / here).is_dir():
+            shutil.copytree(kept / here, copy / "compiled" / kept.name / there)
 
 
 def follow(recipe: str, house: Path) -> str:
@@ -43,10 +60,11 @@ def follow(recipe: str, house: Path) -> str:
         text = re.sub(r"^(from reports.charts import) \(\n(.*?)^\)$", rf"\1 (\n\2    {chart[1]},\n)", text, flags=re.M | re.S)
         text = re.sub(r"^CHARTS = \(\n(.*?)^\)$", rf"CHARTS = (\n\1    {chart[1]}.CHART,\n)", text, flags=re.M | re.S)
         charts.write_text(text, encoding="utf-8")
+    environment = os.environ | {"PYTHONPATH": str(house), "COLUMNS": "200", "NUMBA_CACHE_DIR": str(house / "compiled")}
     printed = ""
     for command in re.findall(r"^    frictionbench (.+)$", recipe, re.M):
         call = [sys.executable, "-c", "from harness.cli import main; main()", *command.split()]
-        done = subprocess.run(call, cwd=house, env=dict(os.environ, PYTHONPATH=str(house), COLUMNS="200"), check=False, **PIPED)
+        done = subprocess.run(call, cwd=house, env=environment, check=False, **PIPED)
         assert done.returncode == 0, done.stderr
         printed = done.stdout
     return printed
