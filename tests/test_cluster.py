@@ -13,6 +13,7 @@ import pytest
 
 from harness.progress import Progress, Stage
 from harness.run import run
+from harness.workers import cluster
 from problems import InputError
 from tests.test_run import quiet, small_plan, verdicts
 
@@ -97,7 +98,8 @@ def test_a_cluster_that_loses_a_worker_finds_the_same(tmp_path) -> None:
 
 
 @pytest.mark.filterwarnings("default")
-def test_a_cluster_that_is_not_there_is_named(tmp_path) -> None:
+def test_a_cluster_that_is_not_there_is_named(tmp_path, monkeypatch) -> None:
     pytest.importorskip("distributed")
+    monkeypatch.setattr(cluster, "ANSWERING", 0.5)
     with pytest.raises(InputError, match="cluster: no scheduler answers"):
         run(small_plan(), tmp_path / "run", 1, quiet(), cluster=f"tcp://127.0.0.1:{free_port()}")

@@ -24,6 +24,7 @@ from problems import InputError
 from solvers.plugins import is_file
 
 AHEAD = 4  # tasks handed out per worker, so that none waits for the network
+ANSWERING = 10.0  # seconds a scheduler has to answer
 Files = dict[str, bytes]
 Settings = tuple[tuple[tuple[Plugin, Files], ...], int]
 _pools: dict[tuple[Any, ...], Pool] = {}  # of a dask worker, by plug-ins' content and bound on memory
@@ -38,7 +39,7 @@ class Cluster:
         except ImportError:
             raise InputError("cluster: dask is not installed; pip install 'frictionbench[cluster]'") from None
         try:
-            self._client = Client(address, timeout=10)
+            self._client = Client(address, timeout=ANSWERING)
         except (OSError, ValueError) as error:
             raise InputError(f"cluster: no scheduler answers at {address} ({error})") from None
         self._folder = folder
