@@ -22,6 +22,8 @@ from multiprocessing import Pipe
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
+from numba.core.registry import cpu_target
+
 from harness import machine, process
 from harness.cells import worker
 from harness.deadline import COMPILING, OURS, Deadline
@@ -41,6 +43,8 @@ def serve(control_fd: int) -> None:
     keepers: set[int] = set()
     with socket.socket(fileno=control_fd) as control:
         control.sendall(json.dumps(machine.code()).encode() + b"\n")
+        for context in (cpu_target.typing_context, cpu_target.target_context):
+            context.refresh()  # what numba imports at its first kernel, here for all workers
         while True:
             _, fds, _, _ = socket.recv_fds(control, 1, 1)
             if not fds:
