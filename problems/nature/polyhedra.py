@@ -77,8 +77,8 @@ def cut(cone: Cone, row: Array, equality: bool) -> Cone:
     if len(above) and len(below):
         p, m = (side.ravel() for side in np.meshgrid(above, below, indexing="ij"))
         both = tight[p] & tight[m]
-        met = both.astype(float) @ tight.T.astype(float)  # how many of these inequalities each generator is tight in
-        edge = np.sum(met == both.sum(axis=1)[:, None], axis=1) == 2
+        missed = both.astype(np.float32) @ ~tight.T  # of how many of these inequalities each generator is not tight in
+        edge = np.count_nonzero(missed == 0, axis=1) == 2
         p, m, both = p[edge], m[edge], both[edge]
         crossing = _unit(value[p, None] * generators[m] - value[m, None] * generators[p])
     tight = np.vstack([tight[keep], both])
