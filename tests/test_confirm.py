@@ -10,8 +10,8 @@ from harness.commands.accept import accept
 from problems import InputError
 from results import cells
 from results.compare import Comparison, Limits, compare
+from tests.command_line import frictionbench
 from tests.test_plugins import write
-from tests.test_run import frictionbench
 
 SCENE = "stack[blocks=1,push=1]"
 UNTIMED = Limits(times=False)

@@ -1,6 +1,5 @@
 """Solvers of installed distributions: found by their entry points, code from outside like a plug-in's file."""
 
-import os
 from pathlib import Path
 
 import pytest
@@ -11,8 +10,8 @@ from harness.workers.introduce import introduce
 from problems import InputError
 from results import store
 from solvers import plugins
+from tests.command_line import frictionbench
 from tests.test_plugins import PLUGIN
-from tests.test_run import frictionbench
 
 METADATA = "Metadata-Version: 2.1\nName: made-up\nVersion: 1.2\n"
 POINTS = "[frictionbench.solvers]\nguest = made_up.solvers\nabsent = made_up.solvers\n"
@@ -39,22 +38,21 @@ def distribution(tmp_path, monkeypatch) -> Path:
 
 
 def test_the_solver_of_an_installed_distribution_is_listed_solves_and_runs(distribution, tmp_path) -> None:
-    wide = os.environ | {"COLUMNS": "200"}
-    listed = frictionbench("list", "solvers", env=wide)
+    listed = frictionbench("list", "solvers")
     assert "made-up 1.2" in next(line for line in listed.stdout.splitlines() if line.startswith("guest "))
     assert not (tmp_path / "trace").exists()
-    solved = frictionbench("solve", "stack[blocks=1,push=1]", "--solver", "guest", "--solver", "nsgs", env=wide)
+    solved = frictionbench("solve", "stack[blocks=1,push=1]", "--solver", "guest", "--solver", "nsgs")
     assert solved.returncode == 0, solved.stderr
     assert set(solved.stdout.split()) >= {"guest", "nsgs"}
     run = ("run", "smoke", "--scene", "stack[blocks=1,push=1]", "--solver", "guest[factor=2]", "--out", str(tmp_path / "run"))
-    ran = frictionbench(*run, env=wide)
+    ran = frictionbench(*run)
     assert ran.returncode == 0, ran.stderr
     rows = store.read_table(tmp_path / "run", "solves")
     assert set(rows["variant"]) == {"guest[factor=2]"}
     assert set(rows["verdict"]) == {"unsolved"}
     assert rows["version"].str.startswith("made-up 1.2 ").all()
     (distribution / "made_up" / "__init__.py").write_text("FACTOR = 1.0", encoding="utf-8")
-    again = frictionbench(*run, env=wide)
+    again = frictionbench(*run)
     assert (again.returncode, "settings.plugins" in again.stderr) == (2, True)
     told = frictionbench("rerun", str(tmp_path / "run"), rows["key"][0])
     assert (told.returncode, "guest[factor=2] is not ours; the run had it from 'guest'" in told.stderr) == (2, True)

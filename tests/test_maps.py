@@ -32,7 +32,8 @@ from results.maps import Axis, Map
 from results.shrunk import read_shrunk
 from results.store import ResultsError
 from solvers import Status, find, solve
-from tests.test_run import frictionbench, quiet
+from tests.command_line import frictionbench
+from tests.test_run import quiet
 
 MAPS = {spec.name: spec for spec in ATLAS}
 

@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from harness import cli
 from harness.commands.single import rerun_row
 from harness.plans.choose import choose
 from harness.plans.plan import Plan, Source
@@ -24,6 +23,7 @@ from problems import InputError
 from problems.recorded import archive, own
 from results import store
 from results.store import ResultsError
+from tests.command_line import frictionbench
 
 
 def quiet() -> Progress:
@@ -84,11 +84,6 @@ def test_an_unlike_run_is_refused_and_nothing_is_lost(tmp_path) -> None:
     assert [path.name for path in stranger.iterdir()] == ["holiday.txt"]
 
 
-def frictionbench(*arguments: str, **options) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", "from harness.cli import main; main()", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=120, **options)
-
-
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
@@ -111,14 +106,10 @@ def frictionbench(*arguments: str, **options) -> subprocess.CompletedProcess[str
         (("rerun", "no_such_folder", "key"), "no such results folder"),
     ],
 )
-def test_unusable_input_is_named_in_one_line(tmp_path, monkeypatch, capsys, arguments, complaint) -> None:
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "argv", ["frictionbench", *arguments])
-    monkeypatch.setattr(cli, "_SIGNALS", ())
-    with pytest.raises(SystemExit) as ended:
-        cli.main()
-    assert ended.value.code == 2
-    assert complaint in "".join(capsys.readouterr())
+def test_unusable_input_is_named_in_one_line(tmp_path, arguments, complaint) -> None:
+    done = frictionbench(*arguments, cwd=tmp_path)
+    assert done.returncode == 2
+    assert complaint in done.stderr + done.stdout
     assert list(tmp_path.iterdir()) == []
 
 
@@ -192,16 +183,14 @@ def test_a_cell_is_rerun_from_its_row_bit_for_bit(tmp_path) -> None:
             row, again = rerun_row(folder, key, [])
             assert row is not again
             assert {name: row.get(name) for name in same} == {name: again.get(name) for name in same}
-    shown = frictionbench("rerun", str(folder), key, env=os.environ | {"COLUMNS": "200"})
+    shown = frictionbench("rerun", str(folder), key)
     assert shown.returncode == 0, shown.stderr
     assert shown.stdout.count(row["variant"]) == 2
     assert "no row has the key" in frictionbench("rerun", str(folder), "nonsense").stderr
 
 
 def test_solve_puts_every_solver_to_one_problem() -> None:
-    done = frictionbench(
-        "solve", "stack[blocks=2,push=1]", "--solver", "lemke", "--solver", "nsgs", env=os.environ | {"COLUMNS": "200"}
-    )
+    done = frictionbench("solve", "stack[blocks=2,push=1]", "--solver", "lemke", "--solver", "nsgs")
     assert done.returncode == 0, done.stderr
     assert "lemke" in done.stdout
     assert "solved" in done.stdout

@@ -1,5 +1,6 @@
 """An ordinary install: the wheel in an environment of its own, used from elsewhere, nothing writable but a scratch folder."""
 
+import json
 import os
 import shutil
 import subprocess
@@ -48,28 +49,41 @@ def python(environment: Path, code: str, *arguments: str, **asked: str) -> subpr
     return subprocess.run(command, cwd=elsewhere, env=kept | asked, capture_output=True, text=True, check=False, timeout=300)
 
 
-def frictionbench(environment: Path, *arguments: str) -> subprocess.CompletedProcess:
-    """The command line so; nothing is compiled, which would take a minute."""
-    return python(environment, "import frictionbench; frictionbench.main()", *arguments, NUMBA_DISABLE_JIT="1")
+COMMANDS = """
+import json, sys, frictionbench
+for arguments in json.loads(sys.argv[1]):
+    sys.argv[1:] = arguments
+    try:
+        frictionbench.main()
+    except SystemExit as ended:
+        assert not ended.code, (arguments, ended.code)
+    print(end="\\0", flush=True)
+"""
+
+
+def frictionbench(environment: Path, *commands: list[str]) -> list[str]:
+    """What commands print, one after the other in one Python; nothing is compiled, which would take a minute."""
+    done = python(environment, COMMANDS, json.dumps(commands), NUMBA_DISABLE_JIT="1")
+    assert done.returncode == 0, done.stderr
+    return done.stdout.split("\0")[:-1]
 
 
 def test_a_wheel_works_from_elsewhere_without_a_home(installed) -> None:
     baseline = next(installed.glob("lib/python*/site-packages/results/baselines/smoke.tsv"))
     assert "lemke\tsolve\t" in baseline.read_text(encoding="utf-8")
     results, mine = installed.parent / "results of mine", installed.parent / "baselines" / "mine.tsv"
-    first = "run", "smoke", "--scene", "stack", "--solver", "lemke", "--jobs", "1", "--out", str(results)
-    for arguments, told in (
+    commands = (
         (["--help"], "Compare solvers for the friction LCPs"),
         (["list", "solvers"], "nsgs"),
-        (first, "results of mine"),
+        (["run", "smoke", "--scene", "stack", "--solver", "lemke", "--jobs", "1", "--out", str(results)], "results of mine"),
         (["accept", str(results), str(mine)], "accepted: "),
         (["compare", str(mine), str(results)], "## worse 0"),
         (["report", str(results)], "report: "),
         (["solve", "stack[blocks=2]", "--solver", "nsgs"], "use nsgs: solved"),
-    ):
-        done = frictionbench(installed, *arguments)
-        assert done.returncode == 0, done.stderr
-        assert told in done.stdout
+    )
+    printed = frictionbench(installed, *(arguments for arguments, _ in commands))
+    for (arguments, told), text in zip(commands, printed, strict=True):
+        assert told in text, arguments
     assert next(results.glob("*.html")).stat().st_size > 5 * 10**4
 
 

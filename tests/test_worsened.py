@@ -7,8 +7,8 @@ import pytest
 from reports.comparison.markdown import markdown
 from results import store
 from results.compare import Comparison, compare
+from tests.command_line import frictionbench
 from tests.made_results import write_folder
-from tests.test_run import frictionbench
 
 SOLVER = '''
 import numpy as np
