@@ -206,8 +206,8 @@ def history(folders: Annotated[list[Path], typer.Argument(metavar="DIR...", help
 
     from reports.comparison.history import history as table_of
 
-    console = Console()
-    (console if console.is_terminal else Console(width=160)).print(table_of(folders))
+    console, table = Console(), table_of(folders)
+    (console if console.is_terminal else Console(width=10**6)).print(table)  # nothing is folded in a pipe
 
 
 @app.command()

@@ -64,7 +64,8 @@ def verify(problem: FrictionProblem, answer: Answer, info: SolverInfo, tol: floa
     reasons = [
         _reason(verdict, exact, model, floor, tol),
         soft,
-        answer.detail or (answer.status.value if verdict == UNSOLVED else ""),
+        "" if info.needs and claimed and verdict in (SOLVED, RELAXED) else answer.detail,  # a library's word for success
+        answer.status.value if verdict == UNSOLVED and not answer.detail else "",
     ]
     allowed = energy_within(problem, impulse, max(exact, tol))
     if abs(defect) > FAR * allowed:

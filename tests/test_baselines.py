@@ -14,6 +14,7 @@ from results import cells, known
 from results.changes import Flip
 from results.compare import compare
 from results.store import ResultsError
+from tests.command_line import frictionbench
 from tests.made_results import drive_row, lost_row, solve_row, write_folder
 
 SMOKE = Path(__file__).resolve().parent.parent / "results" / "baselines" / "smoke.tsv"
@@ -118,6 +119,12 @@ def test_acknowledged_changes_that_cannot_be_read_are_told(tmp_path, text, told)
     (tmp_path / "known.toml").write_text(text, encoding="utf-8")
     with pytest.raises(ResultsError, match=told):
         known.read(tmp_path / "known.toml")
+
+
+def test_a_program_reads_runs_over_time_unfolded(tmp_path):
+    first, far = run(tmp_path / "first"), run(tmp_path.joinpath(*["a_long_name_of_a_folder"] * 8))
+    printed = frictionbench("history", str(first), str(far)).stdout
+    assert any(str(far) in line and "pivots 30" in line for line in printed.splitlines())
 
 
 def test_runs_over_time_are_told_on_the_same_cells(tmp_path):

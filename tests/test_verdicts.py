@@ -50,6 +50,19 @@ def test_a_claim_that_misses_by_little_is_missed(excess, status, verdict):
         assert finding.reason == f"claims a residual within 0.0001, has {excess * 1e-4:.2g}, {excess:.2g} times that"
 
 
+def test_a_librarys_word_is_told_where_it_did_not_succeed():
+    problem, library = block(), replace(LEMKE, needs=("library",))
+    right, nothing = solve(problem, "lemke").impulse, np.zeros((1, 2))
+    for impulse, status, who, told in (
+        (right, Status.SOLVED, library, ""),
+        (right, Status.SOLVED, LEMKE, "fine"),
+        (right, Status.STALLED, library, "fine"),
+        (nothing, Status.STALLED, library, "fine"),
+    ):
+        assert verify(problem, Answer(impulse, status, detail="fine"), who, 1e-8).reason == told
+    assert verify(problem, Answer(nothing, Status.SOLVED, detail="fine"), library, 1e-8).reason.endswith("; fine")
+
+
 def test_a_relaxation_misses_by_its_own_residual():
     problem = random_problem(3, contacts=4, friction=1.0)
     r = solve(problem, "relaxation_ip", tol=1e-12).impulse
