@@ -1,4 +1,4 @@
-"""The same plan on a dask cluster on this machine, one of its two workers killed half-way, finds the same."""
+"""The same plan on a dask cluster here, one of its two workers killed half-way, finds the same; a dead scheduler is told."""
 
 import os
 import signal
@@ -15,6 +15,7 @@ from harness.progress import Progress, Stage
 from harness.run import run
 from harness.workers import cluster
 from problems import InputError
+from results.store import ResultsError
 from tests.test_run import quiet, small_plan, verdicts
 
 
@@ -26,7 +27,7 @@ def free_port() -> int:
 
 @contextmanager
 def dask_cluster(folder: Path) -> Iterator[tuple[str, list[subprocess.Popen]]]:
-    """A scheduler and two workers over TCP on loopback: its address and the workers."""
+    """A scheduler and two workers over TCP on loopback: its address and the three."""
     address = f"tcp://127.0.0.1:{free_port()}"
     quietly = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "start_new_session": True, "cwd": folder}
     environment = os.environ | {"DASK_DISTRIBUTED__WORKER__DAEMON": "False"}
@@ -45,7 +46,7 @@ def dask_cluster(folder: Path) -> Iterator[tuple[str, list[subprocess.Popen]]]:
         ]
         processes.append(subprocess.Popen([*command, "--local-directory", str(folder)], env=environment, **quietly))
     try:
-        yield address, processes[1:]
+        yield address, processes
     finally:
         for process in processes:
             if process.poll() is None:
@@ -54,11 +55,11 @@ def dask_cluster(folder: Path) -> Iterator[tuple[str, list[subprocess.Popen]]]:
 
 
 class KillAfter(Progress):
-    """Kills a worker's processes after a few cells."""
+    """Kills a worker, or the scheduler, after a few cells."""
 
-    def __init__(self, worker: subprocess.Popen, cells: int) -> None:
+    def __init__(self, killed: subprocess.Popen, cells: int) -> None:
         super().__init__(quiet()._console)
-        self.worker, self.left = worker, cells
+        self.killed, self.left = killed, cells
 
     @contextmanager
     def stage(self, name: str, total: int, done: int) -> Iterator[Stage]:
@@ -69,7 +70,7 @@ class KillAfter(Progress):
                 def count(task):
                     self.left -= 1
                     if self.left == 0:
-                        os.killpg(self.worker.pid, signal.SIGKILL)
+                        os.killpg(self.killed.pid, signal.SIGKILL)
                     finished(task)
 
                 stage.finished = count
@@ -84,16 +85,18 @@ def wait_for_workers(address: str, count: int) -> None:
 
 
 @pytest.mark.filterwarnings("default")
-def test_a_cluster_that_loses_a_worker_finds_the_same(tmp_path) -> None:
+def test_a_cluster_that_loses_a_worker_finds_the_same_and_one_without_scheduler_is_told(tmp_path) -> None:
     pytest.importorskip("distributed")
     run(small_plan(), tmp_path / "here", 1, quiet())
     (tmp_path / "scratch").mkdir()
-    with dask_cluster(tmp_path / "scratch") as (address, workers):
+    with dask_cluster(tmp_path / "scratch") as (address, (scheduler, worker, _)):
         wait_for_workers(address, 2)
-        killer = KillAfter(workers[0], cells=3)
+        killer = KillAfter(worker, cells=3)
         run(small_plan(), tmp_path / "there", 1, killer, cluster=address)
         assert killer.left < 0
-        assert workers[0].wait(timeout=10) == -signal.SIGKILL
+        assert worker.wait(timeout=10) == -signal.SIGKILL
+        with pytest.raises(ResultsError, match="cluster: its scheduler is gone; the same command goes on"):
+            run(small_plan(), tmp_path / "lost", 1, KillAfter(scheduler, cells=2), cluster=address)
     assert verdicts(tmp_path / "there") == verdicts(tmp_path / "here")
 
 

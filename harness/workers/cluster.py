@@ -10,6 +10,7 @@ A task whose dask worker dies goes to another one. Rows carry the host that time
 """
 
 from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import CancelledError
 from dataclasses import replace
 from functools import cache
 from itertools import islice
@@ -21,6 +22,7 @@ from harness.plans.plan import Plugin, SolveCell
 from harness.workers.pool import Pool
 from harness.workers.task import Outcome, Task
 from problems import InputError
+from results.store import ResultsError
 from solvers.plugins import is_file
 
 AHEAD = 4  # tasks handed out per worker, so that none waits for the network
@@ -58,7 +60,10 @@ class Cluster:
     def run(
         self, tasks: Iterable[Task], started: Callable[[Task], None] = lambda task: None, _: object = None
     ) -> Iterator[Outcome]:
-        """Every task's outcome as it comes; started is called when a task is handed out. Who compiles is not known here."""
+        """Every task's outcome as it comes; started is called when a task is handed out. Who compiles is not known here.
+
+        Errors: ResultsError where the scheduler dies.
+        """
         from distributed import as_completed
 
         queue = iter(tasks)
@@ -74,8 +79,12 @@ class Cluster:
         completed = as_completed([submit(task) for task in islice(queue, ahead)])
         for future in completed:
             task = waiting.pop(future.key)
-            error = future.exception()
-            yield future.result() if error is None else Outcome(task, death="crashed", reason=f"on the cluster: {error}"[:500])
+            try:
+                error = future.exception()
+                outcome = future.result() if error is None else None
+            except (CancelledError, OSError):
+                raise ResultsError("cluster: its scheduler is gone; the same command goes on where it stopped") from None
+            yield outcome or Outcome(task, death="crashed", reason=f"on the cluster: {error}"[:500])
             if (following := next(queue, None)) is not None:
                 completed.add(submit(following))
 
