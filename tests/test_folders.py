@@ -21,6 +21,7 @@ from results import files, store
 from results.compare import compare
 from results.schema import arrow_schema
 from results.store import ResultsError, ShardWriter
+from tests.command_line import frictionbench
 from tests.made_results import solve_row, write_folder
 from tests.test_run import quiet, small_plan
 
@@ -187,15 +188,14 @@ def test_mutated_files_are_used_or_told_in_one_line(tmp_path, kind) -> None:
 @pytest.mark.parametrize(("room", "unwritten"), [(2000, "manifest.json"), (5000, "solves.parquet")])
 def test_a_disk_that_is_full_is_named_and_the_run_goes_on_where_there_is_room(tmp_path, room, unwritten) -> None:
     """A disk with room for files of so many bytes."""
-    command = [sys.executable, "-c", "from harness.cli import main; main()", "run", "smoke", "--jobs", "1"]
-    command += ["--scene", "stack", "--solver", "nsgs", "--out", str(tmp_path / "run")]
-    full = "import os, sys; from resource import RLIMIT_FSIZE, setrlimit; "
-    full += f"setrlimit(RLIMIT_FSIZE, ({room}, {room})); os.execv(sys.argv[1], sys.argv[1:])"
+    command = ["run", "smoke", "--jobs", "1", "--scene", "stack", "--solver", "nsgs", "--out", str(tmp_path / "run")]
+    full = "from resource import RLIMIT_FSIZE, setrlimit; from harness.cli import main; "
+    full += f"setrlimit(RLIMIT_FSIZE, ({room}, {room})); main()"
     broken = subprocess.run([sys.executable, "-c", full, *command], capture_output=True, text=True, check=False, timeout=120)
     assert broken.returncode == 2
     assert broken.stderr.splitlines()[-1].startswith(f"frictionbench: {tmp_path / 'run' / unwritten}: ")
     assert broken.stderr.splitlines()[-1].endswith("File too large")
-    subprocess.run(command, check=True, capture_output=True, timeout=120)
+    assert frictionbench(*command).returncode == 0
     assert set(store.read_table(tmp_path / "run", "solves")["verdict"]) == {"solved"}
 
 
