@@ -22,6 +22,8 @@ PATTERNS = {
     "arrow": sparse.csr_array(np.column_stack([np.eye(8), np.ones(8)])),
     "stack": pattern("stack", blocks=20),
     "pyramid": pattern("pyramid", rows=6),
+    "one wide front": sparse.csr_array(np.ones((1, 43))),
+    "wide fronts": sparse.csr_array(sparse.random_array((60, 120), density=0.15, rng=np.random.default_rng(6))),
     "random": sparse.csr_array(sparse.random_array((30, 25), density=0.1, rng=np.random.default_rng(5))),
 }
 
@@ -102,6 +104,15 @@ def test_a_singular_matrix_gives_replaced_pivots_and_finite_factors(entry) -> No
     assert factorise(fronts, storage, swap, 1e-3) == 1
     solve(fronts, storage, swap, x)
     assert x[0] == pytest.approx(1e3)
+
+
+@pytest.mark.parametrize("n", [5, 30])
+def test_every_pivot_of_a_matrix_of_zeros_is_replaced(n) -> None:
+    fronts, _ = analysed(sparse.csr_array(np.ones((1, n))))
+    storage, swap, x = np.zeros(n * n), np.zeros(n, dtype=np.int64), np.ones(n)
+    assert factorise(fronts, storage, swap, 1e-3) == n
+    solve(fronts, storage, swap, x)
+    assert x == pytest.approx(1e3)
 
 
 @pytest.mark.parametrize("name", PATTERNS)

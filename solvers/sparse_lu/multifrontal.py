@@ -22,10 +22,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from problems.check import Array
-from problems.compiled import kernel, part
+from problems.compiled import inlined, kernel, part
 from solvers.sparse_lu.minimum_degree import Index, minimum_degree, same_elements, transpose
+from solvers.sparse_lu.tiles import LANES, load, minus, store, subtract_product
 
 Place = NDArray[np.uint32]  # unsigned, so that compiled code need not ask whether an index counts from the end
+NARROW = 12  # the most columns of a front for which numbers one by one are as fast as tiles
 
 
 class Fronts(NamedTuple):
@@ -143,25 +145,22 @@ def find(fronts: Fronts, front: int, variable: int) -> int:
 def factorise(fronts: Fronts, storage: Array, swap: Index, floor: float) -> int:
     """Factorise in place what was added into storage (start[-1],); the number of pivots replaced.
 
-    swap: (n,), filled with the row interchanges. Pivots act on the rows below them three at a time, as a body has three.
+    swap: (n,), filled with the row interchanges. Wide fronts go by blocks of columns. In narrow ones pivots act on the rows
+    below them three at a time, as a body has three.
     """
     replaced = eliminated = 0
     for f in range(len(fronts.pivots)):
         p, w, up = fronts.pivots[f], fronts.first[f + 1] - fronts.first[f], fronts.parent[f]
-        F = storage[fronts.start[f] : fronts.start[f + 1]].reshape(w, w)
+        F = _front(fronts, storage, f)
+        if w > NARROW:
+            replaced += _eliminate(F, p, swap[eliminated : eliminated + p], floor)
+            eliminated += p
+            if p < w:
+                _extend_add(F, p, fronts.above[fronts.first[f] : fronts.first[f + 1]], _front(fronts, storage, up))
+            continue
         for k in range(p):
-            best = k
-            for i in range(k + 1, p):
-                if abs(F[i, k]) > abs(F[best, k]):
-                    best = i
-            swap[eliminated + k] = best
-            if best != k:
-                for j in range(w):
-                    F[k, j], F[best, j] = F[best, j], F[k, j]
-            if not abs(F[k, k]) >= floor:
-                F[k, k] = -floor if F[k, k] < 0 else floor
-                replaced += 1
-            F[k, k] = 1 / F[k, k]
+            swap[eliminated + k], small = _pivot(F, k, p, floor)
+            replaced += small
             for i in range(k + 1, p):
                 F[i, k] *= F[k, k]
                 for j in range(k + 1, w):
@@ -170,8 +169,7 @@ def factorise(fronts: Fronts, storage: Array, swap: Index, floor: float) -> int:
         if p == w:
             continue
         above = fronts.above[fronts.first[f] : fronts.first[f + 1]]
-        wide = fronts.first[up + 1] - fronts.first[up]
-        G = storage[fronts.start[up] : fronts.start[up + 1]].reshape(wide, wide)
+        G = _front(fronts, storage, up)
         for i in range(p, w):
             done = p % 3
             for k in range(done):
@@ -190,6 +188,70 @@ def factorise(fronts: Fronts, storage: Array, swap: Index, floor: float) -> int:
             for j in range(p, w):
                 row[above[j]] += F[i, j]
     return replaced
+
+
+@inlined
+def _front(fronts: Fronts, storage: Array, f: int) -> Array:
+    """Front f as a matrix."""
+    w = fronts.first[f + 1] - fronts.first[f]
+    return storage[fronts.start[f] : fronts.start[f + 1]].reshape(w, w)
+
+
+@inlined
+def _pivot(F: Array, k: int, p: int, floor: float) -> tuple[int, int]:
+    """Bring the largest of F[k:p, k] to the diagonal and invert it: the row it came from, and whether it had to be replaced."""
+    best, replaced = k, 0
+    for i in range(k + 1, p):
+        if abs(F[i, k]) > abs(F[best, k]):
+            best = i
+    if best != k:
+        for j in range(F.shape[1]):
+            F[k, j], F[best, j] = F[best, j], F[k, j]
+    if not abs(F[k, k]) >= floor:
+        F[k, k] = -floor if F[k, k] < 0 else floor
+        replaced = 1
+    F[k, k] = 1 / F[k, k]
+    return best, replaced
+
+
+@part
+def _eliminate(F: Array, p: int, swap: Index, floor: float) -> int:
+    """Eliminate p columns of a wide front, eight at a time; the number of pivots replaced.
+
+    Within eight columns each pivot acts on all rows below it; then the eight rows are completed to the right; then both act
+    on the rest of the pivots' rows and columns, and at the end all pivots at once on what is left.
+    """
+    w, replaced = len(F), 0
+    for begin in range(0, p, LANES):
+        end = min(begin + LANES, p)
+        for k in range(begin, end):
+            swap[k], small = _pivot(F, k, p, floor)
+            replaced += small
+            inverse, n = F[k, k], end - k - 1
+            row = load(F, k, k + 1, n)
+            for i in range(k + 1, w):
+                a = F[i, k] * inverse
+                F[i, k] = a
+                store(F, i, k + 1, n, minus(load(F, i, k + 1, n), a, row))
+        for i in range(begin + 1, end):
+            subtract_product(F, i, i + 1, end, w, begin, i)
+        subtract_product(F, end, p, end, w, begin, end)
+        subtract_product(F, p, w, end, p, begin, end)
+    subtract_product(F, p, w, p, w, 0, p)
+    return replaced
+
+
+@part
+def _extend_add(F: Array, p: int, above: Place, G: Array) -> None:
+    """Add what is left of a wide front to its parent G, up to eight neighbouring columns at a time."""
+    w, j = len(F), p
+    while j < w:
+        n, column = 1, above[j]
+        while n < LANES and j + n < w and above[j + n] == column + n:
+            n += 1
+        for i in range(p, w):
+            store(G, above[i], column, n, minus(load(G, above[i], column, n), -1.0, load(F, i, j, n)))
+        j += n
 
 
 @kernel
