@@ -23,11 +23,12 @@ from numpy.typing import NDArray
 
 from problems.check import Array
 from problems.compiled import inlined, kernel, part
+from solvers.sparse_lu.dense_front import backward, eliminate, extend_add, forward, pivot
 from solvers.sparse_lu.minimum_degree import Index, minimum_degree, same_elements, transpose
-from solvers.sparse_lu.tiles import LANES, load, minus, store, subtract_product
 
 Place = NDArray[np.uint32]  # unsigned, so that compiled code need not ask whether an index counts from the end
 NARROW = 12  # the most columns of a front for which numbers one by one are as fast as tiles
+FEW = 4  # the most pivots of a front for which sums of numbers one by one are as fast
 
 
 class Fronts(NamedTuple):
@@ -153,13 +154,13 @@ def factorise(fronts: Fronts, storage: Array, swap: Index, floor: float) -> int:
         p, w, up = fronts.pivots[f], fronts.first[f + 1] - fronts.first[f], fronts.parent[f]
         F = _front(fronts, storage, f)
         if w > NARROW:
-            replaced += _eliminate(F, p, swap[eliminated : eliminated + p], floor)
+            replaced += eliminate(F, p, swap[eliminated : eliminated + p], floor)
             eliminated += p
             if p < w:
-                _extend_add(F, p, fronts.above[fronts.first[f] : fronts.first[f + 1]], _front(fronts, storage, up))
+                extend_add(F, p, fronts.above[fronts.first[f] : fronts.first[f + 1]], _front(fronts, storage, up))
             continue
         for k in range(p):
-            swap[eliminated + k], small = _pivot(F, k, p, floor)
+            swap[eliminated + k], small = pivot(F, k, p, floor)
             replaced += small
             for i in range(k + 1, p):
                 F[i, k] *= F[k, k]
@@ -197,66 +198,9 @@ def _front(fronts: Fronts, storage: Array, f: int) -> Array:
     return storage[fronts.start[f] : fronts.start[f + 1]].reshape(w, w)
 
 
-@inlined
-def _pivot(F: Array, k: int, p: int, floor: float) -> tuple[int, int]:
-    """Bring the largest of F[k:p, k] to the diagonal and invert it: the row it came from, and whether it had to be replaced."""
-    best, replaced = k, 0
-    for i in range(k + 1, p):
-        if abs(F[i, k]) > abs(F[best, k]):
-            best = i
-    if best != k:
-        for j in range(F.shape[1]):
-            F[k, j], F[best, j] = F[best, j], F[k, j]
-    if not abs(F[k, k]) >= floor:
-        F[k, k] = -floor if F[k, k] < 0 else floor
-        replaced = 1
-    F[k, k] = 1 / F[k, k]
-    return best, replaced
-
-
-@part
-def _eliminate(F: Array, p: int, swap: Index, floor: float) -> int:
-    """Eliminate p columns of a wide front, eight at a time; the number of pivots replaced.
-
-    Within eight columns each pivot acts on all rows below it; then the eight rows are completed to the right; then both act
-    on the rest of the pivots' rows and columns, and at the end all pivots at once on what is left.
-    """
-    w, replaced = len(F), 0
-    for begin in range(0, p, LANES):
-        end = min(begin + LANES, p)
-        for k in range(begin, end):
-            swap[k], small = _pivot(F, k, p, floor)
-            replaced += small
-            inverse, n = F[k, k], end - k - 1
-            row = load(F, k, k + 1, n)
-            for i in range(k + 1, w):
-                a = F[i, k] * inverse
-                F[i, k] = a
-                store(F, i, k + 1, n, minus(load(F, i, k + 1, n), a, row))
-        for i in range(begin + 1, end):
-            subtract_product(F, i, i + 1, end, w, begin, i)
-        subtract_product(F, end, p, end, w, begin, end)
-        subtract_product(F, p, w, end, p, begin, end)
-    subtract_product(F, p, w, p, w, 0, p)
-    return replaced
-
-
-@part
-def _extend_add(F: Array, p: int, above: Place, G: Array) -> None:
-    """Add what is left of a wide front to its parent G, up to eight neighbouring columns at a time."""
-    w, j = len(F), p
-    while j < w:
-        n, column = 1, above[j]
-        while n < LANES and j + n < w and above[j + n] == column + n:
-            n += 1
-        for i in range(p, w):
-            store(G, above[i], column, n, minus(load(G, above[i], column, n), -1.0, load(F, i, j, n)))
-        j += n
-
-
 @kernel
 def solve(fronts: Fronts, storage: Array, swap: Index, b: Array) -> None:
-    """Overwrite b (n,) with A^-1 b, after factorise."""
+    """Overwrite b (n,) with A^-1 b, after factorise, whose factors it leaves as they are."""
     eliminated = 0
     for f in range(len(fronts.pivots)):
         p, begin, w = fronts.pivots[f], fronts.first[f], fronts.first[f + 1] - fronts.first[f]
@@ -266,6 +210,10 @@ def solve(fronts: Fronts, storage: Array, swap: Index, b: Array) -> None:
             value = b[best]
             b[best] = b[eliminated + k]
             b[eliminated + k] = value
+        if p > FEW and w > NARROW:
+            forward(_front(fronts, storage, f), p, eliminated, fronts.variable[begin : begin + w], b)
+            eliminated += p
+            continue
         for k in range(p):
             value = b[eliminated + k]
             for i in range(k + 1, w):
@@ -274,6 +222,9 @@ def solve(fronts: Fronts, storage: Array, swap: Index, b: Array) -> None:
     for f in range(len(fronts.pivots) - 1, -1, -1):
         p, begin, w = fronts.pivots[f], fronts.first[f], fronts.first[f + 1] - fronts.first[f]
         eliminated -= p
+        if p > FEW and w > NARROW:
+            backward(_front(fronts, storage, f), p, eliminated, fronts.variable[begin : begin + w], b)
+            continue
         for k in range(p - 1, -1, -1):
             row, total = fronts.start[f] + k * w, b[eliminated + k]
             for j in range(k + 1, w):

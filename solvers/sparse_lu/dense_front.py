@@ -1,0 +1,93 @@
+"""Elimination in a dense front whose first p columns are the pivots', by blocks of eight columns.
+
+    [ P  R ]        P = L U with rows interchanged,        S <- S - C P^-1 R.
+    [ C  S ]
+
+The front (w, w) is overwritten with the factors: L, below the diagonal of ones, reaches down through C, U to the right through
+R, and the diagonal holds the inverse pivots. What is left in S is then the parent's, and its first row room for the solution.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from problems.check import Array
+from problems.compiled import inlined, part
+from solvers.sparse_lu.minimum_degree import Index
+from solvers.sparse_lu.tiles import dot, subtract_product
+from solvers.sparse_lu.vectors import LANES, load, minus, store
+
+
+@inlined
+def pivot(F: Array, k: int, p: int, floor: float) -> tuple[int, int]:
+    """Bring the largest of F[k:p, k] to the diagonal and invert it: the row it came from, and whether it had to be replaced."""
+    best, replaced = k, 0
+    for i in range(k + 1, p):
+        if abs(F[i, k]) > abs(F[best, k]):
+            best = i
+    if best != k:
+        for j in range(F.shape[1]):
+            F[k, j], F[best, j] = F[best, j], F[k, j]
+    if not abs(F[k, k]) >= floor:
+        F[k, k] = -floor if F[k, k] < 0 else floor
+        replaced = 1
+    F[k, k] = 1 / F[k, k]
+    return best, replaced
+
+
+@part
+def eliminate(F: Array, p: int, swap: Index, floor: float) -> int:
+    """Eliminate p columns of a wide front, eight at a time; the number of pivots replaced.
+
+    Within eight columns each pivot acts on all rows below it; then the eight rows are completed to the right; then both act
+    on the rest of the pivots' rows and columns, and at the end all pivots at once on what is left.
+    """
+    w, replaced = len(F), 0
+    for begin in range(0, p, LANES):
+        end = min(begin + LANES, p)
+        for k in range(begin, end):
+            swap[k], small = pivot(F, k, p, floor)
+            replaced += small
+            inverse, n = F[k, k], end - k - 1
+            row = load(F, k, k + 1, n)
+            for i in range(k + 1, w):
+                a = F[i, k] * inverse
+                F[i, k] = a
+                store(F, i, k + 1, n, minus(load(F, i, k + 1, n), a, row))
+        for i in range(begin + 1, end):
+            subtract_product(F, i, i + 1, end, w, begin, i)
+        subtract_product(F, end, p, end, w, begin, end)
+        subtract_product(F, p, w, end, p, begin, end)
+    subtract_product(F, p, w, p, w, 0, p)
+    return replaced
+
+
+@part
+def extend_add(F: Array, p: int, above: NDArray[np.uint32], G: Array) -> None:
+    """Add what is left of a wide front to its parent G, up to eight neighbouring columns at a time."""
+    w, j = len(F), p
+    while j < w:
+        n, column = 1, above[j]
+        while n < LANES and j + n < w and above[j + n] == column + n:
+            n += 1
+        for i in range(p, w):
+            store(G, above[i], column, n, minus(load(G, above[i], column, n), -1.0, load(F, i, j, n)))
+        j += n
+
+
+@part
+def forward(F: Array, p: int, first: int, variable: NDArray[np.uint32], b: Array) -> None:
+    """Take what the rows above have of b off each row of a front, whose pivots are the variables from first on."""
+    row = b.reshape(1, len(b))
+    for i in range(1, len(F)):
+        b[variable[i]] -= dot(F, i, 0, row, 0, first, min(i, p))
+
+
+@part
+def backward(F: Array, p: int, first: int, variable: NDArray[np.uint32], b: Array) -> None:
+    """The unknowns of a front from those of later ones, gathered where the front has a row that it gave to its parent."""
+    w, row = len(F), b.reshape(1, len(b))
+    for j in range(p, w):
+        F[p, j] = b[variable[j]]
+    for k in range(p - 1, -1, -1):
+        value = b[first + k] - dot(F, k, p, F, p, p, w - p) - dot(F, k, k + 1, row, 0, first + k + 1, p - k - 1)
+        b[first + k] = value * F[k, k]

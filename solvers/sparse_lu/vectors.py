@@ -1,0 +1,146 @@
+"""Eight numbers at a time: the instructions of which solvers.sparse_lu.tiles makes its loops.
+
+`load`, `store`, `minus`, `plus` and `total` stand for instructions of LLVM, which turns them into those of the machine at hand,
+several narrower ones where it has none so wide. A vector that is not full is loaded and stored under a mask. Their bodies in
+Python say what they do, and are what runs where numba is told to compile nothing. A product and its sum may be rounded
+together, once; the order of all sums is the one written here.
+
+Kernels are made of this file, and problems.compiled, which looks for its own name, counts it among theirs.
+"""
+
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.core.typing import signature
+from numba.extending import lower_builtin, models, register_model, type_callable
+
+from problems.check import Array
+
+LANES = 8
+
+
+def load(F: Array, i: int, j: int, n: int) -> Array:
+    """A vector of F[i, j : j + n], n at most 8, and zeros."""
+    vector = np.zeros(LANES)
+    vector[:n] = F[i, j : j + n]
+    return vector
+
+
+def store(F: Array, i: int, j: int, n: int, vector: Array) -> None:
+    """F[i, j : j + n] = vector[:n]."""
+    F[i, j : j + n] = vector[:n]
+
+
+def minus(vector: Array, a: float, other: Array) -> Array:
+    """vector - a other."""
+    return vector - a * other
+
+
+def plus(vector: Array, one: Array, other: Array) -> Array:
+    """vector + one other, number by number."""
+    return vector + one * other
+
+
+def total(vector: Array) -> float:
+    """The sum of a vector's numbers, by halves."""
+    for half in (4, 2, 1):
+        vector = vector[:half] + vector[half:]
+    return float(vector[0])
+
+
+class _Vector(types.Type):
+    """numba's type of a vector."""
+
+
+_VECTOR = _Vector("vector")
+_DOUBLES, _BITS = ir.VectorType(ir.DoubleType(), LANES), ir.VectorType(ir.IntType(1), LANES)
+_INDICES, _WORD = ir.VectorType(ir.IntType(64), LANES), ir.IntType(32)
+_ALIGNED = _WORD(8)  # as a number is
+
+
+@register_model(_Vector)
+class _Register(models.PrimitiveModel):
+    def __init__(self, manager: Any, kind: Any) -> None:
+        super().__init__(manager, kind, _DOUBLES)
+
+
+@type_callable(load)
+def _type_of_load(_: Any) -> Any:
+    return lambda F, i, j, n: signature(_VECTOR, F, types.intp, types.intp, types.intp)
+
+
+@type_callable(store)
+def _type_of_store(_: Any) -> Any:
+    return lambda F, i, j, n, vector: signature(types.void, F, types.intp, types.intp, types.intp, vector)
+
+
+@type_callable(minus)
+def _type_of_minus(_: Any) -> Any:
+    return lambda vector, a, other: signature(_VECTOR, vector, types.float64, other)
+
+
+@type_callable(plus)
+def _type_of_plus(_: Any) -> Any:
+    return lambda vector, one, other: signature(_VECTOR, vector, one, other)
+
+
+@type_callable(total)
+def _type_of_total(_: Any) -> Any:
+    return lambda vector: signature(types.float64, vector)
+
+
+def _all_lanes(builder: Any, value: Any, kind: Any) -> Any:
+    nothing = ir.Constant(kind, ir.Undefined)
+    one = builder.insert_element(nothing, value, _WORD(0))
+    return builder.shuffle_vector(one, nothing, ir.Constant(ir.VectorType(_WORD, LANES), [0] * LANES))
+
+
+def _place(context: Any, builder: Any, kind: Any, F: Any, i: Any, j: Any, n: Any) -> tuple[Any, Any]:
+    """Where F[i, j] lies, and which lanes come before the n-th."""
+    matrix = context.make_array(kind)(context, builder, F)
+    columns = builder.extract_value(matrix.shape, 1)
+    at = builder.gep(matrix.data, [builder.add(builder.mul(i, columns), j)])
+    mask = builder.icmp_signed("<", ir.Constant(_INDICES, list(range(LANES))), _all_lanes(builder, n, _INDICES))
+    return builder.bitcast(at, _DOUBLES.as_pointer()), mask
+
+
+@lower_builtin(load, types.Array, types.intp, types.intp, types.intp)
+def _emit_load(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    at, mask = _place(context, builder, signature.args[0], *arguments)
+    kind = ir.FunctionType(_DOUBLES, [at.type, _WORD, _BITS, _DOUBLES])
+    instruction = cgutils.get_or_insert_function(builder.module, kind, "llvm.masked.load.v8f64.p0")
+    return builder.call(instruction, [at, _ALIGNED, mask, ir.Constant(_DOUBLES, [0.0] * LANES)])
+
+
+@lower_builtin(store, types.Array, types.intp, types.intp, types.intp, _Vector)
+def _emit_store(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    at, mask = _place(context, builder, signature.args[0], *arguments[:4])
+    kind = ir.FunctionType(ir.VoidType(), [_DOUBLES, at.type, _WORD, _BITS])
+    instruction = cgutils.get_or_insert_function(builder.module, kind, "llvm.masked.store.v8f64.p0")
+    builder.call(instruction, [arguments[4], at, _ALIGNED, mask])
+    return context.get_dummy_value()
+
+
+@lower_builtin(minus, _Vector, types.float64, _Vector)
+def _emit_minus(_: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    vector, a, other = arguments
+    product = builder.fmul(_all_lanes(builder, a, _DOUBLES), other, flags=("contract",))
+    return builder.fsub(vector, product, flags=("contract",))
+
+
+@lower_builtin(plus, _Vector, _Vector, _Vector)
+def _emit_plus(_: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    vector, one, other = arguments
+    return builder.fadd(vector, builder.fmul(one, other, flags=("contract",)), flags=("contract",))
+
+
+@lower_builtin(total, _Vector)
+def _emit_total(_: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    (vector,) = arguments
+    for half in (4, 2, 1):
+        low, high = (ir.Constant(ir.VectorType(_WORD, half), list(range(at, at + half))) for at in (0, half))
+        vector = builder.fadd(builder.shuffle_vector(vector, vector, low), builder.shuffle_vector(vector, vector, high))
+    return builder.extract_element(vector, _WORD(0))
