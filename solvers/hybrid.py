@@ -4,12 +4,10 @@ No single method is fast, accurate and reliable on every friction problem. In th
 some dozens of contacts, an interior point's sparse factorisations beyond. In space a few sweeps of Gauss-Seidel end the
 smallest problems, and bring the largest near enough for the interior point to start there and save most of its iterations;
 between them they cost more than they save, and so they do where bodies rest on more contacts than it takes to hold them, as in
-stacks of cubes: W is singular there, and 30 sweeps leave a residual of a tenth. Where the interior point is trapped, the
-convex relaxation is asked before paths are followed: it cannot be trapped, and where nothing slides in its solution, that is a
-Coulomb solution. Then come proximal points, which large friction does not trap, and paths around where they got. Pivoting ends
-on an exact basis; each method fails on some instances that another solves. A portfolio stops at the first answer whose
-residual, computed here from the problem's own velocities, is within the tolerance: so it solves what any of its members does,
-and says so when none does.
+stacks of cubes: W is singular there, and 30 sweeps leave a residual of a tenth. The interior point is a portfolio itself, of
+the convex relaxation and of central paths; hardly anything is left for those after it. Pivoting ends on an exact basis; each
+method fails on some instances that another solves. A portfolio stops at the first answer whose residual, computed here from
+the problem's own velocities, is within the tolerance: so it solves what any of its members does, and says so when none does.
 (Algorithm portfolios: Gomes and Selman 2001.)
 """
 
@@ -24,16 +22,11 @@ from problems.residual import residual
 from solvers.interface import Answer, Solver, SolverInfo, Status, find, solver
 
 PLANAR = ("lemke", "interior_point", "path_search", "staggered", "anitescu_hart", "fischer_newton")
-SPATIAL = (
-    *("nsgs", "interior_point[paths=false]", "relaxation_ip", "proximal_newton", "interior_point[shortcut=false]"),
-    *("proximal_newton", "nncg", "apgd_coulomb", "staggered", "admm_coulomb", "anitescu_hart"),
-)
+SPATIAL = ("nsgs", "interior_point", "proximal_newton", "nncg", "apgd_coulomb", "staggered", "admm_coulomb", "anitescu_hart")
 PIVOTS = 48  # contacts up to which lemke comes first, formed and solved
 SWEPT = 6, 60  # contacts up to and from which nsgs does
 HYPERSTATIC = 1.25  # contact rows a velocity, above which it does in the smallest problems only
-# The limits of members that are asked briefly at first: sweeps, a fraction of the interior point's time at any size, and
-# factorisations, within which most of what proximal points solve is solved, and a good guess found for paths where they do not.
-FIRST = {"nsgs": 30, "proximal_newton": 500}
+SWEEPS = 30  # of nsgs: a fraction of the interior point's time at any size
 CLOSE = 0.01  # the residual up to which what a member leaves makes a better start than nothing
 
 
@@ -48,7 +41,7 @@ class Prepared(NamedTuple):
     first: Any
 
 
-MEMBERS = tuple(dict.fromkeys(name.partition("[")[0] for name in (*PLANAR, *SPATIAL)))
+MEMBERS = tuple(dict.fromkeys((*PLANAR, *SPATIAL)))
 
 
 @solver("hybrid", family="portfolio", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True, members=MEMBERS)
@@ -70,11 +63,9 @@ class Hybrid:
         problem = prepared.problem
         impulse, least, found_by = np.zeros((problem.contacts, problem.dimension)), np.inf, ""
         work: dict[str, int] = {}
-        brief = dict(FIRST)
         for tried, (info, member) in enumerate(prepared.members, start=1):
             stage = prepared.first if tried == 1 else member.prepare(problem)
-            most = brief.pop(info.name, limit)
-            own_limit = most if limit is None or most is None else min(most, limit)
+            own_limit = (SWEEPS if limit is None else min(SWEEPS, limit)) if info.name == "nsgs" else limit
             guess = impulse if least <= CLOSE else start
             answer = member.solve(stage, tol, own_limit, guess if info.warm_start else None)
             for unit, count in answer.work.items():

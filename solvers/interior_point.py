@@ -6,10 +6,14 @@ convex relaxation. Mehrotra's predictor-corrector (solvers.interior.predictor_co
 more for a thousand boxes than for ten.
 
 The problem is not monotone, and the predictor-corrector can be trapped: in a few random instances of a hundred, and in large
-sheared pyramids with much friction. Then the central path is followed around its folds (solvers.interior.central_path), first
-from around where Gauss-Seidel gets in SWEEPS sweeps (solvers.interior.centred_point), or around impulses given if these are
-nearer, which show how the contacts are loaded; then from up to six starts that know nothing. Each path arrives with a chance
-that falls with the number of contacts, and one that winds on is left for the next.
+piles with much friction. In space the convex relaxation is solved then, which cannot be trapped: where nothing slides in its
+solution, that is the answer. Then the central path is followed around its folds (solvers.interior.central_path) from one start
+after the other: some know nothing, the others are centred points (solvers.interior.centred_point) around where Gauss-Seidel
+gets in SWEEPS sweeps, around the relaxation's solution, or around impulses given. Most paths arrive in the end;
+some are short, and no start has the shortest in all problems, so that one that winds on is left for the next.
+
+In space paths of many contacts with much friction are several times shorter where the friction's products are larger at the
+start than the normal ones: what slides is told from what sticks later than what opens.
 
 Given impulses to start from, the predictor-corrector sets out from the centred point around them. As this keeps the distance
 from the boundary that their residual suggests, a good start saves most of the iterations, and a bad one does no harm.
@@ -30,15 +34,13 @@ from solvers.interior.point import Point, start_point
 from solvers.interior.predictor_corrector import predictor_corrector
 from solvers.interior.system import System, space_of
 
-# Impulses and speeds, relative to a contact's own, by dimension: each of these arrives in three of four instances in the plane.
-STARTS = {
-    2: ((0.1, 10.0), (1.0, 10.0), (0.1, 100.0), (1.0, 100.0), (10.0, 1.0), (1.0, 1.0)),
-    3: ((1.0, 100.0), (1.0, 10.0), (0.1, 1.0), (10.0, 100.0), (1.0, 1.0), (10.0, 10.0)),
-}
+# Starts of paths that know nothing: impulses and speeds, relative to a contact's own.
+BLIND = ((0.1, 10.0), (1.0, 10.0), (0.1, 100.0), (1.0, 100.0), (10.0, 1.0), (1.0, 1.0))
 SWEEPS = 1000  # before the central path is followed: as dear as ten or twenty factorisations
 NEAR = 1e-10  # a start's least distance from the boundary, in residuals, to step on from
-FAR = {2: (0.3,), 3: (0.8, 0.4, 1.6, 0.2, 3.0)}  # and to follow paths from, by dimension
-LIMIT = 2000  # factorisations
+FAR = 0.3  # and to follow paths from in the plane
+CLOSE = 0.01  # the residual of the relaxation's solution up to which it is worth stepping on from
+LIMIT = 5000  # factorisations
 PATIENCE = 12  # iterations of the predictor-corrector without progress: more than ever helped
 
 
@@ -49,48 +51,79 @@ PATIENCE = 12  # iterations of the predictor-corrector without progress: more th
     dimension=(2, 3),
     warm_start=True,
     sparse=True,
-    members=("nsgs",),
+    members=("nsgs", "relaxation_ip"),
 )
 class InteriorPoint(Phased):
     """Predictor-corrector on Coulomb's law, then its central path; one sparse factorisation an iteration.
 
-    A portfolio where it is trapped: the path starts from what nsgs left, whose work is counted under that name.
+    A portfolio where it is trapped: paths start around what nsgs and relaxation_ip left, whose work is counted by their names.
     shortcut: try the predictor-corrector first; otherwise follow the path from the beginning.
-    paths: follow paths where the predictor-corrector is trapped; otherwise end there.
     """
 
     shortcut: bool = True
-    paths: bool = True
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         """limit bounds the factorisations."""
-        swept: dict[str, int] = {}
-        phases = self._phases(*prepared, start, swept)
+        spent: dict[str, int] = {}
+        phases = self._phases(*prepared, start, spent)
         limit = LIMIT if limit is None else limit
         answer = run(prepared, phases, tol, limit, PATIENCE, residual)
-        answer.work |= {f"nsgs {unit}": count for unit, count in swept.items()}
+        answer.work |= spent
         return answer
 
-    def _phases(self, problem: FrictionProblem, system: System, start: Array | None, swept: dict[str, int]) -> Iterator[Phase]:
-        """The methods in turn, with the points they start from; swept: the work of nsgs, if it comes to that."""
+    def _phases(self, problem: FrictionProblem, system: System, start: Array | None, spent: dict[str, int]) -> Iterator[Phase]:
+        """The methods in turn, with the points they start from; spent: the work of others, if it comes to that."""
         if start is not None:
             yield predictor_corrector, _around(problem, system, impulses(start, system.offset.shape), NEAR)
         if self.shortcut:
             yield predictor_corrector, first_point(system)
-        if not self.paths:
+        if problem.dimension == 3:
+            yield from self._spatial(problem, system, start, spent)
             return
-        near = solve(problem, "nsgs", limit=SWEEPS)
-        swept |= near.work
-        guess = near.impulse
-        if start is not None and residual(problem, start) < residual(problem, guess):
-            guess = start
-        for far in FAR[problem.dimension]:
-            yield trace, _around(problem, system, guess, far)
-        for impulse, speed in STARTS[problem.dimension]:
-            point = start_point(system, impulse, speed)
-            if problem.dimension == 3:  # with large mu paths arrive only where the friction is what mu c allows
-                point.s[:, 3] *= np.maximum(system.friction, 1)
-            yield trace, point
+        guess = _guess(problem, start, spent)
+        yield trace, _around(problem, system, guess, FAR)
+        for impulse, speed in BLIND:
+            yield trace, start_point(system, impulse, speed)
+
+    def _spatial(self, problem: FrictionProblem, system: System, start: Array | None, spent: dict[str, int]) -> Iterator[Phase]:
+        """The relaxation, then paths."""
+        answer = solve(problem, "relaxation_ip")
+        spent |= {f"relaxation_ip {unit}": count for unit, count in answer.work.items()}
+        relaxed = answer.impulse
+        if residual(problem, relaxed) <= CLOSE:
+            yield predictor_corrector, _around(problem, system, relaxed, NEAR)
+        yield trace, _blind(system, 1.0, 10.0, 10.0)
+        yield trace, _widened(_around(problem, system, relaxed, 3.0), 3.0)
+        guess = _guess(problem, start, spent)
+        yield trace, _around(problem, system, guess, 1.0)
+        yield trace, _widened(_around(problem, system, relaxed, 3.0), 10.0)
+        yield trace, _blind(system, 1.5, 5.0, 1.0)
+        yield trace, _widened(_around(problem, system, relaxed, 1.0), 10.0)
+        yield trace, _around(problem, system, relaxed, 3.0)
+        yield trace, _widened(_around(problem, system, relaxed, 2.0), 6.0)
+
+
+def _guess(problem: FrictionProblem, start: Array | None, spent: dict[str, int]) -> Array:
+    """The impulses (nc, d) where Gauss-Seidel gets, or those given where they are nearer."""
+    swept = solve(problem, "nsgs", limit=SWEEPS)
+    spent |= {f"nsgs {unit}": count for unit, count in swept.work.items()}
+    if start is not None and residual(problem, start) < residual(problem, swept.impulse):
+        return start
+    return swept.impulse
+
+
+def _blind(system: System, impulse: float, speed: float, wide: float) -> Point:
+    """A start in space that knows nothing, with as much friction as mu c allows: where mu is large, no other path arrives."""
+    point = start_point(system, impulse, speed)
+    point.s[:, 3] *= np.maximum(system.friction, 1)
+    return _widened(point, wide)
+
+
+def _widened(point: Point, wide: float) -> Point:
+    """A point in space with its friction's products `wide` times larger."""
+    point.x[:, 3] *= wide
+    point.s[:, 1:3] *= wide
+    return point
 
 
 def _around(problem: FrictionProblem, system: System, impulse: Array, least: float) -> Point:

@@ -35,11 +35,6 @@ def to_geodesics(system, space, at, step):
 
 
 @kernel
-def move_along(system, space, at, step, length):
-    point.move_along(system, space, at, step, length)
-
-
-@kernel
 def equations(system, state, anchor, rho, work):
     return alart_curnier.equations(system, state, anchor, rho, work)
 

@@ -20,7 +20,7 @@ from solvers.interior.lorentz import longest_in_cone
 from solvers.interior.point import add_products, set_identity, set_step, start_point
 from solvers.interior.system import new_work, prepare, space_of
 from tests.friction_problems import block, nothing, spatial
-from tests.kernels import direction, evaluate, linearise, longest, move_along, new_point, to_geodesics
+from tests.kernels import direction, evaluate, linearise, longest, new_point, to_geodesics
 from tests.recorded import FOLDER as RECORDED
 
 METHODS = ("interior_point", "interior_point[shortcut=false]")
@@ -426,11 +426,24 @@ def test_the_longest_step_ends_on_the_cone(seed) -> None:
         assert before[0] >= np.hypot(before[1], before[2])
 
 
+def root(a):
+    """The square roots of elements a (n, 3) of Lorentz' cone."""
+    size = np.hypot(a[:, 1], a[:, 2])
+    high, low = np.sqrt(a[:, 0] + size), np.sqrt(a[:, 0] - size)
+    along = np.where(size > 0, (high - low) / (2 * np.where(size > 0, size, 1)), 0)
+    return np.column_stack([(high + low) / 2, along * a[:, 1], along * a[:, 2]])
+
+
+def quadratic(a, b):
+    """Q(a) b = 2 (a . b) a - det(a) (b_0, -b_t)."""
+    det = a[:, 0] ** 2 - a[:, 1] ** 2 - a[:, 2] ** 2
+    return 2 * (a * b).sum(axis=1)[:, None] * a - det[:, None] * b * np.array([1, -1, -1])
+
+
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_geodesics_leave_along_the_step_and_stay_inside(dimension) -> None:
+def test_a_step_is_measured_by_what_makes_it_of_the_identity(dimension) -> None:
     system = prepare(with_every_kind_of_contact(dimension, joints=1))
-    space = space_of(system)
-    point, step, there = start_point(system, 1.0, 2.0), new_point(system), new_point(system)
+    point, step = start_point(system, 1.0, 2.0), new_point(system)
     random = np.random.default_rng(0)
     rubs = system.pairs > 1
     for values, change in ((point.x, step.x), (point.s, step.s)):
@@ -438,18 +451,18 @@ def test_geodesics_leave_along_the_step_and_stay_inside(dimension) -> None:
             values[rubs, 1:3] = random.uniform(-0.3, 0.3, (rubs.sum(), 2)) * point.s[rubs, 3:]
         change[:, 0] = random.standard_normal(8)
         change[rubs, 1:] = random.standard_normal((rubs.sum(), 3))
-    straight = new_point(system)
-    set_step(straight, 1.0, step)
-    to_geodesics(system, space, point, step)
-    for length, accuracy in ((1e-4, 1e-7), (1e-5, 1e-9)):
-        set_step(there, 1.0, point)
-        move_along(system, space, there, step, length)
-        for end, begin, change in zip(there, point, straight, strict=True):
-            assert np.allclose(end, begin + length * change, rtol=0, atol=accuracy)
-    move_along(system, space, point, step, 5.0)
-    assert longest(system, space, point, new_point(system), 1.0) == 1.0
+    w = new_point(system)
+    set_step(w, 1.0, step)
+    to_geodesics(system, space_of(system), point, w)
+    for values, change, measured in ((point.x, step.x, w.x), (point.s, step.s, w.s)):
+        assert np.allclose(values[:, 0] * measured[:, 0], change[:, 0])
+        if dimension == 2:
+            assert np.allclose(values[rubs] * measured[rubs], change[rubs])
     if dimension == 3:
-        assert np.all(point.s[rubs, 3] >= np.hypot(*point.x[rubs, 1:3].T))
+        y = [np.column_stack([at.s[rubs, 3], at.x[rubs, 1:3]]) for at in (point, step, w)]
+        z = [np.column_stack([at.x[rubs, 3], at.s[rubs, 1:3]]) for at in (point, step, w)]
+        for values, change, measured in (y, z):
+            assert np.allclose(quadratic(root(values), measured), change)
 
 
 def from_lcp(M, q) -> FrictionProblem:
@@ -502,11 +515,22 @@ def test_sparse_joints_keep_a_chain_sparse() -> None:
 
 
 @pytest.mark.parametrize("friction", [0.7, 1.0])
-def test_a_pyramid_of_spheres_that_only_traps_the_exact_path_is_solved_by_its_relaxation(friction) -> None:
+def test_a_pyramid_of_spheres_that_only_traps_the_exact_method_is_solved_by_its_relaxation(friction) -> None:
     problem = sphere_pyramid(0, levels=5, friction=friction)
-    alone = solve(problem, "interior_point[paths=false]")
-    assert alone.status is Status.STALLED
-    assert residual(problem, alone.impulse) > 1e-3
-    answer = solve(problem, "hybrid")
-    assert answer.detail == "relaxation_ip"
+    answer = solve(problem, "interior_point")
     assert residual(problem, answer.impulse) <= 1e-8
+    assert answer.work["factorisations"] < 60
+    assert 0 < answer.work["relaxation_ip factorisations"] < 40
+
+
+@pytest.mark.parametrize(
+    ("seed", "levels", "friction", "noise"),
+    [(0, 4, 0.5, 0.0), (2, 4, 0.5, 0.0), (1, 5, 0.5, 0.0), (1, 5, 1.0, 0.03), (0, 6, 0.5, 0.0), (2, 6, 0.7, 0.03)],
+)
+def test_a_sliding_pyramid_of_spheres_is_solved_by_paths(seed, levels, friction, noise) -> None:
+    assert_solved(sphere_pyramid(seed, levels=levels, friction=friction, noise=noise), "interior_point", at_most=5000)
+
+
+@pytest.mark.parametrize("seed", [0, 5, 19, 26, 38])
+def test_friction_without_end_is_solved_by_paths(seed) -> None:
+    assert_solved(random_bodies(seed, contacts=40, friction=1000.0), "interior_point")

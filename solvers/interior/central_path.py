@@ -1,26 +1,28 @@
 """The central path of a friction problem, followed around its folds.
 
-From a start x0, s0 > 0 with defect d0, the curve of all (x, s, t) with
+From a start x0, s0 > 0 with defect d0, the curve of all z = (x, s) and t with
 
     x ∘ s = t x0 ∘ s0,      H'u + K x - s = t d0,      F v + b_F = t times its value at the start,      t from 1 to 0,
 
-leads to a solution. The problem is not monotone, so t need not decrease along it: the curve is followed by its length, in the
-logarithms of x, s and t (the geodesics of solvers.interior.point), in which the cones' boundaries disappear and the curve is
-straight near a solution, however fast the pairs vanish. Each iteration factorises Newton's matrix once
-(solvers.interior.newton), for both parts of a step:
+leads to a solution. The problem is not monotone, so t need not decrease along it: the curve is followed by its length. Each
+iteration factorises Newton's matrix once (solvers.interior.newton) and solves with it three times, for
 
-    correction   towards the curve, orthogonal to its tangent; as often as it takes, but the first one too long is taken back,
-    prediction   along the tangent, the longer the smaller the correction that the last one caused.
+    correction   towards the curve, orthogonal to its tangent; the next step is foretold where it is short, else it is repeated,
+    tangent      z', t', of length 1,
+    curvature    z'', t'', orthogonal to the tangent: the second derivative of x ∘ s is 2 z'_x ∘ z'_s, that of the rest 0,
+
+and foretells z + tau z' + tau^2 z''/2, with tau such that the last term is small. Lengths and angles are measured in the
+logarithms of x, s and t (the geodesics of solvers.interior.point), in which the cones' boundaries disappear; but steps are
+straight in x and s, which keeps all equations but the products exact however long a step is. Were it otherwise, the velocities
+that belong to the impulses would be lost, and with them the curve, wherever many contacts hold few bodies.
 
 Which way along the tangent is told by the sign of det A: along a curve dt changes its sign together with the determinant of
 the derivative by (x, s), and nowhere else (Allgower and Georg 1990, section 2.1), and that of the eliminated contacts is
-positive. The angle with the last tangent, the usual criterion, turns round where t is small and a corner is sharp, and the path
-goes back to where it came from. With the determinant a step across a corner may only exchange branches.
+positive. Where this way is not the one in which the last step arrives, that has jumped to another branch, and is shortened.
 
-Where t is small and the point on the curve, the faster predictor_corrector is tried from there.
-
-It may also leave to t > 1, or wind on for long; then another start is tried. Speeds s0 large against W x0 make that rare: the
-problem at t = 1 then has nearly q > 0, as for the ray on which Lemke's method starts. This is an observation and not a theorem.
+Where t is small the faster predictor_corrector is tried from there. The curve may also leave to t > 1, or be very long; then
+another start is tried. Speeds s0 large against W x0 make that rare: the problem at t = 1 then has nearly q > 0, as for the ray
+on which Lemke's method starts. This is an observation and not a theorem.
 
 References: Kojima, Megiddo, Noda and Yoshise 1991 (the path); Allgower and Georg 1990, chapters 2 to 6 (tracing a curve).
 """
@@ -31,19 +33,21 @@ from problems.check import Array
 from problems.compiled import kernel, part
 from solvers.interior.elements import larger
 from solvers.interior.newton import direction, linearise
-from solvers.interior.point import Point, add_products, add_step, move_along, new_point, set_step, to_geodesics
+from solvers.interior.point import Point, add_products, add_step, longest, new_point, set_step, to_geodesics
 from solvers.interior.predictor_corrector import Best, Room, judge, predictor_corrector
 from solvers.interior.system import Space, System
 from solvers.sparse_lu.multifrontal import determinant_sign
 
-NEAR = 0.2  # a correction, in logarithms, up to which a point counts as on the curve
-FAR = 1.0  # and from which the prediction is taken back
-AIM = 0.3  # what the length of a prediction aims at
-HALFWAY = 0.5  # a correction is no longer than this
-MOST = 12  # corrections of one prediction
-FIRST, LONGEST, SHORTEST = 0.1, 3.0, 1e-7  # predictions, in logarithms
-HAND_OVER = np.log(1e-4)  # log t at which the predictor-corrector is tried, and again by each of these further on
-END, LOST = np.log(1e-20), 3.0
+TERM = 0.08  # the last term of a prediction, its largest component in logarithms
+NEAR, FAR = 0.1, 0.2  # corrections with which the next step is foretold, and after which the last is shortened
+SWERVED = 1.0  # and one after which it is, where it is not the first
+TURN = 0.7  # the cosine between a step's end and the tangent there, below which it is shortened
+SHARP = 1e-3  # a step for which the curve itself turns so
+SHORTER, SHORTEST = 0.4, 1e-7  # of steps
+MOST = 3  # corrections of one prediction
+INSIDE = 0.98  # of the way to the boundary, or to t = 0
+HAND_OVER = 1e-4  # t at which the predictor-corrector is tried, and again by each of these further on
+END, LOST = 1e-20, 20.0  # t
 
 
 @kernel
@@ -53,63 +57,92 @@ def trace(system: System, space: Space, point: Point, room: Room, best: Best, to
     patience: that of the predictor-corrector, where it is tried. history receives the residual of every iterate; their
     number is returned.
     """
-    first, defect, correction, tangent = new_point(system), new_point(system), new_point(system), new_point(system)
-    ahead, saved, trial, work = new_point(system), new_point(system), new_point(system), room.work
+    first, defect, correction, tangent, curvature = _five(system)
+    log_step, log_tangent, ahead, saved, trial = _five(system)
+    work = room.work
     judge(system, space, point, first, work, best)
     product, target = np.zeros((len(point.x), 4)), np.zeros((len(point.x), 4))
     _aim(space, product, 0.0, target, -1.0, point)
-    log_t, saved_log_t, ahead_log_t = 0.0, 0.0, -1.0
-    length, hand_over = FIRST, HAND_OVER
+    t, saved_t, rate, bend, length, hand_over = 1.0, 1.0, 0.0, 0.0, 0.0, HAND_OVER
     used, corrections, inwards = 0, 0, 0
     while used < len(history):
         history[used] = judge(system, space, point, defect, work, best)
         used += 1
-        if best.residual[0] <= tol or length < SHORTEST or not END < log_t < LOST:
+        if best.residual[0] <= tol or not END < t < LOST:
             return used
         linearise(system, space, point, work)
         best.factorisations[0] += 1
         sign = determinant_sign(system.fronts, work.storage, work.swap)
         if used == 1:
             inwards = sign
-        t = np.exp(log_t)
+        way = -1.0 if sign == inwards else 1.0
         _aim(space, target, t, product, 1.0, point)
         add_step(defect, -t, first)
         direction(system, space, point, target, defect, correction, work)
         _aim(space, target, t, product, 0.0, point)
         set_step(defect, -t, first)
         direction(system, space, point, target, defect, tangent, work)
-        to_geodesics(system, space, point, correction)
-        to_geodesics(system, space, point, tangent)
-        back = -_dot(correction, tangent) / (1 + _dot(tangent, tangent))
-        add_step(correction, back, tangent)
-        off = max(_size(correction), abs(back))
-        if (used > 1 and not off <= (FAR if corrections == 0 else np.inf)) or corrections > MOST:
-            set_step(point, 1.0, saved)
-            log_t, corrections = saved_log_t, 0
-            length /= 4
+        set_step(log_tangent, 1.0, tangent)
+        to_geodesics(system, space, point, log_tangent)
+        square = 1 + _dot(log_tangent, log_tangent)
+        cosine = 1.0
+        if length > SHARP and corrections == 0:  # ahead + 2 length curvature is the derivative at the end of the step
+            set_step(log_step, 1.0, ahead)
+            add_step(log_step, 2 * length, curvature)
+            to_geodesics(system, space, point, log_step)
+            change = (rate + 2 * length * bend) / t
+            cosine = way * (_dot(log_step, log_tangent) + change)
+            cosine /= np.sqrt(square * (_dot(log_step, log_step) + change * change))
+        back = _orthogonal(system, space, point, correction, log_step, tangent, log_tangent, square)
+        off = larger(_size(log_step), abs(back))
+        if used > 1 and (not off <= (FAR if corrections == 0 else SWERVED) or not cosine >= TURN or corrections > MOST):
+            length *= SHORTER
+            corrections = 0
+            if length < SHORTEST:
+                return used
         else:
-            share = min(1.0, HALFWAY / max(off, HALFWAY))
-            move_along(system, space, point, correction, share)
-            log_t += share * back
+            share = min(1.0, INSIDE * longest(system, space, point, correction, 1 / INSIDE), INSIDE / larger(INSIDE, abs(back)))
             if off > NEAR:
+                add_step(point, share, correction)
+                t *= 1 + share * back
                 corrections += 1
                 continue
-            if log_t < hand_over and used < len(history):
-                set_step(trial, 1.0, point)
-                used += predictor_corrector(system, space, trial, room, best, tol, patience, history[used:])
-                hand_over += HAND_OVER
-            if corrections > 1:
-                length /= 2
-            elif corrections == 0 and used > 1:
-                length = min(LONGEST, length * min(2.0, max(0.3, np.sqrt(AIM / max(off, 1e-9)))))
             corrections = 0
             set_step(saved, 1.0, point)
-            saved_log_t = log_t
-            ahead_log_t = (-1.0 if sign == inwards else 1.0) / max(_size(tangent), 1.0)
-            set_step(ahead, ahead_log_t, tangent)
-        move_along(system, space, point, ahead, length)
-        log_t += length * ahead_log_t
+            add_step(saved, share, correction)
+            saved_t = t * (1 + share * back)
+            if saved_t < hand_over and used < len(history):
+                set_step(trial, 1.0, saved)
+                used += predictor_corrector(system, space, trial, room, best, tol, patience, history[used:])
+                hand_over *= HAND_OVER
+                if best.residual[0] <= tol:
+                    return used
+                linearise(system, space, point, work)
+                best.factorisations[0] += 1
+            rate = way / np.sqrt(square)
+            set_step(ahead, rate, tangent)
+            _aim(space, target, 0.0, product, 1.0, ahead)
+            set_step(defect, 0.0, first)
+            direction(system, space, point, target, defect, curvature, work)
+            bend = t * _orthogonal(system, space, point, curvature, log_step, tangent, log_tangent, square)
+            rate *= t
+            length = np.sqrt(TERM / larger(_size(log_step), abs(bend) / t))
+        while True:
+            set_step(trial, length, ahead)
+            add_step(trial, length * length, curvature)
+            change = length * (rate + length * bend)
+            if longest(system, space, saved, trial, 1 / INSIDE) >= 1 / INSIDE and saved_t + change > (1 - INSIDE) * saved_t:
+                break
+            length *= 0.8
+        set_step(point, 1.0, saved)
+        add_step(point, 1.0, trial)
+        t = saved_t + change
     return used
+
+
+@part
+def _five(system: System) -> tuple[Point, Point, Point, Point, Point]:
+    return new_point(system), new_point(system), new_point(system), new_point(system), new_point(system)
 
 
 @part
@@ -119,6 +152,19 @@ def _aim(space: Space, target: Array, t: float, product: Array, share: float, po
         for k in range(4):
             target[i, k] = t * product[i, k]
     add_products(space, -share, point.x, point.s, target)
+
+
+@part
+def _orthogonal(
+    system: System, space: Space, point: Point, step: Point, log_step: Point, tangent: Point, log_tangent: Point, square: float
+) -> float:
+    """Make a step orthogonal to the tangent by d/dlog t, in logarithms; the change of log t that this takes."""
+    set_step(log_step, 1.0, step)
+    to_geodesics(system, space, point, log_step)
+    back = -_dot(log_step, log_tangent) / square
+    add_step(log_step, back, log_tangent)
+    add_step(step, back, tangent)
+    return float(back)
 
 
 @part

@@ -61,12 +61,3 @@ def _root(a: Vector, sign: float) -> Vector:
 def to_geodesic(a: Vector, step: Vector) -> Vector:
     """w with step = Q(sqrt a) w."""
     return _quadratic(_root(a, -1.0), step)
-
-
-@part
-def along_geodesic(a: Vector, w: Vector) -> Vector:
-    """Q(sqrt a) exp(w)."""
-    size = np.sqrt(w[1] * w[1] + w[2] * w[2])
-    high, low = np.exp(w[0] + size), np.exp(w[0] - size)
-    along = (high - low) / (2 * size) if size > 0 else 0.0
-    return _quadratic(_root(a, 1.0), ((high + low) / 2, along * w[1], along * w[2]))

@@ -13,7 +13,7 @@ from solvers.interior.system import System, in_velocities, prepare, space_of
 
 ROUNDING = 4 * np.finfo(float).eps
 MARGIN = 0.5  # of tol: the same residual in other units, added up in another order
-SHARE = 250  # factorisations for one phase, or one for each contact in space: few paths that arrived were longer
+SHARE = {2: (250, 0), 3: (500, 2)}  # factorisations for one phase, by dimension: at least, and for each contact
 
 Phase = tuple[Callable[..., int], Point]  # the method, and the point it starts from, to be moved
 Measure = Callable[[FrictionProblem, Array], float]
@@ -49,7 +49,8 @@ def run(prepared: Prepared, phases: Iterable[Phase], tol: float, limit: int, pat
     history, space, room = np.empty(limit), space_of(system), new_room(system)
     best = Best(np.zeros_like(system.offset), np.array([np.inf]), np.zeros(1, np.int64))
     used = 0
-    share = SHARE if problem.dimension == 2 else max(SHARE, problem.contacts)
+    least, each = SHARE[problem.dimension]
+    share = max(least, each * problem.contacts)
     status = Status.STALLED
     for method, point in phases:
         used += method(system, space, point, room, best, MARGIN * tol, patience, history[used : used + share])

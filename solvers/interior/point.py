@@ -25,7 +25,7 @@ import numpy as np
 
 from problems.check import Array
 from problems.compiled import kernel, part
-from solvers.interior.lorentz import along_geodesic, longest_in_cone, to_geodesic
+from solvers.interior.lorentz import longest_in_cone, to_geodesic
 from solvers.interior.system import Space, System, space_of
 from solvers.sparse_lu.minimum_degree import Index
 
@@ -126,23 +126,6 @@ def to_geodesics(system: System, space: Space, point: Point, step: Point) -> Non
         if space is not None and system.pairs[i] > 1:
             dx[i, 3], ds[i, 1], ds[i, 2] = to_geodesic((x[i, 3], s[i, 1], s[i, 2]), (dx[i, 3], ds[i, 1], ds[i, 2]))
             ds[i, 3], dx[i, 1], dx[i, 2] = to_geodesic((s[i, 3], x[i, 1], x[i, 2]), (ds[i, 3], dx[i, 1], dx[i, 2]))
-
-
-@part
-def move_along(system: System, space: Space, point: Point, step: Point, length: float) -> None:
-    """Move a point by `length` along a step's geodesics, its joints' impulses straight on."""
-    x, s, dx, ds = point.x, point.s, step.x, step.s
-    for i in range(len(x)):
-        for k in range(4 if space is None else 1):
-            x[i, k] *= np.exp(length * dx[i, k])
-            s[i, k] *= np.exp(length * ds[i, k])
-        if space is not None and system.pairs[i] > 1:
-            w = (length * dx[i, 3], length * ds[i, 1], length * ds[i, 2])
-            x[i, 3], s[i, 1], s[i, 2] = along_geodesic((x[i, 3], s[i, 1], s[i, 2]), w)
-            w = (length * ds[i, 3], length * dx[i, 1], length * dx[i, 2])
-            s[i, 3], x[i, 1], x[i, 2] = along_geodesic((s[i, 3], x[i, 1], x[i, 2]), w)
-    for j in range(len(point.joint)):
-        point.joint[j, 0] += length * step.joint[j, 0]
 
 
 @kernel
