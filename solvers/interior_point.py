@@ -20,6 +20,7 @@ from the boundary that their residual suggests, a good start saves most of the i
 """
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -36,11 +37,14 @@ from solvers.interior.system import System, space_of
 
 # Starts of paths that know nothing: impulses and speeds, relative to a contact's own.
 BLIND = ((0.1, 10.0), (1.0, 10.0), (0.1, 100.0), (1.0, 100.0), (10.0, 1.0), (1.0, 1.0))
+AROUND = ((3.0, 10.0), (1.0, 10.0), (2.0, 6.0), (3.0, 3.0))  # the relaxation: how far, and the friction's products how wide
 SWEEPS = 1000  # before the central path is followed: as dear as ten or twenty factorisations
 NEAR = 1e-10  # a start's least distance from the boundary, in residuals, to step on from
 FAR = 0.3  # and to follow paths from in the plane
 CLOSE = 0.01  # the residual of the relaxation's solution up to which it is worth stepping on from
 LIMIT = 5000  # factorisations
+SHARE = 250  # for one phase, in the plane and for all but paths: few paths that arrived were longer
+POLISHING = 20  # and for a proximal point near an answer: a pair that vanishes altogether keeps a path at 1e-7
 PATIENCE = 12  # iterations of the predictor-corrector without progress: more than ever helped
 
 
@@ -51,12 +55,13 @@ PATIENCE = 12  # iterations of the predictor-corrector without progress: more th
     dimension=(2, 3),
     warm_start=True,
     sparse=True,
-    members=("nsgs", "relaxation_ip"),
+    members=("nsgs", "relaxation_ip", "proximal_newton"),
 )
 class InteriorPoint(Phased):
     """Predictor-corrector on Coulomb's law, then its central path; one sparse factorisation an iteration.
 
-    A portfolio where it is trapped: paths start around what nsgs and relaxation_ip left, whose work is counted by their names.
+    A portfolio where it is trapped: paths start around what nsgs and relaxation_ip left, and
+    proximal_newton polishes what is nearly solved; their work is counted by their names.
     shortcut: try the predictor-corrector first; otherwise follow the path from the beginning.
     """
 
@@ -64,52 +69,55 @@ class InteriorPoint(Phased):
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         """limit bounds the factorisations."""
+        problem, _ = prepared
         spent: dict[str, int] = {}
-        phases = self._phases(*prepared, start, spent)
-        limit = LIMIT if limit is None else limit
-        answer = run(prepared, phases, tol, limit, PATIENCE, residual)
+
+        def polish(impulse: Array) -> Array:
+            return _nested(problem, "proximal_newton", spent, tol=tol, limit=POLISHING, start=impulse)
+
+        phases, limit = self._phases(*prepared, start, spent), LIMIT if limit is None else limit
+        answer = run(prepared, phases, tol, limit, PATIENCE, residual, polish if problem.dimension == 3 else None)
         answer.work |= spent
         return answer
 
     def _phases(self, problem: FrictionProblem, system: System, start: Array | None, spent: dict[str, int]) -> Iterator[Phase]:
         """The methods in turn, with the points they start from; spent: the work of others, if it comes to that."""
         if start is not None:
-            yield predictor_corrector, _around(problem, system, impulses(start, system.offset.shape), NEAR)
+            yield predictor_corrector, _around(problem, system, impulses(start, system.offset.shape), NEAR), SHARE
         if self.shortcut:
-            yield predictor_corrector, first_point(system)
+            yield predictor_corrector, first_point(system), SHARE
         if problem.dimension == 3:
             yield from self._spatial(problem, system, start, spent)
             return
-        guess = _guess(problem, start, spent)
-        yield trace, _around(problem, system, guess, FAR)
+        yield trace, _around(problem, system, _guess(problem, start, spent), FAR), SHARE
         for impulse, speed in BLIND:
-            yield trace, start_point(system, impulse, speed)
+            yield trace, start_point(system, impulse, speed), SHARE
 
     def _spatial(self, problem: FrictionProblem, system: System, start: Array | None, spent: dict[str, int]) -> Iterator[Phase]:
         """The relaxation, then paths."""
-        answer = solve(problem, "relaxation_ip")
-        spent |= {f"relaxation_ip {unit}": count for unit, count in answer.work.items()}
-        relaxed = answer.impulse
+        relaxed = _nested(problem, "relaxation_ip", spent)
         if residual(problem, relaxed) <= CLOSE:
-            yield predictor_corrector, _around(problem, system, relaxed, NEAR)
-        yield trace, _blind(system, 1.0, 10.0, 10.0)
-        yield trace, _widened(_around(problem, system, relaxed, 3.0), 3.0)
-        guess = _guess(problem, start, spent)
-        yield trace, _around(problem, system, guess, 1.0)
-        yield trace, _widened(_around(problem, system, relaxed, 3.0), 10.0)
-        yield trace, _blind(system, 1.5, 5.0, 1.0)
-        yield trace, _widened(_around(problem, system, relaxed, 1.0), 10.0)
-        yield trace, _around(problem, system, relaxed, 3.0)
-        yield trace, _widened(_around(problem, system, relaxed, 2.0), 6.0)
+            yield predictor_corrector, _around(problem, system, relaxed, NEAR), SHARE
+        long = 2 * max(SHARE, problem.contacts)
+        yield trace, _blind(system, 1.0, 10.0, 10.0), max(2 * SHARE, problem.contacts)
+        for far, wide in AROUND:
+            yield trace, _widened(_around(problem, system, relaxed, far), wide), long
+        yield trace, _blind(system, 1.5, 5.0, 1.0), long
+        yield trace, _around(problem, system, _guess(problem, start, spent), 1.0), long
+
+
+def _nested(problem: FrictionProblem, spec: str, spent: dict[str, int], **options: Any) -> Array:
+    """The impulses (nc, d) that another solver finds; its work is added to spent, under its name."""
+    answer = solve(problem, spec, **options)
+    for unit, count in answer.work.items():
+        spent[f"{spec} {unit}"] = spent.get(f"{spec} {unit}", 0) + count
+    return answer.impulse
 
 
 def _guess(problem: FrictionProblem, start: Array | None, spent: dict[str, int]) -> Array:
     """The impulses (nc, d) where Gauss-Seidel gets, or those given where they are nearer."""
-    swept = solve(problem, "nsgs", limit=SWEEPS)
-    spent |= {f"nsgs {unit}": count for unit, count in swept.work.items()}
-    if start is not None and residual(problem, start) < residual(problem, swept.impulse):
-        return start
-    return swept.impulse
+    swept = _nested(problem, "nsgs", spent, limit=SWEEPS)
+    return start if start is not None and residual(problem, start) < residual(problem, swept) else swept
 
 
 def _blind(system: System, impulse: float, speed: float, wide: float) -> Point:

@@ -11,12 +11,12 @@ from solvers.interior.point import Point, start_point
 from solvers.interior.predictor_corrector import Best, new_room
 from solvers.interior.system import System, in_velocities, prepare, space_of
 
+CLOSE = 1e-5  # the residual from which it is worth polishing
 ROUNDING = 4 * np.finfo(float).eps
 MARGIN = 0.5  # of tol: the same residual in other units, added up in another order
-SHARE = {2: (250, 0), 3: (500, 2)}  # factorisations for one phase, by dimension: at least, and for each contact
-
-Phase = tuple[Callable[..., int], Point]  # the method, and the point it starts from, to be moved
+Phase = tuple[Callable[..., int], Point, int]  # a method, the point that it starts from, to be moved, and its factorisations
 Measure = Callable[[FrictionProblem, Array], float]
+Polish = Callable[[Array], Array]
 Prepared = tuple[FrictionProblem, System]
 
 
@@ -37,11 +37,20 @@ def first_point(system: System) -> Point:
     return start_point(system, float(np.sqrt(len(system.friction))), 1.0)
 
 
-def run(prepared: Prepared, phases: Iterable[Phase], tol: float, limit: int, patience: int, measure: Measure) -> Answer:
+def run(
+    prepared: Prepared,
+    phases: Iterable[Phase],
+    tol: float,
+    limit: int,
+    patience: int,
+    measure: Measure,
+    polish: Polish | None = None,
+) -> Answer:
     """The third step, within limit factorisations; measure: the residual that counts.
 
     phases: made one by one, as the one before fails.
     patience: iterations of the predictor-corrector without progress.
+    polish: what makes better impulses (nc, d) of those whose residual is at most CLOSE.
     """
     problem, system = prepared
     if problem.fastest == 0:
@@ -49,12 +58,10 @@ def run(prepared: Prepared, phases: Iterable[Phase], tol: float, limit: int, pat
     history, space, room = np.empty(limit), space_of(system), new_room(system)
     best = Best(np.zeros_like(system.offset), np.array([np.inf]), np.zeros(1, np.int64))
     used = 0
-    least, each = SHARE[problem.dimension]
-    share = max(least, each * problem.contacts)
     status = Status.STALLED
-    for method, point in phases:
+    for method, point, share in phases:
         used += method(system, space, point, room, best, MARGIN * tol, patience, history[used : used + share])
-        if _is_solved(best, tol, system, problem, measure):
+        if _is_solved(best, tol, system, problem, measure) or (polish and _is_polished(best, tol, prepared, measure, polish)):
             status = Status.SOLVED
             break
         if used == len(history):
@@ -70,3 +77,15 @@ def _is_solved(best: Best, tol: float, system: System, problem: FrictionProblem,
     if best.residual[0] + rounding > tol:
         best.residual[0] = measure(problem, best.impulse * system.impulse)
     return bool(best.residual[0] <= tol)
+
+
+def _is_polished(best: Best, tol: float, prepared: Prepared, measure: Measure, polish: Polish) -> bool:
+    """Whether the best impulses are solved once they are polished."""
+    problem, system = prepared
+    if best.residual[0] > CLOSE:
+        return False
+    impulse = polish(best.impulse * system.impulse)
+    found = measure(problem, impulse)
+    if found < best.residual[0]:
+        best.impulse[:], best.residual[0] = impulse / system.impulse, found
+    return found <= tol
