@@ -56,12 +56,18 @@ def spatial() -> Plan:
     heavy = [{"boxes": 10, "push": 1.0, "mass_ratio": ratio} for ratio in (1e2, 1e4)]
     piles = [{"levels": n, "friction": mu, "noise": 0.03} for n in (2, 4, 6) for mu in (0.2, 0.7)]
     packings = [{"spheres": n, "friction": mu, "fraction": 0.64} for n in (10, 50, 250) for mu in (0.1, 0.7)]
+    piles += [{"levels": n, "friction": 0.5} for n in (4, 5, 6)]  # at rest, between what slides and what sticks: the hardest
     loose = [{"contacts": n, "seed": seed} for n in (2, 10, 50, 300) for seed in (0, 1)]
+    odd = [
+        {"contacts": 40, "seed": seed, name: value}
+        for seed in (0, 1)
+        for name, value in (("friction", 1e3), ("mass_ratio", 1e6))
+    ]
     kinds: dict[str, list[dict[str, Any]]] = {
         "cubes": [*boxes, *heavy],
         "sphere_pyramid": piles,
         "packed_spheres": packings,
-        "random_bodies": loose,
+        "random_bodies": [*loose, *odd],
     }
     return Plan(
         suite="spatial",
