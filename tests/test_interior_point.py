@@ -15,9 +15,13 @@ from problems.recorded import read
 from problems.residual import relaxation_residual, residual
 from problems.scenes import scene
 from solvers import Status, solve
+from solvers.interface import find
+from solvers.interior.central_path import trace
 from solvers.interior.centred_point import centred_point
 from solvers.interior.lorentz import longest_in_cone
+from solvers.interior.phases import run
 from solvers.interior.point import add_products, set_identity, set_step, start_point
+from solvers.interior.predictor_corrector import Best, new_room
 from solvers.interior.system import new_work, prepare, space_of
 from tests.friction_problems import block, nothing, spatial
 from tests.kernels import direction, evaluate, linearise, longest, new_point, to_geodesics
@@ -512,6 +516,41 @@ def test_sparse_joints_keep_a_chain_sparse() -> None:
     )
     assert prepare(problem).fronts.start[-1] < 16 * nv
     assert_solved(problem, "interior_point")
+
+
+def test_what_a_path_leaves_near_an_answer_is_polished() -> None:
+    problem = sphere_pyramid(0, levels=3, friction=0.5)
+    prepared = find("interior_point")[1].prepare(problem)
+    right = solve(problem, "interior_point", tol=1e-12).impulse
+    wrong = right * (1 + 1e-6 * np.random.default_rng(0).standard_normal(right.shape))
+
+    def leave(system, space, point, room, best, tol, patience, history):
+        best.impulse[:], history[0] = wrong / system.impulse, 1.0
+        return 1
+
+    def polish(impulse):
+        return solve(problem, "proximal_newton", limit=20, start=impulse).impulse
+
+    phases = [(leave, new_point(prepared[1]), 10)]
+    assert 1e-8 < residual(problem, wrong) < 1e-5
+    assert run(prepared, phases, 1e-8, 10, 12, residual).status is Status.STALLED
+    answer = run(prepared, phases, 1e-8, 10, 12, residual, polish)
+    assert answer.status is Status.SOLVED
+    assert residual(problem, answer.impulse) <= 1e-8
+
+
+@pytest.mark.parametrize("steps", [1, 5, 20, 40])
+def test_a_path_keeps_all_equations_but_the_products_exact(steps) -> None:
+    """The defect of a point of the path is that of its start, times the same t for all contacts, corrected or foretold."""
+    system = prepare(sphere_pyramid(0, levels=3, friction=0.5))
+    point, first, defect, room = start_point(system, 1.5, 5.0), new_point(system), new_point(system), new_room(system)
+    evaluate(system, True, point, first, room.work)
+    best = Best(np.zeros_like(system.offset), np.array([np.inf]), np.zeros(1, np.int64))
+    trace(system, True, point, room, best, 0.0, 12, np.empty(steps))
+    evaluate(system, True, point, defect, room.work)
+    t = np.vdot(defect.x, first.x) / np.vdot(first.x, first.x)
+    assert 0 < t < 1
+    assert np.allclose(defect.x, t * first.x, rtol=0, atol=1e-11 * abs(first.x).max())
 
 
 @pytest.mark.parametrize("friction", [0.7, 1.0])
