@@ -37,12 +37,12 @@ from solvers.interior.system import System, space_of
 
 # Starts of paths that know nothing: impulses and speeds, relative to a contact's own.
 BLIND = ((0.1, 10.0), (1.0, 10.0), (0.1, 100.0), (1.0, 100.0), (10.0, 1.0), (1.0, 1.0))
-AROUND = ((3.0, 10.0), (1.0, 10.0), (2.0, 6.0), (3.0, 3.0))  # the relaxation: how far, and the friction's products how wide
+AROUND = ((3.0, 10.0), (3.0, 30.0), (1.0, 10.0), (2.0, 6.0), (3.0, 3.0))  # the relaxation: how far, how wide the friction
 SWEEPS = 1000  # before the central path is followed: as dear as ten or twenty factorisations
 NEAR = 1e-10  # a start's least distance from the boundary, in residuals, to step on from
 FAR = 0.3  # and to follow paths from in the plane
 CLOSE = 0.01  # the residual of the relaxation's solution up to which it is worth stepping on from
-LIMIT = 5000  # factorisations
+LIMIT = 6500  # factorisations
 SHARE = 250  # for one phase, in the plane and for all but paths: few paths that arrived were longer
 POLISHING = 20  # and for a proximal point near an answer: a pair that vanishes altogether keeps a path at 1e-7
 PATIENCE = 12  # iterations of the predictor-corrector without progress: more than ever helped
