@@ -68,10 +68,7 @@ class Hybrid:
             own_limit = (SWEEPS if limit is None else min(SWEEPS, limit)) if info.name == "nsgs" else limit
             guess = impulse if least <= CLOSE else start
             answer = member.solve(stage, tol, own_limit, guess if info.warm_start else None)
-            for unit, count in answer.work.items():
-                named = f"{info.name} {unit}"
-                work[named] = work.get(named, 0) + count
-            work["members"] = tried
+            work |= {f"{info.name} {unit}": count for unit, count in answer.work.items()} | {"members": tried}
             found = residual(problem, answer.impulse)
             if found < least:
                 impulse, least, found_by = answer.impulse, found, info.name

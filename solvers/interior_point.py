@@ -9,8 +9,8 @@ The problem is not monotone, and the predictor-corrector can be trapped: in a fe
 piles with much friction. In space the convex relaxation is solved then, which cannot be trapped: where nothing slides in its
 solution, that is the answer. Then the central path is followed around its folds (solvers.interior.central_path) from one start
 after the other: some know nothing, the others are centred points (solvers.interior.centred_point) around where Gauss-Seidel
-gets in SWEEPS sweeps, around the relaxation's solution, or around impulses given. Most paths arrive in the end;
-some are short, and no start has the shortest in all problems, so that one that winds on is left for the next.
+gets in SWEEPS sweeps, around the relaxation's solution, or around impulses given. Most paths arrive in the end; some are short,
+and no start has the shortest in all problems, so that one that winds on is left for the next.
 
 In space paths of many contacts with much friction are several times shorter where the friction's products are larger at the
 start than the normal ones: what slides is told from what sticks later than what opens.
@@ -43,7 +43,7 @@ NEAR = 1e-10  # a start's least distance from the boundary, in residuals, to ste
 FAR = 0.3  # and to follow paths from in the plane
 CLOSE = 0.01  # the residual of the relaxation's solution up to which it is worth stepping on from
 LIMIT = 6500  # factorisations
-SHARE = 250  # for one phase, in the plane and for all but paths: few paths that arrived were longer
+SHARE = 250  # for one phase, but for paths in space: few that arrived in the plane were longer
 POLISHING = 20  # and for a proximal point near an answer: a pair that vanishes altogether keeps a path at 1e-7
 PATIENCE = 12  # iterations of the predictor-corrector without progress: more than ever helped
 
@@ -60,8 +60,8 @@ PATIENCE = 12  # iterations of the predictor-corrector without progress: more th
 class InteriorPoint(Phased):
     """Predictor-corrector on Coulomb's law, then its central path; one sparse factorisation an iteration.
 
-    A portfolio where it is trapped: paths start around what nsgs and relaxation_ip left, and
-    proximal_newton polishes what is nearly solved; their work is counted by their names.
+    A portfolio where it is trapped: paths start around what nsgs and relaxation_ip left, and proximal_newton polishes what is
+    nearly solved; their work is counted by their names.
     shortcut: try the predictor-corrector first; otherwise follow the path from the beginning.
     """
 

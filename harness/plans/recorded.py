@@ -55,8 +55,8 @@ def spatial() -> Plan:
     boxes = [{"boxes": n, "friction": mu, "push": push} for n in (1, 3, 10, 30, 100) for mu, push in ((0.5, 0.0), (0.2, 1.0))]
     heavy = [{"boxes": 10, "push": 1.0, "mass_ratio": ratio} for ratio in (1e2, 1e4)]
     piles = [{"levels": n, "friction": mu, "noise": 0.03} for n in (2, 4, 6) for mu in (0.2, 0.7)]
-    packings = [{"spheres": n, "friction": mu, "fraction": 0.64} for n in (10, 50, 250) for mu in (0.1, 0.7)]
     piles += [{"levels": n, "friction": 0.5} for n in (4, 5, 6)]  # at rest, between what slides and what sticks: the hardest
+    packings = [{"spheres": n, "friction": mu, "fraction": 0.64} for n in (10, 50, 250) for mu in (0.1, 0.7)]
     loose = [{"contacts": n, "seed": seed} for n in (2, 10, 50, 300) for seed in (0, 1)]
     odd = [
         {"contacts": 40, "seed": seed, name: value}

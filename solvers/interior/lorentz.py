@@ -48,11 +48,11 @@ def _quadratic(a: Vector, b: Vector) -> Vector:
 
 
 @part
-def _root(a: Vector, sign: float) -> Vector:
-    """a^(sign/2)."""
+def _inverse_root(a: Vector) -> Vector:
+    """a^(-1/2)."""
     size = np.sqrt(a[1] * a[1] + a[2] * a[2])
-    high = (a[0] + size) ** (sign / 2)
-    low = max(a[0] - size, ROUNDING * a[0]) ** (sign / 2)
+    high = (a[0] + size) ** -0.5
+    low = max(a[0] - size, ROUNDING * a[0]) ** -0.5
     along = (high - low) / (2 * size) if size > 0 else 0.0
     return (high + low) / 2, along * a[1], along * a[2]
 
@@ -60,4 +60,4 @@ def _root(a: Vector, sign: float) -> Vector:
 @part
 def to_geodesic(a: Vector, step: Vector) -> Vector:
     """w with step = Q(sqrt a) w."""
-    return _quadratic(_root(a, -1.0), step)
+    return _quadratic(_inverse_root(a), step)

@@ -11,7 +11,7 @@ from solvers.interior.point import Point, start_point
 from solvers.interior.predictor_corrector import Best, new_room
 from solvers.interior.system import System, in_velocities, prepare, space_of
 
-CLOSE = 1e-5  # the residual from which it is worth polishing
+POLISHABLE = 1e-5  # a residual
 ROUNDING = 4 * np.finfo(float).eps
 MARGIN = 0.5  # of tol: the same residual in other units, added up in another order
 Phase = tuple[Callable[..., int], Point, int]  # a method, the point that it starts from, to be moved, and its factorisations
@@ -50,18 +50,22 @@ def run(
 
     phases: made one by one, as the one before fails.
     patience: iterations of the predictor-corrector without progress.
-    polish: what makes better impulses (nc, d) of those whose residual is at most CLOSE.
+    polish: what makes better impulses (nc, d) of those whose residual is at most POLISHABLE, where no phase before left them.
     """
     problem, system = prepared
     if problem.fastest == 0:
         return Answer(np.zeros_like(system.offset), Status.SOLVED, {"iterations": 0, "factorisations": 0})
     history, space, room = np.empty(limit), space_of(system), new_room(system)
     best = Best(np.zeros_like(system.offset), np.array([np.inf]), np.zeros(1, np.int64))
-    used = 0
+    used, polished = 0, POLISHABLE
     status = Status.STALLED
     for method, point, share in phases:
         used += method(system, space, point, room, best, MARGIN * tol, patience, history[used : used + share])
-        if _is_solved(best, tol, system, problem, measure) or (polish and _is_polished(best, tol, prepared, measure, polish)):
+        solved = _is_solved(best, tol, system, problem, measure)
+        if polish and not solved and best.residual[0] < polished:
+            solved = _is_polished(best, tol, prepared, measure, polish)
+            polished = best.residual[0]
+        if solved:
             status = Status.SOLVED
             break
         if used == len(history):
@@ -82,8 +86,6 @@ def _is_solved(best: Best, tol: float, system: System, problem: FrictionProblem,
 def _is_polished(best: Best, tol: float, prepared: Prepared, measure: Measure, polish: Polish) -> bool:
     """Whether the best impulses are solved once they are polished."""
     problem, system = prepared
-    if best.residual[0] > CLOSE:
-        return False
     impulse = polish(best.impulse * system.impulse)
     found = measure(problem, impulse)
     if found < best.residual[0]:

@@ -7,8 +7,7 @@ Form: the friction LCP's M, dense and scaled, and q. Setup: GAMSPy's container a
 Clock: the total time in PATH's own log, GAMS' evaluation of M z + q inside.
 Tolerance: convergence_tolerance = tol/10, of PATH's own residual on the scaled LCP.
 Flaws: the wall time is GAMS' and not PATH's; read its clock. Beyond its licence's 1000 rows GAMS does not ask PATH: the answer
-then
-    is that of no solver, unsolved with that reason, which says nothing of PATH.
+    then is that of no solver, unsolved with that reason, which says nothing of PATH.
 Reference: Dirkse and Ferris 1995; Ferris and Munson 1999.
 """
 
