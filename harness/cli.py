@@ -12,7 +12,7 @@ from typing import Annotated, Any
 
 import typer
 
-from harness.commands import options
+from frictionbench.harness.commands import options
 
 app = typer.Typer(
     help="Compare solvers for the friction LCPs of rigid-body dynamics. First: frictionbench solve stack",
@@ -41,7 +41,7 @@ def about(
 @app.command("list")
 def list_(what: options.Listing) -> None:
     """List the scenes, the solvers or the suites."""
-    from harness.commands import listing
+    from frictionbench.harness.commands import listing
 
     listing.show(what)
 
@@ -68,11 +68,11 @@ def run(
 
     The same command goes on with a run that was broken off.
     """
-    from harness.commands.summary import folder_for, summary
-    from harness.maps import run_maps
-    from harness.plans.choose import choose
-    from harness.progress import Progress
-    from harness.workers.introduce import introduce
+    from frictionbench.harness.commands.summary import folder_for, summary
+    from frictionbench.harness.maps import run_maps
+    from frictionbench.harness.plans.choose import choose
+    from frictionbench.harness.progress import Progress
+    from frictionbench.harness.workers.introduce import introduce
 
     variants, plugins = introduce(solver or [])
     plan = choose(suite, scene or [], variants, tol, time_limit, plugins, tuple(data or ()))
@@ -100,21 +100,21 @@ def report(
     markdown: Annotated[bool, typer.Option("--markdown", help="Also the run's figures as Markdown.")] = False,
 ) -> None:
     """Make the HTML report of a results folder."""
-    from reports.page import write_report
-    from reports.run import read_run
+    from frictionbench.reports.page import write_report
+    from frictionbench.reports.run import read_run
 
     run = read_run(folder)
     typer.echo(f"report: {write_report(folder, run)}")
     if paper:
-        from reports.latex import Layout
-        from reports.paper import chosen, write_paper
+        from frictionbench.reports.latex import Layout
+        from frictionbench.reports.paper import chosen, write_paper
 
         written = write_paper(folder, chosen(run, options.listed(solvers)) if solvers else run, Layout(width, font))
         typer.echo(f"paper:  {written}, its preview.tex shows all; references in references.bib")
         if not any(written.glob("*.pgf")):
             typer.echo("no PGF: pdflatex is not installed, which measures its texts")
     if markdown:
-        from reports.markdown import write_markdown
+        from frictionbench.reports.markdown import write_markdown
 
         typer.echo(f"figures: {write_markdown(folder, run)}")
 
@@ -158,17 +158,17 @@ def compare(
 
     Exit 0 nothing worse, 1 a regression, 2 unusable input.
     """
-    from reports.comparison.files import write_files
-    from reports.comparison.markdown import markdown, summarise
-    from results.compare import Limits
-    from results.compare import compare as compare_runs
-    from results.known import acknowledge, read
+    from frictionbench.reports.comparison.files import write_files
+    from frictionbench.reports.comparison.markdown import markdown, summarise
+    from frictionbench.results.compare import Limits
+    from frictionbench.results.compare import compare as compare_runs
+    from frictionbench.results.known import acknowledge, read
 
     acknowledged = read(known) if known else []
     limits = Limits(slowdown, growth, alpha, not no_times)
     comparison = compare_runs(baseline, folder, limits)
     if confirm:
-        from harness.commands.confirm import confirmed
+        from frictionbench.harness.commands.confirm import confirmed
 
         comparison = confirmed(comparison, limits, solver or [], code, lambda line: typer.echo(line, err=True))
     comparison = acknowledge(comparison, acknowledged)
@@ -190,8 +190,8 @@ def accept(
 
     Shows what that changes.
     """
-    from harness.commands.accept import accept as accept_run
-    from reports.comparison.markdown import markdown
+    from frictionbench.harness.commands.accept import accept as accept_run
+    from frictionbench.reports.comparison.markdown import markdown
 
     before, told = accept_run(folder, baseline)
     if before is not None:
@@ -204,7 +204,7 @@ def history(folders: Annotated[list[Path], typer.Argument(metavar="DIR...", help
     """Show verdicts, work and times of runs over time."""
     from rich.console import Console
 
-    from reports.comparison.history import history as table_of
+    from frictionbench.reports.comparison.history import history as table_of
 
     console, table = Console(), table_of(folders)
     (console if console.is_terminal else Console(width=10**6)).print(table)  # nothing is folded in a pipe
@@ -219,7 +219,7 @@ def solve(
     jobs: options.Jobs = None,
 ) -> None:
     """Put every solver to one problem and show a table."""
-    from harness.commands.single import solve_one
+    from frictionbench.harness.commands.single import solve_one
 
     solve_one(problem, solver or [], tol, time_limit, _jobs(jobs))
 
@@ -236,7 +236,7 @@ def export(
     ] = 0,
 ) -> None:
     """Write problems in FCLIB's HDF5 format, for others to solve."""
-    from harness.commands.export import export as export_problems
+    from frictionbench.harness.commands.export import export as export_problems
 
     for path in export_problems(problems, out, pick):
         typer.echo(path)
@@ -250,7 +250,7 @@ def fetch(
 
     They are checked by size and sha256 and go into the user's cache.
     """
-    from harness.commands.fetch import fetch as fetch_family
+    from frictionbench.harness.commands.fetch import fetch as fetch_family
 
     fetch_family(family)
 
@@ -270,8 +270,8 @@ def show(
 
     It shows bodies, contact impulses, friction cones and the ledger of energy.
     """
-    from harness.commands.show import recorded
-    from reports.animation import write_animation
+    from frictionbench.harness.commands.show import recorded
+    from frictionbench.reports.animation import write_animation
 
     motion = recorded(scene, solver, scheme, steps)
     typer.echo(f"animation: {write_animation(motion, out or Path(f'{motion.scene}.html'))}")
@@ -304,12 +304,12 @@ def map_(
 
     Every solver is tried on a grid that is refined where verdicts differ.
     """
-    from harness.commands.map import plan_map
-    from harness.commands.summary import folder_for
-    from harness.maps import run_maps
-    from harness.progress import Progress
-    from harness.workers.introduce import introduce
-    from reports.page import write_report
+    from frictionbench.harness.commands.map import plan_map
+    from frictionbench.harness.commands.summary import folder_for
+    from frictionbench.harness.maps import run_maps
+    from frictionbench.harness.progress import Progress
+    from frictionbench.harness.workers.introduce import introduce
+    from frictionbench.reports.page import write_report
 
     variants, plugins = introduce(solver or [])
     plan = plan_map(scene, x, y, variants, plugins, tol, time_limit, scheme, steps)
@@ -330,7 +330,7 @@ def check_solver(
 
     Says what is wrong with it, and what to do; exit 0 where it keeps all of it, else 1.
     """
-    from harness.contract.examine import examine, told
+    from frictionbench.harness.contract.examine import examine, told
 
     found = examine(solver, _jobs(jobs))
     typer.echo(told(found))
@@ -340,7 +340,7 @@ def check_solver(
 @app.command()
 def rerun(folder: options.Folder, row: options.Row, solver: options.Trusted = None) -> None:
     """Run one cell of a results folder again and show both rows."""
-    from harness.commands.single import show_rerun
+    from frictionbench.harness.commands.single import show_rerun
 
     show_rerun(folder, row, solver or [])
 
@@ -351,7 +351,7 @@ def shrink(folder: options.Folder, row: options.Row, solver: options.Trusted = N
 
     It is kept as a file, which still fails.
     """
-    from harness.commands.shrink import shrink as shrink_row
+    from frictionbench.harness.commands.shrink import shrink as shrink_row
 
     path, problem, trials = shrink_row(folder, row, solver or [])
     typer.echo(f"{problem.contacts} contacts and {len(problem.free_velocity)} velocities left after {trials} trials: {path}")
@@ -359,8 +359,8 @@ def shrink(folder: options.Folder, row: options.Row, solver: options.Trusted = N
 
 
 def _jobs(jobs: int | None) -> int:
-    from harness.process import cores, require_linux
-    from problems import InputError
+    from frictionbench.harness.process import cores, require_linux
+    from frictionbench.problems import InputError
 
     require_linux()
     most = len(cores())
@@ -401,8 +401,8 @@ def main() -> Any:
     try:
         app()
     except (ValueError, OSError) as error:
-        from problems import InputError
-        from results.store import ResultsError
+        from frictionbench.problems import InputError
+        from frictionbench.results.store import ResultsError
 
         if not isinstance(error, InputError | ResultsError | OSError):
             raise

@@ -8,15 +8,15 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from harness.cells import worker
-from harness.cells.collect import Entry
-from harness.plans.plan import Plan
-from harness.progress import Progress
-from harness.workers.pool import Pool
-from harness.workers.task import Task
-from results import store
-from results.courses import NAME, Course, write_courses
-from results.schema import RELAXED, SOLVED
+from frictionbench.harness.cells import worker
+from frictionbench.harness.cells.collect import Entry
+from frictionbench.harness.plans.plan import Plan
+from frictionbench.harness.progress import Progress
+from frictionbench.harness.workers.pool import Pool
+from frictionbench.harness.workers.task import Task
+from frictionbench.results import store
+from frictionbench.results.courses import NAME, Course, write_courses
+from frictionbench.results.schema import RELAXED, SOLVED
 
 LARGE, REDUNDANT = 4, 2  # problems chosen of each kind
 MOST = 64  # contacts

@@ -10,9 +10,9 @@ from typing import Any
 
 import psutil
 
-from harness import process
+from frictionbench.harness import process
 
-ROOT = Path(__file__).resolve().parent.parent
+PACKAGE = Path(__file__).absolute().parents[1]  # links are not resolved: in a checkout its subpackages are links
 FOLDERS = ("problems", "solvers", "harness", "results", "reports")
 
 
@@ -38,13 +38,13 @@ def versions() -> dict[str, str]:
 @cache
 def revision() -> str:
     """The commit, with a hash of the code where it differs from it; outside a checkout of ours the version, with that hash."""
-    git = ["git", "--no-optional-locks", "-C", str(ROOT)]  # a lock would outlive a kill
+    git = ["git", "--no-optional-locks", "-C", str(PACKAGE.parent)]  # a lock would outlive a kill
     try:
-        if not (ROOT / ".git").exists():  # a repository that the environment happens to lie in says nothing
+        if not (PACKAGE.parent / ".git").exists():  # a repository that the environment happens to lie in says nothing
             raise FileNotFoundError
         commit, changes = (
             subprocess.run([*git, *command], capture_output=True, text=True, check=True, timeout=10).stdout.strip()
-            for command in (["describe", "--always", "--abbrev=12"], ["status", "--porcelain", "--", *FOLDERS])
+            for command in (["describe", "--always", "--abbrev=12"], ["status", "--porcelain", "--", "frictionbench", *FOLDERS])
         )
     except (OSError, subprocess.SubprocessError):
         return f"{version('frictionbench')}+{content()[:12]}"
@@ -56,15 +56,15 @@ def content() -> str:
     """Hash of this project's code as it lies on the disk."""
     found = sha256()
     for folder in FOLDERS:
-        for path in sorted((ROOT / folder).rglob("*")):
+        for path in sorted((PACKAGE / folder).rglob("*")):
             if path.suffix in (".py", ".html", ".js"):
-                found.update(f"{path.relative_to(ROOT)}\0".encode() + path.read_bytes() + b"\0")
+                found.update(f"{path.relative_to(PACKAGE)}\0".encode() + path.read_bytes() + b"\0")
     return found.hexdigest()
 
 
 def code() -> dict[str, str]:
     """Whose code this process runs."""
-    return {"root": str(ROOT), "content": content()}
+    return {"package": str(PACKAGE), "content": content()}
 
 
 def _processor() -> str:

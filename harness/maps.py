@@ -8,18 +8,18 @@ theory are traced over each map, and of each map and exact solver the smallest f
 from dataclasses import replace
 from pathlib import Path
 
-from harness.plans import maps
-from harness.plans.plan import Plan
-from harness.progress import Progress
-from harness.run import open_folder, run
-from harness.shrink import ENOUGH, shrink_rows
-from harness.trace import trace
-from results import store
-from results.maps import Map, Place
-from results.places import THEORY, lost, placed
-from results.schema import TABLES
-from results.shrunk import read_shrunk, write_shrunk
-from results.store import Row
+from frictionbench.harness.plans import maps
+from frictionbench.harness.plans.plan import Plan
+from frictionbench.harness.progress import Progress
+from frictionbench.harness.run import open_folder, run
+from frictionbench.harness.shrink import ENOUGH, shrink_rows
+from frictionbench.harness.trace import trace
+from frictionbench.results import store
+from frictionbench.results.maps import Map, Place
+from frictionbench.results.places import THEORY, lost, placed
+from frictionbench.results.schema import TABLES
+from frictionbench.results.shrunk import read_shrunk, write_shrunk
+from frictionbench.results.store import Row
 
 MOST_SHRUNK = 100  # failures
 

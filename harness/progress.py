@@ -9,7 +9,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
-from harness.workers.task import Task
+from frictionbench.harness.workers.task import Task
 
 EVERY = 20.0  # seconds between plain lines
 

@@ -11,20 +11,20 @@ from datetime import UTC, datetime
 from inspect import cleandoc
 from pathlib import Path
 
-from harness import machine
-from harness.cells import worker
-from harness.cells.collect import Entry
-from harness.cells.rows import drive_row, nothing, solve_row
-from harness.follow import follow
-from harness.plans.plan import Cell, Plan, Plugin, SolveCell, origin
-from harness.progress import Progress
-from harness.workers.cluster import Cluster
-from harness.workers.pool import Pool
-from harness.workers.task import Outcome, Task
-from results import store
-from results.schema import CRASHED, SKIPPED, TABLES, VERDICTS
-from results.store import ResultsError, Row, ShardWriter
-from solvers import find
+from frictionbench.harness import machine
+from frictionbench.harness.cells import worker
+from frictionbench.harness.cells.collect import Entry
+from frictionbench.harness.cells.rows import drive_row, nothing, solve_row
+from frictionbench.harness.follow import follow
+from frictionbench.harness.plans.plan import Cell, Plan, Plugin, SolveCell, origin
+from frictionbench.harness.progress import Progress
+from frictionbench.harness.workers.cluster import Cluster
+from frictionbench.harness.workers.pool import Pool
+from frictionbench.harness.workers.task import Outcome, Task
+from frictionbench.results import store
+from frictionbench.results.schema import CRASHED, SKIPPED, TABLES, VERDICTS
+from frictionbench.results.store import ResultsError, Row, ShardWriter
+from frictionbench.solvers import find
 
 COLLECTING = 600.0  # seconds for one source's problems
 

@@ -11,19 +11,19 @@ from collections.abc import Generator, Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
 
-from harness.cells import worker
-from harness.cells.collect import stored_friction
-from harness.cells.rows import nothing
-from harness.plans.plan import COLD, Plugin, SolveCell, Source
-from harness.run import row_of
-from harness.workers.pool import Pool
-from harness.workers.task import Task
-from problems import FrictionProblem
-from problems.recorded.own import save
-from problems.reduce import keep_contacts
-from results.files import replaced, room
-from results.shrunk import ROOM, Shrunk
-from results.store import Row
+from frictionbench.harness.cells import worker
+from frictionbench.harness.cells.collect import stored_friction
+from frictionbench.harness.cells.rows import nothing
+from frictionbench.harness.plans.plan import COLD, Plugin, SolveCell, Source
+from frictionbench.harness.run import row_of
+from frictionbench.harness.workers.pool import Pool
+from frictionbench.harness.workers.task import Task
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.recorded.own import save
+from frictionbench.problems.reduce import keep_contacts
+from frictionbench.results.files import replaced, room
+from frictionbench.results.shrunk import ROOM, Shrunk
+from frictionbench.results.store import Row
 
 ENOUGH = 10.0  # seconds of trials that one row may cost where it is one of many
 

@@ -11,13 +11,13 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.plans.plan import USUAL
-from problems import FrictionProblem, scene
-from problems.nature.thresholds import THRESHOLDS
-from problems.schemes import SCHEMES
-from problems.simulate import first_problem
-from results.files import room, write_text
-from results.maps import Axis, Map, Place, thresholds_file
+from frictionbench.harness.plans.plan import USUAL
+from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems.nature.thresholds import THRESHOLDS
+from frictionbench.problems.schemes import SCHEMES
+from frictionbench.problems.simulate import first_problem
+from frictionbench.results.files import room, write_text
+from frictionbench.results.maps import Axis, Map, Place, thresholds_file
 
 LINES = 11
 HALVINGS = 7

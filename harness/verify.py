@@ -25,12 +25,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from problems import LCP, FrictionProblem
-from problems.check import Array
-from problems.residual import energy_within, fclib_error, polygon_residual, relaxation_residual, residual, residual_floor
-from problems.simulate import ledger_defect
-from results.schema import MISSED, RELAXED, SOLVED, UNJUDGEABLE, UNSOLVED, WRONG
-from solvers import Answer, SolverInfo, Status
+from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.problems.residual import (
+    energy_within,
+    fclib_error,
+    polygon_residual,
+    relaxation_residual,
+    residual,
+    residual_floor,
+)
+from frictionbench.problems.simulate import ledger_defect
+from frictionbench.results.schema import MISSED, RELAXED, SOLVED, UNJUDGEABLE, UNSOLVED, WRONG
+from frictionbench.solvers import Answer, SolverInfo, Status
 
 NEAR = 10.0  # times the tolerance: an honest difference of norms
 SOFTEST = 1e-6  # of s: softness that is allowed at any tolerance, for hard contacts are out of reach of such methods

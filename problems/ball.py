@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from problems.check import Array
-from problems.friction import FrictionProblem
-from problems.instances.bodies import GRAVITY, GROUND, touching
+from frictionbench.problems.check import Array
+from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.instances.bodies import GRAVITY, GROUND, touching
 
 MASS, RADIUS = 1.0, 0.1  # kg, m
 SPEED, SIDE_SPIN, FRICTION = 2.0, 14.0, 0.3  # m/s, 1/s: set down so, the lowest point slides at (2, 1.4) m/s

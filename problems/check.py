@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from problems.compiled import kernel
-from problems.rows import Rows, copied, from_dense, from_matrix
+from frictionbench.problems.compiled import kernel
+from frictionbench.problems.rows import Rows, copied, from_dense, from_matrix
 
 Array = NDArray[np.float64]
 

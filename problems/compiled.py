@@ -20,7 +20,7 @@ from numba.core import config
 from numba.core.registry import CPUDispatcher
 from platformdirs import user_cache_path
 
-HOUSE = Path(__file__).resolve().parent.parent
+PACKAGE = Path(__file__).absolute().parents[1]  # links are not resolved: in a checkout its subpackages are links
 FOLDERS = ("problems", "solvers")
 
 # What Python calls is a kernel, kept from run to run. What is inlined becomes the caller's own code before that is typed: where
@@ -44,16 +44,16 @@ class _Part(CPUDispatcher):
 
 def keep_compiled() -> None:
     """Tell numba where to keep what it compiles; to be called before the first kernel is declared."""
-    config.CACHE_DIR = str(_writable(state(HOUSE)))
+    config.CACHE_DIR = str(_writable(state(PACKAGE)))
 
 
-def state(house: Path) -> str:
-    """A hash of all files with kernels in a house, by name and content."""
+def state(package: Path) -> str:
+    """A hash of all files with kernels of a package, by name and content."""
     digest = sha256()
-    for path in sorted(path for folder in FOLDERS for path in (house / folder).rglob("*.py")):
+    for path in sorted(path for folder in FOLDERS for path in (package / folder).rglob("*.py")):
         text = path.read_bytes()
-        if any(word in text for word in (b"njit", b"problems.compiled")):
-            digest.update(f"{path.relative_to(house).as_posix()}\0{len(text)}\0".encode() + text)
+        if any(word in text for word in (b"njit", b"frictionbench.problems.compiled")):
+            digest.update(f"{path.relative_to(package).as_posix()}\0{len(text)}\0".encode() + text)
     return digest.hexdigest()[:16]
 
 

@@ -6,8 +6,8 @@ from typing import Any, TypeVar
 import numpy as np
 from scipy import sparse
 
-from problems.forms.lcp import LCP
-from problems.friction import FrictionProblem
+from frictionbench.problems.forms.lcp import LCP
+from frictionbench.problems.friction import FrictionProblem
 
 Problem = TypeVar("Problem", bound=FrictionProblem | LCP)
 _PARTS = ("data", "indices", "indptr")

@@ -21,15 +21,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from problems import check
-from problems.check import Array, require
-from problems.forms import delassus
-from problems.forms.definite import spectrum_ends
-from problems.forms.delassus import Blocks
-from problems.forms.lcp import LCP, content_hash, friction_lcp, tangent_basis
-from problems.forms.mass import inverse_mass
-from problems.forms.relaxation import QP, ConeProgram, VelocityForm, relaxation_cone, relaxation_qp
-from problems.rows import ByContact, Rows, by_contact, by_row
+from frictionbench.problems import check
+from frictionbench.problems.check import Array, require
+from frictionbench.problems.forms import delassus
+from frictionbench.problems.forms.definite import spectrum_ends
+from frictionbench.problems.forms.delassus import Blocks
+from frictionbench.problems.forms.lcp import LCP, content_hash, friction_lcp, tangent_basis
+from frictionbench.problems.forms.mass import inverse_mass
+from frictionbench.problems.forms.relaxation import QP, ConeProgram, VelocityForm, relaxation_cone, relaxation_qp
+from frictionbench.problems.rows import ByContact, Rows, by_contact, by_row
 
 LOCKED = 1000 * float(np.finfo(float).eps)  # of what adds up to a diagonal of W: round-off was seen up to 160, else from 1e9
 INDEFINITE = 1e-6  # of W's largest eigenvalue: recorded problems are indefinite by what their files' digits lost

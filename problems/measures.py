@@ -14,9 +14,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from problems.check import Array
-from problems.forms.cone import project_cone
-from problems.friction import FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.problems.forms.cone import project_cone
+from frictionbench.problems.friction import FrictionProblem
 
 
 class Defects(NamedTuple):

@@ -7,8 +7,8 @@ They cover what scenes hardly visit: large mu, odd shapes of contact graphs, mas
 import numpy as np
 from scipy import sparse
 
-from problems.check import require
-from problems.friction import FrictionProblem
+from frictionbench.problems.check import require
+from frictionbench.problems.friction import FrictionProblem
 
 
 def random_problem(

@@ -4,7 +4,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from problems.friction import DelassusProblem, FrictionProblem
+from frictionbench.problems.friction import DelassusProblem, FrictionProblem
 
 
 def keep_contacts(problem: FrictionProblem, kept: list[int]) -> FrictionProblem:

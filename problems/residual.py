@@ -17,12 +17,12 @@ may come out as 0 whatever they are.
 
 import numpy as np
 
-from problems import check
-from problems.check import Array
-from problems.compiled import inlined, kernel
-from problems.forms.cone import nearest
-from problems.forms.lcp import LCP
-from problems.friction import FrictionProblem
+from frictionbench.problems import check
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import inlined, kernel
+from frictionbench.problems.forms.cone import nearest
+from frictionbench.problems.forms.lcp import LCP
+from frictionbench.problems.friction import FrictionProblem
 
 
 def residual(problem: FrictionProblem, impulse: Array) -> float:

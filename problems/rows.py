@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from problems.compiled import kernel, part
+from frictionbench.problems.compiled import kernel, part
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int32]

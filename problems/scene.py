@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from problems import check
-from problems.check import Array, require
-from problems.friction import FrictionProblem
-from problems.planar.bodies import Body, Geometry, Shape
-from problems.planar.collision import Contacts, find_contacts
-from problems.planar.joints import Hinge, hinge_equations
+from frictionbench.problems import check
+from frictionbench.problems.check import Array, require
+from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.planar.bodies import Body, Geometry, Shape
+from frictionbench.problems.planar.collision import Contacts, find_contacts
+from frictionbench.problems.planar.joints import Hinge, hinge_equations
 
 GRAVITY = 9.81
 

@@ -5,12 +5,12 @@ from contextlib import suppress
 
 import numpy as np
 
-from problems.check import Array
-from problems.friction import FrictionProblem
-from problems.planar.collision import deepest_overlap
-from problems.scene import Scene
-from problems.schemes import NoSolution, Scheme, Solve, Step, start
-from problems.schemes.anitescu_potra import anitescu_potra
+from frictionbench.problems.check import Array
+from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.planar.collision import deepest_overlap
+from frictionbench.problems.scene import Scene
+from frictionbench.problems.schemes import NoSolution, Scheme, Solve, Step, start
+from frictionbench.problems.schemes.anitescu_potra import anitescu_potra
 
 
 def simulate(scene: Scene, solve: Solve, scheme: Scheme = anitescu_potra, steps: int | None = None) -> Iterator[Step]:

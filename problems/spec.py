@@ -2,7 +2,7 @@
 
 import re
 
-from problems.check import InputError
+from frictionbench.problems.check import InputError
 
 
 def split(field: str, text: str) -> tuple[str, dict[str, str | None]]:

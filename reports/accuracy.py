@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from results.schema import SKIPPED
+from frictionbench.results.schema import SKIPPED
 
 TARGETS = (1e-4, 1e-6, 1e-8)
 Array = NDArray[np.float64]

@@ -12,10 +12,10 @@ from urllib.parse import quote
 
 import numpy as np
 
-from reports.drawing.text import scene_title
-from reports.templates import as_json, environment, script
-from results.files import ResultsError, room, write_text
-from results.motion import Array, Motion, Outline, plain, read_motion
+from frictionbench.reports.drawing.text import scene_title
+from frictionbench.reports.templates import as_json, environment, script
+from frictionbench.results.files import ResultsError, room, write_text
+from frictionbench.results.motion import Array, Motion, Outline, plain, read_motion
 
 MOST_NUMBERS = 250_000  # on a page, which makes it about 2 MB
 DIGITS = 5  # of each, finer than a pixel

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from reports.accuracy import SHIFT
-from reports.run import COLD, WARM, Run
+from frictionbench.reports.accuracy import SHIFT
+from frictionbench.reports.run import COLD, WARM, Run
 
 SMALL, MEDIUM = 10, 100  # contacts
 ILL = 1e8  # condition of W on its range

@@ -11,12 +11,12 @@ from typing import Any
 
 import pandas as pd
 
-from reports.run import Run
-from results.files import write_text
-from results.maps import Map, maps_of
-from results.places import lost, placed
-from results.schema import SKIPPED, SOLVED
-from results.shrunk import Shrunk
+from frictionbench.reports.run import Run
+from frictionbench.results.files import write_text
+from frictionbench.results.maps import Map, maps_of
+from frictionbench.results.places import lost, placed
+from frictionbench.results.schema import SKIPPED, SOLVED
+from frictionbench.results.shrunk import Shrunk
 
 NOT_TRIED = Shrunk("", 0, 0, whole=False)
 

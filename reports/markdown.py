@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 
-from reports import choice, tables
-from reports.drawing.text import power, seconds
-from reports.run import Run
-from reports.standing import sentences, standings
-from results.schema import CRASHED, MISSED, SKIPPED, TIMEOUT, WRONG
+from frictionbench.reports import choice, tables
+from frictionbench.reports.drawing.text import power, seconds
+from frictionbench.reports.run import Run
+from frictionbench.reports.standing import sentences, standings
+from frictionbench.results.schema import CRASHED, MISSED, SKIPPED, TIMEOUT, WRONG
 
 BANDS = ((0, 4), (4, 20), (20, 100), (100, np.inf))  # contacts
 

@@ -13,23 +13,23 @@ from typing import Any
 import pandas as pd
 from markupsafe import Markup
 
-from reports import choice, maps, tables, told
-from reports.accuracy import ALL, CHARGES, by_charge, entered_in_part
-from reports.animation import write_animations
-from reports.charts import CHARTS
-from reports.charts.chart import Chart
-from reports.drawing.figures import Panel, inline_svg, swatch
-from reports.drawing.text import power, scene_title, seconds
-from reports.drawing.tiles import Drawing, on_page
-from reports.recorded import recorded_problems
-from reports.run import Run, read_run
-from reports.sheets import sheets
-from reports.standing import sentences
-from reports.templates import as_json, environment, script
-from results.files import write_text
-from results.polygon import read_deviations
-from results.schema import VERDICTS
-from results.shrunk import ROOM, read_shrunk
+from frictionbench.reports import choice, maps, tables, told
+from frictionbench.reports.accuracy import ALL, CHARGES, by_charge, entered_in_part
+from frictionbench.reports.animation import write_animations
+from frictionbench.reports.charts import CHARTS
+from frictionbench.reports.charts.chart import Chart
+from frictionbench.reports.drawing.figures import Panel, inline_svg, swatch
+from frictionbench.reports.drawing.text import power, scene_title, seconds
+from frictionbench.reports.drawing.tiles import Drawing, on_page
+from frictionbench.reports.recorded import recorded_problems
+from frictionbench.reports.run import Run, read_run
+from frictionbench.reports.sheets import sheets
+from frictionbench.reports.standing import sentences
+from frictionbench.reports.templates import as_json, environment, script
+from frictionbench.results.files import write_text
+from frictionbench.results.polygon import read_deviations
+from frictionbench.results.schema import VERDICTS
+from frictionbench.results.shrunk import ROOM, read_shrunk
 
 MOST_CLAIMS = 200  # wrong claims listed on the page
 FEW = 8  # entries that a figure shows well at once

@@ -17,17 +17,17 @@ import numpy as np
 import pandas as pd
 from markupsafe import Markup
 
-from reports import tables
-from reports.charts import CHARTS, profiles
-from reports.drawing.figures import Panel
-from reports.drawing.print import save_drawing
-from reports.drawing.sheets import BANDS, save_sheet
-from reports.drawing.text import power
-from reports.drawing.tiles import Drawing, in_file
-from reports.latex import Cell, Layout, Table, Tex, booktabs, escaped, one_unit
-from reports.references import bibliography, cited
-from reports.run import PORTFOLIO, Run
-from results.files import ResultsError, room, write_text
+from frictionbench.reports import tables
+from frictionbench.reports.charts import CHARTS, profiles
+from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.print import save_drawing
+from frictionbench.reports.drawing.sheets import BANDS, save_sheet
+from frictionbench.reports.drawing.text import power
+from frictionbench.reports.drawing.tiles import Drawing, in_file
+from frictionbench.reports.latex import Cell, Layout, Table, Tex, booktabs, escaped, one_unit
+from frictionbench.reports.references import bibliography, cited
+from frictionbench.reports.run import PORTFOLIO, Run
+from frictionbench.results.files import ResultsError, room, write_text
 
 FONT = 7  # points, in figures
 ON_PAGE_ONLY = ("Point at", "Bands, ")  # how sentences begin that are of the page alone

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from reports.run import Run
-from results.schema import SKIPPED
+from frictionbench.reports.run import Run
+from frictionbench.results.schema import SKIPPED
 
 NOTICED = 1e-12  # asymmetry and indefiniteness of W that are not rounding
 

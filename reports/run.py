@@ -21,12 +21,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from reports.accuracy import summary, targets, times_to
-from reports.drawing.style import Look, looks
-from results.courses import Course, read_courses
-from results.maps import Place, maps_of, read_thresholds
-from results.schema import CRASHED, SKIPPED, TIMEOUT
-from results.store import read_manifest, read_table
+from frictionbench.reports.accuracy import summary, targets, times_to
+from frictionbench.reports.drawing.style import Look, looks
+from frictionbench.results.courses import Course, read_courses
+from frictionbench.results.maps import Place, maps_of, read_thresholds
+from frictionbench.results.schema import CRASHED, SKIPPED, TIMEOUT
+from frictionbench.results.store import read_manifest, read_table
 
 BANDS = (100, 1000)  # unknowns of the friction LCP: dense methods win below, sparse ones above
 COLD, WARM = "cold", "warm"  # starts

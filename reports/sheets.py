@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from reports.accuracy import ALL
-from reports.run import Run
-from results.schema import SKIPPED, SOLVED
+from frictionbench.reports.accuracy import ALL
+from frictionbench.reports.run import Run
+from frictionbench.results.schema import SKIPPED, SOLVED
 
 MOST_FAILURES = 12  # kinds of failure listed of one solver
 MOST_TOLD = 6000  # characters of a solver's own words

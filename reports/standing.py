@@ -6,9 +6,9 @@ A relaxation's or a polygon's answers are exact as such where the residual of th
 from collections.abc import Callable
 from typing import NamedTuple
 
-from reports.drawing.text import power
-from reports.run import Run
-from results.schema import CRASHED, MISSED, SKIPPED, TIMEOUT, WRONG
+from frictionbench.reports.drawing.text import power
+from frictionbench.reports.run import Run
+from frictionbench.results.schema import CRASHED, MISSED, SKIPPED, TIMEOUT, WRONG
 
 
 class Standing(NamedTuple):

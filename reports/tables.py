@@ -4,9 +4,9 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from reports.accuracy import ALL
-from reports.run import Run
-from results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
+from frictionbench.reports.accuracy import ALL
+from frictionbench.reports.run import Run
+from frictionbench.results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
 
 OUTCOMES = (SOLVED, RELAXED, MISSED, UNJUDGEABLE, WRONG, UNSOLVED, TIMEOUT, CRASHED, SKIPPED)
 NEARLY = 0.9  # as many problems as the best

@@ -3,7 +3,7 @@
 import json
 from typing import Any, NamedTuple
 
-from reports.drawing.text import scene_title
+from frictionbench.reports.drawing.text import scene_title
 
 LONG = 160  # characters, beyond which a setting is folded
 MOST = 20_000  # characters shown of one setting

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from itertools import takewhile
 from pathlib import Path
 
-from results.files import ResultsError, write_text
+from frictionbench.results.files import ResultsError, write_text
 
 COLUMNS = (
     *("variant", "table", "scene", "step", "phase", "start", "tol"),

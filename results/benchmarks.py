@@ -10,9 +10,9 @@ from typing import Any
 
 import pandas as pd
 
-from results.cells import NUMBERS, TEXTS, Cells
-from results.files import ResultsError
-from results.schema import SOLVED
+from frictionbench.results.cells import NUMBERS, TEXTS, Cells
+from frictionbench.results.files import ResultsError
+from frictionbench.results.schema import SOLVED
 
 LARGEST = 256 * 2**20  # bytes
 MACHINE = ("node", "machine", "system", "python_version")

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from results import baseline
-from results.schema import SKIPPED, VERDICTS
-from results.store import ResultsError, read_manifest, read_table
+from frictionbench.results import baseline
+from frictionbench.results.schema import SKIPPED, VERDICTS
+from frictionbench.results.store import ResultsError, read_manifest, read_table
 
 TEXTS = ("table", "variant", "scene", "step", "phase", "start", "verdict", "reason", "work")
 NUMBERS = ("tol", "residual", "seconds", "limit")

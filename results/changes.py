@@ -15,8 +15,8 @@ from dataclasses import dataclass, field
 import numpy as np
 import pandas as pd
 
-from results.cells import untold
-from results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
+from frictionbench.results.cells import untold
+from frictionbench.results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
 
 RANK = {verdict: i for i, verdict in enumerate((SOLVED, RELAXED, MISSED, UNJUDGEABLE, UNSOLVED, TIMEOUT, CRASHED, WRONG))}
 GONE = "gone"

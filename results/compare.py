@@ -14,12 +14,12 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from results import benchmarks, changes
-from results.cells import Cells, read
-from results.changes import Finding, Flip, Growth
-from results.schema import SKIPPED
-from results.store import ResultsError
-from results.times import Pair, Time, times
+from frictionbench.results import benchmarks, changes
+from frictionbench.results.cells import Cells, read
+from frictionbench.results.changes import Finding, Flip, Growth
+from frictionbench.results.schema import SKIPPED
+from frictionbench.results.store import ResultsError
+from frictionbench.results.times import Pair, Time, times
 
 
 class Limits(NamedTuple):

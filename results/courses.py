@@ -5,7 +5,7 @@ import math
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from results.files import ResultsError, write_text
+from frictionbench.results.files import ResultsError, write_text
 
 NAME = "courses.json"
 

@@ -15,10 +15,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
-from results.changes import GONE, Finding, Flip, Growth
-from results.compare import Comparison
-from results.store import ResultsError
-from results.times import Time
+from frictionbench.results.changes import GONE, Finding, Flip, Growth
+from frictionbench.results.compare import Comparison
+from frictionbench.results.store import ResultsError
+from frictionbench.results.times import Time
 
 F = TypeVar("F", Flip, Growth, Time)
 FIELDS: dict[str, Any] = {"solver": str, "change": str, "scene": str, "after": str, "ratio": int | float, "reason": str}

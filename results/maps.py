@@ -13,7 +13,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any, Literal
 
-from results.store import ResultsError
+from frictionbench.results.store import ResultsError
 
 Scale = Literal["linear", "log", "zero", "both"]
 Place = tuple[float, float]

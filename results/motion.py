@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from results.files import ResultsError, room, write_text
+from frictionbench.results.files import ResultsError, room, write_text
 
 Array = NDArray[np.float64]
 CURVES = ("times", "energy", "kinetic", "friction", "normal", "joints", "residual")

@@ -8,8 +8,8 @@ import json
 
 import pandas as pd
 
-from results.maps import Map
-from results.schema import SKIPPED, SOLVED
+from frictionbench.results.maps import Map
+from frictionbench.results.schema import SKIPPED, SOLVED
 
 USUAL = "anitescu_potra"
 THEORY = ("gaps", "pointed")  # what is known so of a problem holds for it with fewer contacts, too

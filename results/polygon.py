@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 from typing import NamedTuple
 
-from results.files import ResultsError, write_text
+from frictionbench.results.files import ResultsError, write_text
 
 NAME = "polygon.json"
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from results.files import ResultsError, room, write_text
+from frictionbench.results.files import ResultsError, room, write_text
 
 ROOM, INDEX = "shrunk", "index.json"
 

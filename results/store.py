@@ -22,9 +22,9 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from results import files
-from results.files import replaced, room, write_text
-from results.schema import arrow_schema
+from frictionbench.results import files
+from frictionbench.results.files import replaced, room, write_text
+from frictionbench.results.schema import arrow_schema
 
 Row = dict[str, Any]
 ResultsError = files.ResultsError

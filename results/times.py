@@ -14,7 +14,7 @@ from itertools import combinations_with_replacement
 import numpy as np
 import pandas as pd
 
-from results.changes import Finding, settled
+from frictionbench.results.changes import Finding, settled
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
 """One file a method, one signature for all, each listed by its decorator: see solvers.interface."""
 
-from problems.discover import import_all
-from solvers import outside
-from solvers.interface import Answer, Solver, SolverInfo, Status, available, find, solve, solver
+from frictionbench.problems.discover import import_all
+from frictionbench.solvers import outside
+from frictionbench.solvers.interface import Answer, Solver, SolverInfo, Status, available, find, solve, solver
 
 import_all(__name__, __path__)
 import_all(outside.__name__, outside.__path__)

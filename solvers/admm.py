@@ -20,15 +20,15 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from problems import FrictionProblem
-from problems.check import Array
-from problems.compiled import kernel, part
-from problems.rows import Index
-from solvers.interface import Answer, impulses, solver
-from solvers.sweeps.form import ContactForm, contact_form
-from solvers.sweeps.laws import evaluate
-from solvers.sweeps.projected_gradient import step
-from solvers.sweeps.stopping import going, watch
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.rows import Index
+from frictionbench.solvers.interface import Answer, impulses, solver
+from frictionbench.solvers.sweeps.form import ContactForm, contact_form
+from frictionbench.solvers.sweeps.laws import evaluate
+from frictionbench.solvers.sweeps.projected_gradient import step
+from frictionbench.solvers.sweeps.stopping import going, watch
 
 LIMIT = 10_000
 PATIENCE = 2500  # iterations in which the residual must fall by a hundredth

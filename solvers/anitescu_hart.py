@@ -18,13 +18,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from problems import FrictionProblem
-from problems.check import Array, require
-from solvers.interface import Answer, Status, impulses, solver
-from solvers.sweeps.form import ContactForm, contact_form
-from solvers.sweeps.laws import evaluate
-from solvers.sweeps.projected_gradient import relax
-from solvers.sweeps.stopping import going, watch
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array, require
+from frictionbench.solvers.interface import Answer, Status, impulses, solver
+from frictionbench.solvers.sweeps.form import ContactForm, contact_form
+from frictionbench.solvers.sweeps.laws import evaluate
+from frictionbench.solvers.sweeps.projected_gradient import relax
+from frictionbench.solvers.sweeps.stopping import going, watch
 
 LIMIT = 500
 PATIENCE = 100  # relaxations in which the residual must fall by a hundredth

@@ -14,12 +14,12 @@ it is no gradient, and no convergence is known.
 References: Nesterov 1983; O'Donoghue and Candès 2015 for the restart; Mazhar, Heyn, Negrut and Tasora 2015.
 """
 
-from problems import FrictionProblem
-from problems.check import Array
-from solvers.interface import Answer, impulses, solver
-from solvers.sweeps.form import ContactForm, contact_form
-from solvers.sweeps.projected_gradient import PATIENCE, descend
-from solvers.sweeps.stopping import watch
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.solvers.interface import Answer, impulses, solver
+from frictionbench.solvers.sweeps.form import ContactForm, contact_form
+from frictionbench.solvers.sweeps.projected_gradient import PATIENCE, descend
+from frictionbench.solvers.sweeps.stopping import watch
 
 LIMIT = 20_000
 

@@ -20,13 +20,23 @@ from functools import partial
 
 import numpy as np
 
-from problems import LCP, FrictionProblem
-from problems.check import Array
-from problems.compiled import kernel
-from solvers.interface import Answer, solver
-from solvers.pivots.inverse_basis import Index, Matrix, slack_basis
-from solvers.pivots.lemke_path import ACCURACY, COMPLEMENTARY, LOST, RAY, STUCK, add_coordinates, draw, evaluate, follow
-from solvers.pivots.scaled_lcp import ScaledLCP, finish, pivot_by, scaled_lcp
+from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import kernel
+from frictionbench.solvers.interface import Answer, solver
+from frictionbench.solvers.pivots.inverse_basis import Index, Matrix, slack_basis
+from frictionbench.solvers.pivots.lemke_path import (
+    ACCURACY,
+    COMPLEMENTARY,
+    LOST,
+    RAY,
+    STUCK,
+    add_coordinates,
+    draw,
+    evaluate,
+    follow,
+)
+from frictionbench.solvers.pivots.scaled_lcp import ScaledLCP, finish, pivot_by, scaled_lcp
 
 PERTURBATION = 1e-7  # of q, whose largest entry is 1
 HARRIS = 1e-4  # how far below zero near ties may reach, relative to the perturbation

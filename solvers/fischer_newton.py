@@ -25,11 +25,11 @@ problems, Mathematical Programming 75 (1996).
 
 import numpy as np
 
-from problems import LCP, FrictionProblem
-from problems.check import Array, require
-from problems.compiled import kernel
-from solvers.interface import Answer, Status, solver
-from solvers.pivots.dense_lcp import (
+from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems.check import Array, require
+from frictionbench.problems.compiled import kernel
+from frictionbench.solvers.interface import Answer, Status, solver
+from frictionbench.solvers.pivots.dense_lcp import (
     EVALUATIONS,
     FACTORISATIONS,
     GOING,

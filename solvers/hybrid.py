@@ -16,10 +16,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from problems import FrictionProblem
-from problems.check import Array
-from problems.residual import residual
-from solvers.interface import Answer, Solver, SolverInfo, Status, find, solver
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.problems.residual import residual
+from frictionbench.solvers.interface import Answer, Solver, SolverInfo, Status, find, solver
 
 PLANAR = ("lemke", "interior_point", "path_search", "staggered", "anitescu_hart", "fischer_newton")
 SPATIAL = ("nsgs", "interior_point", "proximal_newton", "nncg", "apgd_coulomb", "staggered", "admm_coulomb", "anitescu_hart")

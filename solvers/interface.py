@@ -34,10 +34,10 @@ from typing import Any, Literal, Protocol, TypeVar
 
 import numpy as np
 
-from problems import LCP, FrictionProblem, InputError, check
-from problems.check import Array, require
-from problems.spec import split
-from solvers.needs import installed
+from frictionbench.problems import LCP, FrictionProblem, InputError, check
+from frictionbench.problems.check import Array, require
+from frictionbench.problems.spec import split
+from frictionbench.solvers.needs import installed
 
 Model = Literal["coulomb", "lcp", "relaxation", "regularised"]
 MOST_WORK = 10**8  # units of work a limit may allow: histories are laid out for it
@@ -112,6 +112,11 @@ class SolverInfo:
     variants: tuple[str, ...]
     members: tuple[str, ...]
     make: Callable[..., Solver]
+
+    @property
+    def ours(self) -> bool:
+        """Whether this package defines it, be the method ours or a library's; a plug-in's is not."""
+        return self.make.__module__.startswith("frictionbench.solvers.")
 
     @property
     def specs(self) -> tuple[str, ...]:

@@ -24,16 +24,16 @@ from typing import Any
 
 import numpy as np
 
-from problems import FrictionProblem
-from problems.check import Array
-from problems.residual import residual
-from solvers.interface import Answer, impulses, solve, solver
-from solvers.interior.central_path import trace
-from solvers.interior.centred_point import centred_point
-from solvers.interior.phases import Phase, Phased, Prepared, first_point, run
-from solvers.interior.point import Point, start_point
-from solvers.interior.predictor_corrector import predictor_corrector
-from solvers.interior.system import System, space_of
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.problems.residual import residual
+from frictionbench.solvers.interface import Answer, impulses, solve, solver
+from frictionbench.solvers.interior.central_path import trace
+from frictionbench.solvers.interior.centred_point import centred_point
+from frictionbench.solvers.interior.phases import Phase, Phased, Prepared, first_point, run
+from frictionbench.solvers.interior.point import Point, start_point
+from frictionbench.solvers.interior.predictor_corrector import predictor_corrector
+from frictionbench.solvers.interior.system import System, space_of
 
 # Starts of paths that know nothing: impulses and speeds, relative to a contact's own.
 BLIND = ((0.1, 10.0), (1.0, 10.0), (0.1, 100.0), (1.0, 100.0), (10.0, 1.0), (1.0, 1.0))

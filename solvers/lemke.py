@@ -28,12 +28,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from problems import LCP, FrictionProblem
-from problems.check import Array
-from problems.compiled import kernel, part
-from solvers.interface import Answer, impulses, solver
-from solvers.pivots.inverse_basis import Index, Matrix, invert, slack_basis
-from solvers.pivots.lemke_path import (
+from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import kernel, part
+from frictionbench.solvers.interface import Answer, impulses, solver
+from frictionbench.solvers.pivots.inverse_basis import Index, Matrix, invert, slack_basis
+from frictionbench.solvers.pivots.lemke_path import (
     ACCURACY,
     COMPLEMENTARY,
     LIMIT,
@@ -45,8 +45,8 @@ from solvers.pivots.lemke_path import (
     evaluate,
     follow,
 )
-from solvers.pivots.scaled_lcp import MARGIN, ScaledLCP, finish, residual, scaled_lcp
-from solvers.pivots.vectors import fill, largest, least, put
+from frictionbench.solvers.pivots.scaled_lcp import MARGIN, ScaledLCP, finish, residual, scaled_lcp
+from frictionbench.solvers.pivots.vectors import fill, largest, least, put
 
 PERTURBATION = 1e-7  # of q, whose largest entry is 1
 HARRIS = 1e-4  # how far below zero near ties may reach, relative to the perturbation

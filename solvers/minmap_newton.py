@@ -23,11 +23,11 @@ Mathematical Programming 134 (2012).
 
 import numpy as np
 
-from problems import LCP, FrictionProblem
-from problems.check import Array, require
-from problems.compiled import kernel, part
-from solvers.interface import Answer, Status, solver
-from solvers.pivots.dense_lcp import (
+from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems.check import Array, require
+from frictionbench.problems.compiled import kernel, part
+from frictionbench.solvers.interface import Answer, Status, solver
+from frictionbench.solvers.pivots.dense_lcp import (
     EVALUATIONS,
     FACTORISATIONS,
     GOING,

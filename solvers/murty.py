@@ -12,13 +12,13 @@ whose pivot vanishes, where it stalls.
 
 import numpy as np
 
-from problems import LCP, FrictionProblem
-from problems.check import Array
-from problems.compiled import kernel
-from solvers.interface import Answer, solver
-from solvers.pivots.inverse_basis import Matrix, exchange, refactor, slack_basis, transform
-from solvers.pivots.lemke_path import ACCURACY, COMPLEMENTARY, LIMIT, LOSS, LOST, PIVOT, STUCK, enter, evaluate
-from solvers.pivots.scaled_lcp import ScaledLCP, finish, pivot_by, scaled_lcp
+from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import kernel
+from frictionbench.solvers.interface import Answer, solver
+from frictionbench.solvers.pivots.inverse_basis import Matrix, exchange, refactor, slack_basis, transform
+from frictionbench.solvers.pivots.lemke_path import ACCURACY, COMPLEMENTARY, LIMIT, LOSS, LOST, PIVOT, STUCK, enter, evaluate
+from frictionbench.solvers.pivots.scaled_lcp import ScaledLCP, finish, pivot_by, scaled_lcp
 
 NEGATIVE = 1e-13  # of the largest basic variable: what is less negative counts as zero
 

@@ -11,14 +11,14 @@ References: Jourdan, Alart and Jean 1998; Jean 1999.
 
 import numpy as np
 
-from problems import FrictionProblem
-from problems.check import Array, require
-from problems.compiled import kernel
-from solvers.interface import Answer, impulses, solver
-from solvers.sweeps.form import ContactForm, contact_form
-from solvers.sweeps.gauss_seidel import CHECK, planar_sweeps, spatial_sweeps, watch_sweeps
-from solvers.sweeps.laws import evaluate
-from solvers.sweeps.stopping import going
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array, require
+from frictionbench.problems.compiled import kernel
+from frictionbench.solvers.interface import Answer, impulses, solver
+from frictionbench.solvers.sweeps.form import ContactForm, contact_form
+from frictionbench.solvers.sweeps.gauss_seidel import CHECK, planar_sweeps, spatial_sweeps, watch_sweeps
+from frictionbench.solvers.sweeps.laws import evaluate
+from frictionbench.solvers.sweeps.stopping import going
 
 
 @solver("nsgs", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True)

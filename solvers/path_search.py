@@ -39,11 +39,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from problems import LCP, FrictionProblem
-from problems.check import Array, require
-from problems.compiled import kernel, part
-from solvers.interface import Answer, Status, solver
-from solvers.pivots.lu_basis import (
+from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems.check import Array, require
+from frictionbench.problems.compiled import kernel, part
+from frictionbench.solvers.interface import Answer, Status, solver
+from frictionbench.solvers.pivots.lu_basis import (
     Basis,
     Columns,
     Indices,
@@ -56,10 +56,10 @@ from solvers.pivots.lu_basis import (
     new_basis,
     orientation,
 )
-from solvers.pivots.natural import MARGIN, exact_residual, natural_residual, own_scale, scaled_and_weighed
-from solvers.pivots.newton_path import FACTORISATIONS, LIMIT, NEWTON, RAY, SINGULAR, follow, is_ray
-from solvers.pivots.ordering import in_order
-from solvers.pivots.vectors import fill, put
+from frictionbench.solvers.pivots.natural import MARGIN, exact_residual, natural_residual, own_scale, scaled_and_weighed
+from frictionbench.solvers.pivots.newton_path import FACTORISATIONS, LIMIT, NEWTON, RAY, SINGULAR, follow, is_ray
+from frictionbench.solvers.pivots.ordering import in_order
+from frictionbench.solvers.pivots.vectors import fill, put
 
 SHIFT = 0.3  # size of a crash point's residual, relative to the largest scaled q
 SPREAD = 0.1  # randomness of its entries

@@ -18,8 +18,8 @@ from hashlib import sha256
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
-from problems import InputError
-from solvers.interface import available
+from frictionbench.problems import InputError
+from frictionbench.solvers.interface import available
 
 GROUP = "frictionbench.solvers"
 FRAMES = 3  # told of an error

@@ -16,12 +16,12 @@ References: Rockafellar 1976; Acary, Brémond and Huber 2018, section 4.4.
 
 import numpy as np
 
-from problems import FrictionProblem
-from problems.check import Array
-from problems.residual import residual
-from solvers.interface import Answer, Status, impulses, solver
-from solvers.interior.alart_curnier import new_state, newton
-from solvers.interior.system import System, in_velocities, new_work, prepare
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.problems.residual import residual
+from frictionbench.solvers.interface import Answer, Status, impulses, solver
+from frictionbench.solvers.interior.alart_curnier import new_state, newton
+from frictionbench.solvers.interior.system import System, in_velocities, new_work, prepare
 
 LIMIT = 1500  # factorisations: most problems that are solved take less than 500
 STEPS = 20  # of Newton's method for one proximal point

@@ -8,12 +8,12 @@ Beside interior_point it tells what the model saves: the matrix and the arithmet
 
 from itertools import chain
 
-from problems.check import Array
-from problems.residual import relaxation_residual
-from solvers.interface import Answer, solver
-from solvers.interior.phases import Phased, Prepared, first_point, run
-from solvers.interior.point import start_point
-from solvers.interior.predictor_corrector import predictor_corrector
+from frictionbench.problems.check import Array
+from frictionbench.problems.residual import relaxation_residual
+from frictionbench.solvers.interface import Answer, solver
+from frictionbench.solvers.interior.phases import Phased, Prepared, first_point, run
+from frictionbench.solvers.interior.point import start_point
+from frictionbench.solvers.interior.predictor_corrector import predictor_corrector
 
 STARTS = ((0.1, 10.0), (10.0, 1.0))  # after the first: impulses and speeds, relative to a contact's own
 SHARE = 250  # factorisations from each of them

@@ -15,13 +15,13 @@ Reference: Kaufman, Sueda, James and Pai 2008.
 
 import numpy as np
 
-from problems import FrictionProblem
-from problems.check import Array
-from solvers.interface import Answer, impulses, solver
-from solvers.sweeps.form import ContactForm, contact_form, state
-from solvers.sweeps.laws import evaluate
-from solvers.sweeps.projected_gradient import relax
-from solvers.sweeps.stopping import going, watch
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.solvers.interface import Answer, impulses, solver
+from frictionbench.solvers.sweeps.form import ContactForm, contact_form, state
+from frictionbench.solvers.sweeps.laws import evaluate
+from frictionbench.solvers.sweeps.projected_gradient import relax
+from frictionbench.solvers.sweeps.stopping import going, watch
 
 LIMIT = 1000
 PATIENCE = 200  # rounds in which the residual must fall by a hundredth

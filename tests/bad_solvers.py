@@ -12,8 +12,8 @@ from functools import cache
 import numpy as np
 from numba import njit
 
-import solvers.lemke
-from solvers import Answer, Status, solve, solver
+import frictionbench.solvers.lemke
+from frictionbench.solvers import Answer, Status, solve, solver
 
 
 def answer(problem, impulse=None):
@@ -256,7 +256,7 @@ class SpoilsOthers(Bad):
     """Makes lemke return nothing but zeros in this process."""
 
     def misbehave(self, problem):
-        solvers.lemke.Lemke.solve = lambda self, prepared, tol, limit, start=None: None
+        frictionbench.solvers.lemke.Lemke.solve = lambda self, prepared, tol, limit, start=None: None
         return answer(problem)
 
 

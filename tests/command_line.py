@@ -8,7 +8,7 @@ from io import StringIO
 from pathlib import Path
 from unittest.mock import patch
 
-from harness import cli
+from frictionbench.harness import cli
 
 
 @dataclass(frozen=True)

@@ -16,8 +16,8 @@ for library in ("OMP", "OPENBLAS", "MKL", "NUMBA", "RAYON"):
 def _processes_end():
     """The server of workers and the libraries in child processes, where tests have started any, end with them."""
     yield
-    if (pool := sys.modules.get("harness.workers.pool")) and pool._server:
+    if (pool := sys.modules.get("frictionbench.harness.workers.pool")) and pool._server:
         pool._server.close()
-    if children := sys.modules.get("solvers.outside.children.child"):
+    if children := sys.modules.get("frictionbench.solvers.outside.children.child"):
         for child in children._children.values():
             child.end()

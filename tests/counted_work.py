@@ -8,22 +8,22 @@ import sys
 import warnings
 from collections import Counter
 
-from problems.random_problem import random_problem
-from solvers import available, solve
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.solvers import available, solve
 from tests.friction_problems import spatial
 
 KERNELS = (
-    ("solvers.sparse_lu.multifrontal", "factorise", "sparse factorisations", lambda arguments: 1),
-    ("solvers.pivots.lu_basis", "factorise", "basis factorisations", lambda arguments: 1),
-    ("solvers.pivots.lu_basis", "exchange", "basis exchanges", lambda arguments: 1),
-    ("solvers.pivots.inverse_basis", "exchange", "exchanges", lambda arguments: 1),
-    ("solvers.pivots.inverse_basis", "refactor", "inversions", lambda arguments: 1),
-    ("solvers.pivots.dense_lcp", "solve_dense", "dense factorisations", lambda arguments: 1),
-    ("solvers.sweeps.form", "state", "products", lambda arguments: 1),
-    ("solvers.sweeps.gauss_seidel", "planar_sweeps", "sweeps", lambda arguments: arguments[-1]),
-    ("solvers.sweeps.gauss_seidel", "spatial_sweeps", "sweeps", lambda arguments: arguments[-1]),
-    ("solvers.admm", "_factorise", "splitting factorisations", lambda arguments: 1),
-    ("solvers.admm", "_alternate", "alternations", lambda arguments: arguments[-1]),
+    ("frictionbench.solvers.sparse_lu.multifrontal", "factorise", "sparse factorisations", lambda arguments: 1),
+    ("frictionbench.solvers.pivots.lu_basis", "factorise", "basis factorisations", lambda arguments: 1),
+    ("frictionbench.solvers.pivots.lu_basis", "exchange", "basis exchanges", lambda arguments: 1),
+    ("frictionbench.solvers.pivots.inverse_basis", "exchange", "exchanges", lambda arguments: 1),
+    ("frictionbench.solvers.pivots.inverse_basis", "refactor", "inversions", lambda arguments: 1),
+    ("frictionbench.solvers.pivots.dense_lcp", "solve_dense", "dense factorisations", lambda arguments: 1),
+    ("frictionbench.solvers.sweeps.form", "state", "products", lambda arguments: 1),
+    ("frictionbench.solvers.sweeps.gauss_seidel", "planar_sweeps", "sweeps", lambda arguments: arguments[-1]),
+    ("frictionbench.solvers.sweeps.gauss_seidel", "spatial_sweeps", "sweeps", lambda arguments: arguments[-1]),
+    ("frictionbench.solvers.admm", "_factorise", "splitting factorisations", lambda arguments: 1),
+    ("frictionbench.solvers.admm", "_alternate", "alternations", lambda arguments: arguments[-1]),
 )
 calls: Counter[str] = Counter()
 running: list[str] = []
@@ -38,7 +38,7 @@ def count(module, name, label, amount):
         calls[label] += int(amount(arguments))
         return original(*arguments)
 
-    for known in [known for title, known in sys.modules.items() if title.startswith("solvers")]:
+    for known in [known for title, known in sys.modules.items() if title.startswith("frictionbench.solvers")]:
         for key, value in list(vars(known).items()):
             if value is original:
                 setattr(known, key, counted)
@@ -74,7 +74,7 @@ def cases():
 
 if __name__ == "__main__":
     warnings.simplefilter("ignore")  # integers that wrap around, on purpose
-    lemke = sys.modules["solvers.lemke"]
+    lemke = sys.modules["frictionbench.solvers.lemke"]
     lemke.draw = lambda seed, drawn, draw=lemke.draw: draw(seed % 2**64, drawn)  # -1 wraps around in compiled code
     for kernel in KERNELS:
         count(*kernel)

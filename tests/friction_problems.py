@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from problems import FrictionProblem
+from frictionbench.problems import FrictionProblem
 
 
 def block(speed=1.0, friction=0.5, mass=2.0, h=0.01, **more) -> FrictionProblem:

@@ -1,7 +1,7 @@
 """Parts of kernels as tests may call them."""
 
-from problems.compiled import kernel
-from solvers.interior import alart_curnier, newton, point
+from frictionbench.problems.compiled import kernel
+from frictionbench.solvers.interior import alart_curnier, newton, point
 
 
 @kernel

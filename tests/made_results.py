@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-from results.schema import SOLVES, TABLES
-from results.store import ShardWriter, merge, write_manifest
+from frictionbench.results.schema import SOLVES, TABLES
+from frictionbench.results.store import ShardWriter, merge, write_manifest
 
 SETTINGS = {"suite": "made", "tolerances": [1e-4, 1e-8], "time_limit": 10.0}
 MACHINE = {"host": "here", "processor": "some"}

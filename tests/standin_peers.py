@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from problems.check import require
-from solvers import Answer, Status, solver
-from solvers.outside.children.child import child
+from frictionbench.problems.check import require
+from frictionbench.solvers import Answer, Status, solver
+from frictionbench.solvers.outside.children.child import child
 
 SCRIPT = str(Path(__file__).with_name("standin_child.py"))
 KINDS = ("abort", "exit", "hang", "leak", "child", "print", "slow", "big")

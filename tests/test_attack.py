@@ -12,11 +12,11 @@ from pathlib import Path
 import psutil
 import pytest
 
-from harness.plans.plan import Source
-from harness.run import run
-from harness.workers import pool
-from harness.workers.introduce import introduce
-from results import store
+from frictionbench.harness.plans.plan import Source
+from frictionbench.harness.run import run
+from frictionbench.harness.workers import pool
+from frictionbench.harness.workers.introduce import introduce
+from frictionbench.results import store
 from tests.test_run import quiet, small_plan, verdicts
 
 GOOD = ("lemke", "nsgs")
@@ -136,10 +136,10 @@ def test_all_that_misbehave_together_with_two_good_ones(own_server, tmp_path) ->
 
 FORKING = """
 import os, sys
-from harness.cells.timing import time_solver
-from problems import LCP
-from solvers import Answer, Status
-from solvers.interface import with_all_steps
+from frictionbench.harness.cells.timing import time_solver
+from frictionbench.problems import LCP
+from frictionbench.solvers import Answer, Status
+from frictionbench.solvers.interface import with_all_steps
 
 @with_all_steps
 class Forks:

@@ -7,13 +7,13 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from harness.commands.accept import accept
-from reports.comparison.history import history
-from reports.comparison.markdown import markdown
-from results import cells, known
-from results.changes import Flip
-from results.compare import compare
-from results.store import ResultsError
+from frictionbench.harness.commands.accept import accept
+from frictionbench.reports.comparison.history import history
+from frictionbench.reports.comparison.markdown import markdown
+from frictionbench.results import cells, known
+from frictionbench.results.changes import Flip
+from frictionbench.results.compare import compare
+from frictionbench.results.store import ResultsError
 from tests.command_line import frictionbench
 from tests.made_results import drive_row, lost_row, solve_row, write_folder
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from problems import InputError
-from problems.random_problem import random_problem
-from problems.residual import relaxation_residual, residual
-from problems.scenes import scene
-from solvers import Status, find, solve
+from frictionbench.problems import InputError
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.residual import relaxation_residual, residual
+from frictionbench.problems.scenes import scene
+from frictionbench.solvers import Status, find, solve
 from tests.friction_problems import block, nothing, spatial, with_joints
 
 PLANAR = ["ccp", "ccp[backend=proxqp]", "ccp[backend=osqp]", "ccp_cone", "ccp_cone[backend=scs]"]

@@ -5,15 +5,15 @@ import warnings
 import numpy as np
 import pytest
 
-import solvers
-from problems import LCP, FrictionProblem, InputError, scene
-from problems.check import Array
-from problems.forms.force_level import Regime, force_level_lcp, regime
-from problems.nature.census import Census, census, census_labels, lcp_census
-from problems.nature.mode import mode
-from problems.nature.polyhedra import Polyhedron, Shape, contains, cut, is_subset, polyhedron, shape, simplicial
-from problems.random_problem import random_problem
-from problems.residual import residual
+from frictionbench import solvers
+from frictionbench.problems import LCP, FrictionProblem, InputError, scene
+from frictionbench.problems.check import Array
+from frictionbench.problems.forms.force_level import Regime, force_level_lcp, regime
+from frictionbench.problems.nature.census import Census, census, census_labels, lcp_census
+from frictionbench.problems.nature.mode import mode
+from frictionbench.problems.nature.polyhedra import Polyhedron, Shape, contains, cut, is_subset, polyhedron, shape, simplicial
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.residual import residual
 from tests.friction_problems import block, nothing, spatial, with_joints
 
 
@@ -183,8 +183,8 @@ def test_round_off_that_looks_like_solutions_is_found_out(monkeypatch) -> None:
     found = census(problem)
     assert (found.shape, found.velocity_shape) == (Shape.CONVEX, Shape.ONE)
     assert max(residual(problem, r.reshape(7, 2)) for piece in found.pieces for r in piece.vertices) <= 1e-10
-    monkeypatch.setattr("problems.nature.census.TIES", (1e-12,))
-    monkeypatch.setattr("problems.nature.census.census", overheard)
+    monkeypatch.setattr("frictionbench.problems.nature.census.TIES", (1e-12,))
+    monkeypatch.setattr("frictionbench.problems.nature.census.census", overheard)
     with pytest.warns(UserWarning, match="badly conditioned"):
         assert set(census_labels(problem).values()) == {None}
 

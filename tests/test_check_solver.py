@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from harness.cli import app
-from harness.contract.check import CHECKS, Subject
-from harness.contract.examine import GROUPS
-from solvers import Answer, Status, find
+from frictionbench.harness.cli import app
+from frictionbench.harness.contract.check import CHECKS, Subject
+from frictionbench.harness.contract.examine import GROUPS
+from frictionbench.solvers import Answer, Status, find
 
 GOOD = "interior_point"
 
@@ -90,7 +90,7 @@ def test_a_spoiled_one_is_told_what_is_wrong(name) -> None:
 def test_a_solver_that_dies_or_hangs_is_told_so(tmp_path: Path) -> None:
     file = tmp_path / "two.py"
     file.write_text(
-        '"""Two solvers."""\nimport os\nimport numpy as np\nfrom solvers import Answer, Status, solver\n\n'
+        '"""Two solvers."""\nimport os\nimport numpy as np\nfrom frictionbench.solvers import Answer, Status, solver\n\n'
         '@solver("aborts", family="bad", model="coulomb")\nclass Aborts:\n    """Aborts."""\n'
         "    def solve(self, problem, tol, limit, start=None):\n        os.abort()\n"
     )

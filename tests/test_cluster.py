@@ -11,11 +11,11 @@ from pathlib import Path
 
 import pytest
 
-from harness.progress import Progress, Stage
-from harness.run import run
-from harness.workers import cluster
-from problems import InputError
-from results.store import ResultsError
+from frictionbench.harness.progress import Progress, Stage
+from frictionbench.harness.run import run
+from frictionbench.harness.workers import cluster
+from frictionbench.problems import InputError
+from frictionbench.results.store import ResultsError
 from tests.test_run import quiet, small_plan, verdicts
 
 

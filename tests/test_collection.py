@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from harness.plans.choose import choose
-from harness.plans.recorded import ABH2018
-from problems import InputError
-from problems.random_problem import random_problem
-from problems.recorded import collection, fclib, read
+from frictionbench.harness.plans.choose import choose
+from frictionbench.harness.plans.recorded import ABH2018
+from frictionbench.problems import InputError
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.recorded import collection, fclib, read
 
 FAMILY = "Local/siconos/Chain"
 

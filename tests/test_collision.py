@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from problems import InputError
-from problems.planar.bodies import (
+from frictionbench.problems import InputError
+from frictionbench.problems.planar.bodies import (
     Body,
     Geometry,
     Shape,
@@ -19,7 +19,7 @@ from problems.planar.bodies import (
     rigid_rod,
     vertical_wall,
 )
-from problems.planar.collision import find_contacts
+from frictionbench.problems.planar.collision import find_contacts
 
 
 def random_polygon(random: np.random.Generator) -> Body:

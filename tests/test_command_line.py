@@ -9,18 +9,18 @@ import pytest
 from rich.console import Console
 from typer.testing import CliRunner
 
-from harness.cells import worker
-from harness.cli import app
-from harness.commands import listing
-from harness.commands.summary import folder_for, summary
-from harness.commands.table import columns
-from harness.plans.choose import choose
-from harness.progress import Progress
-from harness.workers.introduce import MEMORY, introduce
-from harness.workers.pool import Pool
-from harness.workers.task import Task
-from results import store
-from results.store import ResultsError, ShardWriter
+from frictionbench.harness.cells import worker
+from frictionbench.harness.cli import app
+from frictionbench.harness.commands import listing
+from frictionbench.harness.commands.summary import folder_for, summary
+from frictionbench.harness.commands.table import columns
+from frictionbench.harness.plans.choose import choose
+from frictionbench.harness.progress import Progress
+from frictionbench.harness.workers.introduce import MEMORY, introduce
+from frictionbench.harness.workers.pool import Pool
+from frictionbench.harness.workers.task import Task
+from frictionbench.results import store
+from frictionbench.results.store import ResultsError, ShardWriter
 from tests.made_results import drive_row, lost_row, solve_row, write_folder
 
 JITTED = """
@@ -143,9 +143,9 @@ def test_a_key_may_be_cut_short(tmp_path) -> None:
 )
 def test_a_key_that_stops_it_is_answered(tmp_path, command, complaint) -> None:
     begun = [sys.executable, "-m", "frictionbench", *command, *([str(tmp_path / "run")] if "--out" in command else [])]
-    code = "import os, signal; from harness.workers import pool; begin = pool.Pool.__init__\n"
+    code = "import os, signal; from frictionbench.harness.workers import pool; begin = pool.Pool.__init__\n"
     code += "pool.Pool.__init__ = lambda *given: (begin(*given), os.kill(os.getpid(), signal.SIGINT))[0]\n"
-    code += "from harness.cli import main; main()"
+    code += "from frictionbench.harness.cli import main; main()"
     ended = subprocess.run([sys.executable, "-c", code, *begun[3:]], capture_output=True, text=True, check=False, timeout=60)
     assert ended.returncode == 128 + signal.SIGINT
     assert complaint in ended.stderr

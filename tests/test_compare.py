@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from scipy.stats import wilcoxon
 
-from reports.comparison.files import write_files
-from reports.comparison.markdown import markdown, summarise
-from results import cells
-from results.changes import Flip
-from results.compare import Limits, compare, confirm, suspects
-from results.times import estimate
+from frictionbench.reports.comparison.files import write_files
+from frictionbench.reports.comparison.markdown import markdown, summarise
+from frictionbench.results import cells
+from frictionbench.results.changes import Flip
+from frictionbench.results.compare import Limits, compare, confirm, suspects
+from frictionbench.results.times import estimate
 from tests.made_results import MACHINE, SETTINGS, drive_row, lost_row, solve_row, write_folder
 
 ELSEWHERE = {"machine": MACHINE | {"host": "there"}}

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from harness.commands import confirm
-from harness.commands.accept import accept
-from problems import InputError
-from results import cells
-from results.compare import Comparison, Limits, compare
+from frictionbench.harness.commands import confirm
+from frictionbench.harness.commands.accept import accept
+from frictionbench.problems import InputError
+from frictionbench.results import cells
+from frictionbench.results.compare import Comparison, Limits, compare
 from tests.command_line import frictionbench
 from tests.test_plugins import write
 
@@ -68,3 +68,11 @@ def test_a_revision_is_unpacked_where_it_is_given(tmp_path, monkeypatch) -> None
     (moved,) = before.solvers
     assert Path(moved).is_relative_to(tmp_path / "scratch")
     assert "raise" not in Path(moved).read_text(encoding="utf-8")
+
+
+def test_code_from_before_the_one_package_is_refused(seen, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(seen.current.parent)
+    (tmp_path / "base").mkdir()
+    (tmp_path / "base" / "frictionbench.py").touch()
+    with pytest.raises(InputError, match=r"code: .* is from before the code was one package, frictionbench"):
+        again(seen, str(tmp_path / "base"))

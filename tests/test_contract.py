@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import solvers
-from problems import FrictionProblem, InputError, scene
-from problems.copies import duplicate
-from problems.random_problem import random_problem
-from problems.residual import relaxation_residual, residual
-from solvers import Answer, Status, available, find, solve
+from frictionbench import solvers
+from frictionbench.problems import FrictionProblem, InputError, scene
+from frictionbench.problems.copies import duplicate
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.residual import relaxation_residual, residual
+from frictionbench.solvers import Answer, Status, available, find, solve
 from tests.friction_problems import block, nothing, spatial, with_joints
 
 TOL = 1e-6

@@ -3,19 +3,19 @@
 import numpy as np
 import pytest
 
-from harness.cells import course
-from harness.cells.course import follow
-from harness.follow import chosen
-from harness.run import run
-from problems import scene
-from problems.residual import residual
-from reports.charts import courses as chart
-from reports.charts import forces
-from reports.page import write_report
-from reports.run import read_run
-from results.courses import NAME, Course, read_courses, write_courses
-from results.store import ResultsError
-from solvers import Answer, Status, find
+from frictionbench.harness.cells import course
+from frictionbench.harness.cells.course import follow
+from frictionbench.harness.follow import chosen
+from frictionbench.harness.run import run
+from frictionbench.problems import scene
+from frictionbench.problems.residual import residual
+from frictionbench.reports.charts import courses as chart
+from frictionbench.reports.charts import forces
+from frictionbench.reports.page import write_report
+from frictionbench.reports.run import read_run
+from frictionbench.results.courses import NAME, Course, read_courses, write_courses
+from frictionbench.results.store import ResultsError
+from frictionbench.solvers import Answer, Status, find
 from tests.made_results import solve_row, write_folder
 from tests.test_run import quiet, small_plan
 

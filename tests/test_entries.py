@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from harness.cells.collect import stored_start
-from problems import LCP, InputError
-from problems.residual import fclib_error, relaxation_residual, residual, residual_floor
-from solvers import available, find, solve
+from frictionbench.harness.cells.collect import stored_start
+from frictionbench.problems import LCP, InputError
+from frictionbench.problems.residual import fclib_error, relaxation_residual, residual, residual_floor
+from frictionbench.solvers import available, find, solve
 from tests.friction_problems import block, spatial
 
 WARM = sorted(name for name, info in available().items() if info.warm_start and not info.missing)

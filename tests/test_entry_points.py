@@ -4,12 +4,12 @@ from pathlib import Path
 
 import pytest
 
-from harness.commands.single import everyone
-from harness.workers import pool
-from harness.workers.introduce import introduce
-from problems import InputError
-from results import store
-from solvers import plugins
+from frictionbench.harness.commands.single import everyone
+from frictionbench.harness.workers import pool
+from frictionbench.harness.workers.introduce import introduce
+from frictionbench.problems import InputError
+from frictionbench.results import store
+from frictionbench.solvers import plugins
 from tests.command_line import frictionbench
 from tests.test_plugins import PLUGIN
 

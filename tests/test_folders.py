@@ -12,15 +12,15 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from harness.plans.plan import Plan, Source
-from harness.run import open_folder, run
-from problems import InputError, scene
-from problems.recorded import own
-from reports.page import write_report
-from results import files, store
-from results.compare import compare
-from results.schema import arrow_schema
-from results.store import ResultsError, ShardWriter
+from frictionbench.harness.plans.plan import Plan, Source
+from frictionbench.harness.run import open_folder, run
+from frictionbench.problems import InputError, scene
+from frictionbench.problems.recorded import own
+from frictionbench.reports.page import write_report
+from frictionbench.results import files, store
+from frictionbench.results.compare import compare
+from frictionbench.results.schema import arrow_schema
+from frictionbench.results.store import ResultsError, ShardWriter
 from tests.command_line import frictionbench
 from tests.made_results import solve_row, write_folder
 from tests.test_run import quiet, small_plan
@@ -189,7 +189,7 @@ def test_mutated_files_are_used_or_told_in_one_line(tmp_path, kind) -> None:
 def test_a_disk_that_is_full_is_named_and_the_run_goes_on_where_there_is_room(tmp_path, room, unwritten) -> None:
     """A disk with room for files of so many bytes."""
     command = ["run", "smoke", "--jobs", "1", "--scene", "stack", "--solver", "nsgs", "--out", str(tmp_path / "run")]
-    full = "from resource import RLIMIT_FSIZE, setrlimit; from harness.cli import main; "
+    full = "from resource import RLIMIT_FSIZE, setrlimit; from frictionbench.harness.cli import main; "
     full += f"setrlimit(RLIMIT_FSIZE, ({room}, {room})); main()"
     broken = subprocess.run([sys.executable, "-c", full, *command], capture_output=True, text=True, check=False, timeout=120)
     assert broken.returncode == 2

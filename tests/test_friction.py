@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from problems import LCP, FrictionProblem, InputError
-from problems.forms.cone import project_cone
-from problems.random_problem import random_problem
-from problems.recorded.own import load, save
-from problems.residual import fclib_error, relaxation_residual, residual
-from solvers import solve
+from frictionbench.problems import LCP, FrictionProblem, InputError
+from frictionbench.problems.forms.cone import project_cone
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.recorded.own import load, save
+from frictionbench.problems.residual import fclib_error, relaxation_residual, residual
+from frictionbench.solvers import solve
 from tests.friction_problems import spatial
 
 

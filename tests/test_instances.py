@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from problems import FrictionProblem, InputError
-from problems.instances import instances, make_instance
-from problems.reduce import keep_contacts
-from problems.residual import residual
-from solvers import solve
+from frictionbench.problems import FrictionProblem, InputError
+from frictionbench.problems.instances import instances, make_instance
+from frictionbench.problems.reduce import keep_contacts
+from frictionbench.problems.residual import residual
+from frictionbench.solvers import solve
 
 SPATIAL = ("cubes", "packed_spheres", "random_bodies", "sphere_pyramid")
 SMALL = {"packed_spheres": {"spheres": 12}, "sphere_pyramid": {"levels": 3}, "cubes": {"boxes": 3}}

@@ -6,23 +6,23 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from problems import FrictionProblem
-from problems.instances.cubes import cubes
-from problems.instances.random_bodies import random_bodies
-from problems.instances.spheres import sphere_pyramid
-from problems.random_problem import random_problem
-from problems.recorded import read
-from problems.residual import relaxation_residual, residual
-from problems.scenes import scene
-from solvers import Status, solve
-from solvers.interface import find
-from solvers.interior.central_path import trace
-from solvers.interior.centred_point import centred_point
-from solvers.interior.lorentz import longest_in_cone
-from solvers.interior.phases import run
-from solvers.interior.point import add_products, set_identity, set_step, start_point
-from solvers.interior.predictor_corrector import Best, new_room
-from solvers.interior.system import new_work, prepare, space_of
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.instances.cubes import cubes
+from frictionbench.problems.instances.random_bodies import random_bodies
+from frictionbench.problems.instances.spheres import sphere_pyramid
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.recorded import read
+from frictionbench.problems.residual import relaxation_residual, residual
+from frictionbench.problems.scenes import scene
+from frictionbench.solvers import Status, solve
+from frictionbench.solvers.interface import find
+from frictionbench.solvers.interior.central_path import trace
+from frictionbench.solvers.interior.centred_point import centred_point
+from frictionbench.solvers.interior.lorentz import longest_in_cone
+from frictionbench.solvers.interior.phases import run
+from frictionbench.solvers.interior.point import add_products, set_identity, set_step, start_point
+from frictionbench.solvers.interior.predictor_corrector import Best, new_room
+from frictionbench.solvers.interior.system import new_work, prepare, space_of
 from tests.friction_problems import block, nothing, spatial
 from tests.kernels import direction, evaluate, linearise, longest, new_point, to_geodesics
 from tests.recorded import FOLDER as RECORDED

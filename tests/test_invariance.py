@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from harness.verify import verify
-from problems import FrictionProblem
-from problems.nature.stability import backward_error
-from problems.random_problem import random_problem
-from problems.residual import fclib_error, polygon_residual, relaxation_residual, residual, residual_floor
-from problems.simulate import ledger_defect
-from solvers import Answer, Status, available, solve
+from frictionbench.harness.verify import verify
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.nature.stability import backward_error
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.residual import fclib_error, polygon_residual, relaxation_residual, residual, residual_floor
+from frictionbench.problems.simulate import ledger_defect
+from frictionbench.solvers import Answer, Status, available, solve
 from tests.friction_problems import spatial, with_joints
 
 SEEDS = range(200)

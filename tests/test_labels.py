@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from problems import FrictionProblem, scene
-from problems.nature.labels import labels, pointedness
-from problems.planar.bodies import half_plane, rigid_box
-from problems.random_problem import random_problem
-from problems.scene import Scene
+from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems.nature.labels import labels, pointedness
+from frictionbench.problems.planar.bodies import half_plane, rigid_box
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.scene import Scene
 
 
 def jam(friction: float) -> FrictionProblem:

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from problems import LCP, FrictionProblem
-from problems.random_problem import random_problem
-from problems.residual import residual
-from solvers.interface import Status, solve
-from solvers.lemke import Lemke
+from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.residual import residual
+from frictionbench.solvers.interface import Status, solve
+from frictionbench.solvers.lemke import Lemke
 
 DATA = Path(__file__).parent / "data"
 FALSE_RAYS = [(name, i) for name, count in (("bar", 11), ("blocks", 4)) for i in range(count)]

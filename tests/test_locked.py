@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.verify import verify
-from problems import FrictionProblem
-from problems.residual import residual
-from solvers import Answer, Status, available, solve
+from frictionbench.harness.verify import verify
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.residual import residual
+from frictionbench.solvers import Answer, Status, available, solve
 
 DATA = Path(__file__).parent / "data"
 

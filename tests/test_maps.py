@@ -10,28 +10,28 @@ import pandas as pd
 import pytest
 from markupsafe import escape
 
-from harness.cells.drive import drive
-from harness.maps import run_maps
-from harness.plans.atlas import ATLAS
-from harness.plans.maps import axis, finer, home, phase
-from harness.plans.plan import DriveCell, Plan, Source
-from harness.plans.suites import MAPPED
-from harness.trace import crossings
-from harness.workers.introduce import introduce
-from problems import InputError, scene
-from problems.nature.thresholds import THRESHOLDS
-from problems.recorded.own import load
-from problems.residual import residual
-from reports.drawing.tiles import Grid, Tile, panel
-from reports.maps import costs, failures, map_cells, robustness
-from reports.page import write_report
-from reports.paper import write_paper
-from reports.run import read_run
-from results import store
-from results.maps import Axis, Map
-from results.shrunk import read_shrunk
-from results.store import ResultsError
-from solvers import Status, find, solve
+from frictionbench.harness.cells.drive import drive
+from frictionbench.harness.maps import run_maps
+from frictionbench.harness.plans.atlas import ATLAS
+from frictionbench.harness.plans.maps import axis, finer, home, phase
+from frictionbench.harness.plans.plan import DriveCell, Plan, Source
+from frictionbench.harness.plans.suites import MAPPED
+from frictionbench.harness.trace import crossings
+from frictionbench.harness.workers.introduce import introduce
+from frictionbench.problems import InputError, scene
+from frictionbench.problems.nature.thresholds import THRESHOLDS
+from frictionbench.problems.recorded.own import load
+from frictionbench.problems.residual import residual
+from frictionbench.reports.drawing.tiles import Grid, Tile, panel
+from frictionbench.reports.maps import costs, failures, map_cells, robustness
+from frictionbench.reports.page import write_report
+from frictionbench.reports.paper import write_paper
+from frictionbench.reports.run import read_run
+from frictionbench.results import store
+from frictionbench.results.maps import Axis, Map
+from frictionbench.results.shrunk import read_shrunk
+from frictionbench.results.store import ResultsError
+from frictionbench.solvers import Status, find, solve
 from tests.command_line import frictionbench
 from tests.test_run import quiet
 

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from problems import FrictionProblem
-from problems.instances import make_instance
-from problems.measures import defects
-from problems.random_problem import random_problem
-from problems.residual import residual
-from solvers import solve
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.instances import make_instance
+from frictionbench.problems.measures import defects
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.residual import residual
+from frictionbench.solvers import solve
 from tests.friction_problems import block, nothing, spatial
 
 

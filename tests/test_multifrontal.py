@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from problems.scenes import scene
-from solvers.sparse_lu.minimum_degree import same_elements
-from solvers.sparse_lu.multifrontal import analyse, determinant_sign, factorise, find, solve
+from frictionbench.problems.scenes import scene
+from frictionbench.solvers.sparse_lu.minimum_degree import same_elements
+from frictionbench.solvers.sparse_lu.multifrontal import analyse, determinant_sign, factorise, find, solve
 
 
 def pattern(name, **parameters):

@@ -5,14 +5,14 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from problems import LCP, FrictionProblem, InputError
-from problems.random_problem import random_problem
-from problems.residual import residual
-from problems.scenes import scene
-from solvers import Status, solve
-from solvers.fischer_newton import fischer, jacobian
-from solvers.minmap_newton import iterate
-from solvers.pivots.dense_lcp import NEWTON, SOLVED, STALLED, new_descent, solve_dense
+from frictionbench.problems import LCP, FrictionProblem, InputError
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.residual import residual
+from frictionbench.problems.scenes import scene
+from frictionbench.solvers import Status, solve
+from frictionbench.solvers.fischer_newton import fischer, jacobian
+from frictionbench.solvers.minmap_newton import iterate
+from frictionbench.solvers.pivots.dense_lcp import NEWTON, SOLVED, STALLED, new_descent, solve_dense
 from tests.friction_problems import block, nothing, spatial
 
 BOTH = ["fischer_newton", "minmap_newton"]

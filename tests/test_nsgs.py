@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from problems import FrictionProblem, InputError
-from problems.random_problem import random_problem
-from problems.residual import relaxation_residual, residual
-from problems.scenes import scene
-from solvers import Status, find, solve
-from solvers.sweeps.form import contact_form, state, velocity
-from solvers.sweeps.gauss_seidel import LIMIT
-from solvers.sweeps.laws import defect, planar_contact, spatial_contact
+from frictionbench.problems import FrictionProblem, InputError
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.residual import relaxation_residual, residual
+from frictionbench.problems.scenes import scene
+from frictionbench.solvers import Status, find, solve
+from frictionbench.solvers.sweeps.form import contact_form, state, velocity
+from frictionbench.solvers.sweeps.gauss_seidel import LIMIT
+from frictionbench.solvers.sweeps.laws import defect, planar_contact, spatial_contact
 from tests.friction_problems import block, nothing, spatial, with_joints
 
 

@@ -15,24 +15,24 @@ import pytest
 from rich.console import Console
 from scipy import sparse
 
-from harness.commands.export import export
-from harness.commands.fairness import FIELDS, facts, outcomes, page
-from harness.plans.plan import Plan, Source
-from harness.plans.spec import parse
-from harness.progress import Progress
-from harness.run import run
-from harness.verify import verify
-from harness.workers.introduce import introduce
-from problems import FrictionProblem, InputError, scene
-from problems.instances import instances, make_instance
-from problems.recorded import fclib, read
-from problems.residual import relaxation_residual, residual
-from results import store
-from solvers import Answer, Status, available, find, outside, plugins, solve
-from solvers.needs import installed
-from solvers.outside.children.child import Child, DiedError, child
-from solvers.outside.pure_delassus import pure_delassus
-from solvers.outside.siconos import PYTHON
+from frictionbench.harness.commands.export import export
+from frictionbench.harness.commands.fairness import FIELDS, facts, outcomes, page
+from frictionbench.harness.plans.plan import Plan, Source
+from frictionbench.harness.plans.spec import parse
+from frictionbench.harness.progress import Progress
+from frictionbench.harness.run import run
+from frictionbench.harness.verify import verify
+from frictionbench.harness.workers.introduce import introduce
+from frictionbench.problems import FrictionProblem, InputError, scene
+from frictionbench.problems.instances import instances, make_instance
+from frictionbench.problems.recorded import fclib, read
+from frictionbench.problems.residual import relaxation_residual, residual
+from frictionbench.results import store
+from frictionbench.solvers import Answer, Status, available, find, outside, plugins, solve
+from frictionbench.solvers.needs import installed
+from frictionbench.solvers.outside.children.child import Child, DiedError, child
+from frictionbench.solvers.outside.pure_delassus import pure_delassus
+from frictionbench.solvers.outside.siconos import PYTHON
 from tests.friction_problems import block, nothing, spatial, with_joints
 
 TESTS = Path(__file__).parent
@@ -135,7 +135,7 @@ def test_every_outside_solver_says_how_it_is_treated(info) -> None:
 
 def test_the_fairness_page_is_the_registrys() -> None:
     written = (TESTS.parent / "docs" / "fairness.md").read_text(encoding="utf-8")
-    assert written == page(), "python -m harness.commands.fairness > docs/fairness.md"
+    assert written == page(), "python -m frictionbench.harness.commands.fairness > docs/fairness.md"
 
 
 def test_the_contract_was_held_to_every_entry_that_could_be_had() -> None:

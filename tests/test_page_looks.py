@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reports.charts import CHARTS
-from reports.page import write_report
-from reports.run import read_run
+from frictionbench.reports.charts import CHARTS
+from frictionbench.reports.page import write_report
+from frictionbench.reports.run import read_run
 from tests.browser import browse, in_browser
 from tests.made_results import drive_row, lost_row, solve_row, write_folder
 

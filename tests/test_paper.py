@@ -10,17 +10,17 @@ import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from harness.commands.options import length, listed
-from reports.charts import pareto, profiles
-from reports.drawing import tiles
-from reports.drawing.print import draw_panel, save_drawing
-from reports.drawing.sheets import save_sheet
-from reports.latex import Layout, booktabs, escaped, one_unit
-from reports.paper import chosen, write_paper
-from reports.references import cited, references
-from reports.run import Run, read_run
-from results.files import ResultsError
-from solvers import available
+from frictionbench.harness.commands.options import length, listed
+from frictionbench.reports.charts import pareto, profiles
+from frictionbench.reports.drawing import tiles
+from frictionbench.reports.drawing.print import draw_panel, save_drawing
+from frictionbench.reports.drawing.sheets import save_sheet
+from frictionbench.reports.latex import Layout, booktabs, escaped, one_unit
+from frictionbench.reports.paper import chosen, write_paper
+from frictionbench.reports.references import cited, references
+from frictionbench.reports.run import Run, read_run
+from frictionbench.results.files import ResultsError
+from frictionbench.solvers import available
 from tests.made_results import drive_row, lost_row, solve_row, write_folder
 
 EVIL = "_\\input{/etc/passwd}$x^{%&#~|<é–µ\x00\u202e漢"
@@ -38,7 +38,7 @@ def run(tmp_path) -> Run:
 
 
 def test_tables_have_a_unit_a_column_and_the_width_of_one_or_both(run, tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr("reports.paper.CHARTS", ())
+    monkeypatch.setattr("frictionbench.reports.paper.CHARTS", ())
     paper = write_paper(tmp_path, run)
     times, verdicts = ((paper / f"{name}.tex").read_text() for name in ("times", "solvability"))
     assert r"solver & reached & mean, ms & reached & mean, ms & reached & mean, ms \\" in times
@@ -76,7 +76,7 @@ def test_widths_are_read_with_their_units() -> None:
 
 
 def test_every_solver_has_its_references() -> None:  # but for the plug-ins that other tests load
-    ours = [name for name, info in available().items() if info.make.__module__.startswith("solvers.")]
+    ours = [name for name, info in available().items() if info.ours]
     assert [name for name in ours if not cited(name)] == []
     named = {solver for entry in references() for solver in entry.solvers}
     assert named - set(available()) == {"all"}
@@ -119,7 +119,7 @@ def test_a_map_is_drawn_as_its_svg_has_it(tmp_path) -> None:
 @latex
 def test_a_document_takes_all_of_it(run, tmp_path, monkeypatch) -> None:
     """Figures as PGF in the document's own fonts, no table too wide, no reference undefined; twice the same bytes."""
-    monkeypatch.setattr("reports.paper.CHARTS", (pareto.CHART, profiles.CHART))
+    monkeypatch.setattr("frictionbench.reports.paper.CHARTS", (pareto.CHART, profiles.CHART))
     papers = [write_paper(tmp_path / name, run, Layout(3.2, "sans")) for name in ("a", "b") if not (tmp_path / name).mkdir()]
     first, second = ({file.name: file.read_bytes() for file in paper.iterdir()} for paper in papers)
     assert first == second

@@ -6,15 +6,25 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from problems import LCP, FrictionProblem
-from problems.random_problem import random_problem
-from problems.residual import residual
-from problems.scenes import scene
-from solvers import Status, find, solve
-from solvers.pivots.lu_basis import Columns, column, exchange, factorise, ftran, held, hold, new_basis, orientation
-from solvers.pivots.natural import MARGIN, natural_residual, natural_weight
-from solvers.pivots.newton_path import is_ray
-from solvers.pivots.scaling import scaling
+from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.residual import residual
+from frictionbench.problems.scenes import scene
+from frictionbench.solvers import Status, find, solve
+from frictionbench.solvers.pivots.lu_basis import (
+    Columns,
+    column,
+    exchange,
+    factorise,
+    ftran,
+    held,
+    hold,
+    new_basis,
+    orientation,
+)
+from frictionbench.solvers.pivots.natural import MARGIN, natural_residual, natural_weight
+from frictionbench.solvers.pivots.newton_path import is_ray
+from frictionbench.solvers.pivots.scaling import scaling
 from tests.friction_problems import block, nothing, spatial, with_joints
 
 DATA = Path(__file__).parent / "data"

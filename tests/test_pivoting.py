@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from problems import LCP, FrictionProblem
-from problems.random_problem import random_problem
-from problems.residual import residual
-from solvers.dantzig import Dantzig, contact_order
-from solvers.interface import Status, solve
-from solvers.murty import Murty
-from solvers.pivots.inverse_basis import compress, exchange, invert, slack_basis, transform
-from solvers.pivots.lemke_path import enter, follow
+from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.residual import residual
+from frictionbench.solvers.dantzig import Dantzig, contact_order
+from frictionbench.solvers.interface import Status, solve
+from frictionbench.solvers.murty import Murty
+from frictionbench.solvers.pivots.inverse_basis import compress, exchange, invert, slack_basis, transform
+from frictionbench.solvers.pivots.lemke_path import enter, follow
 
 PRINCIPAL = {"dantzig": Dantzig, "murty": Murty}
 

@@ -8,21 +8,21 @@ from pathlib import Path
 
 import pytest
 
-from harness import machine
-from harness.commands.shrink import shrink
-from harness.commands.single import rerun_row
-from harness.plans.plan import Plan, Source
-from harness.run import run
-from harness.workers.introduce import introduce
-from problems import InputError
-from results import store
-from results.store import ResultsError
+from frictionbench.harness import machine
+from frictionbench.harness.commands.shrink import shrink
+from frictionbench.harness.commands.single import rerun_row
+from frictionbench.harness.plans.plan import Plan, Source
+from frictionbench.harness.run import run
+from frictionbench.harness.workers.introduce import introduce
+from frictionbench.problems import InputError
+from frictionbench.results import store
+from frictionbench.results.store import ResultsError
 from tests.test_run import quiet
 
 PLUGIN = """
 from pathlib import Path
 import numpy as np
-from solvers import Answer, Status, solver
+from frictionbench.solvers import Answer, Status, solver
 
 {first}
 
@@ -78,7 +78,7 @@ def test_a_plugin_is_imported_in_workers_alone(tmp_path) -> None:
 )
 def test_a_plugin_that_cannot_be_imported_is_told_with_file_and_line(tmp_path, monkeypatch, first, told) -> None:
     plugin = write(tmp_path / "guest.py", first=first)
-    monkeypatch.setattr("harness.cells.worker.IMPORTING", 2.0)
+    monkeypatch.setattr("frictionbench.harness.cells.worker.IMPORTING", 2.0)
     with pytest.raises(InputError, match=rf"solver: .*guest\.py.*{told}"):
         introduce([str(plugin)])
 
@@ -149,12 +149,14 @@ def test_the_revision_is_that_of_our_own_repository(tmp_path, monkeypatch) -> No
         subprocess.run(["git", "-C", str(tmp_path), "-c", "user.name=a", "-c", "user.email=a@b", *arguments], check=True)
 
     def revision(root: Path) -> str:
-        monkeypatch.setattr(machine, "ROOT", root)
+        monkeypatch.setattr(machine, "PACKAGE", root / "frictionbench")
         machine.content.cache_clear()
         return machine.revision.__wrapped__()
 
-    (tmp_path / "site-packages" / "solvers").mkdir(parents=True)
+    (tmp_path / "site-packages" / "frictionbench").mkdir(parents=True)
     (tmp_path / "solvers").mkdir()
+    (tmp_path / "frictionbench").mkdir()
+    (tmp_path / "frictionbench" / "solvers").symlink_to("../solvers")
     code = tmp_path / "solvers" / "method.py"
     code.write_text("x = 1", encoding="utf-8")
     git("init", "--quiet")

@@ -5,16 +5,16 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from harness.plans.choose import choose
-from harness.progress import Progress
-from harness.run import run
-from harness.verify import verify
-from problems import InputError
-from problems.instances import make_instance
-from results.files import ResultsError
-from results.polygon import NAME, read_deviations
-from results.schema import RELAXED
-from solvers import find, solve
+from frictionbench.harness.plans.choose import choose
+from frictionbench.harness.progress import Progress
+from frictionbench.harness.run import run
+from frictionbench.harness.verify import verify
+from frictionbench.problems import InputError
+from frictionbench.problems.instances import make_instance
+from frictionbench.results.files import ResultsError
+from frictionbench.results.polygon import NAME, read_deviations
+from frictionbench.results.schema import RELAXED
+from frictionbench.solvers import find, solve
 
 LCP_SOLVERS = ("lemke", "path_search", "dantzig", "fischer_newton", "minmap_newton", "murty")
 

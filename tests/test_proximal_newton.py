@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from problems import FrictionProblem
-from problems.instances import make_instance
-from problems.residual import residual
-from solvers import Status, solve
-from solvers.interior.alart_curnier import new_state
-from solvers.interior.system import new_work, prepare
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.instances import make_instance
+from frictionbench.problems.residual import residual
+from frictionbench.solvers import Status, solve
+from frictionbench.solvers.interior.alart_curnier import new_state
+from frictionbench.solvers.interior.system import new_work, prepare
 from tests.friction_problems import nothing, spatial
 from tests.kernels import equations, newton_step
 

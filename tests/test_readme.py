@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from harness.cli import app
+from frictionbench.harness.cli import app
 from tests.command_line import frictionbench
 
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")

@@ -11,7 +11,7 @@ import pytest
 from numba.core import config
 from numba.core.caching import _CacheLocator
 
-from problems.compiled import HOUSE
+from frictionbench.problems.compiled import PACKAGE
 
 ROOT = Path(__file__).resolve().parent.parent
 RECIPES = dict(
@@ -32,6 +32,7 @@ def house(tmp_path_factory) -> Path:
     copy = tmp_path_factory.mktemp("house")
     for folder in ("problems", "solvers", "harness", "results", "reports"):
         shutil.copytree(ROOT / folder, copy / folder)
+    shutil.copytree(ROOT / "frictionbench", copy / "frictionbench", symlinks=True)
     share_compiled(copy)
     return copy
 
@@ -41,8 +42,8 @@ def share_compiled(copy: Path) -> None:
     kept = Path(config.CACHE_DIR)
     for folder in {path.parent for path in copy.rglob("*.py")}:
         here, there = (
-            _CacheLocator.get_suitable_cache_subpath(str(home / "any.py"))
-            for home in (HOUSE / folder.relative_to(copy), folder)
+            _CacheLocator.get_suitable_cache_subpath(str(home / folder.relative_to(copy) / "any.py"))
+            for home in (PACKAGE, copy / "frictionbench")
         )
         if (kept / here).is_dir():
             shutil.copytree(kept / here, copy / "compiled" / kept.name / there)
@@ -57,13 +58,18 @@ def follow(recipe: str, house: Path) -> str:
     if chart := re.search(r"add `(\w+)\.CHART` to `CHARTS`", recipe):
         charts = house / "reports" / "charts" / "__init__.py"
         text = charts.read_text(encoding="utf-8")
-        text = re.sub(r"^(from reports.charts import) \(\n(.*?)^\)$", rf"\1 (\n\2    {chart[1]},\n)", text, flags=re.M | re.S)
+        text = re.sub(
+            r"^(from frictionbench.reports.charts import) \(\n(.*?)^\)$",
+            rf"\1 (\n\2    {chart[1]},\n)",
+            text,
+            flags=re.M | re.S,
+        )
         text = re.sub(r"^CHARTS = \(\n(.*?)^\)$", rf"CHARTS = (\n\1    {chart[1]}.CHART,\n)", text, flags=re.M | re.S)
         charts.write_text(text, encoding="utf-8")
     environment = os.environ | {"PYTHONPATH": str(house), "COLUMNS": "200", "NUMBA_CACHE_DIR": str(house / "compiled")}
     printed = ""
     for command in re.findall(r"^    frictionbench (.+)$", recipe, re.M):
-        call = [sys.executable, "-c", "from harness.cli import main; main()", *command.split()]
+        call = [sys.executable, "-c", "from frictionbench.harness.cli import main; main()", *command.split()]
         done = subprocess.run(call, cwd=house, env=environment, check=False, **PIPED)
         assert done.returncode == 0, done.stderr
         printed = done.stdout

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from problems import LCP, FrictionProblem, InputError
-from problems.friction import DelassusProblem
-from problems.instances.cubes import cubes
-from problems.random_problem import random_problem
-from problems.recorded import fclib, own, read
-from problems.residual import residual
-from solvers import available, find, solve
+from frictionbench.problems import LCP, FrictionProblem, InputError
+from frictionbench.problems.friction import DelassusProblem
+from frictionbench.problems.instances.cubes import cubes
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.recorded import fclib, own, read
+from frictionbench.problems.residual import residual
+from frictionbench.solvers import available, find, solve
 from tests.friction_problems import spatial, with_joints
 from tests.recorded import FOLDER, blocks, columns, dense, global_text, local_text, numbers, recorded, triplets
 

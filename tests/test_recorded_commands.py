@@ -7,22 +7,22 @@ import h5py
 import numpy as np
 import pytest
 
-from harness.cells.collect import collect
-from harness.commands.export import export
-from harness.commands.shrink import shrink
-from harness.commands.single import advice, rerun_row, solve_one
-from harness.plans.choose import choose, named_source
-from harness.progress import Progress
-from harness.run import run
-from problems import InputError
-from problems.instances import make_instance
-from problems.random_problem import random_problem
-from problems.recorded import fclib, read
-from reports.page import write_report
-from reports.recorded import recorded_problems
-from reports.run import read_run
-from results.store import read_table
-from solvers import solve
+from frictionbench.harness.cells.collect import collect
+from frictionbench.harness.commands.export import export
+from frictionbench.harness.commands.shrink import shrink
+from frictionbench.harness.commands.single import advice, rerun_row, solve_one
+from frictionbench.harness.plans.choose import choose, named_source
+from frictionbench.harness.progress import Progress
+from frictionbench.harness.run import run
+from frictionbench.problems import InputError
+from frictionbench.problems.instances import make_instance
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.recorded import fclib, read
+from frictionbench.reports.page import write_report
+from frictionbench.reports.recorded import recorded_problems
+from frictionbench.reports.run import read_run
+from frictionbench.results.store import read_table
+from frictionbench.solvers import solve
 from tests.friction_problems import spatial
 
 

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from harness.cells import reference
-from harness.cells.collect import collect, stored_start
-from harness.cells.record import record
-from harness.cells.reference import NoReference, Reference
-from harness.plans.plan import Source, origin
-from harness.run import run
-from problems import InputError, scene
-from results import store
-from solvers import Answer, Status
+from frictionbench.harness.cells import reference
+from frictionbench.harness.cells.collect import collect, stored_start
+from frictionbench.harness.cells.record import record
+from frictionbench.harness.cells.reference import NoReference, Reference
+from frictionbench.harness.plans.plan import Source, origin
+from frictionbench.harness.run import run
+from frictionbench.problems import InputError, scene
+from frictionbench.results import store
+from frictionbench.solvers import Answer, Status
 from tests.friction_problems import block, spatial
 from tests.test_run import quiet, small_plan
 
@@ -72,7 +72,9 @@ def test_a_motion_that_ends_early_says_so_in_its_rows(tmp_path, monkeypatch):
         return honest(problem, name, **options)
 
     monkeypatch.setattr(reference, "solve", tires)
-    monkeypatch.setattr("harness.cells.collect.facts", lambda source, met: {"reference": met.reference, **_home(source, met)})
+    monkeypatch.setattr(
+        "frictionbench.harness.cells.collect.facts", lambda source, met: {"reference": met.reference, **_home(source, met)}
+    )
     told = {entry["reference"] for entry in collect(tmp_path, MOTION)}
     assert len(told) == 1
     assert "lemke; the motion ended after step" in told.pop()

@@ -15,27 +15,27 @@ import pytest
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from reports import accuracy, choice, tables
-from reports.charts import CHARTS, MAPS, classes, growth, pareto, speed_accuracy
-from reports.charts import work as work_chart
-from reports.drawing import style
-from reports.drawing.sheets import save_sheet
-from reports.drawing.style import looks
-from reports.drawing.text import plain, seconds
-from reports.markdown import write_markdown
-from reports.page import write_report
-from reports.paper import write_paper
-from reports.recorded import recorded_problems
-from reports.run import Run, annotate, annotate_drives, read_run
-from reports.sheets import sheets
-from reports.standing import sentences, standings
-from reports.tables import problem_classes
-from reports.templates import script
-from reports.told import settings
-from results.courses import Course, write_courses
-from results.polygon import Deviation, write_deviations
-from results.schema import SOLVES, VERDICTS, arrow_schema
-from results.store import ResultsError
+from frictionbench.reports import accuracy, choice, tables
+from frictionbench.reports.charts import CHARTS, MAPS, classes, growth, pareto, speed_accuracy
+from frictionbench.reports.charts import work as work_chart
+from frictionbench.reports.drawing import style
+from frictionbench.reports.drawing.sheets import save_sheet
+from frictionbench.reports.drawing.style import looks
+from frictionbench.reports.drawing.text import plain, seconds
+from frictionbench.reports.markdown import write_markdown
+from frictionbench.reports.page import write_report
+from frictionbench.reports.paper import write_paper
+from frictionbench.reports.recorded import recorded_problems
+from frictionbench.reports.run import Run, annotate, annotate_drives, read_run
+from frictionbench.reports.sheets import sheets
+from frictionbench.reports.standing import sentences, standings
+from frictionbench.reports.tables import problem_classes
+from frictionbench.reports.templates import script
+from frictionbench.reports.told import settings
+from frictionbench.results.courses import Course, write_courses
+from frictionbench.results.polygon import Deviation, write_deviations
+from frictionbench.results.schema import SOLVES, VERDICTS, arrow_schema
+from frictionbench.results.store import ResultsError
 from tests.browser import browse, in_browser
 from tests.made_results import drive_row, lost_row, solve_row, write_folder
 
@@ -43,7 +43,7 @@ from tests.made_results import drive_row, lost_row, solve_row, write_folder
 @pytest.fixture(autouse=True)
 def no_latex(monkeypatch) -> None:
     """PGF, which takes its time, has a test of its own (tests/test_paper.py)."""
-    monkeypatch.setattr("reports.paper.which", lambda name: None)
+    monkeypatch.setattr("frictionbench.reports.paper.which", lambda name: None)
 
 
 def table(name, rows):

@@ -14,15 +14,15 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from harness.commands.single import rerun_row
-from harness.plans.choose import choose
-from harness.plans.plan import Plan, Source
-from harness.progress import Progress
-from harness.run import run
-from problems import InputError
-from problems.recorded import archive, own
-from results import store
-from results.store import ResultsError
+from frictionbench.harness.commands.single import rerun_row
+from frictionbench.harness.plans.choose import choose
+from frictionbench.harness.plans.plan import Plan, Source
+from frictionbench.harness.progress import Progress
+from frictionbench.harness.run import run
+from frictionbench.problems import InputError
+from frictionbench.problems.recorded import archive, own
+from frictionbench.results import store
+from frictionbench.results.store import ResultsError
 from tests.command_line import frictionbench
 
 
@@ -152,7 +152,7 @@ def test_a_run_killed_again_and_again_resumes_to_the_same_table(tmp_path) -> Non
     How far it got is told by its folder, not by the clock: a run spends most of its time starting.
     """
     command = ["run", "smoke", "--scene", "stack", "--scene", "pyramid", "--solver", "lemke", "--solver", "nsgs", "--out"]
-    python = [sys.executable, "-c", "from harness.cli import main; main()"]
+    python = [sys.executable, "-c", "from frictionbench.harness.cli import main; main()"]
     random = np.random.default_rng(0)
     killed, interrupted = tmp_path / "killed", 0
     for _ in range(8):

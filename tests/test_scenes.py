@@ -5,10 +5,10 @@ import pickle
 import numpy as np
 import pytest
 
-from problems import InputError, scene, scenes
-from problems.planar.bodies import Geometry, half_plane, hollow, rigid_box
-from problems.planar.joints import Hinge
-from problems.scene import Scene
+from frictionbench.problems import InputError, scene, scenes
+from frictionbench.problems.planar.bodies import Geometry, half_plane, hollow, rigid_box
+from frictionbench.problems.planar.joints import Hinge
+from frictionbench.problems.scene import Scene
 
 SMALL = {"stack": {"blocks": 4}, "wall": {"rows": 3, "columns": 3}, "pyramid": {"rows": 3}}
 

@@ -5,15 +5,15 @@ from math import radians
 import numpy as np
 import pytest
 
-import solvers
-from problems import FrictionProblem, InputError, scene, scenes
-from problems.check import Array
-from problems.planar.bodies import Shape, half_plane, rigid_box, rigid_disc
-from problems.residual import residual
-from problems.scene import Scene
-from problems.schemes import SCHEMES, NoSolution, Step, start
-from problems.schemes.anitescu_potra import anitescu_potra
-from problems.simulate import ledger_defect, penetration, simulate
+from frictionbench import solvers
+from frictionbench.problems import FrictionProblem, InputError, scene, scenes
+from frictionbench.problems.check import Array
+from frictionbench.problems.planar.bodies import Shape, half_plane, rigid_box, rigid_disc
+from frictionbench.problems.residual import residual
+from frictionbench.problems.scene import Scene
+from frictionbench.problems.schemes import SCHEMES, NoSolution, Step, start
+from frictionbench.problems.schemes.anitescu_potra import anitescu_potra
+from frictionbench.problems.simulate import ledger_defect, penetration, simulate
 
 
 def lemke(problem: FrictionProblem) -> Array:

@@ -13,18 +13,18 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from harness.cells.record import keep, record
-from harness.commands.show import recorded
-from harness.plans.plan import Source
-from problems import InputError, scene, scenes
-from problems.schemes import SCHEMES
-from problems.simulate import simulate
-from reports import animation
-from reports.animation import write_animation, write_animations
-from reports.page import write_report
-from results.motion import read_motion, write_motion
-from results.store import ResultsError
-from solvers import available, solve
+from frictionbench.harness.cells.record import keep, record
+from frictionbench.harness.commands.show import recorded
+from frictionbench.harness.plans.plan import Source
+from frictionbench.problems import InputError, scene, scenes
+from frictionbench.problems.schemes import SCHEMES
+from frictionbench.problems.simulate import simulate
+from frictionbench.reports import animation
+from frictionbench.reports.animation import write_animation, write_animations
+from frictionbench.reports.page import write_report
+from frictionbench.results.motion import read_motion, write_motion
+from frictionbench.results.store import ResultsError
+from frictionbench.solvers import available, solve
 from tests.browser import browse, in_browser
 from tests.made_results import drive_row, solve_row, write_folder
 
@@ -133,7 +133,7 @@ def test_a_solver_from_outside_runs_in_a_process_of_its_own(tmp_path) -> None:
 
 
 def test_a_motion_that_diverges_ends(monkeypatch) -> None:
-    monkeypatch.setattr("harness.cells.record.DIVERGED", 1e-2)  # the block loses its 1 J; its measure is 23 J
+    monkeypatch.setattr("frictionbench.harness.cells.record.DIVERGED", 1e-2)  # the block loses its 1 J; its measure is 23 J
     motion = record(scene("stopping_block"), "lemke")
     assert motion.ended == f"diverged in step {len(motion.times)}"
     assert 1 < len(motion.times) < 20

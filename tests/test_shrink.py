@@ -6,17 +6,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.commands.shrink import shrink
-from harness.plans.plan import Plan, Source
-from harness.run import run
-from harness.shrink import Search, smallest
-from harness.workers.introduce import introduce
-from problems import FrictionProblem, InputError, scene
-from problems.random_problem import random_problem
-from problems.recorded.own import load
-from problems.reduce import keep_contacts
-from results import store
-from results.store import ResultsError
+from frictionbench.harness.commands.shrink import shrink
+from frictionbench.harness.plans.plan import Plan, Source
+from frictionbench.harness.run import run
+from frictionbench.harness.shrink import Search, smallest
+from frictionbench.harness.workers.introduce import introduce
+from frictionbench.problems import FrictionProblem, InputError, scene
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.recorded.own import load
+from frictionbench.problems.reduce import keep_contacts
+from frictionbench.results import store
+from frictionbench.results.store import ResultsError
 from tests.test_run import quiet
 
 BAD_SOLVERS = Path(__file__).with_name("bad_solvers.py")

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from problems import FrictionProblem, InputError
-from problems.random_problem import random_problem
-from problems.residual import relaxation_residual, residual
-from problems.scenes import scene
-from solvers import Status, anitescu_hart, available, find, solve
-from solvers.sweeps.stopping import going, watch
+from frictionbench.problems import FrictionProblem, InputError
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.residual import relaxation_residual, residual
+from frictionbench.problems.scenes import scene
+from frictionbench.solvers import Status, anitescu_hart, available, find, solve
+from frictionbench.solvers.sweeps.stopping import going, watch
 from tests.friction_problems import block, nothing, spatial, with_joints
 
 COULOMB = ["admm_coulomb", "anitescu_hart", "anitescu_hart[memory=3]", "apgd_coulomb", "nncg", "staggered"]

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from problems import FrictionProblem
-from problems.nature.stability import backward_error, response
-from problems.random_problem import random_problem
-from solvers import solve
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.nature.stability import backward_error, response
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.solvers import solve
 from tests.friction_problems import block, nothing
 
 

@@ -58,12 +58,12 @@ def imports(path: Path, *, at_once: bool = False) -> Iterator[tuple[str, str | N
     """Each import of a file: the module, and the name taken from it; at_once: only what the import of the file itself runs."""
     for node in tree(path).body if at_once else ast.walk(tree(path)):
         if isinstance(node, ast.Import):
-            yield from ((alias.name, None) for alias in node.names)
+            yield from ((alias.name.removeprefix("frictionbench."), None) for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{path} imports relatively"
             for alias in node.names:
-                module = f"{node.module}.{alias.name}"
-                yield (module, None) if module in FILES else (str(node.module), alias.name)
+                home = str(node.module).removeprefix("frictionbench.")
+                yield (f"{home}.{alias.name}", None) if f"{home}.{alias.name}" in FILES else (home, alias.name)
 
 
 def within(module: str, place: str) -> bool:

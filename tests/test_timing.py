@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from numba import njit
 
-from harness.cells import drive, timing
-from harness.plans.plan import DriveCell
-from solvers import Answer, SolverInfo, Status, find, solve
-from solvers.interface import with_all_steps
+from frictionbench.harness.cells import drive, timing
+from frictionbench.harness.plans.plan import DriveCell
+from frictionbench.solvers import Answer, SolverInfo, Status, find, solve
+from frictionbench.solvers.interface import with_all_steps
 from tests.friction_problems import block
 
 LOADING = 1000.0  # seconds

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.verify import NEAR, verify, verify_lcp
-from problems import LCP, FrictionProblem
-from problems.random_problem import random_problem
-from problems.residual import relaxation_residual, residual, residual_floor
-from solvers import Answer, Status, available, solve
+from frictionbench.harness.verify import NEAR, verify, verify_lcp
+from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.residual import relaxation_residual, residual, residual_floor
+from frictionbench.solvers import Answer, Status, available, solve
 from tests.friction_problems import block, spatial
 
 LEMKE, RELAXATION = available()["lemke"], available()["relaxation_ip"]

@@ -1,4 +1,5 @@
-"""An ordinary install: the wheel in an environment of its own, used from elsewhere, nothing writable but a scratch folder."""
+"""Ordinary installs, from the wheel and from the sdist: in an environment of its own, used from elsewhere, nothing writable but
+a scratch folder."""
 
 import json
 import os
@@ -11,50 +12,68 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
-BUILD = "import sys; from setuptools.build_meta import build_wheel; build_wheel(sys.argv[1])"
-CODE = "problems", "solvers", "harness", "results", "reports"
+BUILD = "import sys; from setuptools import build_meta; getattr(build_meta, sys.argv[1])(sys.argv[2])"
+SUBPACKAGES = "problems", "solvers", "harness", "results", "reports"
 
 
-@pytest.fixture(scope="module")
-def installed(tmp_path_factory) -> Path:
-    """The environment: the wheel, and the dependencies of this one, but not this checkout. Its path has spaces."""
-    pytest.importorskip("setuptools", minversion="77")
-    home = tmp_path_factory.mktemp("a folder with spaces")
-    source, wheels, environment = home / "source", home / "wheels", home / "an environment"
+def build(kind: str, source: Path, out: Path) -> Path:
+    """Build "wheel" or "sdist" of a source tree, as a build frontend does, and return the one file made."""
+    subprocess.run([sys.executable, "-c", BUILD, f"build_{kind}", str(out)], cwd=source, check=True, capture_output=True)
+    (made,) = out.iterdir()
+    return made
+
+
+@pytest.fixture(scope="module", params=["wheel", "sdist"])
+def installed(request, tmp_path_factory) -> Path:
+    """The environment: the wheel, or that of the sdist, and the dependencies of this one, but not this checkout. Its path has
+    spaces."""
+    home = tmp_path_factory.mktemp(f"a folder with spaces {request.param}")
+    source, environment = home / "source", home / "an environment"
     source.mkdir()
-    for name in (*CODE, "frictionbench.py", "pyproject.toml", "README.md", "LICENSE"):
-        copy = shutil.copytree if (ROOT / name).is_dir() else shutil.copy
-        copy(ROOT / name, source / name)
-    subprocess.run([sys.executable, "-c", BUILD, str(wheels)], cwd=source, check=True, capture_output=True)
+    for name in (*SUBPACKAGES, "frictionbench", "pyproject.toml", "README.md", "LICENSE"):
+        if (ROOT / name).is_dir():
+            shutil.copytree(ROOT / name, source / name, symlinks=True)
+        else:
+            shutil.copy(ROOT / name, source)
+    if request.param == "sdist":
+        shutil.unpack_archive(build("sdist", source, home / "sdists"), home / "unpacked", filter="data")
+        shutil.rmtree(source)
+        (source,) = (home / "unpacked").iterdir()
+    wheel = build("wheel", source, home / "wheels")
     shutil.rmtree(source)
     venv.create(environment, symlinks=True)
     (site,) = environment.glob("lib/python*/site-packages")
-    (wheel,) = wheels.iterdir()
     shutil.unpack_archive(wheel, site, "zip")
     others = [entry for entry in sys.path if Path(entry).name == "site-packages"]
     (site / "dependencies.pth").write_text("\n".join(others), encoding="utf-8")
     (environment / "no folder").touch()
-    for folder in {path.parent for name in CODE for path in (site / name).rglob("*.py")}:
+    for folder in {path.parent for path in (site / "frictionbench").rglob("*.py")}:
         (folder / "__pycache__").touch()  # where a folder cannot be made: root may write whatever its mode
     return environment
 
 
 def python(environment: Path, code: str, *arguments: str, **asked: str) -> subprocess.CompletedProcess:
-    """Run it from another directory, by a user whose home cannot be made and whose packages cannot be written to."""
+    """Run it from another directory, by a user whose home cannot be made and whose packages cannot be written to.
+
+    The directory is full of packages of the same names as ours.
+    """
     elsewhere = environment.parent / "else where"
-    elsewhere.mkdir(exist_ok=True)
+    for name in SUBPACKAGES:
+        (elsewhere / name).mkdir(parents=True, exist_ok=True)
+        (elsewhere / name / "__init__.py").write_text("raise ImportError('not ours')", encoding="utf-8")
     kept = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "XDG_", "NUMBA_CACHE"))}
     command = [environment / "bin" / "python", "-P", "-c", code, *arguments]
-    asked |= {"HOME": str(environment / "no folder" / "home"), "TMPDIR": str(elsewhere), "COLUMNS": "200"}
+    asked |= {"HOME": str(environment / "no folder" / "home"), "TMPDIR": str(elsewhere), "COLUMNS": "200", "PYTHONPATH": ":"}
     return subprocess.run(command, cwd=elsewhere, env=kept | asked, capture_output=True, text=True, check=False, timeout=300)
 
 
 COMMANDS = """
-import json, sys, frictionbench
+import json, sys
+from frictionbench.harness.cli import main
 for arguments in json.loads(sys.argv[1]):
     sys.argv[1:] = arguments
     try:
-        frictionbench.main()
+        main()
     except SystemExit as ended:
         assert not ended.code, (arguments, ended.code)
     print(end="\\0", flush=True)
@@ -68,8 +87,17 @@ def frictionbench(environment: Path, *commands: list[str]) -> list[str]:
     return done.stdout.split("\0")[:-1]
 
 
-def test_a_wheel_works_from_elsewhere_without_a_home(installed) -> None:
-    baseline = next(installed.glob("lib/python*/site-packages/results/baselines/smoke.tsv"))
+def test_one_name_is_installed(installed) -> None:
+    (site,) = installed.glob("lib/python*/site-packages")
+    ours = {path.name for path in site.iterdir()} - {"dependencies.pth"}
+    assert {name for name in ours if not name.endswith(".dist-info")} == {"frictionbench"}
+    (listed,) = site.glob("frictionbench-*.dist-info/top_level.txt")
+    assert listed.read_text(encoding="utf-8").split() == ["frictionbench"]
+    assert (site / "frictionbench" / "py.typed").is_file()
+
+
+def test_an_install_works_from_elsewhere_without_a_home(installed) -> None:
+    baseline = next(installed.glob("lib/python*/site-packages/frictionbench/results/baselines/smoke.tsv"))
     assert "lemke\tsolve\t" in baseline.read_text(encoding="utf-8")
     results, mine = installed.parent / "results of mine", installed.parent / "baselines" / "mine.tsv"
     commands = (
@@ -79,7 +107,7 @@ def test_a_wheel_works_from_elsewhere_without_a_home(installed) -> None:
         (["accept", str(results), str(mine)], "accepted: "),
         (["compare", str(mine), str(results)], "## worse 0"),
         (["report", str(results)], "report: "),
-        (["solve", "stack[blocks=2]", "--solver", "nsgs"], "use nsgs: solved"),
+        (["solve", "stack", "--solver", "lemke"], "use lemke: solved"),
     )
     printed = frictionbench(installed, *(arguments for arguments, _ in commands))
     for (arguments, told), text in zip(commands, printed, strict=True):
@@ -91,4 +119,4 @@ def test_kernels_are_kept_in_the_temporary_folder_where_nothing_else_can_be_writ
     done = python(installed, "import frictionbench as fb; print(len(fb.scene('stack').problem().friction))")
     assert done.returncode == 0, done.stderr
     assert list((installed.parent / "else where").rglob("*.nbi"))
-    assert not [path for path in installed.rglob("__pycache__/*") if "site-packages/problems" in str(path)]
+    assert not [path for path in installed.rglob("__pycache__/*") if "site-packages/frictionbench" in str(path)]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from solvers import available
+from frictionbench.solvers import available
 
 # What each unit of a solver's work should be in calls of kernels; a check of the residual is a product.
 UNITS = {

@@ -4,17 +4,17 @@ from pathlib import Path
 
 import pytest
 
-from reports.comparison.markdown import markdown
-from results import store
-from results.compare import Comparison, compare
+from frictionbench.reports.comparison.markdown import markdown
+from frictionbench.results import store
+from frictionbench.results.compare import Comparison, compare
 from tests.command_line import frictionbench
 from tests.made_results import write_folder
 
 SOLVER = '''
 import numpy as np
-from problems.forms.cone import project_cone
-from problems.residual import residual
-from solvers import Answer, Status, solver
+from frictionbench.problems.forms.cone import project_cone
+from frictionbench.problems.residual import residual
+from frictionbench.solvers import Answer, Status, solver
 
 
 @solver("jacobi", family="splitting", model="coulomb")

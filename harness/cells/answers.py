@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from problems.check import Array
-from solvers import Answer, Status
+from frictionbench.problems.check import Array
+from frictionbench.solvers import Answer, Status
 
 LONGEST = 500  # characters of a solver's own words
 

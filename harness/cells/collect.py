@@ -13,25 +13,25 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from harness.cells.reference import NoReference, Reference
-from harness.cells.rows import PROBLEM_FACTS
-from harness.plans.plan import COLD, SHUFFLED, USUAL, WARM, Source, origin, phase
-from problems import LCP, FrictionProblem, InputError, scene
-from problems.check import Array
-from problems.instances import instances, make_instance
-from problems.nature.census import census_labels
-from problems.nature.labels import labels
-from problems.nature.mode import distance_to_next_mode
-from problems.nature.stability import response
-from problems.nature.thresholds import POINTED, existence
-from problems.planar.collision import Contacts
-from problems.recorded import read_recording
-from problems.recorded.own import load, save
-from problems.residual import residual
-from problems.scene import Scene
-from problems.schemes import SCHEMES
-from problems.simulate import first_problem, simulate
-from results.files import replaced, room, write_text
+from frictionbench.harness.cells.reference import NoReference, Reference
+from frictionbench.harness.cells.rows import PROBLEM_FACTS
+from frictionbench.harness.plans.plan import COLD, SHUFFLED, USUAL, WARM, Source, origin, phase
+from frictionbench.problems import LCP, FrictionProblem, InputError, scene
+from frictionbench.problems.check import Array
+from frictionbench.problems.instances import instances, make_instance
+from frictionbench.problems.nature.census import census_labels
+from frictionbench.problems.nature.labels import labels
+from frictionbench.problems.nature.mode import distance_to_next_mode
+from frictionbench.problems.nature.stability import response
+from frictionbench.problems.nature.thresholds import POINTED, existence
+from frictionbench.problems.planar.collision import Contacts
+from frictionbench.problems.recorded import read_recording
+from frictionbench.problems.recorded.own import load, save
+from frictionbench.problems.residual import residual
+from frictionbench.problems.scene import Scene
+from frictionbench.problems.schemes import SCHEMES
+from frictionbench.problems.simulate import first_problem, simulate
+from frictionbench.results.files import replaced, room, write_text
 
 MOST_PERTURBED = 30  # contacts; larger problems' response costs more than it tells
 MOST_COUNTED = 6  # contacts; the modes to enumerate grow like 4^contacts

@@ -9,12 +9,12 @@ from time import perf_counter
 
 import numpy as np
 
-from harness.cells.answers import plain
-from problems import FrictionProblem
-from problems.check import Array
-from problems.copies import duplicate
-from problems.residual import residual
-from solvers import Solver, Status
+from frictionbench.harness.cells.answers import plain
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.problems.copies import duplicate
+from frictionbench.problems.residual import residual
+from frictionbench.solvers import Solver, Status
 
 BUDGET = 2.0  # seconds, after which no longer limit is begun
 LONGEST = 20_000  # units of work

@@ -17,18 +17,18 @@ from typing import Any
 
 import numpy as np
 
-from harness.cells.answers import AnswerError
-from harness.cells.timing import clean_call, timed_call
-from harness.plans.plan import KEEP_VELOCITY, RELAX, DriveCell
-from harness.verify import verify
-from problems import FrictionProblem, scene
-from problems.check import Array
-from problems.copies import duplicate, same
-from problems.scene import Scene
-from problems.schemes import SCHEMES, NoSolution, Scheme, Solve, Step
-from problems.simulate import penetration, simulate
-from results.schema import MISSED, RELAXED, SOLVED, UNJUDGEABLE, UNSOLVED, WRONG
-from solvers import Solver, SolverInfo, solve
+from frictionbench.harness.cells.answers import AnswerError
+from frictionbench.harness.cells.timing import clean_call, timed_call
+from frictionbench.harness.plans.plan import KEEP_VELOCITY, RELAX, DriveCell
+from frictionbench.harness.verify import verify
+from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems.check import Array
+from frictionbench.problems.copies import duplicate, same
+from frictionbench.problems.scene import Scene
+from frictionbench.problems.schemes import SCHEMES, NoSolution, Scheme, Solve, Step
+from frictionbench.problems.simulate import penetration, simulate
+from frictionbench.results.schema import MISSED, RELAXED, SOLVED, UNJUDGEABLE, UNSOLVED, WRONG
+from frictionbench.solvers import Solver, SolverInfo, solve
 
 DIVERGED = 1e6
 FALLBACK = "relaxation_ip"

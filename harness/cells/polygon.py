@@ -6,12 +6,12 @@ cone misses the parabola to first order in the step.
 
 from functools import partial
 
-from harness.verify import verify
-from problems import FrictionProblem
-from problems.ball import apart, slide
-from problems.check import Array
-from results.polygon import Deviation
-from solvers import find, solve
+from frictionbench.harness.verify import verify
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.ball import apart, slide
+from frictionbench.problems.check import Array
+from frictionbench.results.polygon import Deviation
+from frictionbench.solvers import find, solve
 
 CONE = "interior_point"
 FACETS = (4, 6, 8, 16, 32, 64)

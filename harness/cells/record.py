@@ -12,17 +12,17 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.cells.drive import DIVERGED
-from harness.cells.reference import NoReference, Reference
-from harness.plans.plan import Source
-from problems import FrictionProblem, scene
-from problems.check import Array
-from problems.residual import residual
-from problems.scene import Scene
-from problems.schemes import SCHEMES, NoSolution, Step
-from problems.simulate import simulate
-from results.motion import Motion, Outline, write_motion
-from solvers import solve
+from frictionbench.harness.cells.drive import DIVERGED
+from frictionbench.harness.cells.reference import NoReference, Reference
+from frictionbench.harness.plans.plan import Source
+from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems.check import Array
+from frictionbench.problems.residual import residual
+from frictionbench.problems.scene import Scene
+from frictionbench.problems.schemes import SCHEMES, NoSolution, Step
+from frictionbench.problems.simulate import simulate
+from frictionbench.results.motion import Motion, Outline, write_motion
+from frictionbench.solvers import solve
 
 TOLERANCE = 1e-8
 

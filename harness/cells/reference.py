@@ -8,11 +8,11 @@ from collections import Counter
 
 import numpy as np
 
-from harness.verify import verify
-from problems import FrictionProblem
-from problems.check import Array
-from results.schema import SOLVED
-from solvers import available, solve
+from frictionbench.harness.verify import verify
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.results.schema import SOLVED
+from frictionbench.solvers import available, solve
 
 ASKED, ACCEPTED = 1e-10, 1e-8  # residuals: asked of the solver, and the most that is taken
 ORDER = {2: ("lemke", "path_search", "interior_point"), 3: ("hybrid", "nsgs", "interior_point")}

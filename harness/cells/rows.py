@@ -2,10 +2,10 @@
 
 import json
 
-from harness import machine
-from harness.plans.plan import COLD, DriveCell, Plugin, SolveCell, Source
-from results.store import Row
-from solvers import find
+from frictionbench.harness import machine
+from frictionbench.harness.plans.plan import COLD, DriveCell, Plugin, SolveCell, Source
+from frictionbench.results.store import Row
+from frictionbench.solvers import find
 
 PROBLEM_FACTS = (
     *("problem", "scene", "parameters", "step", "phase", "reference"),

@@ -14,10 +14,10 @@ from dataclasses import dataclass, field
 from time import perf_counter  # held here: a solver may replace what `time` holds
 from typing import Any, NamedTuple
 
-from harness.cells.answers import alike, plain
-from harness.process import no_twin
-from problems import LCP, FrictionProblem
-from solvers import Answer, Solver
+from frictionbench.harness.cells.answers import alike, plain
+from frictionbench.harness.process import no_twin
+from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.solvers import Answer, Solver
 
 BUDGET = 0.1  # seconds of repeats a cell
 FEWEST, MOST = 3, 15

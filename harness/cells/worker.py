@@ -17,29 +17,29 @@ from typing import Any
 
 import numpy as np
 
-from harness import process
-from harness.cells.answers import AnswerError
-from harness.cells.collect import Entry, collect, stored, stored_start
-from harness.cells.course import follow
-from harness.cells.drive import drive, refusal
-from harness.cells.polygon import measure
-from harness.cells.record import keep, record
-from harness.cells.rows import drive_row, solve_row, solver_facts
-from harness.cells.timing import MOST, Timing, time_solver
-from harness.deadline import Deadline
-from harness.plans.plan import COLD, DriveCell, Plugin, SolveCell, Source
-from harness.verify import Finding, verify, verify_lcp
-from problems import LCP, FrictionProblem, InputError, scene
-from problems.copies import duplicate, same
-from problems.measures import defects
-from problems.nature.mode import mode
-from problems.nature.stability import backward_error
-from problems.spec import split
-from results.motion import write_motion
-from results.polygon import read_deviations, write_deviations
-from results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
-from results.store import Row
-from solvers import Answer, Solver, SolverInfo, Status, find, plugins
+from frictionbench.harness import process
+from frictionbench.harness.cells.answers import AnswerError
+from frictionbench.harness.cells.collect import Entry, collect, stored, stored_start
+from frictionbench.harness.cells.course import follow
+from frictionbench.harness.cells.drive import drive, refusal
+from frictionbench.harness.cells.polygon import measure
+from frictionbench.harness.cells.record import keep, record
+from frictionbench.harness.cells.rows import drive_row, solve_row, solver_facts
+from frictionbench.harness.cells.timing import MOST, Timing, time_solver
+from frictionbench.harness.deadline import Deadline
+from frictionbench.harness.plans.plan import COLD, DriveCell, Plugin, SolveCell, Source
+from frictionbench.harness.verify import Finding, verify, verify_lcp
+from frictionbench.problems import LCP, FrictionProblem, InputError, scene
+from frictionbench.problems.copies import duplicate, same
+from frictionbench.problems.measures import defects
+from frictionbench.problems.nature.mode import mode
+from frictionbench.problems.nature.stability import backward_error
+from frictionbench.problems.spec import split
+from frictionbench.results.motion import write_motion
+from frictionbench.results.polygon import read_deviations, write_deviations
+from frictionbench.results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
+from frictionbench.results.store import Row
+from frictionbench.solvers import Answer, Solver, SolverInfo, Status, find, plugins
 
 MOST_TOLD = 24  # contacts whose mode a row tells
 

@@ -3,10 +3,10 @@
 from collections import Counter
 from pathlib import Path
 
-from results import baseline, cells, store
-from results.cells import Cells, rounded
-from results.compare import Comparison, Limits, compare
-from results.store import ResultsError
+from frictionbench.results import baseline, cells, store
+from frictionbench.results.cells import Cells, rounded
+from frictionbench.results.compare import Comparison, Limits, compare
+from frictionbench.results.store import ResultsError
 
 
 def accept(folder: Path, path: Path | None) -> tuple[Comparison | None, str]:

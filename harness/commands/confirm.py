@@ -15,18 +15,18 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from harness import machine
-from harness.commands.trusted import trusted
-from harness.plans.suites import SUITES
-from problems import InputError
-from results import cells, store
-from results.compare import Comparison, Limits, confirm, suspects
-from results.store import ResultsError
-from results.times import Pair
-from solvers import plugins
+from frictionbench.harness import machine
+from frictionbench.harness.commands.trusted import trusted
+from frictionbench.harness.plans.suites import SUITES
+from frictionbench.problems import InputError
+from frictionbench.results import cells, store
+from frictionbench.results.compare import Comparison, Limits, confirm, suspects
+from frictionbench.results.store import ResultsError
+from frictionbench.results.times import Pair
+from frictionbench.solvers import plugins
 
 PAIRS, PAIRS_UNTIMED = 8, 3
-START = "import sys; sys.path.insert(0, sys.argv.pop(1)); from harness.cli import main; main()"
+START = "import sys; sys.path.insert(0, sys.argv.pop(1)); from frictionbench.harness.cli import main; main()"
 
 
 class Code(NamedTuple):
@@ -61,7 +61,7 @@ def confirmed(
     asked = [*_options(settings), *(part for variant in sorted(variants) for part in ("--solver", variant))]
     with tempfile.TemporaryDirectory() as name:
         scratch = Path(name)
-        now = Code([sys.executable, "-P", "-c", START, str(machine.ROOT)], outside)
+        now = Code([sys.executable, "-P", "-c", START, str(machine.PACKAGE.parent)], outside)
         before = baseline_code(code, outside, scratch) if code else None
         timed = before is not None and limits.times
         sides = [side for side in (before, now) if side is not None]
@@ -108,9 +108,11 @@ def baseline_code(code: str, named: list[str], scratch: Path) -> Code:
     home = Path(top.decode().strip()) if top else Path.cwd()
     if not folder.is_dir():
         folder = _unpacked(code, scratch / "code")
-    ours = (folder / "harness" / "cli.py").is_file()
+    if (folder / "frictionbench.py").is_file():
+        raise InputError(f"code: {code} is from before the code was one package, frictionbench, and cannot be run")
+    ours = (folder / "frictionbench" / "harness" / "cli.py").is_file()
     moved = [_moved(spec, home, folder) if not ours else spec for spec in named]
-    return Code([sys.executable, "-P", "-c", START, str(folder if ours else machine.ROOT)], moved)
+    return Code([sys.executable, "-P", "-c", START, str(folder if ours else machine.PACKAGE.parent)], moved)
 
 
 def _moved(spec: str, home: Path, folder: Path) -> str:

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-from harness.cells.collect import Entry, collect, stored_friction
-from harness.plans.choose import named_source
-from problems import InputError
-from problems.recorded import fclib
-from results import store
+from frictionbench.harness.cells.collect import Entry, collect, stored_friction
+from frictionbench.harness.plans.choose import named_source
+from frictionbench.problems import InputError
+from frictionbench.problems.recorded import fclib
+from frictionbench.results import store
 
 
 def export(what: str, out: Path, pick: int = 0) -> Iterator[Path]:

@@ -1,6 +1,6 @@
 """docs/fairness.md, made from the registry: what is done to every solver that is not ours, in the words of its own file.
 
-    python -m harness.commands.fairness > docs/fairness.md
+    python -m frictionbench.harness.commands.fairness > docs/fairness.md
 
 The docstring of an outside solver's file says what the page needs under the names of FIELDS, a colon after each; what the
 contract and the packages said of it, where everything was installed, stands in docs/outside.tsv (harness.commands.outcomes).
@@ -10,16 +10,15 @@ import csv
 import re
 import sys
 from itertools import groupby
-from pathlib import Path
 
-from harness.machine import ROOT
-from solvers import SolverInfo, available, find
+from frictionbench.harness.machine import PACKAGE
+from frictionbench.solvers import SolverInfo, available, find
 
-OUTCOMES = Path(ROOT) / "docs" / "outside.tsv"
+OUTCOMES = PACKAGE.parent / "docs" / "outside.tsv"
 FIELDS = ("Licence", "Form", "Clock", "Tolerance", "Flaws", "Reference")
 HEAD = """# Fairness
 
-Made from the registry by `python -m harness.commands.fairness`; a test compares the two.
+Made from the registry by `python -m frictionbench.harness.commands.fairness`; a test compares the two.
 
 Every solver meets the same problems under the same clock, limit and verifier. Three times are measured apart: *form*, the
 problem written as what the method takes; *setup*, the method's or library's own; *solve*. Their sum counts. A library that
@@ -29,8 +28,9 @@ solver's own model (problems.residual); each entry says how its own tolerances w
 problem has it. Versions: `frictionbench list solvers`.
 
 The contract is `frictionbench check-solver NAME`: fifteen checks of form, honesty, edge cases and invariance. What each
-solver breaks, with the first complaint, is recorded in docs/outside.tsv by `python -m harness.commands.outcomes`, and so is
-what its package says of its licence. A solver of a relaxation or of soft contacts is held to its own model there.
+solver breaks, with the first complaint, is recorded in docs/outside.tsv by
+`python -m frictionbench.harness.commands.outcomes`, and so is what its package says of its licence. A solver of a relaxation or
+of soft contacts is held to its own model there.
 
 **To dispute an entry**: open an issue with a problem file (`frictionbench export`, or any that `frictionbench solve` reads) and
 what the entry should do with it, or a pull request for its file, which is under 80 lines; the figures are then made again.
@@ -43,10 +43,13 @@ def page() -> str:
     ours = [
         f"| `{name}` | {info.model} | {_numbers(info.dimension)} | {'yes' if info.warm_start else 'no'} | {info.summary} |"
         for name, info in known
-        if not info.needs and info.make.__module__.startswith("solvers.")
+        if not info.needs and info.ours
     ]
     told = outcomes()
-    parts = [HEAD, *(_entry(info, told) for _, info in known if info.needs and info.make.__module__.startswith("solvers."))]
+    parts = [
+        HEAD,
+        *(_entry(info, told) for _, info in known if info.needs and info.ours),
+    ]
     table = ["| solver | model | dimension | warm start | |", "|---|---|---|---|---|", *ours]
     return "\n".join([*parts, "## Ours (BSD-3-Clause)", "", *table, ""])
 

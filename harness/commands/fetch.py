@@ -3,7 +3,7 @@
 from rich.console import Console
 from rich.progress import BarColumn, DownloadColumn, Progress, TextColumn, TransferSpeedColumn
 
-from problems.recorded import collection
+from frictionbench.problems.recorded import collection
 
 
 def fetch(name: str) -> None:

@@ -4,12 +4,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import fields
 from typing import Any
 
-from harness.commands.table import paragraph, screen
-from harness.plans.suites import SUITES
-from problems import scenes
-from problems.instances import instances
-from solvers import SolverInfo, available, find
-from solvers.plugins import distribution, installed
+from frictionbench.harness.commands.table import paragraph, screen
+from frictionbench.harness.plans.suites import SUITES
+from frictionbench.problems import scenes
+from frictionbench.problems.instances import instances
+from frictionbench.solvers import SolverInfo, available, find
+from frictionbench.solvers.plugins import distribution, installed
 
 Entry = tuple[str, list[str]]  # a name with what belongs beside it, and paragraphs
 SPACES = {2: "planar", 3: "spatial"}

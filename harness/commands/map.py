@@ -1,14 +1,14 @@
 """A user's own failure map, as the command line writes it."""
 
-from harness.plans.choose import tolerances
-from harness.plans.maps import axis, checked
-from harness.plans.plan import USUAL, Plan, Plugin
-from harness.plans.spec import parse
-from harness.plans.suites import MAPPED
-from problems import InputError, scene
-from problems.schemes import SCHEMES
-from results.maps import Map
-from solvers import find
+from frictionbench.harness.plans.choose import tolerances
+from frictionbench.harness.plans.maps import axis, checked
+from frictionbench.harness.plans.plan import USUAL, Plan, Plugin
+from frictionbench.harness.plans.spec import parse
+from frictionbench.harness.plans.suites import MAPPED
+from frictionbench.problems import InputError, scene
+from frictionbench.problems.schemes import SCHEMES
+from frictionbench.results.maps import Map
+from frictionbench.solvers import find
 
 SOLVERS = (*MAPPED, "relaxation_ip")
 

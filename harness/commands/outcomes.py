@@ -1,6 +1,6 @@
 """docs/outside.tsv: what the contract says of every outside solver that is here, and what its package says of its licence.
 
-    python -m harness.commands.outcomes > docs/outside.tsv
+    python -m frictionbench.harness.commands.outcomes > docs/outside.tsv
 
 A line an entry: its name, what it needs with versions, the licences as the installed packages' metadata tell them, the day, and
 the checks that it breaks, each with the first complaint; "none" where it keeps them all, and the reason where it is not here.
@@ -16,9 +16,9 @@ from email.message import Message
 from importlib.metadata import PackageNotFoundError, metadata
 from typing import Any
 
-from harness.contract.examine import Found, examine
-from harness.process import cores
-from solvers import available, find
+from frictionbench.harness.contract.examine import Found, examine
+from frictionbench.harness.process import cores
+from frictionbench.solvers import available, find
 
 COLUMNS = ("entry", "versions", "licences", "day", "broken")
 

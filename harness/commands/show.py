@@ -4,15 +4,15 @@ import tempfile
 from dataclasses import replace
 from pathlib import Path
 
-from harness.cells import worker
-from harness.cells.record import record
-from harness.plans.spec import parse
-from harness.workers.introduce import MEMORY, introduce
-from harness.workers.pool import Pool
-from harness.workers.task import Task
-from problems import InputError, scene
-from problems.schemes import SCHEMES
-from results.motion import Motion, read_motion
+from frictionbench.harness.cells import worker
+from frictionbench.harness.cells.record import record
+from frictionbench.harness.plans.spec import parse
+from frictionbench.harness.workers.introduce import MEMORY, introduce
+from frictionbench.harness.workers.pool import Pool
+from frictionbench.harness.workers.task import Task
+from frictionbench.problems import InputError, scene
+from frictionbench.problems.schemes import SCHEMES
+from frictionbench.results.motion import Motion, read_motion
 
 LONGEST = 3600.0  # seconds
 

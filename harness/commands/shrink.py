@@ -3,13 +3,13 @@
 from math import inf
 from pathlib import Path
 
-from harness.commands.trusted import trusted
-from harness.shrink import shrink_rows
-from problems import FrictionProblem, InputError
-from problems.recorded.own import load
-from results import store
-from results.schema import SKIPPED, SOLVED
-from results.shrunk import ROOM
+from frictionbench.harness.commands.trusted import trusted
+from frictionbench.harness.shrink import shrink_rows
+from frictionbench.problems import FrictionProblem, InputError
+from frictionbench.problems.recorded.own import load
+from frictionbench.results import store
+from frictionbench.results.schema import SKIPPED, SOLVED
+from frictionbench.results.shrunk import ROOM
 
 
 def shrink(folder: Path, key: str, named: list[str]) -> tuple[Path, FrictionProblem, int]:

@@ -6,24 +6,35 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.cells import worker
-from harness.cells.collect import Entry, collect
-from harness.cells.rows import PROBLEM_FACTS
-from harness.commands.table import columns, paragraph, screen
-from harness.commands.trusted import trusted
-from harness.plans.choose import named_source
-from harness.plans.plan import DriveCell, Plan, Plugin, SolveCell, Source, origin
-from harness.progress import Progress
-from harness.run import row_of
-from harness.workers.introduce import introduce
-from harness.workers.pool import Pool
-from harness.workers.task import Task
-from problems import InputError
-from results import store
-from results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TABLES, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
-from results.store import Row
-from solvers import available, find
-from solvers.plugins import installed
+from frictionbench.harness.cells import worker
+from frictionbench.harness.cells.collect import Entry, collect
+from frictionbench.harness.cells.rows import PROBLEM_FACTS
+from frictionbench.harness.commands.table import columns, paragraph, screen
+from frictionbench.harness.commands.trusted import trusted
+from frictionbench.harness.plans.choose import named_source
+from frictionbench.harness.plans.plan import DriveCell, Plan, Plugin, SolveCell, Source, origin
+from frictionbench.harness.progress import Progress
+from frictionbench.harness.run import row_of
+from frictionbench.harness.workers.introduce import introduce
+from frictionbench.harness.workers.pool import Pool
+from frictionbench.harness.workers.task import Task
+from frictionbench.problems import InputError
+from frictionbench.results import store
+from frictionbench.results.schema import (
+    CRASHED,
+    MISSED,
+    RELAXED,
+    SKIPPED,
+    SOLVED,
+    TABLES,
+    TIMEOUT,
+    UNJUDGEABLE,
+    UNSOLVED,
+    WRONG,
+)
+from frictionbench.results.store import Row
+from frictionbench.solvers import available, find
+from frictionbench.solvers.plugins import installed
 
 VERDICTS = (SOLVED, RELAXED, MISSED, UNJUDGEABLE, UNSOLVED, WRONG, TIMEOUT, CRASHED, SKIPPED)  # the best first
 

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pandas as pd
 
-from harness.commands.table import columns, screen
-from harness.plans.plan import Plan
-from harness.plans.suites import SUITES
-from results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
-from results.store import read_table
+from frictionbench.harness.commands.table import columns, screen
+from frictionbench.harness.plans.plan import Plan
+from frictionbench.harness.plans.suites import SUITES
+from frictionbench.results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
+from frictionbench.results.store import read_table
 
 MOST, LONGEST = 6, 160  # reasons told, and letters of one
 ORDER = (SOLVED, RELAXED, MISSED, UNJUDGEABLE, WRONG, UNSOLVED, TIMEOUT, CRASHED, SKIPPED)

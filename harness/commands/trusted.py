@@ -5,12 +5,12 @@ A results folder may come from anybody. The file that its manifest names is told
 
 from typing import Any
 
-from harness.plans.plan import Plugin
-from harness.workers.introduce import introduce
-from problems import InputError
-from problems.spec import split
-from results.store import Row
-from solvers import available, find
+from frictionbench.harness.plans.plan import Plugin
+from frictionbench.harness.workers.introduce import introduce
+from frictionbench.problems import InputError
+from frictionbench.problems.spec import split
+from frictionbench.results.store import Row
+from frictionbench.solvers import available, find
 
 
 def trusted(row: Row, settings: dict[str, Any], named: list[str]) -> tuple[Plugin, ...]:
@@ -20,7 +20,7 @@ def trusted(row: Row, settings: dict[str, Any], named: list[str]) -> tuple[Plugi
     """
     variant = row["variant"]
     info = available().get(split("solver", variant)[0])
-    if info is not None and info.make.__module__.startswith("solvers."):  # not one that this process has loaded as a plug-in
+    if info is not None and info.ours:  # not one that this process has loaded as a plug-in
         find(variant)
         return ()
     if not named:

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from problems import FrictionProblem
-from problems.check import Array
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array
 
 
 def changed(problem: FrictionProblem, **fields: Any) -> FrictionProblem:

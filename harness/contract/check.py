@@ -12,13 +12,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from harness.verify import Finding, verify
-from problems import FrictionProblem, scene
-from problems.check import Array
-from problems.copies import duplicate
-from problems.instances import make_instance
-from results.schema import RELAXED, SOLVED, WRONG
-from solvers import Answer, Solver, SolverInfo
+from frictionbench.harness.verify import Finding, verify
+from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems.check import Array
+from frictionbench.problems.copies import duplicate
+from frictionbench.problems.instances import make_instance
+from frictionbench.results.schema import RELAXED, SOLVED, WRONG
+from frictionbench.solvers import Answer, Solver, SolverInfo
 
 TOL = 1e-6
 Complaints = Iterator[str]

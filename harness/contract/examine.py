@@ -5,15 +5,15 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
-from harness.cells import worker
-from harness.contract import form, hard, honesty, invariance
-from harness.contract.check import CHECKS, Subject
-from harness.plans.plan import Plan
-from harness.workers.introduce import introduce
-from harness.workers.pool import Pool
-from harness.workers.task import Task
-from problems import InputError
-from solvers import Solver, SolverInfo, available, find
+from frictionbench.harness.cells import worker
+from frictionbench.harness.contract import form, hard, honesty, invariance
+from frictionbench.harness.contract.check import CHECKS, Subject
+from frictionbench.harness.plans.plan import Plan
+from frictionbench.harness.workers.introduce import introduce
+from frictionbench.harness.workers.pool import Pool
+from frictionbench.harness.workers.task import Task
+from frictionbench.problems import InputError
+from frictionbench.solvers import Solver, SolverInfo, available, find
 
 GROUPS = (form, hard, honesty, invariance)  # each lists its checks
 LIMIT = 20.0  # s, of one check: some forty small problems

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from harness.contract.change import permuted
-from harness.contract.check import TOL, Complaints, Subject, check, contact, ordinary, well
-from problems.copies import duplicate, same
-from solvers import Status
+from frictionbench.harness.contract.change import permuted
+from frictionbench.harness.contract.check import TOL, Complaints, Subject, check, contact, ordinary, well
+from frictionbench.problems.copies import duplicate, same
+from frictionbench.solvers import Status
 
 
 @check("Copy what you change: arrays of the problem belong to the caller.")

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from harness.contract.change import duplicated, with_friction
-from harness.contract.check import Complaints, Subject, check, lie, ordinary, well
-from problems import scene
-from problems.instances import make_instance
+from frictionbench.harness.contract.change import duplicated, with_friction
+from frictionbench.harness.contract.check import Complaints, Subject, check, lie, ordinary, well
+from frictionbench.problems import scene
+from frictionbench.problems.instances import make_instance
 
 
 @check("W is singular here and impulses are not unique: regularise, or solve in velocities, and look at the residual.")

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from harness.contract.check import Complaints, Subject, check, lie, ordinary, well
-from problems import scene
-from problems.instances import make_instance
-from solvers import Status
+from frictionbench.harness.contract.check import Complaints, Subject, check, lie, ordinary, well
+from frictionbench.problems import scene
+from frictionbench.problems.instances import make_instance
+from frictionbench.solvers import Status
 
 
 @check("Compute the residual of what you return (problems.residual) before you say SOLVED.")

@@ -4,10 +4,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from harness.contract.change import in_units, mirrored, permuted, rotated
-from harness.contract.check import Complaints, Subject, check, ordinary, well
-from problems import FrictionProblem
-from problems.check import Array
+from frictionbench.harness.contract.change import in_units, mirrored, permuted, rotated
+from frictionbench.harness.contract.check import Complaints, Subject, check, ordinary, well
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array
 
 TOL = 1e-8
 NEAR = 1e-4  # of the largest free contact velocity; these problems have one velocity each

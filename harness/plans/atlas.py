@@ -2,7 +2,7 @@
 
 import math
 
-from results.maps import Axis, Map
+from frictionbench.results.maps import Axis, Map
 
 GAPS = "stewart_trinkle"
 FORCES = "acceleration"

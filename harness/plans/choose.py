@@ -2,14 +2,14 @@
 
 from dataclasses import replace
 
-from harness.plans.plan import Plan, Plugin, Source
-from harness.plans.recorded import with_data
-from harness.plans.spec import parse
-from harness.plans.suites import SUITES
-from problems import InputError, scene
-from problems.instances import instances
-from results.maps import Map
-from solvers import find
+from frictionbench.harness.plans.plan import Plan, Plugin, Source
+from frictionbench.harness.plans.recorded import with_data
+from frictionbench.harness.plans.spec import parse
+from frictionbench.harness.plans.suites import SUITES
+from frictionbench.problems import InputError, scene
+from frictionbench.problems.instances import instances
+from frictionbench.results.maps import Map
+from frictionbench.solvers import find
 
 
 def choose(

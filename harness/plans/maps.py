@@ -9,10 +9,10 @@ overlap=both:1e-12:1e-1:13     -1e-1 ... -1e-12, 0, 1e-12 ... 1e-1
 import json
 from collections.abc import Iterable, Mapping
 
-from harness.plans.plan import DriveCell, Plan, Source, phase
-from problems import InputError, scene, scenes
-from results.maps import Axis, Map, Place
-from results.store import Row
+from frictionbench.harness.plans.plan import DriveCell, Plan, Source, phase
+from frictionbench.problems import InputError, scene, scenes
+from frictionbench.results.maps import Axis, Map, Place
+from frictionbench.results.store import Row
 
 SCALES = ("linear", "log", "zero", "both")
 MOST_LINES = 200

@@ -1,7 +1,7 @@
 """The suite that puts every outside solver beside our own."""
 
-from harness.plans.plan import Plan, Source
-from solvers import available
+from frictionbench.harness.plans.plan import Plan, Source
+from frictionbench.solvers import available
 
 OURS = ("hybrid", "lemke", "path_search", "interior_point", "nsgs", "nncg", "apgd_coulomb", "relaxation_ip", "apgd")
 

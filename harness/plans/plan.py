@@ -10,9 +10,9 @@ from dataclasses import asdict, dataclass, field, replace
 from hashlib import sha256
 from typing import Any
 
-from problems import InputError
-from problems.instances import instances
-from results.maps import Map
+from frictionbench.problems import InputError
+from frictionbench.problems.instances import instances
+from frictionbench.results.maps import Map
 
 USUAL = "anitescu_potra"  # scheme
 COLD, WARM, SHUFFLED = "cold", "warm", "shuffled"

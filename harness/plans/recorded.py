@@ -8,10 +8,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from harness.plans.entries import EXACT, LADDER, OTHERS, RELAXED
-from harness.plans.plan import COLD, WARM, Plan, Source
-from problems import InputError
-from problems.recorded import collection
+from frictionbench.harness.plans.entries import EXACT, LADDER, OTHERS, RELAXED
+from frictionbench.harness.plans.plan import COLD, WARM, Plan, Source
+from frictionbench.problems import InputError
+from frictionbench.problems.recorded import collection
 
 FORMATS = (".hdf5", ".h5", ".dat", ".npz")
 

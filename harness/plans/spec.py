@@ -3,8 +3,8 @@
 import json
 from typing import Any
 
-from problems import InputError
-from problems.spec import split
+from frictionbench.problems import InputError
+from frictionbench.problems.spec import split
 
 
 def parse(field: str, text: str) -> tuple[str, dict[str, Any]]:

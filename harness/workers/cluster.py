@@ -17,13 +17,13 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from harness import machine
-from harness.plans.plan import Plugin, SolveCell
-from harness.workers.pool import Pool
-from harness.workers.task import Outcome, Task
-from problems import InputError
-from results.store import ResultsError
-from solvers.plugins import is_file
+from frictionbench.harness import machine
+from frictionbench.harness.plans.plan import Plugin, SolveCell
+from frictionbench.harness.workers.pool import Pool
+from frictionbench.harness.workers.task import Outcome, Task
+from frictionbench.problems import InputError
+from frictionbench.results.store import ResultsError
+from frictionbench.solvers.plugins import is_file
 
 AHEAD = 4  # tasks handed out per worker, so that none waits for the network
 ANSWERING = 10.0  # seconds a scheduler has to answer

@@ -3,13 +3,13 @@
 import tempfile
 from pathlib import Path
 
-from harness.cells import worker
-from harness.plans.plan import Plugin
-from harness.workers.pool import Pool
-from harness.workers.task import Task
-from problems import InputError
-from problems.spec import split
-from solvers import find, plugins
+from frictionbench.harness.cells import worker
+from frictionbench.harness.plans.plan import Plugin
+from frictionbench.harness.workers.pool import Pool
+from frictionbench.harness.workers.task import Task
+from frictionbench.problems import InputError
+from frictionbench.problems.spec import split
+from frictionbench.solvers import find, plugins
 
 MEMORY = 4 * 2**30  # bytes
 

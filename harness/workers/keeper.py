@@ -24,13 +24,13 @@ from typing import Any
 
 from numba.core.registry import cpu_target
 
-from harness import machine, process
-from harness.cells import worker
-from harness.deadline import COMPILING, OURS, Deadline
-from harness.workers.task import LONGEST_REPLY, Task
-from problems import InputError
-from solvers import plugins
-from solvers.outside.children.child import living
+from frictionbench.harness import machine, process
+from frictionbench.harness.cells import worker
+from frictionbench.harness.deadline import COMPILING, OURS, Deadline
+from frictionbench.harness.workers.task import LONGEST_REPLY, Task
+from frictionbench.problems import InputError
+from frictionbench.solvers import plugins
+from frictionbench.solvers.outside.children.child import living
 
 LOOK = 0.25  # seconds between looks at a deadline, which the worker may have moved
 

@@ -16,13 +16,14 @@ from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Any
 
-from harness import machine, process
-from harness.plans.plan import Plugin
-from harness.workers.task import Outcome, Task
-from results.store import ResultsError
+from frictionbench.harness import machine, process
+from frictionbench.harness.plans.plan import Plugin
+from frictionbench.harness.workers.task import Outcome, Task
+from frictionbench.results.store import ResultsError
 
 TRIES = 3
-START = "import sys; sys.path.insert(0, sys.argv[1]); from harness.workers.keeper import serve; serve(int(sys.argv[2]))"
+START = """import sys; sys.path.insert(0, sys.argv[1])
+from frictionbench.harness.workers.keeper import serve; serve(int(sys.argv[2]))"""
 Settings = tuple[Path, tuple[Plugin, ...], int]
 
 
@@ -35,7 +36,7 @@ class _Server:
     def __init__(self) -> None:
         process.pin_threads()
         self._control, far_end = socket.socketpair()
-        command = [sys.executable, "-P", "-c", START, str(machine.ROOT), str(far_end.fileno())]
+        command = [sys.executable, "-P", "-c", START, str(machine.PACKAGE.parent), str(far_end.fileno())]
         self._process = subprocess.Popen(
             command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, pass_fds=[far_end.fileno()], start_new_session=True
         )

@@ -6,8 +6,8 @@ The nearest point of (n, t) keeps the direction of t, so that it is a matter of 
 
 import numpy as np
 
-from problems.check import Array
-from problems.compiled import kernel, part
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import kernel, part
 
 
 @part

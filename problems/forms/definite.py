@@ -8,7 +8,7 @@ more than round-off; up to STEPS rows the values are exact.
 import numpy as np
 from scipy import sparse
 
-from problems.check import Array
+from frictionbench.problems.check import Array
 
 STEPS = 60
 

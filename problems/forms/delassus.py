@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy import sparse
 
-from problems.compiled import kernel
-from problems.rows import Array, Index, nowhere
+from frictionbench.problems.compiled import kernel
+from frictionbench.problems.rows import Array, Index, nowhere
 
 
 class Blocks(NamedTuple):

@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from problems import check
-from problems.forms.lcp import LCP
-from problems.forms.mass import invert_mass
+from frictionbench.problems import check
+from frictionbench.problems.forms.lcp import LCP
+from frictionbench.problems.forms.mass import invert_mass
 
 
 class Regime(Enum):

@@ -21,10 +21,10 @@ from typing import Any, Self
 import numpy as np
 from scipy import sparse
 
-from problems import check
-from problems.check import Array
-from problems.compiled import kernel, part
-from problems.rows import Index, Rows
+from frictionbench.problems import check
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.rows import Index, Rows
 
 
 class LCP:

@@ -9,9 +9,9 @@ from scipy import sparse
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from scipy.sparse.csgraph import connected_components
 
-from problems.check import require
-from problems.compiled import kernel
-from problems.rows import Rows, from_matrix
+from frictionbench.problems.check import require
+from frictionbench.problems.compiled import kernel
+from frictionbench.problems.rows import Rows, from_matrix
 
 
 def inverse_mass(mass: Rows) -> Rows:

@@ -21,8 +21,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy import sparse
 
-from problems.compiled import kernel
-from problems.rows import Array, ByContact, Rows
+from frictionbench.problems.compiled import kernel
+from frictionbench.problems.rows import Array, ByContact, Rows
 
 
 class VelocityForm(NamedTuple):

@@ -3,8 +3,8 @@
 make_instance("cubes", boxes=10, friction=0.5)        make_instance("random", seed=3)
 """
 
-from problems.discover import import_all
-from problems.instances.catalogue import InstanceInfo, instances, make_instance
+from frictionbench.problems.discover import import_all
+from frictionbench.problems.instances.catalogue import InstanceInfo, instances, make_instance
 
 import_all(__name__, __path__)
 

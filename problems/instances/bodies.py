@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from problems.check import Array
-from problems.friction import FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.problems.friction import FrictionProblem
 
 GROUND = -1  # as the second body of a contact
 GRAVITY = 9.81

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from inspect import getdoc, signature
 from typing import Any, TypeVar
 
-from problems.check import require
-from problems.friction import FrictionProblem
+from frictionbench.problems.check import require
+from frictionbench.problems.friction import FrictionProblem
 
 
 @dataclass(frozen=True)

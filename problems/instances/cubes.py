@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from problems.friction import FrictionProblem
-from problems.instances.bodies import falling, touching
-from problems.instances.catalogue import instance
-from problems.scenes.parameters import count, number
+from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.instances.bodies import falling, touching
+from frictionbench.problems.instances.catalogue import instance
+from frictionbench.problems.scenes.parameters import count, number
 
 
 @instance

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from problems.friction import FrictionProblem
-from problems.instances.bodies import touching
-from problems.instances.catalogue import instance
-from problems.random_problem import random_problem
-from problems.scenes.parameters import count, number
+from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.instances.bodies import touching
+from frictionbench.problems.instances.catalogue import instance
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.scenes.parameters import count, number
 
 
 @instance

@@ -4,11 +4,11 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.spatial import cKDTree
 
-from problems.check import Array
-from problems.friction import FrictionProblem
-from problems.instances.bodies import GROUND, Index, falling, frames, touching
-from problems.instances.catalogue import instance
-from problems.scenes.parameters import count, number
+from frictionbench.problems.check import Array
+from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.instances.bodies import GROUND, Index, falling, frames, touching
+from frictionbench.problems.instances.catalogue import instance
+from frictionbench.problems.scenes.parameters import count, number
 
 NEAR = 1e-4  # of a radius: gaps that count as touching
 

@@ -19,10 +19,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from problems.check import Array, InputError, require
-from problems.forms.lcp import LCP
-from problems.friction import FrictionProblem
-from problems.nature.polyhedra import (
+from frictionbench.problems.check import Array, InputError, require
+from frictionbench.problems.forms.lcp import LCP
+from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.nature.polyhedra import (
     SAME,
     Cone,
     Polyhedron,
@@ -38,7 +38,7 @@ from problems.nature.polyhedra import (
     shape,
     simplicial,
 )
-from problems.residual import residual
+from frictionbench.problems.residual import residual
 
 MODES = 4**8  # the most modes that a census goes through
 TIES = (1e-12, 1e-11, 1e-10, 1e-9)  # how small a velocity counts as zero, relative to the largest free one; the first that does

@@ -11,9 +11,9 @@ from scipy import sparse
 from scipy.linalg import cholesky, svdvals
 from scipy.optimize import linprog
 
-from problems.forms.definite import spectrum_ends
-from problems.friction import DelassusProblem, FrictionProblem
-from problems.residual import residual
+from frictionbench.problems.forms.definite import spectrum_ends
+from frictionbench.problems.friction import DelassusProblem, FrictionProblem
+from frictionbench.problems.residual import residual
 
 DENSE_ROWS = 600
 FACETS = 8

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from problems.check import Array, require
-from problems.friction import FrictionProblem
+from frictionbench.problems.check import Array, require
+from frictionbench.problems.friction import FrictionProblem
 
 
 def mode(problem: FrictionProblem, impulse: Array, tol: float = 1e-6) -> str:

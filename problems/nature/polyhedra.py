@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 
-from problems.check import Array
+from frictionbench.problems.check import Array
 
 SAME = 1e-7  # points this near, relative to 1 and their size, are one
 

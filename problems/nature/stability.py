@@ -9,10 +9,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from problems.check import Array
-from problems.forms.cone import project_cone
-from problems.friction import FrictionProblem
-from problems.residual import residual
+from frictionbench.problems.check import Array
+from frictionbench.problems.forms.cone import project_cone
+from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.residual import residual
 
 EPSILON = 8 * np.finfo(float).eps
 ROUND_OFF = 1e-13  # of the largest free velocity: what a smaller impulse moves at its own contact is not seen

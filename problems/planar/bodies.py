@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from problems import check
-from problems.check import Array, require
-from problems.planar.joints import Hinge
+from frictionbench.problems import check
+from frictionbench.problems.check import Array, require
+from frictionbench.problems.planar.joints import Hinge
 
 
 @dataclass(frozen=True, eq=False)

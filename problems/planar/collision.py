@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from problems import check
-from problems.check import Array
-from problems.compiled import kernel
-from problems.planar.bodies import Geometry
-from problems.planar.narrow_phase import Index, meet
-from problems.rows import Rows
+from frictionbench.problems import check
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import kernel
+from frictionbench.problems.planar.bodies import Geometry
+from frictionbench.problems.planar.narrow_phase import Index, meet
+from frictionbench.problems.rows import Rows
 
 
 @dataclass(frozen=True, eq=False)

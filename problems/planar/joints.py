@@ -6,10 +6,10 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from problems import check
-from problems.check import Array, require
-from problems.compiled import kernel
-from problems.rows import Rows
+from frictionbench.problems import check
+from frictionbench.problems.check import Array, require
+from frictionbench.problems.compiled import kernel
+from frictionbench.problems.rows import Rows
 
 
 @dataclass(frozen=True, eq=False)

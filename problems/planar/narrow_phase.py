@@ -12,8 +12,8 @@ one only by more than TIE times the length of the first shape's first edge, and 
 import numpy as np
 from numpy.typing import NDArray
 
-from problems.check import Array
-from problems.compiled import kernel, part
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import kernel, part
 
 TIE = 1e-7
 Index = NDArray[np.int64]

@@ -9,11 +9,11 @@ arrays in an .npz         problems.recorded.plain       W, q, mu, d or M, N, T, 
 
 from pathlib import Path
 
-from problems.check import Array, InputError
-from problems.forms.lcp import LCP
-from problems.friction import FrictionProblem
-from problems.recorded import contactbench, fclib, own, plain, siconos
-from problems.recorded.archive import read_arrays
+from frictionbench.problems.check import Array, InputError
+from frictionbench.problems.forms.lcp import LCP
+from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.recorded import contactbench, fclib, own, plain, siconos
+from frictionbench.problems.recorded.archive import read_arrays
 
 HDF5, ZIP = b"\x89HDF\r\n\x1a\n", b"PK\x03\x04"
 

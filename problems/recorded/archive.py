@@ -10,7 +10,7 @@ from typing import IO
 import numpy as np
 from numpy.lib import format as npy
 
-from problems.check import Array, InputError, require
+from frictionbench.problems.check import Array, InputError, require
 
 LARGEST = 4 * 2**30  # bytes unpacked; a larger problem is refused unread
 

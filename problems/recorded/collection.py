@@ -14,7 +14,7 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
-from problems.check import InputError, require
+from frictionbench.problems.check import InputError, require
 
 ADDRESS = "https://media.githubusercontent.com/media/FrictionalContactLibrary/fclib-library/master/"
 REGISTRY = Path(__file__).with_name("fclib_registry.csv")

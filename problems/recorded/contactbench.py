@@ -5,8 +5,8 @@ Its contacts have the normal last, (t1, t2, n). G holds 1e-9 I of compliance, wh
 
 import numpy as np
 
-from problems.check import Array, require
-from problems.friction import FrictionProblem
+from frictionbench.problems.check import Array, require
+from frictionbench.problems.friction import FrictionProblem
 
 
 def problem(arrays: dict[str, Array]) -> FrictionProblem:

@@ -24,9 +24,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from problems.check import Array, InputError, require
-from problems.friction import DelassusProblem, FrictionProblem
-from problems.recorded.forms import from_global, from_local
+from frictionbench.problems.check import Array, InputError, require
+from frictionbench.problems.friction import DelassusProblem, FrictionProblem
+from frictionbench.problems.recorded.forms import from_global, from_local
 
 LARGEST = 2**29  # bytes of all arrays of a file
 NO_PLUGINS = {"HDF5_PLUGIN_PRELOAD": "::"}  # code that a file may ask for

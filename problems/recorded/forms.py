@@ -13,8 +13,8 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
-from problems.check import Array, InputError, require
-from problems.friction import FrictionProblem
+from frictionbench.problems.check import Array, InputError, require
+from frictionbench.problems.friction import FrictionProblem
 
 MOST_COUPLED = 4000  # coordinates of one block of M, and joints of a local problem: their inverses are dense
 SYMMETRIC = 1e-12  # relative, as FrictionProblem asks of its mass

@@ -16,10 +16,10 @@ from pathlib import Path
 import numpy as np
 from scipy import sparse
 
-from problems.check import Array, InputError
-from problems.forms.lcp import LCP
-from problems.friction import DelassusProblem, FrictionProblem
-from problems.recorded.archive import read_arrays
+from frictionbench.problems.check import Array, InputError
+from frictionbench.problems.forms.lcp import LCP
+from frictionbench.problems.friction import DelassusProblem, FrictionProblem
+from frictionbench.problems.recorded.archive import read_arrays
 
 _SPARSE = ("mass", "normal", "tangent", "joints")
 _DENSE = ("friction", "free_velocity", "bias", "friction_bias", "joint_bias")

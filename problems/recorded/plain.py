@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from problems.check import Array, require
-from problems.forms.lcp import LCP
-from problems.friction import FrictionProblem
+from frictionbench.problems.check import Array, require
+from frictionbench.problems.forms.lcp import LCP
+from frictionbench.problems.friction import FrictionProblem
 
 Arrays = dict[str, Array]
 

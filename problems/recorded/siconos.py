@@ -24,10 +24,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from problems.check import Array, InputError, require
-from problems.forms.lcp import LCP
-from problems.friction import FrictionProblem
-from problems.recorded.forms import from_global
+from frictionbench.problems.check import Array, InputError, require
+from frictionbench.problems.forms.lcp import LCP
+from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.recorded.forms import from_global
 
 LARGEST = 2**29  # bytes of text; a larger file is refused unread
 CHUNK = 2**20

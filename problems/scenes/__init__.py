@@ -5,8 +5,8 @@
 The talk's numbered examples (Anitescu 1999, page 30) are scenes with the talk's friction and restitution.
 """
 
-from problems.discover import import_all
-from problems.scenes.catalogue import SceneInfo, scene, scenes
+from frictionbench.problems.discover import import_all
+from frictionbench.problems.scenes.catalogue import SceneInfo, scene, scenes
 
 import_all(__name__, __path__)
 

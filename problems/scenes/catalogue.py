@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 from inspect import getdoc, signature
 from typing import Any, TypeVar
 
-from problems.check import require
-from problems.scene import Scene
-from problems.scenes.parameters import number
-from problems.scenes.units import in_units
+from frictionbench.problems.check import require
+from frictionbench.problems.scene import Scene
+from frictionbench.problems.scenes.parameters import number
+from frictionbench.problems.scenes.units import in_units
 
 
 @dataclass(frozen=True)

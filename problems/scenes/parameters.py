@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from problems.check import require
+from frictionbench.problems.check import require
 
 
 def number(name: str, value: Any, above: float = -np.inf, least: float = -np.inf, most: float = np.inf) -> float:

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from problems.planar.bodies import Body, Shape
-from problems.planar.joints import Hinge
-from problems.scene import Scene
+from frictionbench.problems.planar.bodies import Body, Shape
+from frictionbench.problems.planar.joints import Hinge
+from frictionbench.problems.scene import Scene
 
 
 def in_units(scene: Scene, mass: float, length: float) -> Scene:

@@ -1,7 +1,7 @@
 """One file a time-stepping scheme, one signature for all; each is listed by its decorator: see problems.schemes.stepping."""
 
-from problems.discover import import_all
-from problems.schemes.stepping import SCHEMES, NoSolution, Scheme, Solve, Solved, Step, start
+from frictionbench.problems.discover import import_all
+from frictionbench.problems.schemes.stepping import SCHEMES, NoSolution, Scheme, Solve, Solved, Step, start
 
 import_all(__name__, __path__)
 

@@ -22,14 +22,14 @@ from dataclasses import replace
 import numpy as np
 from scipy import sparse
 
-from problems.check import Array
-from problems.friction import FrictionProblem
-from problems.planar.collision import Contacts
-from problems.planar.narrow_phase import Index
-from problems.residual import residual
-from problems.scene import Scene
-from problems.schemes.impact import approaching, impact
-from problems.schemes.stepping import NoSolution, Solve, Solved, Step, free_velocity, respond, scheme
+from frictionbench.problems.check import Array
+from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.planar.collision import Contacts
+from frictionbench.problems.planar.narrow_phase import Index
+from frictionbench.problems.residual import residual
+from frictionbench.problems.scene import Scene
+from frictionbench.problems.schemes.impact import approaching, impact
+from frictionbench.problems.schemes.stepping import NoSolution, Solve, Solved, Step, free_velocity, respond, scheme
 
 SWIFT = 1e3  # a belt's speed, in units of the contacts' speeds and of what the external force changes in a step
 RIGHT = 1e-6  # the residual up to which an answer says something about the scheme, and not about its solver

@@ -9,9 +9,9 @@ the drift is O(h). The bias is zero, so every problem has a solution and no cont
 Where a touching contact approaches and e > 0, an impact goes first (problems.schemes.impact).
 """
 
-from problems.scene import Scene
-from problems.schemes.impact import approaching, impact
-from problems.schemes.stepping import Solve, Solved, Step, free_velocity, respond, scheme
+from frictionbench.problems.scene import Scene
+from frictionbench.problems.schemes.impact import approaching, impact
+from frictionbench.problems.schemes.stepping import Solve, Solved, Step, free_velocity, respond, scheme
 
 
 @scheme("anitescu_potra")

@@ -9,10 +9,10 @@ compression impulse. An impact needs bodies that hit: a scheme that slows them d
 import numpy as np
 from numpy.typing import NDArray
 
-from problems.check import Array
-from problems.planar.collision import Contacts
-from problems.scene import Scene
-from problems.schemes.stepping import Solve, Solved, respond
+from frictionbench.problems.check import Array
+from frictionbench.problems.planar.collision import Contacts
+from frictionbench.problems.scene import Scene
+from frictionbench.problems.schemes.stepping import Solve, Solved, respond
 
 
 def approaching(scene: Scene, v: Array, contacts: Contacts) -> NDArray[np.bool_]:

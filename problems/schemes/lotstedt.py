@@ -12,8 +12,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from problems.scene import Scene
-from problems.schemes.stepping import Solve, Step, free_velocity, respond, scheme
+from frictionbench.problems.scene import Scene
+from frictionbench.problems.schemes.stepping import Solve, Step, free_velocity, respond, scheme
 
 
 @scheme("lotstedt", lacks=("restitution",))

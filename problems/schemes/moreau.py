@@ -10,8 +10,8 @@ restitution with friction can add energy. theta = 1/2 is Moreau's midpoint rule,
 Reference: Acary and Brogliato 2008, chapter 10.
 """
 
-from problems.scene import Scene
-from problems.schemes.stepping import Scheme, Solve, Step, respond, scheme
+from frictionbench.problems.scene import Scene
+from frictionbench.problems.schemes.stepping import Scheme, Solve, Step, respond, scheme
 
 
 def theta_scheme(name: str, theta: float) -> Scheme:

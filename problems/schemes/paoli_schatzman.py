@@ -9,8 +9,8 @@ With v+ = (q+ - q)/h, v = (q - q-)/h, and Theta and phi linearised at q, that is
 Reference: Paoli and Schatzman, SIAM Journal on Numerical Analysis 40 (2002), pages 702-733.
 """
 
-from problems.scene import Scene
-from problems.schemes.stepping import Solve, Step, contacts_within_reach, free_velocity, respond, scheme
+from frictionbench.problems.scene import Scene
+from frictionbench.problems.schemes.stepping import Solve, Step, contacts_within_reach, free_velocity, respond, scheme
 
 
 @scheme("paoli_schatzman", lacks=("friction",))

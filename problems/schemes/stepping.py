@@ -16,10 +16,10 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from problems.check import Array, require
-from problems.friction import FrictionProblem
-from problems.planar.collision import Contacts
-from problems.scene import Scene
+from frictionbench.problems.check import Array, require
+from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.planar.collision import Contacts
+from frictionbench.problems.scene import Scene
 
 Solve = Callable[[FrictionProblem], Array]
 Phase = Literal["compression", "decompression", "step"]

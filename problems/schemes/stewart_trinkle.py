@@ -14,9 +14,9 @@ Bodies that face each other corner to corner have no contact until they overlap:
 wrong one stops bodies that would pass each other.
 """
 
-from problems.scene import Scene
-from problems.schemes.impact import approaching, impact
-from problems.schemes.stepping import Solve, Solved, Step, contacts_within_reach, free_velocity, respond, scheme
+from frictionbench.problems.scene import Scene
+from frictionbench.problems.schemes.impact import approaching, impact
+from frictionbench.problems.schemes.stepping import Solve, Solved, Step, contacts_within_reach, free_velocity, respond, scheme
 
 
 @scheme("stewart_trinkle")

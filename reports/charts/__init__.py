@@ -1,6 +1,6 @@
 """The charts of page and paper, one file each, in the order in which they are shown."""
 
-from reports.charts import (
+from frictionbench.reports.charts import (
     budget,
     classes,
     courses,

@@ -7,13 +7,13 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import PercentFormatter
 
-from reports.accuracy import on_all
-from reports.charts.chart import Chart
-from reports.charts.profiles import staircase
-from reports.drawing.figures import Panel
-from reports.drawing.style import Look, time_axis
-from reports.drawing.text import power
-from reports.run import Run
+from frictionbench.reports.accuracy import on_all
+from frictionbench.reports.charts.chart import Chart
+from frictionbench.reports.charts.profiles import staircase
+from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.style import Look, time_axis
+from frictionbench.reports.drawing.text import power
+from frictionbench.reports.run import Run
 
 
 def panels(run: Run) -> list[Panel]:

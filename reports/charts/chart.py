@@ -3,9 +3,9 @@
 from collections.abc import Callable, Sequence
 from typing import Literal, NamedTuple
 
-from reports.drawing.figures import Panel
-from reports.drawing.tiles import Drawing
-from reports.run import Run
+from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.tiles import Drawing
+from frictionbench.reports.run import Run
 
 Section = Literal["solvability", "maps", "chart", "time", "energy"]  # of the page, by the id of its heading
 

@@ -7,11 +7,11 @@ from functools import partial
 
 import pandas as pd
 
-from reports.accuracy import ratios
-from reports.charts.chart import Chart
-from reports.charts.profiles import draw
-from reports.drawing.figures import Panel
-from reports.run import Run
+from frictionbench.reports.accuracy import ratios
+from frictionbench.reports.charts.chart import Chart
+from frictionbench.reports.charts.profiles import draw
+from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.run import Run
 
 SIZES = {"1 to 10 contacts": (1, 10), "11 to 100": (11, 100), "101 to 1000": (101, 1000), "more than 1000": (1001, 10**12)}
 RANKS = {

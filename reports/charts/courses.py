@@ -8,12 +8,12 @@ from functools import partial
 
 from matplotlib.axes import Axes
 
-from reports.charts.chart import Chart
-from reports.drawing.figures import Panel
-from reports.drawing.style import Look, log_ticks
-from reports.drawing.text import scene_title
-from reports.run import Run
-from results.courses import Course
+from frictionbench.reports.charts.chart import Chart
+from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.style import Look, log_ticks
+from frictionbench.reports.drawing.text import scene_title
+from frictionbench.reports.run import Run
+from frictionbench.results.courses import Course
 
 ZERO, WORST = 1e-17, 1e3  # what the axis shows of a residual; beyond is drawn at the edge
 

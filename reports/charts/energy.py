@@ -6,11 +6,11 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from reports.charts.chart import Chart
-from reports.drawing.figures import Panel
-from reports.drawing.style import ALARM, INK, Look, percent_axis
-from reports.drawing.text import scene_title
-from reports.run import Run
+from frictionbench.reports.charts.chart import Chart
+from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.style import ALARM, INK, Look, percent_axis
+from frictionbench.reports.drawing.text import scene_title
+from frictionbench.reports.run import Run
 
 POINTS = 200  # of a curve
 MOST = 24  # panels on the page

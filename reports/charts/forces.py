@@ -9,12 +9,12 @@ from functools import partial
 import numpy as np
 from matplotlib.axes import Axes
 
-from reports.charts.chart import Chart
-from reports.charts.courses import by_problem
-from reports.drawing.figures import Panel
-from reports.drawing.style import Look
-from reports.run import Run
-from results.courses import Course
+from frictionbench.reports.charts.chart import Chart
+from frictionbench.reports.charts.courses import by_problem
+from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.style import Look
+from frictionbench.reports.run import Run
+from frictionbench.results.courses import Course
 
 EXACT = 1e-4  # residual
 

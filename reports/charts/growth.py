@@ -10,12 +10,12 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from reports.accuracy import TARGETS, Array, shifted_geometric_mean
-from reports.charts.chart import Chart
-from reports.drawing.figures import Panel
-from reports.drawing.style import Look, log_ticks, time_axis
-from reports.drawing.text import power
-from reports.run import Run
+from frictionbench.reports.accuracy import TARGETS, Array, shifted_geometric_mean
+from frictionbench.reports.charts.chart import Chart
+from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.style import Look, log_ticks, time_axis
+from frictionbench.reports.drawing.text import power
+from frictionbench.reports.run import Run
 
 TARGET = TARGETS[1]
 SIZES = 3  # fewer make no curve

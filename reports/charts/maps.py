@@ -15,15 +15,15 @@ import pandas as pd
 from matplotlib import colormaps
 from matplotlib.colors import to_hex
 
-from reports.charts.chart import Chart
-from reports.drawing import tiles
-from reports.drawing.style import INK
-from reports.drawing.text import seconds
-from reports.drawing.tiles import Drawing, Grid, Tile
-from reports.maps import Cells, map_cells
-from reports.run import Run
-from results.maps import Axis
-from results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
+from frictionbench.reports.charts.chart import Chart
+from frictionbench.reports.drawing import tiles
+from frictionbench.reports.drawing.style import INK
+from frictionbench.reports.drawing.text import seconds
+from frictionbench.reports.drawing.tiles import Drawing, Grid, Tile
+from frictionbench.reports.maps import Cells, map_cells
+from frictionbench.reports.run import Run
+from frictionbench.results.maps import Axis
+from frictionbench.results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
 
 VERDICT = {
     SOLVED: "#a9d8b8", RELAXED: "#f0d264", MISSED: "#f4a259", UNSOLVED: "#7b6fb0", WRONG: "#d62728", TIMEOUT: "#6b6b6b",

@@ -12,12 +12,12 @@ import pandas as pd
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from reports.accuracy import shifted_geometric_mean
-from reports.charts.chart import Chart
-from reports.drawing.figures import WHOLE, Panel
-from reports.drawing.style import INK, Look, log_ticks, time_axis
-from reports.run import Run
-from results.schema import SKIPPED
+from frictionbench.reports.accuracy import shifted_geometric_mean
+from frictionbench.reports.charts.chart import Chart
+from frictionbench.reports.drawing.figures import WHOLE, Panel
+from frictionbench.reports.drawing.style import INK, Look, log_ticks, time_axis
+from frictionbench.reports.run import Run
+from frictionbench.results.schema import SKIPPED
 
 ZERO, WORST = 1e-17, 1e1  # where residuals of zero, and large or missing ones, are drawn
 

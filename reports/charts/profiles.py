@@ -10,12 +10,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import PercentFormatter
 
-from reports.accuracy import TARGETS, Array, band, ratios
-from reports.charts.chart import Chart
-from reports.drawing.figures import Panel
-from reports.drawing.style import Look, log_ticks
-from reports.drawing.text import power
-from reports.run import Run
+from frictionbench.reports.accuracy import TARGETS, Array, band, ratios
+from frictionbench.reports.charts.chart import Chart
+from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.style import Look, log_ticks
+from frictionbench.reports.drawing.text import power
+from frictionbench.reports.run import Run
 
 FARTHEST = 1e3  # ratio to the fastest at the right edge
 POINTS = 61  # of a band

@@ -13,12 +13,12 @@ import pandas as pd
 from markupsafe import Markup
 from matplotlib.axes import Axes
 
-from reports.charts.chart import Chart
-from reports.drawing.figures import Panel
-from reports.drawing.style import ALARM, INK, Look, log_ticks, time_axis
-from reports.drawing.text import scene_title, seconds
-from reports.run import Run
-from results.schema import RELAXED, SKIPPED, WRONG
+from frictionbench.reports.charts.chart import Chart
+from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.style import ALARM, INK, Look, log_ticks, time_axis
+from frictionbench.reports.drawing.text import scene_title, seconds
+from frictionbench.reports.run import Run
+from frictionbench.results.schema import RELAXED, SKIPPED, WRONG
 
 ZERO = 1e-17  # where a residual of exactly zero is drawn
 WORST = 1e1  # where larger residuals are drawn

@@ -11,12 +11,12 @@ from typing import Any
 import pandas as pd
 from matplotlib.axes import Axes
 
-from reports.charts.chart import Chart
-from reports.drawing.figures import WHOLE, Panel
-from reports.drawing.style import INK, Look, log_ticks
-from reports.drawing.text import scene_title
-from reports.run import Run
-from results.schema import SOLVED
+from frictionbench.reports.charts.chart import Chart
+from frictionbench.reports.drawing.figures import WHOLE, Panel
+from frictionbench.reports.drawing.style import INK, Look, log_ticks
+from frictionbench.reports.drawing.text import scene_title
+from frictionbench.reports.run import Run
+from frictionbench.results.schema import SOLVED
 
 RESPONSE, ERROR = (1e-2, 1e8), (1e-17, 1e1)  # what the axes show; beyond is drawn at the edge
 ILL, UNSTABLE = 1e3, 1e-6  # where the corners begin

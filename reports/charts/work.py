@@ -11,11 +11,11 @@ from functools import partial
 
 import pandas as pd
 
-from reports.accuracy import ratios
-from reports.charts.chart import Chart
-from reports.charts.profiles import draw
-from reports.drawing.figures import Panel
-from reports.run import Run
+from frictionbench.reports.accuracy import ratios
+from frictionbench.reports.charts.chart import Chart
+from frictionbench.reports.charts.profiles import draw
+from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.run import Run
 
 UNITS = ("pivots", "sweeps", "iterations", "factorisations")
 

@@ -17,13 +17,13 @@ from xml.etree import ElementTree
 import numpy as np
 import pandas as pd
 
-from reports.comparison.markdown import again, change, markdown
-from results.cells import read, untold
-from results.changes import Finding, Flip, Growth
-from results.compare import Comparison
-from results.files import replaced, write_text
-from results.schema import RELAXED, SKIPPED, SOLVED
-from results.times import Time
+from frictionbench.reports.comparison.markdown import again, change, markdown
+from frictionbench.results.cells import read, untold
+from frictionbench.results.changes import Finding, Flip, Growth
+from frictionbench.results.compare import Comparison
+from frictionbench.results.files import replaced, write_text
+from frictionbench.results.schema import RELAXED, SKIPPED, SOLVED
+from frictionbench.results.times import Time
 
 UNPRINTED = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # what XML 1.0 cannot hold
 

@@ -9,10 +9,10 @@ import pandas as pd
 from rich.table import Table
 from rich.text import Text
 
-from reports.drawing.text import seconds
-from results.cells import read, told, untold
-from results.schema import RELAXED, SOLVED
-from results.store import ResultsError
+from frictionbench.reports.drawing.text import seconds
+from frictionbench.results.cells import read, told, untold
+from frictionbench.results.schema import RELAXED, SOLVED
+from frictionbench.results.store import ResultsError
 
 
 def history(paths: Iterable[Path]) -> Table:

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from reports.drawing.text import seconds
-from results.changes import GONE, Finding, Flip, Growth
-from results.compare import Comparison
-from results.times import Time, overall
+from frictionbench.reports.drawing.text import seconds
+from frictionbench.results.changes import GONE, Finding, Flip, Growth
+from frictionbench.results.compare import Comparison
+from frictionbench.results.times import Time, overall
 
 LISTED, FOLDED = 12, 100  # rows of a table that are shown, and folded below
 LONGEST = 60_000  # characters; a comment on GitHub holds 65 536

@@ -9,7 +9,7 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from reports.drawing.style import INK, RC, Look
+from frictionbench.reports.drawing.style import INK, RC, Look
 
 PANEL = (3.9, 2.9)  # inches
 WHOLE = (5.0, 3.1)  # of a panel that stands alone

@@ -15,10 +15,10 @@ from matplotlib.patches import FancyBboxPatch, PathPatch
 from matplotlib.path import Path as Way
 from matplotlib.transforms import Affine2D, Transform
 
-from reports.drawing.sheets import FAMILIES
-from reports.drawing.style import INK, RC
-from reports.drawing.tiles import HEIGHT, WIDTH, Drawing
-from results.files import replaced
+from frictionbench.reports.drawing.sheets import FAMILIES
+from frictionbench.reports.drawing.style import INK, RC
+from frictionbench.reports.drawing.tiles import HEIGHT, WIDTH, Drawing
+from frictionbench.results.files import replaced
 
 IN_A_ROW = 5  # panels, so that letters are of some six points
 LETTERS = 7.0  # units high

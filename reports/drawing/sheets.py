@@ -14,10 +14,10 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from matplotlib.ticker import FixedFormatter, FixedLocator
 
-from reports.drawing.figures import IMAGE, PANEL, Panel
-from reports.drawing.style import RC, Look
-from reports.drawing.text import plain
-from results.files import replaced
+from frictionbench.reports.drawing.figures import IMAGE, PANEL, Panel
+from frictionbench.reports.drawing.style import RC, Look
+from frictionbench.reports.drawing.text import plain
+from frictionbench.results.files import replaced
 
 FAMILIES = {"serif": "STIXGeneral", "sans": "DejaVu Sans"}  # which matplotlib brings
 _PGF = {"pgf.texsystem": "pdflatex", "pgf.rcfonts": False, "pgf.preamble": ""}

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
-from reports.drawing.text import seconds
+from frictionbench.reports.drawing.text import seconds
 
 INK = "#20242b"  # text and axes; a page replaces it by its own ink
 ALARM = "#d62728"
@@ -20,7 +20,7 @@ RC: Any = {
     "font.size": 9.0,
     "font.family": "sans-serif",
     "text.color": INK,
-    "text.parse_math": False,  # names come from results, which may come from strangers
+    "text.parse_math": False,  # names may come from a stranger's results
     "axes.edgecolor": INK,
     "axes.labelcolor": INK,
     "axes.spines.top": False,

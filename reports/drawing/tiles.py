@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 from markupsafe import escape
 
-from reports.drawing.style import INK
-from reports.drawing.text import plain
+from frictionbench.reports.drawing.style import INK
+from frictionbench.reports.drawing.text import plain
 
 WIDTH, HEIGHT = 124.0, 112.0
 LEFT, TOP, ACROSS, UP = 1.0, 14.0, 120.0, 96.0  # of the field

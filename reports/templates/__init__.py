@@ -10,7 +10,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from reports.drawing.text import power, seconds
+from frictionbench.reports.drawing.text import power, seconds
 
 
 def script(name: str) -> tuple[Markup, str]:
@@ -27,7 +27,11 @@ def as_json(value: Any) -> Markup:
 def environment() -> Environment:
     """Templates with escaping on, and the filters that numbers pass through; "–" stands for what was not measured."""
     made = Environment(
-        loader=PackageLoader("reports"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+        loader=PackageLoader("frictionbench.reports"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
     )
     made.filters |= {
         "seconds": lambda value: "–" if _absent(value) else seconds(value),

@@ -19,13 +19,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from problems.check import Array
-from problems.compiled import inlined, kernel, part
-from solvers.interior.elements import add_spatial, feel_spatial, push_spatial
-from solvers.interior.lorentz import Vector
-from solvers.interior.newton import PIVOT
-from solvers.interior.system import System, Work
-from solvers.sparse_lu.multifrontal import factorise, solve
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import inlined, kernel, part
+from frictionbench.solvers.interior.elements import add_spatial, feel_spatial, push_spatial
+from frictionbench.solvers.interior.lorentz import Vector
+from frictionbench.solvers.interior.newton import PIVOT
+from frictionbench.solvers.interior.system import System, Work
+from frictionbench.solvers.sparse_lu.multifrontal import factorise, solve
 
 HALVINGS = 8
 DECREASE = 1e-4  # of |s F| for a step taken whole

@@ -29,14 +29,14 @@ References: Kojima, Megiddo, Noda and Yoshise 1991 (the path); Allgower and Geor
 
 import numpy as np
 
-from problems.check import Array
-from problems.compiled import kernel, part
-from solvers.interior.elements import larger
-from solvers.interior.newton import direction, linearise
-from solvers.interior.point import Point, add_products, add_step, longest, new_point, set_step, to_geodesics
-from solvers.interior.predictor_corrector import Best, Room, judge, predictor_corrector
-from solvers.interior.system import Space, System
-from solvers.sparse_lu.multifrontal import determinant_sign
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import kernel, part
+from frictionbench.solvers.interior.elements import larger
+from frictionbench.solvers.interior.newton import direction, linearise
+from frictionbench.solvers.interior.point import Point, add_products, add_step, longest, new_point, set_step, to_geodesics
+from frictionbench.solvers.interior.predictor_corrector import Best, Room, judge, predictor_corrector
+from frictionbench.solvers.interior.system import Space, System
+from frictionbench.solvers.sparse_lu.multifrontal import determinant_sign
 
 TERM = 0.08  # the last term of a prediction, its largest component in logarithms
 NEAR, FAR = 0.1, 0.2  # corrections with which the next step is foretold, and after which the last is shortened

@@ -12,11 +12,11 @@ References: Chen and Harker 1993; Kanzow 1996; in the cone Fukushima, Luo and Ts
 
 import numpy as np
 
-from problems.check import Array
-from problems.compiled import kernel, part
-from solvers.interior.lorentz import Vector
-from solvers.interior.point import Point, new_point
-from solvers.interior.system import Space, System
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import kernel, part
+from frictionbench.solvers.interior.lorentz import Vector
+from frictionbench.solvers.interior.point import Point, new_point
+from frictionbench.solvers.interior.system import Space, System
 
 
 @part

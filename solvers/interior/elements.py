@@ -5,12 +5,12 @@ Scalars in and scalars out, as these are the innermost loops of the interior poi
 
 import numpy as np
 
-from problems.check import Array
-from problems.compiled import inlined, part
-from problems.forms.cone import nearest
-from solvers.interior.lorentz import Vector
-from solvers.interior.system import Elements
-from solvers.sparse_lu.multifrontal import Fronts
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import inlined, part
+from frictionbench.problems.forms.cone import nearest
+from frictionbench.solvers.interior.lorentz import Vector
+from frictionbench.solvers.interior.system import Elements
+from frictionbench.solvers.sparse_lu.multifrontal import Fronts
 
 
 @part

@@ -12,7 +12,7 @@ For a number, Q(sqrt a) w = a w: a step relative to a, and the geodesic goes alo
 
 import numpy as np
 
-from problems.compiled import kernel, part
+from frictionbench.problems.compiled import kernel, part
 
 ROUNDING = 1e-15  # the least eigenvalue told from zero, relative to a_0
 

@@ -17,26 +17,26 @@ are not, and the error is driven out by the next step. A joint is a row of C = 1
 no harm.
 """
 
-from problems.check import Array
-from problems.compiled import part
-from solvers.interior.elements import larger
-from solvers.interior.planar_newton import (
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import part
+from frictionbench.solvers.interior.elements import larger
+from frictionbench.solvers.interior.planar_newton import (
     add_planar_stiffness,
     planar_defects,
     planar_steps,
     push_planar_impulses,
     push_planar_response,
 )
-from solvers.interior.point import Point
-from solvers.interior.spatial_newton import (
+from frictionbench.solvers.interior.point import Point
+from frictionbench.solvers.interior.spatial_newton import (
     add_spatial_stiffness,
     push_spatial_impulses,
     push_spatial_response,
     spatial_defects,
     spatial_steps,
 )
-from solvers.interior.system import JOINT_SOFTNESS, Elements, Space, System, Work
-from solvers.sparse_lu.multifrontal import factorise, solve
+from frictionbench.solvers.interior.system import JOINT_SOFTNESS, Elements, Space, System, Work
+from frictionbench.solvers.sparse_lu.multifrontal import factorise, solve
 
 PIVOT = 1e-14  # the least pivot of A, whose mass matrix is scaled to the size of 1
 

@@ -4,12 +4,12 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from problems import FrictionProblem
-from problems.check import Array
-from solvers.interface import Answer, Status
-from solvers.interior.point import Point, start_point
-from solvers.interior.predictor_corrector import Best, new_room
-from solvers.interior.system import System, in_velocities, prepare, space_of
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.solvers.interface import Answer, Status
+from frictionbench.solvers.interior.point import Point, start_point
+from frictionbench.solvers.interior.predictor_corrector import Best, new_room
+from frictionbench.solvers.interior.system import System, in_velocities, prepare, space_of
 
 POLISHABLE = 1e-5  # a residual
 ROUNDING = 4 * np.finfo(float).eps

@@ -6,11 +6,11 @@ and K for the parts in which a contact's own unknowns act on its s. c is elimina
 every pivot is a sum of positive numbers.
 """
 
-from problems.check import Array
-from problems.compiled import part
-from solvers.interior.elements import add_planar, feel_planar, larger, natural, push_planar
-from solvers.interior.point import Point
-from solvers.interior.system import SOFTNESS, System, Work
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import part
+from frictionbench.solvers.interior.elements import add_planar, feel_planar, larger, natural, push_planar
+from frictionbench.solvers.interior.point import Point
+from frictionbench.solvers.interior.system import SOFTNESS, System, Work
 
 
 @part

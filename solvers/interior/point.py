@@ -23,11 +23,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from problems.check import Array
-from problems.compiled import kernel, part
-from solvers.interior.lorentz import longest_in_cone, to_geodesic
-from solvers.interior.system import Space, System, space_of
-from solvers.sparse_lu.minimum_degree import Index
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import kernel, part
+from frictionbench.solvers.interior.lorentz import longest_in_cone, to_geodesic
+from frictionbench.solvers.interior.system import Space, System, space_of
+from frictionbench.solvers.sparse_lu.minimum_degree import Index
 
 
 class Point(NamedTuple):

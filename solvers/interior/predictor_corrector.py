@@ -15,12 +15,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from problems.check import Array
-from problems.compiled import kernel, part
-from solvers.interior.newton import direction, evaluate, linearise
-from solvers.interior.point import Point, add_products, add_step, longest, set_identity
-from solvers.interior.system import Space, System, Work, new_work
-from solvers.sparse_lu.minimum_degree import Index
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import kernel, part
+from frictionbench.solvers.interior.newton import direction, evaluate, linearise
+from frictionbench.solvers.interior.point import Point, add_products, add_step, longest, set_identity
+from frictionbench.solvers.interior.system import Space, System, Work, new_work
+from frictionbench.solvers.sparse_lu.minimum_degree import Index
 
 TO_BOUNDARY = 0.995
 

@@ -19,11 +19,11 @@ which is 2 y_0 z_0 where the contact slides, r_t opposite to u_t, and positive f
 The delta of solvers.interior.newton comes in as z + delta y in place of z, which adds delta dy to dz.
 """
 
-from problems.check import Array
-from problems.compiled import inlined, part
-from solvers.interior.elements import add_spatial, feel_spatial, larger, natural, push_spatial
-from solvers.interior.point import Point
-from solvers.interior.system import SOFTNESS, System, Work
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import inlined, part
+from frictionbench.solvers.interior.elements import add_spatial, feel_spatial, larger, natural, push_spatial
+from frictionbench.solvers.interior.point import Point
+from frictionbench.solvers.interior.system import SOFTNESS, System, Work
 
 INSIDE = 0.1  # det y / y_0^2 from which a contact clearly sticks
 

@@ -12,11 +12,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from problems.check import Array
-from problems.compiled import kernel, part
-from problems.friction import DelassusProblem, FrictionProblem
-from solvers.sparse_lu.minimum_degree import Index
-from solvers.sparse_lu.multifrontal import Fronts, Place, analyse, find
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.friction import DelassusProblem, FrictionProblem
+from frictionbench.solvers.sparse_lu.minimum_degree import Index
+from frictionbench.solvers.sparse_lu.multifrontal import Fronts, Place, analyse, find
 
 SOFTNESS = 1e-14  # delta, relative to a contact's own mean diagonal of W; 1e-16 fails, 1e-12 slows stacks of thousands
 JOINT_SOFTNESS = 1e-8  # delta of a joint; its stiffness is added to a mass matrix of size 1, so not as small as a contact's

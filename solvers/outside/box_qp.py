@@ -20,11 +20,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from problems import FrictionProblem
-from problems.check import Array
-from solvers.interface import Answer, Status, solver
-from solvers.outside.children.child import child
-from solvers.outside.pure_delassus import PureDelassus, pure_delassus
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.solvers.interface import Answer, Status, solver
+from frictionbench.solvers.outside.children.child import child
+from frictionbench.solvers.outside.pure_delassus import PureDelassus, pure_delassus
 
 
 class Prepared(NamedTuple):

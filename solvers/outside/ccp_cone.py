@@ -24,12 +24,12 @@ from typing import Any
 
 import numpy as np
 
-from problems import FrictionProblem
-from problems.check import Array, require
-from problems.forms.relaxation import ConeProgram
-from solvers.interface import Answer, Status, solver
-from solvers.outside.margin import MARGIN
-from solvers.outside.scaled_program import ScaledProgram, gap_tolerance, scaled_program
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array, require
+from frictionbench.problems.forms.relaxation import ConeProgram
+from frictionbench.solvers.interface import Answer, Status, solver
+from frictionbench.solvers.outside.margin import MARGIN
+from frictionbench.solvers.outside.scaled_program import ScaledProgram, gap_tolerance, scaled_program
 
 _BACKENDS = ("clarabel", "scs")
 

@@ -2,10 +2,10 @@
 
 from typing import NamedTuple
 
-from problems import LCP, FrictionProblem
-from problems.check import Array
-from solvers.interface import Answer, Status
-from solvers.pivots.scaling import Scaling, scaling
+from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.solvers.interface import Answer, Status
+from frictionbench.solvers.pivots.scaling import Scaling, scaling
 
 
 class DenseLCP(NamedTuple):

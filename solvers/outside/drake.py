@@ -17,10 +17,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from problems import LCP, FrictionProblem
-from problems.check import Array, require
-from solvers.interface import Answer, Status, solver
-from solvers.outside.dense_lcp import DenseLCP, dense_lcp
+from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems.check import Array, require
+from frictionbench.solvers.interface import Answer, Status, solver
+from frictionbench.solvers.outside.dense_lcp import DenseLCP, dense_lcp
 
 _METHODS = {"moby": "MobyLcpSolver", "unrevised": "UnrevisedLemkeSolver"}
 

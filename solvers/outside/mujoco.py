@@ -19,11 +19,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from problems import FrictionProblem
-from problems.check import Array, require
-from solvers.interface import Answer, Status, solver
-from solvers.outside.children.child import child
-from solvers.outside.pure_delassus import PureDelassus, pure_delassus
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array, require
+from frictionbench.solvers.interface import Answer, Status, solver
+from frictionbench.solvers.outside.children.child import child
+from frictionbench.solvers.outside.pure_delassus import PureDelassus, pure_delassus
 
 _METHODS = {"newton": "Newton", "cg": "CG"}
 _ITERATIONS = {"newton": 200, "cg": 2000}

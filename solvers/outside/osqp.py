@@ -16,13 +16,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy import sparse
 
-from problems import FrictionProblem
-from problems.check import Array
-from problems.forms.relaxation import QP
-from solvers.interface import Answer, Status, solver
-from solvers.outside.kept import Kept
-from solvers.outside.margin import MARGIN
-from solvers.outside.scaled_program import ScaledProgram, scaled_program
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.problems.forms.relaxation import QP
+from frictionbench.solvers.interface import Answer, Status, solver
+from frictionbench.solvers.outside.kept import Kept
+from frictionbench.solvers.outside.margin import MARGIN
+from frictionbench.solvers.outside.scaled_program import ScaledProgram, scaled_program
 
 
 class Prepared(NamedTuple):

@@ -18,11 +18,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from problems import LCP, FrictionProblem
-from problems.check import Array
-from solvers.interface import Answer, Status, solver
-from solvers.outside.dense_lcp import DenseLCP, dense_lcp
-from solvers.outside.margin import MARGIN
+from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.solvers.interface import Answer, Status, solver
+from frictionbench.solvers.outside.dense_lcp import DenseLCP, dense_lcp
+from frictionbench.solvers.outside.margin import MARGIN
 
 _SILENT = ("crash_iterations", "major_iterations", "minor_iterations", "initial_point_statistics", "final_point_statistics")
 

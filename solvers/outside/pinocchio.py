@@ -19,11 +19,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy import sparse
 
-from problems import FrictionProblem
-from problems.check import Array, require
-from solvers.interface import Answer, Model, Status, impulses, solver
-from solvers.outside.margin import MARGIN
-from solvers.outside.pure_delassus import PureDelassus, pure_delassus
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array, require
+from frictionbench.solvers.interface import Answer, Model, Status, impulses, solver
+from frictionbench.solvers.outside.margin import MARGIN
+from frictionbench.solvers.outside.pure_delassus import PureDelassus, pure_delassus
 
 _SOLVERS = {"admm": "ADMM", "pgs": "PGS"}
 _MARGINS = {"admm": MARGIN, "pgs": 10 * MARGIN}

@@ -15,12 +15,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from problems import FrictionProblem
-from problems.check import Array, require
-from problems.forms.relaxation import QP
-from solvers.interface import Answer, Status, solver
-from solvers.outside.kept import Kept
-from solvers.outside.scaled_program import ScaledProgram, gap_tolerance, scaled_program
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array, require
+from frictionbench.problems.forms.relaxation import QP
+from frictionbench.solvers.interface import Answer, Status, solver
+from frictionbench.solvers.outside.kept import Kept
+from frictionbench.solvers.outside.scaled_program import ScaledProgram, gap_tolerance, scaled_program
 
 
 class Prepared(NamedTuple):

@@ -17,8 +17,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy import sparse
 
-from problems import FrictionProblem
-from problems.check import Array
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array
 
 
 class PureDelassus(NamedTuple):

@@ -13,10 +13,10 @@ Reference: Stachurski, Oyama and others, QuantEcon.py, quantecon.optimize.lcp_le
 from importlib import import_module
 from typing import Any
 
-from problems import LCP, FrictionProblem
-from problems.check import Array
-from solvers.interface import Answer, Status, solver
-from solvers.outside.dense_lcp import DenseLCP, dense_lcp
+from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.solvers.interface import Answer, Status, solver
+from frictionbench.solvers.outside.dense_lcp import DenseLCP, dense_lcp
 
 _ENDED = {0: Status.SOLVED, 1: Status.WORK_LIMIT, 2: Status.RAY}
 

@@ -23,11 +23,11 @@ from typing import Generic, TypeVar
 import numpy as np
 from scipy import sparse
 
-from problems import FrictionProblem
-from problems.check import Array
-from problems.compiled import kernel
-from problems.forms.relaxation import QP, ConeProgram, Program
-from solvers.interface import impulses
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import kernel
+from frictionbench.problems.forms.relaxation import QP, ConeProgram, Program
+from frictionbench.solvers.interface import impulses
 
 Kind = TypeVar("Kind", QP, ConeProgram)
 

@@ -17,12 +17,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from problems import LCP, FrictionProblem
-from problems.check import Array, require
-from solvers.interface import Answer, Model, Status, impulses, solver
-from solvers.outside.children.child import child
-from solvers.outside.dense_lcp import DenseLCP, dense_lcp
-from solvers.outside.pure_delassus import PureDelassus, pure_delassus
+from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems.check import Array, require
+from frictionbench.solvers.interface import Answer, Model, Status, impulses, solver
+from frictionbench.solvers.outside.children.child import child
+from frictionbench.solvers.outside.dense_lcp import DenseLCP, dense_lcp
+from frictionbench.solvers.outside.pure_delassus import PureDelassus, pure_delassus
 
 PYTHON = "/usr/bin/python3"
 _LCP = ("lcp_lemke", "lcp_pivot", "lcp_newton_fb_fblsa", "lcp_newton_min_fblsa")

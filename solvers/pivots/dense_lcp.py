@@ -5,12 +5,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from problems import LCP, FrictionProblem
-from problems.check import Array
-from problems.compiled import kernel, part
-from solvers.interface import Answer, Status
-from solvers.pivots.natural import MARGIN, exact_residual, natural_residual, natural_weight
-from solvers.pivots.scaling import Scaling, scaling
+from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import kernel, part
+from frictionbench.solvers.interface import Answer, Status
+from frictionbench.solvers.pivots.natural import MARGIN, exact_residual, natural_residual, natural_weight
+from frictionbench.solvers.pivots.scaling import Scaling, scaling
 
 STATUS = (Status.SOLVED, Status.STALLED, Status.WORK_LIMIT, Status.BREAKDOWN)
 SOLVED, STALLED, LIMIT, BREAKDOWN = range(4)  # how an iteration ends

@@ -17,9 +17,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from problems.check import Array
-from problems.compiled import inlined, kernel, part
-from problems.rows import Rows
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import inlined, kernel, part
+from frictionbench.problems.rows import Rows
 
 Index = NDArray[np.int64]
 

@@ -8,10 +8,10 @@ go to the largest pivot (Harris 1973); exact ties the caller excludes by perturb
 import numpy as np
 from numpy.typing import NDArray
 
-from problems.check import Array
-from problems.compiled import inlined, kernel, part
-from solvers.pivots.inverse_basis import Basis, Index, Matrix, exchange, refactor, transform
-from solvers.pivots.vectors import put
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import inlined, kernel, part
+from frictionbench.solvers.pivots.inverse_basis import Basis, Index, Matrix, exchange, refactor, transform
+from frictionbench.solvers.pivots.vectors import put
 
 Flags = NDArray[np.bool_]
 

@@ -16,9 +16,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from problems.check import Array
-from problems.compiled import kernel, part
-from solvers.pivots.vectors import fill, put
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import kernel, part
+from frictionbench.solvers.pivots.vectors import fill, put
 
 Indices = NDArray[np.int64]
 

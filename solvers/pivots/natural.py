@@ -13,11 +13,11 @@ and look at the exact residual at the end.
 
 import numpy as np
 
-from problems import LCP, FrictionProblem
-from problems.check import Array
-from problems.compiled import kernel
-from problems.residual import polygon_residual, residual
-from solvers.pivots.scaling import Scaling, diagonal_scaling
+from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import kernel
+from frictionbench.problems.residual import polygon_residual, residual
+from frictionbench.solvers.pivots.scaling import Scaling, diagonal_scaling
 
 MARGIN = 0.1
 

@@ -8,9 +8,9 @@ who starts from a random point meets none before t = 1, where they no longer mat
 
 import numpy as np
 
-from problems.compiled import kernel, part
-from solvers.pivots.lu_basis import add_product, column, exchange, factorise, ftran, largest
-from solvers.pivots.vectors import fill, put
+from frictionbench.problems.compiled import kernel, part
+from frictionbench.solvers.pivots.lu_basis import add_product, column, exchange, factorise, ftran, largest
+from frictionbench.solvers.pivots.vectors import fill, put
 
 DEPENDENT = 1e-12  # a column keeping less of its size in elimination depends on the others
 PIVOT = 1e-9  # smaller rates of change, relative to the direction's largest, count as zero

@@ -5,15 +5,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from problems import LCP, FrictionProblem
-from problems.check import Array
-from problems.compiled import kernel, part
-from problems.forms.lcp import friction_rows, impulse, tangent_basis
-from solvers.interface import Answer, Status
-from solvers.pivots.inverse_basis import Basis, Matrix, compress, symmetrised
-from solvers.pivots.lemke_path import COMPLEMENTARY, LIMIT, LOST, RAY, STUCK, add_product, evaluate
-from solvers.pivots.scaling import diagonal_scaling, scaling
-from solvers.pivots.vectors import put
+from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.forms.lcp import friction_rows, impulse, tangent_basis
+from frictionbench.solvers.interface import Answer, Status
+from frictionbench.solvers.pivots.inverse_basis import Basis, Matrix, compress, symmetrised
+from frictionbench.solvers.pivots.lemke_path import COMPLEMENTARY, LIMIT, LOST, RAY, STUCK, add_product, evaluate
+from frictionbench.solvers.pivots.scaling import diagonal_scaling, scaling
+from frictionbench.solvers.pivots.vectors import put
 
 MARGIN = 0.5  # of tol: rows measure a contact's normal and tangent apart, and add up in another order
 STATUS = {

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from problems import LCP
-from problems.check import Array
-from problems.compiled import kernel
+from frictionbench.problems import LCP
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import kernel
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,6 +1,6 @@
 """Loops over vectors: compiled much sooner than numpy's own expressions, which bring broadcasting and its errors along."""
 
-from problems.compiled import kernel, part
+from frictionbench.problems.compiled import kernel, part
 
 
 @part

@@ -10,11 +10,11 @@ R, and the diagonal holds the inverse pivots. What is left in S is then the pare
 import numpy as np
 from numpy.typing import NDArray
 
-from problems.check import Array
-from problems.compiled import inlined, part
-from solvers.sparse_lu.minimum_degree import Index
-from solvers.sparse_lu.tiles import dot, subtract_product
-from solvers.sparse_lu.vectors import LANES, load, minus, store
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import inlined, part
+from frictionbench.solvers.sparse_lu.minimum_degree import Index
+from frictionbench.solvers.sparse_lu.tiles import dot, subtract_product
+from frictionbench.solvers.sparse_lu.vectors import LANES, load, minus, store
 
 
 @inlined

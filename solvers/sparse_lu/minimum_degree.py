@@ -16,7 +16,7 @@ References: George and Liu 1989 (minimum degree); Amestoy, Davis and Duff 1996 (
 import numpy as np
 from numpy.typing import NDArray
 
-from problems.compiled import kernel, part
+from frictionbench.problems.compiled import kernel, part
 
 Index = NDArray[np.int64]
 

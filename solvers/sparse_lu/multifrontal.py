@@ -21,10 +21,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from problems.check import Array
-from problems.compiled import inlined, kernel, part
-from solvers.sparse_lu.dense_front import backward, eliminate, extend_add, forward, pivot
-from solvers.sparse_lu.minimum_degree import Index, minimum_degree, same_elements, transpose
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import inlined, kernel, part
+from frictionbench.solvers.sparse_lu.dense_front import backward, eliminate, extend_add, forward, pivot
+from frictionbench.solvers.sparse_lu.minimum_degree import Index, minimum_degree, same_elements, transpose
 
 Place = NDArray[np.uint32]  # unsigned, so that compiled code need not ask whether an index counts from the end
 NARROW = 12  # the most columns of a front for which numbers one by one are as fast as tiles

@@ -8,9 +8,9 @@ a vector, which it takes one by one; here they are the same instruction under a 
 Reference: Goto and van de Geijn 2008 (sums in registers).
 """
 
-from problems.check import Array
-from problems.compiled import inlined, part
-from solvers.sparse_lu.vectors import LANES, load, minus, plus, store, total
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import inlined, part
+from frictionbench.solvers.sparse_lu.vectors import LANES, load, minus, plus, store, total
 
 
 @inlined

@@ -17,7 +17,7 @@ from numba.core import cgutils
 from numba.core.typing import signature
 from numba.extending import lower_builtin, models, register_model, type_callable
 
-from problems.check import Array
+from frictionbench.problems.check import Array
 
 LANES = 8
 

@@ -13,11 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from problems import FrictionProblem
-from problems.check import Array
-from problems.compiled import kernel, part
-from problems.friction import DelassusProblem
-from problems.rows import Index, normal_first, nowhere
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.friction import DelassusProblem
+from frictionbench.problems.rows import Index, normal_first, nowhere
 
 
 class ContactForm(NamedTuple):

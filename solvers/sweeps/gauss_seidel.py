@@ -6,9 +6,9 @@ some 25 ns on one core of a server, within a fifth of the same loop in C (gcc -O
 
 import numpy as np
 
-from problems.compiled import kernel
-from solvers.sweeps.laws import planar_contact, spatial_contact
-from solvers.sweeps.stopping import Watch, watch
+from frictionbench.problems.compiled import kernel
+from frictionbench.solvers.sweeps.laws import planar_contact, spatial_contact
+from frictionbench.solvers.sweeps.stopping import Watch, watch
 
 LIMIT = 10_000
 CHECK = 10  # sweeps between two residuals, each with the state computed anew

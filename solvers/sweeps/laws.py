@@ -22,9 +22,9 @@ from math import hypot
 
 import numpy as np
 
-from problems.compiled import inlined, kernel, part
-from problems.residual import contact_defect
-from solvers.sweeps.form import state, velocity
+from frictionbench.problems.compiled import inlined, kernel, part
+from frictionbench.problems.residual import contact_defect
+from frictionbench.solvers.sweeps.form import state, velocity
 
 LIFT = 1e-14
 TINY = 1e-300

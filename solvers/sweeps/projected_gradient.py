@@ -10,12 +10,12 @@ whenever the step goes uphill, u(y)'(r+ - r) > 0. One product with W an iteratio
 
 import numpy as np
 
-from problems.check import Array
-from problems.compiled import kernel, part
-from problems.forms.cone import nearest
-from solvers.sweeps.form import ContactForm, state, velocity
-from solvers.sweeps.laws import defect
-from solvers.sweeps.stopping import going, watch
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.forms.cone import nearest
+from frictionbench.solvers.sweeps.form import ContactForm, state, velocity
+from frictionbench.solvers.sweeps.laws import defect
+from frictionbench.solvers.sweeps.stopping import going, watch
 
 PATIENCE = 5000  # iterations in which the residual must fall by a hundredth
 

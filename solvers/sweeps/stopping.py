@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from problems.check import Array
-from problems.compiled import kernel
-from solvers.interface import Answer, Status
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import kernel
+from frictionbench.solvers.interface import Answer, Status
 
 ENDS = (Status.SOLVED, Status.BREAKDOWN, Status.STALLED, Status.WORK_LIMIT)
 

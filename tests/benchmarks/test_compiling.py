@@ -8,8 +8,8 @@ import pytest
 
 FIRST = """
 from time import process_time
-from problems.scenes import scene
-from solvers import solve
+from frictionbench.problems.scenes import scene
+from frictionbench.solvers import solve
 begun = process_time()
 problem = scene("stack", blocks=3, push=1.0).problem()
 met = process_time()

@@ -4,9 +4,9 @@ from itertools import cycle
 
 import pytest
 
-from problems.scenes import scene
-from problems.schemes import SCHEMES, start
-from solvers import find
+from frictionbench.problems.scenes import scene
+from frictionbench.problems.schemes import SCHEMES, start
+from frictionbench.solvers import find
 
 SCENES = {
     "1 box": ("stack", {"blocks": 1}),

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from problems import FrictionProblem
-from problems.scenes import scene
-from solvers import find, solve
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.scenes import scene
+from frictionbench.solvers import find, solve
 
 BOXES = [1, 5, 10, 24]
 FIELDS = ("mass", "normal", "tangent", "friction", "free_velocity", "bias")

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from problems.instances.cubes import cubes
-from problems.scenes import scene
-from solvers import find
-from solvers.interior.point import start_point
-from solvers.interior.predictor_corrector import Best, new_room, predictor_corrector
-from solvers.interior.system import new_work, prepare, space_of
-from solvers.sparse_lu.multifrontal import factorise, solve
+from frictionbench.problems.instances.cubes import cubes
+from frictionbench.problems.scenes import scene
+from frictionbench.solvers import find
+from frictionbench.solvers.interior.point import start_point
+from frictionbench.solvers.interior.predictor_corrector import Best, new_room, predictor_corrector
+from frictionbench.solvers.interior.system import new_work, prepare, space_of
+from frictionbench.solvers.sparse_lu.multifrontal import factorise, solve
 
 PROBLEMS = {
     "stack of 50": scene("stack", blocks=50).problem(),

@@ -4,8 +4,8 @@ import importlib
 
 import pytest
 
-from problems.random_problem import random_problem
-from solvers.lemke import Lemke
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.solvers.lemke import Lemke
 
 CONTACTS = [2, 10, 20, 50, 100]
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from problems.scenes import scene
-from solvers import Status, find
+from frictionbench.problems.scenes import scene
+from frictionbench.solvers import Status, find
 
 
 @pytest.mark.parametrize("blocks", [1, 5, 10, 25, 50])

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from problems.scenes import scene
-from solvers.sweeps.form import contact_form
-from solvers.sweeps.gauss_seidel import planar_sweeps, spatial_sweeps
+from frictionbench.problems.scenes import scene
+from frictionbench.solvers.sweeps.form import contact_form
+from frictionbench.solvers.sweeps.gauss_seidel import planar_sweeps, spatial_sweeps
 from tests.friction_problems import spatial
 
 

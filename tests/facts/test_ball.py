@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from problems.ball import FRICTION as MU
-from problems.ball import GRAVITY, RADIUS, SPEED, apart, roll, slide
-from solvers import solve
+from frictionbench.problems.ball import FRICTION as MU
+from frictionbench.problems.ball import GRAVITY, RADIUS, SPEED, apart, roll, slide
+from frictionbench.solvers import solve
 
 
 def by(spec):

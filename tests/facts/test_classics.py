@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from problems import LCP
-from problems.nature.census import lcp_census
-from problems.nature.polyhedra import Shape
-from solvers import Status, solve
+from frictionbench.problems import LCP
+from frictionbench.problems.nature.census import lcp_census
+from frictionbench.problems.nature.polyhedra import Shape
+from frictionbench.solvers import Status, solve
 
 
 def murty(n) -> LCP:

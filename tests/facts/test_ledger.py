@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from problems import FrictionProblem
-from problems.random_problem import random_problem
-from problems.residual import residual
-from problems.simulate import ledger_defect
-from solvers import Status, solve
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.residual import residual
+from frictionbench.problems.simulate import ledger_defect
+from frictionbench.solvers import Status, solve
 
 
 def kinetic(problem, v) -> float:

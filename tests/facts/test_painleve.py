@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from problems import FrictionProblem, scene
-from problems.forms.force_level import Regime, force_level_lcp, regime
-from problems.nature.census import census, lcp_census
-from problems.nature.mode import mode
-from problems.nature.polyhedra import Shape
-from solvers import Status, solve
+from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems.forms.force_level import Regime, force_level_lcp, regime
+from frictionbench.problems.nature.census import census, lcp_census
+from frictionbench.problems.nature.mode import mode
+from frictionbench.problems.nature.polyhedra import Shape
+from frictionbench.solvers import Status, solve
 
 G = 9.81
 

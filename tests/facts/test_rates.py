@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from problems import FrictionProblem
-from problems.nature.census import census
-from solvers import anitescu_hart, solve, staggered  # noqa: F401  # registers them
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.nature.census import census
+from frictionbench.solvers import anitescu_hart, solve, staggered  # noqa: F401  # registers them
 
 
 def contact(a, b, g, mu, q) -> FrictionProblem:

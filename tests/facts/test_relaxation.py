@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from problems import FrictionProblem, scene
-from problems.random_problem import random_problem
-from problems.residual import relaxation_residual, residual
-from solvers import Status, solve
+from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.residual import relaxation_residual, residual
+from frictionbench.solvers import Status, solve
 from tests.friction_problems import block
 
 G = 9.81

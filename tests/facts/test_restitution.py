@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from problems import FrictionProblem
-from problems.check import Array
-from problems.random_problem import random_problem
-from solvers import Status, solve
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.solvers import Status, solve
 
 
 def impact(base, velocity, bias=0.0, friction_bias=0.0) -> FrictionProblem:

@@ -6,13 +6,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-import solvers
-from problems import FrictionProblem, scene
-from problems.check import Array
-from problems.nature.labels import pointedness
-from problems.residual import residual
-from problems.schemes import Step
-from problems.simulate import ledger_defect, simulate
+from frictionbench import solvers
+from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems.check import Array
+from frictionbench.problems.nature.labels import pointedness
+from frictionbench.problems.residual import residual
+from frictionbench.problems.schemes import Step
+from frictionbench.problems.simulate import ledger_defect, simulate
 
 G = 9.81
 

@@ -5,15 +5,15 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-import solvers
-from problems import FrictionProblem, scene
-from problems.check import Array
-from problems.forms.force_level import force_level_lcp
-from problems.residual import relaxation_residual, residual
-from problems.scene import Scene
-from problems.schemes import SCHEMES, NoSolution, Step
-from problems.schemes.impact import impact
-from problems.simulate import simulate
+from frictionbench import solvers
+from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems.check import Array
+from frictionbench.problems.forms.force_level import force_level_lcp
+from frictionbench.problems.residual import relaxation_residual, residual
+from frictionbench.problems.scene import Scene
+from frictionbench.problems.schemes import SCHEMES, NoSolution, Step
+from frictionbench.problems.schemes.impact import impact
+from frictionbench.problems.simulate import simulate
 
 G = 9.81
 BOUNCING = [name for name, scheme in SCHEMES.items() if "restitution" not in scheme.lacks]

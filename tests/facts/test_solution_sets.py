@@ -5,13 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from problems import FrictionProblem, scene
-from problems.nature.census import census
-from problems.nature.labels import pointedness
-from problems.nature.polyhedra import Shape
-from problems.random_problem import random_problem
-from problems.residual import residual
-from solvers import Status, solve
+from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems.nature.census import census
+from frictionbench.problems.nature.labels import pointedness
+from frictionbench.problems.nature.polyhedra import Shape
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.residual import residual
+from frictionbench.solvers import Status, solve
 
 
 def jam(mu=0.5, bias=(0.0, 0.0)) -> FrictionProblem:

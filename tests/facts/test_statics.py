@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from problems import FrictionProblem
-from problems.nature.census import census
-from problems.nature.polyhedra import Shape
-from problems.residual import residual
-from solvers import Status, solve
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.nature.census import census
+from frictionbench.problems.nature.polyhedra import Shape
+from frictionbench.problems.residual import residual
+from frictionbench.solvers import Status, solve
 
 G, H = 9.81, 0.01
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from problems import FrictionProblem
-from problems.random_problem import random_problem
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.random_problem import random_problem
 
 
 def one_contact(a, b, g, mu) -> np.ndarray:

@@ -12,7 +12,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from solvers.outside.children import talk
+from frictionbench.solvers.outside.children import talk
 
 _FOLDER = Path(__file__).parent
 
