@@ -6,7 +6,7 @@ import pytest
 from frictionbench.problems.scenes import scene
 from frictionbench.solvers.sweeps.form import contact_form
 from frictionbench.solvers.sweeps.gauss_seidel import planar_sweeps, spatial_sweeps
-from tests.friction_problems import spatial
+from tests.helpers.friction_problems import spatial
 
 
 @pytest.mark.parametrize("rows", [5, 30])

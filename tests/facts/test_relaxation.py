@@ -7,7 +7,7 @@ from frictionbench.problems import FrictionProblem, scene
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import relaxation_residual, residual
 from frictionbench.solvers import Status, solve
-from tests.friction_problems import block
+from tests.helpers.friction_problems import block
 
 G = 9.81
 

@@ -1,7 +1,5 @@
 """How many solutions a friction problem has, and what their set looks like: the talk's open problem on convexity (page 31)."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -12,6 +10,7 @@ from frictionbench.problems.nature.polyhedra import Shape
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual
 from frictionbench.solvers import Status, solve
+from tests.helpers.places import DATA
 
 
 def jam(mu=0.5, bias=(0.0, 0.0)) -> FrictionProblem:
@@ -53,7 +52,7 @@ def wedge(angle, mu) -> FrictionProblem:
 
 def near_jam() -> FrictionProblem:
     """One step of three blocks; an opposed pair of vertices, -7e-6 m apart, holds the first two almost without a way out."""
-    data = np.load(Path(__file__).parents[1] / "data" / "near_jam.npz")
+    data = np.load(DATA / "near_jam.npz")
     return FrictionProblem(
         mass=data["M"],
         normal=data["N"].T,

@@ -1,0 +1,113 @@
+"""Reference answers are verified, whoever gives them; sources that yield nothing are rows; equal problems stay apart."""
+
+import numpy as np
+import pytest
+
+from frictionbench.harness.cells import reference
+from frictionbench.harness.cells.collect import collect, stored_start
+from frictionbench.harness.cells.record import record
+from frictionbench.harness.cells.reference import NoReference, Reference
+from frictionbench.harness.plans.plan import Source, origin
+from frictionbench.harness.run import run
+from frictionbench.problems import InputError, scene
+from frictionbench.results import store
+from frictionbench.solvers import Answer, Status
+from tests.helpers.friction_problems import block, spatial
+from tests.helpers.runs import quiet, small_plan
+
+MOTION = Source("stopping_block", {}, pick=3, steps=6)
+
+
+@pytest.fixture
+def liars(monkeypatch):
+    """Make some solvers claim that nothing needs an impulse."""
+
+    def lie(*names):
+        honest = reference.solve
+
+        def solve(problem, name, **options):
+            if name in names:
+                return Answer(np.zeros((problem.contacts, problem.dimension)), Status.SOLVED)
+            return honest(problem, name, **options)
+
+        monkeypatch.setattr(reference, "solve", solve)
+
+    return lie
+
+
+def test_a_wrong_answer_falls_to_the_next(liars):
+    liars("lemke")
+    answer = Reference()
+    assert answer(block())[0, 0] > 0
+    assert str(answer) == "path_search"
+    assert Reference()(spatial(0)).any()
+
+
+def test_who_answered_stands_in_the_rows_and_shapes_nothing(tmp_path, liars):
+    honest = collect(tmp_path / "honest", MOTION)
+    assert {entry["reference"] for entry in honest} == {"lemke"}
+    liars("lemke")
+    others = collect(tmp_path / "liars", MOTION)
+    assert {entry["reference"] for entry in others} == {"path_search"}
+    assert [entry["step"] for entry in others] == [entry["step"] for entry in honest]
+    assert record(scene("stopping_block"), Reference(), steps=3).solver == "path_search"
+
+
+def test_where_nobody_answers_the_motion_ends_with_the_reason(tmp_path, liars):
+    liars(*reference.ORDER[2])
+    with pytest.raises(NoReference, match=r"within 1e-08 \(lemke: .*, path_search: .*, interior_point: "):
+        Reference()(block())
+    with pytest.raises(InputError, match="stopping_block yields no problem: no reference answer"):
+        collect(tmp_path, MOTION)
+    assert "no reference answer" in record(scene("stopping_block"), Reference(), steps=3).ended
+
+
+def test_a_motion_that_ends_early_says_so_in_its_rows(tmp_path, monkeypatch):
+    honest, calls = reference.solve, []
+
+    def tires(problem, name, **options):
+        calls.append(name)
+        if len(calls) > 4:
+            raise ValueError("tired")
+        return honest(problem, name, **options)
+
+    monkeypatch.setattr(reference, "solve", tires)
+    monkeypatch.setattr(
+        "frictionbench.harness.cells.collect.facts", lambda source, met: {"reference": met.reference, **_home(source, met)}
+    )
+    told = {entry["reference"] for entry in collect(tmp_path, MOTION)}
+    assert len(told) == 1
+    assert "lemke; the motion ended after step" in told.pop()
+
+
+def _home(source, met):
+    return {"scene": source.scene, "parameters": "{}", "step": met.step, "phase": met.phase}
+
+
+def test_a_source_that_yields_nothing_is_rows_with_the_reason(tmp_path):
+    nothing = Source("stopping_block", {}, pick=3, steps=0)
+    plan = small_plan(sources=(nothing, Source("stack", {"blocks": 2, "push": 1.0})), drives=(), tolerances=(1e-8,))
+    run(plan, tmp_path / "run", 1, quiet())
+    rows = store.read_table(tmp_path / "run", "solves")
+    empty, full = rows[rows["problem"] == ""], rows[rows["problem"] != ""]
+    assert (len(empty), len(full)) == (2, 2)
+    assert set(empty["verdict"]) == {"skipped"}
+    assert set(empty["scene"]) == {"stopping_block"}
+    assert all("stopping_block yields no problem" in reason for reason in empty["reason"])
+    assert set(full["verdict"]) == {"solved"}
+
+
+def test_equal_problems_of_two_sources_are_two_rows_with_their_own_starts(tmp_path):
+    plan = small_plan(
+        sources=(Source("stack", {"blocks": 2}), Source("stack", {"blocks": 2, "push": 0.0})), drives=(), tolerances=(1e-8,)
+    )
+    run(plan, tmp_path / "run", 1, quiet())
+    rows = store.read_table(tmp_path / "run", "solves")
+    assert rows["problem"].nunique() == 1
+    assert len(rows) == 2 * len(plan.solvers)
+    first = collect(tmp_path / "starts", MOTION)[-1]
+    path = next((tmp_path / "starts" / "problems").glob(f"{first['problem']}.*.starts.npz"))
+    assert stored_start(tmp_path / "starts", first["problem"], origin(first), "warm") is not None
+    assert path.name.count(".") == 3
+    with pytest.raises(InputError, match="no usable start"):
+        stored_start(tmp_path / "starts", first["problem"], "another motion", "warm")

@@ -1,0 +1,127 @@
+"""Form, setup and solve timed apart, and no sample in which anything was compiled or loaded. The clock is the test's own."""
+
+import sys
+from types import ModuleType
+
+import numpy as np
+import pytest
+from numba import njit
+
+from frictionbench.harness.cells import drive, timing
+from frictionbench.harness.plans.plan import DriveCell
+from frictionbench.solvers import Answer, SolverInfo, Status, find, solve
+from frictionbench.solvers.interface import with_all_steps
+from tests.helpers.friction_problems import block
+
+LOADING = 1000.0  # seconds
+
+
+class Clock:
+    """Seconds that pass when a test says so."""
+
+    now = 0.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    clock = Clock()
+    monkeypatch.setattr(timing, "perf_counter", clock)
+    yield clock
+    for name in [name for name in sys.modules if name.startswith("loaded_late")]:
+        del sys.modules[name]
+
+
+class Late:
+    """Takes 1 s to form, 2 to set up, 4 to solve, and LOADING more in the calls, so many, in which it loads something."""
+
+    def __init__(self, clock, loads=0, how="compile", seconds=1.0):
+        self.clock, self.left, self.how, self.seconds = clock, loads, how, seconds
+
+    def form(self, problem):
+        self.clock.now += self.seconds
+        return problem
+
+    def setup(self, formed):
+        self.clock.now += 2 * self.seconds
+        return formed
+
+    def solve(self, problem, tol, limit, start=None):
+        self.clock.now += 4 * self.seconds
+        if self.left:
+            self.left -= 1
+            self.clock.now += LOADING
+            if self.how == "compile":
+                njit(lambda x: x + 1)(1.0)
+            else:
+                sys.modules[f"loaded_late_{self.left}"] = ModuleType("loaded_late")
+        return Answer(np.zeros((problem.contacts, problem.dimension)), Status.STALLED)
+
+
+def timed(method):
+    return timing.time_solver(method, block(), lambda ready: method.solve(ready, 1e-8, None), lambda: None)
+
+
+def test_the_three_steps_are_timed_apart(clock):
+    found = timed(Late(clock))
+    assert (found.form, found.setup, found.solve) == ([1.0], [2.0], [4.0])
+    quick = timed(Late(clock, seconds=2.0**-10))
+    assert len(quick.form) == len(quick.setup) == len(quick.solve) == int(timing.BUDGET / (7 * 2.0**-10))
+    assert set(quick.form) == {2.0**-10}
+
+
+@pytest.mark.parametrize("seconds", [2.0**-10, 1.0])
+@pytest.mark.parametrize("loads", [1, 3])
+@pytest.mark.parametrize("how", ["compile", "import"])
+def test_a_call_that_loads_anything_is_never_a_sample(clock, how, loads, seconds):
+    found = timed(Late(clock, loads, how, seconds))
+    assert set(found.solve) == {4 * seconds}
+    assert found.spent > loads * LOADING
+
+
+def test_a_solver_that_loads_in_every_call_has_no_times(clock):
+    found = timed(Late(clock, 10**6))
+    assert (found.form, found.setup, found.solve) == ([], [], [])
+
+
+def test_a_drive_counts_no_call_that_loads_anything(clock):
+    info = SolverInfo("late", "", "coulomb", (2,), False, False, (), (), (), (), Late)
+    cell = DriveCell("stopping_block", {}, "late", 1e-8, steps=3)
+    found = drive.drive(cell, info, Late(clock, loads=2))
+    assert found["solver_time"] == 7.0 * found["problems"]
+    assert drive.drive(cell, info, Late(clock, loads=10**6))["solver_time"] is None
+
+
+@pytest.mark.parametrize("name", ["lemke", "path_search", "interior_point", "nsgs", "admm", "hybrid"])
+def test_prepare_is_setup_of_form(name):
+    _, method = find(name)
+    problem = block()
+    apart = method.solve(method.setup(method.form(problem.fresh())), 1e-8, None)
+    assert np.array_equal(apart.impulse, method.solve(method.prepare(problem.fresh()), 1e-8, None).impulse)
+    assert np.array_equal(apart.impulse, solve(problem, name).impulse)
+
+
+def test_a_solver_has_the_steps_it_leaves_out():
+    class OneStep:
+        def prepare(self, problem):
+            return "prepared", problem
+
+    class FormAlone:
+        def form(self, problem):
+            return "formed", problem
+
+    class Both(FormAlone):
+        def prepare(self, problem):
+            return problem
+
+    one, form = with_all_steps(OneStep)(), with_all_steps(FormAlone)()
+    assert (one.form(1), one.setup(1), one.prepare(1)) == (1, ("prepared", 1), ("prepared", 1))
+    assert (form.form(1), form.setup(1), form.prepare(1)) == (("formed", 1), 1, ("formed", 1))
+    assert with_all_steps(type("Inherits", (OneStep,), {}))().prepare(1) == ("prepared", 1)
+    own = with_all_steps(type("Overrides", (OneStep,), {"prepare": lambda self, problem: "own"}))()
+    assert (own.form(1), own.prepare(1)) == (1, "own")
+    Both.setup = lambda self, formed: formed
+    with pytest.raises(ValueError, match="Both has a prepare of its own"):
+        with_all_steps(Both)

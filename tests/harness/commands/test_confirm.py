@@ -1,0 +1,78 @@
+"""`compare --confirm`: alerts run again, both codes in turn, before a gate closes."""
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from frictionbench.harness.commands import confirm
+from frictionbench.harness.commands.accept import accept
+from frictionbench.problems import InputError
+from frictionbench.results import cells
+from frictionbench.results.compare import Comparison, Limits, compare
+from tests.helpers.command_line import frictionbench
+from tests.helpers.plugin import write
+
+SCENE = "stack[blocks=1,push=1]"
+UNTIMED = Limits(times=False)
+
+
+@pytest.fixture(scope="module")
+def seen(tmp_path_factory) -> Comparison:
+    """A plug-in that raises, in a folder of its own, against a baseline in which it did not."""
+    home = tmp_path_factory.mktemp("repository")
+    plugin = write(home / "solvers" / "guest.py", body="raise ValueError('no')")
+    out = home / "now"
+    done = frictionbench(*("run", "smoke", "--scene", SCENE, "--tol", "1e-6", "--solver", str(plugin), "--out", str(out)))
+    assert done.returncode == 0, done.stderr
+    accept(out, home / "smoke.tsv")
+    text = (home / "smoke.tsv").read_text(encoding="utf-8")
+    (home / "smoke.tsv").write_text(text.replace("crashed", "unsolved"), encoding="utf-8")
+    return compare(home / "smoke.tsv", out, UNTIMED)
+
+
+def again(seen: Comparison, code: str | None, named: tuple[str, ...] = ("solvers/guest.py",)) -> Comparison:
+    return confirm.confirmed(seen, UNTIMED, list(named), code, lambda line: None)
+
+
+def test_an_alert_is_run_with_both_codes_in_turn(seen, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(seen.current.parent)
+    monkeypatch.setattr(confirm, "PAIRS_UNTIMED", 1)
+    assert {flip.after for flip in seen.worse} == {"crashed"}
+    (tmp_path / "base").mkdir()
+    write(tmp_path / "base" / "solvers" / "guest.py")
+    stands = again(seen, str(tmp_path / "base"))
+    assert (stands.exit_code, stands.worse) == (1, seen.worse)
+    monkeypatch.setattr(confirm, "_cells", lambda *_: cells.read(seen.current))  # as if both did what the current one does
+    falls = again(seen, str(tmp_path / "base"))
+    assert falls.exit_code == 0
+    assert all(note.startswith("Not confirmed, both codes do the same here: guest") for note in falls.notes[-len(seen.worse) :])
+
+
+def test_code_that_is_not_at_hand_is_told(seen, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(seen.current.parent)
+    for code, told in (("nowhere", "neither a folder nor a revision"), (str(tmp_path), "solvers/guest.py is not in")):
+        with pytest.raises(InputError, match=f"code: .*{told}"):
+            again(seen, code)
+    with pytest.raises(InputError, match="solver: guest is not ours"):
+        again(seen, None, ())
+
+
+def test_a_revision_is_unpacked_where_it_is_given(tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    write(tmp_path / "solvers" / "guest.py", body="pass")
+    for command in (("init", "-q"), ("add", "."), ("-c", "user.name=a", "-c", "user.email=a@b", "commit", "-qm", "first")):
+        subprocess.run(["git", *command], check=True)
+    write(tmp_path / "solvers" / "guest.py", body="raise ValueError")
+    before = confirm.baseline_code("HEAD", ["solvers/guest.py"], tmp_path / "scratch")
+    (moved,) = before.solvers
+    assert Path(moved).is_relative_to(tmp_path / "scratch")
+    assert "raise" not in Path(moved).read_text(encoding="utf-8")
+
+
+def test_code_from_before_the_one_package_is_refused(seen, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(seen.current.parent)
+    (tmp_path / "base").mkdir()
+    (tmp_path / "base" / "frictionbench.py").touch()
+    with pytest.raises(InputError, match=r"code: .* is from before the code was one package, frictionbench"):
+        again(seen, str(tmp_path / "base"))

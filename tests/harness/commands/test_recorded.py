@@ -1,0 +1,172 @@
+"""solve, export and run on problems in files and on instances, through the command line's own functions."""
+
+import json
+
+import h5py
+import numpy as np
+import pytest
+
+from frictionbench.harness.cells.collect import collect
+from frictionbench.harness.commands.export import export
+from frictionbench.harness.commands.shrink import shrink
+from frictionbench.harness.commands.single import advice, rerun_row, solve_one
+from frictionbench.harness.plans.choose import choose, named_source
+from frictionbench.harness.progress import Progress
+from frictionbench.harness.run import run
+from frictionbench.problems import InputError
+from frictionbench.problems.instances import make_instance
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.recorded import fclib, read
+from frictionbench.reports.page import write_report
+from frictionbench.reports.recorded import recorded_problems
+from frictionbench.reports.run import read_run
+from frictionbench.results.store import read_table
+from frictionbench.solvers import solve
+from tests.helpers.friction_problems import spatial
+from tests.helpers.places import DATA
+
+
+def test_a_file_is_solved_and_ranked(tmp_path, capsys) -> None:
+    fclib.write(spatial(0, contacts=3), tmp_path / "p.hdf5")
+    solve_one(str(tmp_path / "p.hdf5"), ["nsgs", "interior_point", "ccp[backend=clarabel]"], 1e-8, 10.0, 1)
+    told = capsys.readouterr().out
+    assert "3 contacts" in told
+    assert "use " in told.splitlines()[-1]
+    assert told.splitlines()[-2].split()[:2] == ["3", "ccp[backend=clarabel]:"]  # planar only: skipped, and so last
+
+
+def test_a_bare_lcp_is_solved_by_those_that_take_one(tmp_path, capsys) -> None:
+    np.savez(tmp_path / "lcp.npz", M=[[2.0, 1.0], [1.0, 2.0]], q=[-5.0, -6.0])
+    solve_one(str(tmp_path / "lcp.npz"), ["lemke", "nsgs"], 1e-8, 10.0, 1)
+    told = capsys.readouterr().out
+    assert "an LCP of 2 unknowns" in told
+    assert "not bare LCPs" in told
+    assert "use lemke: solved" in told
+
+
+def test_the_advice_is_the_best_of_those_that_solve() -> None:
+    solved = {"variant": "a", "verdict": "solved", "form_time": 1e-3, "setup_time": 0.0, "solve_time": 1e-3, "residual": 1e-9}
+    near = {"variant": "b", "verdict": "unsolved", "residual": 1e-3}
+    dead = {"variant": "c", "verdict": "timeout"}
+    assert advice([solved, solved, near]) == "use a: solved in 2.0 ms; 1 more solves it, too"
+    assert advice([near, dead]) == "none solves it; the nearest is b, with a residual of 1.0e-03"
+    assert advice([dead]) == "no solver gave an answer"
+
+
+def test_a_folder_of_recorded_problems_is_run(tmp_path) -> None:
+    data, out = tmp_path / "set", tmp_path / "out"
+    data.mkdir()
+    for seed in (1, 2):
+        fclib.write(random_problem(seed, contacts=4), data / f"p{seed}.hdf5")
+    plan = choose("recorded", [], ("hybrid", "lemke"), "1e-8", 5.0, data=(str(data),))
+    run(plan, out, 1, Progress())
+    rows = read_table(out, "solves")
+    assert set(rows["scene"]) == {"set"}
+    assert set(rows["parameters"]) == {'{"file": "p1.hdf5"}', '{"file": "p2.hdf5"}'}
+    assert (rows["verdict"] == "solved").all()
+    assert len(rows) == 4
+    files = list(export(str(out), tmp_path / "again"))
+    assert {read(path).hash for path in files} == {random_problem(seed, contacts=4).hash for seed in (1, 2)}
+
+
+def test_a_source_may_have_tolerances_and_a_limit_of_its_own() -> None:
+    plan = choose("recorded", [], ("nsgs",), None, None, data=(str(DATA),))
+    entry = {"scene": "s", "parameters": "{}", "step": 0, "phase": "step", "problem": "p", "starts": ["cold"]}
+    assert [cell.tol for cell in plan.solve_cells([entry | {"tolerances": [1e-8]}])] == [1e-8]
+    assert [cell.tol for cell in plan.solve_cells([entry])] == [1e-4, 1e-6, 1e-8]
+
+
+def test_scenes_and_instances_are_exported(tmp_path) -> None:
+    (path,) = export("cubes[boxes=2,friction=0.3]", tmp_path / "cubes.hdf5")
+    assert read(path).hash == make_instance("cubes", boxes=2, friction=0.3).hash
+    several = list(export("stack[blocks=2,push=1]", tmp_path / "stack", pick=2))
+    assert len(several) == 2
+    assert all(read(path).contacts == 4 for path in several)
+    with pytest.raises(InputError, match=r"^out: .* is there already"):
+        list(export("cubes[boxes=2,friction=0.3]", tmp_path / "cubes.hdf5"))
+    with pytest.raises(InputError, match=r"^out: 2 problems need a folder"):
+        list(export("stack[blocks=2,push=1]", tmp_path / "stack.hdf5", pick=2))
+
+
+def test_instances_are_sources_with_labels(tmp_path) -> None:
+    (entry,) = collect(tmp_path, named_source("cubes[boxes=2]"))
+    assert (entry["contacts"], entry["dimension"], entry["rank"], entry["redundancy"]) == (8, 3, 12, 12)
+    assert entry["solutions"] is None
+    assert np.isfinite(entry["response"])
+    assert not named_source("cubes").moves
+    assert named_source("stack").moves
+    with pytest.raises(InputError, match=r"^bricks: cubes has no such parameter"):
+        named_source("cubes[bricks=2]")
+
+
+def test_a_spatial_row_is_run_again_and_made_small(tmp_path) -> None:
+    plan = choose("spatial", ["cubes[boxes=2,mass_ratio=1e6,push=1]"], ("nsgs[relaxation=0.01]",), "1e-8", 5.0)
+    run(plan, tmp_path, 1, Progress())
+    (key,) = read_table(tmp_path, "solves")["key"]
+    row, again = rerun_row(tmp_path, key, [])
+    assert row["verdict"] == again["verdict"] == "unsolved"
+    assert again["residual"] == row["residual"]
+    path, small, _ = shrink(tmp_path, key, [])
+    assert read(path).hash == small.hash
+    assert (small.dimension, small.contacts < 8) == (3, True)
+
+
+def test_bare_lcps_of_a_folder_are_put_to_those_that_take_one(tmp_path) -> None:
+    """Beside a friction problem, whose headlines they do not enter; their rows are run again like any."""
+    data, out = tmp_path / "set", tmp_path / "out"
+    data.mkdir()
+    np.savez(data / "lcp.npz", M=[[2.0, 1.0], [1.0, 2.0]], q=[-5.0, -6.0])
+    fclib.write(random_problem(1, contacts=4), data / "whole.hdf5")
+    run(choose("recorded", [], ("nsgs", "lemke"), "1e-8", 5.0, data=(str(data),)), out, 1, Progress())
+    rows = read_table(out, "solves").set_index(["size", "variant"])
+    assert rows["verdict"].to_dict() == {
+        (2, "nsgs"): "skipped",
+        (2, "lemke"): "solved",
+        (16, "nsgs"): "solved",
+        (16, "lemke"): "solved",
+    }
+    lcp = rows.loc[(2, "lemke")]
+    assert np.isnan(lcp["contacts"])
+    assert lcp["solve_time"] > 0
+    _, again = rerun_row(out, lcp["key"], [])
+    assert (again["verdict"], again["residual"]) == ("solved", lcp["residual"])
+    ours = read_run(out)
+    assert ours.contested["size"].tolist() == [16, 16]
+    told = recorded_problems(ours)
+    assert [(line.contacts, line.unknowns, list(line.solvers)) for line in told[:1]] == [(None, 2, ["lemke"])]
+    assert "LCP, n = 2" in write_report(out).read_text(encoding="utf-8")
+    with pytest.raises(InputError, match="is a bare LCP"):
+        list(export(str(out), tmp_path / "again"))
+
+
+def test_the_guess_of_a_file_is_its_warm_start(tmp_path) -> None:
+    data, out = tmp_path / "set", tmp_path / "out"
+    data.mkdir()
+    problem = random_problem(1, contacts=4)
+    for name, guess in (("good", solve(problem, "lemke", tol=1e-12).impulse), ("zero", np.zeros((4, 2)))):
+        path = data / f"{name}.hdf5"
+        fclib.write(problem, path)
+        with h5py.File(path, "a") as file:
+            file["guesses/number_of_guesses"] = np.array([1], dtype=np.int32)
+            file["guesses/1/r"] = guess.ravel()
+    run(choose("recorded", [], ("nsgs", "lemke"), "1e-8", 5.0, data=(str(data),)), out, 1, Progress())
+    rows = read_table(out, "solves")
+    sweeps = rows[rows["variant"] == "nsgs"].set_index(["parameters", "start"])["work"].map(json.loads)
+    assert [start for _, start in sweeps.index] == ["cold", "warm", "cold"], "a guess of zeros is a cold start"
+    cold, warm = sweeps.iloc[0]["sweeps"], sweeps.iloc[1]["sweeps"]
+    assert warm < cold
+
+
+def test_files_that_hold_no_friction_problem_leave_rows_that_say_why(tmp_path) -> None:
+    data, out = tmp_path / "set", tmp_path / "out"
+    data.mkdir()
+    np.savez(data / "lcp.npz", M=np.eye(2), q=np.ones(2))
+    (data / "torn.dat").write_text("3\n4\n")
+    fclib.write(random_problem(1, contacts=4), data / "whole.hdf5")
+    run(choose("recorded", [], ("nsgs",), "1e-8", 5.0, data=(str(data),)), out, 1, Progress())
+    lcp, torn, whole = read_table(out, "solves").to_dict("records")
+    assert (lcp["verdict"], torn["verdict"], whole["verdict"]) == ("skipped", "skipped", "solved")
+    assert lcp["reason"] == "nsgs solves friction problems, not bare LCPs"
+    assert "torn.dat: read as the text of Siconos: contacts: 4 is out of range" in torn["reason"]
+    with pytest.raises(InputError, match=r"^row: .* has no problem to run again: .*torn\.dat"):
+        rerun_row(out, torn["key"], [])

@@ -1,0 +1,303 @@
+"""Recorded motions agree with the scenes they are of, and their pages draw what is in them."""
+
+import json
+import os
+import re
+from base64 import b64encode
+from hashlib import sha256
+from html.parser import HTMLParser
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+from frictionbench.harness.cells.record import keep, record
+from frictionbench.harness.commands.show import recorded
+from frictionbench.harness.plans.plan import Source
+from frictionbench.problems import InputError, scene, scenes
+from frictionbench.problems.schemes import SCHEMES
+from frictionbench.problems.simulate import simulate
+from frictionbench.reports import animation
+from frictionbench.reports.animation import write_animation, write_animations
+from frictionbench.reports.page import write_report
+from frictionbench.results.motion import read_motion, write_motion
+from frictionbench.results.store import ResultsError
+from frictionbench.solvers import available, solve
+from tests.helpers.browser import browse, in_browser
+from tests.helpers.made_results import drive_row, solve_row, write_folder
+from tests.helpers.places import BAD_SOLVERS
+
+OUTSIDER = """
+import os
+import numpy as np
+from frictionbench import Answer, Status, solver
+open({trace!r}, "w").write(str(os.getpid()))
+
+@solver("outsider", family="outside", model="coulomb")
+class Outsider:
+    'No answer.'
+    def solve(self, problem, tol, limit, start=None):
+        return Answer(np.full((problem.contacts, 2), np.nan), Status.SOLVED)
+"""
+
+
+@pytest.mark.parametrize(
+    ("name", "scheme", "steps"),
+    [
+        ("two_blocks", "anitescu_potra", 90),
+        ("slider_crank", "stewart_trinkle", 40),
+        ("bouncing_ball", "paoli_schatzman", 460),
+        ("incline", "lotstedt", 10),
+        ("painleve_rod", "moreau", 30),
+        ("stopping_block", "acceleration", 30),
+    ],
+)
+def test_a_recording_is_the_motion(name: str, scheme: str, steps: int) -> None:
+    stage = scene(name)
+    motion = record(stage, "lemke", scheme, steps)
+    taken = list(simulate(stage, lambda problem: solve(problem, "lemke", tol=1e-8).impulse, SCHEMES[scheme], steps))
+    assert motion.ended == ""
+    assert motion.times == pytest.approx([step.time for step in taken], abs=0)
+    assert motion.poses == pytest.approx(np.array([step.q.reshape(-1, 3) for step in taken]), abs=0)
+    assert motion.energy == pytest.approx([stage.energy(step.q, step.v) for step in taken], abs=0)
+    scale = np.abs(motion.energy).max() + np.ptp(motion.kinetic)
+    for k, (before, after) in enumerate(pairwise(taken)):  # gravity comes in the last phase of a step
+        push = stage.step * stage.force(before.q, before.v, before.time)
+        middle = (after.solved[-1].problem.free_velocity[: len(push)] - push / stage.weights + after.v) / 2
+        work = sum(np.diff(curve)[k] for curve in (motion.friction, motion.normal, motion.joints))
+        assert np.diff(motion.kinetic)[k] == pytest.approx(push @ middle + work, abs=1e-10 * scale)
+
+
+@pytest.mark.parametrize("name", ["pyramid", "stack", "bowl", "jam", "incline"])
+def test_contacts_are_where_the_scene_finds_them(name: str) -> None:
+    stage = scene(name)
+    (contacts, _), found = record(stage, "lemke", steps=1).contacts, stage.contacts(stage.q0)
+    down = (found.bodies >= 0).all(axis=1) & (found.direction[:, 1] < 0)
+    upper = np.where(down[:, None], -found.direction, found.direction)
+    wanted = np.hstack([found.point, upper])
+    distance = np.abs(contacts[:, None, :4] - wanted[None]).max(axis=2)
+    assert distance.min(axis=0).max() <= 1e-12
+    assert distance.min(axis=1).max() <= 1e-12
+
+
+def test_impulses_obey_coulombs_law_and_carry_the_weight() -> None:
+    stage = scene("stack", blocks=4)
+    motion = record(stage, "lemke", steps=5)
+    for contacts in motion.contacts[:-1]:
+        ground = contacts[:, 1] < stage.touch
+        assert contacts[ground, 4].sum() / stage.step == pytest.approx(stage.weights[1::3].sum() * 9.81)
+        assert (np.abs(contacts[:, 5]) <= stage.friction * contacts[:, 4] + 1e-12).all()
+    assert len(motion.contacts[-1]) == 0
+
+
+def test_the_ledger_by_hand() -> None:
+    block = record(scene("stopping_block"), "lemke")
+    assert (block.friction[-1], block.normal[-1], block.defect[-1]) == pytest.approx((-1, 0, 0), abs=1e-12)  # 2 kg at 1 m/s
+    blocks = record(scene("two_blocks"), "lemke", steps=100)
+    meeting = 3**2 - 2 * 0.02 * 9.81 * 2
+    assert blocks.normal[-1] == pytest.approx(-(1 - 0.2**2) / 4 * meeting, rel=0.01)
+    ball = scene("bouncing_ball")
+    fall = record(ball, "lemke", steps=20)
+    assert fall.defect[-1] == pytest.approx(-20 * ball.weights[0] * (9.81 * ball.step) ** 2 / 2)
+    bounce = record(ball, "lemke", steps=500)
+    hit = np.sqrt(2 * 9.81)
+    assert bounce.normal[-1] == pytest.approx(-(1 - 0.8**2) / 2 * ball.weights[0] * hit**2, rel=0.01)
+
+
+def test_a_scheme_that_fails_or_refuses_says_so() -> None:
+    motion = recorded("painleve_rod", "lemke", "acceleration", None)
+    assert "no bounded force" in motion.ended
+    assert len(motion.times) == len(motion.contacts) == 1
+    for arguments, complaint in (
+        (("two_blocks", "lemke", "lotstedt", None), r"^scheme: it has no law of restitution"),
+        (("two_blocks", "lemke", "euler", None), r"^scheme: unknown scheme 'euler'"),
+        (("heap", "lemke", "moreau", None), r"^scene: unknown scene"),
+        (("stack", "lemkin", "moreau", None), r"^solver: unknown solver"),
+        (("stack", str(BAD_SOLVERS), "moreau", None), r"^solver: .* name one"),
+    ):
+        with pytest.raises(InputError, match=complaint):
+            recorded(*arguments)
+
+
+def test_a_solver_from_outside_runs_in_a_process_of_its_own(tmp_path) -> None:
+    """It has no answer, which ends the motion, and says what it likes of the scene's name, which names a file."""
+    plugin = tmp_path / "outsider.py"
+    plugin.write_text(OUTSIDER.format(trace=str(tmp_path / "trace")), encoding="utf-8")
+    motion = recorded("stack[blocks=1]", str(plugin), "anitescu_potra", 5)
+    assert (tmp_path / "trace").read_text() != str(os.getpid())
+    assert motion.ended.startswith("outsider gave no answer")
+    assert (motion.scene, motion.solver) == ("stack", "outsider")
+    assert "outsider gave no answer" in write_animation(motion, tmp_path / "page.html").read_text()
+    assert "outsider" not in available()
+
+
+def test_a_motion_that_diverges_ends(monkeypatch) -> None:
+    monkeypatch.setattr("frictionbench.harness.cells.record.DIVERGED", 1e-2)  # the block loses its 1 J; its measure is 23 J
+    motion = record(scene("stopping_block"), "lemke")
+    assert motion.ended == f"diverged in step {len(motion.times)}"
+    assert 1 < len(motion.times) < 20
+
+
+def test_a_motion_survives_its_file(tmp_path) -> None:
+    motion = record(scene("slider_crank"), "lemke", steps=40)
+    write_motion(tmp_path / "m.json", motion)
+    again = read_motion(tmp_path / "m.json")
+    assert again.parameters == motion.parameters
+    for name in ("times", "poses", "energy", "kinetic", "friction", "normal", "joints", "residual", "hinges"):
+        assert getattr(again, name) == pytest.approx(getattr(motion, name), rel=1e-11)
+    assert [c.shape for c in again.contacts] == [c.shape for c in motion.contacts]
+    assert [o.body for o in again.outlines] == [2, -1, -1, 0, 1]
+
+
+def test_files_that_are_no_motions_are_refused(tmp_path) -> None:
+    path = tmp_path / "m.json"
+    write_motion(path, record(scene("jam"), "lemke", steps=2))
+    good = json.loads(path.read_text())
+    bad = [
+        {"times": [0.0]},
+        {"poses": [[1.0]]},
+        {"energy": [0, 0, float("nan")]},
+        {"outlines": [{}]},
+        {"contacts": [[1], [], []]},
+    ]
+    bad += [{"parameters": 3}, {"hinges": [[7, 0, 0]]}, {"poses": []}]
+    for text in ("", "[]", "{}", *(json.dumps(good | change) for change in bad)):
+        path.write_text(text)
+        with pytest.raises(ResultsError, match="not a recorded motion"):
+            read_motion(path)
+    assert write_animations(tmp_path.parent) == []
+
+
+class _Page(HTMLParser):
+    """A page's tags, references, text outside scripts, and scripts by type."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.references: list[str] = []
+        self.scripts: dict[str, str] = {}
+        self.text = ""
+        self._script: str | None = None
+        self.feed(path.read_text(encoding="utf-8"))
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.references += [value or "" for name, value in attrs if name in ("href", "src")]
+        self._script = dict(attrs).get("type", "") if tag == "script" else None
+
+    def handle_data(self, data):
+        if self._script is None:
+            self.text += data
+        else:
+            self.scripts[self._script] = self.scripts.get(self._script, "") + data
+
+    def handle_endtag(self, tag):
+        self._script = None
+
+
+def test_every_scene_has_a_page_that_stands_alone(tmp_path) -> None:
+    for name in scenes():
+        page = _Page(write_animation(record(scene(name), "lemke", steps=3), tmp_path / f"{name}.html"))
+        assert page.references == []
+        assert page.tags.count("script") == 2
+        data = json.loads(page.scripts["application/json"])
+        assert len(data["times"]) == len(data["poses"]) == len(data["contacts"]) == 4
+        allowed = b64encode(sha256(page.scripts[""].encode()).digest()).decode()
+        assert f"script-src 'sha256-{allowed}'" in (tmp_path / f"{name}.html").read_text()
+
+
+def test_a_long_motion_is_thinned_and_keeps_its_impacts(tmp_path, monkeypatch) -> None:
+    motion = record(scene("bouncing_ball"), "lemke", steps=600)
+    monkeypatch.setattr(animation, "MOST_NUMBERS", 700)
+    data = json.loads(_Page(write_animation(motion, tmp_path / "page.html")).scripts["application/json"])
+    assert 40 < len(data["times"]) <= 70
+    largest = max(contacts[4] for step in motion.contacts for contacts in step)
+    assert max(contacts[4] for contacts in data["contacts"] if contacts) == pytest.approx(largest, rel=1e-4)
+
+
+EVIL = "</script><script>document.documentElement.dataset.error='got in'</script><!--\u2028'\"&{{ 7 * 7 }}<b onload=x>"
+
+
+def evil_motion():
+    motion = record(scene("stack", blocks=2), "lemke", steps=25)
+    for name in ("scene", "solver", "scheme", "ended"):
+        object.__setattr__(motion, name, EVIL)
+    object.__setattr__(motion, "parameters", {EVIL: EVIL})
+    return motion
+
+
+def test_strangers_text_stays_text(tmp_path) -> None:
+    page = _Page(write_animation(evil_motion(), tmp_path / "page.html"))
+    assert page.tags.count("script") == 2
+    assert "b" not in page.tags
+    assert "{{ 7 * 7 }}" in page.text
+    assert "<" not in page.scripts["application/json"]
+
+
+def test_the_report_links_to_the_motions_of_its_scenes(tmp_path) -> None:
+    folder = write_folder(tmp_path, [solve_row("a", "p", scene="stack"), solve_row("a", "q")], [drive_row("a")])
+    source = Source("stack", {"blocks": 2}, steps=2)
+    keep(folder, source)
+    (made,) = (folder / "motion").iterdir()
+    written = made.stat().st_mtime_ns
+    keep(folder, source)  # is there
+    assert made.stat().st_mtime_ns == written
+    (folder / "motion" / "broken.json").write_text("{")
+    page = _Page(write_report(folder))
+    links = [reference for reference in page.references if not reference.startswith(("#", "data:"))]
+    assert links == [f"motion/{made.stem}.html"]  # on the sheet of its scene
+    assert (folder / links[0]).exists()
+    assert "stack[blocks=2" in page.text
+
+
+@in_browser
+@pytest.mark.parametrize("kind", ["three_blocks", "evil", "cut short"])
+def test_the_page_runs_in_a_browser(tmp_path, kind: str) -> None:
+    motions = {
+        "three_blocks": lambda: record(scene("three_blocks"), "lemke", steps=100),
+        "evil": evil_motion,
+        "cut short": lambda: record(scene("painleve_rod"), "lemke", "acceleration"),
+    }
+    motion = motions[kind]()
+    page = write_animation(motion, tmp_path / "page.html")
+    wanted = min(20, len(motion.times) - 1)
+    (opening,) = re.findall(r"<html[^>]*>", browse(page, "--dump-dom", anchor="frame=20"))
+    assert 'data-status="ready"' in opening
+    assert f'data-frame="{wanted}"' in opening
+    assert "data-error" not in opening
+    if kind == "three_blocks":
+        pictures = [page.with_name(f"{frame}.png") for frame in (0, 20)]
+        for frame, picture in zip((0, 20), pictures, strict=True):
+            browse(page, f"--screenshot={picture}", anchor=f"frame={frame}")
+        first, second = map(imread, pictures)
+        assert 0.001 < np.mean(np.any(first != second, axis=-1)) < 0.5
+
+
+HANDS = """
+requestAnimationFrame = (step) => setTimeout(() => step(performance.now()), 16);  // without a screen there are no frames
+const seen = [];
+const press = (key, shiftKey = false) => { dispatchEvent(new KeyboardEvent("keydown", { key, shiftKey })); seen.push(frame); };
+press("ArrowRight"); press("ArrowRight", true); press("ArrowLeft"); press("End"); press("ArrowRight"); press("Home");
+press(" ");
+setTimeout(() => {
+  seen.push(playing && frame > 10);
+  element("frame").value = 55;
+  element("frame").dispatchEvent(new Event("input"));
+  seen.push(playing, frame);
+  element("play").click();
+  setTimeout(() => { seen.push(playing, frame); page.dataset.seen = seen.join(" "); }, 8000);
+}, 500);
+"""
+
+
+@in_browser
+def test_keys_slider_and_button_move_the_picture(tmp_path) -> None:
+    page = write_animation(record(scene("three_blocks"), "lemke", steps=100), tmp_path / "page.html")
+    script = _Page(page).scripts[""]
+    ours, allowed = (b64encode(sha256(text.encode()).digest()).decode() for text in (script, script + HANDS))
+    page.write_text(page.read_text().replace(script, script + HANDS).replace(ours, allowed))
+    (opening,) = re.findall(r"<html[^>]*>", browse(page, "--dump-dom", "--virtual-time-budget=10000", anchor="frame=0"))
+    assert "data-error" not in opening
+    assert 'data-seen="1 11 10 100 100 0 0 true false 55 false 100"' in opening

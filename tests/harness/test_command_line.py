@@ -1,0 +1,174 @@
+"""What a person at a terminal, or a pipe, is told: helps, lists, tables, ends of runs, and mistakes."""
+
+import signal
+import subprocess
+import sys
+from io import StringIO
+
+import pytest
+from rich.console import Console
+from typer.testing import CliRunner
+
+from frictionbench.harness.cells import worker
+from frictionbench.harness.cli import app
+from frictionbench.harness.commands import listing
+from frictionbench.harness.commands.summary import folder_for, summary
+from frictionbench.harness.commands.table import columns
+from frictionbench.harness.plans.choose import choose
+from frictionbench.harness.progress import Progress
+from frictionbench.harness.workers.introduce import MEMORY, introduce
+from frictionbench.harness.workers.pool import Pool
+from frictionbench.harness.workers.task import Task
+from frictionbench.results import store
+from frictionbench.results.store import ResultsError, ShardWriter
+from tests.helpers.made_results import drive_row, lost_row, solve_row, write_folder
+
+JITTED = """
+import numpy as np
+from numba import njit
+from frictionbench import Answer, Status, solver
+
+@njit
+def sorted_sum(x):
+    return np.sum(np.sort(x)) + np.prod(np.sort(-x)) + np.median(x)
+
+@solver("jitted", family="outside", model="coulomb")
+class Jitted:
+    'It compiles.'
+    def solve(self, problem, tol, limit, start=None):
+        sorted_sum(np.ones(3))
+        return Answer(np.zeros((problem.contacts, 2)), Status.FAILED)
+"""
+
+
+def told(*arguments: str) -> str:
+    return CliRunner().invoke(app, arguments).output
+
+
+def test_helps_keep_their_brackets() -> None:
+    assert "'stack[blocks=5]'" in told("solve", "--help")
+    assert "nsgs[relaxation=1.3]" in told("run", "--help").replace("\n", "")
+    listed = told("--help").partition("Commands:")[2].splitlines()
+    assert [line for line in listed if len(line) > 80 or (line.endswith("...") and "compare" not in line)] == []
+
+
+def test_the_version_is_told() -> None:
+    assert told("--version").startswith("frictionbench 0.")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (("run", "--jobs", "x"), "'--jobs': takes a whole number from 1 on, not 'x'"),
+        (("run", "--jobs", "0"), "'--jobs': takes a whole number from 1 on, not '0'"),
+        (("solve", "stack", "--tol", "x"), "'--tol': takes a number, not 'x'"),
+        (("map", "stack", "--x", "a", "--y", "b", "--steps", "-1"), "'--steps': takes a whole number from 0 on, not '-1'"),
+        (("compare", "a", "b", "--alpha", "2"), "'--alpha': takes a number between 0 and 1, not '2'"),
+        (("list", "everything"), "takes scenes, solvers or suites, not 'everything'"),
+    ],
+)
+def test_a_value_that_cannot_be_used_is_told_in_our_words(arguments, complaint) -> None:
+    done = CliRunner().invoke(app, arguments)
+    assert done.exit_code == 2
+    assert done.output.splitlines()[-1].endswith(complaint)
+
+
+def test_a_table_leaves_out_what_does_not_fit_and_never_cuts(capsys) -> None:
+    header, row = ("solver", "time", "empty", "work"), ("nsgs[relaxation=1.3]", "3 ms", "", "pivots 12, restarts 0")
+    (wide_head, wide), (_, narrow) = (columns(header, [row], width, ("work",)) for width in (None, 30))
+    assert wide.split() == " ".join(row).split()
+    assert "empty" not in wide_head
+    assert narrow == "nsgs[relaxation=1.3]  3 ms"
+
+
+def test_lists_tell_the_settings(capsys) -> None:
+    listing.show("solvers")
+    listed = capsys.readouterr().out
+    assert "settings: restarts=8, facets=8" in listed
+    assert "variants: clarabel[keep=false], clarabel[keep=true]" in listed
+    listing.show("suites")
+    assert "every solver" not in capsys.readouterr().out.partition("seeds")[0]
+
+
+def test_other_settings_have_another_folder_by_default() -> None:
+    whole, same, other = (choose("smoke", [], (), tol, None) for tol in (None, "1e-4,1e-8", "1e-6"))
+    assert str(folder_for(whole)) == str(folder_for(same)) == "runs/smoke"
+    assert str(folder_for(other)).startswith("runs/smoke-")
+    assert folder_for(other) == folder_for(choose("smoke", [], (), "1e-6", None))
+
+
+def test_a_run_ends_with_its_verdicts_and_what_to_do_next(tmp_path) -> None:
+    solves = [
+        solve_row("a", "p"),
+        solve_row("a", "q"),
+        solve_row("b", "p"),
+        lost_row("b", "q", "timeout"),
+        lost_row("b", "s", "skipped"),
+    ]
+    write_folder(tmp_path, [*solves, solve_row("a", "r", trivial=True)], [drive_row("a")])
+    lines = summary(tmp_path).splitlines()
+    assert lines[0] == "cells of problems that are not trivial: 5"
+    assert [line.split() for line in lines[1:4]] == [
+        ["solver", "solved", "timeout", "skipped"],
+        ["a", "2"],
+        ["b", "1", "1", "1"],
+    ]
+    assert "1 × b skipped: for a reason" in lines
+    assert lines[-1] == f"report:  frictionbench report {tmp_path}"
+
+
+def test_a_key_may_be_cut_short(tmp_path) -> None:
+    for table, keys in (("solves", ("solve-12ab", "solve-12cd", "solve-12")), ("drives", ("drive-77",))):
+        with ShardWriter(tmp_path, table, "test") as writer:
+            for key in keys:
+                writer.write({"key": key})
+    assert [store.find_row(tmp_path, given)[1]["key"] for given in ("12a", "solve-12c", "solve-12", "7")] == [
+        *("solve-12ab", "solve-12cd", "solve-12", "drive-77")
+    ]
+    for given, complaint in (
+        ("12", "3 rows have a key that begins with '12'"),
+        ("13", "no row has the key '13'"),
+        ("", "no row"),
+    ):
+        with pytest.raises(ResultsError, match=complaint):
+            store.find_row(tmp_path, given)
+
+
+@pytest.mark.parametrize(
+    ("command", "complaint"),
+    [
+        (("solve", "stack"), "broken off by SIGINT; nothing was kept"),
+        (("run", "smoke", "--out"), "broken off by SIGINT; the same command goes on where it stopped; what is there:"),
+    ],
+)
+def test_a_key_that_stops_it_is_answered(tmp_path, command, complaint) -> None:
+    begun = [sys.executable, "-m", "frictionbench", *command, *([str(tmp_path / "run")] if "--out" in command else [])]
+    code = "import os, signal; from frictionbench.harness.workers import pool; begin = pool.Pool.__init__\n"
+    code += "pool.Pool.__init__ = lambda *given: (begin(*given), os.kill(os.getpid(), signal.SIGINT))[0]\n"
+    code += "from frictionbench.harness.cli import main; main()"
+    ended = subprocess.run([sys.executable, "-c", code, *begun[3:]], capture_output=True, text=True, check=False, timeout=60)
+    assert ended.returncode == 128 + signal.SIGINT
+    assert complaint in ended.stderr
+    assert "Traceback" not in ended.stderr
+
+
+def test_a_worker_that_compiles_is_told(tmp_path) -> None:
+    plugin, heard, screen = tmp_path / "jitted.py", [], StringIO()
+    plugin.write_text(JITTED, encoding="utf-8")
+    _, plugins = introduce([str(plugin)])
+    call = ("stack", {}, "jitted", "anitescu_potra", 1, 60.0)
+    task = Task("jitted", worker.run_show, call, 60.0, plugins[0].source)
+    with (
+        Pool(tmp_path, 1, plugins, MEMORY) as pool,
+        Progress(Console(file=screen, force_terminal=True, width=100)).stage("motions", 1, 0) as stage,
+    ):
+
+        def compiling(which: Task, now: bool) -> None:
+            heard.append(now)
+            stage.compiling(which, now)
+
+        (outcome,) = pool.run([task], stage.started, compiling)
+        assert outcome.death is None
+        stage.finished(task)
+    assert heard[0] is True
+    assert "compiling for jitted" in screen.getvalue()

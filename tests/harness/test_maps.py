@@ -1,0 +1,281 @@
+"""Failure maps: their axes and refinement, theory's thresholds out of verdicts and modes, units that change nothing."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pandas as pd
+import pytest
+from markupsafe import escape
+
+from frictionbench.harness.cells.drive import drive
+from frictionbench.harness.maps import run_maps
+from frictionbench.harness.plans.atlas import ATLAS
+from frictionbench.harness.plans.maps import axis, finer, home, phase
+from frictionbench.harness.plans.plan import DriveCell, Plan, Source
+from frictionbench.harness.plans.suites import MAPPED
+from frictionbench.harness.trace import crossings
+from frictionbench.harness.workers.introduce import introduce
+from frictionbench.problems import InputError, scene
+from frictionbench.problems.nature.thresholds import THRESHOLDS
+from frictionbench.problems.recorded.own import load
+from frictionbench.problems.residual import residual
+from frictionbench.reports.drawing.tiles import Grid, Tile, panel
+from frictionbench.reports.maps import costs, failures, map_cells, robustness
+from frictionbench.reports.page import write_report
+from frictionbench.reports.paper import write_paper
+from frictionbench.reports.run import read_run
+from frictionbench.results import store
+from frictionbench.results.maps import Axis, Map
+from frictionbench.results.shrunk import read_shrunk
+from frictionbench.results.store import ResultsError
+from frictionbench.solvers import Status, find, solve
+from tests.helpers.command_line import frictionbench
+from tests.helpers.places import BAD_SOLVERS
+from tests.helpers.runs import quiet
+
+MAPS = {spec.name: spec for spec in ATLAS}
+
+
+def small(name: str, across: int = 5, upwards: int = 5, **changes) -> Map:
+    """The map of the suite on fewer grid lines."""
+    spec = MAPS[name]
+    return replace(spec, x=replace(spec.x, count=across), y=replace(spec.y, count=upwards), **changes)
+
+
+def plan(*maps: Map, solvers: tuple[str, ...]) -> Plan:
+    return Plan("test", (), solvers, (1e-6,), drive_solvers=solvers, drive_tol=1e-6, maps=maps, time_limit=60.0)
+
+
+@pytest.fixture(scope="module")
+def atlas(tmp_path_factory) -> Path:
+    """Four small maps by two exact solvers and a relaxation, with a page."""
+    folder = tmp_path_factory.mktemp("maps") / "run"
+    maps = (
+        small("painleve_rod", 6, 6, levels=0),
+        small("sliding_block", 5, 5, most=8),
+        small("jam", 5, 3, levels=0, thresholds=("gaps",)),
+        small("steps_painleve_rod", 3, 2, steps=5),
+    )
+    run_maps(plan(*maps, solvers=("hybrid", "lemke", "relaxation_ip")), folder, 2, quiet())
+    write_report(folder)
+    return folder
+
+
+def cells(folder: Path, name: str, entry: str = "lemke") -> pd.DataFrame:
+    """The rows of one entry on one map, with the map's parameters as columns."""
+    (found,) = [part for part in map_cells(read_run(folder)) if part.spec.name == name]
+    rows = found.rows[found.rows["variant"] == entry]
+    told = rows["parameters"].map(json.loads)
+    axes = (found.spec.x.parameter, found.spec.y.parameter)
+    return rows.assign(**{name: told.map(lambda values, name=name: values[name]) for name in axes})
+
+
+def test_an_axis_says_where_its_values_lie() -> None:
+    values = {
+        "friction=0:3:4": [0, 1, 2, 3],
+        "mass_ratio=log:1e-2:1e2:5": [0.01, 0.1, 1, 10, 100],
+        "jitter=zero:1e-4:1e-2:4": [0, 1e-4, 1e-3, 1e-2],
+        "shear=both:1e-1:1e1:7": [-10, -1, -0.1, 0, 0.1, 1, 10],
+        "blocks=log:1:10:3": [1, 3, 10],
+    }
+    for text, expected in values.items():
+        found = axis("x", text, "stack")
+        assert [found.value(place) for place in range(found.count)] == pytest.approx(expected)
+    assert axis("x", "jitter=zero:1e-4:1e-2:4", "stack").value(0.5) == 5e-5
+    for text in ("friction", "friction=1:2", "friction=2:1:3", "friction=1:2:1", "mass_ratio=log:0:1:3", "shear=both:1:2:4"):
+        with pytest.raises(InputError, match=r"^x: "):
+            axis("x", text, "stack")
+
+
+def test_a_map_is_refined_where_neighbours_differ() -> None:
+    spec = Map("m", "stack", Axis("friction", 0.0, 0.3, 4), Axis("push", 0.0, 0.2, 3), most=3)
+    verdict = {place: "solved" if place[0] < 2 else "unsolved" for place in spec.grid}
+    found = {
+        home("stack", json.dumps(spec.at(place), sort_keys=True), phase(spec.scheme)): {
+            "lemke": verdict[place],
+            "nsgs": "solved",
+        }
+        for place in spec.grid
+    }
+    new = finer(spec, set(spec.grid), 1, found)
+    assert len(new) == 3
+    assert {i for i, _ in new} == {1.5}
+
+
+@pytest.mark.parametrize(
+    ("name", "threshold", "curve"),
+    [
+        ("painleve_rod", "p", lambda angle, mu: 1 + 3 * np.cos(angle) ** 2 - 3 * mu * np.sin(angle) * np.cos(angle)),
+        ("sliding_block", "P0", lambda aspect, mu: 1 - mu * aspect),
+        ("jam", "gaps", lambda overlap, mu: overlap / 1e-12),
+        ("wedge", "pointed", lambda angle, mu: np.tan(angle) - mu),
+    ],
+)
+def test_thresholds_are_traced_where_theory_has_them(name, threshold, curve) -> None:
+    spec = small(name, 4, 4) if name != "jam" else small(name)
+    places = crossings(spec, THRESHOLDS[threshold])
+    assert len(places) >= 5
+    assert max(abs(curve(spec.x.value(i), spec.y.value(j))) for i, j in places) < 0.05
+
+
+def test_the_rod_sticks_where_sliding_has_no_solution(atlas) -> None:
+    rows = cells(atlas, "painleve_rod")
+    p = 1 + 3 * np.cos(rows["angle"]) ** 2 - 3 * rows["friction"] * np.sin(rows["angle"]) * np.cos(rows["angle"])
+    clear = p.abs() > 0.05
+    assert clear.sum() > 30
+    assert ((rows["mode"] == "s") == (p < 0))[clear].all()
+    assert (rows["verdict"] == "solved").all()
+    assert (rows["outcomes"] == 1).all()
+
+
+def test_the_block_tips_over_where_its_matrix_is_no_longer_P0(atlas) -> None:
+    rows = cells(atlas, "sliding_block")
+    beyond = rows["friction"] * rows["aspect"] > 1
+    assert 5 < beyond.sum() < len(rows) - 5
+    assert set(rows.loc[~beyond, "mode"]) == {"rr"}
+    assert {mode.count("o") for mode in rows.loc[beyond, "mode"]} == {1}
+
+
+def test_an_overlap_on_both_sides_has_no_solution(atlas) -> None:
+    rows = cells(atlas, "jam", "hybrid")
+    assert set(rows["overlap"]) == {-0.1, -1e-12, 0.0, 1e-12, 0.1}
+    assert set(rows.loc[rows["overlap"] <= 0, "verdict"]) == {"solved"}
+    assert set(rows.loc[rows["overlap"] == 0.1, "verdict"]) == {"unsolved"}
+    assert set(rows.loc[rows["overlap"] == 0.1, "existence"]) == {"none"}
+
+
+def test_robustness_counts_what_is_known_to_have_a_solution(atlas) -> None:
+    table = robustness(map_cells(read_run(atlas))).set_index("entry")
+    assert table.loc["hybrid*", "known"] == table.loc["hybrid*", "jam"] == 1.0
+    assert table.loc["hybrid*", "all"] < 1.0
+    assert table.loc["relaxation_ip", "painleve_rod"] < 0.9
+
+
+def test_the_page_shows_every_map(atlas) -> None:
+    page = (atlas / "report.html").read_text(encoding="utf-8")
+    assert "Where methods fail" in page
+    for name in ("painleve_rod", "sliding_block", "jam", "steps_painleve_rod"):
+        assert escape(MAPS[name].title) in page
+    assert "<title>overlap 0.1, friction" in page
+    assert "Every place is solved by hybrid*, lemke." in page
+    maps = [file for file in write_paper(atlas, read_run(atlas)).iterdir() if file.match("map_*.svg")]
+    assert {"map_jam.svg", "map_times_steps_painleve_rod.svg", "map_work_jam.svg"} <= {file.name for file in maps}
+    for file in maps:
+        assert ElementTree.parse(file).getroot().tag.endswith("svg")
+
+
+def test_a_map_is_drawn_in_few_words_and_names_are_no_markup() -> None:
+    row = [Tile(i, 0, 1.0, "red") for i in range(5)]
+    drawn = panel("<b>&", [*row, Tile(1.5, 0, 0.5, "blue", "<i>")], Grid(("a", "0", "1", 5), ("b", "0", "1", 2), {}), "green")
+    assert (
+        '<g fill="red"><path d="M0 0H5v1H0z"/></g><g fill="blue"><path d="M1.75 0.25H2.25v0.5H1.75z"><title>&lt;i&gt;' in drawn
+    )
+    assert "&lt;b&gt;&amp;" in drawn
+
+
+def test_a_map_goes_on_where_it_stopped(atlas) -> None:
+    before = store.kept(atlas, "solves")
+    rows = map_cells(read_run(atlas))[1].rows
+    assert {0.5, 1.0} == set(rows["tile"])
+    shard = next(iter((atlas / "shards").glob("solves-*.jsonl")))
+    lines = shard.read_text(encoding="utf-8").splitlines(keepends=True)
+    shard.write_text("".join(lines[:-5]), encoding="utf-8")
+    maps = tuple(part.spec for part in map_cells(read_run(atlas)))
+    run_maps(plan(*maps, solvers=("hybrid", "lemke", "relaxation_ip")), atlas, 1, quiet())
+    assert store.kept(atlas, "solves") == before
+
+
+def test_the_smallest_failure_of_each_solver_is_made_small_by_itself(tmp_path) -> None:
+    spec = Map("m", "stack", Axis("blocks", 2, 3, 2, whole=True), Axis("mass_ratio", 1.0, 1e6, 2, "log"), {"push": 1.0})
+    made = plan(replace(spec, levels=0), solvers=("hybrid", "nsgs"))
+    run_maps(made, tmp_path / "run", 2, quiet())
+    failed = failures(map_cells(read_run(tmp_path / "run")), found := read_shrunk(tmp_path / "run"))
+    (row,) = failed.to_dict("records")
+    assert (row["entry"], json.loads(row["parameters"])["blocks"], row["contacts"]) == ("nsgs", 2, 4)
+    assert found.keys() == {row["key"]}
+    assert found[row["key"]].whole
+    small = load(tmp_path / "run" / "shrunk" / row["file"])
+    assert small.contacts == row["left"] < 4
+    assert solve(small, "nsgs", tol=1e-6).status is not Status.SOLVED
+    assert residual(small, solve(small, "hybrid", tol=1e-6).impulse) < 1e-6
+    page = write_report(tmp_path / "run").read_text(encoding="utf-8")
+    assert row["file"] in page
+    assert row["key"] in (tmp_path / "run" / "failures.txt").read_text(encoding="utf-8")
+    (tmp_path / "run" / "shrunk" / "index.json").write_text('{"a": {"file": 1}}', encoding="utf-8")
+    with pytest.raises(ResultsError, match=r"index\.json: cannot be read"):
+        write_report(tmp_path / "run")
+
+
+def test_units_change_nothing(tmp_path) -> None:
+    maps = [small(name, 2, 2, levels=0) for name in MAPS if name.startswith("units_")]
+    run_maps(plan(*maps, solvers=MAPPED), tmp_path / "run", 2, quiet())
+    for part in map_cells(read_run(tmp_path / "run")):
+        for entry, rows in part.rows.groupby("entry"):
+            assert len(rows) == 4
+            assert len(set(rows["verdict"])) == 1, (part.spec.name, entry)
+            assert len(set(rows["mode"])) == 1, (part.spec.name, entry)
+            assert len(set(rows["work"])) == 1, (part.spec.name, entry)
+
+
+def test_a_scene_in_other_units_is_the_same_problem() -> None:
+    usual, other = scene("arch"), scene("arch", mass_unit=1e3, length_unit=1e-3)
+    a, b = usual.problem(), other.problem()
+    assert np.allclose(b.W.toarray() * 1e3, a.W.toarray())
+    assert np.allclose(b.q * 1e3, a.q)
+    assert other.parameters["mass_unit"] == 1e3
+    with pytest.raises(InputError, match=r"^mass_unit"):
+        scene("arch", mass_unit=0)
+
+
+def test_a_map_of_ones_own_is_a_line(tmp_path) -> None:
+    command = ["map", "wedge[speed=2]", "--x", "angle=.2:1:2", "--y", "friction=log:.1:1:2", "--out", str(tmp_path / "run")]
+    done = frictionbench(*command, "--solver", "lemke", "--solver", "apgd", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    rows = map_cells(read_run(tmp_path / "run"))[0].rows
+    assert len(rows) >= 8
+    assert set(rows["parameters"].map(lambda told: json.loads(told)["speed"])) == {2}
+    for arguments, complaint in (
+        (("--x", "angle=.2:1:3", "--y", "colour=1:2:3"), "colour"),
+        (("--x", "angle=.2:3:3", "--y", "friction=.1:1:3"), "angle: must be"),
+        (("--x", "angle", "--y", "friction=.1:1:3"), "x: cannot read"),
+    ):
+        done = frictionbench("map", "wedge", *arguments, cwd=tmp_path)
+        assert done.returncode == 2
+        assert complaint in done.stderr
+
+
+def test_a_motion_that_has_hardly_begun_has_not_diverged() -> None:
+    cell = DriveCell("bowl", {"step": 1e-4}, "lemke", 1e-8, "stewart_trinkle", steps=3)
+    row = drive(cell, *find("lemke"))
+    assert (row["verdict"], row["reason"], row["steps_done"]) == ("solved", "", 3)
+
+
+def test_what_a_failed_step_does_afterwards(tmp_path) -> None:
+    _, plugins = introduce([str(BAD_SOLVERS)])
+    made = Plan(
+        suite="test",
+        sources=(),
+        solvers=("relaxation_ip",),
+        tolerances=(1e-6,),
+        drives=(Source("two_corner_block", {"velocity": 0.0, "fall": 1.0}, steps=3), Source("stack", {"blocks": 2}, steps=3)),
+        drive_solvers=("gives_up", "lemke"),
+        after_failure=("answer", "velocity", "relaxation"),
+        plugins=plugins,
+    )
+    run_maps(made, tmp_path / "run", 1, quiet())
+    drives = read_run(tmp_path / "run").drives
+    assert len(drives) == 2 * 2 * 3
+    assert set(drives["entry"]) >= {"lemke", "lemke, else velocity", "lemke, else relaxation"}
+    assert set(drives.loc[drives["variant"] == "lemke", "unsolved"]) == {0}
+    lost = drives[(drives["variant"] == "gives_up") & (drives["scene"] == "stack")].set_index("after_failure")
+    assert (lost["unsolved"] == 3).all()
+    # Without impulses the stack falls freely, at the velocity before it stands still, and the relaxation holds it.
+    fallen = scene("stack").gravity[1] * scene("stack").step ** 2 * 6
+    assert lost.loc["answer", "worst_penetration"] == pytest.approx(-fallen)
+    assert abs(lost.loc[["velocity", "relaxation"], "worst_penetration"]).max() < 1e-9
+    found = costs(read_run(tmp_path / "run"))
+    assert found["variant"].tolist() == ["lemke", *["gives_up"] * 3] * 2
+    assert set(found.loc[found["variant"] == "lemke", "unsolved"]) == {0}

@@ -1,0 +1,192 @@
+"""Runs: every planned cell leaves a row with the right verdict, whatever its solver does; broken-off runs resume."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from frictionbench.harness.commands.single import rerun_row
+from frictionbench.harness.plans.choose import choose
+from frictionbench.harness.plans.plan import Source
+from frictionbench.harness.run import run
+from frictionbench.problems import InputError
+from frictionbench.problems.recorded import archive, own
+from frictionbench.results import store
+from frictionbench.results.store import ResultsError
+from tests.helpers.command_line import frictionbench
+from tests.helpers.runs import quiet, small_plan, verdicts
+
+
+def test_a_run_leaves_every_row_once_and_resumes(tmp_path) -> None:
+    folder = tmp_path / "run"
+    run(small_plan(), folder, 1, quiet())
+    whole = verdicts(folder)
+    assert len(whole) == 2 * 2 * 2 + 1
+    assert {verdict for verdict, *_ in whole.values()} == {"solved"}
+    # Lose half the rows and tear the last line left: the same command runs just what is missing.
+    shard = max((folder / "shards").glob("solves-*.jsonl"), key=lambda path: path.stat().st_size)
+    lines = shard.read_text(encoding="utf-8").splitlines(keepends=True)
+    shard.write_text("".join(lines[:4]) + lines[4][:50], encoding="utf-8")
+    run(small_plan(), folder, 1, quiet())
+    assert verdicts(folder) == whole
+    manifest = store.read_manifest(folder)
+    assert manifest["finished"]
+    assert set(manifest["problems"]) == set(store.read_table(folder, "solves")["problem"])
+
+
+def test_an_unlike_run_is_refused_and_nothing_is_lost(tmp_path) -> None:
+    folder = tmp_path / "run"
+    run(small_plan(drives=()), folder, 1, quiet())
+    before = verdicts(folder)
+    with pytest.raises(ResultsError, match=r"settings\.tolerances"):
+        run(small_plan(drives=(), tolerances=(1e-5,)), folder, 1, quiet())
+    assert verdicts(folder) == before
+    stranger = tmp_path / "photos"
+    stranger.mkdir()
+    (stranger / "holiday.txt").write_text("sun", encoding="utf-8")
+    with pytest.raises(ResultsError, match="neither empty nor a results folder"):
+        run(small_plan(), stranger, 1, quiet())
+    assert [path.name for path in stranger.iterdir()] == ["holiday.txt"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (("run", "no_such_suite"), "suite: unknown suite"),
+        (("run", "smoke", "--scene", "no_such_scene"), "scene: unknown scene"),
+        (("run", "smoke", "--scene", "stack[blocks=-1]"), "blocks: must be at least 1"),
+        (("run", "smoke", "--scene", "stack[colour=1]"), "colour"),
+        (("run", "smoke", "--solver", "no_such_solver"), "solver: unknown solver"),
+        (("run", "smoke", "--solver", "nsgs[relaxation=much]"), "takes a float"),
+        (("run", "smoke", "--solver", "ccp[backend=abacus]"), "abacus"),
+        (("run", "smoke", "--solver", "nothing_here.py"), "nothing_here.py"),
+        (("run", "smoke", "--tol", "tight"), "tol: cannot read"),
+        (("run", "smoke", "--tol", "-1"), "tol: must lie between"),
+        (("run", "smoke", "--time-limit", "0"), "time-limit: must be positive"),
+        (("run", "smoke", "--jobs", "1000"), "jobs: at most"),
+        (("report", "no_such_folder"), "no such results folder"),
+        (("compare", "no_such_folder", "nor_this"), "no_such_folder"),
+        (("solve", "no_such_file.npz"), "no_such_file.npz: no such file"),
+        (("solve", "no_such_scene"), "scene: unknown scene"),
+        (("rerun", "no_such_folder", "key"), "no such results folder"),
+    ],
+)
+def test_unusable_input_is_named_in_one_line(tmp_path, arguments, complaint) -> None:
+    done = frictionbench(*arguments, cwd=tmp_path)
+    assert done.returncode == 2
+    assert complaint in done.stderr + done.stdout
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_unreadable_results_are_named(tmp_path) -> None:
+    (tmp_path / "manifest.json").write_text("{torn", encoding="utf-8")
+    with pytest.raises(ResultsError, match=r"manifest\.json: cannot be read"):
+        store.read_manifest(tmp_path)
+    (tmp_path / "solves.parquet").write_bytes(b"PAR1 no more")
+    with pytest.raises(ResultsError, match=r"solves\.parquet: not a readable"):
+        store.read_table(tmp_path, "solves")
+
+
+def test_what_unpacks_to_too_much_is_refused_unread(tmp_path, monkeypatch) -> None:
+    folder = tmp_path / "run"
+    run(small_plan(drives=()), folder, 1, quiet())
+    path = next((folder / "problems").glob("*.npz"))
+    monkeypatch.setattr(archive, "LARGEST", 100)
+    with pytest.raises(InputError, match="unpacks to"):
+        own.load(path)
+    monkeypatch.setattr(store, "LARGEST_TABLE", 100)
+    with pytest.raises(ResultsError, match=r"solves\.parquet: unpacks to"):
+        store.read_table(folder, "solves")
+    monkeypatch.setattr(store, "LARGEST_MANIFEST", 100)
+    with pytest.raises(ResultsError, match=r"manifest\.json: larger than"):
+        store.read_manifest(folder)
+
+
+def written(folder: Path) -> set[tuple[Path, int, int]]:
+    """The files of a folder that is being written to, with their lengths and times."""
+    found = set()
+    for path in folder.rglob("*"):
+        with suppress(FileNotFoundError):
+            found.add((path, path.stat().st_size, path.stat().st_mtime_ns))
+    return found
+
+
+def test_a_run_killed_again_and_again_resumes_to_the_same_table(tmp_path) -> None:
+    """Kill -9 of the whole process group after it wrote some files, whatever it is doing then; then the same command again.
+
+    How far it got is told by its folder, not by the clock: a run spends most of its time starting.
+    """
+    command = ["run", "smoke", "--scene", "stack", "--scene", "pyramid", "--solver", "lemke", "--solver", "nsgs", "--out"]
+    python = [sys.executable, "-c", "from frictionbench.harness.cli import main; main()"]
+    random = np.random.default_rng(0)
+    killed, interrupted = tmp_path / "killed", 0
+    for _ in range(8):
+        before, left = written(killed), random.integers(2, 9)
+        process = subprocess.Popen([*python, *command, str(killed)], start_new_session=True, stderr=subprocess.DEVNULL)
+        while process.poll() is None and left:
+            time.sleep(0.005)
+            now = written(killed)
+            before, left = now, left - (now != before)
+        time.sleep(random.uniform(0.0, 0.1))
+        if process.poll() is None:
+            interrupted += 1
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+    assert interrupted > 3
+    for folder in ("killed", "whole"):
+        assert frictionbench(*command, str(tmp_path / folder)).returncode == 0
+    assert verdicts(tmp_path / "killed") == verdicts(tmp_path / "whole")
+    assert len(verdicts(tmp_path / "whole")) == 3 * 2 * 2
+
+
+def test_a_cell_is_rerun_from_its_row_bit_for_bit(tmp_path) -> None:
+    folder = tmp_path / "run"
+    run(small_plan(), folder, 1, quiet())
+    same = ("verdict", "status", "residual", "work", "backward_error", "problems", "worst_residual", "energies")
+    for table in ("solves", "drives"):
+        for key in store.read_table(folder, table)["key"].iloc[[0, -1]]:
+            row, again = rerun_row(folder, key, [])
+            assert row is not again
+            assert {name: row.get(name) for name in same} == {name: again.get(name) for name in same}
+    shown = frictionbench("rerun", str(folder), key)
+    assert shown.returncode == 0, shown.stderr
+    assert shown.stdout.count(row["variant"]) == 2
+    assert "no row has the key" in frictionbench("rerun", str(folder), "nonsense").stderr
+
+
+def test_solve_puts_every_solver_to_one_problem() -> None:
+    done = frictionbench("solve", "stack[blocks=2,push=1]", "--solver", "lemke", "--solver", "nsgs")
+    assert done.returncode == 0, done.stderr
+    assert "lemke" in done.stdout
+    assert "solved" in done.stdout
+
+
+def test_choices_narrow_a_suite() -> None:
+    plan = choose("smoke", ["stack[blocks=3]"], ("nsgs[relaxation=1.2]",), "1e-3,1e-5", 3.0)
+    assert plan.sources == (Source("stack", {"blocks": 3}, 6),)
+    assert plan.solvers == plan.drive_solvers == ("nsgs[relaxation=1.2]",)
+    assert plan.tolerances == (1e-3, 1e-5)
+    assert plan.time_limit == 3.0
+
+
+def test_recorded_problems_are_replayed_cold_warm_and_shuffled(tmp_path) -> None:
+    plan = small_plan(
+        sources=(Source("stopping_block", {}, pick=3, steps=6),),
+        starts=("cold", "warm", "shuffled"),
+        drives=(),
+        tolerances=(1e-8,),
+    )
+    run(plan, tmp_path / "run", 1, quiet())
+    rows = store.read_table(tmp_path / "run", "solves")
+    of = rows[rows["solver"] == "nsgs"].groupby("start")["verdict"].agg(list).to_dict()
+    assert of == {"cold": ["solved"] * 3, "warm": ["solved"] * 2, "shuffled": ["solved"] * 3}
+    sweeps = {start: rows.loc[(rows["solver"] == "nsgs") & (rows["start"] == start), "work"].map(json.loads) for start in of}
+    # A block that slides on has the same impulse at every step: the warm start is the answer.
+    assert max(work["sweeps"] for work in sweeps["warm"]) < max(work["sweeps"] for work in sweeps["cold"])

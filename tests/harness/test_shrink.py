@@ -1,0 +1,74 @@
+"""Failing cells are made small, and stay failing."""
+
+from contextlib import suppress
+
+import numpy as np
+import pytest
+
+from frictionbench.harness.commands.shrink import shrink
+from frictionbench.harness.plans.plan import Plan, Source
+from frictionbench.harness.run import run
+from frictionbench.harness.shrink import Search, smallest
+from frictionbench.harness.workers.introduce import introduce
+from frictionbench.problems import FrictionProblem, InputError, scene
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.recorded.own import load
+from frictionbench.problems.reduce import keep_contacts
+from frictionbench.results import store
+from frictionbench.results.store import ResultsError
+from tests.helpers.places import BAD_SOLVERS
+from tests.helpers.runs import quiet
+
+
+def test_the_smallest_failing_part_is_found() -> None:
+    search, kept, asked, fails = smallest(list(range(40))), list(range(40)), 0, None
+    with suppress(StopIteration):
+        while True:
+            parts = search.send(fails)
+            asked, fails = asked + 1, {3, 17} <= set(parts)
+            kept = parts if fails else kept
+    assert kept == [3, 17]
+    assert 5 < asked < 80
+    assert list(smallest([5])) == []
+
+
+def test_a_part_whose_residual_is_hidden_by_rounding_does_not_count() -> None:
+    search = Search({"verdict": "unsolved", "tol": 1e-6, "time_limit": 1.0}, random_problem(3, contacts=2), 10.0)
+    for floor, kept in ((1e-12, [0, 1]), (9.4, [0, 1]), (1e-12, [0])):
+        search.hear({"verdict": "unsolved", "residual_floor": floor, "wall_time": 1e-3})
+        assert search.kept == kept
+
+
+def test_contacts_and_bodies_are_removed() -> None:
+    tower = scene("stack", blocks=3, push=1.0).problem()
+    on_ground = np.flatnonzero(np.diff(tower.normal.indptr) <= 3).tolist()
+    base = keep_contacts(tower, on_ground)
+    rows = np.array([2 * i + k for i in on_ground for k in (0, 1)])
+    assert (base.contacts, len(base.free_velocity)) == (2, 3)
+    assert np.array_equal(base.W.toarray(), tower.W.toarray()[np.ix_(rows, rows)])
+    assert np.array_equal(base.q, tower.q[rows])
+    problem = random_problem(3, contacts=6)
+    known = FrictionProblem.from_delassus(problem.W, problem.q, problem.friction, 2)
+    assert np.allclose(keep_contacts(known, [4, 1]).W.toarray(), keep_contacts(problem, [4, 1]).W.toarray())
+    assert keep_contacts(problem, []).contacts == 0
+
+
+def test_a_failing_row_is_shrunk_into_a_file(tmp_path) -> None:
+    _, plugins = introduce([str(BAD_SOLVERS)])
+    plan = Plan(
+        suite="test",
+        sources=(Source("stack", {"blocks": 4, "push": 1.0}),),
+        solvers=("lies", "lemke"),
+        tolerances=(1e-8,),
+        plugins=plugins,
+    )
+    folder = tmp_path / "run"
+    run(plan, folder, 1, quiet())
+    rows = store.read_table(folder, "solves").set_index("solver")
+    path, problem, _ = shrink(folder, rows.loc["lies", "key"], [str(BAD_SOLVERS)])
+    assert (problem.contacts, len(problem.free_velocity)) == (1, 3)
+    assert load(path).hash == problem.hash
+    with pytest.raises(InputError, match="there is no failure"):
+        shrink(folder, rows.loc["lemke", "key"], [])
+    with pytest.raises(ResultsError, match="no row has the key"):
+        shrink(folder, "nonsense", [])

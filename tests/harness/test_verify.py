@@ -1,0 +1,195 @@
+"""What an answer is worth: near misses, what arithmetic cannot tell, and energy that no residual explains."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from frictionbench.harness.verify import NEAR, verify, verify_lcp
+from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.residual import relaxation_residual, residual, residual_floor
+from frictionbench.solvers import Answer, Status, available, solve
+from tests.helpers.friction_problems import block, spatial
+
+LEMKE, RELAXATION = available()["lemke"], available()["relaxation_ip"]
+
+
+def claim(impulse, status=Status.SOLVED):
+    return Answer(np.asarray(impulse, dtype=float), status)
+
+
+def off_by(problem, size):
+    """Impulses whose residual is `size`: the answer with the last contact's normal impulse raised."""
+    r = solve(problem, "lemke", tol=1e-14).impulse
+    low, high = 0.0, 1.0
+    for _ in range(200):
+        middle = (low + high) / 2
+        moved = r + middle * np.eye(problem.dimension)[0] * (np.arange(problem.contacts) == problem.contacts - 1)[:, None]
+        low, high = (middle, high) if residual(problem, moved) < size else (low, middle)
+    return moved
+
+
+@pytest.mark.parametrize(
+    ("excess", "status", "verdict"),
+    [
+        (0.5, Status.SOLVED, "solved"),
+        (0.5, Status.STALLED, "solved"),
+        (1.000001, Status.SOLVED, "missed"),
+        (9.5, Status.SOLVED, "missed"),
+        (11.0, Status.SOLVED, "wrong"),
+        (1.5, Status.STALLED, "unsolved"),
+    ],
+)
+def test_a_claim_that_misses_by_little_is_missed(excess, status, verdict):
+    problem = random_problem(3, contacts=4, friction=0.3)
+    finding = verify(problem, claim(off_by(problem, excess * 1e-4), status), LEMKE, 1e-4)
+    assert finding.residual == pytest.approx(excess * 1e-4, rel=1e-7)
+    assert finding.verdict == verdict
+    if status is Status.SOLVED and excess > 1:
+        assert finding.reason == f"claims a residual within 0.0001, has {excess * 1e-4:.2g}, {excess:.2g} times that"
+
+
+def test_a_librarys_word_is_told_where_it_did_not_succeed():
+    problem, library = block(), replace(LEMKE, needs=("library",))
+    right, nothing = solve(problem, "lemke").impulse, np.zeros((1, 2))
+    for impulse, status, who, told in (
+        (right, Status.SOLVED, library, ""),
+        (right, Status.SOLVED, LEMKE, "fine"),
+        (right, Status.STALLED, library, "fine"),
+        (nothing, Status.STALLED, library, "fine"),
+    ):
+        assert verify(problem, Answer(impulse, status, detail="fine"), who, 1e-8).reason == told
+    assert verify(problem, Answer(nothing, Status.SOLVED, detail="fine"), library, 1e-8).reason.endswith("; fine")
+
+
+def test_a_relaxation_misses_by_its_own_residual():
+    problem = random_problem(3, contacts=4, friction=1.0)
+    r = solve(problem, "relaxation_ip", tol=1e-12).impulse
+    moved = r * (1 + 2e-5)
+    tol = relaxation_residual(problem, moved) / 3
+    assert NEAR * tol < residual(problem, moved)
+    finding = verify(problem, claim(moved), RELAXATION, tol)
+    assert finding.verdict == "missed"
+    assert "of its model" in finding.reason
+    assert verify(problem, claim(moved), RELAXATION, 4 * tol).verdict == "relaxed"
+
+
+@pytest.mark.parametrize(
+    ("share", "verdict", "said"),
+    [
+        (1e-6, "relaxed", "contacts made soft by 1e-06 of W's diagonal"),
+        (2e-6, "wrong", "claims a softness of 2e-06 of W's diagonal, where 1e-06 is allowed: judged without"),
+        (1.0, "wrong", "where 1e-06 is allowed: judged without"),
+        (-0.5, "wrong", "none below 0: judged without"),
+        (np.nan, "wrong", "none below 0: judged without"),
+    ],
+)
+def test_contacts_are_soft_within_bounds(share, verdict, said):
+    """r (1 + share) = r_hard solves the block's problem with R = share s, whatever share is."""
+    problem = block(speed=0.0, friction=0.0)
+    soft = replace(RELAXATION, model="regularised")
+    answer = claim(solve(problem, "lemke", tol=1e-14).impulse / (1 + np.nan_to_num(share, nan=1.0)))
+    answer.softness = np.full((1, 2), share * problem.scale[0])
+    finding = verify(problem, answer, soft, 5e-8)
+    assert finding.verdict == verdict
+    assert said in finding.reason
+    assert verify(problem, answer, RELAXATION, 5e-8).verdict == "wrong", "a hard model's answer may not be soft"
+
+
+def opposed() -> FrictionProblem:
+    """A body between two walls that press it from both sides; equal impulses cancel."""
+    return FrictionProblem(
+        mass=np.eye(2),
+        normal=[[0.0, 1.0], [0.0, -1.0]],
+        tangent=[[1.0, 0.0], [1.0, 0.0]],
+        friction=[0.5, 0.5],
+        free_velocity=[1.0, -1.0],
+        bias=[0.0, 0.0],
+    )
+
+
+def test_garbage_that_rounds_to_nothing_is_unjudgeable():
+    problem, garbage = opposed(), [[1e17, 3e16], [1e17, -3e16]]
+    finding = verify(problem, claim(garbage), LEMKE, 1e-8)
+    assert finding.residual <= 1e-8  # by rounding alone: the energy it makes says otherwise
+    assert finding.floor > 1
+    assert finding.verdict == "unjudgeable"
+    assert "rounding alone" in finding.reason
+    assert "look: an energy defect" in finding.reason
+    assert abs(finding.energy_defect) > 1e15
+    assert verify(problem, claim(garbage, Status.STALLED), LEMKE, 1e-8).verdict == "unsolved"
+
+
+def test_an_honest_answer_of_large_impulses_is_judged():
+    problem, squeeze = opposed(), 1e4 * np.array([[1.0, -0.25], [1.0, -0.25]])
+    squeeze[0, 0] += 1.0
+    finding = verify(problem, claim(squeeze), LEMKE, 1e-8)
+    assert finding.floor < 1e-10
+    assert finding.verdict == "wrong"
+    held = claim([[4.0, -0.5], [3.0, -0.5]])
+    assert verify(problem, held, LEMKE, 1e-12).verdict == "solved"
+    assert "look" not in verify(problem, held, LEMKE, 1e-12).reason
+
+
+def test_a_slip_magnified_by_friction_is_in_the_floor():
+    assert residual_floor(block(friction=1e6), np.zeros((1, 2))) > 1e5 * residual_floor(block(friction=0.1), np.zeros((1, 2)))
+    problem = block(friction=1e6)
+    stuck = solve(problem, "lemke").impulse
+    assert residual_floor(problem, stuck) > 1e-11
+    assert verify(problem, claim(stuck), LEMKE, 1e-8).verdict == "solved"
+    assert verify(problem, claim(stuck), LEMKE, 1e-12).verdict == "unjudgeable"
+
+
+def exact_residual(problem, impulse):
+    """The residual in extended precision, written down once more."""
+    r, exact = impulse.astype(np.longdouble), np.longdouble
+    J, inverse = problem.jacobian.toarray().astype(exact), problem.inverse_mass.toarray().astype(exact)
+    if problem.joints.shape[0]:
+        F = problem.joints.toarray().astype(exact)
+        response = inverse @ F.T
+        held = response @ np.linalg.inv((F @ response).astype(float)).astype(exact)
+    free = problem.free_velocity.astype(exact)
+
+    def velocity(r):
+        v = free + inverse @ (J.T @ r.ravel())
+        if problem.joints.shape[0]:
+            for _ in range(3):  # the inverse is not exact; the projection, repeated, is
+                v = v - held @ (F @ v + problem.joint_bias)
+        u = (J @ v).reshape(r.shape)
+        u[:, 0] += problem.bias
+        return u
+
+    u, q, worst = velocity(r), velocity(0 * r), exact(0)
+    for i, (mu, b, s) in enumerate(zip(problem.friction, problem.friction_bias, problem.scale, strict=True)):
+        n = r[i, 0] - (u[i, 0] + exact(mu) * np.sqrt((u[i, 1:] ** 2).sum())) / s
+        t = r[i, 1:] - u[i, 1:] / s
+        size = np.sqrt((t**2).sum())
+        nearest = n if size <= mu * n + b else (n + mu * (size - b)) / (1 + exact(mu) ** 2)
+        nearest = max(nearest, exact(0))
+        t *= min((mu * nearest + b) / size, exact(1)) if size else 0
+        worst = max(worst, s * np.sqrt((r[i, 0] - nearest) ** 2 + ((r[i, 1:] - t) ** 2).sum()))
+    return float(worst / np.sqrt((q**2).sum(axis=1)).max())
+
+
+@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_rounding_stays_below_the_floor(seed, dimension):
+    random = np.random.default_rng(seed)
+    friction = 10 ** random.uniform(-3, 6)
+    if dimension == 2:
+        problem = random_problem(seed, contacts=int(random.integers(1, 12)), friction=friction)
+    else:
+        problem = spatial(seed, friction=friction, friction_bias=bool(seed % 2))
+    answer = solve(problem, "hybrid", tol=1e-10).impulse
+    for size in (1.0, 1 + 1e-9, 10 ** random.uniform(0, 14)):
+        found, floor = residual(problem, size * answer), residual_floor(problem, size * answer)
+        assert abs(found - exact_residual(problem, size * answer)) <= floor
+
+
+def test_a_bare_lcp_is_judged_alike():
+    lcp = LCP(np.eye(2), [-1.0, -1.0])
+    answer = Answer(np.zeros((0, 0)), Status.SOLVED, z=np.array([1.0, 1.0 + 3e-8]))
+    assert verify_lcp(lcp, answer, 1e-8).verdict == "missed"
+    assert verify_lcp(lcp, answer, 1e-9).verdict == "wrong"
+    assert verify_lcp(lcp, answer, 1e-7).verdict == "solved"

@@ -1,0 +1,108 @@
+"""The same plan on a dask cluster here, one of its two workers killed half-way, finds the same; a dead scheduler is told."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from frictionbench.harness.progress import Progress, Stage
+from frictionbench.harness.run import run
+from frictionbench.harness.workers import cluster
+from frictionbench.problems import InputError
+from frictionbench.results.store import ResultsError
+from tests.helpers.runs import quiet, small_plan, verdicts
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+@contextmanager
+def dask_cluster(folder: Path) -> Iterator[tuple[str, list[subprocess.Popen]]]:
+    """A scheduler and two workers over TCP on loopback: its address and the three."""
+    address = f"tcp://127.0.0.1:{free_port()}"
+    quietly = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "start_new_session": True, "cwd": folder}
+    environment = os.environ | {"DASK_DISTRIBUTED__WORKER__DAEMON": "False"}
+    dask = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", address, "--no-dashboard"]
+    processes = [subprocess.Popen(dask, env=environment, **quietly)]
+    for _ in range(2):
+        command = [
+            sys.executable,
+            "-m",
+            "distributed.cli.dask_worker",
+            address,
+            "--nthreads",
+            "1",
+            "--no-dashboard",
+            "--no-nanny",
+        ]
+        processes.append(subprocess.Popen([*command, "--local-directory", str(folder)], env=environment, **quietly))
+    try:
+        yield address, processes
+    finally:
+        for process in processes:
+            if process.poll() is None:
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+
+
+class KillAfter(Progress):
+    """Kills a worker, or the scheduler, after a few cells."""
+
+    def __init__(self, killed: subprocess.Popen, cells: int) -> None:
+        super().__init__(quiet()._console)
+        self.killed, self.left = killed, cells
+
+    @contextmanager
+    def stage(self, name: str, total: int, done: int) -> Iterator[Stage]:
+        with super().stage(name, total, done) as stage:
+            if name == "cells":
+                finished = stage.finished
+
+                def count(task):
+                    self.left -= 1
+                    if self.left == 0:
+                        os.killpg(self.killed.pid, signal.SIGKILL)
+                    finished(task)
+
+                stage.finished = count
+            yield stage
+
+
+def wait_for_workers(address: str, count: int) -> None:
+    from distributed import Client
+
+    with Client(address, timeout=60) as client:
+        client.wait_for_workers(count, timeout=60)
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_cluster_that_loses_a_worker_finds_the_same_and_one_without_scheduler_is_told(tmp_path) -> None:
+    pytest.importorskip("distributed")
+    run(small_plan(), tmp_path / "here", 1, quiet())
+    (tmp_path / "scratch").mkdir()
+    with dask_cluster(tmp_path / "scratch") as (address, (scheduler, worker, _)):
+        wait_for_workers(address, 2)
+        killer = KillAfter(worker, cells=3)
+        run(small_plan(), tmp_path / "there", 1, killer, cluster=address)
+        assert killer.left < 0
+        assert worker.wait(timeout=10) == -signal.SIGKILL
+        with pytest.raises(ResultsError, match="cluster: its scheduler is gone; the same command goes on"):
+            run(small_plan(), tmp_path / "lost", 1, KillAfter(scheduler, cells=2), cluster=address)
+    assert verdicts(tmp_path / "there") == verdicts(tmp_path / "here")
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_cluster_that_is_not_there_is_named(tmp_path, monkeypatch) -> None:
+    pytest.importorskip("distributed")
+    monkeypatch.setattr(cluster, "ANSWERING", 0.5)
+    with pytest.raises(InputError, match="cluster: no scheduler answers"):
+        run(small_plan(), tmp_path / "run", 1, quiet(), cluster=f"tcp://127.0.0.1:{free_port()}")

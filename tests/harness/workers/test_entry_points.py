@@ -1,0 +1,86 @@
+"""Solvers of installed distributions: found by their entry points, code from outside like a plug-in's file."""
+
+from pathlib import Path
+
+import pytest
+
+from frictionbench.harness.commands.single import everyone
+from frictionbench.harness.workers import pool
+from frictionbench.harness.workers.introduce import introduce
+from frictionbench.problems import InputError
+from frictionbench.results import store
+from frictionbench.solvers import plugins
+from tests.helpers.command_line import frictionbench
+from tests.helpers.plugin import PLUGIN
+
+METADATA = "Metadata-Version: 2.1\nName: made-up\nVersion: 1.2\n"
+POINTS = "[frictionbench.solvers]\nguest = made_up.solvers\nabsent = made_up.solvers\n"
+
+
+@pytest.fixture
+def distribution(tmp_path, monkeypatch) -> Path:
+    """Where a made-up distribution lies that is installed for this process and for those it starts."""
+    home = tmp_path / "site"
+    information = home / "made_up-1.2.dist-info"
+    information.mkdir(parents=True)
+    (information / "METADATA").write_text(METADATA, encoding="utf-8")
+    (information / "entry_points.txt").write_text(POINTS, encoding="utf-8")
+    (home / "made_up").mkdir()
+    (home / "made_up" / "__init__.py").write_text("FACTOR = 0.0", encoding="utf-8")
+    code = PLUGIN.format(first=f"from made_up import FACTOR\nopen({str(tmp_path / 'trace')!r}, 'a').close()", body="pass")
+    (home / "made_up" / "solvers.py").write_text(code.replace("= 0.0", "= FACTOR"), encoding="utf-8")
+    monkeypatch.syspath_prepend(home)
+    monkeypatch.setenv("PYTHONPATH", str(home))
+    monkeypatch.setattr(pool, "_server", None)
+    yield home
+    if pool._server is not None:
+        pool._server.close()
+
+
+def test_the_solver_of_an_installed_distribution_is_listed_solves_and_runs(distribution, tmp_path) -> None:
+    listed = frictionbench("list", "solvers")
+    assert "made-up 1.2" in next(line for line in listed.stdout.splitlines() if line.startswith("guest "))
+    assert not (tmp_path / "trace").exists()
+    solved = frictionbench("solve", "stack[blocks=1,push=1]", "--solver", "guest", "--solver", "nsgs")
+    assert solved.returncode == 0, solved.stderr
+    assert set(solved.stdout.split()) >= {"guest", "nsgs"}
+    run = ("run", "smoke", "--scene", "stack[blocks=1,push=1]", "--solver", "guest[factor=2]", "--out", str(tmp_path / "run"))
+    ran = frictionbench(*run)
+    assert ran.returncode == 0, ran.stderr
+    rows = store.read_table(tmp_path / "run", "solves")
+    assert set(rows["variant"]) == {"guest[factor=2]"}
+    assert set(rows["verdict"]) == {"unsolved"}
+    assert rows["version"].str.startswith("made-up 1.2 ").all()
+    (distribution / "made_up" / "__init__.py").write_text("FACTOR = 1.0", encoding="utf-8")
+    again = frictionbench(*run)
+    assert (again.returncode, "settings.plugins" in again.stderr) == (2, True)
+    told = frictionbench("rerun", str(tmp_path / "run"), rows["key"][0])
+    assert (told.returncode, "guest[factor=2] is not ours; the run had it from 'guest'" in told.stderr) == (2, True)
+
+
+def test_it_is_code_from_outside_held_to_the_contract(distribution) -> None:
+    variants, (made,) = introduce(["nsgs", "guest"])
+    assert variants == ("guest", "nsgs")
+    assert made.solvers.keys() == {"guest"}
+    assert made.content == plugins.content("guest")
+    checked = frictionbench("check-solver", "guest")
+    assert checked.stdout.startswith("guest\n  kept"), checked.stderr
+
+
+def test_one_that_cannot_be_used_is_named(distribution) -> None:
+    with pytest.raises(InputError, match=r"solver: made_up\.solvers of made-up 1\.2 defines no solver absent"):
+        introduce(["absent"])
+    (distribution / "made_up" / "solvers.py").write_text("\n1 / 0", encoding="utf-8")
+    with pytest.raises(InputError, match=r"guest of made-up 1\.2 cannot be imported \(ZeroDivisionError.*at solvers\.py:2"):
+        introduce(["guest"])
+    twin = distribution / "twin-3.dist-info"
+    twin.mkdir()
+    (twin / "METADATA").write_text(METADATA.replace("made-up", "twin"), encoding="utf-8")
+    (twin / "entry_points.txt").write_text(POINTS, encoding="utf-8")
+    with pytest.raises(InputError, match=r"guest is in made-up 1\.2 and in twin"):
+        introduce(["guest"])
+    assert introduce(["nsgs"]) == (("nsgs",), ())
+    variants, plugins, complaints = everyone()  # for a bare `solve`, which goes on without them
+    assert "nsgs" in variants
+    assert plugins == ()
+    assert [complaint.split()[:3] for complaint in complaints] == [["left", "out:", "solver:"]] * 2

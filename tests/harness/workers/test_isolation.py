@@ -1,0 +1,260 @@
+"""Workers run our code and nobody else's, end with the run whatever runs in them, and do not spoil one another."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import psutil
+import pytest
+
+from frictionbench.harness import machine, process
+from frictionbench.harness.maps import run_maps
+from frictionbench.harness.plans.plan import Plan, Source
+from frictionbench.harness.run import run
+from frictionbench.harness.workers import pool
+from frictionbench.harness.workers.pool import Pool
+from frictionbench.problems import InputError
+from frictionbench.reports.page import write_report
+from frictionbench.reports.told import crowded
+from frictionbench.results import store
+from frictionbench.results.store import ResultsError
+from tests.helpers.runs import quiet
+
+MARK = "FRICTIONBENCH_TEST_MARK"
+DEAF = """
+import os
+import signal
+
+from frictionbench.solvers import solver
+
+
+@solver("deaf", family="bad", model="coulomb")
+class Deaf:
+    '''Hangs from the first call with all signals blocked, and so does its child, which is nobody\'s.'''
+
+    def prepare(self, problem):
+        signal.pthread_sigmask(signal.SIG_SETMASK, set(signal.Signals))
+        if os.fork() == 0:
+            os.setsid()
+        open(os.environ["FRICTIONBENCH_TEST_MARK"] + "/hangs", "a").close()
+        while True:
+            pass
+"""
+SABOTAGE = "raise RuntimeError('the code of the current folder was run')"
+
+
+def frictionbench(*arguments: str, **options) -> subprocess.CompletedProcess[str]:
+    command = [Path(sys.executable).with_name("frictionbench"), *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=300, **options)
+
+
+def wait_until(condition: Callable[[], bool], seconds: float = 60.0) -> bool:
+    end = time.monotonic() + seconds
+    while not (met := condition()) and time.monotonic() < end:
+        time.sleep(0.05)
+    return met
+
+
+@pytest.fixture
+def saboteurs_folder(tmp_path) -> Path:
+    for package in ("problems", "solvers", "harness", "results", "reports"):
+        (tmp_path / package).mkdir()
+        (tmp_path / package / "__init__.py").write_text(SABOTAGE, encoding="utf-8")
+    (tmp_path / "numpy.py").write_text(SABOTAGE, encoding="utf-8")
+    return tmp_path
+
+
+def test_the_current_folder_is_not_imported_from(saboteurs_folder) -> None:
+    options = ("run", "smoke", "--scene", "stack", "--solver", "nsgs", "--tol", "1e-4", "--out", "run")
+    done = frictionbench(*options, cwd=saboteurs_folder)
+    assert done.returncode == 0, done.stderr
+    assert set(store.read_table(saboteurs_folder / "run", "solves")["verdict"]) == {"solved"}
+
+
+def test_the_face_shows_what_a_user_needs() -> None:
+    import frictionbench as fb
+
+    problem = fb.scene("stack", blocks=2, push=1.0).problem()
+    assert fb.solve(problem, "lemke", tol=1e-8).status is fb.Status.SOLVED
+    assert all(hasattr(fb, name) for name in fb.__all__)
+    with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
+        fb.nonsense  # noqa: B018
+
+
+def test_a_worker_of_other_code_is_refused(monkeypatch, tmp_path) -> None:
+    monkeypatch.setattr(pool, "_server", None)
+    monkeypatch.setattr(machine, "code", lambda: {"package": str(machine.PACKAGE.parent), "content": "another"})
+    with pytest.raises(ResultsError, match=r"workers: they run .*, not .*another"):
+        Pool(tmp_path, 1, (), 2**30)
+
+
+def test_a_platform_without_the_mechanisms_is_told_at_the_start(monkeypatch, tmp_path) -> None:
+    monkeypatch.setattr(sys, "platform", "darwin")
+    with pytest.raises(InputError, match=r"platform: darwin has no .* on Linux only"):
+        Pool(tmp_path, 1, (), 2**30)
+
+
+def marked(mark: str) -> list[int]:
+    """The processes, wherever they went, below one that was started with a mark in its environment."""
+    found = []
+    for one in psutil.process_iter():
+        try:
+            if one.environ().get(MARK) == mark and one.status() != psutil.STATUS_ZOMBIE:
+                found.append(one.pid)
+        except psutil.Error:
+            continue
+    return found
+
+
+SPARED = """
+import os, time
+from frictionbench.harness import process
+
+naps = []
+process.sleep = lambda seconds: (naps.append(seconds), time.sleep(seconds))
+process.adopt_orphans()
+said, says = os.pipe()
+if (worker := os.fork()) == 0:
+    if os.fork() == 0:
+        os.write(says, b"!")
+    time.sleep(600)  # and nobody waits for the grandchild
+os.read(said, 1)
+ended = [process.end_descendants(spare=[worker]), process.end_descendants(spare=[worker]), process.end_descendants()]
+print(ended, len(naps) < process.PATIENCE / max(naps) / 2, process.descendants(os.getpid()))
+"""
+
+
+def test_what_a_worker_leaves_is_ended_without_waiting_for_it_to_be_buried() -> None:
+    """The dead child stays, a zombie, with the worker that is spared; it takes the keeper no patience."""
+    done = subprocess.run(
+        [sys.executable, "-c", SPARED], capture_output=True, text=True, check=True, cwd=machine.PACKAGE.parent
+    )
+    assert done.stdout == "[True, False, True] True []\n"
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGHUP])
+def test_a_run_that_is_ended_leaves_no_process_whatever_its_solver_does(tmp_path, number) -> None:
+    plugin = tmp_path / "deaf.py"
+    plugin.write_text(DEAF, encoding="utf-8")
+    options = [
+        "run",
+        "smoke",
+        "--scene",
+        "stack",
+        "--solver",
+        str(plugin),
+        "--time-limit",
+        "300",
+        "--out",
+        str(tmp_path / "run"),
+    ]
+    begun = subprocess.Popen(
+        [sys.executable, "-m", "frictionbench", *options],
+        env=os.environ | {MARK: str(tmp_path)},
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert wait_until((tmp_path / "hangs").exists)
+    begun.send_signal(number)
+    _, told = begun.communicate(timeout=60)
+    assert wait_until(lambda: not marked(str(tmp_path)))
+    if number == signal.SIGKILL:
+        assert begun.returncode == -number
+    else:
+        assert begun.returncode == 128 + number
+        assert f"broken off by {number.name}; the same command goes on" in told
+    assert store.read_manifest(tmp_path / "run")["settings"]["time_limit"] == 300.0
+
+
+def test_without_a_core_of_its_own_a_row_is_marked_and_so_is_the_report(tmp_path) -> None:
+    plan = Plan("test", (Source("stack", {"blocks": 1}),), ("nsgs",), (1e-4,))
+    try:
+        taken = [wait_until(lambda: process.hold_core() is not None, 300) for _ in process.cores()]  # others may hold them
+        assert process.hold_core() is None
+        run(plan, tmp_path, 1, quiet())
+    finally:
+        process.release_cores()
+    (row,) = store.read_table(tmp_path, "solves").to_dict("records")
+    assert all(taken)
+    assert (row["verdict"], row["disturbed"], row["core"]) == ("solved", True, pytest.approx(float("nan"), nan_ok=True))
+    assert len(row["load"]) == 2
+    page = write_report(tmp_path).read_text(encoding="utf-8")
+    assert "1 of 1 cells shared their core" in page
+    assert "no core left" in page
+
+
+def test_rows_of_a_disturbed_core_are_taken_again_if_asked(tmp_path) -> None:
+    plan = Plan("test", (Source("stack", {"blocks": 1}),), ("nsgs", "lemke"), (1e-4,))
+    run(plan, tmp_path, 1, quiet())
+    (shard,) = (tmp_path / "shards").glob("solves-*.jsonl")
+    lines = shard.read_text(encoding="utf-8").splitlines()
+    rows = [json.loads(line) | {"disturbed": k == 0, "reason": "before"} for k, line in enumerate(lines)]
+    shard.write_text("".join(json.dumps(row) + "\n" for row in rows), encoding="utf-8")
+    with pytest.raises(ResultsError, match="holds another run"):
+        run_maps(replace(plan, time_limit=1.0), tmp_path, 1, quiet(), retake=True)
+    run_maps(plan, tmp_path, 1, quiet(), retake=True)
+    again = store.read_table(tmp_path, "solves").set_index("key")["reason"]
+    assert [again[row["key"]] for row in rows] == ["", "before"]
+
+
+def test_a_run_on_all_cores_says_so(tmp_path) -> None:
+    cores = len(process.cores())
+    run(Plan("test", (Source("stack", {"blocks": 1}),), ("nsgs",), (1e-4,)), tmp_path, 1, quiet())
+    manifest = store.read_manifest(tmp_path)
+    assert (manifest["workers"], crowded(manifest)) == (1, int(cores == 1))
+    store.write_manifest(tmp_path, manifest | {"workers": cores})
+    assert f"{cores} workers on all cores" in write_report(tmp_path).read_text(encoding="utf-8")
+    assert crowded({"workers": "many", "machine": {"cores": 1}}) == crowded({"workers": 1, "machine": 7}) == 0
+
+
+NAPS = """
+import time
+import numpy as np
+from frictionbench.solvers import Answer, Status, solver
+
+@solver("naps", family="test", model="coulomb")
+class Naps:
+    \"\"\"Sleeps, and gives up.\"\"\"
+
+    def solve(self, problem, tol, limit, start=None):
+        time.sleep(0.3)
+        return Answer(np.zeros((problem.contacts, problem.dimension)), Status.STALLED)
+"""
+
+
+def test_a_run_outlives_its_server_its_keepers_and_its_workers(tmp_path) -> None:
+    """The server is killed while it starts, all three once the two problems are there; the run is not, and misses no cell."""
+    plugin = tmp_path / "naps.py"
+    plugin.write_text(NAPS, encoding="utf-8")
+    command = [sys.executable, "-c", "from frictionbench.harness.cli import main; main()", "run", "smoke", "--jobs", "1"]
+    command += ["--scene", "stack", "--solver", str(plugin), "--out", str(tmp_path / "run")]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
+        for depth in (1, 3, 2, 1, 3):  # below the run: the server, keepers, workers
+            while process.poll() is None and not (victims := below(process.pid, depth)):
+                time.sleep(0.05)
+            assert process.poll() is None
+            victims[0].kill()
+            while process.poll() is None and len([*tmp_path.glob("run/problems/source-*.json")]) < 2:
+                time.sleep(0.05)  # one whose worker dies twice costs its cells, as rows with that reason
+        _, told = process.communicate(timeout=60)
+    assert process.returncode == 0, told
+    assert set(store.read_table(tmp_path / "run", "solves")["verdict"]) == {"unsolved"}
+    assert len(store.read_table(tmp_path / "run", "solves")) == 4
+
+
+def below(pid: int, depth: int) -> list[psutil.Process]:
+    """The processes so many generations below one; none where any of them is just ending."""
+    found = [psutil.Process(pid)]
+    try:
+        for _ in range(depth):
+            found = [child for one in found for child in one.children()]
+    except psutil.Error:
+        return []
+    return found

@@ -1,0 +1,154 @@
+"""Plug-ins: run only where the user names them, known by content, and their errors told with file and line."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from frictionbench.harness import machine
+from frictionbench.harness.commands.shrink import shrink
+from frictionbench.harness.commands.single import rerun_row
+from frictionbench.harness.plans.plan import Plan, Source
+from frictionbench.harness.run import run
+from frictionbench.harness.workers.introduce import introduce
+from frictionbench.problems import InputError
+from frictionbench.results import store
+from frictionbench.results.store import ResultsError
+from tests.helpers.plugin import write
+from tests.helpers.runs import quiet
+
+
+def plan_of(plugin: Path, **changes) -> Plan:
+    variants, plugins = introduce([str(plugin)])
+    source = Source("stack", {"blocks": 1, "push": 1.0})
+    return Plan("test", (source,), variants, (1e-6,), plugins=plugins, time_limit=2.0, **changes)
+
+
+def test_a_plugin_is_imported_in_workers_alone(tmp_path) -> None:
+    trace, before = tmp_path / "trace", set(sys.modules)
+    plugin = write(tmp_path / "guest.py", first=f"import os; open({str(trace)!r}, 'a').write(str(os.getpid()) + ' ')")
+    variants, (made,) = introduce([str(plugin), "guest[factor=2.5]"])
+    assert variants == ("guest", "guest[factor=2.5]")
+    assert made.solvers["guest[factor=2.5]"]["version"].startswith("guest.py ")
+    run(plan_of(plugin), tmp_path / "run", 1, quiet())
+    importers = trace.read_text(encoding="utf-8").split()
+    assert len(importers) == 3  # twice to be introduced, once to run
+    assert str(os.getpid()) not in importers
+    assert not any(name.startswith("frictionbench_plugin") for name in sys.modules.keys() - before)
+
+
+@pytest.mark.parametrize(
+    ("first", "told"),
+    [
+        ("raise ValueError('no licence')", r"ValueError: no licence \(at guest.py:6"),
+        ("import sys; sys.exit(4)", r"SystemExit: 4 \(at guest.py:6"),
+        ("import os; os._exit(0)", "the process died: exit code 0"),
+        ("def broken(:", r"SyntaxError.*line 6"),
+        ("while True: pass", "stopped at its limit"),
+    ],
+)
+def test_a_plugin_that_cannot_be_imported_is_told_with_file_and_line(tmp_path, monkeypatch, first, told) -> None:
+    plugin = write(tmp_path / "guest.py", first=first)
+    monkeypatch.setattr("frictionbench.harness.cells.worker.IMPORTING", 2.0)
+    with pytest.raises(InputError, match=rf"solver: .*guest\.py.*{told}"):
+        introduce([str(plugin)])
+
+
+def test_a_plugin_that_fails_in_workers_alone_is_told_in_its_rows(tmp_path) -> None:
+    once = tmp_path / "once"
+    first = f"if Path({str(once)!r}).exists(): raise OSError('only once')\nPath({str(once)!r}).touch()"
+    run(plan_of(write(tmp_path / "guest.py", first=first)), tmp_path / "run", 1, quiet())
+    (row,) = store.read_table(tmp_path / "run", "solves").to_dict("records")
+    assert row["verdict"] == "crashed"
+    assert "guest.py cannot be imported (OSError: only once (at guest.py:6" in row["reason"]
+
+
+def test_an_exception_keeps_its_file_line_and_frames(tmp_path) -> None:
+    first = "def deep(n):\n    return 1 / n"
+    plugin = write(tmp_path / "guest.py", first=first, body="deep(0)")
+    run(plan_of(plugin), tmp_path / "run", 1, quiet())
+    (row,) = store.read_table(tmp_path / "run", "solves").to_dict("records")
+    told = r"ZeroDivisionError: division by zero \(at guest.py:7 in deep < guest.py:19 in solve < worker.py:\d+ in <lambda>\)"
+    assert re.fullmatch(told, row["reason"])
+    _, again = rerun_row(tmp_path / "run", row["key"], [str(plugin)])
+    assert again["reason"] == row["reason"]
+
+
+def test_an_edited_plugin_does_not_resume_the_run_of_the_old_one(tmp_path) -> None:
+    plugin = write(tmp_path / "guest.py")
+    plan = plan_of(plugin)
+    run(plan, tmp_path / "run", 1, quiet())
+    write(plugin, body="tol = 2")
+    with pytest.raises(ResultsError, match="plugins"):
+        run(plan_of(plugin), tmp_path / "run", 1, quiet())
+    run(plan, tmp_path / "other", 1, quiet())  # edited while the run was under way
+    (row,) = store.read_table(tmp_path / "other", "solves").to_dict("records")
+    assert "was changed since the run began" in row["reason"]
+
+
+def test_two_files_of_one_name_are_two(tmp_path) -> None:
+    one, other = write(tmp_path / "one" / "guest.py"), tmp_path / "other" / "guest.py"
+    write(other, body="return None")
+    other.write_text(other.read_text(encoding="utf-8").replace('"guest"', '"visitor"'), encoding="utf-8")
+    variants, plugins = introduce([str(one), str(other)])
+    assert variants == ("guest", "visitor")
+    assert len({plugin.content for plugin in plugins}) == 2
+    with pytest.raises(InputError, match="guest is defined by two"):
+        introduce([str(one), str(write(tmp_path / "other" / "guest.py"))])
+
+
+def test_rerun_and_shrink_run_no_file_that_only_the_folder_names(tmp_path) -> None:
+    trace, folder = tmp_path / "trace", tmp_path / "run"
+    body = "import os; os.abort() if problem.contacts > 1 else None"
+    plugin = write(tmp_path / "guest.py", first=f"open({str(trace)!r}, 'a').close()", body=body)
+    run(plan_of(plugin), folder, 1, quiet())
+    (row,) = store.read_table(folder, "solves").to_dict("records")
+    assert (row["verdict"], "SIGABRT" in row["reason"]) == ("crashed", True)
+    trace.unlink()
+    for command in (rerun_row, shrink):
+        with pytest.raises(InputError, match=rf"guest is not ours; the run had it from '{plugin}'"):
+            command(folder, row["key"], [])
+    assert not trace.exists()
+    _, again = rerun_row(folder, row["key"], [str(plugin)])
+    assert (again["verdict"], again["solver"]) == ("crashed", "guest")
+    _, problem, _ = shrink(folder, row["key"], [str(plugin)])
+    assert problem.contacts == 2
+
+
+def test_the_revision_is_that_of_our_own_repository(tmp_path, monkeypatch) -> None:
+    def git(*arguments: str) -> None:
+        subprocess.run(["git", "-C", str(tmp_path), "-c", "user.name=a", "-c", "user.email=a@b", *arguments], check=True)
+
+    def revision(root: Path) -> str:
+        monkeypatch.setattr(machine, "PACKAGE", root / "frictionbench")
+        machine.content.cache_clear()
+        return machine.revision.__wrapped__()
+
+    (tmp_path / "site-packages" / "frictionbench").mkdir(parents=True)
+    (tmp_path / "solvers").mkdir()
+    (tmp_path / "frictionbench").mkdir()
+    (tmp_path / "frictionbench" / "solvers").symlink_to("../solvers")
+    code = tmp_path / "solvers" / "method.py"
+    code.write_text("x = 1", encoding="utf-8")
+    git("init", "--quiet")
+    git("add", ".")
+    git("commit", "--quiet", "--message=a")
+    try:
+        installed = revision(tmp_path / "site-packages")  # a plain install in somebody's repository
+        clean = revision(tmp_path)
+        code.write_text("x = 2", encoding="utf-8")
+        dirty = revision(tmp_path)
+        code.write_text("x = 3", encoding="utf-8")
+        assert installed.startswith("0.1.0+")
+        assert "dirty" not in clean
+        assert dirty.startswith(f"{clean}-dirty-")
+        assert revision(tmp_path) not in (clean, dirty)
+        (code.parent / "new.py").write_text("", encoding="utf-8")
+        code.write_text("x = 1", encoding="utf-8")
+        assert "dirty" in revision(tmp_path)  # for a file that nobody added
+    finally:
+        monkeypatch.undo()
+        machine.content.cache_clear()

@@ -1,0 +1,90 @@
+"""Run in a process of its own without compilation: every solver's work beside calls of kernels counted from outside.
+
+Prints JSON: [solver, its work, {kernel: calls}, solvers that ran under its name] for each case.
+"""
+
+import json
+import sys
+import warnings
+from collections import Counter
+
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.solvers import available, solve
+from tests.helpers.friction_problems import spatial
+
+KERNELS = (
+    ("frictionbench.solvers.sparse_lu.multifrontal", "factorise", "sparse factorisations", lambda arguments: 1),
+    ("frictionbench.solvers.pivots.lu_basis", "factorise", "basis factorisations", lambda arguments: 1),
+    ("frictionbench.solvers.pivots.lu_basis", "exchange", "basis exchanges", lambda arguments: 1),
+    ("frictionbench.solvers.pivots.inverse_basis", "exchange", "exchanges", lambda arguments: 1),
+    ("frictionbench.solvers.pivots.inverse_basis", "refactor", "inversions", lambda arguments: 1),
+    ("frictionbench.solvers.pivots.dense_lcp", "solve_dense", "dense factorisations", lambda arguments: 1),
+    ("frictionbench.solvers.sweeps.form", "state", "products", lambda arguments: 1),
+    ("frictionbench.solvers.sweeps.gauss_seidel", "planar_sweeps", "sweeps", lambda arguments: arguments[-1]),
+    ("frictionbench.solvers.sweeps.gauss_seidel", "spatial_sweeps", "sweeps", lambda arguments: arguments[-1]),
+    ("frictionbench.solvers.admm", "_factorise", "splitting factorisations", lambda arguments: 1),
+    ("frictionbench.solvers.admm", "_alternate", "alternations", lambda arguments: arguments[-1]),
+)
+calls: Counter[str] = Counter()
+running: list[str] = []
+nested: set[str] = set()
+
+
+def count(module, name, label, amount):
+    """Count the calls of a kernel under whatever module knows it."""
+    original = getattr(sys.modules[module], name)
+
+    def counted(*arguments):
+        calls[label] += int(amount(arguments))
+        return original(*arguments)
+
+    for known in [known for title, known in sys.modules.items() if title.startswith("frictionbench.solvers")]:
+        for key, value in list(vars(known).items()):
+            if value is original:
+                setattr(known, key, counted)
+
+
+def watched(name, original):
+    """A solver's solve that remembers who runs under whose name."""
+
+    def solve(self, *arguments, **options):
+        nested.update([name] if running else [])
+        running.append(name)
+        try:
+            return original(self, *arguments, **options)
+        finally:
+            running.pop()
+
+    return solve
+
+
+def cases():
+    problems = (random_problem(1, 3, friction=0.3), random_problem(4, 6, friction=2.0), spatial(1, contacts=3))
+    for name, info in available().items():
+        if info.needs:
+            continue
+        for problem in problems:
+            if not info.refuses(problem):
+                yield name, problem, 1e-8, None
+                yield name, problem, 1e-15, 7
+    for problem in problems:
+        yield "interior_point[shortcut=false]", problem, 1e-8, None
+        yield "interior_point[shortcut=false]", problem, 1e-8, 4
+
+
+if __name__ == "__main__":
+    warnings.simplefilter("ignore")  # integers that wrap around, on purpose
+    lemke = sys.modules["frictionbench.solvers.lemke"]
+    lemke.draw = lambda seed, drawn, draw=lemke.draw: draw(seed % 2**64, drawn)  # -1 wraps around in compiled code
+    for kernel in KERNELS:
+        count(*kernel)
+    originals = {name: info.make.solve for name, info in available().items()}  # before any is replaced: some are inherited
+    for name, original in originals.items():
+        available()[name].make.solve = watched(name, original)
+    found = []
+    for name, problem, tol, limit in cases():
+        calls.clear()
+        nested.clear()
+        answer = solve(problem, name, tol=tol, limit=limit)
+        found.append((name, {unit: int(n) for unit, n in answer.work.items()}, dict(calls), sorted(nested)))
+    print(json.dumps(found))

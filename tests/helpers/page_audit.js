@@ -1,0 +1,34 @@
+
+// Appended to a page's own script by tests/reports/test_page_looks.py: what overlaps, sticks out, was asked for or went wrong.
+const faults = [];
+addEventListener("error", (event) => faults.push(`error: ${event.message}`));
+for (const one of document.querySelectorAll("details")) one.open = true;
+for (const one of document.querySelectorAll(".panels figure")) one.style.contentVisibility = "visible";
+for (const svg of document.querySelectorAll("svg")) {
+  const frame = svg.getBoundingClientRect();
+  const texts = [...svg.querySelectorAll("text")].map((text) => [text.textContent, text.getBoundingClientRect()]);
+  texts.forEach(([text, box], at) => {
+    if (box.left < frame.left - 1 || box.right > frame.right + 1 || box.top < frame.top - 1 || box.bottom > frame.bottom + 1) {
+      faults.push(`outside its drawing: ${text}`);
+    }
+    for (const [other, its] of texts.slice(0, at)) {
+      const across = Math.min(box.right, its.right) - Math.max(box.left, its.left);
+      const upright = Math.min(box.bottom, its.bottom) - Math.max(box.top, its.top);
+      if (across > 0.5 && upright > 0.3 * Math.min(box.height, its.height)) faults.push(`overlap: ${text} and ${other}`);
+    }
+  });
+}
+for (const part of document.querySelectorAll("td, th, h1, h2, h3, p, dt, dd, button, summary, li")) {
+  const range = document.createRange();
+  range.selectNodeContents(part);
+  const text = range.getBoundingClientRect();
+  const box = part.getBoundingClientRect();
+  if (text.width === 0) continue;
+  if (text.right > box.right + 2 || text.left < box.left - 2) faults.push(`too wide: ${part.textContent.trim().slice(0, 60)}`);
+}
+const root = document.documentElement;
+if (root.scrollWidth > root.clientWidth) faults.push(`the page is ${root.scrollWidth} px wide`);
+for (const entry of performance.getEntriesByType("resource")) faults.push(`asked for ${entry.name}`);
+const dark = matchMedia("(prefers-color-scheme: dark)").matches;
+const drawn = document.querySelectorAll("figure svg").length;
+parent.postMessage(JSON.stringify({ width: root.clientWidth, dark, drawn, faults }), "*");

@@ -1,0 +1,36 @@
+"""Small runs that several tests make."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from rich.console import Console
+
+from frictionbench.harness.plans.plan import Plan, Source
+from frictionbench.harness.progress import Progress
+from frictionbench.results import store
+
+
+def quiet() -> Progress:
+    return Progress(Console(quiet=True))
+
+
+def small_plan(**changes) -> Plan:
+    plan = Plan(
+        suite="test",
+        sources=(Source("stack", {"blocks": 2, "push": 1.0}), Source("random", {"seed": 1, "contacts": 4})),
+        solvers=("lemke", "nsgs"),
+        tolerances=(1e-4, 1e-8),
+        drives=(Source("stopping_block", {}, steps=5),),
+        drive_solvers=("lemke",),
+        time_limit=5.0,
+    )
+    return replace(plan, **changes)
+
+
+def verdicts(folder: Path) -> dict[str, tuple]:
+    """What a run found, without times: by key, the verdict, residual and work."""
+    found = {}
+    for table in ("solves", "drives"):
+        for row in store.read_table(folder, table).to_dict("records"):
+            found[row["key"]] = (row["verdict"], row.get("residual"), row.get("work"), row.get("energy_drift"))
+    return found

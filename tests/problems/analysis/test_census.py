@@ -1,0 +1,320 @@
+"""The census against solutions known in closed form, against the LCP's own census, and against Lemke's answers."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+from frictionbench import solvers
+from frictionbench.problems import LCP, FrictionProblem, InputError, scene
+from frictionbench.problems.check import Array
+from frictionbench.problems.forms.force_level import Regime, force_level_lcp, regime
+from frictionbench.problems.nature.census import Census, census, census_labels, lcp_census
+from frictionbench.problems.nature.mode import mode
+from frictionbench.problems.nature.polyhedra import Polyhedron, Shape, contains, cut, is_subset, polyhedron, shape, simplicial
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.residual import residual
+from tests.helpers.friction_problems import block, nothing, spatial, with_joints
+
+
+def variant(seed: int) -> FrictionProblem:
+    """One body and one to four contacts: plain, partly frictionless, with friction at hand, overlapping, or with ties."""
+    random = np.random.default_rng(seed)
+    base = random_problem(seed, contacts=1 + seed % 4, bodies=1)
+    nc = base.contacts
+    names = ("mass", "normal", "tangent", "friction", "free_velocity", "bias")
+    given = {name: getattr(base, name) for name in names}
+    match seed % 5:
+        case 1:
+            given |= {"friction": np.where(random.random(nc) < 0.5, 0, base.friction)}
+        case 2:
+            given |= {"friction_bias": np.where(random.random(nc) < 0.7, random.random(nc), 0)}
+            given |= {"friction": np.where(random.random(nc) < 0.3, 0, base.friction)}
+        case 3:
+            given |= {"bias": -random.random(nc)}
+        case 4:
+            nv = len(base.free_velocity)
+            given |= {"mass": np.eye(nv), "friction": np.ones(nc), "bias": np.zeros(nc)}
+            given |= {name: np.round(given[name].toarray()) for name in ("normal", "tangent")}
+            given |= {"free_velocity": np.round(base.free_velocity)}
+    return FrictionProblem(**given)
+
+
+def unit(problem: FrictionProblem) -> Array:
+    """What makes impulses (2 nc,) pure numbers."""
+    return np.repeat(problem.scale, 2) / (np.abs(problem.q).max() or 1.0)
+
+
+def rescaled(problem: FrictionProblem, piece: Polyhedron) -> Polyhedron:
+    return Polyhedron(piece.vertices * unit(problem), piece.rays * unit(problem), piece.mode)
+
+
+def test_a_sliding_block_has_one_solution() -> None:
+    found = census(block(speed=1.0, friction=0.5, mass=2.0, h=0.01))
+    assert found.shape is found.velocity_shape is Shape.ONE
+    assert found.pieces[0].mode == "r"
+    assert found.pieces[0].vertices == pytest.approx(2 * 9.81 * 0.01 * np.array([[1, -0.5]]))
+    assert found.velocities[0].vertices == pytest.approx(np.array([[0, 1 - 0.5 * 9.81 * 0.01]]))
+
+
+def test_no_contact_has_one_empty_solution() -> None:
+    found = census(nothing())
+    assert found.shape is Shape.ONE
+    assert found.count == 1
+    assert found.pieces[0].vertices.shape == (1, 0)
+
+
+def test_without_friction_only_normals_count() -> None:
+    """Two frictionless supports and a third in their middle: one velocity, a segment of impulses."""
+    problem = FrictionProblem(
+        mass=np.eye(2),
+        normal=[[1, -1], [1, 0], [1, 1]],
+        tangent=np.zeros((3, 2)),
+        friction=np.zeros(3),
+        free_velocity=[-1, 0],
+        bias=np.zeros(3),
+    )
+    found = census(problem)
+    assert found.shape is Shape.CONVEX
+    assert found.velocity_count == 1
+    (piece,) = found.pieces
+    assert piece.mode == "ccc"
+    assert piece.dimension == 1
+    ends = sorted(map(tuple, np.round(piece.vertices[:, ::2], 12) + 0.0))
+    assert ends == [(0, 1, 0), (0.5, 0, 0.5)]
+
+
+def test_friction_at_hand_stops_a_contact_that_opens() -> None:
+    """A slow particle leaves the ground and yet is held along it by the friction bias; a fast one is slowed by all of it."""
+    for speed, left, letter in ((0.1, 0.0, "S"), (1.0, 0.75, "R"), (-1.0, -0.75, "L")):
+        problem = FrictionProblem(
+            mass=2 * np.eye(2),
+            normal=[[0, 1]],
+            tangent=[[1, 0]],
+            friction=[0.5],
+            free_velocity=[speed, 1.0],
+            bias=[0],
+            friction_bias=[0.5],
+        )
+        found = census(problem)
+        assert [piece.mode for piece in found.pieces] == [letter]
+        assert found.pieces[0].vertices == pytest.approx(np.array([[0, 2 * (left - speed)]]))
+        assert found.velocities[0].vertices == pytest.approx(np.array([[1, left]]))
+
+
+@pytest.mark.parametrize("blocks", [1, 2, 3])
+def test_a_stack_at_rest_is_hyperstatic(blocks: int) -> None:
+    """Each interface has two contacts, four impulses for three freedoms: one free parameter a block, and one velocity."""
+    found = census(scene("stack", blocks=blocks).problem())
+    assert found.shape is Shape.CONVEX
+    assert found.count is None
+    assert found.velocity_count == 1
+    assert [(piece.mode, piece.dimension, len(piece.vertices)) for piece in found.pieces] == [
+        ("ss" * blocks, blocks, 2**blocks)
+    ]
+    assert found.velocities[0].vertices == pytest.approx(np.zeros((1, 4 * blocks)), abs=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_every_generator_is_a_solution_and_no_other_way_finds_more(seed: int) -> None:
+    """The LCP's own census walks over 2^(4 nc) bases; its vertices are in the pieces, and those of the pieces among its."""
+    problem = variant(seed)
+    nc = problem.contacts
+    found = census(problem)
+    for piece in found.pieces:
+        for vertex in piece.vertices:
+            assert residual(problem, vertex.reshape(nc, 2)) <= 1e-10
+            for ray in piece.rays:
+                assert residual(problem, (vertex + ray).reshape(nc, 2)) <= 1e-10
+    pieces = [rescaled(problem, piece) for piece in found.pieces]
+    if nc <= 2:
+        lcp = problem.lcp()
+        impulses = [lcp.impulse(z).ravel() * unit(problem) for piece in lcp_census(lcp).pieces for z in piece.vertices]
+        assert all(any(contains(piece, r) for piece in pieces) for r in impulses)
+        assert all(any(contains(Polyhedron(r[None], r[:0, None]), x) for r in impulses) for p in pieces for x in p.vertices)
+    answer = solvers.solve(problem, "lemke", tol=1e-10)
+    if answer.status is solvers.Status.SOLVED:
+        assert any(contains(piece, answer.impulse.ravel() * unit(problem)) for piece in pieces)
+    else:
+        assert (problem.bias < 0).any()
+
+
+def test_the_variants_meet_every_shape() -> None:
+    assert {census(variant(seed)).shape for seed in range(80)} == set(Shape)
+
+
+@pytest.mark.parametrize("seed", range(0, 30, 3))
+def test_the_census_does_not_depend_on_units_order_or_frames(seed: int) -> None:
+    problem = variant(seed)
+    nc, nv = problem.contacts, len(problem.free_velocity)
+    order, kilo = np.arange(nc)[::-1], 1e3
+    mirrored = FrictionProblem(
+        mass=problem.mass * kilo,
+        normal=problem.normal[order],
+        tangent=-problem.tangent[order],
+        friction=problem.friction[order],
+        free_velocity=problem.free_velocity / kilo,
+        bias=problem.bias[order] / kilo,
+        friction_bias=problem.friction_bias[order],
+    )
+    assert nv == len(mirrored.free_velocity)
+    a, b = census(problem), census(mirrored)
+    assert (a.shape, a.velocity_shape, a.count, a.velocity_count) == (b.shape, b.velocity_shape, b.count, b.velocity_count)
+    swap = str.maketrans("lrLR", "rlRL")
+    assert sorted(p.dimension for p in a.pieces) == sorted(p.dimension for p in b.pieces)
+    if a.shape is Shape.ONE:
+        assert a.pieces[0].mode == b.pieces[0].mode[::-1].translate(swap)
+
+
+def test_a_block_on_rails() -> None:
+    """A joint takes up any normal impulse, so friction may brake it by any amount: an arc and a ray."""
+    found = census(with_joints(block(), [[0.0, 1.0]]))
+    assert found.shape is Shape.NOT_CONVEX
+    assert {(p.mode, p.dimension, len(p.rays)) for p in found.pieces} == {("r", 1, 0), ("s", 1, 1)}
+    (sliding,) = (p for p in found.pieces if p.mode == "r")
+    assert sorted(sliding.vertices.tolist()) == pytest.approx(np.array([[0, 0], [4, -2]]), abs=1e-12)
+    assert found.velocity_shape is Shape.CONVEX
+    assert found.velocity_count is None
+
+
+def test_round_off_that_looks_like_solutions_is_found_out(monkeypatch) -> None:
+    """Seven contacts on two bodies of very unlike mass: with the finest tie, vertices at 1e13 N s come of round-off alone."""
+    problem = random_problem(1007, contacts=7, bodies=2, mass_ratio=10**5.3832828)
+    found = census(problem)
+    assert (found.shape, found.velocity_shape) == (Shape.CONVEX, Shape.ONE)
+    assert max(residual(problem, r.reshape(7, 2)) for piece in found.pieces for r in piece.vertices) <= 1e-10
+    monkeypatch.setattr("frictionbench.problems.nature.census.TIES", (1e-12,))
+    monkeypatch.setattr("frictionbench.problems.nature.census.census", overheard)
+    with pytest.warns(UserWarning, match="badly conditioned"):
+        assert set(census_labels(problem).values()) == {None}
+
+
+def overheard(problem: FrictionProblem) -> Census:
+    """A census whose error is told on its way to whoever takes it."""
+    try:
+        return census(problem)
+    except ArithmeticError as error:
+        warnings.warn(str(error), stacklevel=2)
+        raise
+
+
+def test_what_is_too_large_or_spatial_is_refused() -> None:
+    large = random_problem(0, contacts=9, friction=0.5)
+    with pytest.raises(InputError, match="contacts: "):
+        census(large)
+    with pytest.raises(InputError, match="dimension: "):
+        census(spatial(0))
+    with pytest.raises(InputError, match="size: "):
+        lcp_census(LCP(np.eye(17), np.ones(17)))
+    assert set(census_labels(large).values()) == {None}
+
+
+def test_labels_are_plain() -> None:
+    assert census_labels(block()) == {"solutions": "one", "velocities": "one", "velocity_count": 1}
+    assert census_labels(scene("stack", blocks=1).problem()) == {
+        "solutions": "convex",
+        "velocities": "one",
+        "velocity_count": 1,
+    }
+
+
+def test_lcp_census_of_a_segment() -> None:
+    """Symmetric positive semidefinite, z_1 + z_2 = 1: one convex set, one w."""
+    found = lcp_census(LCP(np.ones((2, 2)), [-1, -1]))
+    assert found.shape is Shape.CONVEX
+    assert found.velocity_count == 1
+    assert found.pieces[0].vertices.sum(axis=1) == pytest.approx([1, 1])
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_lcp_census_against_principal_pivots(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    n = 4
+    M, q = random.standard_normal((n, n)), random.standard_normal(n)
+    basic = []
+    for pick in range(2**n):
+        a = np.flatnonzero([pick >> i & 1 for i in range(n)])
+        z = np.zeros(n)
+        z[a] = np.linalg.solve(M[np.ix_(a, a)], -q[a])
+        if z.min() >= 0 and (M @ z + q)[[i for i in range(n) if i not in a]].min(initial=0) >= 0:
+            basic.append(z)
+    found = lcp_census(LCP(M, q))
+    assert found.count == len(basic)
+    assert sorted(p.vertices[0].tolist() for p in found.pieces) == pytest.approx(np.array(sorted(z.tolist() for z in basic)))
+
+
+def test_modes_of_answers() -> None:
+    rest = block(speed=0.0)
+    assert mode(rest, solvers.solve(rest, "lemke").impulse) == "s"
+    right, left = block(), block(speed=-1.0)
+    assert mode(right, solvers.solve(right, "lemke").impulse) == "r"
+    assert mode(left, solvers.solve(left, "lemke").impulse) == "l"
+    assert mode(right, np.zeros((1, 2))) == "o"
+    assert mode(nothing(), np.zeros((0, 2))) == ""
+
+
+def test_cutting_a_cube() -> None:
+    """The unit cube has 8 vertices; the plane through its middle across a diagonal meets it in a hexagon."""
+    eye = np.eye(4)
+    cone = simplicial(eye)
+    for i in range(3):
+        cone = cut(cone, eye[3] - eye[i], False)
+    cube = polyhedron(cone, "")
+    assert cube is not None
+    assert sorted(cube.vertices.tolist()) == sorted([x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1))
+    hexagon = polyhedron(cut(cone, np.array([1, 1, 1, -1.5]), True), "")
+    assert hexagon is not None
+    assert len(hexagon.vertices) == 6
+    assert hexagon.dimension == 2
+    assert is_subset(hexagon, cube)
+    assert not is_subset(cube, hexagon)
+    corner = polyhedron(cut(cone, np.array([1, 1, 1, -3]), False), "")
+    assert corner is not None
+    assert corner.vertices.tolist() == [[1, 1, 1]]
+    assert polyhedron(cut(cone, np.array([1, 1, 1, -3.1]), False), "") is None
+
+
+def test_shapes_of_unions() -> None:
+    def segment(a: list[float], b: list[float]) -> Polyhedron:
+        return Polyhedron(np.array([a, b]), np.zeros((0, 2)))
+
+    def look(*pieces: Polyhedron) -> Shape:
+        return shape(list(pieces), lambda x: any(contains(piece, x) for piece in pieces))[0]
+
+    points = [Polyhedron(np.array([[x, 0.0]]), np.zeros((0, 2))) for x in (0.0, 1.0, 2.0)]
+    quadrant = Polyhedron(np.zeros((1, 2)), np.eye(2))
+    assert look() is Shape.NONE
+    assert look(points[0]) is Shape.ONE
+    assert look(*points) is Shape.ISOLATED
+    assert look(segment([0, 0], [1, 0]), segment([1, 0], [2, 0])) is Shape.CONVEX
+    assert look(segment([0, 0], [1, 0]), segment([1, 0], [2, 1])) is Shape.NOT_CONVEX
+    assert look(quadrant) is Shape.CONVEX
+    assert look(quadrant, segment([0, 0], [-1, 0])) is Shape.NOT_CONVEX
+    assert contains(quadrant, np.array([3.0, 1e-9]))
+    assert not contains(quadrant, np.array([3.0, -1e-3]))
+
+
+@pytest.mark.parametrize(
+    ("p", "K", "next_", "count"),
+    [(2, -1, Regime.SLIDE, 1), (2, 1, Regime.OPEN, 1), (-2, -1, Regime.IMPACT, 0), (-2, 1, Regime.THREE, 2)],
+)
+def test_one_sliding_contact_has_four_regimes(p: float, K: float, next_: Regime, count: int) -> None:
+    """Unit mass with a = 4, b = 3 and mu chosen so that a - mu b = p."""
+    mu = (4 - p) / 3
+    lcp = force_level_lcp(np.eye(2), [[2, 0]], [[1.5, 1]], [mu], [K / 2, 0], [1])
+    assert lcp.dense == pytest.approx(np.array([[p]]))
+    assert lcp.q == pytest.approx([K])
+    assert regime(lcp.dense[0, 0], lcp.q[0]) is next_
+    assert lcp_census(lcp).count == count
+
+
+def test_force_level_of_two_contacts() -> None:
+    random = np.random.default_rng(5)
+    M, N, T = np.diag([1.0, 2, 3]), random.random((2, 3)), random.random((2, 3))
+    mu, k, s, rate = np.array([0.5, 0.7]), random.random(3), np.array([-2.0, 0.0]), np.array([0.1, 0.2])
+    lcp = force_level_lcp(M, N, T, mu, k, s, rate)
+    inverse = np.linalg.inv(M)
+    assert lcp.dense == pytest.approx(N @ inverse @ np.column_stack([N[0] + 0.5 * T[0], N[1]]))
+    assert lcp.q == pytest.approx(N @ inverse @ k + rate)
+    with pytest.raises(InputError, match="sliding: "):
+        force_level_lcp(M, N, T, mu, k, [1.0])

@@ -1,0 +1,431 @@
+"""Problems in files: each format is read as it is meant, and a bad file is named with its field and harms nothing."""
+
+import json
+import struct
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from scipy import sparse
+
+from frictionbench.problems import LCP, FrictionProblem, InputError
+from frictionbench.problems.friction import DelassusProblem
+from frictionbench.problems.instances.cubes import cubes
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.recorded import fclib, own, read
+from frictionbench.problems.residual import residual
+from frictionbench.solvers import available, find, solve
+from tests.helpers.friction_problems import spatial, with_joints
+from tests.helpers.recorded import FOLDER, blocks, columns, dense, global_text, local_text, numbers, recorded, triplets
+
+
+def known_by_W(problem) -> DelassusProblem:
+    return FrictionProblem.from_delassus(problem.W, problem.q, problem.friction, problem.dimension)
+
+
+PLANAR, SPATIAL = random_problem(3, contacts=4, bodies=2), spatial(5, contacts=3)
+BOTH = pytest.mark.parametrize("problem", [PLANAR, SPATIAL], ids=["planar", "spatial"])
+
+
+@BOTH
+@pytest.mark.parametrize("write", [dense, triplets, columns, blocks], ids=lambda write: write.__name__)
+def test_siconos_text_of_a_local_problem(tmp_path, problem, write) -> None:
+    matrix = write(problem.W, problem.dimension) if write is blocks else write(problem.W)
+    path = tmp_path / "problem.dat"
+    path.write_text(local_text(problem, matrix) + "\na remark\n", encoding="ascii")
+    assert read(path).hash == known_by_W(problem).hash
+
+
+@BOTH
+@pytest.mark.parametrize("write", [dense, triplets, columns], ids=lambda write: write.__name__)
+def test_siconos_text_of_a_global_problem(tmp_path, problem, write) -> None:
+    path = tmp_path / "problem.dat"
+    path.write_text(global_text(problem, write), encoding="ascii")
+    found = read(path)
+    assert not isinstance(found, DelassusProblem)
+    for name in ("mass", "normal", "tangent"):
+        assert abs(getattr(found, name) - getattr(problem, name)).nnz == 0
+    assert np.array_equal(found.bias, problem.bias)
+    assert np.allclose(found.free_velocity, problem.free_velocity, rtol=1e-15)
+
+
+@pytest.mark.parametrize("write", [dense, lambda M: blocks(M, 2), triplets], ids=["dense", "blocks", "triplets"])
+def test_siconos_text_of_an_lcp(tmp_path, write) -> None:
+    M, q = sparse.csr_array([[2.0, 1, 0, 0], [0, 3, 0, 1], [1, 0, 1, 0], [0, 0, 5, 1]]), np.array([-1.0, 2, -3, 4])
+    path = tmp_path / "lcp.dat"
+    path.write_text(f"4\n{write(M)}{numbers(q)}\n\n# a remark", encoding="ascii")
+    found = read(path)
+    assert isinstance(found, LCP)
+    assert found.hash == LCP(M, q).hash
+
+
+def test_an_lcp_and_a_friction_problem_of_two_rows_are_told_apart(tmp_path) -> None:
+    W = sparse.csr_array([[2.0, 1.0], [1.0, 3.0]])
+    for write in (dense, triplets, columns):
+        lcp, friction = tmp_path / "lcp.dat", tmp_path / "friction.dat"
+        lcp.write_text(f"2\n{write(W)}-1 -2\n", encoding="ascii")
+        friction.write_text(f"2\n1\n{write(W)}-1 -2\n.5\n", encoding="ascii")
+        assert isinstance(read(lcp), LCP)
+        assert isinstance(read(friction), DelassusProblem)
+
+
+@BOTH
+@pytest.mark.parametrize("form", ["mechanical", "joints", "known by W"])
+def test_fclib_gives_back_what_was_written(tmp_path, problem, form) -> None:
+    nv = len(problem.free_velocity)
+    problem = {
+        "mechanical": problem,
+        "joints": with_joints(problem, np.random.default_rng(0).standard_normal((2, nv))),
+        "known by W": known_by_W(problem),
+    }[form]
+    r = np.arange(float(problem.contacts * problem.dimension)).reshape(problem.contacts, -1)
+    fclib.write(problem, tmp_path / "p.hdf5", "title", "description", solution=r)
+    found = fclib.read(tmp_path / "p.hdf5")
+    assert found.problem.hash == problem.hash == read(tmp_path / "p.hdf5").hash
+    assert np.array_equal(found.solution, r)
+
+
+def fclib_file(path: Path, form: str, matrices: dict, vectors: dict, d: int, storage: int) -> None:
+    """A file as others write it, in any of the three storages."""
+    with h5py.File(path, "w") as file:
+        file[f"{form}/spacedim"] = np.array([d], dtype=np.int32)
+        for name, matrix in matrices.items():
+            M = {0: matrix.tocoo, -1: matrix.tocsc, -2: matrix.tocsr}[storage]()
+            p, i = (M.col, M.row) if storage == 0 else (M.indptr, M.indices)
+            sizes = {"m": M.shape[0], "n": M.shape[1], "nz": M.nnz if storage == 0 else storage, "nzmax": M.nnz}
+            for part, value in (sizes | {"p": p, "i": i}).items():
+                file[f"{form}/{name}/{part}"] = np.atleast_1d(value).astype(np.int32)
+            file[f"{form}/{name}/x"] = M.data
+        for name, vector in vectors.items():
+            file[f"{form}/vectors/{name}"] = vector
+        file["guesses/number_of_guesses"] = np.array([1], dtype=np.int32)
+        file["guesses/1/r"] = np.full(len(vectors["mu"]) * d, 0.5)
+
+
+@pytest.mark.parametrize("storage", [0, -1, -2], ids=["triplets", "columns", "rows"])
+@BOTH
+def test_fclib_storages_and_joints_of_a_local_problem(tmp_path, problem, storage) -> None:
+    """W, V, R from the mechanics; eliminating the joints gives the jointed problem's W and q."""
+    F = np.random.default_rng(1).standard_normal((2, len(problem.free_velocity)))
+    F = np.vstack([F, F[0] - F[1]])  # redundant
+    jointed, d = with_joints(problem, F), problem.dimension
+    inverse, J, F = problem.inverse_mass, problem.jacobian, sparse.csr_array(F)
+    matrices = {"W": problem.W, "V": sparse.csr_array(J @ inverse @ F.T), "R": sparse.csr_array(F @ inverse @ F.T)}
+    vectors = {"q": problem.q, "mu": problem.friction, "s": F @ problem.free_velocity}
+    fclib_file(tmp_path / "p.hdf5", "fclib_local", matrices, vectors, d, storage)
+    found = fclib.read(tmp_path / "p.hdf5")
+    assert np.allclose(found.problem.W.toarray(), with_joints(problem, F).W.toarray(), atol=1e-10)
+    q = J @ jointed.velocity(np.zeros(problem.contacts * d)) + (problem.q - J @ problem.free_velocity)
+    assert np.allclose(found.problem.q, q, atol=1e-10)
+    assert np.array_equal(found.guesses[0], np.full((problem.contacts, d), 0.5))
+
+
+@BOTH
+def test_a_global_problem_without_a_symmetric_mass_or_with_tangential_offset_is_known_by_its_W(tmp_path, problem) -> None:
+    d, nv = problem.dimension, len(problem.free_velocity)
+    M = sparse.csr_array(problem.mass + sparse.csr_array(([0.1], ([0], [1])), shape=(nv, nv)))
+    H, w = sparse.csr_array(problem.jacobian.T), np.arange(problem.contacts * d) / 10
+    f = np.ones(nv)
+    for mass, offset in ((M, np.zeros(len(w))), (problem.mass, w)):
+        matrices, vectors = {"M": mass, "H": H}, {"f": f, "w": offset, "mu": problem.friction}
+        fclib_file(tmp_path / "p.hdf5", "fclib_global", matrices, vectors, d, 0)
+        found, inverse = read(tmp_path / "p.hdf5"), np.linalg.inv(mass.toarray())
+        assert isinstance(found, DelassusProblem)
+        assert np.allclose(found.W.toarray(), H.T @ inverse @ H.toarray(), atol=1e-10)
+        assert np.allclose(found.q, H.T @ inverse @ f + offset, atol=1e-10)
+
+
+def test_contactbench_has_the_normal_last(tmp_path) -> None:
+    order = np.array([1, 2, 0, 4, 5, 3, 7, 8, 6])
+    G = SPATIAL.W.toarray()[np.ix_(order, order)]
+    np.savez(tmp_path / "p.npz", G=G, g=SPATIAL.q[order][:, None], mus=SPATIAL.friction, lam0=np.zeros((9, 1)))
+    assert read(tmp_path / "p.npz").hash == known_by_W(SPATIAL).hash
+
+
+def test_plain_arrays(tmp_path) -> None:
+    path, W = tmp_path / "p.npz", SPATIAL.W.toarray()
+    np.savez(path, W=W, q=SPATIAL.q, mu=SPATIAL.friction, d=3)
+    assert read(path).hash == known_by_W(SPATIAL).hash
+    M, N, T = (getattr(PLANAR, name).toarray() for name in ("mass", "normal", "tangent"))
+    np.savez(path, M=M, N=N, T=T, mu=PLANAR.friction, v=PLANAR.free_velocity, b=PLANAR.bias)
+    assert read(path).hash == PLANAR.hash
+    np.savez(path, M=M, N=N.T, T=T.T, mu=np.float64(0.3), vfree=PLANAR.free_velocity)
+    assert np.array_equal(read(path).friction, np.full(4, 0.3))
+    np.savez(path, M=W, q=SPATIAL.q)
+    assert read(path).hash == LCP(SPATIAL.W, SPATIAL.q).hash
+    own.save(SPATIAL, path)
+    assert read(path).hash == SPATIAL.hash
+
+
+@pytest.mark.parametrize("local", [True, False], ids=["local", "global"])
+def test_large_problems_stay_sparse(tmp_path, monkeypatch, local) -> None:
+    """2000 contacts; a dense matrix of their size would be asked of numpy's eigenvalues, or of toarray."""
+
+    def refuse(*_, **__):
+        raise AssertionError("a matrix was made dense")
+
+    problem = cubes(500, push=1.0)
+    fclib.write(known_by_W(problem) if local else problem, tmp_path / "p.hdf5")
+    monkeypatch.setattr(sparse.csr_array, "toarray", refuse)
+    monkeypatch.setattr(np.linalg, "eigh", refuse)
+    found = read(tmp_path / "p.hdf5")
+    assert residual(found, solve(found, "hybrid").impulse) <= 1e-8
+
+
+# Bad files. Each is a good one with one thing changed, and the field that the error has to name.
+
+LOCAL = {
+    "fclib_local/spacedim": [np.array([4], dtype=np.int32), np.array([3.5]), None],
+    "fclib_local/W/m": [np.array([10**9], dtype=np.int64), np.array([-1]), None, np.array([2, 2])],
+    "fclib_local/W/nz": [np.array([-7]), None],
+    "fclib_local/W/i": [np.full(48, 99, dtype=np.int32), np.full(48, -1, dtype=np.int32), np.ones(48), None, np.zeros(1, int)],
+    "fclib_local/W/p": [np.zeros(3, dtype=np.int32), np.full(10, -1, dtype=np.int32), np.arange(10)[::-1], None],
+    "fclib_local/W/x": [np.full(48, np.nan), np.ones((2, 2)), None],
+    "fclib_local/vectors/q": [np.full(9, np.inf), np.zeros(8), np.zeros((9, 1)), None, np.bytes_(b"text")],
+    "fclib_local/vectors/mu": [np.full(3, -1.0), np.zeros(7), None],
+}
+BLAMED = {  # where a wrong field shows in another, or has a name of its own
+    "fclib_local/W/m": "fclib_local/W/(m|p)|W",
+    "fclib_local/W/x": "fclib_local/W/(x|p)|W",
+    "fclib_local/W/i": "fclib_local/W/[ip]",
+    "fclib_local/vectors/q": "(fclib_local/vectors/)?q",
+    "fclib_local/vectors/mu": "(fclib_local/vectors/)?(mu|friction|q)",
+}
+
+
+@pytest.mark.parametrize(("field", "value"), [(field, value) for field, values in LOCAL.items() for value in values])
+def test_a_bad_fclib_field_is_named(tmp_path, field, value) -> None:
+    path = tmp_path / "p.hdf5"
+    fclib.write(known_by_W(SPATIAL), path)
+    with h5py.File(path, "a") as file:
+        del file[field]
+        if value is not None:
+            file[field] = value
+    with pytest.raises(InputError, match=rf"p\.hdf5: ({BLAMED.get(field, field)}): "):
+        read(path)
+
+
+def hostile(path: Path, kind: str) -> None:
+    """A file that is more than data: q replaced by something that no reader should follow."""
+    fclib.write(known_by_W(SPATIAL), path)
+    elsewhere = path.with_name("elsewhere.hdf5")
+    with h5py.File(elsewhere, "w") as file:
+        file["q"] = SPATIAL.q
+    (path.parent / "raw").write_bytes(SPATIAL.q.tobytes())
+    with h5py.File(path, "a") as file:
+        vectors = file["fclib_local/vectors"]
+        del vectors["q"]
+        if kind == "external link":
+            vectors["q"] = h5py.ExternalLink(str(elsewhere), "q")
+        elif kind == "soft link":
+            vectors["q"] = h5py.SoftLink("/fclib_local/vectors/mu")
+        elif kind == "external storage":
+            vectors.create_dataset("q", shape=(9,), dtype=float, external=[(str(path.parent / "raw"), 0, 72)])
+        elif kind == "virtual":
+            layout = h5py.VirtualLayout(shape=(9,), dtype=float)
+            layout[:] = h5py.VirtualSource(str(elsewhere), "q", shape=(9,))
+            vectors.create_virtual_dataset("q", layout)
+        elif kind == "bomb":
+            bomb = vectors.create_dataset("q", shape=(10**9,), dtype=float, chunks=(10**6,), compression="gzip")
+            bomb[:10] = 1.0
+        elif kind == "foreign filter":
+            vectors.create_dataset("q", data=SPATIAL.q, chunks=(9,), compression="lzf")
+        elif kind == "cube":
+            vectors["q"] = np.zeros((2, 2, 2))
+        elif kind == "nested":
+            vectors["q"] = SPATIAL.q
+            file.create_group("/".join("abcdefghij"))
+        elif kind == "crowd":
+            vectors["q"] = SPATIAL.q
+            for k in range(1100):
+                file[f"many/{k}"] = 1.0
+        elif kind == "never written":
+            vectors.create_dataset("q", shape=(9,), dtype=float)
+
+
+HOSTILE = ("external link", "soft link", "external storage", "virtual", "bomb", "foreign filter", "cube", "nested", "crowd")
+
+
+@pytest.mark.parametrize("kind", [*HOSTILE, "never written"])
+def test_a_hostile_fclib_file_is_refused(tmp_path, kind) -> None:
+    hostile(tmp_path / "p.hdf5", kind)
+    field = {"nested": "a/b/c", "crowd": "many"}.get(kind, "fclib_local/vectors/q")
+    with pytest.raises(InputError, match=rf"p\.hdf5: {field}"):
+        read(tmp_path / "p.hdf5")
+
+
+def test_groups_that_contain_themselves_end(tmp_path) -> None:
+    path = tmp_path / "p.hdf5"
+    fclib.write(known_by_W(SPATIAL), path)
+    with h5py.File(path, "a") as file:
+        file["loop/again"] = file["fclib_local"]
+        file["fclib_local/back"] = file["loop"]
+    with pytest.raises(InputError, match=r"groups within groups|more than 1000"):
+        read(path)
+
+
+def test_cut_and_scrambled_hdf5_files_are_read_or_refused(tmp_path) -> None:
+    """Whatever the bytes: an answer or an InputError, though HDF5's library may die on them."""
+    path, random = tmp_path / "p.hdf5", np.random.default_rng(0)
+    fclib.write(known_by_W(SPATIAL), path)
+    good = path.read_bytes()
+    for trial in range(12):
+        bad = bytearray(good[: len(good) // (trial + 2)] if trial < 4 else good)
+        for place in random.integers(8, len(bad), 60 if trial >= 4 else 0):
+            bad[place] = random.integers(256)
+        path.write_bytes(bad)
+        try:
+            assert read(path).contacts <= 10**6
+        except InputError as error:
+            assert str(error).startswith(str(path))  # noqa: PT017  # either end is a pass
+
+
+def test_the_library_that_dies_or_hangs_is_named(tmp_path, monkeypatch) -> None:
+    path = tmp_path / "p.hdf5"
+    fclib.write(known_by_W(SPATIAL), path)
+    monkeypatch.setattr(fclib, "LONGEST", 1e-3)
+    with pytest.raises(InputError, match="not read within"):
+        read(path)
+    monkeypatch.undo()
+    monkeypatch.setattr(fclib, "LARGEST", -(2**26))  # too little memory to live in
+    with pytest.raises(InputError, match=r"p\.hdf5: "):
+        read(path)
+
+
+W4 = "0\n4\n4\n4 4\n" + "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\n"
+BAD_TEXT = {
+    "empty": ("", "dimension"),
+    "words": ("hello world, this is no problem", "dimension"),
+    "dimension": ("5\n2\n" + W4 + "1 1 1 1\n.5 .5", "dimension"),
+    "negative contacts": ("2\n-2\n" + W4 + "1 1 1 1\n.5 .5", "contacts"),
+    "storage": ("2\n2\n7\n4\n4\n4 4\n", "first matrix, storage"),
+    "claims": ("2\n2\n0\n1000000000\n1000000000\n1000000000 1000000000\n1", "first matrix, rows"),
+    "claims entries": ("2\n2\n0\n20\n20\n20 20\n1 2 3", "first matrix"),
+    "claims blocks": ("2\n2\n1\n4\n4\n9999999\n2\n2\n", "first matrix, number of blocks"),
+    "claims triplets": ("2\n2\n2\n4\n4\n1\nCSparse\ntriplet: 4-by-4, nzmax: 9 nnz: 99999999\n 0 0 : 1\n", "first matrix"),
+    "sizes": ("2\n2\n0\n4\n4\n3 4\n1 1", "first matrix"),
+    "not d nc": ("2\n3\n" + W4 + "1.5 1 1 1\n.5 .5 .5", "W"),
+    "cut in W": ("2\n2\n0\n4\n4\n4 4\n1 0 0", "first matrix"),
+    "cut in q": ("2\n2\n" + W4 + "1.5 1", "q"),
+    "cut in mu": ("2\n2\n" + W4 + "1.5 1 1 1\n.5", "mu"),
+    "not a number": ("2\n2\n" + W4 + "1.5 1 1 1\n.5 half", "mu"),
+    "NaN": ("2\n2\n" + W4 + "1.5 nan 1 1\n.5 .5", "q"),
+    "negative mu": ("2\n2\n" + W4 + "1.5 1 1 1\n.5 -.5", "friction"),
+    "indefinite": ("2\n2\n" + W4.replace("0 1 0 0 0 0 1", "0 1 0 0 0 0 -1") + "1.5 1 1 1\n.5 .5", "W"),
+    "index": ("2\n2\n2\n4\n4\n1\nCSparse\ntriplet: 4-by-4, nzmax: 9 nnz: 1\n 0 9 : 1\n1.5 1 1 1\n.5 .5", "first matrix"),
+    "other size": ("2\n2\n2\n4\n4\n1\nCSparse\ntriplet: 9-by-9, nzmax: 9 nnz: 1\n 0 0 : 1\n", "first matrix"),
+    "long word": ("2\n2\n" + "1" * 3_000_000, "text"),
+    "block ends": ("2\n2\n1\n4\n4\n1\n2\n2\n4 2\n2 4\n3 1\n0 1 1\n0\n0\n1 0 0 1\n", "first matrix, ends"),
+    "block pattern": ("2\n2\n1\n4\n4\n1\n2\n2\n2 4\n2 4\n3 1\n0 1 1\n7\n0\n1 0 0 1\n", "first matrix, block pattern"),
+    "lcp cut": ("3\n0\n3\n3\n3 3\n1 0 0 0 1 0 0 0 1\n1 1", "q"),
+}
+
+
+@pytest.mark.parametrize("name", BAD_TEXT)
+def test_a_bad_text_is_named(tmp_path, name) -> None:
+    text, field = BAD_TEXT[name]
+    path = tmp_path / "p.dat"
+    path.write_text(text, encoding="ascii")
+    with pytest.raises(InputError, match=rf"p\.dat: read as the text of Siconos: {field}.*: "):
+        read(path)
+
+
+GOOD_NPZ = {"W": np.eye(4), "q": np.ones(4), "mu": np.ones(2), "d": np.array(2)}
+BAD_NPZ = {
+    "W": [np.eye(3), np.full((4, 4), np.nan), np.array([["a"]]), np.ones((2, 2, 2))],
+    "q": [np.ones(3), np.array([None] * 4, dtype=object), np.ones(4, dtype=complex)],
+    "mu|friction": [-np.ones(2), np.array([1.0, np.inf])],
+    "d": [np.array(7), np.array([2, 3]), np.array("2")],
+}
+
+
+@pytest.mark.parametrize(("field", "value"), [(field, value) for field, values in BAD_NPZ.items() for value in values])
+def test_a_bad_array_is_named(tmp_path, field, value) -> None:
+    path = tmp_path / "p.npz"
+    np.savez(path, **GOOD_NPZ | {field.split("|", maxsplit=1)[0]: value})
+    with pytest.raises(InputError, match=rf"p\.npz: ({field}): "):
+        read(path)
+
+
+def npz_claiming(path: Path, shape: str) -> None:
+    """An archive of one array q whose header claims a shape that its few bytes do not have."""
+    import zipfile
+
+    header = f"{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}"
+    header += " " * (63 - (len(header) + 10) % 64) + "\n"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("q.npy", b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header.encode() + b"\0" * 64)
+
+
+@pytest.mark.parametrize(
+    ("shape", "complaint"), [("(10**12,)", "q|not a problem"), ("(1000000000000,)", "q: unpacks"), ("(99,)", "p.npz")]
+)
+def test_an_archive_that_claims_more_than_it_holds_is_refused(tmp_path, shape, complaint) -> None:
+    npz_claiming(tmp_path / "p.npz", shape)
+    with pytest.raises(InputError, match=complaint):
+        read(tmp_path / "p.npz")
+
+
+def test_other_files_are_named(tmp_path) -> None:
+    with pytest.raises(InputError, match=r"nothing\.npz: no such file"):
+        read(tmp_path / "nothing.npz")
+    with pytest.raises(InputError, match=str(tmp_path)):
+        read(tmp_path)
+    np.savez(tmp_path / "p.npz", a=np.ones(3))
+    with pytest.raises(InputError, match=r"p\.npz: holds a; expected"):
+        read(tmp_path / "p.npz")
+    (tmp_path / "p.npz").write_bytes(b"PK\x03\x04 and nothing more")
+    with pytest.raises(InputError, match=r"p\.npz: not a problem file"):
+        read(tmp_path / "p.npz")
+
+
+# Problems of other projects, where they are at hand.
+
+
+@pytest.mark.parametrize("path", recorded("friction"))
+def test_hybrid_solves_recorded_friction_problems(path) -> None:
+    problem = read(path)
+    assert isinstance(problem, FrictionProblem)
+    assert residual(problem, solve(problem, "hybrid", tol=1e-8).impulse) <= 1e-8
+
+
+@pytest.mark.parametrize("path", recorded("reference"))
+def test_recorded_problems_are_those_that_others_solved(path) -> None:
+    """The reference impulses, of other programs, solve the problem that is read: rows, signs and storage are as they meant."""
+    name = path.name.removesuffix(".ref.npz").removeprefix("contactbench_")
+    problem = read(next(p for p in (FOLDER / "friction").iterdir() if p.name in (name, name + ".npz")))
+    with np.load(path) as stored:
+        assert residual(problem, stored["r"].reshape(problem.contacts, -1)) <= 1e-11
+
+
+@pytest.mark.parametrize("path", recorded("lcp", "*.dat"))
+def test_recorded_lcps_have_their_known_solutions(path) -> None:
+    lcp = read(path)
+    assert isinstance(lcp, LCP)
+    known = json.loads((FOLDER / "lcp" / "solutions.json").read_text(encoding="utf-8"))[path.name]
+    assert np.array_equal(lcp.dense, known["M"])
+    solutions = known["all_solutions"] or [known["z"]]
+    assert all(lcp.residual(np.array(z)) <= 1e-12 for z in solutions)
+    solved = 0
+    for spec in (spec for info in available().values() for spec in info.specs):
+        if find(spec)[0].model != "lcp" or find(spec)[0].missing:
+            continue
+        z = solve(lcp, spec, tol=1e-10).z
+        if z is not None and lcp.residual(z) <= 1e-8:
+            assert min(np.abs(z - np.array(one)).max() for one in solutions) <= 1e-7, spec
+            solved += 1
+    assert solved >= 3
+    if known["lemke"] == "ok":
+        assert lcp.residual(solve(lcp, "lemke").z) <= 1e-12
+
+
+@pytest.mark.parametrize("path", recorded("hard", "*.npz"))
+def test_hard_problems_are_read(path) -> None:
+    if path.name.startswith("false_rays"):
+        pytest.skip("several LCPs in one file")
+    problem = read(path)
+    assert problem.contacts > 0
+    with np.load(path) as stored:
+        if "W" in stored:
+            assert np.allclose(problem.W.toarray(), stored["W"], atol=1e-9)

@@ -1,0 +1,85 @@
+"""Compiled kernels are kept apart for every state of the source, wherever there is room for them."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from frictionbench.problems import compiled
+from frictionbench.problems.forms.cone import nearest
+from tests.helpers.places import ROOT
+
+KERNEL = """
+from numba import njit
+from frictionbench.problems.{module} import inner
+@njit(cache=True)
+def outer(): return inner()
+"""
+
+
+@pytest.fixture
+def package(tmp_path) -> Path:
+    """A package of two kernels, the one calling the other from another file."""
+    home = tmp_path / "frictionbench"
+    for folder in compiled.FOLDERS:
+        (home / folder).mkdir(parents=True)
+    problems = home / "problems"
+    (home / "__init__.py").touch()
+    (problems / "__init__.py").write_text("import frictionbench.problems.compiled as compiled\ncompiled.keep_compiled()\n")
+    shutil.copy(ROOT / "problems" / "compiled.py", problems)
+    (problems / "outer.py").write_text(KERNEL.format(module="inner"))
+    write_inner(home, 1)
+    return home
+
+
+def write_inner(package: Path, value: int) -> None:
+    (package / "problems" / "inner.py").write_text(f"from numba import njit\n@njit(cache=True)\ndef inner(): return {value}\n")
+
+
+def call(package: Path, **environment: str) -> tuple[int, Path]:
+    """What the outer kernel returns in a new process, and where its code is kept."""
+    code = "from frictionbench.problems import outer; from numba.core import config; print(outer.outer(), config.CACHE_DIR)"
+    settings = dict(os.environ, PYTHONPATH=str(package.parent), XDG_CACHE_HOME=str(package / "cache")) | environment
+    settings = {name: text for name, text in settings.items() if text or name != "NUMBA_CACHE_DIR"}
+    done = subprocess.run([sys.executable, "-c", code], env=settings, cwd=package, capture_output=True, text=True, check=True)
+    value, folder = done.stdout.split(maxsplit=1)
+    return int(value), Path(folder.strip())
+
+
+def test_an_edit_of_a_called_kernel_is_seen(package) -> None:
+    first = call(package, NUMBA_CACHE_DIR="")
+    write_inner(package, 2)
+    second = call(package, NUMBA_CACHE_DIR="")
+    assert (first[0], second[0]) == (1, 2)
+    assert first[1] != second[1]
+    assert list(first[1].rglob("*.nbi"))
+    write_inner(package, 1)
+    assert call(package, NUMBA_CACHE_DIR="") == first
+
+
+def test_a_file_without_kernels_changes_nothing(package) -> None:
+    before = compiled.state(package)
+    (package / "solvers" / "plain.py").write_text("x = 1\n")
+    assert compiled.state(package) == before
+
+
+def test_the_user_says_where(package) -> None:
+    _, folder = call(package, NUMBA_CACHE_DIR=str(package / "mine"))
+    assert folder.parent == package / "mine"
+
+
+def test_without_a_cache_folder_the_temporary_one_serves(package) -> None:
+    (package / "cache").write_text("no folder can be made here")
+    (package / "tmp").mkdir()
+    value, folder = call(package, NUMBA_CACHE_DIR="", TMPDIR=str(package / "tmp"))
+    assert value == 1
+    assert folder.parent.parent == package / "tmp"
+    assert folder.parent.stat().st_mode & 0o077 == 0
+
+
+def test_a_part_called_from_python_says_what_it_is() -> None:
+    with pytest.raises(TypeError, match="nearest is a part of kernels"):
+        nearest(-1.0, 1.0, 0.5, 0.0)

@@ -1,0 +1,326 @@
+"""The friction problem: its fields are checked, its forms agree, its hash and residual mean what they say."""
+
+import pickle
+from copy import copy, deepcopy
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from frictionbench.problems import LCP, FrictionProblem, InputError
+from frictionbench.problems.forms.cone import project_cone
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.recorded.own import load, save
+from frictionbench.problems.residual import fclib_error, relaxation_residual, residual
+from frictionbench.solvers import solve
+from tests.helpers.friction_problems import spatial
+
+
+def fields(**changes):
+    """A block on the ground: m = 2, v* = (1, -.1), mu = .5."""
+    good = {
+        "mass": 2 * np.eye(2),
+        "normal": [[0.0, 1.0]],
+        "tangent": [[1.0, 0.0]],
+        "friction": [0.5],
+        "free_velocity": [1.0, -0.1],
+        "bias": [0.0],
+    }
+    return good | changes
+
+
+BAD = {
+    "mass": [np.eye(3), np.ones((2, 2)), -np.eye(2), [[1, 0.5], [0, 1]], [[np.nan, 0], [0, 1]], "heavy", np.diag([1.0, 0.0])],
+    "normal": [[[0.0, 1.0, 0.0]], [[0.0, np.inf]], np.zeros((2, 2)), [0.0, 1.0]],
+    "tangent": [[[1.0]], [[np.nan, 0.0]], np.zeros((2, 2))],
+    "friction": [[-0.1], [np.nan], 0.5, [0.5, 0.5]],
+    "free_velocity": [[np.inf, 0.0], [[1.0, 0.0]], [1.0, 2.0, 3.0]],
+    "bias": [[np.nan], [0.0, 0.0]],
+    "friction_bias": [[-1.0], [np.inf], [0.0, 0.0]],
+    "joints": [[[1.0]], [[np.nan, 1.0]]],
+    "joint_bias": [[1.0]],
+    "dimension": [1, 4, "2"],
+}
+
+
+@pytest.mark.parametrize(("name", "value"), [(name, value) for name, values in BAD.items() for value in values])
+def test_a_bad_field_is_named(name, value) -> None:
+    # A wrong length makes other fields' shapes wrong too; the message begins with the field that it is about.
+    blamed = {"friction": "normal|friction|bias|tangent", "free_velocity": "mass|free_velocity"}.get(name, name)
+    with pytest.raises(InputError, match=rf"^({blamed}): "):
+        FrictionProblem(**fields(**{name: value}))
+
+
+@pytest.mark.parametrize(
+    ("W", "q", "friction", "d", "name"),
+    [
+        (np.eye(2), [1.0, np.nan], [0.5], 2, "q"),
+        (np.eye(3), [1.0, 1.0], [0.5], 2, "W"),
+        (-np.eye(2), [1.0, 1.0], [0.5], 2, "W"),
+        (np.eye(2), [1.0, 1.0], [0.5], 5, "d"),
+        (np.eye(2), [1.0, 1.0], [-0.5], 2, "friction"),
+    ],
+)
+def test_a_bad_delassus_field_is_named(W, q, friction, d, name) -> None:
+    with pytest.raises(InputError, match=f"^{name}: "):
+        FrictionProblem.from_delassus(W, q, friction, d)
+
+
+@pytest.mark.parametrize(
+    ("M", "q", "name"), [(np.eye(2), [np.nan, 1], "q"), (np.eye(3), [1, 1], "M"), (np.eye(2), [[1, 1]], "q")]
+)
+def test_a_bad_lcp_field_is_named(M, q, name) -> None:
+    with pytest.raises(InputError, match=f"^{name}: "):
+        LCP(M, q)
+
+
+def test_no_contact_is_a_valid_problem() -> None:
+    empty = np.zeros((0, 2))
+    problem = FrictionProblem(**fields(normal=empty, tangent=empty, friction=[], bias=[]))
+    assert problem.lcp().size == 0
+    assert problem.W.shape == (0, 0)
+    assert residual(problem, np.zeros((0, 2))) == 0
+    assert np.array_equal(problem.velocity(np.zeros((0, 2))), [1.0, -0.1])
+    assert problem.qp().G.shape[0] == problem.cone().G.shape[0] == 0
+
+
+def test_inputs_are_copied_and_read_only() -> None:
+    friction = np.array([0.5])
+    problem = FrictionProblem(**fields(friction=friction))
+    friction[0] = 9
+    assert problem.friction[0] == 0.5
+    with pytest.raises(ValueError, match="read-only"):
+        problem.friction[0] = 1
+    with pytest.raises(ValueError, match="read-only"):
+        problem.mass.data[0] = 1
+
+
+def jointed(seed: int, redundant: bool) -> FrictionProblem:
+    base = random_problem(seed, contacts=6, bodies=3)
+    random = np.random.default_rng(seed)
+    F = random.standard_normal((2, 9))
+    if redundant:
+        F = np.vstack([F, F[0] + F[1]])
+    target = F @ random.standard_normal(9)
+    names = ("mass", "normal", "tangent", "friction", "free_velocity", "bias")
+    return FrictionProblem(**{name: getattr(base, name) for name in names}, joints=F, joint_bias=target)
+
+
+@pytest.mark.parametrize("redundant", [False, True])
+@pytest.mark.parametrize("seed", range(3))
+def test_velocity_solves_the_full_equations_of_motion(seed, redundant) -> None:
+    """Against the bordered system [M F'; F 0], which shares nothing with the elimination."""
+    problem = jointed(seed, redundant)
+    r = np.random.default_rng(seed + 100).standard_normal((6, 2))
+    F, M, J = problem.joints.toarray(), problem.mass.toarray(), problem.jacobian
+    K = np.block([[M, F.T], [F, np.zeros((len(F), len(F)))]])
+    right = np.concatenate([M @ problem.free_velocity + J.T @ r.ravel(), -problem.joint_bias])
+    v = np.linalg.lstsq(K, right, rcond=None)[0][: M.shape[0]]
+    assert np.allclose(problem.velocity(r), v, atol=1e-11)
+    u = (J @ v).reshape(6, 2) + np.column_stack([problem.bias, np.zeros(6)])
+    assert np.allclose(problem.contact_velocity(r), u, atol=1e-11)
+    assert np.allclose(problem.W @ r.ravel() + problem.q, u.ravel(), atol=1e-11)
+    assert np.allclose(problem.scale, problem.W.diagonal().reshape(-1, 2).mean(axis=1), rtol=1e-9)
+
+
+def test_a_coupled_mass_matrix_is_inverted() -> None:
+    random = np.random.default_rng(1)
+    blocks = [
+        a @ a.T + np.eye(len(a)) for a in (random.standard_normal((3, 3)), random.standard_normal((2, 2)), np.ones((1, 1)))
+    ]
+    order = random.permutation(6)
+    mass = sparse.csc_array(sparse.block_diag(blocks).tocsr()[order][:, order])
+    problem = FrictionProblem(**fields(mass=mass, normal=np.ones((1, 6)), tangent=np.ones((1, 6)), free_velocity=np.ones(6)))
+    assert np.allclose(problem.inverse_mass @ np.arange(6.0), splu(mass).solve(np.arange(6.0)))
+
+
+def test_the_lcp_is_the_talks_matrix() -> None:
+    problem = random_problem(0, contacts=3, bodies=2)
+    lcp = problem.lcp()
+    Minv = np.linalg.inv(problem.mass.toarray())
+    N, T = problem.normal.toarray().T, problem.tangent.toarray().T
+    D = np.stack([T, -T], axis=2).reshape(len(T), -1)
+    E, U, Z = np.kron(np.eye(3), [[1.0], [1.0]]), np.diag(problem.friction), np.zeros((3, 3))
+    Q = np.block([[N.T @ Minv @ N, N.T @ Minv @ D, Z], [D.T @ Minv @ N, D.T @ Minv @ D, E], [U, -E.T, Z]])
+    assert np.allclose(lcp.dense, Q)
+    v = problem.free_velocity
+    assert np.allclose(lcp.q, np.concatenate([N.T @ v + problem.bias, D.T @ v, np.zeros(3)]))
+    z = np.arange(12.0)
+    assert np.array_equal(lcp.impulse(z), [[0, 3 - 4], [1, 5 - 6], [2, 7 - 8]])
+
+
+def test_a_known_answer_has_residual_zero() -> None:
+    """The stopping block: r_n takes the fall, r_t = -mu r_n, u_t = 1 - .5 * .1 (m = 2)."""
+    problem = FrictionProblem(**fields())
+    r = np.array([[0.2, -0.1]])
+    assert np.allclose(problem.contact_velocity(r), [[0.0, 0.95]])
+    assert residual(problem, r) < 1e-16
+    assert fclib_error(problem, r) < 1e-16
+    assert relaxation_residual(problem, r) > 0.01
+    assert residual(problem, np.array([[np.nan, 0.0]])) == np.inf
+    assert residual(problem, np.zeros((2, 2))) == np.inf
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_the_residual_is_its_formula(seed) -> None:
+    """The loop over contacts against the formula for all of them at once."""
+    random = np.random.default_rng(seed)
+    for problem in (random_problem(seed, contacts=6), spatial(seed, contacts=4, friction_bias=bool(seed % 2))):
+        r = random.standard_normal((problem.contacts, problem.dimension)) * 10 ** random.uniform(-3, 2)
+        s, mu = problem.scale[:, None], problem.friction
+        q = np.linalg.norm(problem.q.reshape(r.shape), axis=1).max()
+        for measure, shift in ((residual, 1.0), (relaxation_residual, 0.0)):
+            g = problem.contact_velocity(r)
+            g[:, 0] += shift * mu * np.linalg.norm(g[:, 1:], axis=1)
+            defect = r - project_cone(r - g / s, mu, problem.friction_bias)
+            assert measure(problem, r) == pytest.approx(np.linalg.norm(s * defect, axis=1).max() / q, rel=1e-12)
+
+
+def test_friction_bias_widens_the_cone() -> None:
+    """With b_f the block may be braked by 1.5 N s more, which stops it."""
+    problem = FrictionProblem(**fields(friction_bias=[1.9]))
+    r = np.array([[0.2, -2.0]])
+    assert np.allclose(problem.contact_velocity(r), [[0.0, 0.0]], atol=1e-15)
+    assert residual(problem, r) < 1e-15
+    assert residual(FrictionProblem(**fields(friction_bias=[1.8])), r) > 1e-3
+
+
+def same_up_to_roundoff(a: float, b: float) -> bool:
+    return abs(a - b) <= 1e-9 * max(a, b, 1e-3)
+
+
+@settings(max_examples=40, deadline=None)
+@given(seed=st.integers(0, 10**6), kilogram=st.floats(1e-3, 1e3), metre=st.floats(1e-3, 1e3))
+def test_the_residual_ignores_units_order_and_mirror(seed, kilogram, metre) -> None:
+    problem = random_problem(seed, contacts=4, bodies=3)
+    random = np.random.default_rng(seed)
+    r = random.standard_normal((4, 2))
+    order = random.permutation(4)
+    before = residual(problem, r)
+    # New units for lengths of velocities: rows of J keep v's units, so u and v scale alike; impulses with mass and velocity.
+    changed = FrictionProblem(
+        mass=problem.mass * kilogram,
+        normal=problem.normal[order],
+        tangent=-problem.tangent[order],
+        friction=problem.friction[order],
+        free_velocity=problem.free_velocity * metre,
+        bias=problem.bias[order] * metre,
+    )
+    assert same_up_to_roundoff(residual(changed, r[order] * [1, -1] * kilogram * metre), before)
+
+
+def test_the_residual_ignores_the_tangent_frame_in_space() -> None:
+    random = np.random.default_rng(3)
+    J = random.standard_normal((6, 6))
+    angle = 0.7
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    full = np.kron(np.eye(2), np.block([[np.ones((1, 1)), np.zeros((1, 2))], [np.zeros((2, 1)), turn]]))
+    q, r = random.standard_normal(6), random.standard_normal((2, 3))
+    first = FrictionProblem.from_delassus(J @ J.T, q, [0.5, 0.9], 3)
+    second = FrictionProblem.from_delassus(full @ J @ J.T @ full.T, full @ q, [0.5, 0.9], 3)
+    assert same_up_to_roundoff(residual(first, r), residual(second, (full @ r.ravel()).reshape(2, 3)))
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    seed=st.integers(0, 10**6), d=st.sampled_from([2, 3]), mu=st.sampled_from([0.0, 0.3, 5.0]), b=st.sampled_from([0.0, 0.4])
+)
+def test_the_projection_is_the_nearest_point(seed, d, mu, b) -> None:
+    """x - p is normal to the set at p: no point of the set lies nearer in the direction of x."""
+    random = np.random.default_rng(seed)
+    x = random.standard_normal((1, d)) * 3
+    p = project_cone(x, np.array([mu]), np.array([b]))
+    assert p[0, 0] >= 0
+    assert np.linalg.norm(p[0, 1:]) <= mu * p[0, 0] + b + 1e-12
+    n = random.uniform(0, 5, 300)
+    t = random.standard_normal((300, d - 1))
+    t *= (random.uniform(0, 1, 300) * (mu * n + b) / np.linalg.norm(t, axis=1))[:, None]
+    others = np.column_stack([n, t])
+    assert np.max((others - p) @ (x - p).ravel()) <= 1e-9
+
+
+def test_equal_problems_have_equal_hashes_and_files(tmp_path) -> None:
+    problem = random_problem(5, contacts=4)
+    dense = {name: getattr(problem, name).toarray() for name in ("mass", "normal", "tangent")}
+    plain = {name: getattr(problem, name) for name in ("friction", "free_velocity", "bias")}
+    assert FrictionProblem(**dense, **plain).hash == problem.hash == problem.fresh().hash
+    assert FrictionProblem(**dense, **plain | {"bias": problem.bias + 1e-12}).hash != problem.hash
+    save(problem, tmp_path / "p.npz")
+    assert load(tmp_path / "p.npz").hash == problem.hash
+    known = FrictionProblem.from_delassus(problem.W, problem.q, problem.friction, 2)
+    save(known, tmp_path / "w.npz")
+    assert load(tmp_path / "w.npz").hash == known.hash
+    r = np.random.default_rng(0).random((4, 2))
+    assert same_up_to_roundoff(residual(known, r), residual(problem, r))
+
+
+def known_by_W(seed: int = 0, contacts: int = 4) -> FrictionProblem:
+    base = spatial(seed, contacts=contacts)
+    return FrictionProblem.from_delassus(base.W, base.q, base.friction, 3, np.full(contacts, 0.1))
+
+
+def test_a_problem_known_by_W_is_copied_and_changed_like_any_other() -> None:
+    problem = known_by_W()
+    problem.normal  # noqa: B018  # what was derived belongs to this problem, not to its copies
+    for same in (copy(problem), deepcopy(problem), replace(problem), problem.fresh(), pickle.loads(pickle.dumps(problem))):
+        assert same.hash == problem.hash
+        assert np.array_equal(same.scale, problem.scale)
+    rough = replace(problem, friction=2 * problem.friction)
+    assert np.array_equal(rough.friction, 2 * problem.friction)
+    assert rough.hash != problem.hash
+    assert np.allclose(replace(problem, W=2 * problem.W).normal.toarray(), np.sqrt(2) * problem.normal.toarray())
+
+
+def test_the_velocities_of_a_problem_known_by_W_are_those_of_its_root() -> None:
+    problem = known_by_W()
+    r = np.random.default_rng(1).standard_normal((4, 3))
+    assert np.allclose((problem.jacobian @ problem.jacobian.T).toarray(), problem.W.toarray(), atol=1e-12)
+    assert np.allclose((problem.jacobian @ problem.velocity(r) + problem.q).reshape(4, 3), problem.contact_velocity(r))
+    rows = np.arange(12) % 3 == 0
+    assert np.array_equal(problem.normal.toarray(), problem.jacobian.toarray()[rows])
+    assert np.array_equal(problem.tangent.toarray(), problem.jacobian.toarray()[~rows])
+
+
+def test_W_is_not_taken_apart_where_nobody_asks_for_velocities(monkeypatch) -> None:
+    def refuse(*_):
+        raise AssertionError("W was taken apart")
+
+    monkeypatch.setattr(np.linalg, "eigh", refuse)
+    problem = known_by_W(contacts=60)
+    for name in ("nsgs", "interior_point", "hybrid", "apgd_coulomb"):
+        assert residual(problem, solve(problem, name, tol=1e-6).impulse) <= 1e-6
+    with pytest.raises(AssertionError, match="taken apart"):
+        problem.jacobian  # noqa: B018
+
+
+@pytest.mark.parametrize(("negative", "accepted"), [(1e-8, True), (1e-4, False), (1.0, False)])
+def test_slight_indefiniteness_is_accepted(negative, accepted) -> None:
+    random = np.random.default_rng(0)
+    basis = np.linalg.qr(random.standard_normal((300, 300)))[0]
+    value = np.sort(random.uniform(0, 1, 300))
+    value[0] = -negative
+    W = basis * value @ basis.T
+    if accepted:
+        assert np.array_equal(FrictionProblem.from_delassus(W, np.ones(300), np.ones(100), 3).W.toarray(), W)
+    else:
+        with pytest.raises(InputError, match=r"^W: not positive semidefinite"):
+            FrictionProblem.from_delassus(W, np.ones(300), np.ones(100), 3)
+
+
+def test_a_damaged_file_is_named(tmp_path) -> None:
+    path = tmp_path / "p.npz"
+    with pytest.raises(InputError, match=r"p\.npz: no such file"):
+        load(path)
+    path.write_bytes(b"not a zip")
+    with pytest.raises(InputError, match=r"p\.npz"):
+        load(path)
+    np.savez(path, dimension=np.array(2))
+    with pytest.raises(InputError, match="is missing"):
+        load(path)
+    np.savez(path, dimension=np.array([object()], dtype=object))
+    with pytest.raises(InputError, match=r"p\.npz"):
+        load(path)

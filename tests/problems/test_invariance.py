@@ -1,0 +1,172 @@
+"""What the measures of an answer must not depend on: units, the order of contacts, frames and mirrors, contacts met twice.
+
+200 random problems, planar and spatial, with and without joints and friction biases; to each an exact answer and inexact ones.
+"""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from frictionbench.harness.verify import verify
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.nature.stability import backward_error
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.residual import fclib_error, polygon_residual, relaxation_residual, residual, residual_floor
+from frictionbench.problems.simulate import ledger_defect
+from frictionbench.solvers import Answer, Status, available, solve
+from tests.helpers.friction_problems import spatial, with_joints
+
+SEEDS = range(200)
+
+
+def rebuilt(problem, **changes):
+    names = ("mass", "normal", "tangent", "friction", "free_velocity", "bias", "friction_bias", "joints", "joint_bias")
+    return FrictionProblem(**{name: getattr(problem, name) for name in (*names, "dimension")} | changes)
+
+
+@cache
+def met(seed):
+    """A problem and answers to it (nc, d): the best known, one off by 1e-6, and garbage."""
+    random = np.random.default_rng(seed)
+    if seed % 2:
+        problem = spatial(seed, contacts=4, friction_bias=seed % 3 == 0, joints=2 * (seed % 5 == 0))
+    else:
+        problem = random_problem(seed, contacts=int(random.integers(1, 9)))
+        if seed % 5 == 0:
+            nv = len(problem.free_velocity)
+            problem = with_joints(problem, random.standard_normal((min(2, nv - 1), nv)))
+    best = solve(problem, "hybrid", tol=1e-12).impulse
+    noise = random.standard_normal(best.shape) * np.linalg.norm(best, axis=1).max(initial=1e-3)
+    return problem, (best, best + 1e-6 * noise, noise)
+
+
+def energy(problem):
+    return float(problem.free_velocity @ (problem.mass @ problem.free_velocity)) / 2
+
+
+def measures(problem, r, units=True):
+    """Each measure with what rounding may make of it; those that units change by nature only on request."""
+    found = {
+        "residual": residual(problem, r),
+        "relaxation": relaxation_residual(problem, r),
+        "backward": backward_error(problem, r),
+        "energy": ledger_defect(problem, r) / energy(problem),
+    }
+    return found if units else found | {"FCLIB": fclib_error(problem, r)}
+
+
+def assert_same(problem, r, other, moved, units=True):
+    """Equal but for rounding, and judged alike; of the energy's terms r'u more of it is left."""
+    floor = residual_floor(problem, r) + residual_floor(other, moved)
+    of_energy = floor * problem.fastest * np.abs(r).sum() / energy(problem)
+    ours, theirs = measures(problem, r, units), measures(other, moved, units)
+    for name, value in ours.items():
+        if name == "backward" and not (value < 1 and theirs[name] < 1):
+            continue  # rounding in r_t decides whether any change of mu would do
+        slack = of_energy if name == "energy" else np.inf if name == "FCLIB" and value < 1e-9 else floor
+        assert theirs[name] == pytest.approx(value, rel=1e-7, abs=max(10 * slack, 1e-15)), name
+    for info in (available()["lemke"], available()["relaxation_ip"]):
+        verdicts = [verify(p, Answer(x, Status.SOLVED), info, 1e-5).verdict for p, x in ((problem, r), (other, moved))]
+        assert verdicts[0] == verdicts[1]
+
+
+def in_other_units(problem, speed, work, random):
+    """Velocities in other units and of other coordinates, contact velocities times `speed`, energies times `work`."""
+    unit = 10 ** random.uniform(-2, 2, len(problem.free_velocity))
+    S, joint = sparse.diags_array(unit), 10 ** random.uniform(-2, 2)
+    return rebuilt(
+        problem,
+        mass=S @ problem.mass @ S * work,
+        normal=problem.normal @ S * speed,
+        tangent=problem.tangent @ S * speed,
+        free_velocity=problem.free_velocity / unit,
+        bias=problem.bias * speed,
+        friction_bias=problem.friction_bias * work / speed,
+        joints=problem.joints @ S * joint,
+        joint_bias=problem.joint_bias * joint,
+    )
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_units_do_not_count(seed):
+    problem, answers = met(seed)
+    random = np.random.default_rng(seed)
+    for speed, work in ((1.0, 1e9), (1e3, 1.0), (10 ** random.uniform(-4, 4), 10 ** random.uniform(-9, 9))):
+        other = in_other_units(problem, speed, work, random)
+        for r in answers:
+            assert_same(problem, r, other, r * work / speed)
+
+
+@pytest.mark.parametrize("seed", SEEDS[1::2])
+def test_units_do_not_count_for_the_polygon(seed):
+    problem, _ = met(seed)
+    lcp = problem.lcp()
+    answer = solve(problem, "lemke", tol=1e-8)
+    nc = problem.contacts
+    for speed, work in ((1.0, 1e9), (1e3, 1.0), (0.1, 1e-9)):
+        other = in_other_units(problem, speed, work, np.random.default_rng(seed))
+        for size in (1.0, 1.0 + 1e-4):
+            z = size * answer.z
+            moved = z * np.where(np.arange(len(z)) < len(z) - nc, work / speed, speed)
+            ours, theirs = polygon_residual(problem, lcp, z), polygon_residual(other, other.lcp(), moved)
+            assert theirs == pytest.approx(ours, rel=1e-6, abs=1e-13 * max(1, np.abs(lcp.M @ z).max() / problem.fastest))
+            verdicts = [
+                verify(p, Answer(p.lcp().impulse(x), Status.SOLVED, z=x), available()["lemke"], 1e-6).verdict
+                for p, x in ((problem, z), (other, moved))
+            ]
+            assert verdicts[0] == verdicts[1]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_order_of_contacts_does_not_count(seed):
+    problem, answers = met(seed)
+    d, order = problem.dimension, np.random.default_rng(seed).permutation(problem.contacts)
+    tangents = (order[:, None] * (d - 1) + np.arange(d - 1)).ravel()
+    changes = {name: getattr(problem, name)[order] for name in ("normal", "friction", "bias", "friction_bias")}
+    other = rebuilt(problem, tangent=problem.tangent[tangents], **changes)
+    for r in answers:
+        assert_same(problem, r, other, r[order], units=False)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_frames_and_mirrors_do_not_count(seed):
+    """Each contact's tangents turned by an angle of its own, and some of them mirrored; in the plane mirrored alone."""
+    problem, answers = met(seed)
+    random = np.random.default_rng(seed)
+    nc, d = problem.contacts, problem.dimension
+    turns = np.empty((nc, d - 1, d - 1))
+    for i in range(nc):
+        angle, mirror = random.uniform(0, 2 * np.pi), random.choice([-1.0, 1.0])
+        c, s = np.cos(angle), np.sin(angle)
+        turns[i] = [[mirror]] if d == 2 else np.array([[c, -s], [s, c]]) @ np.diag([mirror, 1.0])
+    other = rebuilt(problem, tangent=sparse.block_diag(turns, format="csr") @ problem.tangent)
+    for r in answers:
+        assert_same(problem, r, other, np.column_stack([r[:, :1], np.einsum("iab,ib->ia", turns, r[:, 1:])]), units=False)
+
+
+@pytest.mark.parametrize("seed", [seed for seed in SEEDS if seed % 6 != 3])  # without friction biases
+def test_a_contact_met_twice_changes_no_solution(seed):
+    """The impulse of the second one is any part of the first one's; what is no solution stays as far from one."""
+    problem, (best, off, garbage) = met(seed)
+    d, i = problem.dimension, seed % problem.contacts
+    twice = [*range(problem.contacts), i]
+    tangents = (np.array(twice)[:, None] * (d - 1) + np.arange(d - 1)).ravel()
+    changes = {name: getattr(problem, name)[twice] for name in ("normal", "friction", "bias", "friction_bias")}
+    other = rebuilt(problem, tangent=problem.tangent[tangents], **changes)
+    share = np.random.default_rng(seed).uniform()
+    split = np.vstack([best, share * best[i]])
+    split[i] *= 1 - share
+    assert residual(other, split) <= 3 * residual(problem, best) + residual_floor(other, split)
+    for r in (off, garbage):
+        alone = np.vstack([r, 0 * r[:1]])
+        assert residual(other, alone) >= residual(problem, r) * (1 - 1e-9) - residual_floor(problem, r)
+
+
+def test_random_answers_are_seen_as_what_they_are():
+    """The answers above are of three kinds, so that equal verdicts mean something."""
+    lemke = available()["lemke"]
+    kinds = [[verify(met(seed)[0], Answer(r, Status.SOLVED), lemke, 1e-5).verdict for r in met(seed)[1]] for seed in SEEDS]
+    assert sum(first == "solved" for first, _, _ in kinds) > 190
+    assert sum(last == "wrong" for _, _, last in kinds) > 190

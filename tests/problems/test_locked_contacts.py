@@ -1,0 +1,71 @@
+"""Contacts on bodies that joints hold fast: what is left of W there is round-off, and counts for nothing."""
+
+import numpy as np
+import pytest
+
+from frictionbench.harness.verify import verify
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.residual import residual
+from frictionbench.solvers import Answer, Status, available, solve
+from tests.helpers.places import DATA
+
+
+def held(seed, gap=1.0):
+    """A body held by four joints where three would do, with one contact on it, open by `gap` m/s, and a free sliding mass."""
+    random = np.random.default_rng(seed)
+    joints = np.zeros((4, 5))
+    joints[:, :3] = random.standard_normal((4, 3))
+    normal, tangent = np.zeros((2, 5)), np.zeros((2, 5))
+    normal[0, :3], tangent[0, :3] = random.standard_normal((2, 3))
+    normal[1, 3] = tangent[1, 4] = 1.0
+    mass = np.diag([*10 ** random.uniform(-2, 2, 3), 2.0, 2.0])
+    free = np.array([0.0, 0.0, 0.0, -1.0, 3.0])
+    return FrictionProblem(
+        mass=mass, normal=normal, tangent=tangent, friction=[0.5, 0.5], free_velocity=free, bias=[gap, 0.0], joints=joints
+    )
+
+
+@pytest.mark.parametrize("seed", range(50))
+def test_a_force_on_a_locked_contact_that_is_open_is_seen(seed):
+    problem = held(seed)
+    exact = solve(problem, "lemke", tol=1e-12).impulse
+    assert residual(problem, exact) <= 1e-12
+    for size in (1e-3, 1.0, 1e3):
+        pushed = exact + np.array([[size, 0.0], [0.0, 0.0]])
+        assert residual(problem, pushed) > min(1.0, size) * 1e-3
+        assert verify(problem, Answer(pushed, Status.SOLVED), available()["lemke"], 1e-8).verdict == "wrong"
+    assert not problem.W[[0, 1]].toarray().any()
+    assert not problem.W[:, [0, 1]].toarray().any()
+
+
+@pytest.mark.parametrize("seed", range(50))
+def test_a_force_on_a_locked_contact_that_is_closed_is_free(seed):
+    problem = held(seed, gap=0.0)
+    exact = solve(problem, "lemke", tol=1e-12).impulse
+    pushed = exact.copy()
+    pushed[0] = 5.0, -2.0
+    assert residual(problem, pushed) <= 1e-12
+    assert np.array_equal(problem.contact_velocity(pushed)[0], problem.q[:2])
+    pushed[0] = 5.0, -2.6  # out of the cone
+    assert residual(problem, pushed) > 1e-3
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_locked_contact_is_measured_in_any_units(seed):
+    problem = held(seed)
+    names = ("normal", "tangent", "friction", "free_velocity", "bias", "joints")
+    heavy = FrictionProblem(mass=1e9 * problem.mass, **{name: getattr(problem, name) for name in names})
+    pushed = solve(problem, "lemke", tol=1e-12).impulse + np.array([[1.0, 0.0], [0.0, 0.0]])
+    assert residual(heavy, 1e9 * pushed) == pytest.approx(residual(problem, pushed), rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["planar_joints_1000", "planar_joints_1022", "planar_joints_1044"])
+@pytest.mark.parametrize("method", ["interior_point", "lemke", "path_search", "nsgs"])
+def test_redundant_joints_mislead_nobody(name, method):
+    data = np.load(DATA / f"{name}.npz")
+    fields = {"mass": "M", "normal": "N", "tangent": "T", "friction": "mu", "free_velocity": "v", "bias": "b"}
+    fields |= {"friction_bias": "fb", "joints": "F", "joint_bias": "bF"}
+    problem = FrictionProblem(**{field: data[key] for field, key in fields.items()})
+    answer = solve(problem, method, tol=1e-8)
+    assert verify(problem, answer, available()[method], 1e-8).verdict == "solved"
+    assert answer.work.get("factorisations", 0) < 30

@@ -1,0 +1,177 @@
+"""The road runs one way, the rooms know only what lies below them, nothing runs in a circle, and every test can fail."""
+
+import ast
+from collections.abc import Iterator
+from functools import cache
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+from tests.helpers.places import ROOT
+
+ROAD = ("problems", "solvers", "harness", "results", "reports")
+_MECHANISMS = ("harness.machine", "harness.process", "harness.deadline")
+# What each place may import of the house: a folder, a room or a file, by its dotted name. Its own files it always may.
+MAY_KNOW = {
+    "problems.compiled": set(),
+    "problems.rows": {"problems.compiled"},
+    "problems.check": {"problems.compiled", "problems.rows"},
+    "problems.forms": {"problems.check", "problems.compiled", "problems.rows"},
+    "problems.planar": {"problems.check", "problems.compiled", "problems.rows"},
+    "problems.nature": {"problems.check", "problems.forms", "problems.friction", "problems.residual"},
+    "problems.recorded": {"problems.check", "problems.forms", "problems.friction"},
+    "problems": {"problems"},
+    "solvers.needs": set(),
+    "solvers.interface": {"problems", "solvers.needs"},
+    "solvers.pivots": {"problems", "solvers.interface"},
+    "solvers.sweeps": {"problems", "solvers.interface"},
+    "solvers.sparse_lu": {"problems.check", "problems.compiled"},
+    "solvers.interior": {"problems", "solvers.interface", "solvers.sparse_lu"},
+    "solvers.outside.children": set(),
+    "solvers.outside": {"problems", "solvers.interface", "solvers.pivots.scaling"},
+    "solvers": {"problems", "solvers"},
+    "results": set(),
+    "harness.plans": {"problems", "solvers", "results"},
+    "harness.cells": {"problems", "solvers", "results", "harness.plans", "harness.verify", *_MECHANISMS},
+    "harness.workers": {"problems", "solvers", "results", "harness.plans", "harness.cells", *_MECHANISMS},
+    "harness.contract": {
+        *("problems", "solvers", "results", "harness.cells", "harness.plans", "harness.verify", "harness.workers"),
+    },
+    "harness.commands": {"problems", "solvers", "results", "harness"},
+    "harness.cli": {"problems", "solvers", "results", "harness", "reports"},
+    "harness": {"problems", "solvers", "results", "harness"},
+    "reports": {"results"},
+}
+FILES = {
+    ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path
+    for folder in ROAD
+    for path in sorted((ROOT / folder).rglob("*.py"))
+}
+
+
+@cache
+def tree(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+def imports(path: Path, *, at_once: bool = False) -> Iterator[tuple[str, str | None]]:
+    """Each import of a file: the module, and the name taken from it; at_once: only what the import of the file itself runs."""
+    for node in tree(path).body if at_once else ast.walk(tree(path)):
+        if isinstance(node, ast.Import):
+            yield from ((alias.name.removeprefix("frictionbench."), None) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path} imports relatively"
+            for alias in node.names:
+                home = str(node.module).removeprefix("frictionbench.")
+                yield (f"{home}.{alias.name}", None) if f"{home}.{alias.name}" in FILES else (home, alias.name)
+
+
+def within(module: str, place: str) -> bool:
+    return module == place or module.startswith(place + ".")
+
+
+def the_place_of(module: str) -> str:
+    return max((place for place in MAY_KNOW if within(module, place)), key=len)
+
+
+@pytest.mark.parametrize("module", FILES)
+def test_no_arrow_runs_up(module: str) -> None:
+    place = the_place_of(module)
+    house = {target for target, _ in imports(FILES[module]) if target.split(".")[0] in ROAD}
+    strangers = {
+        target for target in house if not within(target, place) and not any(within(target, known) for known in MAY_KNOW[place])
+    }
+    assert not strangers, f"{module}, of {place}, may not know {strangers}"
+
+
+def test_nothing_runs_in_a_circle() -> None:
+    # The __init__ of a folder gathers what lies in it; only what it is asked for by its own name is an arrow to it.
+    known = {
+        module: {target for target, _ in imports(path, at_once=True) if target in FILES and target != module}
+        for module, path in FILES.items()
+        if path.name != "__init__.py"
+    }
+    try:
+        TopologicalSorter(known).prepare()
+    except CycleError as circle:
+        pytest.fail(" -> ".join(circle.args[1]))
+
+
+def test_private_names_stay_at_home() -> None:
+    borrowed = [
+        f"{module} takes {name} from {target}"
+        for module, path in FILES.items()
+        for target, name in imports(path)
+        if name and name.startswith("_") and not name.startswith("__") and target.split(".")[0] in ROAD
+    ]
+    assert borrowed == []
+
+
+@pytest.mark.parametrize("module", FILES)
+def test_every_file_says_what_it_is(module: str) -> None:
+    assert ast.get_docstring(tree(FILES[module]))
+
+
+def test_the_solvers_folder_shows_the_methods() -> None:
+    others = ("__init__", "interface", "needs", "plugins")
+    methods = [path.stem for path in (ROOT / "solvers").glob("*.py") if path.stem not in others]
+    decorated = [
+        path
+        for path in methods
+        if any(
+            isinstance(node, ast.ClassDef) and any("solver(" in ast.unparse(mark) for mark in node.decorator_list)
+            for node in tree(ROOT / "solvers" / f"{path}.py").body
+        )
+    ]
+    assert methods == decorated
+    assert len(methods) <= 25
+
+
+def checkers(module: ast.Module) -> set[str]:
+    """The functions of a test's file that assert, or expect an error, themselves or through one another."""
+    functions = {node.name: node for node in ast.walk(module) if isinstance(node, ast.FunctionDef)}
+    found: set[str] = set()
+    while more := {name for name, node in functions.items() if name not in found and asserts(node, found)}:
+        found |= more
+    return found
+
+
+def asserts(function: ast.AST, helpers: set[str]) -> bool:
+    """Whether a test can fail of its own accord: it asserts, expects an error, or calls a helper that does."""
+    for node in ast.walk(function):
+        if isinstance(node, ast.Assert):
+            return True
+        if isinstance(node, ast.Call):
+            name = ast.unparse(node.func)
+            if name in ("pytest.raises", "pytest.fail", "pytest.warns") or name in helpers:
+                return True
+            if name.startswith(("np.testing.assert_", "pd.testing.assert_")):
+                return True
+    return False
+
+
+def test_every_test_asserts_something() -> None:
+    shared = {name for path in (ROOT / "tests" / "helpers").glob("*.py") for name in checkers(tree(path))}
+    idle = [
+        f"{path.name}::{node.name}"
+        for path in (ROOT / "tests").rglob("test_*.py")
+        if "benchmarks" not in path.parts
+        for node in ast.walk(tree(path))
+        if isinstance(node, ast.FunctionDef) and node.name.startswith("test")
+        if not asserts(node, (checkers(tree(path)) | shared) - {node.name})
+    ]
+    assert idle == []
+
+
+@pytest.mark.parametrize(
+    ("text", "can_fail"),
+    [
+        ("def test(): assert f()", True),
+        ("def test(): check_run(f())", False),
+        ("def test():\n with pytest.raises(ValueError): f()", True),
+        ("def test(): checked = f()", False),
+    ],
+)
+def test_a_call_with_check_in_its_name_asserts_nothing(text: str, can_fail: bool) -> None:
+    assert asserts(ast.parse(text), set()) is can_fail

@@ -1,0 +1,97 @@
+"""The page in a browser, narrow and wide, light and dark, with few solvers and many: no text overlaps or is cut, nothing is
+asked for, nothing goes wrong, every chart is drawn."""
+
+import html
+import json
+import re
+from base64 import b64encode
+from hashlib import sha256
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from frictionbench.reports.charts import CHARTS
+from frictionbench.reports.page import write_report
+from frictionbench.reports.run import read_run
+from tests.helpers.browser import browse, in_browser
+from tests.helpers.made_results import drive_row, lost_row, solve_row, write_folder
+from tests.helpers.places import HELPERS
+
+WIDTHS = (400, 1400)
+AUDIT = (HELPERS / "page_audit.js").read_text(encoding="utf-8")
+
+
+def folder_of(path: Path, solvers: int) -> Path:
+    """Solvers of all kinds of names on a scene of six sizes and two others, one of them trivial; one claims falsely."""
+    random = np.random.default_rng(0)
+    names = [*("lemke", "nsgs", "ccp[backend=clarabel]"), *(f"method_{i}[relaxation=1.{i}]" for i in range(solvers - 3))]
+    rows, drives = [], []
+    for i, name in enumerate(names):
+        for k, contacts in enumerate((1, 2, 5, 12, 40, 150)):
+            for tol in (1e-4, 1e-6, 1e-8):
+                time = 1e-5 * (i + 1) * contacts ** (0.5 + 0.1 * (i % 9)) * random.uniform(0.8, 1.2)
+                facts = {
+                    "contacts": contacts,
+                    "size": 4 * contacts,
+                    "rank": 2 * contacts - k,
+                    "response": 10.0**k,
+                    "family": f"f{i % 4}",
+                }
+                facts |= {
+                    "backward_error": tol,
+                    "work": json.dumps({"pivots": k + i}),
+                    "parameters": json.dumps({"blocks": contacts}),
+                }
+                facts |= {"clock_time": time / (1 + i % 2), "solve_time": time, "key": f"{name} {k} {tol}"}
+                rows.append(solve_row(name, f"p{k}", tol, residual=tol * random.uniform(1e-3, 1), **facts))
+        rows += [
+            solve_row(name, "w", scene="a_long_name_of_a_scene", family=f"f{i % 4}"),
+            solve_row(name, "t", scene="jam", trivial=True),
+        ]
+        rises = [2.0, 2.0 + 10.0 ** -(1 + i), 2.0 + 10.0 ** -(1 + i)]
+        drives += [drive_row(name), drive_row(name, scene="rise", energies=rises, key=f"rise {name}")]
+    rows[3] |= {"verdict": "wrong", "residual": 3.21e-3, "reason": "claims a residual within 1e-08, has 0.0032"}
+    rows += [lost_row("lemke", "x", "timeout", scene="a_long_name_of_a_scene"), lost_row("nsgs", "y", "skipped", scene="other")]
+    return write_folder(path / f"run{solvers}", rows, drives)
+
+
+def audited(report: Path, *wanted: str) -> list[dict]:
+    """What the audit finds of the page at each width."""
+    page = report.read_text(encoding="utf-8")
+    (script,) = re.findall(r"<script>(.*?)</script>", page, flags=re.DOTALL)
+    ours, allowed = (b64encode(sha256(code.encode()).digest()).decode() for code in (script, script + AUDIT))
+    report.with_name("audited.html").write_text(page.replace(script, script + AUDIT).replace(ours, allowed), encoding="utf-8")
+    frames = "".join(f'<iframe src="audited.html" width="{width}" height="900" style="border: 0"></iframe>' for width in WIDTHS)
+    hear = "addEventListener('message', (event) => { const p = document.createElement('pre'); p.textContent = event.data; "
+    hear += "document.body.append(p); });"
+    around = report.with_name("around.html")
+    around.write_text(f"<body><script>{hear}</script>{frames}", encoding="utf-8")
+    return [
+        json.loads(html.unescape(told))
+        for told in re.findall(r"<pre>(.*?)</pre>", browse(around, "--dump-dom", *wanted), re.DOTALL)
+    ]
+
+
+@in_browser
+@pytest.mark.parametrize(("solvers", "dark"), [(3, False), (30, True)])
+def test_no_text_overlaps_at_any_width(tmp_path, solvers, dark):
+    folder = folder_of(tmp_path, solvers)
+    found = audited(write_report(folder), *["--blink-settings=preferredColorScheme=0"] * dark)
+    assert {view["width"]: view["faults"] for view in found} == {width: [] for width in WIDTHS}
+    assert {view["dark"] for view in found} == {dark}
+    panels = sum(len(chart.panels(read_run(folder))[chart.on_page]) for chart in CHARTS)
+    assert {view["drawn"] for view in found} == {panels}
+
+
+@in_browser
+def test_the_audit_sees_what_overlaps_and_what_is_too_wide(tmp_path):
+    report = write_report(write_folder(tmp_path / "run", [solve_row("a", "p")]))
+    text = '<text x="9" y="20">one</text><text x="12" y="20">two</text><text x="190" y="20">three is far too long</text>'
+    bad = f'<svg width="200" height="40">{text}</svg><img src="nowhere.png"><div style="width: 1500px">wide</div>'
+    report.write_text(report.read_text(encoding="utf-8").replace("</header>", f"</header>{bad}"), encoding="utf-8")
+    narrow, wide = sorted(audited(report), key=lambda view: view["width"])
+    for fault in ("overlap: two and one", "outside its drawing: three is far too long"):
+        assert fault in narrow["faults"]
+        assert fault in wide["faults"]
+    assert any(fault.startswith("the page is 15") for fault in narrow["faults"])

@@ -1,0 +1,679 @@
+"""The report's numbers on tables small enough to check by hand, and its page on folders of every kind."""
+
+import json
+import re
+from base64 import b64encode
+from collections import Counter, defaultdict
+from hashlib import sha256
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pytest
+from markupsafe import Markup
+from matplotlib.figure import Figure
+
+from frictionbench.reports import accuracy, choice, tables
+from frictionbench.reports.charts import CHARTS, MAPS, classes, growth, pareto, speed_accuracy
+from frictionbench.reports.charts import work as work_chart
+from frictionbench.reports.drawing import style
+from frictionbench.reports.drawing.sheets import save_sheet
+from frictionbench.reports.drawing.style import looks
+from frictionbench.reports.drawing.text import plain, seconds
+from frictionbench.reports.markdown import write_markdown
+from frictionbench.reports.page import write_report
+from frictionbench.reports.paper import write_paper
+from frictionbench.reports.recorded import recorded_problems
+from frictionbench.reports.run import Run, annotate, annotate_drives, read_run
+from frictionbench.reports.sheets import sheets
+from frictionbench.reports.standing import sentences, standings
+from frictionbench.reports.tables import problem_classes
+from frictionbench.reports.templates import script
+from frictionbench.reports.told import settings
+from frictionbench.results.courses import Course, write_courses
+from frictionbench.results.polygon import Deviation, write_deviations
+from frictionbench.results.schema import SOLVES, VERDICTS, arrow_schema
+from frictionbench.results.store import ResultsError
+from tests.helpers.browser import browse, in_browser
+from tests.helpers.made_results import drive_row, lost_row, solve_row, write_folder
+
+
+@pytest.fixture(autouse=True)
+def no_latex(monkeypatch) -> None:
+    """PGF, which takes its time, has a test of its own (tests/reports/test_paper.py)."""
+    monkeypatch.setattr("frictionbench.reports.paper.which", lambda name: None)
+
+
+def table(name, rows):
+    return pa.Table.from_pylist(list(rows), arrow_schema(name)).to_pandas()
+
+
+def annotated(*rows):
+    return annotate(table("solves", rows))
+
+
+def run_of(*rows):
+    return Run({}, annotated(*rows), annotate_drives(table("drives", [])))
+
+
+def by_entry(table, problem_class="bar"):
+    return table[table["problem_class"] == problem_class].set_index("entry")
+
+
+def test_shifted_geometric_mean_by_hand():
+    # with the shift of 1e-5 s the times are 1e-4 and 1e-2 s, their geometric mean 1e-3
+    assert accuracy.shifted_geometric_mean(pd.Series([9e-5, 9.99e-3])) == pytest.approx(9.9e-4)
+    assert np.isnan(accuracy.shifted_geometric_mean(pd.Series([], dtype=float)))
+
+
+def test_the_least_time_within_the_target_counts_whatever_was_asked_for():
+    rows = annotated(
+        solve_row("a", "p", 1e-4, residual=5e-5, form_time=0.0, setup_time=0.0, solve_time=1.0),
+        solve_row("a", "p", 1e-6, residual=9e-9, form_time=0.2, setup_time=0.3, solve_time=1.5),
+        solve_row("a", "p", 1e-8, residual=1e-9, form_time=0.2, setup_time=0.3, solve_time=2.5),
+    )
+    found = {target: accuracy.times_to(rows, target).iloc[0] for target in accuracy.TARGETS}
+    assert [row["charged"] for row in found.values()] == [1.0, 2.0, 2.0]
+    assert found[1e-8][["form_time", "setup_time", "solve_time"]].tolist() == [0.2, 0.3, 1.5]
+
+
+@pytest.mark.parametrize(
+    "miss",
+    [
+        solve_row("a", "q", verdict="wrong", residual=1e-3, solve_time=1e-6),
+        solve_row("a", "q", verdict="relaxed", residual=1e-3),
+        solve_row("a", "q", verdict="unsolved", claimed=False, residual=float("inf")),
+        solve_row("a", "q", verdict="timeout", residual=1e-12, solve_time=11.0),
+        lost_row("a", "q", "crashed"),
+        lost_row("a", "q", "skipped"),
+    ],
+    ids=lambda row: row["verdict"],
+)
+def test_a_miss_is_charged_at_the_limit(miss):
+    rows = annotated(solve_row("a", "p", form_time=0.0, setup_time=0.0, solve_time=0.1), miss)
+    summary = by_entry(accuracy.summary(accuracy.times_to(rows, 1e-8))).loc["a"]
+    assert (summary["problems"], summary["reached"], summary["share"]) == (2, 1, 0.5)
+    assert summary["mean"] == pytest.approx(np.sqrt(0.1 * 10), rel=1e-3)
+    assert summary["solve"] == 0.1
+
+
+def test_a_wrong_claim_is_paid_for_the_accuracy_it_has():
+    rows = annotated(solve_row("a", "p", 1e-8, verdict="wrong", residual=1e-5))
+    assert accuracy.times_to(rows, 1e-4)["reached"].tolist() == [True]
+    assert accuracy.times_to(rows, 1e-6)["reached"].tolist() == [False]
+
+
+def test_a_class_skipped_as_a_whole_has_no_figure():
+    rows = annotated(solve_row("a", "p"), lost_row("b", "p", "skipped"), lost_row("c", "p", "crashed"))
+    assert accuracy.times_to(rows, 1e-8)["entry"].tolist() == ["a", "c"]
+
+
+def test_whoever_is_skipped_on_a_class_gains_nothing_by_it(tmp_path):
+    """Two classes of five: b, fast and skipped on the second, is charged there; a warm start is met by warm starts alone."""
+    classes = [(scene, f"{scene}{i}") for scene in ("bar", "rod") for i in range(5)]
+    slow = [solve_row("a", name, scene=scene, solve_time=30e-3) for scene, name in classes]
+    quick = [
+        solve_row("b", name, scene=scene) if scene == "bar" else lost_row("b", name, "skipped", scene=scene)
+        for scene, name in classes
+    ]
+    warm = [solve_row("a", name, scene=scene, start="warm", key=f"warm {name}") for scene, name in classes[:3]]
+    run = run_of(*slow, *quick, *warm)
+    table = run.summaries[1e-8].set_index(["problem_class", "entry"])
+    assert table.loc[(accuracy.ALL, "a"), ["reached", "problems"]].tolist() == [10, 10]
+    assert table.loc[(accuracy.ALL, "b"), ["reached", "problems"]].tolist() == [5, 10]
+    assert table.loc[(accuracy.ALL, "b"), "mean"] > table.loc[(accuracy.ALL, "a"), "mean"]
+    assert table.loc[(accuracy.ALL, "a, warm"), ["reached", "problems"]].tolist() == [3, 3]
+    assert ("rod", "b") not in table.index
+    assert tables.leaders(run.summaries[1e-8]).fastest["entry"] == "a"
+    assert accuracy.profile(run.times[1e-8])["b"][1].tolist() == [0.1, 0.2, 0.3, 0.4, 0.5]
+    folder = write_folder(tmp_path / "run", [*slow, *quick, *warm])
+    assert "b & 5/10 &" in (write_paper(folder, read_run(folder)) / "times.tex").read_text()
+    assert "a reaches a verified residual of 1e-8 most often: on 10 of 10" in _Page(write_report(folder)).text
+
+
+def test_trivial_problems_enter_no_headline_and_are_counted_apart():
+    run = run_of(solve_row("a", "p"), solve_row("a", "q", trivial=True), solve_row("a", "r", verdict="wrong", trivial=True))
+    assert run.summaries[1e-8]["problems"].tolist() == [1, 1]
+    row = tables.solvability(run).iloc[0]
+    assert (row["cells"], row["trivial"], row["solved"], row["wrong"]) == (1, 2, 1, 0)
+    assert tables.wrong_claims(run)["problem"].tolist() == ["r"]
+
+
+def test_solvability_counts_every_verdict():
+    answers = [
+        solve_row("a", v, verdict=v, claimed=v != "unsolved")
+        for v in ("solved", "relaxed", "missed", "unjudgeable", "wrong", "unsolved")
+    ]
+    lost = [lost_row("a", v, v) for v in ("timeout", "crashed", "skipped")]
+    row = tables.solvability(run_of(*answers, *lost)).iloc[0]
+    assert (row["cells"], row["claimed"]) == (9, 5)
+    assert all(row[verdict] == 1 for verdict in VERDICTS)
+
+
+def test_warm_and_cold_are_apart():
+    rows = annotated(solve_row("a", "p"), solve_row("a", "p", start="warm", solve_time=1e-4))
+    assert sorted(accuracy.times_to(rows, 1e-8)["entry"]) == ["a", "a, warm"]
+
+
+def test_small_and_large_problems_of_a_scene_are_apart():
+    sizes = {"p": 8, "q": 99, "r": 100, "s": 1000}
+    rows = annotated(
+        *(solve_row("a", name, size=n, parameters=f'{{"blocks": {n}}}') for name, n in sizes.items()),
+        lost_row("b", "s", "skipped", size=None, parameters='{"blocks": 1000}'),
+        solve_row("a", "t", scene="rod", size=5000),
+    )
+    classes = rows["problem_class"].tolist()
+    assert classes == ["bar, n < 100"] * 2 + ["bar, n < 1000", "bar, n from 1000", "bar, n from 1000", "rod"]
+
+
+def test_profile_by_hand():
+    rows = annotated(
+        *(solve_row("a", name, form_time=0.0, setup_time=0.0, solve_time=t) for name, t in (("p", 1.0), ("q", 4.0))),
+        *(solve_row("b", name, form_time=0.0, setup_time=0.0, solve_time=t) for name, t in (("p", 2.0), ("q", 1.0))),
+        *(lost_row(name, "r", "timeout") for name in "ab"),
+        lost_row("c", "p", "timeout"),
+    )
+    curves = accuracy.profile(accuracy.times_to(rows, 1e-8))
+    assert {name: ratio.tolist() for name, (ratio, _) in curves.items()} == {"a": [1, 4], "b": [1, 2], "c": []}
+    assert curves["a"][1].tolist() == [1 / 3, 2 / 3]
+
+
+def test_leaders_are_the_most_frequent_and_the_fastest_of_nearly_as_frequent():
+    cells = [("sure", 10, 1.0), ("quick", 9, 0.1), ("rash", 8, 0.01)]
+    table = pd.DataFrame(cells, columns=["entry", "reached", "mean"]).assign(problem_class=accuracy.ALL)
+    found = tables.leaders(table)
+    assert found is not None
+    assert (found.most_often["entry"], found.equals, found.fastest["entry"]) == ("sure", 1, "quick")
+    assert tables.leaders(table.assign(reached=0)) is None
+
+
+def test_an_unfinished_run_has_gaps():
+    assert tables.gaps(run_of(solve_row("a", "p"), solve_row("a", "q"), solve_row("b", "p"))) == 1
+
+
+class _Page(HTMLParser):
+    """Tags, references and visible text of a page."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__()
+        self.count: Counter[str] = Counter()
+        self.references: list[str] = []
+        self.handlers: list[str] = []
+        self.text = ""
+        self.scripts: defaultdict[str, list[str]] = defaultdict(list)
+        self.inside: str | None = None
+        self.feed(path.read_text(encoding="utf-8"))
+
+    def handle_starttag(self, tag, attrs):
+        self.count[tag] += 1
+        self.references += [value or "" for name, value in attrs if name.split(":")[-1] in ("href", "src")]
+        self.handlers += [name for name, _ in attrs if name.startswith("on")]
+        self.inside = dict(attrs).get("type", "") if tag == "script" else None
+
+    def handle_endtag(self, tag):
+        self.inside = None
+
+    def handle_data(self, data):
+        if self.inside is None:
+            self.text += data
+        else:
+            self.scripts[self.inside].append(data)
+
+
+def assert_only_our_script_runs(path: Path, page: _Page) -> None:
+    (ours,) = page.scripts[""]
+    assert ours == script("page.js")[0]
+    assert f"script-src 'sha256-{b64encode(sha256(ours.encode()).digest()).decode()}'" in path.read_text(encoding="utf-8")
+    assert page.scripts.keys() <= {"", "application/json"}
+    for data in page.scripts["application/json"]:
+        json.loads(data)
+
+
+RUN = [
+    *(
+        solve_row("nsgs", f"p{i}", tol, contacts=n, size=4 * n, rank=rank)
+        for i, (n, rank) in enumerate(((2, 4), (4, 8), (8, 8)))
+        for tol in (1e-4, 1e-8)
+    ),
+    solve_row("lemke", "p0", residual=0.0, model_residual=0.0),
+    solve_row("lemke", "p1", verdict="wrong", residual=0.3, key="cell with 'quotes'; and a blank"),
+    solve_row("ccp", "p0", model="relaxation", verdict="relaxed", residual=1e-3, model_residual=1e-9),
+    lost_row("nsgs", "p9", "timeout", rank=2),
+    lost_row("path", "p0", "skipped"),
+]
+for _row in RUN[:-2]:
+    _row |= {"response": 2.0, "backward_error": 1e-9, "work": '{"iterations": 3}'}
+
+
+def test_a_large_share_of_form_is_marked(tmp_path):
+    few = [solve_row("a", "p", form_time=0.5e-3, setup_time=1e-3, solve_time=2e-3)]
+    much = [solve_row("a", "p", form_time=1e-3, setup_time=0.0, solve_time=1e-3)]
+    shares = [by_entry(accuracy.summary(accuracy.times_to(annotated(*rows), 1e-8))).loc["a", "written"] for rows in (few, much)]
+    assert shares == pytest.approx([1 / 7, 1 / 2])
+    assert "form, the writing of the problem: 14 %)" in _Page(write_report(write_folder(tmp_path / "few", few))).text
+    assert "50 %, more than a fifth)" in _Page(write_report(write_folder(tmp_path / "much", much))).text
+
+
+def test_a_portfolio_is_marked_wherever_it_is_named(tmp_path):
+    rows = [solve_row("mixture", "p", members="lemke, nsgs", solve_time=1e-3), solve_row("nsgs", "p")]
+    folder = write_folder(tmp_path / "run", rows, [drive_row("mixture", members="lemke, nsgs")])
+    page, run = _Page(write_report(folder)), read_run(folder)
+    assert "mixture* may run lemke, nsgs." in page.text
+    assert "the fastest of them is mixture*, with a mean of 2 ms" in page.text
+    assert re.search(r"(?<!check-solver ')mixture(?!\*)", page.text) is None
+    assert set(run.looks) == {"mixture*", "nsgs"}
+    assert set(run.drives["entry"]) == {"mixture*"}
+    assert looks(["hybrid*"])["hybrid*"].colour == looks(["hybrid"])["hybrid"].colour
+    assert r"mixture* &" in (write_paper(folder, read_run(folder)) / "times.tex").read_text()
+
+
+def test_the_page_has_all_its_parts_and_stands_alone(tmp_path):
+    torn = lost_row("nsgs", "", "skipped", scene="Chain", parameters='{"file": "torn.dat"}', contacts=None, dimension=None)
+    drives = [drive_row("nsgs"), drive_row("ccp", energies=[2.0, 2.1, 2.3])]
+    folder = write_folder(tmp_path / "run", [*RUN, torn], drives)
+    write_deviations(folder, [Deviation(0, 0.01, 1e-3, 0.0), Deviation(4, 0.01, 25e-3, 24e-3)])
+    path = write_report(folder)
+    page = _Page(path)
+    for part in ("Recorded problems", "no problem: for a reason", "The polygon's error on a motion", "24 mm", "circle"):
+        assert part in page.text
+    for part in ("At a glance", "Solvability", "Speed and accuracy", "Time to equal accuracy", "Energy in closed loop"):
+        assert part in page.text
+    assert "nsgs reaches a verified residual of 1e-8 most often: on 3 of 4 non-trivial problems" in page.text
+    assert "1 wrong claim" in page.text
+    assert f"frictionbench rerun {tmp_path / 'run'} 'cell with '\"'\"'quotes'\"'\"'; and a blank'" in page.text
+    assert "energy gained" in page.text
+    assert "has not finished" not in page.text
+    assert not page.count.keys() & {"link", "iframe", "object", "form"}
+    assert_only_our_script_runs(path, page)
+    assert all(reference.startswith(("#", "data:image/png")) for reference in page.references)
+
+
+@pytest.mark.parametrize(
+    ("solves", "drives"),
+    [
+        ([], []),
+        ([], [drive_row("a", energies=[], times=[]), drive_row("b", energies=None, times=None, energy_scale=None)]),
+        ([solve_row("a", "p", trivial=True)], []),
+        ([lost_row("a", "p", "skipped", size=None, contacts=None, dimension=None, condition=None)], []),
+        ([solve_row("a", "p", residual=float("inf"), verdict="unsolved")], []),
+        ([solve_row("a", "p")], [drive_row("a", energies=[1.0, float("inf"), float("nan")])]),
+    ],
+    ids=["nothing", "drives alone", "trivial", "skipped", "no residual", "one solver"],
+)
+def test_a_partial_run_makes_a_page(tmp_path, solves, drives):
+    write_folder(tmp_path, solves, drives)
+    (tmp_path / "manifest.json").write_text('{"settings": {}}')
+    page = _Page(write_report(tmp_path))
+    assert "has not finished" in page.text
+    assert "Known limitations" in page.text
+    assert write_paper(tmp_path, read_run(tmp_path)).is_dir()
+
+
+def test_strangers_text_stays_text(tmp_path):
+    evil = '_<script>alert(1)</script>$x^{" onload="alert(1)"&\x00\x1b\u202e&#60; {{ 7 * 7 }}'
+    texts = [column.name for column in SOLVES if str(column.type) == "string"]
+    row = solve_row("a", "p") | dict.fromkeys(texts, evil) | {"verdict": "wrong", "start": "warm"}
+    drive = drive_row("a") | dict.fromkeys(("scene", "parameters", "variant", "scheme", "reason", "key"), evil)
+    manifest = {"machine": {evil: evil}, evil: {evil: [evil]}}
+    path = write_report(
+        write_folder(tmp_path, [row | {"parameters": evil}, row | {"key": "b", "scene": "c"}], [drive], **manifest)
+    )
+    page = _Page(path)
+    assert_only_our_script_runs(path, page)
+    assert page.handlers == []
+    assert "alert(1)" in page.text
+    assert "{{ 7 * 7 }}" in page.text
+    assert "&lt;script&gt;" in path.read_text(encoding="utf-8")
+    sheet = (write_paper(tmp_path, read_run(tmp_path)) / "speed_accuracy.svg").read_text(encoding="utf-8")
+    assert "<script" not in sheet
+    assert "&lt;script&gt;" in sheet
+
+
+def test_a_folder_that_is_none_is_refused(tmp_path):
+    with pytest.raises(ResultsError, match=r"manifest\.json"):
+        write_report(tmp_path)
+
+
+def test_the_same_tables_make_the_same_figures(tmp_path):
+    runs = {name: run_of(*RUN) for name in "ab"}
+    sheets = [save_sheet(speed_accuracy.panels(run), run.looks, tmp_path / name) for name, run in runs.items()]
+    for first, second in zip(*sheets, strict=True):
+        assert first.read_bytes() == second.read_bytes()
+
+
+def test_an_entry_looks_the_same_whatever_the_order():
+    names = [f"solver {i}" for i in range(30)]
+    assert looks(names) == looks(reversed(names))
+    assert len(set(looks(names).values())) == 30
+
+
+def test_every_chart_is_on_the_page_and_in_the_paper(tmp_path):
+    folder = write_folder(tmp_path, RUN, [drive_row("nsgs")])
+    write_courses(folder, [Course("bar", "{}", 0, "nsgs", 2, True, [1, 2], [1.0, 1e-9], [[1.0, 0.0], [2.0, 0.0]])])
+    page, paper = _Page(write_report(folder)), write_paper(folder, read_run(folder))
+    run = read_run(folder)
+    drawn = [chart for chart in CHARTS if chart.panels(run)]
+    assert [chart for chart in CHARTS if chart not in drawn] == list(MAPS)
+    files = {f"{chart.name}.{kind}" for chart in drawn for kind in ("svg", "pdf")}
+    assert {file.name for file in paper.iterdir() if file.suffix in (".svg", ".pdf")} == files
+    assert page.count["figure"] == sum(len(chart.panels(run)[chart.on_page]) for chart in CHARTS)
+    for chart in drawn:
+        assert chart.title in page.text
+        assert Markup(chart.caption).striptags() in page.text
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0 µs"),
+        (2.5e-6, "2.5 µs"),
+        (1.2e-4, "120 µs"),
+        (9.99e-4, "999 µs"),
+        (3e-3, "3 ms"),
+        (0.5, "500 ms"),
+        (120.0, "120 s"),
+    ],
+)
+def test_seconds(value, text):
+    assert seconds(value) == text
+
+
+def test_plain_text_for_figures():
+    assert plain("ok[x=1.3]") == "ok[x=1.3]"
+    assert plain("_hidden") == " _hidden"
+    assert plain("a\x00b\u4e2d") == "a?b?"
+    assert len(plain("x" * 1000)) == 48
+
+
+def test_times_of_two_hosts_never_meet() -> None:
+    two = annotated(solve_row("lemke", "p", host="left"), solve_row("lemke", "q", host="right"))
+    assert two["entry"].tolist() == ["lemke on left", "lemke on right"]
+    assert annotated(solve_row("lemke", "p", start="warm"))["entry"].tolist() == ["lemke, warm"]
+
+
+def test_the_harness_own_share_by_hand() -> None:
+    rows = [solve_row("a", "p", wall_time=1.0, overhead=0.1), solve_row("b", "p", wall_time=3.0, overhead=0.3)]
+    lost = lost_row("c", "p", "timeout")
+    assert tables.overhead(run_of(*rows, lost)) == pytest.approx(0.1)
+    assert tables.overhead(run_of(lost)) is None
+
+
+def test_which_solver_by_hand():
+    def entry(name, *times, **given):
+        sizes = (2, 2, 50)
+        return [
+            solve_row(name, f"p{i}", solve_time=t, contacts=c, **given)
+            for i, (t, c) in enumerate(zip(times, sizes, strict=True))
+        ]
+
+    rows = [*entry("a", 1e-3, 1e-3, 1.0), *entry("b", 4e-3, 4e-3, 1e-2)]
+    rows += entry("c", 1e-6, 1e-6, 1e-6)[:2]  # the fastest, but it did not run on every problem
+    rows += [lost_row("c", "p2", "skipped", contacts=50)]
+    found = dict(choice.choices(run_of(*rows)))
+    assert list(found) == ["all problems", "small: up to 10 contacts", "medium: 11 to 100 contacts"]
+    assert {kind: best[1e-8].entry for kind, best in found.items()} == {
+        "all problems": "b",
+        "small: up to 10 contacts": "c",
+        "medium: 11 to 100 contacts": "b",
+    }
+    small = found["small: up to 10 contacts"][1e-8]
+    assert (small.reached, small.problems, small.next, small.sure) == (2, 2, "a", None)
+    # with the shift and the millisecond of form and setup
+    assert small.lead == pytest.approx((2e-3 + 1e-5 - 1e-5) / (1.001e-3), rel=1e-12)
+
+
+def test_certainty_comes_from_the_problems():
+    times = {"a": (1e-3, 3e-3), "b": (2e-3, 2e-3)}
+    even = [solve_row(name, f"p{i}", solve_time=own[i % 2]) for name, own in times.items() for i in range(20)]
+    clear = [solve_row(name, f"p{i}", solve_time=own[0]) for name, own in times.items() for i in range(20)]
+    doubtful, sure = (dict(choice.choices(run_of(*rows)))["all problems"][1e-8].sure for rows in (even, clear))
+    assert 0.5 < doubtful < 0.9
+    assert sure == 1.0
+
+
+def test_the_front_has_those_that_nobody_beats():
+    time, residual = np.array([1.0, 2.0, 3.0, 2.0]), np.array([1e-2, 1e-6, 1e-6, 1e-8])
+    assert pareto.front(time, residual).tolist() == [0, 3]
+
+
+def test_who_missed_a_problem_is_not_on_the_chart_of_all():
+    rows = [solve_row("a", "p"), solve_row("a", "q"), solve_row("b", "p"), lost_row("b", "q", "skipped")]
+    assert pareto.ladder(run_of(*rows))["entry"].tolist() == ["a"]
+
+
+def test_a_solver_looks_the_same_in_every_report():
+    assert looks(["lemke", "nsgs"])["nsgs"] == looks(["nsgs", "somebody"])["nsgs"]
+    assert looks(["x", "y"])["y"] == looks(["y"])["y"]
+    family = looks(["ccp[backend=osqp]", "ccp[backend=clarabel]"])
+    assert len({look.colour for look in family.values()}) == 1
+    assert len(set(family.values())) == 2
+
+
+HANDS = """
+const seen = [];
+const faint = () => document.querySelectorAll("g.faint").length;
+const first = (table) => table.querySelector("td").textContent.trim();
+const [chip] = document.querySelectorAll("button[data-entry]");
+seen.push(chip.disabled, document.getElementById("rest") !== null, faint());
+chip.click(); seen.push(chip.getAttribute("aria-pressed"), document.getElementById("rest") !== null, faint() > 0);
+chip.click(); seen.push(chip.getAttribute("aria-pressed"), faint());
+const family = document.querySelector("button[data-family]");
+family.click(); seen.push(family.getAttribute("aria-pressed")); family.click();
+const table = document.querySelector("table.sorts");
+const claimed = table.rows[0].cells[1];
+claimed.click(); seen.push(claimed.getAttribute("aria-sort"), first(table));
+claimed.click(); seen.push(claimed.getAttribute("aria-sort"), first(table));
+const dot = document.querySelector("g[data-dots] use");
+dot.dispatchEvent(new PointerEvent("pointerenter")); seen.push(note.hidden, note.textContent.includes("frictionbench rerun"));
+dot.dispatchEvent(new PointerEvent("pointerleave")); seen.push(note.hidden);
+document.documentElement.dataset.seen = seen.join(" ");
+"""
+
+
+@in_browser
+def test_solvers_are_chosen_tables_sorted_and_dots_told(tmp_path):
+    families = ("odd", "even")
+    rows = [solve_row(f"s{i}", f"p{k}", solve_time=1e-3 * (i + 1), family=families[i % 2]) for i in range(12) for k in (0, 1)]
+    path = write_report(write_folder(tmp_path / "run", [*rows, *(solve_row("s0", f"p{k}") for k in range(2, 9))]))
+    (text,) = _Page(path).scripts[""]
+    ours, allowed = (b64encode(sha256(code.encode()).digest()).decode() for code in (text, text + HANDS))
+    path.write_text(path.read_text(encoding="utf-8").replace(text, text + HANDS).replace(ours, allowed), encoding="utf-8")
+    (opening,) = re.findall(r"<html[^>]*>", browse(path, "--dump-dom"))
+    wanted = "false true 0 true false true false 0 true ascending s1 descending s0 false true true"
+    assert f'data-seen="{wanted}"' in opening
+
+
+def test_profiles_by_size_and_rank_where_problems_are_of_several_classes(tmp_path) -> None:
+    sizes = {"a": (3, 6), "b": (10, 18), "c": (50, 50), "d": (100, 200), "e": (500, 700)}  # contacts and rank of W, planar
+    rows = [solve_row("nsgs", name, contacts=nc, rank=rank, scene=name) for name, (nc, rank) in sizes.items()]
+    titles = [panel.title for panel in classes.panels(read_run(write_folder(tmp_path / "several", rows)))]
+    assert titles == ["1 to 10 contacts: 2 problems", "11 to 100: 2 problems", *titles[2:]]
+    assert titles[2:] == ["W of full rank: 2 problems", "rank below that: 2 problems"]
+    assert classes.panels(read_run(write_folder(tmp_path / "one", rows[:2]))) == []
+
+
+def test_recorded_problems_are_told_one_by_one(tmp_path) -> None:
+    chain = {"scene": "Chain", "parameters": '{"file": "a.hdf5"}', "dimension": 3, "contacts": 4, "rank": 9, "asymmetry": 1e-3}
+    torn = {"scene": "Chain", "parameters": '{"file": "torn.dat"}', "contacts": None, "dimension": None, "trivial": None}
+    rows = [
+        *(solve_row(name, "a", time_limit=1.0, solve_time=time, **chain) for name, time in (("slow", 0.5), ("fast", 0.1))),
+        solve_row("poor", "a", residual=1e-3, **chain),
+        lost_row("left", "a", "skipped", **chain),
+        lost_row("slow", "", "skipped", **torn),
+        solve_row("slow", "scene of ours"),
+    ]
+    run = read_run(write_folder(tmp_path / "run", rows))
+    whole, broken = recorded_problems(run)
+    assert (whole.file, whole.dimension, whole.contacts, whole.rank_ratio) == ("a.hdf5", 3, 4, 0.75)
+    assert (list(whole.solvers), whole.tried, whole.oddities) == (["fast", "slow"], 3, "unsymmetric by 1e-3")
+    assert (broken.file, broken.reason) == ("torn.dat", "for a reason")
+
+
+def test_mean_profile_and_page_have_one_denominator():
+    """Ten problems, four of them of a class that b is skipped on; warm starts are judged by the three that have one."""
+    names = [(scene, f"{scene}{i}") for scene, n in (("bar", 6), ("rod", 4)) for i in range(n)]
+    rows = [solve_row("a", name, scene=scene, solve_time=4e-3) for scene, name in names]
+    rows += [
+        (solve_row if scene == "bar" else lost_row)("b", name, *(["skipped"] * (scene == "rod")), scene=scene)
+        for scene, name in names
+    ]
+    rows += [solve_row("a", name, scene=scene, start="warm", key=f"warm {name}") for scene, name in names[:3]]
+    run = run_of(*rows)
+    shares = by_entry(run.summaries[1e-8], accuracy.ALL)["share"]
+    curves = accuracy.profile(run.times[1e-8])
+    assert (
+        {entry: share[-1] for entry, (_, share) in curves.items()} == shares.to_dict() == {"a": 1.0, "b": 0.6, "a, warm": 1.0}
+    )
+    assert by_entry(run.summaries[1e-8], accuracy.ALL)["problems"].to_dict() == {"a": 10, "b": 10, "a, warm": 3}
+    (part,) = accuracy.entered_in_part(run.times[1e-8]).to_dict("records")
+    assert (part["entry"], part["entered"], part["of"], part["rank"], part["others"], part["best"]) == ("b", 6, 10, 1, 2, "b")
+
+
+def test_the_rank_with_misses_charged_more_by_hand():
+    """a, fast, misses one of four; at the limit of 10 s it is the first, at ten limits the last."""
+    quick = [solve_row("a", f"p{i}", solve_time=1e-5, form_time=0.0, setup_time=0.0) for i in range(3)]
+    slow = [solve_row("b", f"p{i}", solve_time=7e-4, form_time=0.0, setup_time=0.0) for i in range(4)]
+    table = accuracy.by_charge(run_of(*quick, lost_row("a", "p3", "timeout"), *slow).times[1e-8]).set_index("entry")
+    assert table.loc["a", "missed"] == 1
+    assert table.loc["a", "mean 10"] == pytest.approx(((2e-5) ** 3 * 100) ** 0.25 - 1e-5, rel=1e-6)
+    assert table["rank 1"].to_dict() == {"a": 1, "b": 2}
+    assert table["rank 10"].to_dict() == {"a": 2, "b": 1}
+
+
+def test_a_band_holds_its_profile_and_narrows_with_problems():
+    at = np.array([1.0, 2.0, 4.0])
+    few, many = (np.sort(np.r_[np.ones(n // 2), np.full(n // 2, 3.0)]) for n in (10, 1000))
+    for ratio in (few, many):
+        low, high = accuracy.band(ratio, at)
+        assert (low <= [0.5, 0.5, 1.0]).all()
+        assert (high >= [0.5, 0.5, 1.0]).all()
+    assert np.ptp(accuracy.band(many, at), axis=0)[0] < 0.2 * np.ptp(accuracy.band(few, at), axis=0)[0]
+
+
+def test_classes_of_one_scene_stand_together_by_size(tmp_path) -> None:
+    large = {"parameters": '{"blocks": 500}', "size": 4000}
+    rows = [solve_row("a", "p", **large), solve_row("a", "q", scene="wall"), solve_row("a", "r", size=8)]
+    names = problem_classes(read_run(write_folder(tmp_path, rows)))["problem_class"]
+    assert names.tolist() == ["bar, n < 100", "bar, n from 1000", "wall"]
+
+
+def test_work_is_compared_by_unit_among_those_who_count_it():
+    work = {"a": '{"pivots": 4}', "b": '{"pivots": 9}', "c": '{"sweeps": 3}', "d*": '{"a pivots": 4}'}
+    rows = [solve_row(name, f"p{i}", work=text) for name, text in work.items() for i in range(2)]
+    rows[-1]["work"] = '{"c sweeps": 7}'  # on one of its problems it counts something else
+    (panel,) = work_chart.panels(run_of(*rows))
+    assert panel.title == "pivots"
+    assert {name: ratio.tolist() for name, ratio in panel.draw.keywords["costs"].items()} == {"a": [1, 1], "b": [2, 2]}
+    assert work_chart.counted('{"lemke pivots": 3, "pivots": 2, "restarts": 9}') == {"pivots": 5}
+
+
+def test_the_exponent_of_growth_by_hand():
+    sizes = np.array([10.0, 20.0, 50.0, 100.0])
+    assert growth.exponent(sizes, 3e-6 * sizes**1.5) == pytest.approx((1.5, 0.0), abs=1e-12)
+    slope, error = growth.exponent(sizes, 3e-6 * sizes**1.5 * np.array([1.1, 0.9, 1.1, 0.9]))
+    assert abs(slope - 1.5) < 2 * error < 0.5
+    assert np.isnan(growth.exponent(sizes[:2], sizes[:2])[0])
+
+
+@pytest.mark.parametrize("ends", [(0.0, 1e-9), (-0.6, 0.0), (-1e-17, 3e-17), (-0.0123, 0.0004), (0.0, 0.0), (-3e-8, 2e-7)])
+def test_an_axis_of_shares_has_ticks_that_differ(ends):
+    ax = Figure().subplots()
+    ax.set_ylim(*ends) if ends[0] < ends[1] else ax.plot([0, 1], [0, 0])
+    style.percent_axis(ax)
+    texts = [label.get_text() for label in ax.get_yticklabels()]
+    assert len(texts) == len(set(texts)) >= 2
+
+
+@pytest.mark.parametrize("ends", [(1e-6, 1.1e-6), (1e-4, 9e-4), (2e-5, 3e-2), (1e-6, 10.0)])
+def test_an_axis_of_times_has_ticks_that_differ(ends):
+    ax = Figure().subplots()
+    ax.plot(ends, [0, 1])
+    style.time_axis(ax, "x")
+    low, high = ax.get_xlim()
+    texts = [seconds(tick) for tick in ax.xaxis.get_majorticklocs() if low <= tick <= high]
+    assert len(texts) == len(set(texts)) >= 2
+
+
+def test_a_sheet_says_what_a_solver_is_and_where_it_failed(tmp_path):
+    rows = [solve_row("a", f"p{i}", contacts=i + 2, family="some") for i in range(4)]
+    for row, verdict in zip(rows[1:], ("unsolved", "unsolved", "wrong"), strict=True):
+        row |= {"verdict": verdict, "residual": 2.4e-3, "reason": "so it says"}
+    folder = write_folder(tmp_path / "run", [*rows, solve_row("b", "p0")], solvers={"a": "Pivots.\n\nIt always ends."})
+    first, second = sheets(read_run(folder))
+    assert first.told == ["Pivots.", "It always ends."]
+    assert [(lost.verdict, lost.cells, lost.of, lost.contacts) for lost in first.failures] == [
+        ("unsolved", 2, 4, 3),
+        ("wrong", 1, 4, 5),
+    ]
+    assert first.results[1e-8]["reached"] == 1
+    assert (second.failures, second.told) == ([], [])
+    page = _Page(write_report(folder)).text
+    for text in ("It always ends.", "It failed nowhere.", "2.4e-3", "so it says"):
+        assert text in page
+
+
+def test_the_run_is_told_as_a_list_that_can_be_pasted():
+    sources = [{"scene": "stack", "parameters": {"blocks": 2, "friction": 0.5}, "pick": 3, "scheme": "anitescu_potra"}] * 9
+    told = dict(settings({"settings": {"sources": sources, "time_limit": 2.0, "memory_limit": 2**32}, "started": "now"}))
+    assert told["settings"][0] == ("sources", ", ".join(["stack[blocks=2,friction=0.5], 3 steps of its motion"] * 9), 9)
+    assert [line.text for line in told["settings"][1:]] == ["2", "4 GiB"]
+    assert told["run"] == [("started", "now", 0)]
+
+
+def test_a_page_says_why_an_unfinished_run_does_not_compare(tmp_path):
+    folder = write_folder(tmp_path / "run", [solve_row("a", "p"), solve_row("a", "q"), solve_row("b", "p")])
+    assert "Partial: 1 pairs" in _Page(write_report(folder)).text
+    (folder / "manifest.json").write_text('{"settings": {}}', encoding="utf-8")
+    text = _Page(write_report(folder)).text
+    assert "This run has not finished. 1 pairs of a problem and a solver have no row yet" in text
+    assert "Partial" not in text
+
+
+def test_a_librarys_own_clock_is_shown_beside_ours(tmp_path):
+    rows = [solve_row("a", f"p{i}", clock_time=1.9e-3) for i in range(3)]
+    rows += [solve_row("b", f"p{i}", clock_time=1e-3) for i in range(3)]
+    table = tables.clocks(run_of(*rows)).set_index("entry")
+    assert table["apart"].to_dict() == {"a": False, "b": True}
+    assert table.loc["b", "ratio"] == pytest.approx(2.0)
+    assert "By their own clocks" in _Page(write_report(write_folder(tmp_path / "run", rows))).text
+
+
+def test_who_is_exact_and_who_claims_falsely_by_hand(tmp_path):
+    """Two problems: one entry solves both, one its own model alone, one lies once, one dies once; the library's own is told."""
+    rows = [solve_row(name, problem, version="ours") for name in "ab" for problem in "pq"]
+    rows += [solve_row("soft", problem, model="relaxation", residual=0.1, verdict="relaxed") for problem in "pq"]
+    rows += [solve_row("liar", "p", version="lib 2"), solve_row("liar", "q", version="lib 2", residual=0.1, verdict="wrong")]
+    rows[-1] |= {"model_residual": 0.1}
+    rows += [solve_row("weak", "p"), lost_row("weak", "q", "crashed")]
+    folder = write_folder(tmp_path / "run", [{"version": "ours"} | row for row in rows], versions={"frictionbench": "ours"})
+    run = read_run(folder)
+    assert [(one.entry, one.exact, one.own, one.wrong, one.crashed) for one in standings(run)] == [
+        ("a", 2, 2, 0, 0),
+        ("b", 2, 2, 0, 0),
+        ("liar", 1, 1, 1, 0),
+        ("weak", 1, 1, 0, 1),
+        ("soft", 0, 2, 0, 0),
+    ]
+    assert dict(sentences(run)) == {
+        "Exact to 1e-8 on every problem taken": "a, b",
+        "To 1e-8 as well, of a relaxation, another law where bodies slide": "soft",
+        "Claim answers that are off by more than ten times": "liar (1 of 2)",
+        "Died": "weak (1 of 2)",
+    }
+    told = write_markdown(folder, read_run(folder)).read_text(encoding="utf-8")
+    assert "**Died**: weak (1 of 2)." in told
+    best = next(line for line in told.splitlines() if line.startswith("| all problems"))
+    assert "`liar`" in best.split("|")[-2], "the best of the outside solvers"
+    assert "Claim answers that are off by more than ten times" in write_report(folder).read_text(encoding="utf-8")
+
+
+def test_nobody_misses_what_nobody_asked_for(tmp_path) -> None:
+    asked = [solve_row(name, problem, 1e-6, residual=1e-7) for name in ("a", "b") for problem in ("p", "q")]
+    run = read_run(write_folder(tmp_path / "asked", asked))
+    assert list(run.times) == [1e-4, 1e-6]
+    assert all(times["reached"].all() for times in run.times.values())
+    loose = read_run(write_folder(tmp_path / "loose", [row | {"tol": 1e-2} for row in asked]))
+    assert list(loose.times) == [1e-4]
+    assert "within 1e-8" not in write_report(tmp_path / "asked").read_text()

@@ -1,0 +1,165 @@
+"""Baselines as text, acknowledged changes, runs over time, results of pytest-benchmark."""
+
+import io
+import json
+
+import pytest
+from rich.console import Console
+
+from frictionbench.harness.commands.accept import accept
+from frictionbench.reports.comparison.history import history
+from frictionbench.reports.comparison.markdown import markdown
+from frictionbench.results import cells, known
+from frictionbench.results.changes import Flip
+from frictionbench.results.compare import compare
+from frictionbench.results.store import ResultsError
+from tests.helpers.command_line import frictionbench
+from tests.helpers.made_results import drive_row, lost_row, solve_row, write_folder
+from tests.helpers.places import ROOT
+
+SMOKE = ROOT / "results" / "baselines" / "smoke.tsv"
+
+
+def run(folder, pivots=10, verdict="solved", **manifest):
+    solved = [solve_row("a", f"p{i}", work=json.dumps({"pivots": pivots, "restarts": 0})) for i in range(3)]
+    return write_folder(
+        folder, [*solved, solve_row("b", "p", verdict=verdict), lost_row("c", "p", "skipped")], [drive_row("a")], **manifest
+    )
+
+
+def test_a_baseline_is_one_sorted_table_and_compares_like_its_run(tmp_path):
+    made, path = run(tmp_path / "run"), tmp_path / "baselines" / "made.tsv"
+    before, told = accept(made, path)
+    assert (before, told) == (None, f"accepted: {path}, 6 cells: 5 solved, 1 skipped")
+    lines = path.read_text(encoding="utf-8").splitlines()
+    assert lines[:2] == ["# suite: made", "# tolerances: 1e-08 0.0001"]
+    assert lines[5:] == sorted(lines[5:])
+    assert (
+        "a\tsolve\tbar[friction=0.2]\t0\tstep\tcold\t1e-08\tsolved\t1.0e-09\tpivots 10, restarts 0\t3e-03\t10\ta-p0-1e-08"
+        in lines
+    )
+    same, worse = compare(path, made), compare(path, run(tmp_path / "after", pivots=11, verdict="wrong"))
+    assert (same.exit_code, same.counts["same"]) == (0, 5)
+    assert [found.name for found in worse.worse] == ["bar[friction=0.2] step 0 to 1e-08 (b-p-1e-08)", "pivots"]
+    before, _ = accept(tmp_path / "after", path)
+    assert before.worse == worse.worse
+    assert compare(path, tmp_path / "after").exit_code == 0
+
+
+def test_what_is_no_baseline_is_not_written_over_and_told(tmp_path):
+    made, path = run(tmp_path / "run"), tmp_path / "notes.tsv"
+    path.write_text("my notes", encoding="utf-8")
+    with pytest.raises(ResultsError, match=r"notes\.tsv: not a baseline"):
+        accept(made, path)
+    assert path.read_text(encoding="utf-8") == "my notes"
+    accept(made, tmp_path / "good.tsv")
+    text = (tmp_path / "good.tsv").read_text(encoding="utf-8")
+    for spoilt, told in (
+        (text + "a\tb\n", r"spoilt\.tsv:12: 2 columns"),
+        (text.replace("solved", "fine"), "unknown verdict 'fine'"),
+    ):
+        (tmp_path / "spoilt.tsv").write_text(spoilt, encoding="utf-8")
+        with pytest.raises(ResultsError, match=told):
+            cells.read(tmp_path / "spoilt.tsv")
+    with pytest.raises(ResultsError, match="the run is not finished"):
+        accept(run(tmp_path / "broken", finished=""), tmp_path / "other.tsv")
+
+
+def test_the_committed_baseline_is_of_smoke():
+    smoke = cells.read(SMOKE)
+    assert (smoke.suite, smoke.tolerances) == ("smoke", (1e-8, 1e-4))
+    assert {"lemke", "nsgs", "interior_point"} <= set(smoke.measured["variant"])
+
+
+KNOWN = """
+[[known]]
+solver = "a"
+change = "pivots"
+ratio = 1.2
+reason = "a safer | step"
+
+[[known]]
+solver = "b"
+change = "verdict"
+after = "wrong"
+reason = "under repair"
+
+[[known]]
+solver = "b"
+change = "time"
+ratio = 2
+reason = "gone by"
+"""
+
+
+def test_what_is_acknowledged_with_a_reason_closes_no_gate(tmp_path):
+    (tmp_path / "known.toml").write_text(KNOWN, encoding="utf-8")
+    acknowledged, before = known.read(tmp_path / "known.toml"), run(tmp_path / "before")
+    result = known.acknowledge(compare(before, run(tmp_path / "after", 12, "wrong")), acknowledged)
+    assert (result.exit_code, result.counts["known"]) == (0, 2)
+    text = markdown(result)
+    assert "`known: a safer \\| step`" in text
+    assert "No longer met, and can be taken out of the acknowledged changes: b, time." in text
+    further = known.acknowledge(compare(before, run(tmp_path / "further", 13, "crashed")), acknowledged)
+    assert [found.after if isinstance(found, Flip) else found.name for found in further.worse] == ["crashed", "pivots"]
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("known = 3", "must hold"),
+        ("[[known]]\nsolver = 3", "known 1: solver cannot be 3"),
+        ("[[known]]\nsolver = 'a'\nchange = 'time'\nreason = 'x'", "known 1: ratio is missing"),
+        ("[[known]]\nsolver = 'a'\nchange = 'gone'", "known 1: reason is missing"),
+        ("[[known]]\ncolour = 'a'", "known 1: unknown field 'colour'"),
+        ("[[", "cannot be read"),
+    ],
+)
+def test_acknowledged_changes_that_cannot_be_read_are_told(tmp_path, text, told):
+    (tmp_path / "known.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(ResultsError, match=told):
+        known.read(tmp_path / "known.toml")
+
+
+def test_a_program_reads_runs_over_time_unfolded(tmp_path):
+    first, far = run(tmp_path / "first"), run(tmp_path.joinpath(*["a_long_name_of_a_folder"] * 8))
+    printed = frictionbench("history", str(first), str(far)).stdout
+    assert any(str(far) in line and "pivots 30" in line for line in printed.splitlines())
+
+
+def test_runs_over_time_are_told_on_the_same_cells(tmp_path):
+    first = run(tmp_path / "first", finished="2026-01-02T00:00")
+    second = run(tmp_path / "second", 20, "wrong", finished="2026-01-01T00:00")
+    accept(first, tmp_path / "made.tsv")
+    console = Console(width=300, record=True, file=io.StringIO())
+    console.print(history([first, second, tmp_path / "made.tsv"]))
+    lines = [line.split() for line in console.export_text().splitlines()]
+    assert [(line[0], line[1]) for line in lines if "pivots" in line][:2] == [("a", str(second)), (str(first), "2026-01-02")]
+    assert [line[line.index("pivots") + 1] for line in lines if "pivots" in line] == ["60,", "30,", "30,"]
+    assert sum("wrong" in line for line in lines) == 1
+    with pytest.raises(ResultsError, match="no cell was measured in all"):
+        history([first, write_folder(tmp_path / "other", [solve_row("z", "p")])])
+
+
+def benchmark(path, medians, node="here"):
+    told = {"machine_info": {"node": node}, "benchmarks": [{"fullname": n, "stats": {"median": m}} for n, m in medians.items()]}
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(json.dumps(told), encoding="utf-8")
+    return path
+
+
+def test_results_of_pytest_benchmark_compare_too(tmp_path):
+    old, new = benchmark(tmp_path / "old.json", {"x": 1.0, "y": 1.0}), benchmark(tmp_path / "new.json", {"x": 2.0, "z": 1.0})
+    result = compare(old, new)
+    assert (result.exit_code, result.counts["new"], result.counts["gone"]) == (1, 1, 1)
+    assert "| `x` | 1 s | 2 s | ×2.00 ~ | ~ |  | 1 | 1 |" in markdown(result)
+    for i in range(8):
+        benchmark(tmp_path / "before" / f"{i}.json", {"x": 1.0 + i / 100, "y": 1.0})
+        benchmark(tmp_path / "after" / f"{i}.json", {"x": 1.4, "y": 1.0})
+    several = compare(tmp_path / "before", tmp_path / "after")
+    assert [(time.variant, time.n) for time in several.worse] == [("x", 8)]
+    assert (
+        compare(old, benchmark(tmp_path / "there.json", {"x": 1.0}, "there")).unusable == "times of two machines do not compare"
+    )
+    (tmp_path / "none.json").write_text("[]", encoding="utf-8")
+    assert "not a result of pytest-benchmark" in compare(old, tmp_path / "none.json").unusable

@@ -1,0 +1,310 @@
+"""The gate: what counts as worse between two runs, and that it never passes having measured nothing."""
+
+import json
+from dataclasses import replace
+from itertools import count, pairwise
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from scipy.stats import wilcoxon
+
+from frictionbench.reports.comparison.files import write_files
+from frictionbench.reports.comparison.markdown import markdown, summarise
+from frictionbench.results import cells
+from frictionbench.results.changes import Flip
+from frictionbench.results.compare import Limits, compare, confirm, suspects
+from frictionbench.results.times import estimate
+from tests.helpers.made_results import MACHINE, SETTINGS, drive_row, lost_row, solve_row, write_folder
+
+ELSEWHERE = {"machine": MACHINE | {"host": "there"}}
+
+
+@pytest.fixture
+def runs(tmp_path):
+    """Write two folders from rows and compare them."""
+
+    made = count()
+
+    def make(before, after, limits=Limits(), **manifest):  # noqa: B008  # it is a value
+        home = tmp_path / f"{next(made)}"
+        old, new = write_folder(home / "before", before), write_folder(home / "after", after, **manifest)
+        return compare(old, new, limits)
+
+    return make
+
+
+def rows(verdicts, **given):
+    return [solve_row("a", f"p{i}", verdict=verdict, **given) for i, verdict in enumerate(verdicts)]
+
+
+def told(findings):
+    """Each finding in short."""
+    return [f"{one.key} {one.before} → {one.after}" if isinstance(one, Flip) else one.name for one in findings]
+
+
+def test_equal_runs_pass(runs):
+    result = runs(rows(["solved", "wrong"]), rows(["solved", "wrong"]))
+    assert (result.exit_code, result.same, result.worse, result.better) == (0, 2, [], [])
+    assert markdown(result).startswith("## worse 0 · better 0 · same 2 · new 0 · gone 0 · skipped 0\n")
+
+
+ORDER = ["solved", "relaxed", "missed", "unjudgeable", "unsolved", "timeout", "crashed", "wrong"]
+
+
+@pytest.mark.parametrize(("better", "worse"), list(pairwise(ORDER)))
+def test_verdicts_are_ordered(runs, better, worse):
+    result = runs(rows([better, better]), rows([better, worse]))
+    assert result.exit_code == 1
+    assert told(result.worse) == [f"a-p1-1e-08 {better} → {worse}"]
+
+
+@pytest.mark.parametrize(("seconds", "code"), [(0.02, 1), (6.0, 0)])  # of a limit of 10 s
+@pytest.mark.parametrize("manifest", [{}, ELSEWHERE])
+def test_a_timeout_that_the_machine_may_explain_is_no_flip(runs, seconds, code, manifest):
+    taken = {"solve_time": seconds}
+    pace = 1.5 if manifest else 1.0  # of a slower machine, as the others show it
+    others = [solve_row("b", f"p{i}") for i in range(9)]
+    slower = [solve_row("b", f"p{i}", solve_time=pace * 2e-3) for i in range(9)]
+    before, after = rows(["solved"], **taken), [lost_row("a", "p0", "timeout")]
+    result = runs([*others, *before], [*slower, *after], **manifest)
+    assert result.exit_code == code
+    assert ("the machine's pace may explain, at other verdicts, are no change: 1 cells" in markdown(result)) is (code == 0)
+    assert bool(runs([*slower, *after], [*others, *before], **manifest).better) is (code == 1)
+
+
+@pytest.mark.parametrize(("manifest", "code"), [({}, 1), (ELSEWHERE, 0)])
+def test_a_timeout_beside_a_crash_is_the_machines_only_elsewhere(runs, manifest, code):
+    assert runs(rows(["solved", "timeout"]), [*rows(["solved"]), lost_row("a", "p1", "crashed")]).exit_code == 1
+    before = [*rows(["solved"]), lost_row("a", "p1", "timeout")]
+    assert runs(before, [*rows(["solved"]), lost_row("a", "p1", "crashed")], **manifest).exit_code == code
+
+
+def test_a_better_verdict_is_told_of_and_passes(runs):
+    result = runs(rows(["wrong", "solved"]), rows(["solved", "solved"]))
+    assert result.exit_code == 0
+    assert told(result.better) == ["a-p0-1e-08 wrong → solved"]
+    assert "| wrong → solved | `bar[friction=0.2]` | 0 | 1e-08 |" in markdown(result)
+
+
+def test_a_missing_cell_is_gone(runs):
+    result = runs(rows(["solved", "solved"]), rows(["solved"]))
+    assert (result.exit_code, result.counts["gone"], result.counts["worse"]) == (1, 1, 0)
+    assert told(result.worse) == ["a-p1-1e-08 solved → gone"]
+
+
+@pytest.mark.parametrize(("reason", "code"), [("not installed", 0), ("", 1)])
+def test_a_skip_is_excused_by_a_reason(runs, reason, code):
+    kept = solve_row("b", "p0")
+    assert runs([kept, solve_row("a", "p0")], [kept, lost_row("a", "p0", "skipped", reason=reason)]).exit_code == code
+
+
+def test_a_solver_skipped_as_a_whole_excuses_its_cells(runs):
+    kept = solve_row("b", "p0")
+    result = runs(
+        [kept, solve_row("a", "p0"), solve_row("a", "p1")], [kept, lost_row("a", "p0", "skipped"), solve_row("b", "p3")]
+    )
+    assert (result.exit_code, result.counts["skipped"], result.counts["new"]) == (0, 2, 1)
+
+
+def test_nothing_measured_in_both_is_unusable(runs):
+    assert runs(rows(["solved"]), [solve_row("a", "other")]).exit_code == 2
+
+
+def test_all_skipped_is_unusable(runs):
+    result = runs(rows(["solved"]), [lost_row("a", "p0", "skipped")])
+    assert (result.exit_code, result.unusable) == (2, "no cell was measured in both runs")
+
+
+def test_empty_tables_are_unusable(runs):
+    assert runs([], []).exit_code == 2
+
+
+@pytest.mark.parametrize(("name", "other"), [("suite", "another"), ("tolerances", [1e-3])])
+def test_unlike_runs_are_unusable(runs, name, other):
+    result = runs(rows(["solved"]), rows(["solved"]), settings=SETTINGS | {name: other})
+    assert result.exit_code == 2
+    assert name in markdown(result)
+
+
+def test_a_folder_that_is_none_is_unusable(tmp_path):
+    result = compare(tmp_path, tmp_path / "absent")
+    assert result.exit_code == 2
+    assert "manifest.json" in markdown(result)
+
+
+def test_an_unknown_verdict_is_unusable(runs):
+    assert "unknown verdict 'fine'" in runs(rows(["solved"]), rows(["fine"])).unusable
+
+
+def pivots(counts, **given):
+    return [solve_row("a", f"p{i}", work=json.dumps({"pivots": count}), **given) for i, count in enumerate(counts)]
+
+
+@pytest.mark.parametrize(("after", "code"), [((50, 55), 0), ((50, 60), 1), ((45, 45), 0), ((20, 20), 0)])
+def test_work_may_grow_by_a_twentieth_in_sum(runs, after, code):
+    assert runs(pivots((40, 60)), pivots(after)).exit_code == code
+    assert runs(pivots((40, 60)), pivots(after), Limits(growth=1.2)).exit_code == 0
+
+
+def test_grown_work_tells_the_sums(runs):
+    before, after = ([solve_row("a", "p", work=json.dumps({"pivots": n, "restarts": r}))] for n, r in ((10, 0), (12, 3)))
+    result = runs(before, after)
+    assert told(result.worse) == ["pivots", "restarts"]
+    assert "| **pivots** | 10 | 12 | ×1.20 | 1 |\n| **restarts** | 0 | 3 |  | 1 |" in markdown(result)
+
+
+def test_work_counts_only_where_both_runs_solved(runs):
+    assert runs(pivots([10], verdict="unsolved"), pivots([90], verdict="unsolved")).exit_code == 0
+
+
+@pytest.mark.parametrize("text", ['{"pivots": "many"}', "[1]", "{", '{"pivots": NaN}', '{"pivots": true}'])
+def test_work_that_is_no_count_is_left_out(runs, text):
+    assert runs(rows(["solved"], work=text), rows(["solved"], work=text)).exit_code == 0
+
+
+def timed(solve, factors=(1.0,) * 4):
+    """Rows of solvers a and b; a's times are 1 ms and solve, times each cell's factor."""
+    given = {"form_time": 0.0, "setup_time": 1e-3}
+    own = [solve_row("a", f"p{i}", **given, solve_time=solve * factor) for i, factor in enumerate(factors)]
+    return [*own, *(solve_row("b", f"p{i}", **given, solve_time=1e-3 * factor) for i, factor in enumerate(factors))]
+
+
+def test_of_one_process_each_nothing_is_said(runs):
+    result = runs(timed(1e-3), timed(9e-3))
+    assert (result.exit_code, [time.n for time in result.times]) == (0, [1, 1])
+    assert [time.variant for time in suspects(result, Limits())] == ["a"]
+    assert "| `a` | 2 ms | 10 ms | ×5.00 ~ | ~ |  | 1 | 4 |" in markdown(result)
+    assert "| geometric mean |  |  | ×2.24 |  |  |  |  |" in markdown(result)
+    assert runs(timed(1e-3), timed(9e-3), Limits(times=False)).times == ()
+
+
+@pytest.mark.parametrize(
+    ("solve", "worse", "better"),
+    [(1.0e-3, 0, 0), (1.1e-3, 0, 0), (1.6e-3, 1, 0), (0.5e-3, 0, 1)],  # with 1 ms to set up: ratios 1, 1.05, 1.3, 0.75
+)
+def test_pairs_of_processes_tell_a_slowdown_through_noise(runs, tmp_path, solve, worse, better):
+    noise = np.random.default_rng(0)
+    seen = runs(timed(1e-3), timed(solve))
+
+    def process(seconds, name):
+        busy = 3.0 if name.endswith("3") else noise.uniform(1, 1.1)  # one pair met other work
+        rows = timed(seconds * busy, noise.uniform(0.97, 1.03, 4))
+        return cells.read(write_folder(tmp_path / name, rows)).table
+
+    pairs = [(process(1e-3, f"b{i}"), process(solve, f"n{i}")) for i in range(8)]
+    result = confirm(seen, pairs, both=True, limits=Limits())
+    assert (len(result.worse), len(result.better), result.exit_code) == (worse, better, worse)
+    assert {time.n for time in result.times} == {8}
+    assert ("**×1.3" in markdown(result)) is bool(worse)
+    assert confirm(seen, pairs, both=True, limits=Limits(slowdown=1.5)).exit_code == 0
+    assert confirm(seen, pairs, both=False, limits=Limits()).times == seen.times
+
+
+def test_what_waited_for_its_core_counts_where_it_is_all_there_is_or_has_repeats(runs):
+    def waited(slow, fast):
+        times = {"form_times": [5e-4] * (slow + fast), "setup_times": [5e-4] * (slow + fast)}
+        return times | {"solve_times": [9e-3] * slow + [2e-3] * fast, "disturbed": True}
+
+    before = [solve_row("a", f"p{i}") for i in range(2)]
+    for after, cells_and_ratio in (
+        ([solve_row("a", "p0"), solve_row("a", "p1", **waited(2, 0))], (1, 1.0)),
+        ([solve_row("a", "p0"), solve_row("a", "p1", **waited(4, 1))], (2, 1.0)),
+        ([solve_row("a", f"p{i}", **waited(2, 0)) for i in range(2)], (2, 10 / 3)),
+    ):
+        (time,) = runs(before, after).times
+        assert (time.cells, time.ratio) == (cells_and_ratio[0], pytest.approx(cells_and_ratio[1]))
+
+
+def test_an_alert_that_does_not_come_again_falls(runs):
+    seen = runs([*rows(["solved"]), *pivots([10, 10])][1:], [*rows(["wrong"]), *pivots([10, 20])][1:])
+    assert seen.exit_code == 1
+    before, after = (cells.read(path).table for path in (seen.baseline, seen.current))
+    assert confirm(seen, [(before, after)] * 3, both=False, limits=Limits()).worse == seen.worse
+    fallen = confirm(seen, [(before, after), (before, before), (after, after)], both=False, limits=Limits())
+    assert (fallen.exit_code, fallen.flips, fallen.work) == (0, (), ())
+    assert "Not confirmed, its cells ran again: a, pivots." in markdown(fallen)
+
+
+def test_what_is_gone_with_its_code_stands(runs):
+    seen = runs([*rows(["solved"]), solve_row("b", "p0")], rows(["solved"]))
+    before, after = (cells.read(path).table for path in (seen.baseline, seen.current))
+    without = before[before["variant"] != "b"]
+    assert told(confirm(seen, [(without, after)] * 3, both=True, limits=Limits()).worse) == ["b-p0-1e-08 solved → gone"]
+    assert confirm(seen, [(without, before)] * 3, both=True, limits=Limits()).exit_code == 0
+
+
+def test_times_of_unlike_machines_are_not_compared(runs):
+    result = runs(timed(1e-3), timed(9e-3), **ELSEWHERE)
+    assert (result.exit_code, result.times) == (0, ())
+    assert "Times are not compared: the machines differ" in markdown(result)
+
+
+@pytest.mark.parametrize("n", [3, 6, 8, 11])
+def test_the_interval_is_wilcoxons(n):
+    shifts = np.random.default_rng(n).normal(0.3, 0.5, n)
+    ratio, low, high, p = estimate(shifts, 0.05)
+    if n < 6:  # 2 of 2^n signs are more than one in twenty
+        assert (low, high, np.isnan(p)) == (0, np.inf, True)
+        return
+    assert low < ratio < high
+    assert p == pytest.approx(wilcoxon(shifts, method="exact").pvalue)
+    assert wilcoxon(shifts - np.log(low) + 1e-9, method="exact").pvalue <= 0.05
+    assert wilcoxon(shifts - np.log(low) - 1e-9, method="exact").pvalue > 0.05
+    assert wilcoxon(shifts - np.log(high) + 1e-9, method="exact").pvalue > 0.05
+
+
+def test_drives_count_too(tmp_path):
+    solves = rows(["solved"])
+    before = write_folder(tmp_path / "before", solves, [drive_row("a")])
+    after = write_folder(tmp_path / "after", solves, [drive_row("a", verdict="unsolved")])
+    assert told(compare(before, after).worse) == ["drive-a solved → unsolved"]
+
+
+def test_markdown_folds_what_is_long_and_keeps_strangers_text_in_its_cell(runs):
+    evil = "a|b`<script>\n# c"
+    before, after = ([solve_row(evil, f"p{i}", verdict=v) for i in range(25)] for v in ("solved", "wrong"))
+    text = markdown(runs(before, after))
+    head, folded = text.split("<details><summary>13 more</summary>")
+    assert head.count("solved → wrong") == 12
+    assert folded.count("solved → wrong") == 13
+    assert "### `a\\|b'<script> # c`: worse" in text
+    assert "\n# c" not in text
+
+
+def test_a_page_fits_a_comment(runs):
+    before, after = (
+        [solve_row(f"s{n}", f"p{i}", verdict=v) for n in range(5) for i in range(130)] for v in ("solved", "wrong")
+    )
+    text = markdown(runs(before, after))
+    assert text.startswith("## worse 650 ")
+    assert "and 18 more." in text
+    assert text.endswith("The page is too long and ends here; `--out` writes all of it as data.\n")
+    assert 40_000 < len(text) < 65_536
+
+
+def test_the_files_say_what_the_page_says(runs, tmp_path, monkeypatch):
+    before, after = (
+        rows(["solved", "solved", "unsolved"]),
+        [*rows(["solved"]), lost_row("a", "p1", "crashed", reason="ill\x00")],
+    )
+    result = runs(before, [*after, lost_row("a", "p2", "skipped", reason="absent")])
+    write_files(result, tmp_path / "out")
+    told = json.loads((tmp_path / "out" / "comparison.json").read_text(encoding="utf-8"))
+    assert told["counts"] == {"worse": 1, "better": 0, "same": 1, "new": 0, "gone": 0, "skipped": 1}
+    (flip,) = told["flips"]
+    assert flip["again"] == f"frictionbench rerun {result.current} a-p1-1e-08"
+    assert (flip["residual_after"], told["exit_code"]) == (None, 1)
+    (suite,) = ElementTree.parse(tmp_path / "out" / "junit.xml").getroot()
+    assert suite.attrib == {"name": "a", "tests": "4", "failures": "1", "skipped": "1"}
+    assert [case.find("failure").get("message") for case in suite if case.find("failure") is not None] == [
+        "solved → crashed, residual 1.0e-09 → nan ill?"
+    ]
+    figures = {entry["name"]: entry["value"] for entry in json.loads((tmp_path / "out" / "benchmark.json").read_text("utf-8"))}
+    assert figures == {"a: not solved": 1, "a: time": pytest.approx(3000)}
+    monkeypatch.setenv("GITHUB_STEP_SUMMARY", str(tmp_path / "summary"))
+    summarise(result)
+    page = (tmp_path / "out" / "comparison.md").read_text(encoding="utf-8")
+    assert (tmp_path / "summary").read_text(encoding="utf-8") == page + "\n"
+    write_files(replace(result, unusable="nothing"), tmp_path / "none")
+    assert ElementTree.parse(tmp_path / "none" / "junit.xml").find(".//error").get("message") == "nothing"

@@ -1,0 +1,223 @@
+"""Results folders that were damaged, or made by an enemy: told in one line, never followed, never believed."""
+
+import os
+import re
+import subprocess
+import sys
+import tracemalloc
+from collections.abc import Callable
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from frictionbench.harness.plans.plan import Plan, Source
+from frictionbench.harness.run import open_folder, run
+from frictionbench.problems import InputError, scene
+from frictionbench.problems.recorded import own
+from frictionbench.reports.page import write_report
+from frictionbench.results import files, store
+from frictionbench.results.compare import compare
+from frictionbench.results.schema import arrow_schema
+from frictionbench.results.store import ResultsError, ShardWriter
+from tests.helpers.command_line import frictionbench
+from tests.helpers.made_results import solve_row, write_folder
+from tests.helpers.runs import quiet, small_plan
+
+SCHEMA = arrow_schema("solves")
+
+
+@pytest.mark.parametrize("name", ["motion", "shards", "problems", "paper", "shrunk"])
+def test_nothing_is_written_through_a_link_to_a_folder(tmp_path, name) -> None:
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / name).symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(ResultsError, match=f"{name}: a symbolic link"):
+        files.room(tmp_path / "run", name)
+
+
+def test_a_report_replaces_a_link_and_does_not_follow_it(tmp_path) -> None:
+    precious = tmp_path / "precious"
+    precious.write_text("mine", encoding="utf-8")
+    folder = write_folder(tmp_path / "run", [solve_row("a", "p")])
+    for name in ("report.html", "manifest.json"):
+        (folder / name).unlink(missing_ok=True)
+        (folder / name).symlink_to(precious)
+    with pytest.raises(FileNotFoundError), files.replaced(tmp_path / "nowhere" / "x"):
+        pass
+    store.write_manifest(folder, {"settings": {"suite": "made", "tolerances": [1e-4, 1e-8]}})
+    write_report(folder)
+    assert precious.read_text(encoding="utf-8") == "mine"
+    assert "<html" in (folder / "report.html").read_text(encoding="utf-8")
+    (folder / "shards" / "solves-1.jsonl").symlink_to(precious)
+    with pytest.raises(OSError, match=r"solves-1\.jsonl"):
+        ShardWriter(folder, "solves", "1")
+
+
+def test_what_a_table_cannot_hold_costs_nothing_but_itself(tmp_path) -> None:
+    strange = solve_row("a", "p", reason="\ud800" + "x" * 10**6, residual="small", contacts=2**70, solve_times=[None])
+    with ShardWriter(tmp_path, "solves", "1") as writer:
+        writer.write(strange | {"no such column": 1})
+        writer.write(solve_row("b", "p"))
+        writer.write(solve_row("c", "not planned"))
+    with open(tmp_path / "shards" / "solves-1.jsonl", "ab") as shard:
+        shard.write(b"[" * 10**5 + b"\n\xff\xfe\n{}\n")
+    assert store.merge(tmp_path, "solves", ["a-p-1e-08", "lost", "b-p-1e-08"], lambda key: {"key": key, "reason": "lost"}) == 1
+    rows = store.read_table(tmp_path, "solves").set_index("key")
+    assert list(rows.index) == ["a-p-1e-08", "lost", "b-p-1e-08"]
+    assert rows.loc["lost", "reason"] == "lost"
+    assert len(rows.loc["a-p-1e-08", "reason"]) == store.LONGEST_TEXT
+    assert rows.loc["a-p-1e-08", ["residual", "contacts"]].isna().all()
+    assert rows.loc["b-p-1e-08", "verdict"] == "solved"
+
+
+def test_a_row_that_is_lost_is_a_row_that_says_so(tmp_path, monkeypatch) -> None:
+    plan = Plan("test", (Source("stack", {"blocks": 1}),), ("lemke", "nsgs"), (1e-6,))
+    write = ShardWriter.write
+    monkeypatch.setattr(ShardWriter, "write", lambda self, row: None if row["solver"] == "nsgs" else write(self, row))
+    with pytest.raises(ResultsError, match="1 rows were lost"):
+        run(plan, tmp_path / "run", 1, quiet())
+    rows = store.read_table(tmp_path / "run", "solves").set_index("solver")
+    assert rows["verdict"].to_dict() == {"lemke": "solved", "nsgs": "crashed"}
+    assert "its row was lost" in rows.loc["nsgs", "reason"]
+    monkeypatch.undo()
+    run(plan, tmp_path / "run", 1, quiet())
+    assert set(store.read_table(tmp_path / "run", "solves")["verdict"]) == {"solved"}
+
+
+def test_ten_times_the_rows_need_no_more_memory(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(store, "BATCH", 50)
+
+    def peak(rows: int) -> int:
+        folder = tmp_path / str(rows)
+        keys = [f"a-{i}-1e-08" for i in range(rows)]
+        with ShardWriter(folder, "solves", "1") as writer:
+            for i in range(rows):
+                writer.write(solve_row("a", str(i), reason="r" * 1000))
+        tracemalloc.start()
+        store.merge(folder, "solves", keys, lambda key: {})
+        found = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        return found
+
+    few, many = peak(store.BATCH), peak(10 * store.BATCH)
+    assert many < few + 600 * 10 * store.BATCH  # bytes a key, where a row takes some thousands
+
+
+@pytest.mark.parametrize(
+    ("spoil", "told"),
+    [
+        (lambda table: table.drop_columns(["verdict"]), "column verdict is missing"),
+        (lambda table: table.set_column(0, "key", pa.array([1] * len(table))), "column key is int64"),
+        (lambda table: pa.table([pa.nulls(400_000, f.type) for f in SCHEMA], schema=SCHEMA), "values, more than"),
+        (lambda table: _with_text(table, 10**6, 100), "GiB, more than"),
+    ],
+)
+def test_a_table_that_is_too_much_is_refused(tmp_path, monkeypatch, spoil: Callable[[pa.Table], pa.Table], told) -> None:
+    monkeypatch.setattr(store, "LARGEST_TABLE", 2**26)
+    folder = write_folder(tmp_path, [solve_row("a", "p")])
+    table = pq.read_table(folder / "solves.parquet")
+    pq.write_table(spoil(table), folder / "solves.parquet", compression="zstd")
+    with pytest.raises(ResultsError, match=rf"solves\.parquet: .*{told}"):
+        store.read_table(folder, "solves")
+    assert compare(folder, folder).exit_code == 2
+
+
+def _with_text(table: pa.Table, length: int, rows: int) -> pa.Table:
+    """One long text in every row: a small file, for it stands there once."""
+    long = pa.concat_tables([table] * rows)
+    return long.set_column(SCHEMA.names.index("reason"), "reason", pa.array(["x" * length]).take(pa.array([0] * rows)))
+
+
+@pytest.mark.parametrize(
+    "text", ["[" * 10**6, '{"settings": {"suite": "\\ud800"}}', '{"settings": 1}', '{"settings": {"a": ' + "9" * 5000]
+)
+def test_a_manifest_that_is_none_is_told(tmp_path, text) -> None:
+    (tmp_path / "manifest.json").write_text(text, encoding="utf-8")
+    with pytest.raises(ResultsError, match=r"manifest\.json: "):
+        store.read_manifest(tmp_path)
+
+
+def mutated(content: bytes, random: np.random.Generator) -> bytes:
+    """A few bytes changed, a piece cut out, doubled, or moved."""
+    data = bytearray(content)
+    for _ in range(random.integers(1, 4)):
+        a, b = sorted(random.integers(0, len(data), 2).tolist())
+        kind = random.integers(4)
+        if kind == 0:
+            for i in random.integers(0, len(data), 8):
+                data[i] = random.integers(256)
+        elif kind == 1 and b - a < len(data) - 1:
+            del data[a:b]
+        elif kind == 2:
+            data[a:a] = data[a : min(b, a + 1000)]
+        else:
+            data[a:b] = bytes(b - a)
+    return bytes(data)
+
+
+def complaints(*reads: Callable[[], object]) -> list[str]:
+    """What reading tells of files that cannot be used; any other error is a failure."""
+    found = []
+    for read in reads:
+        try:
+            read()
+        except (ResultsError, InputError) as error:
+            found.append(str(error))
+    return found
+
+
+@pytest.mark.parametrize("kind", ["problem.npz", "solves.parquet", "manifest.json"])
+def test_mutated_files_are_used_or_told_in_one_line(tmp_path, kind) -> None:
+    random = np.random.default_rng(12)
+    folder = write_folder(tmp_path / "run", [solve_row("a", "p"), solve_row("b", "p")])
+    own.save(scene("stack", blocks=2).problem(), folder / "problem.npz")
+    content = (folder / kind).read_bytes()
+    told = []
+    for _ in range(int(os.environ.get("FRICTIONBENCH_MUTATIONS", "8"))):
+        (folder / kind).write_bytes(mutated(content, random))
+        if kind == "problem.npz":
+            told += complaints(lambda: own.load(folder / kind))
+        else:
+            told += complaints(lambda: compare(folder, folder), lambda: write_report(folder))
+    assert told
+    assert not any("\n" in text for text in told)
+
+
+@pytest.mark.parametrize(("room", "unwritten"), [(2000, "manifest.json"), (5000, "solves.parquet")])
+def test_a_disk_that_is_full_is_named_and_the_run_goes_on_where_there_is_room(tmp_path, room, unwritten) -> None:
+    """A disk with room for files of so many bytes."""
+    command = ["run", "smoke", "--jobs", "1", "--scene", "stack", "--solver", "nsgs", "--out", str(tmp_path / "run")]
+    full = "from resource import RLIMIT_FSIZE, setrlimit; from frictionbench.harness.cli import main; "
+    full += f"setrlimit(RLIMIT_FSIZE, ({room}, {room})); main()"
+    broken = subprocess.run([sys.executable, "-c", full, *command], capture_output=True, text=True, check=False, timeout=120)
+    assert broken.returncode == 2
+    assert broken.stderr.splitlines()[-1].startswith(f"frictionbench: {tmp_path / 'run' / unwritten}: ")
+    assert broken.stderr.splitlines()[-1].endswith("File too large")
+    assert frictionbench(*command).returncode == 0
+    assert set(store.read_table(tmp_path / "run", "solves")["verdict"]) == {"solved"}
+
+
+@pytest.mark.parametrize("place", ["", "shards"])
+def test_a_folder_that_cannot_be_written_is_named(tmp_path, place) -> None:
+    folder, plan = tmp_path / "run", small_plan(drives=())
+    if place:
+        open_folder(plan, folder)
+    (folder / place).touch()
+    with pytest.raises((OSError, ResultsError), match=re.escape(str(folder / place))):
+        run(plan, folder, 1, quiet())
+
+
+def test_a_source_that_cannot_keep_its_problems_is_rows_with_the_reason_until_it_can(tmp_path) -> None:
+    folder, plan = tmp_path / "run", small_plan(drives=())
+    open_folder(plan, folder)
+    (folder / "problems").touch()
+    run(plan, folder, 1, quiet())
+    rows = store.read_table(folder, "solves")
+    assert set(rows["verdict"]) == {"skipped"}
+    assert rows["reason"].str.contains(str(folder / "problems"), regex=False).all()
+    (folder / "problems").unlink()
+    run(plan, folder, 1, quiet())
+    again = store.read_table(folder, "solves")
+    assert (len(again), set(again["verdict"])) == (len(rows), {"solved"})

@@ -1,0 +1,298 @@
+"""Outside libraries: those that are here are tried, those that are not are skipped; stand-ins misbehave in their place."""
+
+import ast
+import os
+import re
+import shlex
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import h5py
+import numpy as np
+import psutil
+import pytest
+from rich.console import Console
+from scipy import sparse
+
+from frictionbench.harness.commands.export import export
+from frictionbench.harness.commands.fairness import FIELDS, facts, outcomes, page
+from frictionbench.harness.plans.plan import Plan, Source
+from frictionbench.harness.plans.spec import parse
+from frictionbench.harness.progress import Progress
+from frictionbench.harness.run import run
+from frictionbench.harness.verify import verify
+from frictionbench.harness.workers.introduce import introduce
+from frictionbench.problems import FrictionProblem, InputError, scene
+from frictionbench.problems.instances import instances, make_instance
+from frictionbench.problems.recorded import fclib, read
+from frictionbench.problems.residual import relaxation_residual, residual
+from frictionbench.results import store
+from frictionbench.solvers import Answer, Status, available, find, outside, plugins, solve
+from frictionbench.solvers.needs import installed
+from frictionbench.solvers.outside.children.child import Child, DiedError, child
+from frictionbench.solvers.outside.pure_delassus import pure_delassus
+from frictionbench.solvers.outside.siconos import PYTHON
+from tests.helpers.friction_problems import block, nothing, spatial, with_joints
+from tests.helpers.places import HELPERS, ROOT
+
+PEERS = HELPERS / "standin_peers.py"
+SPECS = [spec for name, info in sorted(available().items()) if info.needs and name != "path" for spec in info.specs]
+EASY = {
+    "nothing": nothing(),
+    "sliding": block(speed=1.0),
+    "two boxes": scene("stack", blocks=2, push=1.0).problem(),
+    "frictionless": block(friction=0.0),
+    "jointed": with_joints(spatial(3, contacts=3), np.eye(1, 18)),
+    "in space": spatial(1, contacts=3),
+}
+# Where these end without a solution, or without knowing that they have it: see docs/fairness.md.
+UNABLE = {
+    ("siconos[method=lcp_pivot]", "frictionless"),
+    ("siconos[method=lcp_pivot]", "jointed"),
+    ("siconos[method=friction_2d_cpg]", "sliding"),
+    ("siconos[method=friction_2d_cpg]", "frictionless"),
+    ("siconos[method=friction_3d_nsn_fb]", "frictionless"),
+    ("mujoco[method=cg]", "two boxes"),
+    ("siconos[method=lcp_pivot]", "two boxes"),
+    ("siconos[method=lcp_newton_fb_fblsa]", "two boxes"),
+    ("siconos[method=friction_3d_dsfp]", "two boxes"),
+    ("pinocchio[method=pgs]", "in space"),
+}
+
+
+def own_residual(spec, problem, answer: Answer) -> float:
+    info, _ = find(spec)
+    if info.model in ("relaxation", "regularised"):
+        return relaxation_residual(problem, answer.impulse, answer.softness)
+    return (
+        problem.lcp().residual(answer.z)
+        if info.model == "lcp" and problem.dimension == 3
+        else residual(problem, answer.impulse)
+    )
+
+
+@pytest.mark.parametrize("name", EASY)
+@pytest.mark.parametrize("spec", SPECS)
+def test_an_easy_problem_is_solved_by_those_that_are_here(spec, name) -> None:
+    info, _ = find(spec)
+    if info.missing:
+        pytest.skip(info.missing)
+    problem = EASY[name]
+    if reason := info.refuses(problem):
+        with pytest.raises(InputError, match=reason):
+            solve(problem, spec)
+        return
+    first, second = (solve(problem.fresh(), spec, tol=1e-6) for _ in range(2))
+    assert first.impulse.shape == (problem.contacts, problem.dimension)
+    assert first.work == second.work
+    assert first.impulse == pytest.approx(
+        second.impulse, rel=1e-5 if "keep=true" in spec else 0, abs=1e-9 if "keep=true" in spec else 0
+    )
+    assert first.clock is None or first.clock >= 0
+    if (spec, name) not in UNABLE:
+        assert first.status is Status.SOLVED, first.detail
+        assert own_residual(spec, problem, first) <= 1e-5
+
+
+def test_pure_numbers_know_no_units() -> None:
+    problem = spatial(5)
+    heavy = type(problem).from_delassus(problem.W / 1e6, problem.q / 10, problem.friction, 3)
+    one, other = pure_delassus(problem), pure_delassus(heavy)
+    assert one.W.toarray() == pytest.approx(other.W.toarray(), abs=1e-12)
+    assert one.q == pytest.approx(other.q, abs=1e-12)
+    assert np.abs(one.q.reshape(-1, 3)).max() <= 1
+    assert one.W.diagonal().reshape(-1, 3).mean(axis=1) == pytest.approx(1.0)
+    r = np.arange(15.0).reshape(5, 3)
+    assert one.from_space(one.to_space(r)) == pytest.approx(r)
+
+
+def test_every_adapter_is_short() -> None:
+    """Under 80 lines of code of its own, docstrings apart."""
+    for path in Path(outside.__file__).parent.glob("*.py"):
+        if "@solver" not in path.read_text(encoding="utf-8"):
+            continue
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        texts = [
+            node.body[0]
+            for node in ast.walk(tree)
+            if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(node)
+        ]
+        silent = {line for text in texts for line in range(text.lineno, (text.end_lineno or 0) + 1)}
+        lines = path.read_text(encoding="utf-8").splitlines()
+        code = [
+            line
+            for i, line in enumerate(lines, 1)
+            if line.strip() and i not in silent and not line.startswith(("from", "import"))
+        ]
+        assert len(code) <= 80, f"{path.name}: {len(code)}"
+
+
+@pytest.mark.parametrize("info", [info for info in available().values() if info.needs], ids=lambda info: info.name)
+def test_every_outside_solver_says_how_it_is_treated(info) -> None:
+    assert facts(info).keys() == set(FIELDS)
+
+
+def test_the_fairness_page_is_the_registrys() -> None:
+    written = (ROOT / "docs" / "fairness.md").read_text(encoding="utf-8")
+    assert written == page(), "python -m frictionbench.harness.commands.fairness > docs/fairness.md"
+
+
+def test_the_contract_was_held_to_every_entry_that_could_be_had() -> None:
+    told = outcomes()
+    assert set(told) == {spec for info in available().values() if info.needs for spec in info.specs}
+    absent = {spec.partition("[")[0] for spec, line in told.items() if line["broken"].startswith("not here")}
+    assert absent == {"dart"}, "no 7.x can be installed yet"
+
+
+FLAWS = [
+    (command, info.name)
+    for info in available().values()
+    if info.needs
+    for command in re.findall(r"`frictionbench ([^`]*)`", facts(info)["Flaws"])
+]
+
+
+@pytest.mark.parametrize(("command", "name"), FLAWS)
+def test_the_command_of_a_flaw_shows_it(command, name) -> None:
+    """It names a problem and solvers that there are; of none of them both claim and answer are good."""
+    verb, what, *rest = shlex.split(command)
+    specs = rest[1::2]
+    assert (verb, set(rest[::2]), {find(spec)[0].name for spec in specs}) == ("solve", {"--solver"}, {name})
+    problem = first_problem(what)
+    for spec in specs:
+        info, solver = find(spec)
+        if info.missing:
+            pytest.skip(info.missing)
+        answer = solver.solve(solver.prepare(problem.fresh()), 1e-8, None)
+        assert not (verify(problem, answer, info, 1e-8).verdict == "solved" and answer.status is Status.SOLVED), spec
+
+
+def first_problem(spec: str) -> FrictionProblem:
+    name, settings = parse("scene", spec)
+    return make_instance(name, **settings) if name in instances() else scene(name, **settings).problem()
+
+
+def test_what_is_missing_is_said() -> None:
+    plugins.load(str(PEERS))
+    missing = "no-such-distribution, no.such.module@/usr/bin/python3 not installed"
+    assert find("nowhere")[0].missing == missing
+    with pytest.raises(InputError, match="not installed"):
+        solve(block(), "nowhere")
+    assert installed("numpy") == np.__version__
+
+
+def test_a_child_that_dies_is_replaced() -> None:
+    child = Child(str(HELPERS / "standin_child.py"), os.sys.executable)
+    child.tell("what", do="")
+    assert child.held == "what"
+    for how, named in (("abort", "SIGABRT"), ("exit", "exit code 0")):
+        with pytest.raises(DiedError, match=named):
+            child.ask(do=how)
+        assert child.ask(do="", n=3)["r"].tolist() == [0, 0, 0]
+        assert child.held is None
+    child.end()
+
+
+def test_a_peer_that_misbehaves_has_its_row_and_leaves_no_process(tmp_path) -> None:
+    expected = {
+        "peer[does=abort]": ("crashed", "SIGABRT"),
+        "peer[does=exit]": ("crashed", "exit code 0"),
+        "peer[does=hang]": ("timeout", "limit of 2 s"),
+        "peer[does=leak]": ("crashed", ""),
+        "peer[does=print]": ("wrong", "claims"),
+        "peer[does=child]": ("wrong", "claims"),
+        "peer[does=slow]": ("wrong", "claims"),
+        "peer[does=big]": ("wrong", "claims"),
+        "nowhere": ("skipped", "not installed"),
+        "lemke": ("solved", ""),
+    }
+    _, files = introduce([str(PEERS), *expected])
+    plan = Plan(
+        suite="test",
+        sources=(Source("stack", {"blocks": 2, "push": 1.0}),),
+        solvers=tuple(expected),
+        tolerances=(1e-8,),
+        plugins=files,
+        time_limit=2.0,
+        memory_limit=2**29,
+    )
+    run(plan, tmp_path / "run", 1, Progress(Console(quiet=True)))
+    rows = store.read_table(tmp_path / "run", "solves").set_index("variant")
+    for spec, (verdict, reason) in expected.items():
+        assert rows.loc[spec, "verdict"] == verdict, (spec, rows.loc[spec, "reason"])
+        assert reason in (rows.loc[spec, "reason"] or ""), spec
+    assert rows.loc["peer[does=print]", "clock_time"] == 1e-3, "the library's own clock"
+    memory = rows["peak_memory"]
+    assert memory["peer[does=big]"] - memory["peer[does=slow]"] > 2**26, "a child's memory counts"
+    left = [
+        process.pid
+        for process in psutil.process_iter(["cmdline"])
+        if any("standin_child" in part or "orphan of a stand-in" in part for part in process.info["cmdline"] or [])
+    ]
+    assert left == []
+
+
+class FakeDart:
+    """What DART's tests of its Python interface say of it: w = A x - b, and a bound times x[findex] where findex is no -1."""
+
+    class LcpOptions:
+        pass
+
+    class LcpProblem:
+        def __init__(self, A, b, lo, hi, findex):
+            self.A, self.b, self.lo, self.hi, self.findex = A, b, lo, hi, findex
+
+    class DantzigSolver:
+        def solve(self, problem, initial_guess=None, options=None):
+            x = np.zeros(len(problem.b))
+            for _ in range(options.max_iterations):
+                for i in range(len(x)):
+                    share = x[problem.findex[i]] if problem.findex[i] >= 0 else 1.0
+                    moved = x[i] - (problem.A[i] @ x - problem.b[i]) / problem.A[i, i]
+                    x[i] = min(max(moved, share * problem.lo[i]), share * problem.hi[i]) if share else 0.0
+            return SimpleNamespace(succeeded=lambda: True, iterations=options.max_iterations, message=""), x
+
+
+def test_dart_is_handed_coulombs_law_in_the_plane(monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, "dartpy", FakeDart)
+    problem, (info, dart) = scene("stack", blocks=1, push=1.0).problem(), find("dart[method=dantzig]")
+    assert info.missing is None or info.missing == "dartpy>=7 not installed"
+    answer = dart.solve(dart.prepare(problem), 1e-8, 200)
+    assert residual(problem, answer.impulse) <= 1e-8
+    assert installed("numpy>=1") == np.__version__
+    assert installed("numpy>=999") is None
+
+
+def fclib_matrix(file: h5py.File, name: str) -> np.ndarray:
+    """A matrix as FCLIB means it, without our reader: i is the row and p the column, or p the starts of columns or rows."""
+    m, n, nz = (int(file[f"{name}/{part}"][0]) for part in ("m", "n", "nz"))
+    i, p, x = (file[f"{name}/{part}"][:] for part in ("i", "p", "x"))
+    made = {-1: sparse.csc_array, -2: sparse.csr_array}.get(nz)
+    return (made((x, i, p), shape=(m, n)) if made else sparse.coo_array((x, (i, p)), shape=(m, n))).toarray()
+
+
+@pytest.mark.parametrize("form", ["global", "friction_3d", "friction_2d"])
+def test_siconos_solves_an_exported_file(tmp_path, form) -> None:
+    """What stands in the file goes to Siconos as it is, unscaled; its impulses solve the problem that was exported."""
+    if missing := find("siconos[method=friction_3d_nsgs]")[0].missing:
+        pytest.skip(missing)
+    path, spec = tmp_path / "p.hdf5", "stack[blocks=2,push=1]" if form == "friction_2d" else "cubes[boxes=2,push=1]"
+    list(export(spec, path))
+    problem = read(path)
+    d = problem.dimension
+    if form != "global":
+        path = tmp_path / "local.hdf5"
+        fclib.write(FrictionProblem.from_delassus(problem.W, problem.q, problem.friction, d), path)
+    with h5py.File(path) as file:
+        group = "fclib_global" if form == "global" else "fclib_local"
+        names = {"mu": "mu", **({"q": "f", "b": "w"} if form == "global" else {"q": "q"})}
+        told = {name: file[f"{group}/vectors/{stored}"][:].ravel() for name, stored in names.items()}
+        told |= {name: fclib_matrix(file, f"{group}/{name}") for name in (("M", "H") if form == "global" else ("W",))}
+    siconos = child("siconos_numerics.py", PYTHON)
+    siconos.ask(kind=form, **told)
+    method = {"global": "global_friction_3d_admm", "friction_3d": "friction_3d_nsgs", "friction_2d": "friction_2d_nsgs"}[form]
+    found = siconos.ask(solver=method, eps=1e-10, size=1.0, limit=100_000, start=np.zeros(problem.contacts * d))
+    siconos.end()
+    assert found["code"] == 0
+    assert residual(problem, found["r"].reshape(-1, d)) <= 1e-8

@@ -1,0 +1,109 @@
+"""What every solver owes: a solution where it must find one, the same counts twice, an honest end, its input left alone."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from frictionbench import solvers
+from frictionbench.problems import FrictionProblem, InputError, scene
+from frictionbench.problems.copies import duplicate
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.residual import relaxation_residual, residual
+from frictionbench.solvers import Answer, Status, available, find, solve
+from tests.helpers.friction_problems import block, nothing, spatial, with_joints
+
+TOL = 1e-6
+PLANAR = {
+    "nothing": nothing(),
+    "sliding": block(speed=1.0),
+    "sticking": block(speed=0.0),
+    "frictionless": block(friction=0.0),
+    "biased": block(friction_bias=[0.05]),
+    "jointed": with_joints(random_problem(3, contacts=4, bodies=3), joints=np.random.default_rng(3).standard_normal((2, 9))),
+    "stack": scene("stack", blocks=3, push=1.0).problem(),
+    "rod": scene("painleve_rod").problem(),
+    "random": random_problem(7, contacts=6),
+    "delassus": FrictionProblem.from_delassus(np.diag([2.0, 1.0]), [-1.0, 1.0], [0.5], 2),
+}
+SOLVERS = sorted(name for name, info in available().items() if not info.needs or name in ("ccp", "ccp_cone"))  # ours
+
+
+def own_residual(name: str, problem: FrictionProblem, answer: Answer) -> float:
+    """The residual of the model that the solver is for."""
+    info, _ = find(name)
+    if info.model == "relaxation":
+        return relaxation_residual(problem, answer.impulse)
+    if info.model == "lcp" and problem.dimension == 3:
+        return problem.lcp().residual(answer.z)
+    return residual(problem, answer.impulse)
+
+
+def test_every_solver_is_listed_with_its_facts() -> None:
+    defining = {Path(sys.modules[info.make.__module__].__file__) for info in available().values()}
+    methods = set(Path(solvers.__file__).parent.glob("*.py")) - {Path(solvers.__file__)}
+    assert {path.name for path in methods - defining} == {"interface.py", "needs.py", "plugins.py"}
+    for info in available().values():
+        assert info.summary.endswith((".", ")"))
+        assert info.model in ("coulomb", "lcp", "relaxation", "regularised")
+        assert info.missing is None or info.needs
+
+
+@pytest.mark.parametrize("problem", PLANAR.values(), ids=PLANAR.keys())
+@pytest.mark.parametrize("name", SOLVERS)
+def test_a_planar_problem_is_solved(name, problem) -> None:
+    info, _ = find(name)
+    if 2 not in info.dimension:
+        with pytest.raises(InputError, match="dimension"):
+            solve(problem, name, tol=TOL)
+        return
+    before = problem.hash
+    first, second = (solve(duplicate(problem), name, tol=TOL) for _ in range(2))
+    assert problem.fresh().hash == before
+    assert first.impulse.shape == (problem.contacts, 2)
+    assert first.status is Status.SOLVED, "each of these has a solution, within reach of every method here"
+    assert first.work == second.work
+    assert np.array_equal(first.impulse, second.impulse)
+    assert all(isinstance(count, int) and count >= 0 for count in first.work.values())
+    assert own_residual(name, problem, first) <= TOL
+
+
+@pytest.mark.parametrize("name", [name for name in SOLVERS if 3 in find(name)[0].dimension])
+def test_a_spatial_problem_is_solved(name) -> None:
+    problem = spatial(1, contacts=3)
+    answer = solve(problem, name, tol=TOL)
+    assert answer.impulse.shape == (3, 3)
+    assert answer.status is Status.SOLVED
+    assert own_residual(name, problem, answer) <= TOL
+
+
+@pytest.mark.parametrize("name", [name for name in SOLVERS if find(name)[0].warm_start and 2 in find(name)[0].dimension])
+def test_a_warm_start_does_no_harm(name) -> None:
+    problem = PLANAR["stack"]
+    right = solve(problem, "lemke").impulse
+    for start in (right, right[::-1].copy(), np.zeros_like(right)):
+        answer = solve(problem, name, tol=TOL, start=start)
+        assert answer.status is Status.SOLVED
+        assert own_residual(name, problem, answer) <= TOL
+    assert solve(problem, "hybrid", tol=TOL, start=right).status is Status.SOLVED
+
+
+@pytest.mark.parametrize(("tol", "limit", "field"), [(0.0, None, "tol"), (np.nan, None, "tol"), (1e-8, 0, "limit")])
+def test_a_bad_setting_is_named(tol, limit, field) -> None:
+    with pytest.raises(InputError, match=f"^{field}: "):
+        solve(block(), "lemke", tol=tol, limit=limit)
+
+
+@pytest.mark.parametrize("name", ["interior_point", "nsgs", "hybrid"])
+def test_a_tight_limit_is_kept_and_said(name) -> None:
+    answer = solve(scene("stack", blocks=20, push=1.0).problem(), name, tol=1e-10, limit=1)
+    assert answer.status is not Status.SOLVED or name == "hybrid"
+
+
+@pytest.mark.parametrize("limit", [None, 20])
+def test_the_portfolio_goes_on_where_gauss_seidel_is_slow(limit) -> None:
+    answer = solve(spatial(103, contacts=64, nv=192, friction=3), "hybrid", limit=limit)
+    assert answer.status is Status.SOLVED
+    assert answer.detail == "interior_point"
+    assert answer.work["nsgs sweeps"] <= (limit or 30)

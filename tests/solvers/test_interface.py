@@ -1,0 +1,77 @@
+"""Nothing from outside reaches a compiled loop unchecked: limit, tol, start and impulses, each error naming its field."""
+
+import numpy as np
+import pytest
+
+from frictionbench.harness.cells.collect import stored_start
+from frictionbench.problems import LCP, InputError
+from frictionbench.problems.residual import fclib_error, relaxation_residual, residual, residual_floor
+from frictionbench.solvers import available, find, solve
+from tests.helpers.friction_problems import block, spatial
+
+WARM = sorted(name for name, info in available().items() if info.warm_start and not info.missing)
+
+
+@pytest.mark.parametrize("name", WARM)
+@pytest.mark.parametrize(
+    "start", [np.zeros((40, 2)), np.zeros((1, 3)), np.zeros(2), np.full((1, 2), np.nan), "start", [[None, 1]]]
+)
+def test_a_start_is_checked(name, start):
+    info, method = find(name)
+    problem = block() if 2 in info.dimension else spatial(0)
+    with pytest.raises(InputError, match=r"^start: "):
+        solve(problem, name, start=start)
+    with pytest.raises(InputError, match=r"^start: "):
+        method.solve(method.prepare(problem), 1e-8, None, start)
+
+
+def test_a_good_start_is_taken_as_a_list():
+    assert np.array_equal(solve(block(), "nsgs", start=[[0, 0]]).impulse, solve(block(), "nsgs").impulse)
+    with pytest.raises(InputError, match=r"^start: "):
+        solve(LCP(np.eye(2), [-1.0, -1.0]), "lemke", start=np.zeros((2, 2)))
+
+
+@pytest.mark.parametrize("limit", [0, -1, 1.5, True, "10", 10**9, float("nan")])
+def test_a_limit_is_checked(limit):
+    with pytest.raises(InputError, match=r"^limit: "):
+        solve(block(), "apgd", limit=limit)
+
+
+@pytest.mark.parametrize("tol", [0, -1.0, float("nan"), float("inf"), "1e-8", None, 1j])
+def test_a_tolerance_is_checked(tol):
+    with pytest.raises(InputError, match=r"^tol: "):
+        solve(block(), "nsgs", tol=tol)
+
+
+def test_a_problem_is_one():
+    with pytest.raises(InputError, match=r"^problem: "):
+        solve(np.eye(2), "lemke")
+
+
+@pytest.mark.parametrize("problem", [block(), spatial(0), spatial(0, joints=2)], ids=["plane", "space", "joints"])
+def test_impulses_are_checked_before_loops_that_do_not_look(problem):
+    too_many = np.zeros((problem.contacts + 1000, problem.dimension))
+    known_by_W = type(problem).from_delassus(problem.W, problem.q, problem.friction, problem.dimension)
+    for one in (problem, known_by_W):
+        for method in (one.velocity, one.contact_velocity, one.velocity_size):
+            with pytest.raises(InputError, match=r"^impulse: "):
+                method(too_many)
+            with pytest.raises(InputError, match=r"^impulse: "):
+                method(too_many[:0])
+        for measure in (residual, relaxation_residual, fclib_error, residual_floor):
+            assert measure(one, too_many) == np.inf
+    for method in (problem.lcp().impulse, problem.lcp().residual):
+        with pytest.raises(InputError, match=r"^z: "):
+            method(np.zeros(3))
+
+
+def test_a_stored_start_that_is_none_is_named(tmp_path):
+    (tmp_path / "problems").mkdir()
+    path = tmp_path / "problems" / "abc.e3b0c442.starts.npz"
+    for content in (b"PK no archive", b""):
+        path.write_bytes(content)
+        with pytest.raises(InputError, match=r"abc\.e3b0c442\.starts\.npz: no usable start warm"):
+            stored_start(tmp_path, "abc", "", "warm")
+    np.savez(path, cold=np.zeros(2))
+    with pytest.raises(InputError, match=r"abc\.e3b0c442\.starts\.npz: no usable start warm"):
+        stored_start(tmp_path, "abc", "", "warm")

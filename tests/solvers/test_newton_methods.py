@@ -1,0 +1,209 @@
+"""Newton on Fischer-Burmeister and on the min-map: where they are guaranteed, where they fail, and that they say so."""
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from frictionbench.problems import LCP, FrictionProblem, InputError
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.residual import residual
+from frictionbench.problems.scenes import scene
+from frictionbench.solvers import Status, solve
+from frictionbench.solvers.fischer_newton import fischer, jacobian
+from frictionbench.solvers.minmap_newton import iterate
+from frictionbench.solvers.pivots.dense_lcp import NEWTON, SOLVED, STALLED, new_descent, solve_dense
+from tests.helpers.friction_problems import block, nothing, spatial
+
+BOTH = ["fischer_newton", "minmap_newton"]
+
+
+def contact(random) -> FrictionProblem:
+    """One planar contact, W = [[a, b], [b, g]]."""
+    root, mu, q = random.standard_normal((2, 2)), random.uniform(0, 4), random.standard_normal(2)
+    return FrictionProblem.from_delassus(root @ root.T, q, [mu], 2)
+
+
+def index(problem) -> float:
+    """a - mu |b| of a single contact."""
+    W = problem.W.toarray()
+    return W[0, 0] - problem.friction[0] * abs(W[0, 1])
+
+
+def least_minor(M) -> float:
+    n = len(M)
+    return min(np.linalg.det(M[np.ix_(s, s)]) for k in range(1, n + 1) for s in combinations(range(n), k))
+
+
+def test_one_contact_is_p0_exactly_where_a_is_at_least_mu_b() -> None:
+    random = np.random.default_rng(0)
+    problems = [contact(random) for _ in range(200)]
+    p0 = [least_minor(p.lcp().dense) >= -1e-9 for p in problems]
+    assert p0 == [index(p) >= 0 for p in problems]
+    assert 50 < sum(p0) < 150
+
+
+@pytest.mark.parametrize("spec", ["fischer_newton", "fischer_newton[regularisation=0]"])
+def test_fischer_solves_every_contact_that_is_p0(spec) -> None:
+    random = np.random.default_rng(1)
+    problems = [p for p in (contact(random) for _ in range(400)) if index(p) >= 0]
+    assert len(problems) > 150
+    for problem in problems:
+        assert solve(problem, spec).status is Status.SOLVED
+
+
+@pytest.mark.parametrize("spec", ["fischer_newton", "fischer_newton[regularisation=0]"])
+def test_beyond_p0_fischer_may_end_in_a_minimum_that_is_no_solution(spec) -> None:
+    problem = FrictionProblem.from_delassus([[0.4, 0.34], [0.34, 5.05]], [-1.2, 0.7], [3.9], 2)
+    assert index(problem) < 0
+    answer = solve(problem, spec)
+    assert answer.status in (Status.STALLED, Status.WORK_LIMIT)
+    assert residual(problem, answer.impulse) > 1e-3
+    sticking = np.linalg.solve(problem.W.toarray(), -problem.q)
+    assert residual(problem, sticking[None]) < 1e-12
+
+
+@pytest.mark.parametrize("a", [1.1, 2.0, 10.0])
+def test_the_plain_min_map_cycles_on_a_p_matrix_and_the_line_search_leaves_the_cycle(a) -> None:
+    M, q = np.array([[1, 0, a], [a, 1, 0], [0, a, 1]]), np.ones(3)
+    assert least_minor(M) > 0
+    start = np.array([-1.0, 0, 0])
+    plain, searching = (new_descent(np.ones(3), 1e-10, 200, 15) for _ in range(2))
+    end, k, period = iterate(M, q, start, plain, 0.0, False)
+    assert (end, period) == (STALLED, 3)
+    assert plain.work[NEWTON] < 10
+    assert plain.history[k] == pytest.approx(plain.history[k - 3])
+    end, k, _ = iterate(M, q, start, searching, 0.0, True)
+    assert end == SOLVED
+    assert searching.history[k] <= 1e-10
+    assert searching.best == pytest.approx(np.zeros(3), abs=1e-9)
+
+
+def test_even_one_p0_contact_makes_the_plain_min_map_cycle() -> None:
+    problem = FrictionProblem.from_delassus([[0.983, 0.768], [0.768, 2.206]], [-0.106, -1.186], [0.238], 2)
+    assert index(problem) > 0
+    plain = solve(problem, "minmap_newton[globalised=false]")
+    assert plain.status is Status.STALLED
+    assert plain.detail == "active sets came back after 3 iterations"
+    assert solve(problem, "minmap_newton").status is Status.SOLVED
+
+
+@pytest.mark.parametrize("spec", [*BOTH, "minmap_newton[globalised=false]", "fischer_newton[regularisation=0]"])
+def test_what_is_claimed_is_true_and_failures_are_owned_up_to(spec) -> None:
+    for seed in range(60):
+        problem = random_problem(seed, contacts=1 + seed % 30)
+        answer = solve(problem, spec)
+        assert (answer.status is Status.SOLVED) == (residual(problem, answer.impulse) <= 1e-8)
+
+
+def solved(spec) -> int:
+    return sum(solve(random_problem(seed, contacts=1 + seed % 30), spec).status is Status.SOLVED for seed in range(60))
+
+
+@pytest.mark.parametrize(("spec", "least"), [("fischer_newton", 54), ("minmap_newton", 48)])
+def test_most_random_problems_are_solved(spec, least) -> None:
+    assert solved(spec) >= least
+
+
+def test_redundant_contacts_need_the_regularisation() -> None:
+    assert solved("fischer_newton[regularisation=0]") < solved("fischer_newton") - 15
+
+
+@pytest.mark.parametrize("spec", BOTH)
+def test_scenes(spec) -> None:
+    for problem in (
+        block(),
+        block(speed=0.01),
+        block(friction=0.0),
+        scene("stack", blocks=4).problem(),
+        scene("pyramid", rows=3).problem(),
+    ):
+        answer = solve(problem, spec)
+        assert answer.status is Status.SOLVED
+        assert residual(problem, answer.impulse) <= 1e-8
+
+
+@pytest.mark.parametrize("spec", BOTH)
+def test_spatial_problems_and_bare_lcps(spec) -> None:
+    for seed in range(5):
+        problem = spatial(seed, contacts=4, friction_bias=True)
+        answer = solve(problem, spec)
+        assert answer.status is Status.SOLVED
+        assert problem.lcp().residual(answer.z) <= 1e-8
+    kostreva = LCP([[1, 2, 0], [0, 1, 2], [2, 0, 1]], [-1, -1, -1])
+    assert solve(kostreva, spec).z == pytest.approx([1 / 3, 1 / 3, 1 / 3], abs=1e-7)
+    for empty in (nothing(), nothing(3), LCP(np.zeros((0, 0)), [])):
+        assert solve(empty, spec).status is Status.SOLVED
+
+
+@pytest.mark.parametrize("spec", BOTH)
+def test_without_a_solution_none_is_claimed(spec) -> None:
+    assert solve(LCP([[2, -1], [0, -2]], [-1, -2]), spec).status is not Status.SOLVED
+    assert solve(LCP(np.zeros((2, 2)), [-1, -1]), spec).status is not Status.SOLVED
+
+
+@pytest.mark.parametrize("spec", BOTH)
+def test_history_and_work_count_the_iterations_and_repeat(spec) -> None:
+    problem = random_problem(0, contacts=20)
+    answer, again = solve(problem, spec), solve(problem, spec)
+    assert answer.status is Status.SOLVED
+    assert len(answer.history) == answer.work["newton"] + answer.work["gradient"] + 1
+    assert min(answer.history) == answer.history[-1] < 1e-8 < answer.history[0]
+    assert (answer.work, answer.history) == (again.work, again.history)
+    limited = solve(problem, spec, limit=2)
+    assert limited.status is Status.WORK_LIMIT
+    assert len(limited.history) == 3
+
+
+def test_fischer_converges_quadratically_to_a_regular_solution() -> None:
+    random = np.random.default_rng(3)
+    root = random.standard_normal((20, 20))
+    lcp = LCP(root @ root.T + np.eye(20), random.standard_normal(20))
+    history = np.array(solve(lcp, "fischer_newton[regularisation=0]", tol=1e-13).history)
+    near = np.flatnonzero((history[:-1] < 1e-2) & (history[:-1] > 1e-7))
+    assert len(near) >= 2
+    assert (history[near + 1] < 100 * history[near] ** 2).all()
+
+
+def test_the_fischer_function_keeps_its_digits() -> None:
+    assert fischer(np.array([1.0, 3.0, -2.0, 0.0]), np.array([1e-20, 4.0, 0.0, 0.0])) == pytest.approx(
+        [-1e-20, -2.0, 4.0, 0.0], rel=1e-15, abs=1e-300
+    )
+
+
+def test_the_gradient_of_the_merit() -> None:
+    random, n, h = np.random.default_rng(4), 6, 1e-6
+    M, q, y = random.standard_normal((n, n)), random.standard_normal(n), random.standard_normal(n)
+
+    def merit(y):
+        return np.sum(fischer(y, M @ y + q) ** 2) / 2
+
+    phi = fischer(y, M @ y + q)
+    A, B = jacobian(M, y, M @ y + q)
+    expected = [(merit(y + h * e) - merit(y - h * e)) / (2 * h) for e in np.eye(n)]
+    assert A * phi + (B * phi) @ M == pytest.approx(expected, rel=1e-6, abs=1e-7)
+
+
+def test_at_a_kink_the_jacobian_is_that_of_a_direction() -> None:
+    random, n = np.random.default_rng(5), 5
+    M, y, q = random.standard_normal((n, n)), random.standard_normal(n), np.zeros(n)
+    y[:2] = 0
+    q[:2] = -(M @ y)[:2]
+    w = M @ y + q
+    w[:2] = 0
+    along = np.array([1.0, 1, 0, 0, 0])
+    near = jacobian(M, y + 1e-8 * along, w + 1e-8 * M @ along)
+    assert np.array(jacobian(M, y, w)) == pytest.approx(np.array(near), abs=1e-6)
+
+
+def test_a_singular_system_gives_nan() -> None:
+    assert np.isnan(solve_dense(np.zeros((2, 2)), np.ones(2))).all()
+    assert solve_dense(np.array([[2.0, 0], [0, 4.0]]), np.ones(2)) == pytest.approx([0.5, 0.25])
+
+
+@pytest.mark.parametrize(
+    "spec", ["fischer_newton[regularisation=-1]", "minmap_newton[regularisation=-1]", "path_search[restarts=-1]"]
+)
+def test_settings_are_checked(spec) -> None:
+    with pytest.raises(InputError, match="must not be negative"):
+        solve(block(), spec)

@@ -1,0 +1,188 @@
+"""Nonsmooth Gauss-Seidel and the exact solves at one contact that it is built on."""
+
+import numpy as np
+import pytest
+
+from frictionbench.problems import FrictionProblem, InputError
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.residual import relaxation_residual, residual
+from frictionbench.problems.scenes import scene
+from frictionbench.solvers import Status, find, solve
+from frictionbench.solvers.sweeps.form import contact_form, state, velocity
+from frictionbench.solvers.sweeps.gauss_seidel import LIMIT
+from frictionbench.solvers.sweeps.laws import defect, planar_contact, spatial_contact
+from tests.helpers.friction_problems import block, nothing, spatial, with_joints
+
+
+@pytest.mark.parametrize("bias", [0.0, 0.4])
+def test_one_planar_contact_is_solved_exactly(bias) -> None:
+    random = np.random.default_rng(0)
+    for _ in range(500):
+        root = random.standard_normal((2, 2))
+        mu, q = random.uniform(0, 4), random.standard_normal(2)
+        problem = FrictionProblem.from_delassus(root @ root.T, q, [mu], 2, [bias])
+        start = random.standard_normal(2)
+        u = problem.contact_velocity(start[None])[0]
+        r = np.array([planar_contact(*u, *start, problem.W.toarray(), mu, bias)])
+        assert residual(problem, r) < 1e-10
+
+
+@pytest.mark.parametrize("bias", [0.0, 0.4])
+def test_one_spatial_contact_is_solved_exactly(bias) -> None:
+    random = np.random.default_rng(1)
+    for _ in range(500):
+        root = random.standard_normal((3, 3))
+        mu, q = random.uniform(0, 1), random.standard_normal(3)
+        problem = FrictionProblem.from_delassus(root @ root.T, q, [mu], 3, [bias])
+        r = random.standard_normal(3)
+        spatial_contact(problem.contact_velocity(r[None])[0], r, problem.W.toarray(), mu, bias)
+        assert residual(problem, r[None]) < 1e-9
+
+
+@pytest.mark.parametrize("start", [[0.0, 0.0], [0.1, 0.15], [0.283, 0.394]])
+def test_of_three_solutions_the_open_one_is_taken(start) -> None:
+    W, q = np.array([[8 / 5, -6 / 5], [-6 / 5, 17 / 5]]), np.array([1 / 50, -1])
+    u = W @ start + q
+    assert planar_contact(*u, *start, W, 1.5, 0.0) == (0.0, 0.0)
+
+
+def test_a_planar_contact_is_a_spatial_one_with_a_frictionless_direction() -> None:
+    random = np.random.default_rng(2)
+    for _ in range(100):
+        root = random.standard_normal((2, 2))
+        W = np.zeros((3, 3))
+        W[:2, :2], W[2, 2] = root @ root.T, 1.0
+        q = np.append(random.standard_normal(2), 0.0)
+        mu, r = 0.9 * W[0, 0] / max(abs(W[0, 1]), 1.0), np.zeros(3)
+        spatial_contact(q, r, W, mu, 0.0)
+        assert r[:2] == pytest.approx(planar_contact(q[0], q[1], 0.0, 0.0, W[:2, :2], mu, 0.0), abs=1e-9)
+
+
+@pytest.mark.parametrize("problem", [random_problem(4), spatial(4), spatial(5, joints=2, friction_bias=True)])
+def test_the_packed_form_is_the_problem(problem) -> None:
+    form, r = contact_form(problem), np.random.default_rng(0).standard_normal((problem.contacts, problem.dimension))
+    x, u = np.empty_like(form.rest), np.empty_like(r)
+    state(form, r, x)
+    velocity(form, x, u)
+    assert u == pytest.approx(problem.contact_velocity(r), abs=1e-12)
+    dense, d = problem.W.toarray(), problem.dimension
+    own = [dense[d * i : d * i + d, d * i : d * i + d] for i in range(problem.contacts)]
+    assert form.block == pytest.approx(np.array(own), abs=1e-12)
+    assert defect(form, r, u, 1.0) == pytest.approx(residual(problem, r), rel=1e-10)
+    assert defect(form, r, u, 0.0) == pytest.approx(relaxation_residual(problem, r), rel=1e-10)
+
+
+def test_a_full_mass_block_is_packed_too() -> None:
+    problem = block()
+    coupled = FrictionProblem(
+        mass=[[2.0, 0.5], [0.5, 1.0]],
+        normal=problem.normal,
+        tangent=problem.tangent,
+        friction=[0.5],
+        free_velocity=[1.0, -0.1],
+        bias=[0.0],
+    )
+    assert contact_form(coupled).block[0] == pytest.approx(coupled.W.toarray())
+    assert residual(coupled, solve(coupled, "nsgs").impulse) < 1e-12
+
+
+@pytest.mark.parametrize("blocks", [1, 2, 5])
+@pytest.mark.parametrize("push", [0.0, 0.3])
+def test_short_stacks_are_solved(blocks, push) -> None:
+    problem = scene("stack", blocks=blocks, push=push).problem()
+    answer = solve(problem, "nsgs")
+    assert answer.status is Status.SOLVED
+    assert residual(problem, answer.impulse) <= 1e-8
+
+
+def test_a_claim_is_never_wrong() -> None:
+    solved = 0
+    for seed in range(60):
+        problem = random_problem(seed, contacts=(2, 10, 30)[seed % 3])
+        answer = solve(problem, "nsgs")
+        assert answer.status in (Status.SOLVED, Status.STALLED, Status.WORK_LIMIT)
+        if answer.status is Status.SOLVED:
+            solved += 1
+            assert residual(problem, answer.impulse) <= 1e-8 * (1 + 1e-6)
+    assert solved >= 50
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_spatial_problems_with_joints_and_friction_bias(seed) -> None:
+    problem = spatial(seed, joints=seed % 3, friction_bias=seed % 2 == 0)
+    answer = solve(problem, "nsgs")
+    assert answer.status is Status.SOLVED
+    assert residual(problem, answer.impulse) <= 1e-8
+
+
+def test_planar_joints_are_kept() -> None:
+    problem = scene("stack", blocks=3, push=0.5).problem()
+    joints = np.zeros((1, 9))
+    joints[0, [3, 6]] = 1, -1  # the two upper blocks move sideways together
+    problem = with_joints(problem, joints, np.full(problem.contacts, 0.01))
+    answer = solve(problem, "nsgs")
+    assert answer.status is Status.SOLVED
+    assert joints @ problem.velocity(answer.impulse) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_both_forms_sweep_alike() -> None:
+    problem = scene("stack", blocks=3, push=0.5).problem()
+    by_delassus = FrictionProblem.from_delassus(problem.W, problem.q, problem.friction, 2)
+    answers = [solve(form, "nsgs", limit=20) for form in (problem, by_delassus)]
+    assert answers[0].impulse == pytest.approx(answers[1].impulse, rel=1e-9, abs=1e-12)
+    assert answers[0].work == answers[1].work == {"sweeps": 20, "checks": 3}
+
+
+def test_an_unsymmetric_delassus_matrix_is_taken_as_given() -> None:
+    W = np.array([[1.0, 0.2], [0.2 + 1e-3, 1.0]])
+    problem = FrictionProblem.from_delassus(W, [-1.0, -0.3], [0.5], 2)
+    assert residual(problem, solve(problem, "nsgs", tol=1e-12).impulse) <= 1e-12
+
+
+def test_a_warm_start_at_the_solution_takes_no_sweep() -> None:
+    problem = scene("stack", blocks=2, push=0.3).problem()
+    cold = solve(problem, "nsgs")
+    warm = solve(problem, "nsgs", start=cold.impulse)
+    assert warm.work == {"sweeps": 0, "checks": 1}
+    assert np.array_equal(warm.impulse, cold.impulse)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_no_contact(dimension) -> None:
+    answer = solve(nothing(dimension), "nsgs")
+    assert answer.status is Status.SOLVED
+    assert answer.impulse.shape == (0, dimension)
+
+
+def test_nothing_moves_nothing() -> None:
+    answer = solve(block(speed=0.0, h=0.0), "nsgs")
+    assert answer.status is Status.SOLVED
+    assert not answer.impulse.any()
+
+
+def test_the_work_limit_is_obeyed_and_said() -> None:
+    problem = scene("stack", blocks=5).problem()
+    answer = solve(problem, "nsgs", limit=23)
+    assert answer.status is Status.WORK_LIMIT
+    assert answer.work == {"sweeps": 23, "checks": 4}
+    assert len(answer.history) == 4  # at the start, after 10, 20 and 23 sweeps
+    assert answer.history[-1] == pytest.approx(residual(problem, answer.impulse), rel=1e-6)
+
+
+def test_a_cycle_is_said_to_stall() -> None:
+    answer = solve(random_problem(7, contacts=40), "nsgs")  # mu up to 4; the residual stays at .157
+    assert answer.status is Status.STALLED
+    assert answer.work["sweeps"] < LIMIT
+
+
+def test_relaxation_reaches_the_same_velocities() -> None:
+    problem = scene("stack", blocks=3, push=0.3).problem()
+    plain, over = (solve(problem, f"nsgs[relaxation={factor}]", tol=1e-10) for factor in (1.0, 1.3))
+    assert plain.status is over.status is Status.SOLVED
+    assert problem.velocity(plain.impulse) == pytest.approx(problem.velocity(over.impulse), abs=1e-8)
+
+
+@pytest.mark.parametrize("factor", ["0", "2", "-1", "nan"])
+def test_a_bad_relaxation_is_named(factor) -> None:
+    with pytest.raises(InputError, match="relaxation"):
+        find(f"nsgs[relaxation={factor}]")

@@ -1,0 +1,71 @@
+"""Proximal points in space: Newton's equations are exact, and what traps an interior point is solved."""
+
+import numpy as np
+import pytest
+
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.instances import make_instance
+from frictionbench.problems.residual import residual
+from frictionbench.solvers import Status, solve
+from frictionbench.solvers.interior.alart_curnier import new_state
+from frictionbench.solvers.interior.system import new_work, prepare
+from tests.helpers.friction_problems import nothing, spatial
+from tests.helpers.kernels import equations, newton_step
+
+
+@pytest.mark.parametrize("rho", [1e-3, 1.0])
+@pytest.mark.parametrize("seed", range(5))
+def test_a_newton_step_removes_the_equations_to_first_order(seed, rho) -> None:
+    """At impulses of every kind: open, sticking and sliding contacts, with a friction bias."""
+    problem = spatial(seed, contacts=12, nv=24, friction=0.7, friction_bias=True)
+    system, random = prepare(problem), np.random.default_rng(seed)
+    work, state, ahead, step = new_work(system), new_state(12), new_state(12), np.zeros((12, 3))
+    anchor = random.standard_normal((12, 3))
+    state.r[:] = random.standard_normal((12, 3))
+    equations(system, state, anchor, rho, work)
+    newton_step(system, state, anchor, rho, step, work)
+    h = 1e-7
+    ahead.r[:] = state.r + h * step
+    equations(system, ahead, anchor, rho, work)
+    change = (ahead.F - state.F) / h
+    assert np.allclose(change, -state.F, atol=1e-5 * (1 + abs(step).max() ** 2))
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3, 3.0])
+@pytest.mark.parametrize("seed", range(5))
+def test_spatial_problems(seed, friction) -> None:
+    for problem in (
+        spatial(seed, contacts=10, nv=30, friction=friction),
+        spatial(seed, contacts=10, nv=18, friction=friction, friction_bias=True),
+        spatial(seed, contacts=6, nv=30, friction=friction, joints=4),
+        make_instance("random_bodies", seed=seed, contacts=20, friction=friction),
+    ):
+        answer = solve(problem, "proximal_newton")
+        assert answer.status is Status.SOLVED
+        assert residual(problem, answer.impulse) <= 1e-8
+
+
+@pytest.mark.parametrize("seed", [0, 11, 15])
+def test_large_friction_that_traps_the_predictor_corrector(seed) -> None:
+    problem = make_instance("random_bodies", seed=seed, friction=1000.0)
+    assert solve(problem, "interior_point").work["relaxation_ip factorisations"] > 0  # asked where it is trapped
+    assert residual(problem, solve(problem, "proximal_newton").impulse) <= 1e-8
+
+
+def test_no_contact_and_only_w() -> None:
+    assert solve(nothing(3), "proximal_newton").impulse.shape == (0, 3)
+    known = spatial(3, contacts=8, nv=12, friction=0.5)
+    by_w = FrictionProblem.from_delassus(known.W, known.q, known.friction, 3)
+    assert residual(by_w, solve(by_w, "proximal_newton").impulse) <= 1e-8
+
+
+def test_a_start_at_the_solution_costs_nothing() -> None:
+    problem = make_instance("random_bodies", contacts=20)
+    right = solve(problem, "proximal_newton", tol=1e-12).impulse
+    assert solve(problem, "proximal_newton", start=right).work["factorisations"] == 0
+
+
+def test_a_limit_is_kept_and_said() -> None:
+    answer = solve(make_instance("sphere_pyramid", levels=3), "proximal_newton", limit=7)
+    assert answer.status is Status.WORK_LIMIT
+    assert answer.work["factorisations"] == 7
