@@ -72,9 +72,9 @@ def run(
     from frictionbench.harness.maps import run_maps
     from frictionbench.harness.plans.choose import choose
     from frictionbench.harness.progress import Progress
-    from frictionbench.harness.workers.introduce import introduce
+    from frictionbench.harness.workers.plugins import load_plugins
 
-    variants, plugins = introduce(solver or [])
+    variants, plugins = load_plugins(solver or [])
     plan = choose(suite, scene or [], variants, tol, time_limit, plugins, tuple(data or ()))
     folder = out or folder_for(plan)
     with _goes_on(folder):
@@ -308,10 +308,10 @@ def map_(
     from frictionbench.harness.commands.summary import folder_for
     from frictionbench.harness.maps import run_maps
     from frictionbench.harness.progress import Progress
-    from frictionbench.harness.workers.introduce import introduce
+    from frictionbench.harness.workers.plugins import load_plugins
     from frictionbench.reports.page import write_report
 
-    variants, plugins = introduce(solver or [])
+    variants, plugins = load_plugins(solver or [])
     plan = plan_map(scene, x, y, variants, plugins, tol, time_limit, scheme, steps)
     folder = out or folder_for(plan)
     with _goes_on(folder):

@@ -1,8 +1,8 @@
-"""The moment after which a worker is killed, in memory that it shares with its keeper.
+"""The moment after which a worker is killed, in memory that it shares with its supervisor.
 
-The worker writes until when it may run, its keeper (harness.workers.keeper), another process, kills it past that. No signal
-is involved that a solver could block, and native code is stopped like any other. The clock is the system's monotonic one:
-setting the date does nothing.
+The worker writes until when it may run; its supervisor (harness.workers.supervisor), another process, kills it past that. No
+signal is involved that a solver could block, and native code is stopped like any other. The clock is the system's monotonic
+one: setting the date does nothing.
 """
 
 from collections.abc import Callable, Iterator
@@ -15,7 +15,7 @@ OURS = 600.0  # seconds for what is not a solver's: reading a problem, verifying
 
 
 class Deadline:
-    """Made by the keeper before it forks the worker, so that both see the same bytes."""
+    """Made by the supervisor before it forks the worker, so that both see the same bytes."""
 
     def __init__(self) -> None:
         self._moment = memoryview(mmap(-1, 16)).cast("d")

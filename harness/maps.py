@@ -60,7 +60,7 @@ def _keep_failures(plan: Plan, folder: Path, jobs: int, progress: Progress) -> N
 
 
 def _refine(specs: tuple[Map, ...], known: list[dict[Place, None]], level: int, folder: Path) -> None:
-    rows = [row for table in ("solves", "drives") for row in store.rows(folder, table)]
+    rows = [row for table in ("solves", "simulations") for row in store.rows(folder, table)]
     found = maps.verdicts(rows)
     for spec, places in zip(specs, known, strict=True):
         if level <= spec.levels:
@@ -70,5 +70,5 @@ def _refine(specs: tuple[Map, ...], known: list[dict[Place, None]], level: int, 
 def _with_places(plan: Plan, known: list[dict[Place, None]]) -> Plan:
     both = list(zip(plan.maps, known, strict=True))
     placed = tuple(source for spec, places in both for source in maps.sources(spec, places))
-    driven = tuple(cell for spec, places in both for cell in maps.drive_cells(spec, places, plan))
-    return replace(plan, placed=tuple({source.key: source for source in placed}.values()), placed_drives=driven)
+    simulated = tuple(cell for spec, places in both for cell in maps.simulation_cells(spec, places, plan))
+    return replace(plan, placed=tuple({source.key: source for source in placed}.values()), map_simulations=simulated)

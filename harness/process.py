@@ -146,7 +146,7 @@ def die_with_parent(parent: int) -> None:
 
 
 @contextmanager
-def no_twin() -> Iterator[None]:
+def no_forked_child() -> Iterator[None]:
     """A child that the block forks and that comes out of it ends there: it is no second worker, and forks no further."""
     home = os.getpid()
     try:

@@ -14,16 +14,17 @@ from pathlib import Path
 from frictionbench.harness import machine
 from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.collect import Entry
-from frictionbench.harness.cells.rows import drive_row, nothing, solve_row
-from frictionbench.harness.follow import follow
+from frictionbench.harness.cells.rows import nothing, simulation_row, solve_row
+from frictionbench.harness.convergence import record_histories
 from frictionbench.harness.plans.plan import Cell, Plan, Plugin, SolveCell, origin
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.workers.cluster import Cluster
 from frictionbench.harness.workers.pool import Pool
 from frictionbench.harness.workers.task import Outcome, Task
 from frictionbench.results import store
-from frictionbench.results.schema import CRASHED, SKIPPED, TABLES, VERDICTS
+from frictionbench.results.schema import TABLES
 from frictionbench.results.store import ResultsError, Row, ShardWriter
+from frictionbench.results.verdicts import RANK, Verdict
 from frictionbench.solvers import find
 
 COLLECTING = 600.0  # seconds for one source's problems
@@ -40,10 +41,10 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
     with Pool(folder, 1 if cluster else jobs, plan.plugins, plan.memory_limit) as pool:
         entries = _collect(plan, pool, progress)
         _record(plan, pool, progress)
-        cells: list[Cell] = [*plan.solve_cells(entries.values()), *plan.drive_cells()]
+        cells: list[Cell] = [*plan.solve_cells(entries.values()), *plan.simulation_cells()]
         if not cluster:
             _run(cells, entries, plan, folder, pool, progress)
-            follow(plan, folder, entries.values(), pool, progress)
+            record_histories(plan, folder, entries.values(), pool, progress)
     if cluster:  # whose workers want the cores that ours held
         with Cluster(cluster, folder, plan.plugins, plan.memory_limit) as engine:
             _run(cells, entries, plan, folder, engine, progress)
@@ -61,19 +62,19 @@ def _run(
 
     Those of plug-ins come last: a worker that has run one runs nothing else. A library's come together, to load it once.
     """
-    done = store.kept(folder, "solves") | store.kept(folder, "drives")
+    done = store.kept(folder, "solves") | store.kept(folder, "simulations")
     left = sorted((cell for cell in cells if cell.key not in done), key=lambda cell: _place(plan, cell))
     with (
         ShardWriter(folder, "solves", f"{os.getpid()}") as solved,
-        ShardWriter(folder, "drives", f"{os.getpid()}") as driven,
+        ShardWriter(folder, "simulations", f"{os.getpid()}") as simulated,
         progress.stage("cells", len(cells), len(cells) - len(left)) as stage,
     ):
-        shards = {"solves": solved, "drives": driven}
+        shards = {"solves": solved, "simulations": simulated}
         tasks = []
         for task in (_task(cell, entries, plan) for cell in left):
             if reason := _nothing_there(task):
                 stage.started(task)
-                solved.write(row_of(Outcome(task, death=SKIPPED, reason=reason), plan.plugins))
+                solved.write(row_of(Outcome(task, death=Verdict.SKIPPED, reason=reason), plan.plugins))
                 stage.finished(task)
             else:
                 tasks.append(task)
@@ -87,7 +88,7 @@ def _merge(plan: Plan, folder: Path, cells: list[Cell], entries: dict[str, Entry
 
     def row_of_the_lost(key: str) -> Row:
         reason = "its row was lost: the shard is gone or damaged"
-        return row_of(Outcome(_task(planned[key], entries, plan), death=CRASHED, reason=reason), plan.plugins)
+        return row_of(Outcome(_task(planned[key], entries, plan), death=Verdict.CRASHED, reason=reason), plan.plugins)
 
     lost = 0
     for table in TABLES:
@@ -112,7 +113,7 @@ def open_folder(plan: Plan, folder: Path) -> None:
 
 def _in_their_words(plan: Plan) -> dict[str, str]:
     """What our solvers' files and classes say of them, for the report; a plug-in is not asked outside its worker."""
-    variants = dict.fromkeys(variant for variant in (*plan.solvers, *plan.drive_solvers) if not plan.owner(variant))
+    variants = dict.fromkeys(variant for variant in (*plan.solvers, *plan.simulation_solvers) if not plan.owner(variant))
     makes = {variant: find(variant)[0].make for variant in variants}
     words = {variant: (sys.modules[make.__module__].__doc__, make.__doc__) for variant, make in makes.items()}
     return {variant: "\n\n".join(cleandoc(text) for text in texts if text) for variant, texts in words.items()}
@@ -150,11 +151,11 @@ def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Entry]:
 def _record(plan: Plan, pool: Pool, progress: Progress) -> None:
     """Record a motion of every scene, here, and what a polygon makes of one; a picture that cannot be made is no loss."""
     tasks = [
-        Task(f"motion of {shown.scene}", worker.run_motion, (shown, plan.drive_limit), plan.drive_limit)
+        Task(f"motion of {shown.scene}", worker.run_motion, (shown, plan.simulation_limit), plan.simulation_limit)
         for shown in plan.shown()
     ]
     if plan.polygons:
-        tasks.append(Task("polygon's error", worker.run_polygon, (plan.drive_limit,), plan.drive_limit))
+        tasks.append(Task("polygon's error", worker.run_polygon, (plan.simulation_limit,), plan.simulation_limit))
     if not tasks:
         return
     with progress.stage("motions", len(tasks), 0) as stage:
@@ -177,7 +178,9 @@ def _task(cell: Cell, entries: dict[str, Entry], plan: Plan) -> Task:
         name = f"{cell.variant} on {entry['scene']}, {entry['contacts']} contacts"
         limit = entry.get("time_limit", plan.time_limit)
         return Task(name, worker.run_solve, (cell, entry, limit), limit, owner)
-    return Task(f"{cell.variant} drives {cell.scene}", worker.run_drive, (cell, plan.drive_limit), plan.drive_limit, owner)
+    return Task(
+        f"{cell.variant} in {cell.scene}", worker.run_simulation, (cell, plan.simulation_limit), plan.simulation_limit, owner
+    )
 
 
 def _nothing_there(task: Task) -> str:
@@ -189,10 +192,10 @@ def _nothing_there(task: Task) -> str:
 def row_of(outcome: Outcome, plugins: tuple[Plugin, ...]) -> Row:
     """The row of a cell: what its worker found or how it died, and what is known without it, which no worker can change."""
     cell, *facts = outcome.task.arguments
-    make: Callable[..., Row] = solve_row if isinstance(cell, SolveCell) else drive_row
+    make: Callable[..., Row] = solve_row if isinstance(cell, SolveCell) else simulation_row
     found = {"verdict": outcome.death, "reason": outcome.reason} if outcome.death else outcome.value
-    if not isinstance(found, dict) or found.get("verdict") not in VERDICTS:
-        found = {"verdict": CRASHED, "reason": "the process sent what is no row"}
+    if not isinstance(found, dict) or found.get("verdict") not in RANK:
+        found = {"verdict": Verdict.CRASHED, "reason": "the process sent what is no row"}
     return found | make(cell, *facts, plugins=plugins) | {"host": found.get("host", machine.host())}
 
 

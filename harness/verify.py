@@ -14,7 +14,7 @@ What tol means, and the margins that solvers keep. tol is a bound of the residua
 problems.residual, which is the worst contact's. A solver that computes this very residual stops at tol. One that stops by
 another measure is to ask for as much less as that measure can fall short of this one, tol times a margin that stands where
 it is used, with its reason; so no solver does more work than its measure needs, and none is paid for claiming early. What a
-bound between two norms cannot promise is `missed` where it comes close and `wrong` where it does not.
+bound between two norms cannot promise is `near_miss` where it comes close and `wrong` where it does not.
 
 A solver of regularised contacts says how soft it made them, u = W r + q + R r, and is judged as that model's. With R chosen
 freely any answer is some soft model's, so R is bound to the tolerance: 0 <= R_i <= max(tol, SOFTEST) s_i, s_i as in
@@ -36,7 +36,7 @@ from frictionbench.problems.residual import (
     residual_floor,
 )
 from frictionbench.problems.simulate import ledger_defect
-from frictionbench.results.schema import MISSED, RELAXED, SOLVED, UNJUDGEABLE, UNSOLVED, WRONG
+from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers import Answer, SolverInfo, Status
 
 NEAR = 10.0  # times the tolerance: an honest difference of norms
@@ -62,7 +62,7 @@ def verify(problem: FrictionProblem, answer: Answer, info: SolverInfo, tol: floa
     claimed = answer.status is Status.SOLVED
     impulse = np.asarray(answer.impulse, dtype=float)
     if complaint := _complaint(problem, impulse):
-        return Finding(WRONG if claimed else UNSOLVED, complaint, *(np.inf,) * 5)
+        return Finding(Verdict.WRONG if claimed else Verdict.UNSOLVED, complaint, *(np.inf,) * 5)
     exact, floor = residual(problem, impulse), residual_floor(problem, impulse)
     softness, soft = _softness(problem, answer, info, tol)
     model = _model_residual(problem, answer, info, exact, softness)
@@ -71,8 +71,10 @@ def verify(problem: FrictionProblem, answer: Answer, info: SolverInfo, tol: floa
     reasons = [
         _reason(verdict, exact, model, floor, tol),
         soft,
-        "" if info.needs and claimed and verdict in (SOLVED, RELAXED) else answer.detail,  # a library's word for success
-        answer.status.value if verdict == UNSOLVED and not answer.detail else "",
+        ""
+        if info.needs and claimed and verdict in (Verdict.SOLVED, Verdict.RELAXED)
+        else answer.detail,  # a library's word for success
+        answer.status.value if verdict == Verdict.UNSOLVED and not answer.detail else "",
     ]
     allowed = energy_within(problem, impulse, max(exact, tol))
     if abs(defect) > FAR * allowed:
@@ -116,7 +118,7 @@ def verify_lcp(lcp: LCP, answer: Answer, tol: float) -> Finding:
     """The finding on an answer to a bare LCP; its rounding, FCLIB's error and the energy are not measured there."""
     claimed = answer.status is Status.SOLVED
     if answer.z is None or np.shape(answer.z) != (lcp.size,):
-        return Finding(WRONG if claimed else UNSOLVED, "z is missing or of the wrong shape", *(np.inf,) * 5)
+        return Finding(Verdict.WRONG if claimed else Verdict.UNSOLVED, "z is missing or of the wrong shape", *(np.inf,) * 5)
     found = lcp.residual(answer.z)
     verdict = _verdict(found, found, 0.0, claimed, tol)
     reason = "; ".join(filter(None, (_reason(verdict, found, found, 0.0, tol), answer.detail)))
@@ -125,20 +127,20 @@ def verify_lcp(lcp: LCP, answer: Answer, tol: float) -> Finding:
 
 def _verdict(exact: float, model: float, floor: float, claimed: bool, tol: float) -> str:
     if floor > tol and min(exact, model) <= floor:
-        return UNJUDGEABLE if claimed else UNSOLVED
+        return Verdict.UNJUDGEABLE if claimed else Verdict.UNSOLVED
     if exact <= tol:
-        return SOLVED
+        return Verdict.SOLVED
     if model <= tol:
-        return RELAXED
+        return Verdict.RELAXED
     if not claimed:
-        return UNSOLVED
-    return MISSED if min(exact, model) < NEAR * tol else WRONG
+        return Verdict.UNSOLVED
+    return Verdict.NEAR_MISS if min(exact, model) < NEAR * tol else Verdict.WRONG
 
 
 def _reason(verdict: str, exact: float, model: float, floor: float, tol: float) -> str:
-    if verdict == UNJUDGEABLE:
+    if verdict == Verdict.UNJUDGEABLE:
         return f"rounding alone may make a residual of {floor:.2g}, and {tol:g} was asked for"
-    if verdict in (MISSED, WRONG):
+    if verdict in (Verdict.NEAR_MISS, Verdict.WRONG):
         nearest = min(exact, model)
         of = "" if nearest == exact else " of its model"
         return f"claims a residual{of} within {tol:g}, has {nearest:.2g}, {nearest / tol:.2g} times that"

@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from frictionbench.results.schema import SKIPPED
+from frictionbench.results.verdicts import Verdict
 
 TARGETS = (1e-4, 1e-6, 1e-8)
 Array = NDArray[np.float64]
@@ -50,7 +50,7 @@ def times_to(rows: pd.DataFrame, target: float) -> pd.DataFrame:
     pair = ["problem_id", "entry"]
     within = rows[rows["answered"] & (rows["residual"] <= target)]
     best = within.sort_values("time", kind="stable").drop_duplicates(pair).set_index(pair)
-    ran = rows.assign(ran=rows["verdict"] != SKIPPED)
+    ran = rows.assign(ran=rows["verdict"] != Verdict.SKIPPED)
     ran = ran[ran.groupby(["problem_class", "entry"])["ran"].transform("any")]
     known = {name: (name, "first") for name in ("problem_class", "start", "host")}
     times = ran.groupby(pair, sort=False).agg(**known, limit=("time_limit", "max"))

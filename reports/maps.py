@@ -15,15 +15,15 @@ from frictionbench.reports.run import Run
 from frictionbench.results.files import write_text
 from frictionbench.results.maps import Map, maps_of
 from frictionbench.results.places import lost, placed
-from frictionbench.results.schema import SKIPPED, SOLVED
 from frictionbench.results.shrunk import Shrunk
+from frictionbench.results.verdicts import Verdict
 
 NOT_TRIED = Shrunk("", 0, 0, whole=False)
 
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """A map and its cells: rows of the solves table, or of drives in closed loop, with the columns i, j (the place), tile (the
+    """A map and its cells: rows of solves, or of simulations in closed loop, with the columns i, j (the grid point), tile (the
     width of its tile in grid lines) and known (a solution is)."""
 
     spec: Map
@@ -32,7 +32,7 @@ class Cells:
     @property
     def entries(self) -> list[str]:
         """The solvers that ran, in the plan's order."""
-        ran = self.rows.loc[self.rows["verdict"] != SKIPPED, "entry"]
+        ran = self.rows.loc[self.rows["verdict"] != Verdict.SKIPPED, "entry"]
         return list(dict.fromkeys(ran))
 
     @property
@@ -43,7 +43,7 @@ class Cells:
 
 def map_cells(run: Run) -> list[Cells]:
     """The maps of the run that have rows. Errors: ResultsError where the manifest's maps cannot be read."""
-    tables = {False: run.rows, True: run.mapped_drives}
+    tables = {False: run.rows, True: run.map_simulations}
     found = (Cells(spec, placed(tables[spec.steps > 0], spec)) for spec in maps_of(run.manifest))
     return [cells for cells in found if len(cells.rows)]
 
@@ -53,13 +53,13 @@ def robustness(maps: list[Cells]) -> pd.DataFrame:
     maps, each place counting once: the share of all places, and of those where a solution is known. Best first."""
     columns: dict[str, Any] = {}
     for cells in maps:
-        known = cells.rows[cells.rows["known"] & (cells.rows["verdict"] != SKIPPED)]
-        columns[cells.spec.name] = (known["verdict"] == SOLVED).groupby(known["entry"]).mean()
+        known = cells.rows[cells.rows["known"] & (cells.rows["verdict"] != Verdict.SKIPPED)]
+        columns[cells.spec.name] = (known["verdict"] == Verdict.SOLVED).groupby(known["entry"]).mean()
     if not columns:
         return pd.DataFrame()
     rows = pd.concat([cells.rows[["entry", "verdict", "known"]] for cells in maps], ignore_index=True)
-    rows = rows[rows["verdict"] != SKIPPED]
-    solved = rows["verdict"] == SOLVED
+    rows = rows[rows["verdict"] != Verdict.SKIPPED]
+    solved = rows["verdict"] == Verdict.SOLVED
     table = pd.DataFrame(columns)
     table["all"] = solved.groupby(rows["entry"]).mean()
     table["known"] = solved[rows["known"]].groupby(rows["entry"]).mean()
@@ -101,13 +101,15 @@ def write_lost(folder: Path, maps: list[Cells]) -> int:
 
 
 def costs(run: Run) -> pd.DataFrame:
-    """A row per drive with failed steps that was gone on with in several ways: what each way costs. Before those of a scene a
-    drive without failed steps, where there is one."""
-    drives = run.drives.assign(way=run.drives["after_failure"].map({"answer": 0, "velocity": 1, "relaxation": 2}))
+    """A row per simulation with failed steps that was continued in several ways: what each way costs. Those of a scene stand
+    behind a simulation without failed steps, where there is one."""
+    simulations = run.simulations.assign(
+        way=run.simulations["after_failure"].map({"answer": 0, "velocity": 1, "relaxation": 2})
+    )
     same = ["scene", "parameters", "scheme"]
-    failed = drives[drives["unsolved"] > 0]
+    failed = simulations[simulations["unsolved"] > 0]
     several = failed[failed.groupby([*same, "variant"])["after_failure"].transform("nunique") > 1]
-    clean = drives[(drives["unsolved"] == 0) & (drives["verdict"] == SOLVED)].drop_duplicates(same)
+    clean = simulations[(simulations["unsolved"] == 0) & (simulations["verdict"] == Verdict.SOLVED)].drop_duplicates(same)
     clean = clean.merge(several[same].drop_duplicates()).assign(way=-1)
     found = pd.concat([clean.assign(first=0), several.assign(first=1)])
     return found.sort_values([*same, "first", "variant", "way"], kind="stable")

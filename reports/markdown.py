@@ -9,7 +9,7 @@ from frictionbench.reports import choice, tables
 from frictionbench.reports.drawing.text import power, seconds
 from frictionbench.reports.run import Run
 from frictionbench.reports.standing import sentences, standings
-from frictionbench.results.schema import CRASHED, MISSED, SKIPPED, TIMEOUT, WRONG
+from frictionbench.results.verdicts import Verdict
 
 BANDS = ((0, 4), (4, 20), (20, 100), (100, np.inf))  # contacts
 
@@ -68,7 +68,7 @@ def _said(found: choice.Choice) -> str:
 
 def _exact(run: Run) -> str:
     """Of each entry the problems it met at the tightest tolerance, and how many it ended how."""
-    names = ["problems", "exact", "its own model", MISSED, WRONG, TIMEOUT, CRASHED]
+    names = ["problems", "exact", "its own model", Verdict.NEAR_MISS, Verdict.WRONG, Verdict.TIMEOUT, Verdict.CRASHED]
     body = [[_name(one.entry), *map(str, one[1:])] for one in standings(run)]
     return _table(f"## How each ended, at {power(run.contested['tol'].min())}", ["solver", "model", *names], body)
 
@@ -76,7 +76,7 @@ def _exact(run: Run) -> str:
 def _times(run: Run, dimension: int) -> str:
     """Median of form, setup and solve together where the solver's own model is solved at the tightest tolerance."""
     rows = run.contested
-    rows = rows[(rows["dimension"] == dimension) & (rows["tol"] == rows["tol"].min()) & (rows["verdict"] != SKIPPED)]
+    rows = rows[(rows["dimension"] == dimension) & (rows["tol"] == rows["tol"].min()) & (rows["verdict"] != Verdict.SKIPPED)]
     if rows.empty:
         return ""
     done = rows["answered"] & (rows[["residual", "model_residual"]].min(axis=1) <= rows["tol"])
@@ -119,7 +119,7 @@ def _bands() -> list[str]:
 
 def _skipped(run: Run) -> str:
     found = tables.reasons(run)
-    found = found[(found["verdict"] == SKIPPED) & found["reason"].str.contains("not installed")]
+    found = found[(found["verdict"] == Verdict.SKIPPED) & found["reason"].str.contains("not installed")]
     return "".join(f"Skipped: {_name(row['entry'])}, {row['reason']}.  \n" for _, row in found.iterrows())
 
 

@@ -28,13 +28,13 @@ from frictionbench.reports.standing import sentences
 from frictionbench.reports.templates import as_json, environment, script
 from frictionbench.results.files import write_text
 from frictionbench.results.polygon import read_deviations
-from frictionbench.results.schema import VERDICTS
 from frictionbench.results.shrunk import ROOM, read_shrunk
+from frictionbench.results.verdicts import Verdict
 
 MOST_CLAIMS = 200  # wrong claims listed on the page
 FEW = 8  # entries that a figure shows well at once
 BANDS = 3  # bands that it does
-MOST_DRIVES = 300  # of a scene, listed
+MOST_SIMULATIONS = 300  # of a scene, listed
 CURVES = ["times", "energies", "penetrations", "load", "clock"]
 MUCH_FORM = 0.2  # of the time: beyond this the writing of the problem decides the rank with the method
 
@@ -57,9 +57,9 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
     animations = write_animations(folder)
     text, digest = script("page.js")
     classes, ranked = tables.problem_classes(run), list(run.contested["problem_class"].unique())
-    driven = {
-        str(scene): own.drop(columns=CURVES).head(MOST_DRIVES).to_dict("records")
-        for scene, own in run.drives.groupby("scene", sort=False)
+    simulated = {
+        str(scene): own.drop(columns=CURVES).head(MOST_SIMULATIONS).to_dict("records")
+        for scene, own in run.simulations.groupby("scene", sort=False)
     }
     examples = _examples(run)
     scene_of = dict(zip(run.rows["problem_class"], run.rows["scene"], strict=True))
@@ -86,8 +86,8 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
         "charges": CHARGES,
         "solvability": tables.solvability(run),
         "overhead": tables.overhead(run),
-        "outcomes": tables.OUTCOMES,
-        "verdicts": VERDICTS,
+        "outcomes": list(Verdict),
+        "verdicts": {verdict: verdict.meaning for verdict in Verdict},
         "reasons": tables.reasons(run),
         "robustness": maps.robustness(mapped),
         "map_failures": maps.failures(mapped, read_shrunk(folder)),
@@ -107,8 +107,8 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
         "script_hash": digest,
         "by_class": {name: table.to_dict("records") for name, table in tables.by_class(run).groupby("problem_class")},
         "sheets": sheets(run),
-        "drives_of": lambda name: driven.get(scene_of[name], []),
-        "lone": [row for scene, rows in driven.items() if scene not in scene_of.values() for row in rows],
+        "simulations_of": lambda name: simulated.get(scene_of[name], []),
+        "lone": [row for scene, rows in simulated.items() if scene not in scene_of.values() for row in rows],
         "example_of": lambda name: examples.get(name, ""),
         "classes": classes,
         "ranked": ranked,
@@ -180,7 +180,7 @@ def _examples(run: Run) -> dict[str, str]:
 
 def _families(run: Run) -> dict[str, str]:
     """The tags of each family's entries, for families of several."""
-    rows = pd.concat([run.rows[["family", "entry"]], run.drives[["family", "entry"]]]).drop_duplicates()
+    rows = pd.concat([run.rows[["family", "entry"]], run.simulations[["family", "entry"]]]).drop_duplicates()
     rows = rows[rows["entry"].isin(run.looks)].fillna("")
     return {
         str(family): " ".join(run.looks[entry].tag for entry in own["entry"])

@@ -28,6 +28,7 @@ from frictionbench.reports.latex import Cell, Layout, Table, Tex, booktabs, esca
 from frictionbench.reports.references import bibliography, cited
 from frictionbench.reports.run import PORTFOLIO, Run
 from frictionbench.results.files import ResultsError, room, write_text
+from frictionbench.results.verdicts import Verdict
 
 FONT = 7  # points, in figures
 ON_PAGE_ONLY = ("Point at", "Bands, ")  # how sentences begin that are of the page alone
@@ -59,7 +60,7 @@ def write_paper(folder: Path, run: Run, layout: Layout | None = None) -> Path:
         write_text(paper / f"{name}.tex", table.text)
     told = {name: CAPTIONS[name] for name in made} | {name: caption for name, caption, _ in floats}
     write_text(paper / "captions.tex", _captions(told, _setting(run)))
-    write_text(paper / "references.bib", bibliography({*run.rows["solver"], *run.drives["solver"]}))
+    write_text(paper / "references.bib", bibliography({*run.rows["solver"], *run.simulations["solver"]}))
     write_text(paper / "preview.tex", _preview(made, [(name, wide) for name, _, wide in floats], layout))
     return paper
 
@@ -73,19 +74,19 @@ def chosen(run: Run, names: Collection[str]) -> Run:
     for name in names:
         found = {
             str(entry)
-            for table in (run.rows, run.drives)
+            for table in (run.rows, run.simulations)
             for entry in table.loc[
                 (table["solver"] == name) | (table["variant"] == name) | (table["entry"].str.removesuffix(PORTFOLIO) == name),
                 "entry",
             ]
         }
         if not found:
-            there = ", ".join(sorted({*run.rows["variant"], *run.drives["variant"]}))
+            there = ", ".join(sorted({*run.rows["variant"], *run.simulations["variant"]}))
             raise ResultsError(f"solvers: {name} is not in this run; there are {there}")
         kept |= found
     parts = {
         name: table[table["entry"].isin(kept)] if len(table) else table
-        for name, table in (("rows", run.rows), ("drives", run.drives), ("mapped_drives", run.mapped_drives))
+        for name, table in (("rows", run.rows), ("simulations", run.simulations), ("map_simulations", run.map_simulations))
     }
     return replace(run, **parts)
 
@@ -93,7 +94,7 @@ def chosen(run: Run, names: Collection[str]) -> Run:
 def _solvability(run: Run, layout: Layout) -> Table:
     """Verdicts that nobody has are left out."""
     rows = tables.solvability(run)
-    columns = ["cells", "claimed", *(name for name in tables.OUTCOMES if rows[name].any())]
+    columns = ["cells", "claimed", *(name for name in Verdict if rows[name].any())]
     return booktabs(
         ["solver", *columns], [[row["entry"], *(str(row[name]) for name in columns)] for row in rows.to_dict("records")], layout
     )
@@ -125,7 +126,7 @@ def _range(row: dict[str, float], what: str) -> str:
 
 
 def _solvers(run: Run, layout: Layout) -> Table:
-    both = pd.concat([run.rows[["solver", "model"]], run.drives[["solver"]]]).drop_duplicates("solver").fillna("")
+    both = pd.concat([run.rows[["solver", "model"]], run.simulations[["solver"]]]).drop_duplicates("solver").fillna("")
     body: list[list[Cell]] = []
     for row in both.sort_values("solver").itertuples():
         keys = cited(row.solver)

@@ -23,15 +23,15 @@ import pandas as pd
 
 from frictionbench.reports.accuracy import summary, targets, times_to
 from frictionbench.reports.drawing.style import Look, looks
-from frictionbench.results.courses import Course, read_courses
+from frictionbench.results.convergence import ConvergenceHistory, read_histories
 from frictionbench.results.maps import Place, maps_of, read_thresholds
-from frictionbench.results.schema import CRASHED, SKIPPED, TIMEOUT
 from frictionbench.results.store import read_manifest, read_table
+from frictionbench.results.verdicts import Verdict
 
 BANDS = (100, 1000)  # unknowns of the friction LCP: dense methods win below, sparse ones above
 COLD, WARM = "cold", "warm"  # starts
 PORTFOLIO = "*"
-NO_ANSWER = (TIMEOUT, CRASHED, SKIPPED)
+NO_ANSWER = (Verdict.TIMEOUT, Verdict.CRASHED, Verdict.SKIPPED)
 _IDENTITY = ["scene", "parameters", "step", "phase", "problem"]
 
 
@@ -41,9 +41,9 @@ class Run:
 
     manifest: dict[str, Any]
     rows: pd.DataFrame  # solves
-    drives: pd.DataFrame
-    mapped_drives: pd.DataFrame = field(default_factory=pd.DataFrame)  # those of maps in closed loop
-    courses: list[Course] = field(default_factory=list)
+    simulations: pd.DataFrame
+    map_simulations: pd.DataFrame = field(default_factory=pd.DataFrame)  # those of maps in closed loop
+    histories: list[ConvergenceHistory] = field(default_factory=list)
     thresholds: dict[str, dict[str, list[Place]]] = field(default_factory=dict)  # of each map, by name
 
     @cached_property
@@ -54,13 +54,13 @@ class Run:
     @cached_property
     def looks(self) -> dict[str, Look]:
         """The look of every entry that ran at all."""
-        tables = (self.rows, self.drives)
-        return looks(entry for table in tables for entry in table.loc[table["verdict"] != SKIPPED, "entry"])
+        tables = (self.rows, self.simulations)
+        return looks(entry for table in tables for entry in table.loc[table["verdict"] != Verdict.SKIPPED, "entry"])
 
     @cached_property
     def portfolios(self) -> dict[str, str]:
         """Of each portfolio that has a row, the solvers that it may run."""
-        rows = pd.concat([table[["solver", "members"]] for table in (self.rows, self.drives)]).drop_duplicates("solver")
+        rows = pd.concat([table[["solver", "members"]] for table in (self.rows, self.simulations)]).drop_duplicates("solver")
         return {solver: members for solver, members in rows.fillna("").itertuples(index=False) if members}
 
     @cached_property
@@ -88,12 +88,12 @@ def read_run(folder: Path) -> Run:
         for spec in specs
         for place in (spec.places() if spec.steps else ())
     }
-    drives = annotate_drives(read_table(folder, "drives"))
-    where = zip(drives["scene"], drives["scheme"], drives["parameters"], strict=True)
+    simulations = annotate_simulations(read_table(folder, "simulations"))
+    where = zip(simulations["scene"], simulations["scheme"], simulations["parameters"], strict=True)
     mapped = np.array([told in loops for told in where], dtype=bool)
     thresholds = {spec.name: read_thresholds(folder, spec) for spec in specs}
     solves = annotate(read_table(folder, "solves"))
-    return Run(manifest, solves, drives[~mapped], drives[mapped], read_courses(folder), thresholds)
+    return Run(manifest, solves, simulations[~mapped], simulations[mapped], read_histories(folder), thresholds)
 
 
 def annotate(solves: pd.DataFrame) -> pd.DataFrame:
@@ -115,9 +115,9 @@ def annotate(solves: pd.DataFrame) -> pd.DataFrame:
     return rows
 
 
-def annotate_drives(drives: pd.DataFrame) -> pd.DataFrame:
-    """A copy of the drives table with the column entry: another way to go on from a failed step makes it another entry."""
-    rows = drives.reset_index(drop=True)
+def annotate_simulations(simulations: pd.DataFrame) -> pd.DataFrame:
+    """A copy of the simulations table with the column entry: another way to go on from a failed step makes it another entry."""
+    rows = simulations.reset_index(drop=True)
     texts = ["scene", "parameters", "variant", "verdict", "reason", "scheme", "after_failure", "key"]
     rows[texts] = rows[texts].fillna("")
     told = rows["variant"] + _mark(rows)

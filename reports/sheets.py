@@ -7,7 +7,7 @@ import pandas as pd
 
 from frictionbench.reports.accuracy import ALL
 from frictionbench.reports.run import Run
-from frictionbench.results.schema import SKIPPED, SOLVED
+from frictionbench.results.verdicts import Verdict
 
 MOST_FAILURES = 12  # kinds of failure listed of one solver
 MOST_TOLD = 6000  # characters of a solver's own words
@@ -44,7 +44,7 @@ def sheets(run: Run) -> list[Sheet]:
     words = run.manifest.get("solvers")
     results = {target: table[table["problem_class"] == ALL].set_index("entry") for target, table in run.summaries.items()}
     lost = _failures(run)
-    reasons = run.rows[run.rows["verdict"] == SKIPPED].groupby(["entry", "reason"], sort=False).size()
+    reasons = run.rows[run.rows["verdict"] == Verdict.SKIPPED].groupby(["entry", "reason"], sort=False).size()
     found = []
     for row in run.rows.drop_duplicates("entry").sort_values("entry").itertuples():
         entry = str(row.entry)
@@ -75,9 +75,9 @@ def _flowing(paragraph: str) -> str:
 
 def _failures(run: Run) -> pd.DataFrame:
     """A row per entry, class and verdict that is neither solved nor skipped, as in Failure, the most cells first."""
-    ran = run.contested[run.contested["verdict"] != SKIPPED]
+    ran = run.contested[run.contested["verdict"] != Verdict.SKIPPED]
     of = ran.groupby(["entry", "problem_class"]).size().rename("of")
-    lost = ran[ran["verdict"] != SOLVED].sort_values(["contacts", "tol"], kind="stable")
+    lost = ran[ran["verdict"] != Verdict.SOLVED].sort_values(["contacts", "tol"], kind="stable")
     columns = ["contacts", "residual", "reason", "key"]
     kinds = lost.groupby(["entry", "problem_class", "verdict"], sort=False)
     table = kinds[columns].first().assign(cells=kinds.size()).reset_index().join(of, on=["entry", "problem_class"])

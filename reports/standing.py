@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from frictionbench.reports.drawing.text import power
 from frictionbench.reports.run import Run
-from frictionbench.results.schema import CRASHED, MISSED, SKIPPED, TIMEOUT, WRONG
+from frictionbench.results.verdicts import Verdict
 
 
 class Standing(NamedTuple):
@@ -27,11 +27,14 @@ class Standing(NamedTuple):
 
 def standings(run: Run) -> list[Standing]:
     """Those exact most often first."""
-    rows = run.contested[(run.contested["tol"] == run.contested["tol"].min()) & (run.contested["verdict"] != SKIPPED)]
+    rows = run.contested[(run.contested["tol"] == run.contested["tol"].min()) & (run.contested["verdict"] != Verdict.SKIPPED)]
     found = []
     for entry, own in rows.groupby("entry", sort=False):
         exact, model = own["residual"] <= own["tol"], own[["residual", "model_residual"]].min(axis=1) <= own["tol"]
-        ended = [int((own["verdict"] == verdict).sum()) for verdict in (MISSED, WRONG, TIMEOUT, CRASHED)]
+        ended = [
+            int((own["verdict"] == verdict).sum())
+            for verdict in (Verdict.NEAR_MISS, Verdict.WRONG, Verdict.TIMEOUT, Verdict.CRASHED)
+        ]
         found.append(Standing(str(entry), own["model"].iloc[0], len(own), int(exact.sum()), int(model.sum()), *ended))
     return sorted(found, key=lambda one: (-one.exact, -one.own))
 

@@ -6,9 +6,8 @@ import pandas as pd
 
 from frictionbench.reports.accuracy import ALL
 from frictionbench.reports.run import Run
-from frictionbench.results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
+from frictionbench.results.verdicts import Verdict
 
-OUTCOMES = (SOLVED, RELAXED, MISSED, UNJUDGEABLE, WRONG, UNSOLVED, TIMEOUT, CRASHED, SKIPPED)
 NEARLY = 0.9  # as many problems as the best
 APART = 0.1  # of solve_time, beyond which a library's own clock says otherwise
 
@@ -19,14 +18,14 @@ def solvability(run: Run) -> pd.DataFrame:
     table = pd.DataFrame({"trivial": run.rows.groupby("entry", sort=False)["trivial"].sum()})
     table["cells"] = real.groupby("entry").size()
     table["claimed"] = real.groupby("entry")["claimed"].sum()
-    for verdict in OUTCOMES:
+    for verdict in Verdict:
         table[verdict] = real[real["verdict"] == verdict].groupby("entry").size()
     return table.fillna(0).astype(int).reset_index()
 
 
 def wrong_claims(run: Run) -> pd.DataFrame:
     """All cells, trivial ones too, that were claimed solved and are not, the worst residual first."""
-    wrong = run.rows[run.rows["verdict"] == WRONG]
+    wrong = run.rows[run.rows["verdict"] == Verdict.WRONG]
     return wrong.sort_values("residual", ascending=False, kind="stable", na_position="first")
 
 
@@ -40,8 +39,8 @@ def by_class(run: Run) -> pd.DataFrame:
     """A row per class, entry and tolerance: cells, solved, and medians of residuals and times; worst: largest residual."""
     rows = run.contested
     answers = rows.assign(
-        solved=rows["verdict"] == SOLVED,
-        ran=rows["verdict"] != SKIPPED,
+        solved=rows["verdict"] == Verdict.SOLVED,
+        ran=rows["verdict"] != Verdict.SKIPPED,
         residual=rows["residual"].where(rows["answered"]),
         model_residual=rows["model_residual"].where(rows["answered"]),
     )
@@ -139,6 +138,6 @@ def clocks(run: Run) -> pd.DataFrame:
 
 def overhead(run: Run) -> float | None:
     """The share of the cells' time that was spent outside form, setup and solve; None where it was not measured."""
-    rows = pd.concat([table[["overhead", "wall_time"]] for table in (run.rows, run.drives)])
+    rows = pd.concat([table[["overhead", "wall_time"]] for table in (run.rows, run.simulations)])
     measured = rows[rows["overhead"].notna() & (rows["wall_time"] > 0)]
     return float(measured["overhead"].sum() / measured["wall_time"].sum()) if len(measured) else None

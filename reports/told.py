@@ -57,7 +57,7 @@ def _told(value: Any) -> str:
 
 
 def _source(value: dict[str, Any]) -> str:
-    """A source of problems or a drive: the scene, and how much of its motion where it is not the first step."""
+    """A source of problems or a simulation: the scene, and how much of its motion where it is not the first step."""
     told = scene_title(value["scene"], json.dumps(value.get("parameters") or {}))
     told += f" from {value['file']}" if value.get("file") else ""
     told += f", {value['pick']} steps of its motion" if value.get("pick") else ""

@@ -9,18 +9,20 @@ from itertools import takewhile
 from pathlib import Path
 
 from frictionbench.results.files import ResultsError, write_text
+from frictionbench.results.schema import VERSION
 
 COLUMNS = (
     *("variant", "table", "scene", "step", "phase", "start", "tol"),
     *("verdict", "residual", "work", "seconds", "limit"),
 )
-FACTS = ("suite", "tolerances", "code", "made")
+FACTS = ("schema", "suite", "tolerances", "code", "made")
 LARGEST = 64 * 2**20  # bytes
 
 
 def write(path: Path, facts: Mapping[str, str], rows: Iterable[tuple[str, ...]]) -> None:
     """Write a baseline whole or not at all. rows: the values of COLUMNS and the key, as text."""
     path.parent.mkdir(parents=True, exist_ok=True)
+    facts = {"schema": str(VERSION), **facts}
     head = [f"# {name}: {_plain(facts[name])}" for name in FACTS]
     lines = sorted("\t".join(map(_plain, row)) for row in rows)
     write_text(path, "\n".join([*head, "\t".join([*COLUMNS, "key"]), *lines]) + "\n")
@@ -37,6 +39,8 @@ def read(path: Path) -> tuple[dict[str, str], list[list[str]]]:
     head = list(takewhile(lambda line: line.startswith("#"), lines))
     facts = {name.strip(): value.strip() for name, _, value in (line[1:].partition(":") for line in head)}
     table = [(i, line.split("\t")) for i, line in enumerate(lines[len(head) :], len(head) + 1) if line]
+    if "suite" in facts and facts.get("schema", "1") != str(VERSION):
+        raise ResultsError(f"{path}: of schema {facts.get('schema', '1')}, this version reads {VERSION}; accept a new run")
     if not table or table[0][1] != [*COLUMNS, "key"] or not facts.keys() >= set(FACTS):
         raise ResultsError(f"{path}: not a baseline (`frictionbench accept` writes them) and not a results folder")
     for i, cells in table[1:]:

@@ -12,7 +12,7 @@ import pandas as pd
 
 from frictionbench.results.cells import NUMBERS, TEXTS, Cells
 from frictionbench.results.files import ResultsError
-from frictionbench.results.schema import SOLVED
+from frictionbench.results.verdicts import Verdict
 
 LARGEST = 256 * 2**20  # bytes
 MACHINE = ("node", "machine", "system", "python_version")
@@ -50,5 +50,5 @@ def _process(path: Path) -> Cells:
     )
     table = table.assign(**{name: "" for name in TEXTS if name != "variant"}, disturbed=False, tol=0.0)
     table = table.assign(**{name: float("nan") for name in NUMBERS if name not in table})
-    table = table.assign(table="benchmark", verdict=SOLVED, seconds=table["seconds"].where(table["seconds"] > 0))
+    table = table.assign(table="benchmark", verdict=Verdict.SOLVED, seconds=table["seconds"].where(table["seconds"] > 0))
     return Cells(path, table, "benchmarks", (), machine, made=str(told.get("datetime", "")))

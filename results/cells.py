@@ -17,8 +17,8 @@ import numpy as np
 import pandas as pd
 
 from frictionbench.results import baseline
-from frictionbench.results.schema import SKIPPED, VERDICTS
 from frictionbench.results.store import ResultsError, read_manifest, read_table
+from frictionbench.results.verdicts import RANK, Verdict
 
 TEXTS = ("table", "variant", "scene", "step", "phase", "start", "verdict", "reason", "work")
 NUMBERS = ("tol", "residual", "seconds", "limit")
@@ -41,13 +41,13 @@ class Cells:
     @property
     def measured(self) -> pd.DataFrame:
         """The cells that were run."""
-        return self.table[self.table["verdict"] != SKIPPED]
+        return self.table[self.table["verdict"] != Verdict.SKIPPED]
 
 
 def read(path: Path) -> Cells:
     """The cells of a results folder, or of a baseline. Errors: ResultsError naming the file and what is wrong with it."""
     found = _of_text(path) if path.is_file() else _of_folder(path)
-    if unknown := set(found.table["verdict"]) - VERDICTS.keys():
+    if unknown := set(found.table["verdict"]) - RANK.keys():
         raise ResultsError(f"{path}: unknown verdict {min(unknown)!r}")
     if found.table.index.has_duplicates:
         twice = found.table.index[found.table.index.duplicated()][0]
@@ -64,14 +64,18 @@ def _of_text(path: Path) -> Cells:
 def _of_folder(folder: Path) -> Cells:
     manifest = read_manifest(folder)
     settings, versions, machine = manifest["settings"], manifest.get("versions"), manifest.get("machine")
-    solves, drives = read_table(folder, "solves"), read_table(folder, "drives")
+    solves, simulations = read_table(folder, "solves"), read_table(folder, "simulations")
     repeats = list(map(_repeats, *(solves[f"{step}_times"] for step in ("form", "setup", "solve"))))
     least = [times.min() if len(times) else np.nan for times in repeats]
     few = np.array([len(times) < ENOUGH for times in repeats], dtype=bool)
     parts = [solves.assign(table="solve", seconds=least, disturbed=solves["disturbed"].fillna(False).astype(bool) & few)]
-    renamed = drives.drop(columns="work", errors="ignore").rename(columns={"worst_residual": "residual", "scheme": "phase"})
+    renamed = simulations.drop(columns="work", errors="ignore").rename(
+        columns={"worst_residual": "residual", "scheme": "phase"}
+    )
     parts.append(
-        renamed.assign(table="drive", step=None, start=drives["after_failure"], work="", seconds=drives["solver_time"])
+        renamed.assign(
+            table="simulation", step=None, start=simulations["after_failure"], work="", seconds=simulations["solver_time"]
+        )
     )
     rows = pd.concat([part for part in parts if len(part)] or parts[:1], ignore_index=True)
     rows = rows.assign(

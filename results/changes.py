@@ -1,7 +1,7 @@
 """What differs between two runs, cell by cell and solver by solver.
 
 flips      a cell measured in both runs, at another verdict:
-           solved > relaxed > missed > unjudgeable > unsolved > timeout > crashed > wrong
+           in the order of results.verdicts
 gone       a cell measured before and not now, unless its solver was skipped with a reason
 work       each deterministic counter, summed per solver over the cells that both runs solved
 times      per solver, over the same cells: see results.times
@@ -16,9 +16,8 @@ import numpy as np
 import pandas as pd
 
 from frictionbench.results.cells import untold
-from frictionbench.results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
+from frictionbench.results.verdicts import RANK, Verdict
 
-RANK = {verdict: i for i, verdict in enumerate((SOLVED, RELAXED, MISSED, UNJUDGEABLE, UNSOLVED, TIMEOUT, CRASHED, WRONG))}
 GONE = "gone"
 MARGIN = 2.0  # by which a time may miss the limit and still be taken for one that a slower machine would not keep
 PACE = 10.0  # the largest ratio of two machines' speeds
@@ -109,10 +108,10 @@ def flips(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Flip]:
 
 def gone(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Flip]:
     """Cells measured before that are not measured now, for no reason given."""
-    ran = after[after["verdict"] != SKIPPED]
-    explained = after[(after["verdict"] == SKIPPED) & (after["reason"] != "")]
+    ran = after[after["verdict"] != Verdict.SKIPPED]
+    explained = after[(after["verdict"] == Verdict.SKIPPED) & (after["reason"] != "")]
     absent_solvers = set(explained["variant"]) - set(ran["variant"])
-    lost = before[(before["verdict"] != SKIPPED) & ~before.index.isin(ran.index) & ~before.index.isin(explained.index)]
+    lost = before[(before["verdict"] != Verdict.SKIPPED) & ~before.index.isin(ran.index) & ~before.index.isin(explained.index)]
     for key, row in lost.iterrows():
         if key in after.index or row["variant"] not in absent_solvers:
             yield _flip(row, None)
@@ -132,7 +131,7 @@ def by_the_clock(before: pd.DataFrame, after: pd.DataFrame, alike: bool) -> pd.S
     The time that one run took, at the other's pace, comes within MARGIN of the limit. The pace of an unlike machine is what
     the other cells show, up to PACE. A cell without a time, as one that crashed, is so explained between unlike machines only.
     """
-    late, early = after["verdict"] == TIMEOUT, before["verdict"] == TIMEOUT
+    late, early = after["verdict"] == Verdict.TIMEOUT, before["verdict"] == Verdict.TIMEOUT
     ratio = (after["seconds"] / before["seconds"]).dropna()
     slower = 1.0 if alike or ratio.empty else float(np.clip(ratio.quantile(0.9), 1.0, PACE))
     faster = 1.0 if alike or ratio.empty else float(np.clip(1 / ratio.quantile(0.1), 1.0, PACE))
@@ -158,4 +157,4 @@ def work(before: pd.DataFrame, after: pd.DataFrame, limit: float) -> Iterator[Gr
 
 def settled(before: pd.DataFrame, after: pd.DataFrame) -> pd.DataFrame:
     """The cells with the same good verdict in both tables: only there is more work or time the price of the same answer."""
-    return after[(after["verdict"] == before["verdict"]) & after["verdict"].isin([SOLVED, RELAXED])]
+    return after[(after["verdict"] == before["verdict"]) & after["verdict"].isin([Verdict.SOLVED, Verdict.RELAXED])]

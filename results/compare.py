@@ -17,9 +17,9 @@ import pandas as pd
 from frictionbench.results import benchmarks, changes
 from frictionbench.results.cells import Cells, read
 from frictionbench.results.changes import Finding, Flip, Growth
-from frictionbench.results.schema import SKIPPED
 from frictionbench.results.store import ResultsError
 from frictionbench.results.times import Pair, Time, times
+from frictionbench.results.verdicts import Verdict
 
 
 class Limits(NamedTuple):
@@ -125,7 +125,7 @@ def _differences(
     before: pd.DataFrame, after: pd.DataFrame, alike: bool, limits: Limits
 ) -> tuple[tuple[Flip, ...], tuple[Flip, ...], tuple[Growth, ...], int]:
     """Flips, what is gone, work, and how many timeouts only the machine's pace explains."""
-    ran = [cells[cells["verdict"] != SKIPPED] for cells in (before, after)]
+    ran = [cells[cells["verdict"] != Verdict.SKIPPED] for cells in (before, after)]
     common = ran[0].index.intersection(ran[1].index)
     old, new = before.loc[common], after.loc[common]
     clocked = changes.by_the_clock(old, new, alike)

@@ -9,7 +9,7 @@ import json
 import pandas as pd
 
 from frictionbench.results.maps import Map
-from frictionbench.results.schema import SKIPPED, SOLVED
+from frictionbench.results.verdicts import Verdict
 
 USUAL = "anitescu_potra"
 THEORY = ("gaps", "pointed")  # what is known so of a problem holds for it with fewer contacts, too
@@ -17,8 +17,8 @@ EXACT = ("coulomb", "lcp")  # models
 
 
 def placed(rows: pd.DataFrame, spec: Map) -> pd.DataFrame:
-    """The map's rows, of drives where it is one in closed loop, else of solves; with the columns i, j (the place), tile (the
-    width of its tile in grid lines) and known (a solution is)."""
+    """The map's rows, of simulations where it is one in closed loop, else of solves; with the columns i, j (the grid point),
+    tile (the width of its tile in grid lines) and known (a solution is)."""
     told = "step" if spec.scheme == USUAL else f"step of {spec.scheme}"
     rows = rows[rows["scheme"] == spec.scheme] if spec.steps else rows[rows["phase"] == told]
     rows = rows[rows["scene"] == spec.scene]
@@ -29,7 +29,7 @@ def placed(rows: pd.DataFrame, spec: Map) -> pd.DataFrame:
     rows = rows[rows["parameters"].isin(where.keys())]
     places = pd.DataFrame([where[told] for told in rows["parameters"]], columns=["i", "j", "tile"], index=rows.index)
     rows = rows.join(places)
-    solved = (rows["verdict"] == SOLVED).groupby([rows["i"], rows["j"]]).transform("any")
+    solved = (rows["verdict"] == Verdict.SOLVED).groupby([rows["i"], rows["j"]]).transform("any")
     if spec.steps:
         return rows.assign(known=solved)
     return rows.assign(known=rows["existence"].isin([*THEORY, "counted"]) | (solved & (rows["existence"] != "none")))
@@ -38,5 +38,5 @@ def placed(rows: pd.DataFrame, spec: Map) -> pd.DataFrame:
 def lost(rows: pd.DataFrame) -> pd.DataFrame:
     """Of the rows of a map of first problems those of exact methods that are not solved where a solution is known, the smallest
     first."""
-    failed = rows["known"] & rows["model"].isin(EXACT) & ~rows["verdict"].isin([SOLVED, SKIPPED])
+    failed = rows["known"] & rows["model"].isin(EXACT) & ~rows["verdict"].isin([Verdict.SOLVED, Verdict.SKIPPED])
     return rows[failed].sort_values(["contacts", "i", "j"], kind="stable")

@@ -1,7 +1,7 @@
-"""The two tables a run leaves: every column's type, unit and meaning, in one place.
+"""The two tables a run leaves: every column's type, unit and meaning.
 
     solves   a row per cell: one problem, one solver, one tolerance
-    drives   a row per scene, scheme and solver run in closed loop
+    simulations   a row per scene, scheme and solver run in closed loop
 
 Lists hold raw repeats or curves. Text columns named `parameters` and `work` hold JSON objects. A number that was not
 measured is null.
@@ -11,27 +11,9 @@ from typing import NamedTuple
 
 import pyarrow as pa
 
-SOLVED = "solved"
-RELAXED = "relaxed"
-MISSED = "missed"
-UNJUDGEABLE = "unjudgeable"
-WRONG = "wrong"
-UNSOLVED = "unsolved"
-TIMEOUT = "timeout"
-CRASHED = "crashed"
-SKIPPED = "skipped"
+from frictionbench.results.verdicts import Verdict
 
-VERDICTS = {
-    SOLVED: "the residual of the exact problem is within the tolerance",
-    RELAXED: "the model the solver was given is solved within the tolerance, the exact problem is not",
-    MISSED: "claimed solved, and off by less than a factor of ten: a difference of norms",
-    UNJUDGEABLE: "claimed solved, and rounding alone makes a residual above the tolerance: nobody can tell",
-    WRONG: "claimed solved, and off by more",
-    UNSOLVED: "the solver says itself that it did not get there",
-    TIMEOUT: "stopped at the time limit",
-    CRASHED: "the process or the call died",
-    SKIPPED: "not run, for the reason given",
-}
+VERSION = 2  # of files and columns; folders and baselines of another version are refused
 
 
 class Column(NamedTuple):
@@ -57,7 +39,7 @@ _CELL = (
     Column("version", _text, "", "version of the library the method comes from"),
     Column("tol", _real, "1", "residual asked for"),
     Column("time_limit", _real, "s", "limit on form, setup and solve together, enforced"),
-    Column("verdict", _text, "", "what the harness found: " + "; ".join(f"{k}: {v}" for k, v in VERDICTS.items())),
+    Column("verdict", _text, "", "what the harness found: " + "; ".join(f"{each}: {each.meaning}" for each in Verdict)),
     Column("reason", _text, "", "why, where the verdict needs one"),
     Column("host", _text, "", "machine that ran the cell"),
     Column("core", _whole, "", "processor core that ran the cell alone"),
@@ -67,7 +49,10 @@ _CELL = (
     Column("clock", _reals, "Hz", "the core's clock frequency, before and after, where the machine tells"),
     Column("wall_time", _real, "s", "the whole cell, verification and repeats included, loading and compiling not"),
     Column(
-        "overhead", _real, "s", "of it, the harness's own: all but form, setup and solve; of a drive, verifying and recording"
+        "overhead",
+        _real,
+        "s",
+        "of it, the harness's own: all but form, setup and solve; of a simulation, verifying and recording",
     ),
     Column("peak_memory", _real, "B", "largest resident memory of the process during the cell"),
 )
@@ -94,7 +79,7 @@ SOLVES = (
     Column("solutions", _text, "", "shape of the set of solutions: none, one, convex, isolated, not convex; null if too large"),
     Column("outcomes", _whole, "", "distinct post-velocities among the solutions; null if too many to count"),
     Column("existence", _text, "", "why a solution is known: gaps only, pointed cone, counted; none where counting finds none"),
-    Column("response", _real, "1", "change of the solution's velocities over a small change of q: large where it is ill-posed"),
+    Column("sensitivity", _real, "1", "change of the solution's velocities over a small change of q; large where ill-posed"),
     Column("mode_distance", _real, "1", "of a solution from the next change of mode, as a relative velocity; 0 on a tie"),
     Column("start", _text, "", "cold; warm from the problem before; shuffled, from another of the same motion"),
     Column("status", _text, "", "what the solver says: the name of its status"),
@@ -120,7 +105,7 @@ SOLVES = (
     Column("solve_times", _reals, "s", "every repeat, in order"),
 )
 
-DRIVES = (
+SIMULATIONS = (
     *_CELL,
     Column("scheme", _text, "", "time-stepping scheme"),
     Column("after_failure", _text, "", "what moves the bodies where the solver failed: its answer, velocity, relaxation"),
@@ -136,14 +121,14 @@ DRIVES = (
     Column("energy_drift", _real, "1", "energy at the end less energy at the start, over the energy scale"),
     Column("energy_rise", _real, "1", "largest rise of energy in one step, over the energy scale"),
     Column("worst_penetration", _real, "m", "deepest overlap of two bodies"),
-    Column("loose_steps", _whole, "", "steps without any contact"),
+    Column("contact_free_steps", _whole, "", "steps without any contact"),
     Column("solver_time", _real, "s", "form, setup and solve, summed over all problems"),
     Column("times", _reals, "s", "time of each step's end"),
     Column("energies", _reals, "J", "kinetic and potential energy at these times"),
     Column("penetrations", _reals, "m", "deepest overlap at these times"),
 )
 
-TABLES = {"solves": SOLVES, "drives": DRIVES}
+TABLES = {"solves": SOLVES, "simulations": SIMULATIONS}
 
 
 def arrow_schema(table: str) -> pa.Schema:

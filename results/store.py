@@ -1,10 +1,10 @@
 """The results folder of a run.
 
     DIR/manifest.json             what was run, where, with which versions and settings
-    DIR/courses.json              how solvers get to their answers on a few problems, see results.courses
+    DIR/convergence.json              how solvers get to their answers on a few problems, see results.convergence
     DIR/problems/HASH.npz         the problems, so that any cell can be rerun
     DIR/shards/TABLE-*.jsonl      rows as they came, one file a writer, appended and flushed row by row
-    DIR/solves.parquet, drives.parquet    the shards merged
+    DIR/solves.parquet, simulations.parquet    the shards merged
 
 A shard may end in a torn line (a kill in mid-write): it is dropped, and the cell runs again; so is a line that is no row. A
 cell that was written twice counts once, the first row standing. What is read is checked against results.schema; nothing is
@@ -24,7 +24,7 @@ import pyarrow.parquet as pq
 
 from frictionbench.results import files
 from frictionbench.results.files import replaced, room, write_text
-from frictionbench.results.schema import arrow_schema
+from frictionbench.results.schema import VERSION, arrow_schema
 
 Row = dict[str, Any]
 ResultsError = files.ResultsError
@@ -142,7 +142,7 @@ def kept(folder: Path, table: str) -> set[str]:
     return set(_places(folder, table))
 
 
-def find_row(folder: Path, given: str, tables: Sequence[str] = ("solves", "drives")) -> tuple[str, Row]:
+def find_row(folder: Path, given: str, tables: Sequence[str] = ("solves", "simulations")) -> tuple[str, Row]:
     """The table and the row of a key, or of what only one key begins with, each value of its column's type.
 
     The shorter `3f9c` stands for `solve-3f9c...` too. Errors: ResultsError where no row has such a key, or several have.
@@ -250,7 +250,7 @@ def _spread(chunk: pa.Array) -> int:
 def write_manifest(folder: Path, manifest: Row) -> None:
     """Write DIR/manifest.json whole or not at all."""
     folder.mkdir(parents=True, exist_ok=True)
-    write_text(folder / "manifest.json", json.dumps(manifest, indent=2) + "\n")
+    write_text(folder / "manifest.json", json.dumps({"schema": VERSION} | manifest, indent=2) + "\n")
 
 
 def read_manifest(folder: Path) -> Row:
@@ -274,4 +274,6 @@ def read_manifest(folder: Path) -> Row:
         raise ResultsError(f"{path}: cannot be read ({error})") from None
     if not isinstance(manifest, dict) or not isinstance(manifest.get("settings"), dict):
         raise ResultsError(f"{path}: not a manifest of ours (no settings)")
+    if manifest.get("schema") != VERSION:
+        raise ResultsError(f"{folder}: of schema {manifest.get('schema', 1)!r}, this version reads {VERSION}; run it again")
     return manifest

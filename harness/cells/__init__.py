@@ -1,1 +1,1 @@
-"""What happens inside a worker: problems collected, cells solved and driven, rows written."""
+"""What happens inside a worker: problems collected, cells solved and simulated, rows written."""

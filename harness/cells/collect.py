@@ -1,4 +1,4 @@
-"""Problems for the cells: recorded while verified reference answers drive a scene, labelled and stored by their hash.
+"""Problems for the cells: recorded along a simulation that verified reference answers step, labelled and stored by their hash.
 
 A recorded problem has starts too, the same for every solver that takes one: `warm`, the impulses of the problem of the same
 phase before it, and `shuffled`, those of one drawn from the whole motion; both carried over contact by contact. The first guess
@@ -214,7 +214,7 @@ def facts(source: Source, met: Met) -> Entry:
         "trivial": bool(found.trivial),
         **counted,
         "existence": _existence(problem, found.pointedness, counted["solutions"]),
-        "response": _response(problem) if problem.contacts <= MOST_PERTURBED else None,
+        "sensitivity": _response(problem) if problem.contacts <= MOST_PERTURBED else None,
         "mode_distance": _mode_distance(problem),
     }
 

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from frictionbench.harness.cells.drive import DIVERGED
 from frictionbench.harness.cells.reference import NoReference, Reference
+from frictionbench.harness.cells.simulation import DIVERGED
 from frictionbench.harness.plans.plan import Source
 from frictionbench.problems import FrictionProblem, scene
 from frictionbench.problems.check import Array
@@ -35,8 +35,8 @@ def keep(folder: Path, source: Source) -> None:
 
 
 def record(stage: Scene, solver: str | Reference, scheme: str = "anitescu_potra", steps: int | None = None) -> Motion:
-    """The scene driven by a solver, or by reference answers, up to where the scheme has no solution, or the solver no answer,
-    or the energy changes beyond all measure. Errors: InputError where the solver cannot be used or the scheme refuses the
+    """The motion of a scene with a solver, or with reference answers, up to where the scheme has no solution, the solver no
+    answer, or the energy diverges. Errors: InputError where the solver cannot be used or the scheme refuses the
     scene."""
     taken: list[Step] = []
     answer = solver if isinstance(solver, Reference) else partial(_usable, solver=solver)

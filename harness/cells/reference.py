@@ -11,7 +11,7 @@ import numpy as np
 from frictionbench.harness.verify import verify
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
-from frictionbench.results.schema import SOLVED
+from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers import available, solve
 
 ASKED, ACCEPTED = 1e-10, 1e-8  # residuals: asked of the solver, and the most that is taken
@@ -37,7 +37,7 @@ class Reference:
             except Exception as error:  # another may answer
                 missed.append(f"{name}: {type(error).__name__}")
                 continue
-            if finding.verdict == SOLVED:
+            if finding.verdict == Verdict.SOLVED:
                 self._answered[name] += 1
                 return np.asarray(answer.impulse, dtype=float)
             missed.append(f"{name}: {finding.residual:.1e}")

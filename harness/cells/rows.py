@@ -3,7 +3,7 @@
 import json
 
 from frictionbench.harness import machine
-from frictionbench.harness.plans.plan import COLD, DriveCell, Plugin, SolveCell, Source
+from frictionbench.harness.plans.plan import COLD, Plugin, SimulationCell, SolveCell, Source
 from frictionbench.results.store import Row
 from frictionbench.solvers import find
 
@@ -11,7 +11,7 @@ PROBLEM_FACTS = (
     *("problem", "scene", "parameters", "step", "phase", "reference"),
     *("contacts", "dimension", "velocities", "size"),
     *("rank", "condition", "redundancy", "pointedness", "p0_margin", "mass_ratio", "asymmetry", "indefiniteness", "trivial"),
-    *("solutions", "outcomes", "existence", "response", "mode_distance"),
+    *("solutions", "outcomes", "existence", "sensitivity", "mode_distance"),
 )
 
 
@@ -32,8 +32,8 @@ def nothing(source: Source, reason: str) -> Row:
     return dict.fromkeys(PROBLEM_FACTS) | known | {"starts": [COLD], "reason": reason}
 
 
-def drive_row(cell: DriveCell, limit: float, plugins: tuple[Plugin, ...] = ()) -> Row:
-    """The drive cell and the facts of its solver."""
+def simulation_row(cell: SimulationCell, limit: float, plugins: tuple[Plugin, ...] = ()) -> Row:
+    """The simulation cell and the facts of its solver."""
     facts = {
         "key": cell.key,
         "scene": cell.scene,

@@ -15,7 +15,7 @@ from time import perf_counter  # held here: a solver may replace what `time` hol
 from typing import Any, NamedTuple
 
 from frictionbench.harness.cells.answers import alike, plain
-from frictionbench.harness.process import no_twin
+from frictionbench.harness.process import no_forked_child
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.solvers import Answer, Solver
 
@@ -109,7 +109,10 @@ def timed_call(solver: Solver, problem: FrictionProblem | LCP, solve: Callable[[
     from numba.core import event
 
     met, modules = problem.fresh(), len(sys.modules)
-    with event.install_recorder("numba:compiler_lock") as loads, no_twin():  # held to compile and to read from the cache
+    with (
+        event.install_recorder("numba:compiler_lock") as loads,
+        no_forked_child(),
+    ):  # held to compile and to read from the cache
         start = perf_counter()
         formed = solver.form(met)
         written = perf_counter()

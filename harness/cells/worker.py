@@ -20,14 +20,14 @@ import numpy as np
 from frictionbench.harness import process
 from frictionbench.harness.cells.answers import AnswerError
 from frictionbench.harness.cells.collect import Entry, collect, stored, stored_start
-from frictionbench.harness.cells.course import follow
-from frictionbench.harness.cells.drive import drive, refusal
+from frictionbench.harness.cells.convergence import convergence_history
 from frictionbench.harness.cells.polygon import measure
 from frictionbench.harness.cells.record import keep, record
-from frictionbench.harness.cells.rows import drive_row, solve_row, solver_facts
+from frictionbench.harness.cells.rows import simulation_row, solve_row, solver_facts
+from frictionbench.harness.cells.simulation import refusal, run_closed_loop
 from frictionbench.harness.cells.timing import MOST, Timing, time_solver
 from frictionbench.harness.deadline import Deadline
-from frictionbench.harness.plans.plan import COLD, DriveCell, Plugin, SolveCell, Source
+from frictionbench.harness.plans.plan import COLD, Plugin, SimulationCell, SolveCell, Source
 from frictionbench.harness.verify import Finding, verify, verify_lcp
 from frictionbench.problems import LCP, FrictionProblem, InputError, scene
 from frictionbench.problems.copies import duplicate, same
@@ -37,8 +37,8 @@ from frictionbench.problems.nature.stability import backward_error
 from frictionbench.problems.spec import split
 from frictionbench.results.motion import write_motion
 from frictionbench.results.polygon import read_deviations, write_deviations
-from frictionbench.results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
 from frictionbench.results.store import Row
+from frictionbench.results.verdicts import RANK, Verdict
 from frictionbench.solvers import Answer, Solver, SolverInfo, Status, find, plugins
 
 MOST_TOLD = 24  # contacts whose mode a row tells
@@ -54,7 +54,6 @@ class _Worker:
 
 
 _worker: _Worker
-RANK = (SOLVED, RELAXED, MISSED, UNJUDGEABLE, UNSOLVED, WRONG)  # from the best to the worst
 FAR, NOTICED = 5.0, 1e-3  # a first call that took so many times as long as the repeats, and so many seconds, is remarked on
 IMPORTING = 60.0  # seconds a plug-in's import may take
 SHOWN = Path("motion") / "shown.json"  # of a motion that is recorded for itself
@@ -70,7 +69,7 @@ def start(deadline: Deadline, core: int | None, folder: Path, plugin_files: tupl
     process.bound_memory(memory_limit)
 
 
-def introduce(source: str, named: list[str], limit: float) -> dict[str, Any]:
+def describe_plugin(source: str, named: list[str], limit: float) -> dict[str, Any]:
     """Import a plug-in and tell what harness.plans.plan.Plugin holds, of the variants named and of all solvers in a file."""
     with _worker.deadline.within(limit):
         content, version = plugins.content(source), plugins.version(source)
@@ -94,7 +93,7 @@ def run_solve(cell: SolveCell, entry: Entry, limit: float) -> Row:
     problem = _problem(cell.problem)
     takes_start = info.warm_start or cell.start == COLD
     if reason := info.missing or info.refuses(problem) or (None if takes_start else f"{info.name} takes no start"):
-        return _done(begun, row | {"verdict": SKIPPED, "reason": reason})
+        return _done(begun, row | {"verdict": Verdict.SKIPPED, "reason": reason})
     begun += _warm_up(cell.variant, *_kind(problem), limit)
     given = duplicate(problem)
     process.forget_peak_memory()
@@ -102,37 +101,37 @@ def run_solve(cell: SolveCell, entry: Entry, limit: float) -> Row:
         with process.watch_core() as core:
             timing = _timed(solver, given, cell, limit, entry.get("repeats") or MOST)
     except AnswerError as complaint:
-        verdict = WRONG if complaint.claimed else UNSOLVED
+        verdict = Verdict.WRONG if complaint.claimed else Verdict.UNSOLVED
         return _done(begun, row | {"verdict": verdict, "reason": str(complaint), "claimed": complaint.claimed})
     except BaseException as error:  # whatever a solver raises is its row, not our end
-        return _done(begun, row | {"verdict": CRASHED, "reason": plugins.told(error)})
+        return _done(begun, row | {"verdict": Verdict.CRASHED, "reason": plugins.told(error)})
     row["peak_memory"] = process.peak_memory()
     row |= _undisturbed(core, timing.spent)
     row |= _found(problem, timing, info, cell.tol, limit, disturbed=bool(row["disturbed"]))
     if not same(problem, given):
-        row |= {"verdict": WRONG, "reason": "the solver changed its input"}
+        row |= {"verdict": Verdict.WRONG, "reason": "the solver changed its input"}
     return _done(begun, row | {"overhead": perf_counter() - begun - timing.spent})
 
 
 def _worst(findings: list[tuple[Finding, Answer]]) -> tuple[Finding, Answer]:
-    return max(findings, key=lambda found: (RANK.index(found[0].verdict), found[0].residual))
+    return max(findings, key=lambda found: (RANK[found[0].verdict], found[0].residual))
 
 
-def run_drive(cell: DriveCell, limit: float) -> Row:
-    """Drive one scene with one solver; the row."""
+def run_simulation(cell: SimulationCell, limit: float) -> Row:
+    """Simulation one scene with one solver; the row."""
     begun = perf_counter()
-    row = drive_row(cell, limit, _worker.plugins)
+    row = simulation_row(cell, limit, _worker.plugins)
     info, solver = _solver(cell.variant)
     if reason := refusal(cell, info):
-        return _done(begun, row | {"verdict": SKIPPED, "reason": reason})
+        return _done(begun, row | {"verdict": Verdict.SKIPPED, "reason": reason})
     begun += _warm_up(cell.variant, 2, bool(scene(cell.scene, **cell.parameters).hinges), limit)
     process.forget_peak_memory()
     try:
         with _worker.deadline.within(limit), process.watch_core() as core:
-            driven = drive(cell, info, solver)
+            simulated = run_closed_loop(cell, info, solver)
     except BaseException as error:
-        return _done(begun, row | {"verdict": CRASHED, "reason": plugins.told(error)})
-    return _done(begun, row | driven | {"peak_memory": process.peak_memory()} | _undisturbed(core, perf_counter() - begun))
+        return _done(begun, row | {"verdict": Verdict.CRASHED, "reason": plugins.told(error)})
+    return _done(begun, row | simulated | {"peak_memory": process.peak_memory()} | _undisturbed(core, perf_counter() - begun))
 
 
 def run_check(variant: str, check: str, complaints: Callable[[SolverInfo, Solver, str], list[str]], limit: float) -> list[str]:
@@ -140,25 +139,25 @@ def run_check(variant: str, check: str, complaints: Callable[[SolverInfo, Solver
     info, solver = _solver(variant)
     for dimension in info.dimension:
         _warm_up(variant, dimension, False, limit)
-    with _worker.deadline.within(limit), process.no_twin():
+    with _worker.deadline.within(limit), process.no_forked_child():
         return complaints(info, solver, check)
 
 
-def run_course(name: str, variant: str, tol: float, limit: float) -> dict[str, Any]:
+def run_history(name: str, variant: str, tol: float, limit: float) -> dict[str, Any]:
     """How a solver gets to its answer on a stored problem: units of work, verified residuals, the last impulses."""
     _, solver = _solver(variant)
     problem = _problem(name)
     assert isinstance(problem, FrictionProblem)
     _warm_up(variant, problem.dimension, problem.joints.shape[0] > 0, limit)
     with _worker.deadline.within(limit):
-        units, residuals, impulse = follow(problem, solver, tol)
+        units, residuals, impulse = convergence_history(problem, solver, tol)
     kept = np.isfinite(residuals)
     told = {"units": np.array(units)[kept].tolist(), "residuals": np.array(residuals)[kept].tolist()}
     return told | {"impulse": impulse.tolist()}
 
 
 def run_motion(source: Source, limit: float) -> None:
-    """Record the motion of a driven scene."""
+    """Record the motion of a simulated scene."""
     with _worker.deadline.within(limit):
         keep(_worker.folder, source)
 
@@ -236,7 +235,7 @@ def _found(
         remarks.append(f"the first call took {timing.first / median:.0f} times as long as the repeats: does it remember?")
     row["reason"] = "; ".join(filter(None, remarks))
     if median > limit:
-        row |= {"verdict": TIMEOUT, "reason": "its median time is past the limit"}
+        row |= {"verdict": Verdict.TIMEOUT, "reason": "its median time is past the limit"}
     return row
 
 
@@ -301,7 +300,7 @@ def _warm_up(variant: str, dimension: int, jointed: bool, limit: float) -> float
     info, solver = find(variant)
     gc.disable()  # what compiles keeps most of what it makes: collections would find nothing, for a tenth of the time
     within = max(limit, LOADING) if info.needs else limit
-    with suppress(BaseException), _worker.deadline.within(within), process.no_twin():
+    with suppress(BaseException), _worker.deadline.within(within), process.no_forked_child():
         solver.solve(solver.prepare(_least(dimension, jointed)), 1e-6, None)
     gc.enable()
     gc.collect()

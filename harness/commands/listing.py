@@ -66,7 +66,12 @@ def _suites() -> Iterator[Entry]:
     for name, make in SUITES.items():
         plan = make()
         tolerances = ", ".join(f"{tol:g}" for tol in plan.tolerances)
-        parts = {"sources of problems": plan.sources, "drives": plan.drives, "maps": plan.maps, "solvers": plan.solvers}
+        parts = {
+            "sources of problems": plan.sources,
+            "simulations": plan.simulations,
+            "maps": plan.maps,
+            "solvers": plan.solvers,
+        }
         numbers = ", ".join(f"{what}: {len(part)}" for what, part in parts.items() if part)
         yield name, [(make.__doc__ or "").strip(), f"{numbers}; tolerances: {tolerances}"]
 

@@ -1,4 +1,4 @@
-"""`frictionbench show`: the motion of a scene, driven here by a solver of ours; by one from outside in a worker."""
+"""`frictionbench show`: the motion of a scene, simulated here by a solver of ours; by one from outside in a worker."""
 
 import tempfile
 from dataclasses import replace
@@ -7,7 +7,7 @@ from pathlib import Path
 from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.record import record
 from frictionbench.harness.plans.spec import parse
-from frictionbench.harness.workers.introduce import MEMORY, introduce
+from frictionbench.harness.workers.plugins import MEMORY, load_plugins
 from frictionbench.harness.workers.pool import Pool
 from frictionbench.harness.workers.task import Task
 from frictionbench.problems import InputError, scene
@@ -23,7 +23,7 @@ def recorded(scene_spec: str, solver_spec: str, scheme: str, steps: int | None) 
         raise InputError(f"scheme: unknown scheme {scheme!r}; known are {', '.join(SCHEMES)}")
     name, settings = parse("scene", scene_spec)
     stage = scene(name, **settings)
-    variants, plugins = introduce([solver_spec])
+    variants, plugins = load_plugins([solver_spec])
     if len(variants) != 1:
         raise InputError(f"solver: {solver_spec} stands for {len(variants)} solvers; name one")
     (variant,) = variants

@@ -8,8 +8,8 @@ from frictionbench.harness.shrink import shrink_rows
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.recorded.own import load
 from frictionbench.results import store
-from frictionbench.results.schema import SKIPPED, SOLVED
 from frictionbench.results.shrunk import ROOM
+from frictionbench.results.verdicts import Verdict
 
 
 def shrink(folder: Path, key: str, named: list[str]) -> tuple[Path, FrictionProblem, int]:
@@ -21,7 +21,7 @@ def shrink(folder: Path, key: str, named: list[str]) -> tuple[Path, FrictionProb
     settings = store.read_manifest(folder)["settings"]
     _, row = store.find_row(folder, key, ["solves"])
     key = row["key"]
-    if row["verdict"] in (SOLVED, SKIPPED):
+    if row["verdict"] in (Verdict.SOLVED, Verdict.SKIPPED):
         raise InputError(f"row: {key} is {row['verdict']}; there is no failure to keep")
     ((_, found),) = shrink_rows(folder, [row], trusted(row, settings, named), settings["memory_limit"], 1, inf)
     if not found.file:

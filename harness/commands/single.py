@@ -12,31 +12,19 @@ from frictionbench.harness.cells.rows import PROBLEM_FACTS
 from frictionbench.harness.commands.table import columns, paragraph, screen
 from frictionbench.harness.commands.trusted import trusted
 from frictionbench.harness.plans.choose import named_source
-from frictionbench.harness.plans.plan import DriveCell, Plan, Plugin, SolveCell, Source, origin
+from frictionbench.harness.plans.plan import Plan, Plugin, SimulationCell, SolveCell, Source, origin
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import row_of
-from frictionbench.harness.workers.introduce import introduce
+from frictionbench.harness.workers.plugins import load_plugins
 from frictionbench.harness.workers.pool import Pool
 from frictionbench.harness.workers.task import Task
 from frictionbench.problems import InputError
 from frictionbench.results import store
-from frictionbench.results.schema import (
-    CRASHED,
-    MISSED,
-    RELAXED,
-    SKIPPED,
-    SOLVED,
-    TABLES,
-    TIMEOUT,
-    UNJUDGEABLE,
-    UNSOLVED,
-    WRONG,
-)
+from frictionbench.results.schema import TABLES
 from frictionbench.results.store import Row
+from frictionbench.results.verdicts import RANK, Verdict
 from frictionbench.solvers import available, find
 from frictionbench.solvers.plugins import installed
-
-VERDICTS = (SOLVED, RELAXED, MISSED, UNJUDGEABLE, UNSOLVED, WRONG, TIMEOUT, CRASHED, SKIPPED)  # the best first
 
 
 def solve_one(problem: str, solver_specs: list[str], tol: float, time_limit: float, jobs: int) -> None:
@@ -44,7 +32,7 @@ def solve_one(problem: str, solver_specs: list[str], tol: float, time_limit: flo
 
     Errors: InputError naming the field.
     """
-    variants, plugins, broken = (*introduce(solver_specs), []) if solver_specs else everyone()
+    variants, plugins, broken = (*load_plugins(solver_specs), []) if solver_specs else everyone()
     plan = Plan("solve", (), variants, (tol,), time_limit=time_limit, plugins=plugins)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -61,8 +49,8 @@ def solve_one(problem: str, solver_specs: list[str], tol: float, time_limit: flo
             for outcome in pool.run(tasks, stage.started, stage.compiling):
                 rows.append(row_of(outcome, plugins))
                 stage.finished(outcome.task)
-    rows.sort(key=lambda row: (VERDICTS.index(row["verdict"]), _seconds(row), row["variant"]))
-    applied = [row for row in rows if row["verdict"] != SKIPPED or solver_specs]
+    rows.sort(key=lambda row: (RANK[row["verdict"]], _seconds(row), row["variant"]))
+    applied = [row for row in rows if row["verdict"] != Verdict.SKIPPED or solver_specs]
     _show(f"{problem}: {told}, tolerance {tol:g}", {str(place): row for place, row in enumerate(applied, start=1)})
     if left_out := [row["variant"] for row in rows if row not in applied]:
         print("\n".join(paragraph(f"not for this problem: {', '.join(left_out)}", screen(), "")))
@@ -74,8 +62,8 @@ def solve_one(problem: str, solver_specs: list[str], tol: float, time_limit: flo
 def advice(rows: list[Row]) -> str:
     """Which solver to use, of rows with the best first."""
     best = rows[0]
-    if best["verdict"] == SOLVED:
-        others = sum(row["verdict"] == SOLVED for row in rows) - 1
+    if best["verdict"] == Verdict.SOLVED:
+        others = sum(row["verdict"] == Verdict.SOLVED for row in rows) - 1
         told = f"; {others} more solve{'s' * (others == 1)} it, too" if others else ""
         return f"use {best['variant']}: solved in {_time(_seconds(best))}{told}"
     answered = [row for row in rows if row.get("residual") is not None]
@@ -98,7 +86,7 @@ def everyone() -> tuple[tuple[str, ...], tuple[Plugin, ...], list[str]]:
     broken = []
     for name in installed():
         try:
-            named, made = introduce([name])
+            named, made = load_plugins([name])
         except InputError as complaint:
             broken.append(f"left out: {complaint}")
         else:
@@ -147,8 +135,8 @@ def _task_again(row: Row, table: str, plugins: tuple[Plugin, ...]) -> Task:
         cell = SolveCell(row["problem"], origin(row), row["variant"], row["tol"], row["start"])
         return Task(row["variant"], worker.run_solve, (cell, entry, limit), limit, owner)
     facts = json.loads(row["parameters"]), row["variant"], row["tol"], row["scheme"], row["steps"], row["after_failure"]
-    drive = DriveCell(row["scene"], *facts)
-    return Task(row["variant"], worker.run_drive, (drive, limit), limit, owner)
+    simulation = SimulationCell(row["scene"], *facts)
+    return Task(row["variant"], worker.run_simulation, (simulation, limit), limit, owner)
 
 
 def _show(title: str, rows: dict[str, Row]) -> None:

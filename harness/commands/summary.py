@@ -9,11 +9,10 @@ import pandas as pd
 from frictionbench.harness.commands.table import columns, screen
 from frictionbench.harness.plans.plan import Plan
 from frictionbench.harness.plans.suites import SUITES
-from frictionbench.results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
 from frictionbench.results.store import read_table
+from frictionbench.results.verdicts import Verdict
 
 MOST, LONGEST = 6, 160  # reasons told, and letters of one
-ORDER = (SOLVED, RELAXED, MISSED, UNJUDGEABLE, WRONG, UNSOLVED, TIMEOUT, CRASHED, SKIPPED)
 
 
 def folder_for(plan: Plan) -> Path:
@@ -32,7 +31,7 @@ def summary(folder: Path) -> str:
     lines = [_counted("cells of problems that are not trivial", real)]
     if trivial := len(rows) - len(real):
         lines.append(f"of trivial problems (no active friction, or nothing to solve), in no headline: {trivial} more")
-    lines += [_counted("drives, scenes moved in closed loop", read_table(folder, "drives")), _reasons(rows)]
+    lines += [_counted("simulations, scenes moved in closed loop", read_table(folder, "simulations")), _reasons(rows)]
     lines.append(f"results: {folder}\nreport:  frictionbench report {folder}")
     return "\n\n".join(filter(None, lines))
 
@@ -40,15 +39,15 @@ def summary(folder: Path) -> str:
 def _counted(what: str, rows: pd.DataFrame) -> str:
     if rows.empty:
         return ""
-    counts = pd.crosstab(rows["variant"], rows["verdict"]).reindex(columns=list(ORDER), fill_value=0)
-    counts = counts.sort_values(list(ORDER), ascending=False, kind="stable")
+    counts = pd.crosstab(rows["variant"], rows["verdict"]).reindex(columns=list(Verdict), fill_value=0)
+    counts = counts.sort_values(list(Verdict), ascending=False, kind="stable")
     body = [(str(name), *(str(n or "") for n in row)) for name, row in zip(counts.index, counts.to_numpy(), strict=True)]
-    return "\n".join([f"{what}: {len(rows)}", *columns(("solver", *ORDER), body, screen())])
+    return "\n".join([f"{what}: {len(rows)}", *columns(("solver", *Verdict), body, screen())])
 
 
 def _reasons(rows: pd.DataFrame) -> str:
     """Why cells were skipped or crashed, the most frequent first."""
-    lost = rows[rows["verdict"].isin([SKIPPED, CRASHED]) & rows["reason"].notna()]
+    lost = rows[rows["verdict"].isin([Verdict.SKIPPED, Verdict.CRASHED]) & rows["reason"].notna()]
     counts = lost.groupby(["variant", "verdict", "reason"]).size().sort_values(ascending=False, kind="stable")
     told = [f"{count} × {variant} {verdict}: {reason}"[:LONGEST] for (variant, verdict, reason), count in counts.items()]
     more = [f"... and {len(told) - MOST} more reasons, in the report"] if len(told) > MOST else []

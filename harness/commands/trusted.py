@@ -6,7 +6,7 @@ A results folder may come from anybody. The file that its manifest names is told
 from typing import Any
 
 from frictionbench.harness.plans.plan import Plugin
-from frictionbench.harness.workers.introduce import introduce
+from frictionbench.harness.workers.plugins import load_plugins
 from frictionbench.problems import InputError
 from frictionbench.problems.spec import split
 from frictionbench.results.store import Row
@@ -25,7 +25,7 @@ def trusted(row: Row, settings: dict[str, Any], named: list[str]) -> tuple[Plugi
         return ()
     if not named:
         raise InputError(f"solver: {variant} is not ours; {_origin(variant, settings)}. Give that with --solver to run it")
-    _, plugins = introduce(named, (variant,))
+    _, plugins = load_plugins(named, (variant,))
     return tuple(plugin for plugin in plugins if variant in plugin.solvers)
 
 

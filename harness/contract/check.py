@@ -17,7 +17,7 @@ from frictionbench.problems import FrictionProblem, scene
 from frictionbench.problems.check import Array
 from frictionbench.problems.copies import duplicate
 from frictionbench.problems.instances import make_instance
-from frictionbench.results.schema import RELAXED, SOLVED, WRONG
+from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers import Answer, Solver, SolverInfo
 
 TOL = 1e-6
@@ -65,12 +65,12 @@ def check(advice: str) -> Callable[[Callable[[Subject], Complaints]], Callable[[
 
 def well(finding: Finding) -> bool:
     """Whether the solver's own model is solved."""
-    return finding.verdict in (SOLVED, RELAXED)
+    return finding.verdict in (Verdict.SOLVED, Verdict.RELAXED)
 
 
 def lie(finding: Finding) -> bool:
     """Whether a claim is off by more than a difference of norms."""
-    return finding.verdict == WRONG
+    return finding.verdict == Verdict.WRONG
 
 
 def ordinary() -> list[FrictionProblem]:

@@ -9,7 +9,7 @@ from frictionbench.harness.cells import worker
 from frictionbench.harness.contract import form, hard, honesty, invariance
 from frictionbench.harness.contract.check import CHECKS, Subject
 from frictionbench.harness.plans.plan import Plan
-from frictionbench.harness.workers.introduce import introduce
+from frictionbench.harness.workers.plugins import load_plugins
 from frictionbench.harness.workers.pool import Pool
 from frictionbench.harness.workers.task import Task
 from frictionbench.problems import InputError
@@ -30,7 +30,7 @@ class Found(NamedTuple):
 def examine(specs: list[str], jobs: int) -> list[Found]:
     """Every check on every variant that the specs name, FILE or NAME. Errors: InputError naming the solver or the file."""
     named = [variant for spec in specs for variant in (available()[spec].specs if spec in available() else (spec,))]
-    variants, plugins = introduce(named)
+    variants, plugins = load_plugins(named)
     plan = Plan("check-solver", (), variants, (1e-8,), plugins=plugins)
     for variant in variants:
         if not plan.owner(variant) and (missing := find(variant)[0].missing):

@@ -30,29 +30,29 @@ def choose(
         plan = replace(
             plan,
             sources=tuple(s for met, _, _ in chosen for s in met),
-            drives=tuple(s for _, driven, _ in chosen for s in driven),
+            simulations=tuple(s for _, simulated, _ in chosen for s in simulated),
             maps=tuple(spec for _, _, mapped in chosen for spec in mapped),
         )
     if variants:
-        plan = replace(plan, solvers=variants, drive_solvers=variants, plugins=plugins)
+        plan = replace(plan, solvers=variants, simulation_solvers=variants, plugins=plugins)
     if tol is not None:
         plan = replace(plan, tolerances=tolerances(tol))
     if time_limit is not None:
         plan = replace(plan, time_limit=time_limit)
-    for variant in {*plan.solvers, *plan.drive_solvers}:
+    for variant in {*plan.solvers, *plan.simulation_solvers}:
         if not plan.owner(variant):
             find(variant)
     return plan
 
 
 def _chosen(plan: Plan, spec: str) -> tuple[list[Source], list[Source], list[Map]]:
-    """Sources, drives and maps: the suite's own of this name; the scene as given where it has settings or is not in the
+    """Sources, simulations and maps: the suite's own of this name; the scene as given where it has settings or is not in the
     suite."""
     name, settings = parse("scene", spec)
     own = [source for source in plan.sources if source.scene == name]
     mapped = [spec for spec in plan.maps if name in (spec.scene, spec.name)]
     if (own or mapped) and not settings:
-        return own, [drive for drive in plan.drives if drive.scene == name], mapped
+        return own, [simulation for simulation in plan.simulations if simulation.scene == name], mapped
     source = named_source(spec)
     if not source.moves:
         return [source], [], []

@@ -9,7 +9,7 @@ overlap=both:1e-12:1e-1:13     -1e-1 ... -1e-12, 0, 1e-12 ... 1e-1
 import json
 from collections.abc import Iterable, Mapping
 
-from frictionbench.harness.plans.plan import DriveCell, Plan, Source, phase
+from frictionbench.harness.plans.plan import Plan, SimulationCell, Source, phase
 from frictionbench.problems import InputError, scene, scenes
 from frictionbench.results.maps import Axis, Map, Place
 from frictionbench.results.store import Row
@@ -54,14 +54,15 @@ def sources(spec: Map, places: Iterable[Place]) -> list[Source]:
     return [Source(spec.scene, spec.at(place), scheme=spec.scheme, repeats=REPEATS) for place in places]
 
 
-def drive_cells(spec: Map, places: Iterable[Place], plan: Plan) -> list[DriveCell]:
-    """The drives at these places, no longer than the scene's own duration; none for a map of first problems."""
+def simulation_cells(spec: Map, places: Iterable[Place], plan: Plan) -> list[SimulationCell]:
+    """The simulations at these places, no longer than the scene's own duration; none for a map of first problems."""
     cells = []
     for place in places if spec.steps else ():
         parameters = spec.at(place)
         steps = min(spec.steps, scene(spec.scene, **parameters).steps)
         cells += [
-            DriveCell(spec.scene, parameters, variant, plan.drive_tol, spec.scheme, steps) for variant in plan.drive_solvers
+            SimulationCell(spec.scene, parameters, variant, plan.simulation_tol, spec.scheme, steps)
+            for variant in plan.simulation_solvers
         ]
     return cells
 
@@ -104,5 +105,5 @@ def _verdicts_at(spec: Map, place: Place, found: Verdicts) -> Mapping[str, str]:
 
 
 def home(scene_name: str, parameters: str, told: str) -> str:
-    """Where a row's problem or drive comes from."""
+    """Where a row's problem or simulation comes from."""
     return f"{scene_name} {parameters} {told}"

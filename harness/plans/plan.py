@@ -1,7 +1,7 @@
 """A plan: where the problems come from, which solvers meet them, at which tolerances and limits.
 
-A source yields problems (a scene's steps, recorded while a reference solver drives it; an instance; a file); a cell is one unit
-of work with one row in the results. Cells are plain values: they travel to workers, and their keys make resuming work.
+A source yields problems (a scene's steps, recorded along a simulation with a reference solver; an instance; a file); a cell is
+one unit of work with one row in the results. Cells are plain values: they travel to workers, and their keys make resuming work.
 """
 
 import json
@@ -71,8 +71,8 @@ class SolveCell:
 
 
 @dataclass(frozen=True)
-class DriveCell:
-    """One scene driven in closed loop by one solver. after: how it goes on from a failed step, see harness.cells.drive."""
+class SimulationCell:
+    """One scene in closed loop with one solver. after: how it continues after a failed step, see harness.cells.simulation."""
 
     scene: str
     parameters: dict[str, Any]
@@ -82,14 +82,14 @@ class DriveCell:
     steps: int | None = None
     after: str = KEEP_ANSWER
 
-    table = "drives"
+    table = "simulations"
 
     @property
     def key(self) -> str:
-        return _key("drive", self)
+        return _key("simulation", self)
 
 
-Cell = SolveCell | DriveCell
+Cell = SolveCell | SimulationCell
 
 
 @dataclass(frozen=True)
@@ -103,10 +103,10 @@ class Plugin:
 
 @dataclass(frozen=True)
 class Plan:
-    """What a run does. Times in seconds, memory in bytes; the first tolerance of a drive is its only one.
+    """What a run does. Times in seconds, memory in bytes; the first tolerance of a simulation is its only one.
 
-    placed, placed_drives: what the maps add to sources and drives so far, see harness.maps; no settings, for they follow from
-    the maps and from what was found.
+    placed, map_simulations: what the maps add to sources and simulations so far, see harness.maps; they are no settings, for
+    they follow from the maps and from what was found.
     """
 
     suite: str
@@ -114,18 +114,18 @@ class Plan:
     solvers: tuple[str, ...]
     tolerances: tuple[float, ...]
     starts: tuple[str, ...] = (COLD,)
-    drives: tuple[Source, ...] = ()
-    drive_solvers: tuple[str, ...] = ()
+    simulations: tuple[Source, ...] = ()
+    simulation_solvers: tuple[str, ...] = ()
     schemes: tuple[str, ...] = (USUAL,)
     after_failure: tuple[str, ...] = (KEEP_ANSWER,)
     maps: tuple[Map, ...] = ()
-    drive_tol: float = 1e-8
+    simulation_tol: float = 1e-8
     time_limit: float = 10.0
-    drive_limit: float = 60.0
+    simulation_limit: float = 60.0
     memory_limit: int = 4 * 2**30
     plugins: tuple[Plugin, ...] = ()
     placed: tuple[Source, ...] = ()
-    placed_drives: tuple[DriveCell, ...] = ()
+    map_simulations: tuple[SimulationCell, ...] = ()
 
     def __post_init__(self) -> None:
         _check(bool(self.solvers), "solver", "none given")
@@ -136,7 +136,7 @@ class Plan:
     def settings(self) -> dict[str, Any]:
         """The plan as plain values, for the manifest: two runs with the same settings do the same cells."""
         told = json.loads(json.dumps(asdict(self)))
-        return {name: value for name, value in told.items() if name not in ("placed", "placed_drives")}
+        return {name: value for name, value in told.items() if name not in ("placed", "map_simulations")}
 
     def solve_cells(self, entries: Iterable[dict[str, Any]]) -> list[SolveCell]:
         """Every problem with every solver, start that it has, and tolerance, the loosest first."""
@@ -149,15 +149,17 @@ class Plan:
             for tol in sorted(entry.get("tolerances") or self.tolerances, reverse=True)
         ]
 
-    def drive_cells(self) -> list[DriveCell]:
-        driven = [
-            DriveCell(drive.scene, drive.parameters, variant, self.drive_tol, scheme, drive.steps, after)
-            for drive in self.drives
+    def simulation_cells(self) -> list[SimulationCell]:
+        simulated = [
+            SimulationCell(
+                simulation.scene, simulation.parameters, variant, self.simulation_tol, scheme, simulation.steps, after
+            )
+            for simulation in self.simulations
             for scheme in self.schemes
-            for variant in self.drive_solvers
+            for variant in self.simulation_solvers
             for after in self.after_failure
         ]
-        return [*driven, *self.placed_drives]
+        return [*simulated, *self.map_simulations]
 
     def owner(self, variant: str) -> str:
         """The solver from outside this repository that a variant is of, with its source; empty for our own."""
@@ -169,13 +171,13 @@ class Plan:
         return any("facets=" in variant for variant in self.solvers)
 
     def shown(self) -> list[Source]:
-        """What to record for the eye: every drive, and a short motion of each scene that none drives."""
-        driven = {drive.scene for drive in self.drives}
+        """What to record for the eye: every simulation, and a short motion of each scene that none simulates."""
+        simulated = {simulation.scene for simulation in self.simulations}
         others: dict[str, Source] = {}
         for source in self.sources:
-            if source.moves and source.scene not in driven:
+            if source.moves and source.scene not in simulated:
                 others.setdefault(source.scene, replace(source, steps=source.steps or MOST_SHOWN))
-        return [*self.drives, *others.values()]
+        return [*self.simulations, *others.values()]
 
 
 def phase(scheme: str) -> str:
@@ -193,7 +195,7 @@ def _check(condition: bool, field: str, complaint: str) -> None:
         raise InputError(f"{field}: {complaint}")
 
 
-def _key(kind: str, value: Source | SolveCell | DriveCell) -> str:
+def _key(kind: str, value: Source | SolveCell | SimulationCell) -> str:
     """A hash of what makes the value what it is; going on with the answer after a failure is not told, as ever."""
     told = {name: part for name, part in asdict(value).items() if (name, part) != ("after", KEEP_ANSWER)}
     return kind + "-" + sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()[:16]

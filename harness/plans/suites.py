@@ -9,7 +9,7 @@ from frictionbench.problems.schemes import SCHEMES
 
 MAPPED = (*EXACT, *(name for name in OTHERS if name not in ("apgd", "admm")))
 MAPPED_RELAXED = ("relaxation_ip", "apgd", "admm", *RELAXED[:3])
-FAILING = (  # drives whose steps some methods fail
+FAILING = (  # simulations whose steps some methods fail
     Source("stack", {"blocks": 5, "mass_ratio": 1e3, "push": 1.0}, steps=60),
     Source("three_blocks", {}, steps=200),
     Source("multiple_collisions", {}, steps=200),
@@ -18,7 +18,7 @@ EXAMPLES = tuple(f"example_{i}" for i in range(1, 8))
 
 
 def smoke() -> Plan:
-    """A look at everything in under a minute: a few small problems, two short drives."""
+    """A look at everything in under a minute: a few small problems, two short simulations."""
     return Plan(
         suite="smoke",
         sources=(
@@ -31,10 +31,10 @@ def smoke() -> Plan:
         ),
         solvers=(*EXACT, *RELAXED),
         tolerances=(1e-4, 1e-8),
-        drives=(Source("two_blocks", {"friction": 0.1}, steps=100),),
-        drive_solvers=(*EXACT, "ccp[backend=clarabel]"),
+        simulations=(Source("two_blocks", {"friction": 0.1}, steps=100),),
+        simulation_solvers=(*EXACT, "ccp[backend=clarabel]"),
         time_limit=2.0,
-        drive_limit=20.0,
+        simulation_limit=20.0,
     )
 
 
@@ -68,16 +68,16 @@ def standard() -> Plan:
         *(Source("redundant_table", {"speed": 1.0}, pick=2), Source("slider_crank", {}, pick=3, steps=200)),
     )
     random = tuple(Source("random", {"seed": seed, "contacts": n}) for n in (3, 10, 30) for seed in range(4))
-    drives = (*talk, Source("stack", {"blocks": 5}, steps=50), Source("pyramid", {"rows": 3}, steps=50))
+    simulations = (*talk, Source("stack", {"blocks": 5}, steps=50), Source("pyramid", {"rows": 3}, steps=50))
     return Plan(
         suite="standard",
         sources=(*talk, *still, *heavy, *rods, *corners, *single, *random),
         solvers=(*EXACT, *RELAXED),
         tolerances=LADDER,
-        drives=drives,
-        drive_solvers=(*EXACT, *RELAXED),
+        simulations=simulations,
+        simulation_solvers=(*EXACT, *RELAXED),
         time_limit=2.0,
-        drive_limit=60.0,
+        simulation_limit=60.0,
     )
 
 
@@ -90,11 +90,11 @@ def seeds() -> Plan:
         sources=tuple(Source(name, pick=4) for name in scenes),
         solvers=solvers,
         tolerances=LADDER,
-        drives=tuple(Source(name) for name in scenes),
-        drive_solvers=solvers,
+        simulations=tuple(Source(name) for name in scenes),
+        simulation_solvers=solvers,
         schemes=tuple(sorted(SCHEMES)),
         time_limit=2.0,
-        drive_limit=20.0,
+        simulation_limit=20.0,
     )
 
 
@@ -140,13 +140,13 @@ def maps() -> Plan:
         sources=(),
         solvers=(*MAPPED, *MAPPED_RELAXED),
         tolerances=(1e-6,),
-        drives=FAILING,
-        drive_solvers=(*MAPPED, *MAPPED_RELAXED),
+        simulations=FAILING,
+        simulation_solvers=(*MAPPED, *MAPPED_RELAXED),
         after_failure=(KEEP_ANSWER, KEEP_VELOCITY, RELAX),
         maps=ATLAS,
-        drive_tol=1e-6,
+        simulation_tol=1e-6,
         time_limit=1.0,
-        drive_limit=10.0,
+        simulation_limit=10.0,
     )
 
 

@@ -1,9 +1,9 @@
 """Tasks in worker processes that may die.
 
 Each worker runs one task at a time on a core of its own. A task that kills its worker, hangs, or leaves processes behind
-costs itself alone: its keeper (harness.workers.keeper) sees to that, and to the end of everything when this process ends. A
-worker that was killed from outside, or whose keeper was, says nothing of the solver: the task is begun again, TRIES times in
-all.
+affects no other: its supervisor (harness.workers.supervisor) ends it, and ends everything when this process ends. The death of
+a worker that was killed from outside, or whose supervisor was, says nothing about the solver: the task is begun again, TRIES
+times in all.
 """
 
 import json
@@ -23,12 +23,12 @@ from frictionbench.results.store import ResultsError
 
 TRIES = 3
 START = """import sys; sys.path.insert(0, sys.argv[1])
-from frictionbench.harness.workers.keeper import serve; serve(int(sys.argv[2]))"""
+from frictionbench.harness.workers.supervisor import serve; serve(int(sys.argv[2]))"""
 Settings = tuple[Path, tuple[Plugin, ...], int]
 
 
 class _Server:
-    """The process that forks the keepers: started once, it ends with this process. It never looks into the current folder.
+    """The process that forks the supervisors: started once, it ends with this process. It never looks into the current folder.
 
     Errors: ConnectionError where it ends before it says a word, ResultsError where it runs other code.
     """
@@ -49,8 +49,8 @@ class _Server:
                 raise ConnectionError
             raise ResultsError(f"workers: they run {theirs.decode().strip()}, not {json.dumps(ours)}")
 
-    def keeper(self, settings: Settings) -> Connection:
-        """The line to a new keeper. Errors: OSError where the server is gone."""
+    def supervisor(self, settings: Settings) -> Connection:
+        """The line to a new supervisor. Errors: OSError where the server is gone."""
         near, far = socket.socketpair()
         with far:
             socket.send_fds(self._control, [b"k"], [far.fileno()])
@@ -67,12 +67,12 @@ class _Server:
 _server: _Server | None = None
 
 
-def _keeper(settings: Settings) -> Connection:
+def _supervisor(settings: Settings) -> Connection:
     global _server  # noqa: PLW0603  # one a process: what workers need is imported once
     for _ in range(TRIES):  # it may be killed at any moment, as it starts too
         with suppress(OSError):
             _server = _server or _Server()
-            return _server.keeper(settings)
+            return _server.supervisor(settings)
         if _server is not None:
             _server.close()
             _server = None
@@ -80,11 +80,11 @@ def _keeper(settings: Settings) -> Connection:
 
 
 class _Hand:
-    """One keeper with its worker, the line to it, and the task it is at."""
+    """One supervisor with its worker, the line to it, and the task it is at."""
 
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
-        self.line = _keeper(settings)
+        self.line = _supervisor(settings)
         self.task: Task | None = None
         self._tries = 0
 
@@ -101,12 +101,12 @@ class _Hand:
         assert self.task is not None
         try:
             said: dict[str, Any] = json.loads(self.line.recv_bytes())
-            said.pop("kept", None)  # its keeper's business
+            said.pop("kept", None)  # its supervisor's business
         except (EOFError, OSError):
             if self._tries < TRIES:
                 self._begin_again()
                 return None
-            self.line = _keeper(self._settings)
+            self.line = _supervisor(self._settings)
             said = {"death": "crashed", "reason": f"its processes were killed {TRIES} times"}
         if "compiling" in said:
             compiling(self.task, bool(said["compiling"]))
@@ -121,11 +121,11 @@ class _Hand:
     def _begin_again(self) -> None:
         assert self.task is not None
         self.line.close()
-        self.line = _keeper(self._settings)
+        self.line = _supervisor(self._settings)
         self.give(self.task)
 
     def dismiss(self) -> None:
-        """Tell the keeper to end, and wait until everything below it has."""
+        """Tell the supervisor to end, and wait until everything below it has."""
         with suppress(OSError, EOFError):
             self.line.send(None)
             while self.line.poll(2 * process.PATIENCE):

@@ -3,7 +3,7 @@
 from frictionbench.reports.charts import (
     budget,
     classes,
-    courses,
+    convergence,
     energy,
     forces,
     growth,
@@ -17,6 +17,6 @@ from frictionbench.reports.charts import (
 
 MAPS = (maps.VERDICTS, maps.TYPES, maps.TIMES, maps.WORK)
 CHARTS = (
-    *(stability.CHART, forces.CHART, *MAPS, pareto.CHART, speed_accuracy.CHART, courses.CHART),
+    *(stability.CHART, forces.CHART, *MAPS, pareto.CHART, speed_accuracy.CHART, convergence.CHART),
     *(profiles.CHART, work.CHART, budget.CHART, classes.CHART, growth.CHART, energy.CHART),
 )

@@ -18,13 +18,13 @@ MOST = 24  # panels on the page
 
 def panels(run: Run) -> list[Panel]:
     """A panel per scene and parameters and scheme that has a curve."""
-    drives = run.drives
-    lengths = [min(_length(t), _length(e)) for t, e in zip(drives["times"], drives["energies"], strict=True)]
-    with_curve = drives[np.array(lengths, dtype=int) > 1]
+    simulations = run.simulations
+    lengths = [min(_length(t), _length(e)) for t, e in zip(simulations["times"], simulations["energies"], strict=True)]
+    with_curve = simulations[np.array(lengths, dtype=int) > 1]
     groups = with_curve.groupby(["scene", "parameters", "scheme"], sort=False)
     several = len(with_curve["scheme"].unique()) > 1
     return [
-        Panel(scene_title(scene, parameters) + f", {scheme}" * several, partial(_draw, drives=group, looks=run.looks))
+        Panel(scene_title(scene, parameters) + f", {scheme}" * several, partial(_draw, simulations=group, looks=run.looks))
         for (scene, parameters, scheme), group in groups
     ]
 
@@ -33,9 +33,9 @@ def _length(curve: object) -> int:
     return len(curve) if isinstance(curve, np.ndarray) else 0
 
 
-def _draw(ax: Axes, drives: pd.DataFrame, looks: dict[str, Look]) -> None:
+def _draw(ax: Axes, simulations: pd.DataFrame, looks: dict[str, Look]) -> None:
     highest = 0.0
-    for row in drives.itertuples():
+    for row in simulations.itertuples():
         count = min(len(row.times), len(row.energies))
         keep = np.unique(np.linspace(0, count - 1, min(count, POINTS)).astype(int))
         scale = row.energy_scale if row.energy_scale > 0 else 1.0

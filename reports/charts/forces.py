@@ -10,31 +10,31 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from frictionbench.reports.charts.chart import Chart
-from frictionbench.reports.charts.courses import by_problem
+from frictionbench.reports.charts.convergence import by_problem
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import Look
 from frictionbench.reports.run import Run
-from frictionbench.results.courses import Course
+from frictionbench.results.convergence import ConvergenceHistory
 
 EXACT = 1e-4  # residual
 
 
 def panels(run: Run) -> list[Panel]:
     """A panel per redundant problem of few contacts, with the answers that solve it, and not the relaxation alone."""
-    known = (course for course in run.courses if course.variant in run.looks and course.residuals)
-    drawn = [course for course in known if course.redundant and course.impulse and course.residuals[-1] <= EXACT]
-    return [Panel(title, partial(_draw, courses=own, looks=run.looks)) for title, own in by_problem(drawn).items()]
+    known = (history for history in run.histories if history.variant in run.looks and history.residuals)
+    drawn = [history for history in known if history.redundant and history.impulse and history.residuals[-1] <= EXACT]
+    return [Panel(title, partial(_draw, histories=own, looks=run.looks)) for title, own in by_problem(drawn).items()]
 
 
-def _draw(ax: Axes, courses: list[Course], looks: dict[str, Look]) -> None:
-    for k, course in enumerate(courses):
-        impulse = np.array(course.impulse)
-        shift = 0.5 * ((k + 0.5) / len(courses) - 0.5)
+def _draw(ax: Axes, histories: list[ConvergenceHistory], looks: dict[str, Look]) -> None:
+    for k, history in enumerate(histories):
+        impulse = np.array(history.impulse)
+        shift = 0.5 * ((k + 0.5) / len(histories) - 0.5)
         contacts = np.arange(1, len(impulse) + 1)
-        ax.plot(contacts + shift, impulse[:, 0], **looks[course.variant].line | {"ls": "none"})
-    ax.set_xticks(range(1, courses[0].contacts + 1))
-    ax.set_xlim(0.5, courses[0].contacts + 0.5)
-    largest = max(contact[0] for course in courses for contact in course.impulse)
+        ax.plot(contacts + shift, impulse[:, 0], **looks[history.variant].line | {"ls": "none"})
+    ax.set_xticks(range(1, histories[0].contacts + 1))
+    ax.set_xlim(0.5, histories[0].contacts + 0.5)
+    largest = max(contact[0] for history in histories for contact in history.impulse)
     ax.set_ylim(0, 1.1 * largest if largest > 0 else 1.0)
     ax.grid(axis="y", lw=0.4, alpha=0.3)
     ax.set_xlabel("contact")

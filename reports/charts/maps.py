@@ -23,11 +23,12 @@ from frictionbench.reports.drawing.tiles import Drawing, Grid, Tile
 from frictionbench.reports.maps import Cells, map_cells
 from frictionbench.reports.run import Run
 from frictionbench.results.maps import Axis
-from frictionbench.results.schema import CRASHED, MISSED, RELAXED, SKIPPED, SOLVED, TIMEOUT, UNJUDGEABLE, UNSOLVED, WRONG
+from frictionbench.results.verdicts import Verdict
 
 VERDICT = {
-    SOLVED: "#a9d8b8", RELAXED: "#f0d264", MISSED: "#f4a259", UNSOLVED: "#7b6fb0", WRONG: "#d62728", TIMEOUT: "#6b6b6b",
-    CRASHED: "#111111", UNJUDGEABLE: "#c8ccd2", SKIPPED: "#eef0f2",
+    Verdict.SOLVED: "#a9d8b8", Verdict.RELAXED: "#f0d264", Verdict.NEAR_MISS: "#f4a259", Verdict.UNSOLVED: "#7b6fb0",
+    Verdict.WRONG: "#d62728", Verdict.TIMEOUT: "#6b6b6b", Verdict.CRASHED: "#111111", Verdict.UNJUDGEABLE: "#c8ccd2",
+    Verdict.SKIPPED: "#eef0f2",
 }  # fmt: skip
 TYPE = {
     "open": "#d6dbe1", "sticks": "#3b6fb6", "slides": "#f2a541", "open, sticks": "#9ec1e8", "open, slides": "#f7d9a6",
@@ -119,12 +120,14 @@ def _verdicts(cells: Cells) -> dict[str, Field]:
     for entry in cells.entries:
         rows = cells.rows[cells.rows["entry"] == entry]
         known = rows[rows["known"]]
-        share = f" {_share((known['verdict'] == SOLVED).mean())}" if len(known) else ""
+        share = f" {_share((known['verdict'] == Verdict.SOLVED).mean())}" if len(known) else ""
         residual = rows["worst_residual" if cells.spec.steps else "residual"]
         told = _at(cells, rows) + ": " + rows["verdict"] + residual.map(lambda value: f", residual {value:.1e}")
         told += rows["reason"].map(lambda reason: f"; {reason}" if reason else "") + " · " + rows["key"]
-        told = told.where(rows["verdict"] != RELAXED, "")  # a relaxation's model is solved as it should be: nothing failed
-        fields[entry] = Field(entry + share, rows, rows["verdict"].map(VERDICT).fillna(INK), VERDICT[SOLVED], told)
+        told = told.where(
+            rows["verdict"] != Verdict.RELAXED, ""
+        )  # a relaxation's model is solved as it should be: nothing failed
+        fields[entry] = Field(entry + share, rows, rows["verdict"].map(VERDICT).fillna(INK), VERDICT[Verdict.SOLVED], told)
     return fields
 
 
@@ -139,7 +142,7 @@ def _problem(cells: Cells) -> list[Field]:
     if cells.spec.steps:
         return []
     fields = [Field("solutions", rows, rows.apply(_solutions, axis=1).map(SOLUTIONS))]
-    scales = (("response", "response"), ("next mode", "mode_distance"), ("condition", "condition"))
+    scales = (("sensitivity", "sensitivity"), ("next mode", "mode_distance"), ("condition", "condition"))
     return fields + [_scale(title, rows, rows[name]) for title, name in scales if rows[name].max() > 1.01 * rows[name].min()]
 
 
@@ -173,7 +176,7 @@ def _type(mode: object) -> str | None:
 def _types(cells: Cells) -> list[tuple[str, Field]]:
     fields = []
     for entry in cells.entries:
-        rows = cells.rows[(cells.rows["entry"] == entry) & (cells.rows["verdict"] == SOLVED)]
+        rows = cells.rows[(cells.rows["entry"] == entry) & (cells.rows["verdict"] == Verdict.SOLVED)]
         fields.append((entry, Field("", rows, rows["mode"].map(_type).map(TYPE).fillna(""))))
     return fields
 
@@ -216,7 +219,7 @@ def _count(work: str) -> float:
 def _loop(cells: Cells) -> list[tuple[str, Field]]:
     """What changes over the map."""
     fields = []
-    for title, column in (("drift", "energy_drift"), ("overlap, m", "worst_penetration"), ("free steps", "loose_steps")):
+    for title, column in (("drift", "energy_drift"), ("overlap, m", "worst_penetration"), ("free steps", "contact_free_steps")):
         for entry in cells.entries:
             rows = cells.rows[cells.rows["entry"] == entry]
             values = rows[column].astype(float)

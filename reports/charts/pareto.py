@@ -17,7 +17,7 @@ from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import WHOLE, Panel
 from frictionbench.reports.drawing.style import INK, Look, log_ticks, time_axis
 from frictionbench.reports.run import Run
-from frictionbench.results.schema import SKIPPED
+from frictionbench.results.verdicts import Verdict
 
 ZERO, WORST = 1e-17, 1e1  # where residuals of zero, and large or missing ones, are drawn
 
@@ -34,7 +34,7 @@ def ladder(run: Run) -> pd.DataFrame:
     rows = rows.assign(
         time=rows["time"].where(rows["answered"], rows["time_limit"]),
         residual=rows["residual"].where(rows["answered"], np.inf),
-        met=rows["problem_id"].where(rows["verdict"] != SKIPPED),
+        met=rows["problem_id"].where(rows["verdict"] != Verdict.SKIPPED),
     )
     groups = rows.groupby(["entry", "tol"], sort=False)
     points = groups.agg(time=("time", shifted_geometric_mean), residual=("residual", "median"), met=("met", "nunique"))

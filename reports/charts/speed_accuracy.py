@@ -18,7 +18,7 @@ from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import ALARM, INK, Look, log_ticks, time_axis
 from frictionbench.reports.drawing.text import scene_title, seconds
 from frictionbench.reports.run import Run
-from frictionbench.results.schema import RELAXED, SKIPPED, WRONG
+from frictionbench.results.verdicts import Verdict
 
 ZERO = 1e-17  # where a residual of exactly zero is drawn
 WORST = 1e1  # where larger residuals are drawn
@@ -62,7 +62,7 @@ def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look], ends: tuple[floa
         if (own["model"] == "relaxation").any():
             own_model = look.line | {"ls": ":", "mfc": "none", "lw": 0.8}
             ax.plot(ladder["time"], _shown(ladder["model_residual"]), **own_model)
-    wrong = answers[answers["verdict"] == WRONG]
+    wrong = answers[answers["verdict"] == Verdict.WRONG]
     ring = 1.7 * mpl.rcParams["lines.markersize"]
     ax.plot(wrong["time"], _shown(wrong["residual"]), "o", ms=ring, mfc="none", mec=ALARM, zorder=4)
     _model_error(ax, answers)
@@ -83,7 +83,7 @@ def _shown(residual: pd.Series) -> pd.Series:
 
 
 def _model_error(ax: Axes, answers: pd.DataFrame) -> None:
-    relaxed = answers[answers["verdict"] == RELAXED]
+    relaxed = answers[answers["verdict"] == Verdict.RELAXED]
     if relaxed.empty:
         return
     floor = relaxed.groupby("problem_id")["residual"].min().median()
@@ -92,7 +92,7 @@ def _model_error(ax: Axes, answers: pd.DataFrame) -> None:
 
 
 def _misses(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
-    lost = rows[~rows["answered"] & (rows["verdict"] != SKIPPED)].groupby("entry").size()
+    lost = rows[~rows["answered"] & (rows["verdict"] != Verdict.SKIPPED)].groupby("entry").size()
     if lost.empty:
         return
     ax.axhspan(WORST, STRIP, color=INK, alpha=0.07, lw=0)

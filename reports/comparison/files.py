@@ -22,8 +22,8 @@ from frictionbench.results.cells import read, untold
 from frictionbench.results.changes import Finding, Flip, Growth
 from frictionbench.results.compare import Comparison
 from frictionbench.results.files import replaced, write_text
-from frictionbench.results.schema import RELAXED, SKIPPED, SOLVED
 from frictionbench.results.times import Time
+from frictionbench.results.verdicts import Verdict
 
 UNPRINTED = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # what XML 1.0 cannot hold
 
@@ -55,8 +55,8 @@ def figures(comparison: Comparison, cells: pd.DataFrame) -> list[dict[str, Any]]
     """Of each solver: cells without the answer to its model, each counter, the mean time; of a benchmark its time."""
     found = []
     for variant, own in cells.groupby("variant") if len(cells) else ():
-        ran = own[own["verdict"] != SKIPPED]
-        good = ran["verdict"].isin([SOLVED, RELAXED])
+        ran = own[own["verdict"] != Verdict.SKIPPED]
+        good = ran["verdict"].isin([Verdict.SOLVED, Verdict.RELAXED])
         found.append({"name": f"{variant}: not solved", "unit": "cells", "value": int((~good).sum())})
         counters = pd.DataFrame([untold(line) for line in ran["work"]]).sum()
         found += [{"name": f"{variant}: {name}", "unit": name, "value": int(count)} for name, count in counters.items()]
@@ -86,7 +86,7 @@ def junit(comparison: Comparison, cells: pd.DataFrame) -> ElementTree.Element:
 
     for key, cell in cells.iterrows():
         name = f"{cell['scene']} {cell['table']} {cell['step']} {cell['phase']} {cell['start']} to {cell['tol']:g}"
-        case(cell["variant"], " ".join(name.split()), str(key), cell["reason"] if cell["verdict"] == SKIPPED else None)
+        case(cell["variant"], " ".join(name.split()), str(key), cell["reason"] if cell["verdict"] == Verdict.SKIPPED else None)
     for found in (*comparison.gone, *comparison.work, *comparison.times):
         case(found.variant, found.name, getattr(found, "key", found.name))
     if comparison.unusable:

@@ -16,12 +16,12 @@ from frictionbench.harness.commands.summary import folder_for, summary
 from frictionbench.harness.commands.table import columns
 from frictionbench.harness.plans.choose import choose
 from frictionbench.harness.progress import Progress
-from frictionbench.harness.workers.introduce import MEMORY, introduce
+from frictionbench.harness.workers.plugins import MEMORY, load_plugins
 from frictionbench.harness.workers.pool import Pool
 from frictionbench.harness.workers.task import Task
 from frictionbench.results import store
 from frictionbench.results.store import ResultsError, ShardWriter
-from tests.helpers.made_results import drive_row, lost_row, solve_row, write_folder
+from tests.helpers.made_results import lost_row, simulation_row, solve_row, write_folder
 
 JITTED = """
 import numpy as np
@@ -105,7 +105,7 @@ def test_a_run_ends_with_its_verdicts_and_what_to_do_next(tmp_path) -> None:
         lost_row("b", "q", "timeout"),
         lost_row("b", "s", "skipped"),
     ]
-    write_folder(tmp_path, [*solves, solve_row("a", "r", trivial=True)], [drive_row("a")])
+    write_folder(tmp_path, [*solves, solve_row("a", "r", trivial=True)], [simulation_row("a")])
     lines = summary(tmp_path).splitlines()
     assert lines[0] == "cells of problems that are not trivial: 5"
     assert [line.split() for line in lines[1:4]] == [
@@ -118,12 +118,12 @@ def test_a_run_ends_with_its_verdicts_and_what_to_do_next(tmp_path) -> None:
 
 
 def test_a_key_may_be_cut_short(tmp_path) -> None:
-    for table, keys in (("solves", ("solve-12ab", "solve-12cd", "solve-12")), ("drives", ("drive-77",))):
+    for table, keys in (("solves", ("solve-12ab", "solve-12cd", "solve-12")), ("simulations", ("simulation-77",))):
         with ShardWriter(tmp_path, table, "test") as writer:
             for key in keys:
                 writer.write({"key": key})
     assert [store.find_row(tmp_path, given)[1]["key"] for given in ("12a", "solve-12c", "solve-12", "7")] == [
-        *("solve-12ab", "solve-12cd", "solve-12", "drive-77")
+        *("solve-12ab", "solve-12cd", "solve-12", "simulation-77")
     ]
     for given, complaint in (
         ("12", "3 rows have a key that begins with '12'"),
@@ -155,7 +155,7 @@ def test_a_key_that_stops_it_is_answered(tmp_path, command, complaint) -> None:
 def test_a_worker_that_compiles_is_told(tmp_path) -> None:
     plugin, heard, screen = tmp_path / "jitted.py", [], StringIO()
     plugin.write_text(JITTED, encoding="utf-8")
-    _, plugins = introduce([str(plugin)])
+    _, plugins = load_plugins([str(plugin)])
     call = ("stack", {}, "jitted", "anitescu_potra", 1, 60.0)
     task = Task("jitted", worker.run_show, call, 60.0, plugins[0].source)
     with (

@@ -10,14 +10,14 @@ import pandas as pd
 import pytest
 from markupsafe import escape
 
-from frictionbench.harness.cells.drive import drive
+from frictionbench.harness.cells.simulation import run_closed_loop
 from frictionbench.harness.maps import run_maps
 from frictionbench.harness.plans.atlas import ATLAS
 from frictionbench.harness.plans.maps import axis, finer, home, phase
-from frictionbench.harness.plans.plan import DriveCell, Plan, Source
+from frictionbench.harness.plans.plan import Plan, SimulationCell, Source
 from frictionbench.harness.plans.suites import MAPPED
 from frictionbench.harness.trace import crossings
-from frictionbench.harness.workers.introduce import introduce
+from frictionbench.harness.workers.plugins import load_plugins
 from frictionbench.problems import InputError, scene
 from frictionbench.problems.nature.thresholds import THRESHOLDS
 from frictionbench.problems.recorded.own import load
@@ -46,7 +46,7 @@ def small(name: str, across: int = 5, upwards: int = 5, **changes) -> Map:
 
 
 def plan(*maps: Map, solvers: tuple[str, ...]) -> Plan:
-    return Plan("test", (), solvers, (1e-6,), drive_solvers=solvers, drive_tol=1e-6, maps=maps, time_limit=60.0)
+    return Plan("test", (), solvers, (1e-6,), simulation_solvers=solvers, simulation_tol=1e-6, maps=maps, time_limit=60.0)
 
 
 @pytest.fixture(scope="module")
@@ -248,29 +248,32 @@ def test_a_map_of_ones_own_is_a_line(tmp_path) -> None:
 
 
 def test_a_motion_that_has_hardly_begun_has_not_diverged() -> None:
-    cell = DriveCell("bowl", {"step": 1e-4}, "lemke", 1e-8, "stewart_trinkle", steps=3)
-    row = drive(cell, *find("lemke"))
+    cell = SimulationCell("bowl", {"step": 1e-4}, "lemke", 1e-8, "stewart_trinkle", steps=3)
+    row = run_closed_loop(cell, *find("lemke"))
     assert (row["verdict"], row["reason"], row["steps_done"]) == ("solved", "", 3)
 
 
 def test_what_a_failed_step_does_afterwards(tmp_path) -> None:
-    _, plugins = introduce([str(BAD_SOLVERS)])
+    _, plugins = load_plugins([str(BAD_SOLVERS)])
     made = Plan(
         suite="test",
         sources=(),
         solvers=("relaxation_ip",),
         tolerances=(1e-6,),
-        drives=(Source("two_corner_block", {"velocity": 0.0, "fall": 1.0}, steps=3), Source("stack", {"blocks": 2}, steps=3)),
-        drive_solvers=("gives_up", "lemke"),
+        simulations=(
+            Source("two_corner_block", {"velocity": 0.0, "fall": 1.0}, steps=3),
+            Source("stack", {"blocks": 2}, steps=3),
+        ),
+        simulation_solvers=("gives_up", "lemke"),
         after_failure=("answer", "velocity", "relaxation"),
         plugins=plugins,
     )
     run_maps(made, tmp_path / "run", 1, quiet())
-    drives = read_run(tmp_path / "run").drives
-    assert len(drives) == 2 * 2 * 3
-    assert set(drives["entry"]) >= {"lemke", "lemke, else velocity", "lemke, else relaxation"}
-    assert set(drives.loc[drives["variant"] == "lemke", "unsolved"]) == {0}
-    lost = drives[(drives["variant"] == "gives_up") & (drives["scene"] == "stack")].set_index("after_failure")
+    simulations = read_run(tmp_path / "run").simulations
+    assert len(simulations) == 2 * 2 * 3
+    assert set(simulations["entry"]) >= {"lemke", "lemke, else velocity", "lemke, else relaxation"}
+    assert set(simulations.loc[simulations["variant"] == "lemke", "unsolved"]) == {0}
+    lost = simulations[(simulations["variant"] == "gives_up") & (simulations["scene"] == "stack")].set_index("after_failure")
     assert (lost["unsolved"] == 3).all()
     # Without impulses the stack falls freely, at the velocity before it stands still, and the relaxation holds it.
     fallen = scene("stack").gravity[1] * scene("stack").step ** 2 * 6

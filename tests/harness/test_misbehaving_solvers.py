@@ -14,7 +14,7 @@ import pytest
 from frictionbench.harness.plans.plan import Source
 from frictionbench.harness.run import run
 from frictionbench.harness.workers import pool
-from frictionbench.harness.workers.introduce import introduce
+from frictionbench.harness.workers.plugins import load_plugins
 from frictionbench.results import store
 from tests.helpers.places import BAD_SOLVERS, ROOT
 from tests.helpers.runs import quiet, small_plan, verdicts
@@ -63,8 +63,8 @@ VERDICTS = {
     "shouts": ("crashed", "no reply"),
     "starts_programs": ("wrong", "claims"),
 }
-# Of a drive of two steps, each of which is a problem met once.
-DRIVEN = {
+# Of a simulation of two steps, each of which is a problem met once.
+SIMULATED = {
     **dict.fromkeys(("blocks_signals", "hangs_at_once"), "timeout"),
     "segfault": "crashed",
     **dict.fromkeys(("no_answer", "changes_input", "scales_mass", "leaves_a_child"), "wrong"),
@@ -80,10 +80,10 @@ def plan_of(variants, plugins):
         solvers=variants,
         plugins=plugins,
         tolerances=(1e-8,),
-        drives=(Source("stack", {"blocks": 2, "push": 1.0}, steps=2),),
-        drive_solvers=[name for name in variants if name in DRIVEN],
+        simulations=(Source("stack", {"blocks": 2, "push": 1.0}, steps=2),),
+        simulation_solvers=[name for name in variants if name in SIMULATED],
         time_limit=LIMIT,
-        drive_limit=LIMIT,
+        simulation_limit=LIMIT,
         memory_limit=2**28,
     )
 
@@ -111,7 +111,7 @@ def own_server(monkeypatch, tmp_path):
 
 
 def test_all_that_misbehave_together_with_two_good_ones(own_server, tmp_path) -> None:
-    variants, plugins = introduce([str(BAD_SOLVERS), *GOOD])
+    variants, plugins = load_plugins([str(BAD_SOLVERS), *GOOD])
     assert set(variants) == VERDICTS.keys() | set(GOOD)
     begun = time.monotonic()
     run(plan_of(variants, plugins), tmp_path / "all", 2, quiet())
@@ -127,10 +127,10 @@ def test_all_that_misbehave_together_with_two_good_ones(own_server, tmp_path) ->
     told = {name: reason for name, (_, reason) in VERDICTS.items() if name != "remembers" or not rows.loc[name, "disturbed"]}
     assert {name: reasons[name] for name, reason in told.items() if reason not in reasons[name]} == {}
     assert (rows["time_limit"] == LIMIT).all()
-    drives = store.read_table(tmp_path / "all", "drives").set_index("solver")
-    assert drives["verdict"].to_dict() == DRIVEN
+    simulations = store.read_table(tmp_path / "all", "simulations").set_index("solver")
+    assert simulations["verdict"].to_dict() == SIMULATED
     # A cell has its limit to be warmed up in, once to be solved and once to be repeated, and a second each to be ended.
-    assert taken < (len(rows) + len(drives)) * 3 * (LIMIT + 1)
+    assert taken < (len(rows) + len(simulations)) * 3 * (LIMIT + 1)
 
 
 FORKING = """

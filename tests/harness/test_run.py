@@ -43,10 +43,10 @@ def test_a_run_leaves_every_row_once_and_resumes(tmp_path) -> None:
 
 def test_an_unlike_run_is_refused_and_nothing_is_lost(tmp_path) -> None:
     folder = tmp_path / "run"
-    run(small_plan(drives=()), folder, 1, quiet())
+    run(small_plan(simulations=()), folder, 1, quiet())
     before = verdicts(folder)
     with pytest.raises(ResultsError, match=r"settings\.tolerances"):
-        run(small_plan(drives=(), tolerances=(1e-5,)), folder, 1, quiet())
+        run(small_plan(simulations=(), tolerances=(1e-5,)), folder, 1, quiet())
     assert verdicts(folder) == before
     stranger = tmp_path / "photos"
     stranger.mkdir()
@@ -96,7 +96,7 @@ def test_unreadable_results_are_named(tmp_path) -> None:
 
 def test_what_unpacks_to_too_much_is_refused_unread(tmp_path, monkeypatch) -> None:
     folder = tmp_path / "run"
-    run(small_plan(drives=()), folder, 1, quiet())
+    run(small_plan(simulations=()), folder, 1, quiet())
     path = next((folder / "problems").glob("*.npz"))
     monkeypatch.setattr(archive, "LARGEST", 100)
     with pytest.raises(InputError, match="unpacks to"):
@@ -150,7 +150,7 @@ def test_a_cell_is_rerun_from_its_row_bit_for_bit(tmp_path) -> None:
     folder = tmp_path / "run"
     run(small_plan(), folder, 1, quiet())
     same = ("verdict", "status", "residual", "work", "backward_error", "problems", "worst_residual", "energies")
-    for table in ("solves", "drives"):
+    for table in ("solves", "simulations"):
         for key in store.read_table(folder, table)["key"].iloc[[0, -1]]:
             row, again = rerun_row(folder, key, [])
             assert row is not again
@@ -171,7 +171,7 @@ def test_solve_puts_every_solver_to_one_problem() -> None:
 def test_choices_narrow_a_suite() -> None:
     plan = choose("smoke", ["stack[blocks=3]"], ("nsgs[relaxation=1.2]",), "1e-3,1e-5", 3.0)
     assert plan.sources == (Source("stack", {"blocks": 3}, 6),)
-    assert plan.solvers == plan.drive_solvers == ("nsgs[relaxation=1.2]",)
+    assert plan.solvers == plan.simulation_solvers == ("nsgs[relaxation=1.2]",)
     assert plan.tolerances == (1e-3, 1e-5)
     assert plan.time_limit == 3.0
 
@@ -180,7 +180,7 @@ def test_recorded_problems_are_replayed_cold_warm_and_shuffled(tmp_path) -> None
     plan = small_plan(
         sources=(Source("stopping_block", {}, pick=3, steps=6),),
         starts=("cold", "warm", "shuffled"),
-        drives=(),
+        simulations=(),
         tolerances=(1e-8,),
     )
     run(plan, tmp_path / "run", 1, quiet())

@@ -9,7 +9,7 @@ from frictionbench.harness.commands.shrink import shrink
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.run import run
 from frictionbench.harness.shrink import Search, smallest
-from frictionbench.harness.workers.introduce import introduce
+from frictionbench.harness.workers.plugins import load_plugins
 from frictionbench.problems import FrictionProblem, InputError, scene
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.recorded.own import load
@@ -54,7 +54,7 @@ def test_contacts_and_bodies_are_removed() -> None:
 
 
 def test_a_failing_row_is_shrunk_into_a_file(tmp_path) -> None:
-    _, plugins = introduce([str(BAD_SOLVERS)])
+    _, plugins = load_plugins([str(BAD_SOLVERS)])
     plan = Plan(
         suite="test",
         sources=(Source("stack", {"blocks": 4, "push": 1.0}),),

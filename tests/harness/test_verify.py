@@ -35,8 +35,8 @@ def off_by(problem, size):
     [
         (0.5, Status.SOLVED, "solved"),
         (0.5, Status.STALLED, "solved"),
-        (1.000001, Status.SOLVED, "missed"),
-        (9.5, Status.SOLVED, "missed"),
+        (1.000001, Status.SOLVED, "near_miss"),
+        (9.5, Status.SOLVED, "near_miss"),
         (11.0, Status.SOLVED, "wrong"),
         (1.5, Status.STALLED, "unsolved"),
     ],
@@ -70,7 +70,7 @@ def test_a_relaxation_misses_by_its_own_residual():
     tol = relaxation_residual(problem, moved) / 3
     assert NEAR * tol < residual(problem, moved)
     finding = verify(problem, claim(moved), RELAXATION, tol)
-    assert finding.verdict == "missed"
+    assert finding.verdict == "near_miss"
     assert "of its model" in finding.reason
     assert verify(problem, claim(moved), RELAXATION, 4 * tol).verdict == "relaxed"
 
@@ -190,6 +190,6 @@ def test_rounding_stays_below_the_floor(seed, dimension):
 def test_a_bare_lcp_is_judged_alike():
     lcp = LCP(np.eye(2), [-1.0, -1.0])
     answer = Answer(np.zeros((0, 0)), Status.SOLVED, z=np.array([1.0, 1.0 + 3e-8]))
-    assert verify_lcp(lcp, answer, 1e-8).verdict == "missed"
+    assert verify_lcp(lcp, answer, 1e-8).verdict == "near_miss"
     assert verify_lcp(lcp, answer, 1e-9).verdict == "wrong"
     assert verify_lcp(lcp, answer, 1e-7).verdict == "solved"

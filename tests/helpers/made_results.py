@@ -36,18 +36,24 @@ def lost_row(variant: str, problem: str, verdict: str, tol: float = 1e-8, **give
     return solve_row(variant, problem, tol, **nothing | {"verdict": verdict, "reason": "for a reason"} | given)
 
 
-def drive_row(variant: str, **given: Any) -> dict[str, Any]:
-    """A drive of three steps that loses half of its energy."""
-    row: dict[str, Any] = {"key": f"drive-{variant}", "scene": "bar", "parameters": "{}", "solver": variant, "variant": variant}
+def simulation_row(variant: str, **given: Any) -> dict[str, Any]:
+    """A simulation of three steps that loses half of its energy."""
+    row: dict[str, Any] = {
+        "key": f"simulation-{variant}",
+        "scene": "bar",
+        "parameters": "{}",
+        "solver": variant,
+        "variant": variant,
+    }
     row |= {"tol": 1e-8, "verdict": "solved", "host": "here", "scheme": "stepping", "energy_scale": 2.0, "energy_drift": -0.5}
     return row | {"times": [0.0, 0.1, 0.2], "energies": [2.0, 1.5, 1.0], "penetrations": [0.0] * 3} | given
 
 
 def write_folder(
-    folder: Path, solves: list[dict[str, Any]], drives: list[dict[str, Any]] | None = None, **manifest: Any
+    folder: Path, solves: list[dict[str, Any]], simulations: list[dict[str, Any]] | None = None, **manifest: Any
 ) -> Path:
     """A finished run with these rows."""
-    for table, rows in zip(TABLES, (solves, drives or []), strict=True):
+    for table, rows in zip(TABLES, (solves, simulations or []), strict=True):
         with ShardWriter(folder, table, "test") as writer:
             for row in rows:
                 writer.write(row)

@@ -20,8 +20,8 @@ def small_plan(**changes) -> Plan:
         sources=(Source("stack", {"blocks": 2, "push": 1.0}), Source("random", {"seed": 1, "contacts": 4})),
         solvers=("lemke", "nsgs"),
         tolerances=(1e-4, 1e-8),
-        drives=(Source("stopping_block", {}, steps=5),),
-        drive_solvers=("lemke",),
+        simulations=(Source("stopping_block", {}, steps=5),),
+        simulation_solvers=("lemke",),
         time_limit=5.0,
     )
     return replace(plan, **changes)
@@ -30,7 +30,7 @@ def small_plan(**changes) -> Plan:
 def verdicts(folder: Path) -> dict[str, tuple]:
     """What a run found, without times: by key, the verdict, residual and work."""
     found = {}
-    for table in ("solves", "drives"):
+    for table in ("solves", "simulations"):
         for row in store.read_table(folder, table).to_dict("records"):
             found[row["key"]] = (row["verdict"], row.get("residual"), row.get("work"), row.get("energy_drift"))
     return found

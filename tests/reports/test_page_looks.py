@@ -15,7 +15,7 @@ from frictionbench.reports.charts import CHARTS
 from frictionbench.reports.page import write_report
 from frictionbench.reports.run import read_run
 from tests.helpers.browser import browse, in_browser
-from tests.helpers.made_results import drive_row, lost_row, solve_row, write_folder
+from tests.helpers.made_results import lost_row, simulation_row, solve_row, write_folder
 from tests.helpers.places import HELPERS
 
 WIDTHS = (400, 1400)
@@ -26,7 +26,7 @@ def folder_of(path: Path, solvers: int) -> Path:
     """Solvers of all kinds of names on a scene of six sizes and two others, one of them trivial; one claims falsely."""
     random = np.random.default_rng(0)
     names = [*("lemke", "nsgs", "ccp[backend=clarabel]"), *(f"method_{i}[relaxation=1.{i}]" for i in range(solvers - 3))]
-    rows, drives = [], []
+    rows, simulations = [], []
     for i, name in enumerate(names):
         for k, contacts in enumerate((1, 2, 5, 12, 40, 150)):
             for tol in (1e-4, 1e-6, 1e-8):
@@ -35,7 +35,7 @@ def folder_of(path: Path, solvers: int) -> Path:
                     "contacts": contacts,
                     "size": 4 * contacts,
                     "rank": 2 * contacts - k,
-                    "response": 10.0**k,
+                    "sensitivity": 10.0**k,
                     "family": f"f{i % 4}",
                 }
                 facts |= {
@@ -50,10 +50,10 @@ def folder_of(path: Path, solvers: int) -> Path:
             solve_row(name, "t", scene="jam", trivial=True),
         ]
         rises = [2.0, 2.0 + 10.0 ** -(1 + i), 2.0 + 10.0 ** -(1 + i)]
-        drives += [drive_row(name), drive_row(name, scene="rise", energies=rises, key=f"rise {name}")]
+        simulations += [simulation_row(name), simulation_row(name, scene="rise", energies=rises, key=f"rise {name}")]
     rows[3] |= {"verdict": "wrong", "residual": 3.21e-3, "reason": "claims a residual within 1e-08, has 0.0032"}
     rows += [lost_row("lemke", "x", "timeout", scene="a_long_name_of_a_scene"), lost_row("nsgs", "y", "skipped", scene="other")]
-    return write_folder(path / f"run{solvers}", rows, drives)
+    return write_folder(path / f"run{solvers}", rows, simulations)
 
 
 def audited(report: Path, *wanted: str) -> list[dict]:

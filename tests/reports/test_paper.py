@@ -20,7 +20,7 @@ from frictionbench.reports.references import cited, references
 from frictionbench.reports.run import Run, read_run
 from frictionbench.results.files import ResultsError
 from frictionbench.solvers import available
-from tests.helpers.made_results import drive_row, lost_row, solve_row, write_folder
+from tests.helpers.made_results import lost_row, simulation_row, solve_row, write_folder
 from tests.helpers.places import ROOT
 
 EVIL = "_\\input{/etc/passwd}$x^{%&#~|<é–µ\x00\u202e漢"
@@ -34,7 +34,7 @@ def run(tmp_path) -> Run:
     rows += [solve_row(EVIL, p, solve_time=2.0) for p in "pqr"]
     for row in rows:
         row["solver"] = row["variant"].partition("[")[0]
-    return read_run(write_folder(tmp_path / "run", rows, [drive_row("lemke")], machine={"processor": EVIL}))
+    return read_run(write_folder(tmp_path / "run", rows, [simulation_row("lemke")], machine={"processor": EVIL}))
 
 
 def test_tables_have_a_unit_a_column_and_the_width_of_one_or_both(run, tmp_path, monkeypatch) -> None:

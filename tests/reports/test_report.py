@@ -26,18 +26,19 @@ from frictionbench.reports.markdown import write_markdown
 from frictionbench.reports.page import write_report
 from frictionbench.reports.paper import write_paper
 from frictionbench.reports.recorded import recorded_problems
-from frictionbench.reports.run import Run, annotate, annotate_drives, read_run
+from frictionbench.reports.run import Run, annotate, annotate_simulations, read_run
 from frictionbench.reports.sheets import sheets
 from frictionbench.reports.standing import sentences, standings
 from frictionbench.reports.tables import problem_classes
 from frictionbench.reports.templates import script
 from frictionbench.reports.told import settings
-from frictionbench.results.courses import Course, write_courses
+from frictionbench.results.convergence import ConvergenceHistory, write_histories
 from frictionbench.results.polygon import Deviation, write_deviations
-from frictionbench.results.schema import SOLVES, VERDICTS, arrow_schema
+from frictionbench.results.schema import SOLVES, arrow_schema
 from frictionbench.results.store import ResultsError
+from frictionbench.results.verdicts import Verdict
 from tests.helpers.browser import browse, in_browser
-from tests.helpers.made_results import drive_row, lost_row, solve_row, write_folder
+from tests.helpers.made_results import lost_row, simulation_row, solve_row, write_folder
 
 
 @pytest.fixture(autouse=True)
@@ -55,7 +56,7 @@ def annotated(*rows):
 
 
 def run_of(*rows):
-    return Run({}, annotated(*rows), annotate_drives(table("drives", [])))
+    return Run({}, annotated(*rows), annotate_simulations(table("simulations", [])))
 
 
 def by_entry(table, problem_class="bar"):
@@ -144,12 +145,12 @@ def test_trivial_problems_enter_no_headline_and_are_counted_apart():
 def test_solvability_counts_every_verdict():
     answers = [
         solve_row("a", v, verdict=v, claimed=v != "unsolved")
-        for v in ("solved", "relaxed", "missed", "unjudgeable", "wrong", "unsolved")
+        for v in ("solved", "relaxed", "near_miss", "unjudgeable", "wrong", "unsolved")
     ]
     lost = [lost_row("a", v, v) for v in ("timeout", "crashed", "skipped")]
     row = tables.solvability(run_of(*answers, *lost)).iloc[0]
     assert (row["cells"], row["claimed"]) == (9, 5)
-    assert all(row[verdict] == 1 for verdict in VERDICTS)
+    assert all(row[verdict] == 1 for verdict in Verdict)
 
 
 def test_warm_and_cold_are_apart():
@@ -244,7 +245,7 @@ RUN = [
     lost_row("path", "p0", "skipped"),
 ]
 for _row in RUN[:-2]:
-    _row |= {"response": 2.0, "backward_error": 1e-9, "work": '{"iterations": 3}'}
+    _row |= {"sensitivity": 2.0, "backward_error": 1e-9, "work": '{"iterations": 3}'}
 
 
 def test_a_large_share_of_form_is_marked(tmp_path):
@@ -258,21 +259,21 @@ def test_a_large_share_of_form_is_marked(tmp_path):
 
 def test_a_portfolio_is_marked_wherever_it_is_named(tmp_path):
     rows = [solve_row("mixture", "p", members="lemke, nsgs", solve_time=1e-3), solve_row("nsgs", "p")]
-    folder = write_folder(tmp_path / "run", rows, [drive_row("mixture", members="lemke, nsgs")])
+    folder = write_folder(tmp_path / "run", rows, [simulation_row("mixture", members="lemke, nsgs")])
     page, run = _Page(write_report(folder)), read_run(folder)
     assert "mixture* may run lemke, nsgs." in page.text
     assert "the fastest of them is mixture*, with a mean of 2 ms" in page.text
     assert re.search(r"(?<!check-solver ')mixture(?!\*)", page.text) is None
     assert set(run.looks) == {"mixture*", "nsgs"}
-    assert set(run.drives["entry"]) == {"mixture*"}
+    assert set(run.simulations["entry"]) == {"mixture*"}
     assert looks(["hybrid*"])["hybrid*"].colour == looks(["hybrid"])["hybrid"].colour
     assert r"mixture* &" in (write_paper(folder, read_run(folder)) / "times.tex").read_text()
 
 
 def test_the_page_has_all_its_parts_and_stands_alone(tmp_path):
     torn = lost_row("nsgs", "", "skipped", scene="Chain", parameters='{"file": "torn.dat"}', contacts=None, dimension=None)
-    drives = [drive_row("nsgs"), drive_row("ccp", energies=[2.0, 2.1, 2.3])]
-    folder = write_folder(tmp_path / "run", [*RUN, torn], drives)
+    simulations = [simulation_row("nsgs"), simulation_row("ccp", energies=[2.0, 2.1, 2.3])]
+    folder = write_folder(tmp_path / "run", [*RUN, torn], simulations)
     write_deviations(folder, [Deviation(0, 0.01, 1e-3, 0.0), Deviation(4, 0.01, 25e-3, 24e-3)])
     path = write_report(folder)
     page = _Page(path)
@@ -291,20 +292,20 @@ def test_the_page_has_all_its_parts_and_stands_alone(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("solves", "drives"),
+    ("solves", "simulations"),
     [
         ([], []),
-        ([], [drive_row("a", energies=[], times=[]), drive_row("b", energies=None, times=None, energy_scale=None)]),
+        ([], [simulation_row("a", energies=[], times=[]), simulation_row("b", energies=None, times=None, energy_scale=None)]),
         ([solve_row("a", "p", trivial=True)], []),
         ([lost_row("a", "p", "skipped", size=None, contacts=None, dimension=None, condition=None)], []),
         ([solve_row("a", "p", residual=float("inf"), verdict="unsolved")], []),
-        ([solve_row("a", "p")], [drive_row("a", energies=[1.0, float("inf"), float("nan")])]),
+        ([solve_row("a", "p")], [simulation_row("a", energies=[1.0, float("inf"), float("nan")])]),
     ],
-    ids=["nothing", "drives alone", "trivial", "skipped", "no residual", "one solver"],
+    ids=["nothing", "simulations alone", "trivial", "skipped", "no residual", "one solver"],
 )
-def test_a_partial_run_makes_a_page(tmp_path, solves, drives):
-    write_folder(tmp_path, solves, drives)
-    (tmp_path / "manifest.json").write_text('{"settings": {}}')
+def test_a_partial_run_makes_a_page(tmp_path, solves, simulations):
+    write_folder(tmp_path, solves, simulations)
+    (tmp_path / "manifest.json").write_text('{"schema": 2, "settings": {}}')
     page = _Page(write_report(tmp_path))
     assert "has not finished" in page.text
     assert "Known limitations" in page.text
@@ -315,10 +316,10 @@ def test_strangers_text_stays_text(tmp_path):
     evil = '_<script>alert(1)</script>$x^{" onload="alert(1)"&\x00\x1b\u202e&#60; {{ 7 * 7 }}'
     texts = [column.name for column in SOLVES if str(column.type) == "string"]
     row = solve_row("a", "p") | dict.fromkeys(texts, evil) | {"verdict": "wrong", "start": "warm"}
-    drive = drive_row("a") | dict.fromkeys(("scene", "parameters", "variant", "scheme", "reason", "key"), evil)
+    simulation = simulation_row("a") | dict.fromkeys(("scene", "parameters", "variant", "scheme", "reason", "key"), evil)
     manifest = {"machine": {evil: evil}, evil: {evil: [evil]}}
     path = write_report(
-        write_folder(tmp_path, [row | {"parameters": evil}, row | {"key": "b", "scene": "c"}], [drive], **manifest)
+        write_folder(tmp_path, [row | {"parameters": evil}, row | {"key": "b", "scene": "c"}], [simulation], **manifest)
     )
     page = _Page(path)
     assert_only_our_script_runs(path, page)
@@ -350,8 +351,10 @@ def test_an_entry_looks_the_same_whatever_the_order():
 
 
 def test_every_chart_is_on_the_page_and_in_the_paper(tmp_path):
-    folder = write_folder(tmp_path, RUN, [drive_row("nsgs")])
-    write_courses(folder, [Course("bar", "{}", 0, "nsgs", 2, True, [1, 2], [1.0, 1e-9], [[1.0, 0.0], [2.0, 0.0]])])
+    folder = write_folder(tmp_path, RUN, [simulation_row("nsgs")])
+    write_histories(
+        folder, [ConvergenceHistory("bar", "{}", 0, "nsgs", 2, True, [1, 2], [1.0, 1e-9], [[1.0, 0.0], [2.0, 0.0]])]
+    )
     page, paper = _Page(write_report(folder)), write_paper(folder, read_run(folder))
     run = read_run(folder)
     drawn = [chart for chart in CHARTS if chart.panels(run)]
@@ -625,7 +628,7 @@ def test_the_run_is_told_as_a_list_that_can_be_pasted():
 def test_a_page_says_why_an_unfinished_run_does_not_compare(tmp_path):
     folder = write_folder(tmp_path / "run", [solve_row("a", "p"), solve_row("a", "q"), solve_row("b", "p")])
     assert "Partial: 1 pairs" in _Page(write_report(folder)).text
-    (folder / "manifest.json").write_text('{"settings": {}}', encoding="utf-8")
+    (folder / "manifest.json").write_text('{"schema": 2, "settings": {}}', encoding="utf-8")
     text = _Page(write_report(folder)).text
     assert "This run has not finished. 1 pairs of a problem and a solver have no row yet" in text
     assert "Partial" not in text

@@ -14,7 +14,7 @@ from frictionbench.results.changes import Flip
 from frictionbench.results.compare import compare
 from frictionbench.results.store import ResultsError
 from tests.helpers.command_line import frictionbench
-from tests.helpers.made_results import drive_row, lost_row, solve_row, write_folder
+from tests.helpers.made_results import lost_row, simulation_row, solve_row, write_folder
 from tests.helpers.places import ROOT
 
 SMOKE = ROOT / "results" / "baselines" / "smoke.tsv"
@@ -23,7 +23,10 @@ SMOKE = ROOT / "results" / "baselines" / "smoke.tsv"
 def run(folder, pivots=10, verdict="solved", **manifest):
     solved = [solve_row("a", f"p{i}", work=json.dumps({"pivots": pivots, "restarts": 0})) for i in range(3)]
     return write_folder(
-        folder, [*solved, solve_row("b", "p", verdict=verdict), lost_row("c", "p", "skipped")], [drive_row("a")], **manifest
+        folder,
+        [*solved, solve_row("b", "p", verdict=verdict), lost_row("c", "p", "skipped")],
+        [simulation_row("a")],
+        **manifest,
     )
 
 
@@ -32,8 +35,8 @@ def test_a_baseline_is_one_sorted_table_and_compares_like_its_run(tmp_path):
     before, told = accept(made, path)
     assert (before, told) == (None, f"accepted: {path}, 6 cells: 5 solved, 1 skipped")
     lines = path.read_text(encoding="utf-8").splitlines()
-    assert lines[:2] == ["# suite: made", "# tolerances: 1e-08 0.0001"]
-    assert lines[5:] == sorted(lines[5:])
+    assert lines[:3] == ["# schema: 2", "# suite: made", "# tolerances: 1e-08 0.0001"]
+    assert lines[6:] == sorted(lines[6:])
     assert (
         "a\tsolve\tbar[friction=0.2]\t0\tstep\tcold\t1e-08\tsolved\t1.0e-09\tpivots 10, restarts 0\t3e-03\t10\ta-p0-1e-08"
         in lines
@@ -55,8 +58,9 @@ def test_what_is_no_baseline_is_not_written_over_and_told(tmp_path):
     accept(made, tmp_path / "good.tsv")
     text = (tmp_path / "good.tsv").read_text(encoding="utf-8")
     for spoilt, told in (
-        (text + "a\tb\n", r"spoilt\.tsv:12: 2 columns"),
+        (text + "a\tb\n", r"spoilt\.tsv:13: 2 columns"),
         (text.replace("solved", "fine"), "unknown verdict 'fine'"),
+        (text.replace("# schema: 2\n", ""), "of schema 1, this version reads 2"),
     ):
         (tmp_path / "spoilt.tsv").write_text(spoilt, encoding="utf-8")
         with pytest.raises(ResultsError, match=told):

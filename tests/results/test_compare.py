@@ -15,7 +15,7 @@ from frictionbench.results import cells
 from frictionbench.results.changes import Flip
 from frictionbench.results.compare import Limits, compare, confirm, suspects
 from frictionbench.results.times import estimate
-from tests.helpers.made_results import MACHINE, SETTINGS, drive_row, lost_row, solve_row, write_folder
+from tests.helpers.made_results import MACHINE, SETTINGS, lost_row, simulation_row, solve_row, write_folder
 
 ELSEWHERE = {"machine": MACHINE | {"host": "there"}}
 
@@ -49,7 +49,7 @@ def test_equal_runs_pass(runs):
     assert markdown(result).startswith("## worse 0 · better 0 · same 2 · new 0 · gone 0 · skipped 0\n")
 
 
-ORDER = ["solved", "relaxed", "missed", "unjudgeable", "unsolved", "timeout", "crashed", "wrong"]
+ORDER = ["solved", "relaxed", "near_miss", "unjudgeable", "unsolved", "timeout", "crashed", "wrong"]
 
 
 @pytest.mark.parametrize(("better", "worse"), list(pairwise(ORDER)))
@@ -254,11 +254,11 @@ def test_the_interval_is_wilcoxons(n):
     assert wilcoxon(shifts - np.log(high) + 1e-9, method="exact").pvalue > 0.05
 
 
-def test_drives_count_too(tmp_path):
+def test_simulations_count_too(tmp_path):
     solves = rows(["solved"])
-    before = write_folder(tmp_path / "before", solves, [drive_row("a")])
-    after = write_folder(tmp_path / "after", solves, [drive_row("a", verdict="unsolved")])
-    assert told(compare(before, after).worse) == ["drive-a solved → unsolved"]
+    before = write_folder(tmp_path / "before", solves, [simulation_row("a")])
+    after = write_folder(tmp_path / "after", solves, [simulation_row("a", verdict="unsolved")])
+    assert told(compare(before, after).worse) == ["simulation-a solved → unsolved"]
 
 
 def test_markdown_folds_what_is_long_and_keeps_strangers_text_in_its_cell(runs):

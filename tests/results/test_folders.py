@@ -1,5 +1,6 @@
 """Results folders that were damaged, or made by an enemy: told in one line, never followed, never believed."""
 
+import json
 import os
 import re
 import subprocess
@@ -201,7 +202,7 @@ def test_a_disk_that_is_full_is_named_and_the_run_goes_on_where_there_is_room(tm
 
 @pytest.mark.parametrize("place", ["", "shards"])
 def test_a_folder_that_cannot_be_written_is_named(tmp_path, place) -> None:
-    folder, plan = tmp_path / "run", small_plan(drives=())
+    folder, plan = tmp_path / "run", small_plan(simulations=())
     if place:
         open_folder(plan, folder)
     (folder / place).touch()
@@ -210,7 +211,7 @@ def test_a_folder_that_cannot_be_written_is_named(tmp_path, place) -> None:
 
 
 def test_a_source_that_cannot_keep_its_problems_is_rows_with_the_reason_until_it_can(tmp_path) -> None:
-    folder, plan = tmp_path / "run", small_plan(drives=())
+    folder, plan = tmp_path / "run", small_plan(simulations=())
     open_folder(plan, folder)
     (folder / "problems").touch()
     run(plan, folder, 1, quiet())
@@ -221,3 +222,12 @@ def test_a_source_that_cannot_keep_its_problems_is_rows_with_the_reason_until_it
     run(plan, folder, 1, quiet())
     again = store.read_table(folder, "solves")
     assert (len(again), set(again["verdict"])) == (len(rows), {"solved"})
+
+
+def test_a_folder_of_another_schema_is_refused(tmp_path) -> None:
+    folder = write_folder(tmp_path / "run", [solve_row("a", "p")])
+    manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
+    for schema in (1, 3, "2", None):
+        (folder / "manifest.json").write_text(json.dumps(manifest | {"schema": schema}), encoding="utf-8")
+        done = frictionbench("report", str(folder))
+        assert (done.returncode, "this version reads 2; run it again" in done.stderr) == (2, True)

@@ -13,7 +13,7 @@ from frictionbench.problems import InputError
 from frictionbench.problems.instances import make_instance
 from frictionbench.results.files import ResultsError
 from frictionbench.results.polygon import NAME, read_deviations
-from frictionbench.results.schema import RELAXED
+from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers import find, solve
 
 LCP_SOLVERS = ("lemke", "path_search", "dantzig", "fischer_newton", "minmap_newton", "murty")
@@ -29,7 +29,7 @@ def test_the_polygons_error_is_the_models(name) -> None:
     spec = f"{name}[facets=12]"
     finding = verify(problem, solve(problem, spec, tol=1e-8), find(spec)[0], 1e-8)
     if name != "murty":  # sure for P-matrices only, and this is none
-        assert finding.verdict == RELAXED
+        assert finding.verdict == Verdict.RELAXED
         assert finding.model_residual <= 1e-8
     assert finding.residual > 1e-5
 

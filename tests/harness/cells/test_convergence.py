@@ -3,17 +3,17 @@
 import numpy as np
 import pytest
 
-from frictionbench.harness.cells import course
-from frictionbench.harness.cells.course import follow
-from frictionbench.harness.follow import chosen
+from frictionbench.harness.cells import convergence
+from frictionbench.harness.cells.convergence import convergence_history
+from frictionbench.harness.convergence import chosen
 from frictionbench.harness.run import run
 from frictionbench.problems import scene
 from frictionbench.problems.residual import residual
-from frictionbench.reports.charts import courses as chart
+from frictionbench.reports.charts import convergence as chart
 from frictionbench.reports.charts import forces
 from frictionbench.reports.page import write_report
 from frictionbench.reports.run import read_run
-from frictionbench.results.courses import NAME, Course, read_courses, write_courses
+from frictionbench.results.convergence import NAME, ConvergenceHistory, read_histories, write_histories
 from frictionbench.results.store import ResultsError
 from frictionbench.solvers import Answer, Status, find
 from tests.helpers.made_results import solve_row, write_folder
@@ -22,14 +22,14 @@ from tests.helpers.runs import quiet, small_plan
 
 @pytest.fixture(autouse=True)
 def no_hurry(monkeypatch) -> None:
-    """What is compiled in a first call, on a busy machine, takes longer than a course may."""
-    monkeypatch.setattr(course, "BUDGET", 1e3)
+    """What is compiled in a first call, on a busy machine, takes longer than a history may."""
+    monkeypatch.setattr(convergence, "BUDGET", 1e3)
 
 
 def test_a_course_comes_down_to_the_answer() -> None:
     problem = scene("stack", blocks=3).problem()
     _, solver = find("nsgs")
-    units, residuals, impulse = follow(problem, solver, 1e-8)
+    units, residuals, impulse = convergence_history(problem, solver, 1e-8)
     assert units == sorted(set(units))
     assert residuals[-1] <= 1e-8 < residuals[0]
     assert residuals[-1] == residual(problem, impulse)
@@ -49,7 +49,7 @@ class Boaster:
 
 def test_what_a_solver_believes_of_itself_is_not_in_its_course() -> None:
     problem = scene("stack", blocks=1).problem()
-    units, residuals, impulse = follow(problem, Boaster(), 1e-8)
+    units, residuals, impulse = convergence_history(problem, Boaster(), 1e-8)
     assert units == [1, 2, 3]
     assert residuals == [residual(problem, impulse)] * 3
     assert residuals[0] > 1e-3
@@ -72,11 +72,11 @@ def test_large_and_redundant_problems_are_chosen_and_no_trivial_ones() -> None:
 def test_a_run_leaves_its_courses_and_the_page_shows_them(tmp_path) -> None:
     folder = tmp_path / "run"
     run(small_plan(tolerances=(1e-8,)), folder, 1, quiet())
-    found = read_courses(folder)
+    found = read_histories(folder)
     solved = {(row.variant) for row in read_run(folder).rows.itertuples() if row.verdict == "solved"}
     assert found
-    assert {course.variant for course in found} <= solved
-    assert all(course.residuals[-1] <= 1e-8 for course in found)
+    assert {history.variant for history in found} <= solved
+    assert all(history.residuals[-1] <= 1e-8 for history in found)
     page = write_report(folder).read_text(encoding="utf-8")
     assert ("Residual against iterations" in page) == bool(chart.panels(read_run(folder)))
 
@@ -85,9 +85,9 @@ def test_forces_are_drawn_where_they_are_not_unique(tmp_path) -> None:
     folder = write_folder(tmp_path / "run", [solve_row("a", "p"), solve_row("b", "p")])
     table = ("table", '{"legs": 3}', 0)
     shares = {"a": [[1.0, 0.0], [1.0, 0.0], [1.0, 0.0]], "b": [[1.5, 0.0], [0.0, 0.0], [1.5, 0.0]]}
-    courses = [Course(*table, name, 3, True, [1, 2], [1e-3, 0.0], share) for name, share in shares.items()]
-    write_courses(folder, [*courses, Course("bar", "{}", 2, "a", 1, False, [1, 2], [1.0, 1e-9], [])])
-    assert read_courses(folder)[:2] == courses
+    histories = [ConvergenceHistory(*table, name, 3, True, [1, 2], [1e-3, 0.0], share) for name, share in shares.items()]
+    write_histories(folder, [*histories, ConvergenceHistory("bar", "{}", 2, "a", 1, False, [1, 2], [1.0, 1e-9], [])])
+    assert read_histories(folder)[:2] == histories
     run = read_run(folder)
     assert [panel.title for panel in forces.panels(run)] == ["table[legs=3]: 3 contacts"]
     assert [panel.title for panel in chart.panels(run)] == ["table[legs=3]: 3 contacts", "bar, step 2: 1 contact"]
@@ -96,5 +96,5 @@ def test_forces_are_drawn_where_they_are_not_unique(tmp_path) -> None:
 @pytest.mark.parametrize("text", ["{", "[1]", '[{"scene": "a"}]', "[[]]"])
 def test_a_file_of_courses_that_is_none_is_refused(tmp_path, text) -> None:
     (tmp_path / NAME).write_text(text, encoding="utf-8")
-    with pytest.raises(ResultsError, match=r"courses\.json: cannot be read"):
-        read_courses(tmp_path)
+    with pytest.raises(ResultsError, match=r"convergence\.json: cannot be read"):
+        read_histories(tmp_path)

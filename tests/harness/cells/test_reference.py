@@ -86,7 +86,7 @@ def _home(source, met):
 
 def test_a_source_that_yields_nothing_is_rows_with_the_reason(tmp_path):
     nothing = Source("stopping_block", {}, pick=3, steps=0)
-    plan = small_plan(sources=(nothing, Source("stack", {"blocks": 2, "push": 1.0})), drives=(), tolerances=(1e-8,))
+    plan = small_plan(sources=(nothing, Source("stack", {"blocks": 2, "push": 1.0})), simulations=(), tolerances=(1e-8,))
     run(plan, tmp_path / "run", 1, quiet())
     rows = store.read_table(tmp_path / "run", "solves")
     empty, full = rows[rows["problem"] == ""], rows[rows["problem"] != ""]
@@ -99,7 +99,9 @@ def test_a_source_that_yields_nothing_is_rows_with_the_reason(tmp_path):
 
 def test_equal_problems_of_two_sources_are_two_rows_with_their_own_starts(tmp_path):
     plan = small_plan(
-        sources=(Source("stack", {"blocks": 2}), Source("stack", {"blocks": 2, "push": 0.0})), drives=(), tolerances=(1e-8,)
+        sources=(Source("stack", {"blocks": 2}), Source("stack", {"blocks": 2, "push": 0.0})),
+        simulations=(),
+        tolerances=(1e-8,),
     )
     run(plan, tmp_path / "run", 1, quiet())
     rows = store.read_table(tmp_path / "run", "solves")

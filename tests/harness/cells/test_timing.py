@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from numba import njit
 
-from frictionbench.harness.cells import drive, timing
-from frictionbench.harness.plans.plan import DriveCell
+from frictionbench.harness.cells import simulation, timing
+from frictionbench.harness.plans.plan import SimulationCell
 from frictionbench.solvers import Answer, SolverInfo, Status, find, solve
 from frictionbench.solvers.interface import with_all_steps
 from tests.helpers.friction_problems import block
@@ -86,12 +86,12 @@ def test_a_solver_that_loads_in_every_call_has_no_times(clock):
     assert (found.form, found.setup, found.solve) == ([], [], [])
 
 
-def test_a_drive_counts_no_call_that_loads_anything(clock):
+def test_a_simulation_counts_no_call_that_loads_anything(clock):
     info = SolverInfo("late", "", "coulomb", (2,), False, False, (), (), (), (), Late)
-    cell = DriveCell("stopping_block", {}, "late", 1e-8, steps=3)
-    found = drive.drive(cell, info, Late(clock, loads=2))
+    cell = SimulationCell("stopping_block", {}, "late", 1e-8, steps=3)
+    found = simulation.run_closed_loop(cell, info, Late(clock, loads=2))
     assert found["solver_time"] == 7.0 * found["problems"]
-    assert drive.drive(cell, info, Late(clock, loads=10**6))["solver_time"] is None
+    assert simulation.run_closed_loop(cell, info, Late(clock, loads=10**6))["solver_time"] is None
 
 
 @pytest.mark.parametrize("name", ["lemke", "path_search", "interior_point", "nsgs", "admm", "hybrid"])

@@ -92,7 +92,7 @@ def test_instances_are_sources_with_labels(tmp_path) -> None:
     (entry,) = collect(tmp_path, named_source("cubes[boxes=2]"))
     assert (entry["contacts"], entry["dimension"], entry["rank"], entry["redundancy"]) == (8, 3, 12, 12)
     assert entry["solutions"] is None
-    assert np.isfinite(entry["response"])
+    assert np.isfinite(entry["sensitivity"])
     assert not named_source("cubes").moves
     assert named_source("stack").moves
     with pytest.raises(InputError, match=r"^bricks: cubes has no such parameter"):

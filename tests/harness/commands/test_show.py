@@ -26,7 +26,7 @@ from frictionbench.results.motion import read_motion, write_motion
 from frictionbench.results.store import ResultsError
 from frictionbench.solvers import available, solve
 from tests.helpers.browser import browse, in_browser
-from tests.helpers.made_results import drive_row, solve_row, write_folder
+from tests.helpers.made_results import simulation_row, solve_row, write_folder
 from tests.helpers.places import BAD_SOLVERS
 
 OUTSIDER = """
@@ -237,7 +237,7 @@ def test_strangers_text_stays_text(tmp_path) -> None:
 
 
 def test_the_report_links_to_the_motions_of_its_scenes(tmp_path) -> None:
-    folder = write_folder(tmp_path, [solve_row("a", "p", scene="stack"), solve_row("a", "q")], [drive_row("a")])
+    folder = write_folder(tmp_path, [solve_row("a", "p", scene="stack"), solve_row("a", "q")], [simulation_row("a")])
     source = Source("stack", {"blocks": 2}, steps=2)
     keep(folder, source)
     (made,) = (folder / "motion").iterdir()

@@ -6,7 +6,7 @@ import pytest
 
 from frictionbench.harness.commands.single import everyone
 from frictionbench.harness.workers import pool
-from frictionbench.harness.workers.introduce import introduce
+from frictionbench.harness.workers.plugins import load_plugins
 from frictionbench.problems import InputError
 from frictionbench.results import store
 from frictionbench.solvers import plugins
@@ -59,7 +59,7 @@ def test_the_solver_of_an_installed_distribution_is_listed_solves_and_runs(distr
 
 
 def test_it_is_code_from_outside_held_to_the_contract(distribution) -> None:
-    variants, (made,) = introduce(["nsgs", "guest"])
+    variants, (made,) = load_plugins(["nsgs", "guest"])
     assert variants == ("guest", "nsgs")
     assert made.solvers.keys() == {"guest"}
     assert made.content == plugins.content("guest")
@@ -69,17 +69,17 @@ def test_it_is_code_from_outside_held_to_the_contract(distribution) -> None:
 
 def test_one_that_cannot_be_used_is_named(distribution) -> None:
     with pytest.raises(InputError, match=r"solver: made_up\.solvers of made-up 1\.2 defines no solver absent"):
-        introduce(["absent"])
+        load_plugins(["absent"])
     (distribution / "made_up" / "solvers.py").write_text("\n1 / 0", encoding="utf-8")
     with pytest.raises(InputError, match=r"guest of made-up 1\.2 cannot be imported \(ZeroDivisionError.*at solvers\.py:2"):
-        introduce(["guest"])
+        load_plugins(["guest"])
     twin = distribution / "twin-3.dist-info"
     twin.mkdir()
     (twin / "METADATA").write_text(METADATA.replace("made-up", "twin"), encoding="utf-8")
     (twin / "entry_points.txt").write_text(POINTS, encoding="utf-8")
     with pytest.raises(InputError, match=r"guest is in made-up 1\.2 and in twin"):
-        introduce(["guest"])
-    assert introduce(["nsgs"]) == (("nsgs",), ())
+        load_plugins(["guest"])
+    assert load_plugins(["nsgs"]) == (("nsgs",), ())
     variants, plugins, complaints = everyone()  # for a bare `solve`, which goes on without them
     assert "nsgs" in variants
     assert plugins == ()

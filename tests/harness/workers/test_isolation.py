@@ -131,7 +131,7 @@ print(ended, len(naps) < process.PATIENCE / max(naps) / 2, process.descendants(o
 
 
 def test_what_a_worker_leaves_is_ended_without_waiting_for_it_to_be_buried() -> None:
-    """The dead child stays, a zombie, with the worker that is spared; it takes the keeper no patience."""
+    """The dead child stays, a zombie, with the worker that is spared; it takes the supervisor no patience."""
     done = subprocess.run(
         [sys.executable, "-c", SPARED], capture_output=True, text=True, check=True, cwd=machine.PACKAGE.parent
     )
@@ -236,7 +236,7 @@ def test_a_run_outlives_its_server_its_keepers_and_its_workers(tmp_path) -> None
     command = [sys.executable, "-c", "from frictionbench.harness.cli import main; main()", "run", "smoke", "--jobs", "1"]
     command += ["--scene", "stack", "--solver", str(plugin), "--out", str(tmp_path / "run")]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
-        for depth in (1, 3, 2, 1, 3):  # below the run: the server, keepers, workers
+        for depth in (1, 3, 2, 1, 3):  # below the run: the server, supervisors, workers
             while process.poll() is None and not (victims := below(process.pid, depth)):
                 time.sleep(0.05)
             assert process.poll() is None

@@ -13,7 +13,7 @@ from frictionbench.harness.commands.shrink import shrink
 from frictionbench.harness.commands.single import rerun_row
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.run import run
-from frictionbench.harness.workers.introduce import introduce
+from frictionbench.harness.workers.plugins import load_plugins
 from frictionbench.problems import InputError
 from frictionbench.results import store
 from frictionbench.results.store import ResultsError
@@ -22,7 +22,7 @@ from tests.helpers.runs import quiet
 
 
 def plan_of(plugin: Path, **changes) -> Plan:
-    variants, plugins = introduce([str(plugin)])
+    variants, plugins = load_plugins([str(plugin)])
     source = Source("stack", {"blocks": 1, "push": 1.0})
     return Plan("test", (source,), variants, (1e-6,), plugins=plugins, time_limit=2.0, **changes)
 
@@ -30,7 +30,7 @@ def plan_of(plugin: Path, **changes) -> Plan:
 def test_a_plugin_is_imported_in_workers_alone(tmp_path) -> None:
     trace, before = tmp_path / "trace", set(sys.modules)
     plugin = write(tmp_path / "guest.py", first=f"import os; open({str(trace)!r}, 'a').write(str(os.getpid()) + ' ')")
-    variants, (made,) = introduce([str(plugin), "guest[factor=2.5]"])
+    variants, (made,) = load_plugins([str(plugin), "guest[factor=2.5]"])
     assert variants == ("guest", "guest[factor=2.5]")
     assert made.solvers["guest[factor=2.5]"]["version"].startswith("guest.py ")
     run(plan_of(plugin), tmp_path / "run", 1, quiet())
@@ -54,7 +54,7 @@ def test_a_plugin_that_cannot_be_imported_is_told_with_file_and_line(tmp_path, m
     plugin = write(tmp_path / "guest.py", first=first)
     monkeypatch.setattr("frictionbench.harness.cells.worker.IMPORTING", 2.0)
     with pytest.raises(InputError, match=rf"solver: .*guest\.py.*{told}"):
-        introduce([str(plugin)])
+        load_plugins([str(plugin)])
 
 
 def test_a_plugin_that_fails_in_workers_alone_is_told_in_its_rows(tmp_path) -> None:
@@ -93,11 +93,11 @@ def test_two_files_of_one_name_are_two(tmp_path) -> None:
     one, other = write(tmp_path / "one" / "guest.py"), tmp_path / "other" / "guest.py"
     write(other, body="return None")
     other.write_text(other.read_text(encoding="utf-8").replace('"guest"', '"visitor"'), encoding="utf-8")
-    variants, plugins = introduce([str(one), str(other)])
+    variants, plugins = load_plugins([str(one), str(other)])
     assert variants == ("guest", "visitor")
     assert len({plugin.content for plugin in plugins}) == 2
     with pytest.raises(InputError, match="guest is defined by two"):
-        introduce([str(one), str(write(tmp_path / "other" / "guest.py"))])
+        load_plugins([str(one), str(write(tmp_path / "other" / "guest.py"))])
 
 
 def test_rerun_and_shrink_run_no_file_that_only_the_folder_names(tmp_path) -> None:

@@ -22,7 +22,7 @@ from frictionbench.harness.plans.spec import parse
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import run
 from frictionbench.harness.verify import verify
-from frictionbench.harness.workers.introduce import introduce
+from frictionbench.harness.workers.plugins import load_plugins
 from frictionbench.problems import FrictionProblem, InputError, scene
 from frictionbench.problems.instances import instances, make_instance
 from frictionbench.problems.recorded import fclib, read
@@ -207,7 +207,7 @@ def test_a_peer_that_misbehaves_has_its_row_and_leaves_no_process(tmp_path) -> N
         "nowhere": ("skipped", "not installed"),
         "lemke": ("solved", ""),
     }
-    _, files = introduce([str(PEERS), *expected])
+    _, files = load_plugins([str(PEERS), *expected])
     plan = Plan(
         suite="test",
         sources=(Source("stack", {"blocks": 2, "push": 1.0}),),

@@ -1,4 +1,4 @@
-"""How solvers get to their answers, on a few problems of a run, kept as DIR/courses.json."""
+"""How solvers get to their answers, on a few problems of a run, kept as DIR/convergence.json."""
 
 import json
 import math
@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 
 from frictionbench.results.files import ResultsError, write_text
 
-NAME = "courses.json"
+NAME = "convergence.json"
 
 
-class Course(NamedTuple):
+class ConvergenceHistory(NamedTuple):
     """A solver on one problem, stopped after so many units of its own work (sweeps, iterations, pivots), and so on.
 
     parameters: the scene's, JSON. units: work allowed, rising. residuals: verified, of the answer at each. impulse: of the
@@ -29,23 +29,23 @@ class Course(NamedTuple):
     impulse: list[list[float]]
 
 
-def write_courses(folder: Path, found: list[Course]) -> None:
-    write_text(folder / NAME, json.dumps([course._asdict() for course in found]))
+def write_histories(folder: Path, found: list[ConvergenceHistory]) -> None:
+    write_text(folder / NAME, json.dumps([history._asdict() for history in found]))
 
 
-def read_courses(folder: Path) -> list[Course]:
+def read_histories(folder: Path) -> list[ConvergenceHistory]:
     """As written; none where nothing was. Errors: ResultsError where the file cannot be read."""
     path = folder / NAME
     if not path.exists():
         return []
     try:
-        return [_course(row) for row in json.loads(path.read_text(encoding="utf-8"))]
+        return [_history(row) for row in json.loads(path.read_text(encoding="utf-8"))]
     except (OSError, ValueError, TypeError, LookupError, RecursionError, OverflowError) as error:
         raise ResultsError(f"{path}: cannot be read ({error})") from None
 
 
-def _course(row: Any) -> Course:
-    course = Course(
+def _history(row: Any) -> ConvergenceHistory:
+    history = ConvergenceHistory(
         str(row["scene"]),
         str(row["parameters"]),
         None if row["step"] is None else int(row["step"]),
@@ -56,7 +56,7 @@ def _course(row: Any) -> Course:
         [float(value) for value in row["residuals"]],
         [[float(part) for part in contact] for contact in row["impulse"]],
     )
-    numbers = [*course.residuals, *(part for contact in course.impulse for part in contact)]
-    if len(course.units) != len(course.residuals) or not all(map(math.isfinite, numbers)):
-        raise ValueError(f"the course of {course.variant} on {course.scene} is not whole")
-    return course
+    numbers = [*history.residuals, *(part for contact in history.impulse for part in contact)]
+    if len(history.units) != len(history.residuals) or not all(map(math.isfinite, numbers)):
+        raise ValueError(f"the history of {history.variant} on {history.scene} is not whole")
+    return history

@@ -14,7 +14,7 @@ from frictionbench.solvers import find, plugins
 MEMORY = 4 * 2**30  # bytes
 
 
-def introduce(specs: list[str], wanted: tuple[str, ...] = ()) -> tuple[tuple[str, ...], tuple[Plugin, ...]]:
+def load_plugins(specs: list[str], wanted: tuple[str, ...] = ()) -> tuple[tuple[str, ...], tuple[Plugin, ...]]:
     """The variants that the command line names, and the plug-ins among them; a file stands for all the solvers it defines.
 
     wanted: more variants, which bring no code of their own: they must be ours, or in what specs bring.
@@ -38,7 +38,7 @@ def introduce(specs: list[str], wanted: tuple[str, ...] = ()) -> tuple[tuple[str
 
 def _asked(sources: list[str], named: list[str]) -> list[Plugin]:
     limit = worker.IMPORTING
-    tasks = [Task(source, worker.introduce, (source, named, limit), limit, owner=source) for source in sources]
+    tasks = [Task(source, worker.describe_plugin, (source, named, limit), limit, owner=source) for source in sources]
     found = {}
     with tempfile.TemporaryDirectory() as scratch, Pool(Path(scratch), 1, (), MEMORY) as pool:
         for outcome in pool.run(tasks):

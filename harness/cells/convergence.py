@@ -1,4 +1,4 @@
-"""A solver's course on one problem: the residual of its answer when it is stopped after 1 unit of its work, 2, 3, 5 ...
+"""A solver's history on one problem: the residual of its answer when it is stopped after 1 unit of its work, 2, 3, 5 ...
 
 The work limit is the solver's own: sweeps, iterations or pivots. Every answer comes from a fresh call on a copy, and is
 verified on the problem that the solver never held, like any other; no call is timed. So the curve is what a user gets who
@@ -20,7 +20,7 @@ BUDGET = 2.0  # seconds, after which no longer limit is begun
 LONGEST = 20_000  # units of work
 
 
-def follow(problem: FrictionProblem, solver: Solver, tol: float) -> tuple[list[int], list[float], Array]:
+def convergence_history(problem: FrictionProblem, solver: Solver, tol: float) -> tuple[list[int], list[float], Array]:
     """The limits, the verified residuals, and the last answer's impulses (nc, d), until the solver says that it is done.
 
     Errors: AnswerError, and whatever the solver raises.

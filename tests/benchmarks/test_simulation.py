@@ -1,4 +1,4 @@
-"""Time of a drive's step outside the solver: contacts found, the problem made and checked, the state moved on."""
+"""Time of a simulation's step outside the solver: contacts found, the problem made and checked, the state moved on."""
 
 from itertools import cycle
 

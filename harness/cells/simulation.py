@@ -19,7 +19,7 @@ import numpy as np
 
 from frictionbench.harness.cells.answers import AnswerError
 from frictionbench.harness.cells.timing import clean_call, timed_call
-from frictionbench.harness.plans.plan import KEEP_VELOCITY, RELAX, DriveCell
+from frictionbench.harness.plans.plan import KEEP_VELOCITY, RELAX, SimulationCell
 from frictionbench.harness.verify import verify
 from frictionbench.problems import FrictionProblem, scene
 from frictionbench.problems.check import Array
@@ -27,17 +27,17 @@ from frictionbench.problems.copies import duplicate, same
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.schemes import SCHEMES, NoSolution, Scheme, Solve, Step
 from frictionbench.problems.simulate import penetration, simulate
-from frictionbench.results.schema import MISSED, RELAXED, SOLVED, UNJUDGEABLE, UNSOLVED, WRONG
+from frictionbench.results.verdicts import RANK, Verdict
 from frictionbench.solvers import Solver, SolverInfo, solve
 
 DIVERGED = 1e6
 FALLBACK = "relaxation_ip"
 
 
-class _Driver:
+class _ClosedLoop:
     """The solver as a scheme calls it; keeps what was found on the way."""
 
-    def __init__(self, info: SolverInfo, solver: Solver, cell: DriveCell) -> None:
+    def __init__(self, info: SolverInfo, solver: Solver, cell: SimulationCell) -> None:
         self._info, self._solver, self._tol, self._after = info, solver, cell.tol, cell.after
         self.verdicts: Counter[str] = Counter()
         self.most_contacts = 0
@@ -46,9 +46,9 @@ class _Driver:
     def __call__(self, problem: FrictionProblem) -> Array:
         verdict, impulse = self._answered(problem)
         self.verdicts[verdict] += 1
-        if verdict != SOLVED and self._after == KEEP_VELOCITY:
+        if verdict != Verdict.SOLVED and self._after == KEEP_VELOCITY:
             raise _StepLost
-        if verdict != SOLVED and self._after == RELAX:
+        if verdict != Verdict.SOLVED and self._after == RELAX:
             return _usable(problem, solve(problem, FALLBACK, tol=self._tol).impulse)
         return impulse
 
@@ -60,21 +60,21 @@ class _Driver:
             call = clean_call(lambda: timed_call(self._solver, given, lambda ready: self._solver.solve(ready, self._tol, None)))
         except AnswerError as complaint:
             self.worst_residual = np.inf
-            return WRONG if complaint.claimed else UNSOLVED, np.zeros((problem.contacts, problem.dimension))
+            return Verdict.WRONG if complaint.claimed else Verdict.UNSOLVED, np.zeros((problem.contacts, problem.dimension))
         answered = perf_counter()
         self.solver_time += np.nan if call.loaded else sum(call.times)
         finding = verify(problem, call.answer, self._info, self._tol)
         self.worst_residual = max(self.worst_residual, finding.residual)
         if np.isfinite(finding.residual):
             self.worst_defect = max(self.worst_defect, abs(finding.energy_defect))
-        verdict = finding.verdict if same(problem, given) else WRONG
+        verdict = finding.verdict if same(problem, given) else Verdict.WRONG
         self.overhead += perf_counter() - answered
         return verdict, _usable(problem, call.answer.impulse)
 
     def verdict(self) -> tuple[str, str]:
         """The worst verdict of any problem, and how many have which."""
-        worst = next((verdict for verdict in (WRONG, UNSOLVED, UNJUDGEABLE, MISSED, RELAXED) if self.verdicts[verdict]), SOLVED)
-        missed = [f"{count} {verdict}" for verdict, count in sorted(self.verdicts.items()) if verdict != SOLVED]
+        worst = max(self.verdicts, key=RANK.__getitem__, default=Verdict.SOLVED)
+        missed = [f"{count} {verdict}" for verdict, count in sorted(self.verdicts.items()) if verdict != Verdict.SOLVED]
         return worst, f"of {self.verdicts.total()} problems {', '.join(missed)}" if missed else ""
 
 
@@ -101,22 +101,22 @@ def _usable(problem: FrictionProblem, impulse: Array) -> Array:
     return np.asarray(impulse, dtype=float) if usable else nothing
 
 
-def drive(cell: DriveCell, info: SolverInfo, solver: Solver) -> dict[str, Any]:
-    """The drive's part of a row of results.schema.DRIVES."""
+def run_closed_loop(cell: SimulationCell, info: SolverInfo, solver: Solver) -> dict[str, Any]:
+    """The simulation's part of a row of results.schema.SIMULATIONS."""
     stage = scene(cell.scene, **cell.parameters)
     planned = stage.steps if cell.steps is None else cell.steps
-    driver = _Driver(info, solver, cell)
+    loop = _ClosedLoop(info, solver, cell)
     times, energies, kinetic, penetrations, loose = [], [], [], [], 0
     broken_off = ""
     try:
-        for step in simulate(stage, driver, _going_on(SCHEMES[cell.scheme]), planned):
+        for step in simulate(stage, loop, _going_on(SCHEMES[cell.scheme]), planned):
             begun = perf_counter()
             times.append(step.time)
             loose += not len(step.contacts)
             energies.append(stage.energy(step.q, step.v))
             kinetic.append(float(step.v @ (stage.mass @ step.v)) / 2)
             penetrations.append(penetration(stage, step.q))
-            driver.overhead += perf_counter() - begun
+            loop.overhead += perf_counter() - begun
             gained = energies[-1] - energies[0]  # where the potential's zero lies says nothing
             if not np.isfinite(gained) or abs(gained) > DIVERGED * _scale(stage, energies[:-1], kinetic[:-1]):
                 broken_off = "the motion diverged"
@@ -125,9 +125,9 @@ def drive(cell: DriveCell, info: SolverInfo, solver: Solver) -> dict[str, Any]:
         broken_off = f"the scheme has no solution: {nothing}"
     scale = _scale(stage, energies, kinetic)
     done = len(times) - 1
-    verdict, reason = driver.verdict()
+    verdict, reason = loop.verdict()
     if broken_off:
-        verdict = UNSOLVED if verdict == SOLVED else verdict
+        verdict = Verdict.UNSOLVED if verdict == Verdict.SOLVED else verdict
         reason = f"{broken_off} (after {done} steps)" + (f"; {reason}" if reason else "")
     return {
         "verdict": verdict,
@@ -135,26 +135,26 @@ def drive(cell: DriveCell, info: SolverInfo, solver: Solver) -> dict[str, Any]:
         "step_size": stage.step,
         "steps": planned,
         "steps_done": done,
-        "problems": driver.verdicts.total(),
-        "unsolved": driver.verdicts.total() - driver.verdicts[SOLVED],
-        "most_contacts": driver.most_contacts,
-        "worst_residual": driver.worst_residual,
-        "worst_energy_defect": driver.worst_defect / scale,
+        "problems": loop.verdicts.total(),
+        "unsolved": loop.verdicts.total() - loop.verdicts[Verdict.SOLVED],
+        "most_contacts": loop.most_contacts,
+        "worst_residual": loop.worst_residual,
+        "worst_energy_defect": loop.worst_defect / scale,
         "energy_scale": scale,
         "energy_drift": (energies[-1] - energies[0]) / scale,
         "energy_rise": max(0.0, float(np.max(np.diff(energies), initial=0.0))) / scale,
         "worst_penetration": max(penetrations),
-        "loose_steps": loose,
-        "solver_time": driver.solver_time if np.isfinite(driver.solver_time) else None,  # a call that never ran unloaded
-        "overhead": driver.overhead,
+        "contact_free_steps": loose,
+        "solver_time": loop.solver_time if np.isfinite(loop.solver_time) else None,  # a call that never ran unloaded
+        "overhead": loop.overhead,
         "times": times,
         "energies": energies,
         "penetrations": penetrations,
     }
 
 
-def refusal(cell: DriveCell, info: SolverInfo) -> str | None:
-    """Why this drive is not for this solver or this scheme, or None."""
+def refusal(cell: SimulationCell, info: SolverInfo) -> str | None:
+    """Why this simulation is not for this solver or this scheme, or None."""
     return info.missing or SCHEMES[cell.scheme].refuses(scene(cell.scene, **cell.parameters))
 
 

@@ -1,4 +1,4 @@
-"""The courses of a run (results.courses): how solvers get to their answers on a few of its problems, after all cells are done.
+"""The convergence histories of a run (results.convergence): residual against work on a few problems, after all cells are done.
 
 Chosen are the largest problems of up to MOST contacts of different scenes, and the small ones with the most redundant
 contacts, none of them trivial; followed are single methods, not portfolios, that solved the problem at the tightest tolerance.
@@ -15,39 +15,41 @@ from frictionbench.harness.progress import Progress
 from frictionbench.harness.workers.pool import Pool
 from frictionbench.harness.workers.task import Task
 from frictionbench.results import store
-from frictionbench.results.courses import NAME, Course, write_courses
-from frictionbench.results.schema import RELAXED, SOLVED
+from frictionbench.results.convergence import NAME, ConvergenceHistory, write_histories
+from frictionbench.results.verdicts import Verdict
 
 LARGE, REDUNDANT = 4, 2  # problems chosen of each kind
 MOST = 64  # contacts
 MOST_FORCES = 12  # contacts of a problem whose impulses are kept
-LIMIT = 10.0  # seconds for one course
+LIMIT = 10.0  # seconds for one history
 
 
-def follow(plan: Plan, folder: Path, entries: Iterable[Entry], pool: Pool, progress: Progress) -> None:
-    """Write the courses, unless they are there; one that is lost is no loss. Maps have none."""
+def record_histories(plan: Plan, folder: Path, entries: Iterable[Entry], pool: Pool, progress: Progress) -> None:
+    """Write the histories, unless they are there; one that is lost is no loss. Maps have none."""
     if plan.maps or (folder / NAME).exists():
         return
     tol, problems = min(plan.tolerances), {entry["problem"]: entry for entry in chosen(entries)}
     able = {
         (row.get("problem"), row.get("variant"))
         for row in store.rows(folder, "solves")
-        if row.get("tol") == tol and row.get("verdict") in (SOLVED, RELAXED) and not row.get("members")
+        if row.get("tol") == tol and row.get("verdict") in (Verdict.SOLVED, Verdict.RELAXED) and not row.get("members")
     }
     tasks = [
-        Task(f"course of {variant}", worker.run_course, (name, variant, tol, LIMIT), LIMIT, plan.owner(variant))
+        Task(f"convergence history of {variant}", worker.run_history, (name, variant, tol, LIMIT), LIMIT, plan.owner(variant))
         for variant in sorted(plan.solvers, key=plan.owner)
         for name in problems
         if (name, variant) in able
     ]
     found = []
-    with progress.stage("courses", len(tasks), 0) as stage:
+    with progress.stage("convergence histories", len(tasks), 0) as stage:
         for outcome in pool.run(tasks, stage.started, stage.compiling):
             name, variant, *_ = outcome.task.arguments
             if not outcome.death:
-                found.append(_course(problems[name], variant, outcome.value))
+                found.append(_history(problems[name], variant, outcome.value))
             stage.finished(outcome.task)
-    write_courses(folder, sorted(found, key=lambda course: (course.scene, course.parameters, str(course.step), course.variant)))
+    write_histories(
+        folder, sorted(found, key=lambda history: (history.scene, history.parameters, str(history.step), history.variant))
+    )
 
 
 def chosen(entries: Iterable[Entry]) -> list[Entry]:
@@ -66,8 +68,8 @@ def _one_a_scene(entries: list[Entry]) -> list[Entry]:
     return list(found.values())
 
 
-def _course(entry: Entry, variant: str, told: dict[str, Any]) -> Course:
+def _history(entry: Entry, variant: str, told: dict[str, Any]) -> ConvergenceHistory:
     redundant = bool(entry["redundancy"])
     impulse = told["impulse"] if redundant and entry["contacts"] <= MOST_FORCES else []
     facts = (entry["scene"], entry["parameters"], entry["step"], variant, entry["contacts"], redundant)
-    return Course(*facts, told["units"], told["residuals"], impulse)
+    return ConvergenceHistory(*facts, told["units"], told["residuals"], impulse)

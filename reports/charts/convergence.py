@@ -1,6 +1,6 @@
 """Residual against work: what a solver has when it is stopped after so many of its own iterations, on a few problems.
 
-Each point is an answer of a call of its own with that limit, outside all timing, verified like any other (results.courses).
+Each point is an answer of a call of its own with that limit, outside all timing, verified like any other (results.convergence).
 """
 
 from collections.abc import Iterable
@@ -13,32 +13,34 @@ from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import Look, log_ticks
 from frictionbench.reports.drawing.text import scene_title
 from frictionbench.reports.run import Run
-from frictionbench.results.courses import Course
+from frictionbench.results.convergence import ConvergenceHistory
 
 ZERO, WORST = 1e-17, 1e3  # what the axis shows of a residual; beyond is drawn at the edge
 
 
 def panels(run: Run) -> list[Panel]:
     """A panel per problem on which a solver was followed over two limits or more, all on the same axes."""
-    drawn = [course for course in run.courses if course.variant in run.looks and len(course.units) > 1]
-    most = max((course.units[-1] for course in drawn), default=1)
-    return [Panel(title, partial(_draw, courses=own, looks=run.looks, most=most)) for title, own in by_problem(drawn).items()]
+    drawn = [history for history in run.histories if history.variant in run.looks and len(history.units) > 1]
+    most = max((history.units[-1] for history in drawn), default=1)
+    return [Panel(title, partial(_draw, histories=own, looks=run.looks, most=most)) for title, own in by_problem(drawn).items()]
 
 
-def by_problem(courses: Iterable[Course]) -> dict[str, list[Course]]:
-    """The courses on each problem, by its title."""
-    found: dict[str, list[Course]] = {}
-    for course in courses:
-        step = f", step {course.step}" if course.step else ""
-        title = f"{scene_title(course.scene, course.parameters)}{step}: {course.contacts} contact{'s' * (course.contacts != 1)}"
-        found.setdefault(title, []).append(course)
+def by_problem(histories: Iterable[ConvergenceHistory]) -> dict[str, list[ConvergenceHistory]]:
+    """The histories on each problem, by its title."""
+    found: dict[str, list[ConvergenceHistory]] = {}
+    for history in histories:
+        step = f", step {history.step}" if history.step else ""
+        title = (
+            f"{scene_title(history.scene, history.parameters)}{step}: {history.contacts} contact{'s' * (history.contacts != 1)}"
+        )
+        found.setdefault(title, []).append(history)
     return found
 
 
-def _draw(ax: Axes, courses: list[Course], looks: dict[str, Look], most: int) -> None:
-    for course in courses:
-        residuals = [min(max(value, ZERO), WORST) for value in course.residuals]
-        ax.plot(course.units, residuals, **looks[course.variant].line, markevery=(0.05, 0.2))
+def _draw(ax: Axes, histories: list[ConvergenceHistory], looks: dict[str, Look], most: int) -> None:
+    for history in histories:
+        residuals = [min(max(value, ZERO), WORST) for value in history.residuals]
+        ax.plot(history.units, residuals, **looks[history.variant].line, markevery=(0.05, 0.2))
     decades = range(len(str(most)))
     log_ticks(ax, "x", {10.0**k: f"{10**k}" for k in decades})
     log_ticks(ax, "y", {10.0**k: f"1e{k}" for k in range(0, -13, -4)} | {ZERO: "0"})
@@ -50,7 +52,7 @@ def _draw(ax: Axes, courses: list[Course], looks: dict[str, Look], most: int) ->
 
 
 CHART = Chart(
-    name="courses",
+    name="convergence",
     panels=panels,
     section="chart",
     title="Residual against iterations",

@@ -1,14 +1,14 @@
-"""Keepers: processes that run none but our own code, each with one worker that may do anything.
+"""Supervisors: processes that run none but our own code, each with one worker that may do anything.
 
-    main  ─  server  ─┬─  keeper  ─  worker  ─  whatever its solver starts
-                      └─  keeper  ─  worker
+    main  ─  server  ─┬─  supervisor  ─  worker  ─  whatever its solver starts
+                      └─  supervisor  ─  worker
 
-The server imports what workers need, once, and forks a keeper for every socket that the main process sends it. A keeper
+The server imports what workers need, once, and forks a supervisor for every socket that the main process sends it. A supervisor
 forks its worker, hands it tasks, kills it past its deadline, and after each task ends whatever else lives below itself, but for
 libraries in child processes of our own (solvers.outside.children): it is the subreaper of all that its worker starts. Where
-its socket to the main process ends, because that process is done or was killed, a keeper ends all below it and itself; a
-worker whose keeper is killed is killed by the kernel. A worker that has run a solver from outside this repository (Task.owner)
-runs no other.
+its socket to the main process ends, because that process is done or was killed, a supervisor ends all below it and itself; a
+worker whose supervisor is killed is killed by the kernel. A worker that has run a solver from outside this repository
+(Task.owner) runs no other.
 """
 
 import json
@@ -36,11 +36,11 @@ LOOK = 0.25  # seconds between looks at a deadline, which the worker may have mo
 
 
 def serve(control_fd: int) -> None:
-    """The server's life: say whose code this is, then fork a keeper for every socket that comes, until there are no more."""
+    """Run the server: report whose code this is, then fork a supervisor for every socket that comes, until the last."""
     _stand_apart()
     process.adopt_orphans()
-    signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # keepers are not waited for
-    keepers: set[int] = set()
+    signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # supervisors are not waited for
+    supervisors: set[int] = set()
     with socket.socket(fileno=control_fd) as control:
         control.sendall(json.dumps(machine.code()).encode() + b"\n")
         for context in (cpu_target.typing_context, cpu_target.target_context):
@@ -49,18 +49,18 @@ def serve(control_fd: int) -> None:
             _, fds, _, _ = socket.recv_fds(control, 1, 1)
             if not fds:
                 break
-            keepers &= set(process.descendants(os.getpid()))
+            supervisors &= set(process.descendants(os.getpid()))
             pid = os.fork()
             if pid == 0:
                 control.close()
                 _live(keep, Connection(fds[0]))
             os.close(fds[0])
-            keepers.add(pid)
+            supervisors.add(pid)
     process.end_descendants()
 
 
 def keep(channel: Connection) -> None:
-    """A keeper's life: tasks come through the channel, the replies of the worker go back."""
+    """A supervisor's life: tasks come through the channel, the replies of the worker go back."""
     process.adopt_orphans()
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
     core = process.hold_core()
@@ -86,20 +86,20 @@ def _kept(hand: "_Worker", task: Task, reply: bytes) -> list[int]:
 
 
 class _Worker:
-    """The worker as its keeper sees it."""
+    """The worker as its supervisor sees it."""
 
     def __init__(self, channel: Connection, core: int | None, settings: tuple[Any, ...]) -> None:
         self.deadline = Deadline()
         self.owner = ""
         tasks, self._tasks = Pipe(duplex=False)
         self._replies, replies = os.pipe()
-        keeper = os.getpid()
+        supervisor = os.getpid()
         self.pid = os.fork()
         if self.pid == 0:
             channel.close()
             self._tasks.close()
             os.close(self._replies)
-            process.die_with_parent(keeper)
+            process.die_with_parent(supervisor)
             _live(work, tasks, replies, self.deadline, core, settings)
         tasks.close()
         os.close(replies)

@@ -1,0 +1,28 @@
+"""The verdicts on a cell, in one order from the best to the worst."""
+
+from enum import StrEnum
+
+
+class Verdict(StrEnum):
+    """What the harness found of a cell. Members are in order from the best to the worst; a skipped cell was not measured."""
+
+    meaning: str
+
+    def __new__(cls, value: str, meaning: str) -> "Verdict":
+        member = str.__new__(cls, value)
+        member._value_ = value
+        member.meaning = meaning
+        return member
+
+    SOLVED = "solved", "the residual of the exact problem is within the tolerance"
+    RELAXED = "relaxed", "the model the solver was given is solved within the tolerance, the exact problem is not"
+    NEAR_MISS = "near_miss", "claimed solved, and the residual is above the tolerance by less than a factor of ten"
+    UNJUDGEABLE = "unjudgeable", "claimed solved, and rounding alone may make a residual above the tolerance"
+    UNSOLVED = "unsolved", "the solver reports that it did not solve the problem"
+    TIMEOUT = "timeout", "stopped at the time limit"
+    CRASHED = "crashed", "the call raised an error or its process ended"
+    WRONG = "wrong", "claimed solved, and the residual is above the tolerance by a factor of ten or more"
+    SKIPPED = "skipped", "not run, for the reason given"
+
+
+RANK: dict[str, int] = {verdict: rank for rank, verdict in enumerate(Verdict)}  # 0 is the best
