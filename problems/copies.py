@@ -15,14 +15,12 @@ _PARTS = ("data", "indices", "indptr")
 
 def duplicate(problem: Problem) -> Problem:
     """The same problem in memory of its own, read-only, with nothing derived: what is done to it is not done to this one."""
-    again: Any = problem.fresh()
-    again.__dict__.update({name: _own(value) for name, value in vars(again).items()})
-    return again
+    return _own(problem.fresh())
 
 
 def same(one: FrictionProblem | LCP, other: FrictionProblem | LCP) -> bool:
-    """Whether the two hold the same numbers to the last bit, those that follow from the others included."""
-    return all(_equal(value, vars(other).get(name)) for name, value in vars(one.fresh()).items())
+    """Whether the two hold the same numbers to the last bit."""
+    return _equal(one.fresh(), other.fresh())
 
 
 def _own(value: Any) -> Any:
@@ -37,6 +35,11 @@ def _own(value: Any) -> Any:
         for part in _PARTS:
             setattr(matrix, part, _own(getattr(value, part)))
         return matrix
+    if hasattr(value, "__dict__"):  # a problem or its operator
+        again = object.__new__(type(value))
+        for name, part in vars(value).items():
+            object.__setattr__(again, name, _own(part))
+        return again
     return value
 
 
@@ -49,4 +52,6 @@ def _equal(a: Any, b: Any) -> bool:
         return len(a) == len(b) and all(map(_equal, a, b))
     if sparse.issparse(a):
         return a.shape == b.shape and all(_equal(getattr(a, part), getattr(b, part)) for part in _PARTS)
-    return a == b
+    if hasattr(a, "__dict__"):
+        return vars(a).keys() == vars(b).keys() and all(_equal(part, vars(b)[name]) for name, part in vars(a).items())
+    return bool(a == b)

@@ -4,7 +4,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from frictionbench.problems.friction import DelassusProblem, FrictionProblem
+from frictionbench.problems.friction import FrictionProblem
 
 
 def keep_contacts(problem: FrictionProblem, kept: list[int]) -> FrictionProblem:
@@ -12,7 +12,7 @@ def keep_contacts(problem: FrictionProblem, kept: list[int]) -> FrictionProblem:
     d = problem.dimension
     rows = (np.array(kept, dtype=int)[:, None] * d + np.arange(d)).ravel()
     mu, b = problem.friction[kept], problem.friction_bias[kept]
-    if isinstance(problem, DelassusProblem):
+    if not problem.mechanical:
         return FrictionProblem.from_delassus(problem.W[rows][:, rows], problem.q[rows], mu, d, b)
     tangents = (np.array(kept, dtype=int)[:, None] * (d - 1) + np.arange(d - 1)).ravel()
     normal, tangent = problem.normal[kept], problem.tangent[tangents]

@@ -51,7 +51,7 @@ def polygon_residual(problem: FrictionProblem, lcp: LCP, z: Array) -> float:
     worst = np.abs(np.minimum(np.where(speed, z, s * z), np.where(speed, s * force, force))).max()
     if not np.isfinite(worst):
         return np.inf
-    return float(worst / problem.fastest) if problem.fastest else np.inf if worst else 0.0
+    return float(worst / problem.velocity_scale) if problem.velocity_scale else np.inf if worst else 0.0
 
 
 def residual_floor(problem: FrictionProblem, impulse: Array) -> float:
@@ -63,7 +63,7 @@ def residual_floor(problem: FrictionProblem, impulse: Array) -> float:
     with np.errstate(over="ignore"):
         terms = np.linalg.norm(problem.velocity_size(impulse), axis=1)
         worst = np.max(problem.scale * np.linalg.norm(impulse, axis=1) + (1 + problem.friction) * terms)
-    free = problem.fastest
+    free = problem.velocity_scale
     return float(2 * np.finfo(float).eps * worst / free) if free and np.isfinite(worst) else np.inf if worst else 0.0
 
 
@@ -75,7 +75,7 @@ def energy_within(problem: FrictionProblem, impulse: Array, bound: float) -> flo
     u = problem.contact_velocity(impulse)
     u[:, 0] += problem.friction * np.linalg.norm(u[:, 1:], axis=1)
     sizes = np.linalg.norm(impulse, axis=1) + np.linalg.norm(u, axis=1) / problem.scale
-    return float(bound * problem.fastest * sizes.sum()) if problem.contacts else 0.0
+    return float(bound * problem.velocity_scale * sizes.sum()) if problem.contacts else 0.0
 
 
 def _defect(problem: FrictionProblem, impulse: Array, shift: float, softness: Array | None = None) -> float:
@@ -88,7 +88,7 @@ def _defect(problem: FrictionProblem, impulse: Array, shift: float, softness: Ar
     if softness is not None:
         u = u + softness * impulse
     worst = largest_defect(impulse, u, problem.scale, problem.friction, problem.friction_bias, shift)
-    free = problem.fastest
+    free = problem.velocity_scale
     if free == 0 or worst == np.inf:
         return 0.0 if worst == 0 else np.inf
     return float(worst / free)

@@ -15,6 +15,7 @@ from scipy import sparse
 
 from frictionbench.problems import check
 from frictionbench.problems.check import Array, require
+from frictionbench.problems.display import count, html_table
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.planar.bodies import Body, Geometry, Shape
 from frictionbench.problems.planar.collision import Contacts, find_contacts
@@ -23,7 +24,7 @@ from frictionbench.problems.planar.joints import Hinge, hinge_equations
 GRAVITY = 9.81
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class Scene:
     """nb bodies, nv = 3 nb coordinates and velocities.
 
@@ -126,3 +127,15 @@ class Scene:
         """Anitescu and Potra's problem of the first step: no solver is needed to have it."""
         free = self.v0 + self.step * self.force(self.q0, self.v0, 0.0) / self.weights
         return self.friction_problem(self.q0, free, self.contacts(self.q0))
+
+    def __repr__(self) -> str:
+        return f"Scene({self.name}: {', '.join(self._summary())})" if self.name else f"Scene({', '.join(self._summary())})"
+
+    def _repr_html_(self) -> str:
+        rows = {"size": ", ".join(self._summary()), "restitution": self.restitution, **self.parameters}
+        return html_table(f"Scene {self.name}".rstrip(), rows)
+
+    def _summary(self) -> list[str]:
+        hinges = [count(len(self.hinges), "hinge")] if self.hinges else []
+        time = f"{count(self.steps, 'step')} of {self.step:g} s"
+        return [count(len(self.bodies), "body"), *hinges, f"mu = {self.friction:g}", time]

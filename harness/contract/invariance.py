@@ -49,7 +49,7 @@ def _same(
         if not well(found):
             yield f"{problem.contacts} contacts of dimension {problem.dimension}: solved before, {found.verdict} after"
             continue
-        gap = _gap(problem.velocity(answer.impulse), other.velocity(again.impulse) / times) / (problem.fastest or 1.0)
+        gap = _gap(problem.velocity(answer.impulse), other.velocity(again.impulse) / times) / (problem.velocity_scale or 1.0)
         if gap > NEAR:
             yield f"{problem.contacts} contacts of dimension {problem.dimension}: velocities differ by {gap:.1e}"
 

@@ -24,6 +24,7 @@ from scipy import sparse
 from frictionbench.problems import check
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.display import count, html_table
 from frictionbench.problems.rows import Index, Rows
 
 
@@ -93,6 +94,12 @@ class LCP:
     def hash(self) -> str:
         """Content hash: equal for equal M and q, whatever form they came in."""
         return content_hash(M=self.M, q=self.q)
+
+    def __repr__(self) -> str:
+        return f"LCP({count(self.size, 'unknown')})"
+
+    def _repr_html_(self) -> str:
+        return html_table("LCP", {"unknowns": self.size, "nonzeros of M": len(self.rows.value), "hash": self.hash})
 
 
 @cache

@@ -12,7 +12,7 @@ from scipy.linalg import cholesky, svdvals
 from scipy.optimize import linprog
 
 from frictionbench.problems.forms.definite import spectrum_ends
-from frictionbench.problems.friction import DelassusProblem, FrictionProblem
+from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.residual import residual
 
 DENSE_ROWS = 600
@@ -59,7 +59,7 @@ def labels(problem: FrictionProblem) -> Labels:
 
 def _as_given(problem: FrictionProblem) -> tuple[float, float]:
     """Asymmetry and indefiniteness; see Labels."""
-    if not isinstance(problem, DelassusProblem) or not problem.contacts:
+    if problem.mechanical or not problem.contacts:
         return 0.0, 0.0
     least, largest = spectrum_ends(problem.W)
     size = abs(problem.W).max()
@@ -91,7 +91,7 @@ def _rank_condition(problem: FrictionProblem) -> tuple[int, float | None]:
     badly conditioned W are lost in forming it. Where W is all that is known they are its own."""
     if not problem.contacts:
         return 0, None
-    if isinstance(problem, DelassusProblem):
+    if not problem.mechanical:
         values = svdvals(problem.W.toarray())
         rank = int(np.sum(values > len(values) * np.finfo(float).eps * values[0]))
         return rank, float(values[0] / values[rank - 1]) if rank else None
@@ -117,10 +117,9 @@ def pointedness(problem: FrictionProblem) -> float:
     K = directions.shape[1]
     eye = sparse.eye_array(nc)
     # W r = 0 where J' r = 0 and, symmetric and positive semidefinite, only there.
-    known_by_W = isinstance(problem, DelassusProblem)
-    if known_by_W and nc * d > DENSE_ROWS:
+    if not problem.mechanical and nc * d > DENSE_ROWS:
         return np.nan
-    push = problem.W / (problem.W.max() or 1.0) if known_by_W else sparse.csr_array(problem.jacobian.T)
+    push = sparse.csr_array(problem.jacobian.T) if problem.mechanical else problem.W / (problem.W.max() or 1.0)
     tangential = np.arange(nc * d) % d > 0
     D = push[:, tangential] @ sparse.kron(eye, directions)
     momentum = sparse.hstack([push[:, ~tangential], D, problem.joints.T], format="csr")

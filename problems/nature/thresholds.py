@@ -15,7 +15,7 @@ from itertools import combinations
 
 import numpy as np
 
-from frictionbench.problems.friction import DelassusProblem, FrictionProblem
+from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.nature.labels import p0_margin, pointedness
 
 LARGEST = 12  # unknowns of an LCP whose principal minors are all looked at
@@ -60,6 +60,6 @@ THRESHOLDS: dict[str, Callable[[FrictionProblem], bool]] = {
 
 def existence(problem: FrictionProblem, pointed: bool) -> str:
     """Why the problem is known to have a solution: "gaps", "pointed", or "" where theory does not say."""
-    if isinstance(problem, DelassusProblem) or problem.joint_bias.any():
+    if not problem.mechanical or problem.joint_bias.any():
         return "pointed" if pointed else ""
     return "gaps" if gaps_only(problem) else "pointed" if pointed else ""

@@ -15,7 +15,6 @@ Beside FCLIB's own, write() leaves frictionbench/free_velocity, as M v* = f does
 import os
 import subprocess
 import sys
-from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -25,7 +24,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from frictionbench.problems.check import Array, InputError, require
-from frictionbench.problems.friction import DelassusProblem, FrictionProblem
+from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.recorded.forms import from_global, from_local
 
 LARGEST = 2**29  # bytes of all arrays of a file
@@ -95,9 +94,9 @@ def _global(arrays: Arrays, form: str) -> FrictionProblem:
     G, b = (_matrix(arrays, f"{form}/G"), _vector(arrays, f"{form}/vectors/b")) if joined else (None, None)
     problem = from_global(M, H, f, w, mu, d, G, b)
     free = arrays.get(OURS)
-    if free is None or isinstance(problem, DelassusProblem) or free.shape != f.shape or not np.array_equal(M @ free, f):
+    if free is None or not problem.mechanical or free.shape != f.shape or not np.array_equal(M @ free, f):
         return problem
-    return replace(problem, free_velocity=free)
+    return problem.replace(free_velocity=free)
 
 
 def _dimension(arrays: Arrays, form: str) -> int:
@@ -160,7 +159,7 @@ def write(problem: FrictionProblem, path: Path, title: str = "", description: st
     import h5py
 
     with h5py.File(path, "w") as file:
-        local = isinstance(problem, DelassusProblem)
+        local = not problem.mechanical
         group = file.create_group("fclib_local" if local else "fclib_global")
         group["spacedim"] = _integer(problem.dimension)
         for name, text in {"title": title, "description": description, "math_info": ""}.items():

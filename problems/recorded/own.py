@@ -18,7 +18,7 @@ from scipy import sparse
 
 from frictionbench.problems.check import Array, InputError
 from frictionbench.problems.forms.lcp import LCP
-from frictionbench.problems.friction import DelassusProblem, FrictionProblem
+from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.recorded.archive import read_arrays
 
 _SPARSE = ("mass", "normal", "tangent", "joints")
@@ -30,7 +30,7 @@ def save(problem: FrictionProblem | LCP, path: Path) -> None:
     dimension = 0
     if isinstance(problem, LCP):
         arrays, matrices = {"q": problem.q}, {"M": problem.M}
-    elif isinstance(problem, DelassusProblem):
+    elif not problem.mechanical:
         arrays = {"q": problem.q, "friction": problem.friction, "friction_bias": problem.friction_bias}
         matrices = {"W": problem.W}
         dimension = problem.dimension

@@ -17,8 +17,6 @@ so the forces are the same for every belt that keeps running. A belt that a righ
 this scheme, infinite.
 """
 
-from dataclasses import replace
-
 import numpy as np
 from scipy import sparse
 
@@ -70,8 +68,7 @@ def _on_belts(problem: FrictionProblem, contacts: Index, speeds: Array, mass: fl
     n = len(contacts)
     nc, nj = problem.contacts, problem.joints.shape[0]
     belt = sparse.csr_array((np.ones(n), (contacts, np.arange(n))), shape=(nc, n))
-    return replace(
-        problem,
+    return problem.replace(
         mass=sparse.block_diag([problem.mass, mass * sparse.eye_array(n)], format="csr"),
         normal=sparse.hstack([problem.normal, sparse.csr_array((nc, n))], format="csr"),
         tangent=sparse.hstack([problem.tangent, belt], format="csr"),

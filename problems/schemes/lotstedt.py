@@ -8,8 +8,6 @@ velocity is unique. The price is a lag: O(h) in smooth motion, and no friction a
 starts nor at impacts. A contact is known again by its feature. There is no law of restitution.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from frictionbench.problems.scene import Scene
@@ -27,5 +25,5 @@ def lotstedt(scene: Scene, now: Step, solve: Solve) -> Step:
         before = dict(zip(map(tuple, now.contacts.feature.tolist()), normal, strict=True))
     limit = scene.friction * np.array([before.get(tuple(feature), 0.0) for feature in contacts.feature.tolist()])
     problem = scene.friction_problem(q, free_velocity(scene, now, now.v), contacts, friction_bias=limit)
-    step, v = respond("step", replace(problem, friction=np.zeros(len(contacts))), solve)
+    step, v = respond("step", problem.replace(friction=np.zeros(len(contacts))), solve)
     return Step(now.time + h, q + h * v, v, contacts, (step,))

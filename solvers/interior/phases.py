@@ -53,7 +53,7 @@ def run(
     polish: what makes better impulses (nc, d) of those whose residual is at most POLISHABLE, where no phase before left them.
     """
     problem, system = prepared
-    if problem.fastest == 0:
+    if problem.velocity_scale == 0:
         return Answer(np.zeros_like(system.offset), Status.SOLVED, {"iterations": 0, "factorisations": 0})
     history, space, room = np.empty(limit), space_of(system), new_room(system)
     best = Best(np.zeros_like(system.offset), np.array([np.inf]), np.zeros(1, np.int64))

@@ -14,7 +14,7 @@ import numpy as np
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
-from frictionbench.problems.friction import DelassusProblem, FrictionProblem
+from frictionbench.problems.friction import FrictionProblem
 from frictionbench.solvers.sparse_lu.minimum_degree import Index
 from frictionbench.solvers.sparse_lu.multifrontal import Fronts, Place, analyse, find
 
@@ -100,15 +100,15 @@ def space_of(system: System) -> Space:
 
 def in_velocities(problem: FrictionProblem) -> FrictionProblem:
     """The problem, all that `prepare` reads of it computed: the free contact velocities, s, and W where only W is known."""
-    _ = problem.fastest, problem.scale, isinstance(problem, DelassusProblem) and problem.blocks
+    _ = problem.velocity_scale, problem.scale, problem.mechanical or problem.blocks
     return problem
 
 
 def prepare(problem: FrictionProblem, relaxed: bool = False) -> System:
     """Scale a problem, or its convex relaxation, find the order of elimination and lay out its matrices."""
-    nc, scale, speed = problem.contacts, problem.scale, problem.fastest or 1.0
+    nc, scale, speed = problem.contacts, problem.scale, problem.velocity_scale or 1.0
     impulse = speed / float(np.exp(np.add.reduce(np.log(scale)) / nc)) if nc else speed
-    if isinstance(problem, DelassusProblem):
+    if not problem.mechanical:
         contacts, own, ratio = _in_impulses(*problem.blocks, impulse / speed), 1.0, 1.0
     else:  # v = speed * unit * v^
         rows = problem.contact_rows

@@ -69,7 +69,9 @@ def scaled_lcp(problem: FrictionProblem | LCP, facets: int = 8) -> ScaledLCP:
         return ScaledLCP(problem, facets, problem.contacts, problem.basis, scale.theta * scale.D, M, q, unit)
     d, mu, b_f = problem.dimension, problem.friction, problem.friction_bias
     basis = tangent_basis(d, facets)
-    start, rows, column, row, *parts = _of_friction(*problem.blocks, problem.q, mu, b_f, basis, problem.scale, problem.fastest)
+    start, rows, column, row, *parts = _of_friction(
+        *problem.blocks, problem.q, mu, b_f, basis, problem.scale, problem.velocity_scale
+    )
     return ScaledLCP(problem, facets, (len(mu), d), basis, parts[0], Matrix(start, rows, column, row), *parts[1:])
 
 

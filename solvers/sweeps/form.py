@@ -16,7 +16,6 @@ import numpy as np
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
-from frictionbench.problems.friction import DelassusProblem
 from frictionbench.problems.rows import Index, normal_first, nowhere
 
 
@@ -46,11 +45,11 @@ class ContactForm(NamedTuple):
 def contact_form(problem: FrictionProblem) -> ContactForm:
     """Pack a problem; in velocities where each contact touches few of them, in impulses otherwise."""
     law = problem.friction, problem.friction_bias, problem.scale
-    if isinstance(problem, DelassusProblem) or len(problem.joint_bias):
+    if not problem.mechanical or len(problem.joint_bias):
         parts = _in_impulses(*problem.blocks, problem.q.reshape(-1, problem.dimension), *law)
     else:
         parts = _in_velocities(*problem.contact_rows, *problem.inverse_rows, problem.free_velocity, problem.bias, *law)
-    return ContactForm._make((*parts, problem.fastest))
+    return ContactForm._make((*parts, problem.velocity_scale))
 
 
 @kernel

@@ -2,7 +2,6 @@
 
 import pickle
 from copy import copy, deepcopy
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -266,13 +265,13 @@ def known_by_W(seed: int = 0, contacts: int = 4) -> FrictionProblem:
 def test_a_problem_known_by_W_is_copied_and_changed_like_any_other() -> None:
     problem = known_by_W()
     problem.normal  # noqa: B018  # what was derived belongs to this problem, not to its copies
-    for same in (copy(problem), deepcopy(problem), replace(problem), problem.fresh(), pickle.loads(pickle.dumps(problem))):
+    for same in (copy(problem), deepcopy(problem), problem.replace(), problem.fresh(), pickle.loads(pickle.dumps(problem))):
         assert same.hash == problem.hash
         assert np.array_equal(same.scale, problem.scale)
-    rough = replace(problem, friction=2 * problem.friction)
+    rough = problem.replace(friction=2 * problem.friction)
     assert np.array_equal(rough.friction, 2 * problem.friction)
     assert rough.hash != problem.hash
-    assert np.allclose(replace(problem, W=2 * problem.W).normal.toarray(), np.sqrt(2) * problem.normal.toarray())
+    assert np.allclose(problem.replace(W=2 * problem.W).normal.toarray(), np.sqrt(2) * problem.normal.toarray())
 
 
 def test_the_velocities_of_a_problem_known_by_W_are_those_of_its_root() -> None:
@@ -324,3 +323,20 @@ def test_a_damaged_file_is_named(tmp_path) -> None:
     np.savez(path, dimension=np.array([object()], dtype=object))
     with pytest.raises(InputError, match=r"p\.npz"):
         load(path)
+
+
+def test_a_problem_is_shown_in_one_line() -> None:
+    problem = jointed(0, redundant=True)
+    assert repr(problem) == "FrictionProblem(6 contacts, planar, 9 velocities, 3 joint rows)"
+    assert repr(FrictionProblem(**fields())) == "FrictionProblem(1 contact, planar, 2 velocities)"
+    assert repr(known_by_W()) == "FrictionProblem(4 contacts, spatial, Delassus form)"
+    assert repr(problem.lcp()) == "LCP(24 unknowns)"
+    assert problem.hash in problem._repr_html_()
+    assert problem.lcp().hash in problem.lcp()._repr_html_()
+
+
+def test_fields_cannot_be_reassigned() -> None:
+    for problem in (FrictionProblem(**fields()), known_by_W()):
+        for name in ("friction", "operator", "q", "mass"):
+            with pytest.raises(AttributeError):
+                setattr(problem, name, None)

@@ -60,7 +60,7 @@ def measures(problem, r, units=True):
 def assert_same(problem, r, other, moved, units=True):
     """Equal but for rounding, and judged alike; of the energy's terms r'u more of it is left."""
     floor = residual_floor(problem, r) + residual_floor(other, moved)
-    of_energy = floor * problem.fastest * np.abs(r).sum() / energy(problem)
+    of_energy = floor * problem.velocity_scale * np.abs(r).sum() / energy(problem)
     ours, theirs = measures(problem, r, units), measures(other, moved, units)
     for name, value in ours.items():
         if name == "backward" and not (value < 1 and theirs[name] < 1):
@@ -111,7 +111,7 @@ def test_units_do_not_count_for_the_polygon(seed):
             z = size * answer.z
             moved = z * np.where(np.arange(len(z)) < len(z) - nc, work / speed, speed)
             ours, theirs = polygon_residual(problem, lcp, z), polygon_residual(other, other.lcp(), moved)
-            assert theirs == pytest.approx(ours, rel=1e-6, abs=1e-13 * max(1, np.abs(lcp.M @ z).max() / problem.fastest))
+            assert theirs == pytest.approx(ours, rel=1e-6, abs=1e-13 * max(1, np.abs(lcp.M @ z).max() / problem.velocity_scale))
             verdicts = [
                 verify(p, Answer(p.lcp().impulse(x), Status.SOLVED, z=x), available()["lemke"], 1e-6).verdict
                 for p, x in ((problem, z), (other, moved))

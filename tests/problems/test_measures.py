@@ -1,7 +1,5 @@
 """The defects that the field knows: zero at solutions, each about its own part of the law, without units."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -49,7 +47,7 @@ def test_the_relaxation_separates_what_slides() -> None:
 
 def test_units_do_not_matter_and_nonsense_is_infinite() -> None:
     problem, r = random_problem(4, contacts=4), np.random.default_rng(0).standard_normal((4, 2))
-    heavy = replace(problem, mass=1000 * problem.mass, free_velocity=3 * problem.free_velocity, bias=3 * problem.bias)
+    heavy = problem.replace(mass=1000 * problem.mass, free_velocity=3 * problem.free_velocity, bias=3 * problem.bias)
     assert defects(heavy, 3000 * r) == pytest.approx(defects(problem, r), rel=1e-9)
     assert set(defects(problem, r * np.nan)) == {np.inf}
     assert set(defects(problem, r[:2])) == {np.inf}

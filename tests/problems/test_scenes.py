@@ -181,3 +181,9 @@ def test_energy() -> None:
     made = scene("stack", blocks=2)
     assert made.energy(made.q0, made.v0) == pytest.approx(9.81 * (0.5 + 1.5))
     assert made.energy(np.zeros(6), np.array([3.0, 4, 0, 0, 0, 6])) == pytest.approx(12.5 + 36 / 12)
+
+
+def test_a_scene_is_shown_in_one_line() -> None:
+    made = scene("stack", blocks=10)
+    assert repr(made) == f"Scene(stack: 10 bodies, mu = {made.friction:g}, {made.steps} steps of {made.step:g} s)"
+    assert "stack" in made._repr_html_()

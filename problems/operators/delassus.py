@@ -1,0 +1,107 @@
+"""The contact operator known only by its Delassus matrix: u = W r + q.
+
+Its velocities (nc*d) are those of the symmetric root of W, W = J J', with unit mass. The root is dense, and computed only
+where a method asks for the Jacobian, its normal or its tangent rows.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from scipy import sparse
+
+from frictionbench.problems import check
+from frictionbench.problems.check import Array, require
+from frictionbench.problems.forms import delassus
+from frictionbench.problems.forms.definite import spectrum_ends
+from frictionbench.problems.forms.delassus import Blocks
+from frictionbench.problems.operators.operator import NO_ROWS, Operator
+from frictionbench.problems.rows import ByContact, Rows, by_contact
+
+INDEFINITE = 1e-6  # of W's largest eigenvalue: recorded problems are indefinite by that much, as their files round W's digits
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DelassusOperator(Operator):
+    """The operator of a given W (nc*d, nc*d) and q (nc*d,), rows per contact, normal first.
+
+    W is stored as given, also where it is slightly unsymmetric or has negative eigenvalues down to -INDEFINITE of the largest
+    (as far as problems.forms.definite finds them).
+    """
+
+    FIELDS: ClassVar[tuple[str, ...]] = ("W", "q", "friction", "friction_bias")
+    W: sparse.csr_array
+    q: Array
+    dimension: int
+
+    @classmethod
+    def checked(cls, nc: int, d: int, W: Any, q: Any) -> Self:
+        """The operator of nc contacts of dimension d, of checked copies. Errors: InputError naming the field."""
+        vector = check.vector("q", q, nc * d)
+        matrix = check.matrix("W", W, (nc * d, nc * d))
+        least, largest = spectrum_ends(matrix)
+        require(least >= -INDEFINITE * max(largest, 0.0), "W", "not positive semidefinite")
+        return cls(matrix, vector, d)
+
+    def fresh(self) -> Self:
+        return type(self)(self.W, self.q, self.dimension)
+
+    @cached_property
+    def scale(self) -> Array:
+        """s (nc,): the mean diagonal of each contact's block of W; 1 where it vanishes."""
+        return delassus.mean_diagonal(self.W.diagonal().reshape(-1, self.dimension))
+
+    @cached_property
+    def velocity_scale(self) -> float:
+        return float(delassus.largest(self.q, self.dimension))
+
+    @cached_property
+    def blocks(self) -> Blocks:
+        return delassus.blocks(self.W, self.dimension)
+
+    @property
+    def offset(self) -> Array:
+        return self.q.reshape(-1, self.dimension)
+
+    def contact_velocity(self, r: Array) -> Array:
+        return delassus.act(*self.blocks, r, self.offset)
+
+    def velocity_size(self, r: Array) -> Array:
+        first, neighbours, block = self.blocks
+        return delassus.act(first, neighbours, np.abs(block), np.abs(r), np.abs(self.offset))
+
+    @cached_property
+    def bias(self) -> Array:  # type: ignore[override]
+        return check.vector("q", self.q[:: self.dimension])
+
+    @cached_property
+    def mass_rows(self) -> Rows:  # type: ignore[override]
+        n = len(self.q)
+        return Rows(np.arange(n + 1, dtype=np.int32), np.arange(n, dtype=np.int32), np.ones(n))
+
+    @property
+    def inverse_rows(self) -> Rows:  # type: ignore[override]
+        return self.mass_rows
+
+    @property
+    def joint_rows(self) -> Rows:  # type: ignore[override]
+        return NO_ROWS
+
+    @cached_property
+    def free_velocity(self) -> Array:  # type: ignore[override]
+        return check.vector("free_velocity", np.zeros(len(self.q)))
+
+    @property
+    def joint_bias(self) -> Array:  # type: ignore[override]
+        return self.free_velocity[:0]
+
+    @cached_property
+    def contact_rows(self) -> ByContact:  # type: ignore[override]
+        """J (nc*d, nc*d), J J' the symmetric part of W; dense but for the columns of W's null space, which are empty."""
+        value, basis = np.linalg.eigh((self.W + self.W.T).toarray() / 2)
+        floor = np.finfo(float).eps * len(value) * abs(value).max(initial=0.0)
+        root = (basis * np.sqrt(np.where(value > floor, value, 0.0))).reshape(-1, self.dimension, len(value))
+        normal, tangent = root[:, :1].reshape(-1, len(value)), root[:, 1:].reshape(-1, len(value))
+        rows = *check.rows("W", normal, normal.shape), *check.rows("W", tangent, tangent.shape)
+        return ByContact(*by_contact(*rows, self.dimension))

@@ -1,0 +1,184 @@
+"""The contact operator of given mechanics: a mass matrix, contact Jacobian and joints, of which W is formed only on demand.
+
+With F the joints' Jacobian, P = M^-1 - M^-1 F' (F M^-1 F')^+ F M^-1 is the inverse mass on the null space of F, and
+
+    W = J P J',      q = J (P M v* - M^-1 F' (F M^-1 F')^+ b_F) + b e_n.
+
+Joints are few and may be redundant: what they add is dense, with a pseudoinverse.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from frictionbench.problems import check
+from frictionbench.problems.check import Array
+from frictionbench.problems.forms import delassus
+from frictionbench.problems.forms.delassus import Blocks
+from frictionbench.problems.forms.mass import inverse_mass
+from frictionbench.problems.operators.operator import NO_ROWS, Operator
+from frictionbench.problems.rows import ByContact, Rows, by_contact
+
+# Of the terms that add up to a diagonal entry of W: below this the joints lock the direction. The rounding errors observed were
+# up to 160 eps, and the entries of directions that move were above 1e9 eps.
+LOCKED = 1000 * float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MechanicalOperator(Operator):
+    """The operator of M (v - v*) = J' r + F' lam, F v + b_F = 0 and u = J v + b e_n; see Operator for the fields."""
+
+    FIELDS: ClassVar[tuple[str, ...]] = (
+        *("mass", "normal", "tangent", "friction", "free_velocity", "bias", "friction_bias", "joints", "joint_bias"),
+    )
+    mass_rows: Rows
+    inverse_rows: Rows
+    joint_rows: Rows
+    contact_rows: ByContact
+    free_velocity: Array
+    bias: Array
+    joint_bias: Array
+
+    @classmethod
+    def checked(
+        cls, nc: int, d: int, mass: Any, normal: Any, tangent: Any, free_velocity: Any, bias: Any, joints: Any, joint_bias: Any
+    ) -> Self:
+        """The operator of nc contacts of dimension d, of checked copies; joints and joint_bias may be None.
+
+        Errors: InputError naming the field.
+        """
+        v = check.vector("free_velocity", free_velocity)
+        nv = len(v)
+        joint_rows = NO_ROWS if joints is None else check.rows("joints", joints, (None, nv))
+        nj = len(joint_rows.start) - 1
+        mass_rows = check.rows("mass", mass, (nv, nv))
+        normal_rows = check.rows("normal", normal, (nc, nv))
+        tangent_rows = check.rows("tangent", tangent, (nc * (d - 1), nv))
+        b = check.vector("bias", bias, nc)
+        b_F = check.vector("joint_bias", np.zeros(nj) if joint_bias is None else joint_bias, nj)
+        contact_rows = ByContact(*by_contact(*normal_rows, *tangent_rows, d))
+        return cls(mass_rows, inverse_mass(mass_rows), joint_rows, contact_rows, v, b, b_F)
+
+    def fresh(self) -> Self:
+        rows = self.mass_rows, self.inverse_rows, self.joint_rows, self.contact_rows
+        return type(self)(*rows, self.free_velocity, self.bias, self.joint_bias)
+
+    @property
+    def q(self) -> Array:  # type: ignore[override]
+        return self._measures[0]
+
+    @property
+    def scale(self) -> Array:
+        """s (nc,): the mean diagonal of each contact's block of W; without the joints where they lock the whole contact; 1
+        where that vanishes too."""
+        return self._measures[1]
+
+    @property
+    def velocity_scale(self) -> float:
+        return self._measures[2]
+
+    @cached_property
+    def offset(self) -> Array:
+        offset = np.zeros((len(self.bias), self.contact_rows.value.shape[1]))
+        offset[:, 0] = self.bias
+        offset.setflags(write=False)
+        return offset
+
+    @cached_property
+    def blocks(self) -> Blocks:
+        return delassus.blocks(self.W, self.contact_rows.value.shape[1]) if self._has_joints else self._free_blocks()
+
+    @cached_property
+    def W(self) -> sparse.csr_array:
+        if not self._has_joints:
+            return self.blocks.matrix()
+        coupling, inverse = self._joint_coupling
+        moves = sparse.diags_array((~self._locked).astype(float).ravel())
+        W = self._free_blocks().matrix() - sparse.csr_array(coupling.T @ inverse @ coupling)
+        W = sparse.csr_array(moves @ W @ moves)
+        W.eliminate_zeros()
+        return W
+
+    def velocity(self, r: Array) -> Array:
+        """v (nv,) after the contact impulses r (nc, d), the joints' equations satisfied; computed without W."""
+        return self._on_joints(super().velocity(r))
+
+    def contact_velocity(self, r: Array) -> Array:
+        if not self._has_joints:
+            return delassus.pushed_contact_velocity(*self.contact_rows, *self.inverse_rows, self.free_velocity, r, self.bias)
+        u = delassus.contact_velocity(*self.contact_rows, self.velocity(r), self.bias)
+        np.copyto(u, self.q.reshape(u.shape), where=self._locked)
+        return u
+
+    def velocity_size(self, r: Array) -> Array:
+        size = delassus.velocity_size(*self.contact_rows, *self.inverse_rows, self.free_velocity, r)
+        if self._has_joints:
+            response, inverse = self._joint_response
+            held = abs(self.joints) @ np.abs(super().velocity(r)) + np.abs(self.joint_bias)
+            size += (abs(self.jacobian) @ (np.abs(response) @ (np.abs(inverse) @ held))).reshape(size.shape)
+        size[:, 0] += np.abs(self.bias)
+        return size
+
+    @property
+    def _has_joints(self) -> bool:
+        return len(self.joint_rows.start) > 1
+
+    def _free_blocks(self) -> Blocks:
+        """J M^-1 J': W without the joints."""
+        return Blocks(*delassus.delassus(*self.contact_rows, *self.inverse_rows))
+
+    @cached_property
+    def _joint_response(self) -> tuple[Array, Array]:
+        """(M^-1 F', (F M^-1 F')^+), dense."""
+        response = delassus.joint_response(*self.joint_rows, *self.inverse_rows)
+        return response, np.linalg.pinv(delassus.product(*self.joint_rows, response), hermitian=True)
+
+    @property
+    def _joint_coupling(self) -> tuple[Array, Array]:
+        """(F M^-1 J', (F M^-1 F')^+), dense."""
+        response, inverse = self._joint_response
+        return delassus.coupling(*self.contact_rows, response), inverse
+
+    def _on_joints(self, velocity: Array) -> Array:
+        """The velocity nearest in the kinetic metric with F v + b_F = 0."""
+        if not self._has_joints:
+            return velocity
+        response, inverse = self._joint_response
+        joint_velocity = delassus.product(*self.joint_rows, velocity[:, None].copy())[:, 0]
+        return velocity - response @ (inverse @ (joint_velocity + self.joint_bias))
+
+    @cached_property
+    def _measures(self) -> tuple[Array, Array, float]:
+        """(q, scale, velocity_scale), which one pass over the contacts computes together."""
+        free = self._on_joints(self.free_velocity)
+        q, scale, velocity_scale = delassus.measures(*self.contact_rows, *self.inverse_rows, free, self.bias)
+        if self._has_joints:
+            diagonal, d = self._held_diagonal(), self.contact_rows.value.shape[1]
+            by_contact = q.reshape(-1, d)
+            rounding = np.abs(by_contact) <= LOCKED * self.velocity_size(np.zeros_like(by_contact))
+            by_contact[self._locked & rounding] = 0.0
+            scale, velocity_scale = delassus.mean_diagonal(diagonal), delassus.largest(q, d)
+        q.setflags(write=False)
+        return q, scale, velocity_scale
+
+    def _held_diagonal(self) -> Array:
+        """The diagonal (nc, d) of W, 0 in locked directions; without the joints where they lock the whole contact."""
+        diagonal = delassus.diagonal(*self.contact_rows, *self.inverse_rows)
+        coupling, inverse = self._joint_coupling
+        held = diagonal - np.einsum("ji,jk,ki->i", coupling, inverse, coupling).reshape(diagonal.shape)
+        held[self._locked] = 0.0
+        return np.where(self._locked.all(axis=1, keepdims=True), diagonal, held)
+
+    @cached_property
+    def _locked(self) -> NDArray[np.bool_]:
+        """(nc, d): the directions in which joints leave a contact no velocity that impulses could change, so that W's diagonal
+        is a rounding error."""
+        coupling, inverse = self._joint_coupling
+        diagonal = delassus.diagonal(*self.contact_rows, *self.inverse_rows)
+        held = np.einsum("ji,jk,ki->i", coupling, inverse, coupling).reshape(diagonal.shape)
+        size = diagonal + np.einsum("ji,jk,ki->i", np.abs(coupling), np.abs(inverse), np.abs(coupling)).reshape(diagonal.shape)
+        return diagonal - held <= LOCKED * size
