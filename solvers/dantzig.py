@@ -16,14 +16,12 @@ Where M is a P-matrix, or positive definite, driving always succeeds. For contac
 covering vectors without a zero.
 """
 
-from functools import partial
-
 import numpy as np
 
-from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems import LCP
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel
-from frictionbench.solvers.interface import Answer, solver
+from frictionbench.solvers.interface import solver
 from frictionbench.solvers.pivots.inverse_basis import Index, Matrix, slack_basis
 from frictionbench.solvers.pivots.lemke_path import (
     ACCURACY,
@@ -36,7 +34,8 @@ from frictionbench.solvers.pivots.lemke_path import (
     evaluate,
     follow,
 )
-from frictionbench.solvers.pivots.scaled_lcp import ScaledLCP, finish, pivot_by, scaled_lcp
+from frictionbench.solvers.pivots.principal_pivoting import PrincipalPivoting
+from frictionbench.solvers.pivots.scaled_lcp import ScaledLCP, finish
 
 PERTURBATION = 1e-7  # of q, whose largest entry is 1
 HARRIS = 1e-4  # how far below zero near ties may reach, relative to the perturbation
@@ -78,19 +77,14 @@ def dantzig(order: Index, M: Matrix, q: Array, unit: Array, tol: float, limit: i
 
 
 @solver("dantzig", family="pivoting", model="lcp", dimension=(2, 3))
-class Dantzig:
+class Dantzig(PrincipalPivoting):
     """Dantzig's principal pivoting, one contact after the other, as Baraff used it. (Baraff 1994)
 
     facets: of the polygon that the cone's section is in space. The limit counts pivots, by default 10 000 + 100 n.
     """
 
-    facets: int = 8
-
-    def form(self, problem: FrictionProblem | LCP) -> ScaledLCP:
-        return scaled_lcp(problem, self.facets)
-
-    def solve(self, prepared: ScaledLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        return pivot_by(partial(dantzig, contact_order(prepared.lcp)), prepared, tol, limit)
+    def pivot(self, lcp: ScaledLCP, tol: float, limit: int) -> tuple[int, Array, int, int]:
+        return dantzig(contact_order(lcp.lcp), lcp.M, lcp.q, lcp.unit, tol, limit)
 
 
 def contact_order(lcp: LCP) -> Index:

@@ -25,21 +25,19 @@ problems, Mathematical Programming 75 (1996).
 
 import numpy as np
 
-from frictionbench.problems import LCP, FrictionProblem
-from frictionbench.problems.check import Array, require
 from frictionbench.problems.compiled import kernel
-from frictionbench.solvers.interface import Answer, Status, solver
-from frictionbench.solvers.pivots.dense_lcp import (
+from frictionbench.solvers.interface import Status, solver
+from frictionbench.solvers.pivots.dense_lcp import DenseLCP
+from frictionbench.solvers.pivots.merit_newton import (
     EVALUATIONS,
     FACTORISATIONS,
     GOING,
     GRADIENT,
     NEWTON,
     STALLED,
-    DenseLCP,
-    dense_lcp,
-    judge,
-    solve_by,
+    Descent,
+    MeritNewton,
+    record,
     solve_dense,
 )
 
@@ -51,7 +49,7 @@ STATIONARY = 1e-12  # |H'Phi| relative to |Phi|
 
 
 @solver("fischer_newton", family="newton", model="lcp", dimension=(2, 3))
-class FischerNewton:
+class FischerNewton(MeritNewton):
     """Fischer-Burmeister Newton (De Luca, Facchinei and Kanzow): semismooth, line search on the merit, gradient fallback.
 
     regularisation: eps, on the scaled M in the Newton system. facets: of the polygon that the cone's section is in space.
@@ -60,19 +58,14 @@ class FischerNewton:
     """
 
     regularisation: float = 1e-5
-    facets: int = 8
+    memory = MEMORY
 
-    def __post_init__(self) -> None:
-        require(self.regularisation >= 0, "regularisation", f"must not be negative, got {self.regularisation!r}")
+    def iterate(self, dense: DenseLCP, descent: Descent) -> tuple[int, int, int]:
+        end, iterations = iterate(dense.M, dense.q, np.zeros(len(dense.q)), descent, float(self.regularisation))
+        return end, iterations, 0
 
-    def form(self, problem: FrictionProblem | LCP) -> DenseLCP:
-        return dense_lcp(problem, self.facets)
-
-    def solve(self, form: DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        answer, _ = solve_by(iterate, form, tol, limit, MEMORY, float(self.regularisation))
-        if answer.status is Status.STALLED:
-            answer.detail = "no descent: a stationary point of the merit that is no solution"
-        return answer
+    def describe_end(self, status: Status, period: int) -> str:
+        return "no descent: a stationary point of the merit that is no solution" if status is Status.STALLED else ""
 
 
 @kernel
@@ -107,20 +100,20 @@ def jacobian(M, y, w):  # type: ignore[no-untyped-def]
 
 @kernel
 def iterate(M, q, y, descent, eps):  # type: ignore[no-untyped-def]
-    """From y: how it ended, the iterations, and nothing to remark."""
+    """From y: how it ended and the iterations."""
     n, work = len(q), descent.work
     w = M @ y + q
     phi = fischer(y, w)
     work[EVALUATIONS] += 1
     k = 0
     while True:
-        end = judge(descent, k, y, w, phi @ phi / 2)
+        end = record(descent, k, y, w, phi @ phi / 2)
         if end != GOING:
-            return end, k, 0
+            return end, k
         A, B = jacobian(M, y, w)
         gradient = A * phi + (B * phi) @ M
         if np.sqrt(gradient @ gradient) <= STATIONARY * np.sqrt(phi @ phi):
-            return STALLED, k, 0
+            return STALLED, k
         H = M * B.reshape(n, 1)
         for i in range(n):
             H[i, i] += A[i] + eps * B[i]
@@ -138,7 +131,7 @@ def iterate(M, q, y, descent, eps):  # type: ignore[no-untyped-def]
                 break
             t /= 2
         if t < SHORTEST:
-            return STALLED, k, 0
+            return STALLED, k
         y = trial
         work[kind] += 1
         k += 1

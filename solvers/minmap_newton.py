@@ -23,21 +23,19 @@ Mathematical Programming 134 (2012).
 
 import numpy as np
 
-from frictionbench.problems import LCP, FrictionProblem
-from frictionbench.problems.check import Array, require
 from frictionbench.problems.compiled import kernel, part
-from frictionbench.solvers.interface import Answer, Status, solver
-from frictionbench.solvers.pivots.dense_lcp import (
+from frictionbench.solvers.interface import Status, solver
+from frictionbench.solvers.pivots.dense_lcp import DenseLCP
+from frictionbench.solvers.pivots.merit_newton import (
     EVALUATIONS,
     FACTORISATIONS,
     GOING,
     GRADIENT,
     NEWTON,
     STALLED,
-    DenseLCP,
-    dense_lcp,
-    judge,
-    solve_by,
+    Descent,
+    MeritNewton,
+    record,
     solve_dense,
 )
 
@@ -47,7 +45,7 @@ SHORTEST = 1e-8  # step at which a search gives up
 
 
 @solver("minmap_newton", family="newton", model="lcp", dimension=(2, 3))
-class MinmapNewton:
+class MinmapNewton(MeritNewton):
     """Min-map Newton (primal-dual active sets): full steps, line search on the merit, cycles detected.
 
     globalised: false for full steps only. regularisation: eps, on the scaled M in the Newton system. facets: of the polygon
@@ -56,23 +54,20 @@ class MinmapNewton:
     history: the natural residual, per iteration.
     """
 
-    globalised: bool = True
     regularisation: float = 1e-4
-    facets: int = 8
+    globalised: bool = True
+    memory = MEMORY
 
-    def __post_init__(self) -> None:
-        require(self.regularisation >= 0, "regularisation", f"must not be negative, got {self.regularisation!r}")
+    def iterate(self, dense: DenseLCP, descent: Descent) -> tuple[int, int, int]:
+        settings = float(self.regularisation), self.globalised
+        end, iterations, period = iterate(dense.M, dense.q, np.zeros(len(dense.q)), descent, *settings)
+        return end, iterations, period
 
-    def form(self, problem: FrictionProblem | LCP) -> DenseLCP:
-        return dense_lcp(problem, self.facets)
-
-    def solve(self, form: DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        answer, period = solve_by(iterate, form, tol, limit, MEMORY, float(self.regularisation), self.globalised)
-        if answer.status is not Status.SOLVED:
-            kink = self.globalised and answer.status is Status.STALLED
-            said = ["no descent: a kink or stationary point of the merit"] * kink
-            answer.detail = "; ".join(said + [f"active sets came back after {period} iterations"] * (period > 0))
-        return answer
+    def describe_end(self, status: Status, period: int) -> str:
+        if status is Status.SOLVED:
+            return ""
+        kink = ["no descent: a kink or stationary point of the merit"] * (self.globalised and status is Status.STALLED)
+        return "; ".join(kink + [f"active sets came back after {period} iterations"] * (period > 0))
 
 
 @part
@@ -109,7 +104,7 @@ def iterate(M, q, y, descent, eps, globalised):  # type: ignore[no-untyped-def]
     k = period = 0
     while True:
         value, A = np.minimum(y, w), w < y
-        end = judge(descent, k, y, w, value @ value / 2)
+        end = record(descent, k, y, w, value @ value / 2)
         if end != GOING:
             return end, k, period
         visited[k] = signature(A)

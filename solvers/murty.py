@@ -12,13 +12,13 @@ whose pivot vanishes, where it stalls.
 
 import numpy as np
 
-from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel
-from frictionbench.solvers.interface import Answer, solver
+from frictionbench.solvers.interface import solver
 from frictionbench.solvers.pivots.inverse_basis import Matrix, exchange, refactor, slack_basis, transform
 from frictionbench.solvers.pivots.lemke_path import ACCURACY, COMPLEMENTARY, LIMIT, LOSS, LOST, PIVOT, STUCK, enter, evaluate
-from frictionbench.solvers.pivots.scaled_lcp import ScaledLCP, finish, pivot_by, scaled_lcp
+from frictionbench.solvers.pivots.principal_pivoting import PrincipalPivoting
+from frictionbench.solvers.pivots.scaled_lcp import ScaledLCP, finish
 
 NEGATIVE = 1e-13  # of the largest basic variable: what is less negative counts as zero
 
@@ -68,16 +68,11 @@ def murty(M: Matrix, q: Array, unit: Array, tol: float, limit: int) -> tuple[int
 
 
 @solver("murty", family="pivoting", model="lcp", dimension=(2, 3))
-class Murty:
+class Murty(PrincipalPivoting):
     """Murty's least-index principal pivoting; sure of success for P-matrices only. (Murty 1974)
 
     facets: of the polygon that the cone's section is in space. The limit counts pivots, by default 10 000 + 100 n.
     """
 
-    facets: int = 8
-
-    def form(self, problem: FrictionProblem | LCP) -> ScaledLCP:
-        return scaled_lcp(problem, self.facets)
-
-    def solve(self, prepared: ScaledLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        return pivot_by(murty, prepared, tol, limit)
+    def pivot(self, lcp: ScaledLCP, tol: float, limit: int) -> tuple[int, Array, int, int]:
+        return murty(lcp.M, lcp.q, lcp.unit, tol, limit)

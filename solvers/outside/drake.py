@@ -20,7 +20,7 @@ import numpy as np
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.solvers.interface import Answer, Status, solver
-from frictionbench.solvers.outside.dense_lcp import DenseLCP, dense_lcp
+from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 
 _METHODS = {"moby": "MobyLcpSolver", "unrevised": "UnrevisedLemkeSolver"}
 

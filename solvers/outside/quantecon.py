@@ -16,7 +16,7 @@ from typing import Any
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer, Status, solver
-from frictionbench.solvers.outside.dense_lcp import DenseLCP, dense_lcp
+from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 
 _ENDED = {0: Status.SOLVED, 1: Status.WORK_LIMIT, 2: Status.RAY}
 

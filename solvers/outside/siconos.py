@@ -21,8 +21,8 @@ from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.solvers.interface import Answer, Model, Status, impulses, solver
 from frictionbench.solvers.outside.children.child import child
-from frictionbench.solvers.outside.dense_lcp import DenseLCP, dense_lcp
 from frictionbench.solvers.outside.pure_delassus import PureDelassus, pure_delassus
+from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 
 PYTHON = "/usr/bin/python3"
 _LCP = ("lcp_lemke", "lcp_pivot", "lcp_newton_fb_fblsa", "lcp_newton_min_fblsa")

@@ -1,6 +1,5 @@
 """What every pivoting method here works on: the scaled LCP, and the way back to impulses."""
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -49,15 +48,6 @@ class ScaledLCP(NamedTuple):
         z = self.stretch * y
         r = np.zeros((0, 0)) if self.basis is None else impulse(self.basis, z, self.contacts[0])
         return Answer(r, STATUS[ended], work, z=z)
-
-
-def pivot_by(method: Callable[..., tuple[int, Array, int, int]], lcp: ScaledLCP, tol: float, limit: int | None) -> Answer:
-    """The answer of a principal pivoting method within limit pivots, by default 10 000 + 100 n.
-
-    tol is halved: the verifier's norm is another, and it adds up in another order.
-    """
-    ended, y, pivots, inversions = method(lcp.M, lcp.q, lcp.unit, MARGIN * tol, limit or 10_000 + 100 * len(lcp.q))
-    return lcp.answer(y, ended, pivots=pivots, inversions=inversions)
 
 
 def scaled_lcp(problem: FrictionProblem | LCP, facets: int = 8) -> ScaledLCP:

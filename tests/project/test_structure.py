@@ -31,7 +31,7 @@ MAY_KNOW = {
     "solvers.sparse_lu": {"problems.check", "problems.compiled"},
     "solvers.interior": {"problems", "solvers.interface", "solvers.sparse_lu"},
     "solvers.outside.children": set(),
-    "solvers.outside": {"problems", "solvers.interface", "solvers.pivots.scaling"},
+    "solvers.outside": {"problems", "solvers.interface", "solvers.pivots.dense_lcp"},
     "solvers": {"problems", "solvers"},
     "results": set(),
     "harness.plans": {"problems", "solvers", "results"},

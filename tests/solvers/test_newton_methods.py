@@ -12,7 +12,7 @@ from frictionbench.problems.scenes import scene
 from frictionbench.solvers import Status, solve
 from frictionbench.solvers.fischer_newton import fischer, jacobian
 from frictionbench.solvers.minmap_newton import iterate
-from frictionbench.solvers.pivots.dense_lcp import NEWTON, SOLVED, STALLED, new_descent, solve_dense
+from frictionbench.solvers.pivots.merit_newton import NEWTON, SOLVED, STALLED, new_descent, solve_dense
 from tests.helpers.friction_problems import block, nothing, spatial
 
 BOTH = ["fischer_newton", "minmap_newton"]

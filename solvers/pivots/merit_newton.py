@@ -1,0 +1,126 @@
+"""The common part of Newton methods that reduce a merit function of a dense LCP by a line search.
+
+Each method supplies its iteration. Shared are the scaled dense form, the record of the iterates with the criteria that end the
+iteration, and the answer, whose status rests on the exact residual.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems.check import Array, require
+from frictionbench.problems.compiled import kernel, part
+from frictionbench.solvers.interface import Answer, Status
+from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
+from frictionbench.solvers.pivots.natural import MARGIN, exact_residual, natural_residual, natural_weight
+
+STATUS = (Status.SOLVED, Status.STALLED, Status.WORK_LIMIT, Status.BREAKDOWN)
+SOLVED, STALLED, LIMIT, BREAKDOWN = range(4)  # how an iteration ends
+GOING = -1
+UNITS = ("newton", "gradient", "evaluations", "factorisations")
+NEWTON, GRADIENT, EVALUATIONS, FACTORISATIONS = range(4)  # counted in work: steps, of the merit, of dense matrices
+
+
+class Formed(NamedTuple):
+    """The problem, its scaled dense LCP, and the weight (n,) of the natural residual."""
+
+    problem: FrictionProblem | LCP
+    dense: DenseLCP
+    weight: Array
+
+
+class Descent(NamedTuple):
+    """A Newton iteration with a line search: its criteria, and the record of its iterates.
+
+    weight (n,), tol: of the natural residual. limit: of the iterations. best (n,), least (1,): the point of the least residual
+    and that. history: the residual of every iterate. recent: the last merits, for a nonmonotone search. work: counted by UNITS.
+    """
+
+    weight: Array
+    tol: float
+    limit: int
+    best: Array
+    least: Array
+    history: Array
+    recent: Array
+    work: NDArray[np.int64]
+
+
+def new_descent(weight: Array, tol: float, limit: int, memory: int) -> Descent:
+    n = len(weight)
+    history, work = np.empty(limit + 1), np.zeros(len(UNITS), np.int64)
+    return Descent(weight, tol, limit, np.zeros(n), np.full(1, np.inf), history, np.zeros(memory), work)
+
+
+@part
+def record(descent, k, y, w, merit):  # type: ignore[no-untyped-def]
+    """Record the k-th iterate y, w = M y + q and its merit; GOING, or how the method ended."""
+    descent.history[k] = natural_residual(descent.weight, y, w)
+    if descent.history[k] < descent.least[0]:
+        descent.least[0] = descent.history[k]
+        descent.best[:] = y
+    descent.recent[k % len(descent.recent)] = merit
+    if descent.least[0] <= descent.tol:
+        return SOLVED
+    if k == descent.limit:
+        return LIMIT
+    return GOING if merit < np.inf else BREAKDOWN
+
+
+@dataclass(frozen=True)
+class MeritNewton(ABC):
+    """A Newton method on a merit function, from z = 0; a method sets the default of `regularisation`.
+
+    regularisation: eps, added to the diagonal of the scaled M in the Newton system, as redundant supports make M singular.
+    facets: of the polygon that approximates the circular section of the cone in space.
+    """
+
+    regularisation: float
+    facets: int = 8
+
+    memory = 1  # merits that a nonmonotone search compares with
+
+    def __post_init__(self) -> None:
+        require(self.regularisation >= 0, "regularisation", f"must not be negative, got {self.regularisation!r}")
+
+    @abstractmethod
+    def iterate(self, dense: DenseLCP, descent: Descent) -> tuple[int, int, int]:
+        """(how it ended, iterations, period of the first cycle of active sets or 0)."""
+
+    @abstractmethod
+    def describe_end(self, status: Status, period: int) -> str:
+        """The detail of the answer."""
+
+    def form(self, problem: FrictionProblem | LCP) -> Formed:
+        dense = dense_lcp(problem, self.facets)
+        return Formed(problem, dense, natural_weight(problem, dense.lcp, dense.scale))
+
+    def solve(self, form: Formed, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        """limit bounds the iterations, 200 by default.
+
+        The status is SOLVED also where the method gave up and its best point's exact residual is within tol.
+        """
+        problem, dense, weight = form
+        descent = new_descent(weight, MARGIN * tol, 200 if limit is None else limit, self.memory)
+        end, iterations, period = self.iterate(dense, descent)
+        z = dense.scale.solution(np.maximum(descent.best, 0.0))
+        impulse = dense.lcp.impulse(z)
+        if end != SOLVED and exact_residual(problem, dense.lcp, z, impulse) <= tol:
+            end = SOLVED
+        work = dict(zip(UNITS, descent.work.tolist(), strict=True))
+        history = tuple(descent.history[: iterations + 1].tolist())
+        return Answer(impulse, STATUS[end], work, history, z, self.describe_end(STATUS[end], period))
+
+
+@kernel
+def solve_dense(A, b):  # type: ignore[no-untyped-def]
+    """x (n,) with A x = b by LU with partial pivoting; NaN where A is singular."""
+    try:
+        x = np.linalg.solve(A, b)
+    except Exception:  # numba knows no narrower one
+        x = np.full(len(b), np.nan)
+    return x
