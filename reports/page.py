@@ -19,8 +19,9 @@ from frictionbench.reports.animation import write_animations
 from frictionbench.reports.charts import CHARTS
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel, inline_svg, swatch
+from frictionbench.reports.drawing.svg import on_page
 from frictionbench.reports.drawing.text import power, scene_title, seconds
-from frictionbench.reports.drawing.tiles import Drawing, on_page
+from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.reports.recorded import recorded_problems
 from frictionbench.reports.run import Run, read_run
 from frictionbench.reports.sheets import sheets

@@ -22,8 +22,9 @@ from frictionbench.reports.charts import CHARTS, profiles
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.print import save_drawing
 from frictionbench.reports.drawing.sheets import BANDS, save_sheet
+from frictionbench.reports.drawing.svg import in_file
 from frictionbench.reports.drawing.text import power
-from frictionbench.reports.drawing.tiles import Drawing, in_file
+from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.reports.latex import Cell, Layout, Table, Tex, booktabs, escaped, one_unit
 from frictionbench.reports.references import bibliography, cited
 from frictionbench.reports.run import PORTFOLIO, Run

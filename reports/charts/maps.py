@@ -56,7 +56,7 @@ class Field(NamedTuple):
     rows: pd.DataFrame
     colours: "pd.Series[Any]"  # empty where there is nothing to show
     ground: str = ""  # a colour that most cells have, drawn once
-    told: "pd.Series[Any] | None" = None
+    tooltips: "pd.Series[Any] | None" = None
 
 
 def verdicts(run: Run) -> list[Drawing]:
@@ -103,8 +103,8 @@ def _axis(axis: Axis) -> tuple[str, str, str, int]:
 
 
 def _tiles(field: Field) -> list[Tile]:
-    told = [""] * len(field.rows) if field.told is None else field.told
-    every = map(Tile, field.rows["i"], field.rows["j"], field.rows["tile"], field.colours, told)
+    tooltips = [""] * len(field.rows) if field.tooltips is None else field.tooltips
+    every = map(Tile, field.rows["i"], field.rows["j"], field.rows["tile"], field.colours, tooltips)
     return [tile for tile in every if tile.colour and (tile.width < 1 or tile.colour != field.ground)]
 
 

@@ -22,6 +22,7 @@ from frictionbench.problems import InputError, scene
 from frictionbench.problems.nature.thresholds import THRESHOLDS
 from frictionbench.problems.recorded.own import load
 from frictionbench.problems.residual import residual
+from frictionbench.reports.drawing import svg
 from frictionbench.reports.drawing.tiles import Grid, Tile, panel
 from frictionbench.reports.maps import costs, failures, map_cells, robustness
 from frictionbench.reports.page import write_report
@@ -169,7 +170,8 @@ def test_the_page_shows_every_map(atlas) -> None:
 
 def test_a_map_is_drawn_in_few_words_and_names_are_no_markup() -> None:
     row = [Tile(i, 0, 1.0, "red") for i in range(5)]
-    drawn = panel("<b>&", [*row, Tile(1.5, 0, 0.5, "blue", "<i>")], Grid(("a", "0", "1", 5), ("b", "0", "1", 2), {}), "green")
+    grid = Grid(("a", "0", "1", 5), ("b", "0", "1", 2), {})
+    drawn = svg.markup(panel("<b>&", [*row, Tile(1.5, 0, 0.5, "blue", "<i>")], grid, "green"))
     assert (
         '<g fill="red"><path d="M0 0H5v1H0z"/></g><g fill="blue"><path d="M1.75 0.25H2.25v0.5H1.75z"><title>&lt;i&gt;' in drawn
     )

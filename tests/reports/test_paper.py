@@ -92,7 +92,7 @@ def test_a_few_have_bands_and_many_have_none(run, tmp_path) -> None:
         assert ("band-" in sheet.read_text()) is banded
 
 
-def test_a_map_is_drawn_as_its_svg_has_it(tmp_path) -> None:
+def test_a_map_is_drawn_with_every_shape_at_its_place(tmp_path) -> None:
     """Ground, tiles, dots and texts, each with its colour and at its place, as PDF, twice the same."""
     grid = tiles.Grid(("friction", "0", "1", 4), ("mass", "1", "9", 4), {"#112233": [(0, 0), (3, 3)]})
     wrong = [

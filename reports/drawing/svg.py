@@ -1,0 +1,77 @@
+"""Maps as SVG: on the page each panel is an element of its own, which flow like words; in a file the panels stand in rows."""
+
+from itertools import groupby
+
+from markupsafe import escape
+
+from frictionbench.reports.drawing.style import INK
+from frictionbench.reports.drawing.tiles import (
+    ACROSS,
+    DOT,
+    HEIGHT,
+    LEFT,
+    LETTERS,
+    TOP,
+    UP,
+    WIDTH,
+    Box,
+    Dots,
+    Drawing,
+    Field,
+    Panel,
+    Text,
+)
+
+PANELS_PER_ROW, HEAD = 7, 26.0  # in a file; units above the first row for the title and the note
+FONT = f'font-family="sans-serif" font-size="{LETTERS:g}"'
+
+
+def on_page(drawing: Drawing) -> str:
+    """The note and the panels as HTML."""
+    head = f'<svg viewBox="0 0 {WIDTH:g} {HEIGHT:g}" {FONT} fill="currentColor">'
+    note = f'<p class="soft">{escape(drawing.note)}</p>' if drawing.note else ""
+    return f'{note}<div class="tiles">' + "".join(f"{head}{markup(panel)}</svg>\n" for panel in drawing.panels) + "</div>"
+
+
+def in_file(drawing: Drawing) -> str:
+    """The map as the text of one SVG file, below its title and note."""
+    across, up = PANELS_PER_ROW * WIDTH, HEAD + -(-len(drawing.panels) // PANELS_PER_ROW) * HEIGHT
+    parts = [_shape(Text(LEFT, 10, drawing.title)), _shape(Text(LEFT, 20, drawing.note))]
+    parts += [
+        f'<g transform="translate({k % PANELS_PER_ROW * WIDTH:g} {HEAD + k // PANELS_PER_ROW * HEIGHT:g})">{markup(panel)}</g>'
+        for k, panel in enumerate(drawing.panels)
+    ]
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {across:g} {up:g}" {FONT}'
+    return f'{head} fill="{INK}" color="{INK}">\n' + "\n".join(parts) + "\n</svg>\n"
+
+
+def markup(panel: Panel) -> str:
+    """The shapes of a panel as SVG elements; text is escaped."""
+    return "".join(map(_shape, panel))
+
+
+def _shape(shape: Text | Box | Field | Dots) -> str:
+    match shape:
+        case Text(x, y, text, size):
+            smaller = f' font-size="{size:g}"' if size != LETTERS else ""
+            return f'<text x="{x:g}" y="{y:g}"{smaller}>{escape(text)}</text>'
+        case Box(x, y, width, height, colour, line, radius):
+            place = f'x="{x:g}" y="{y:g}" width="{width:g}" height="{height:g}"' + (f' rx="{radius:g}"' if radius else "")
+            return f'<rect {place} fill="{colour or "none"}" stroke="currentColor" stroke-width="{line:g}"/>'
+        case Dots(colour, places):
+            path = "".join(f"M{x:.1f} {y:.1f}h0" for x, y in places)
+            return f'<path d="{path}" fill="none" stroke="{colour}" stroke-width="{DOT:g}" stroke-linecap="round"/>'
+        case Field():
+            return _field(shape)
+
+
+def _field(field: Field) -> str:
+    place = f"translate({LEFT:g} {TOP + UP:g}) scale({ACROSS / field.columns:.5g} {-UP / field.lines:.5g})"
+    parts = []
+    for colour, same in groupby(field.bars, key=lambda bars: bars.colour):
+        parts.append(f'<g fill="{colour}">')
+        for _, tooltip, bars in same:
+            path = "".join(f"M{a:g} {low:g}H{b:g}v{height:g}H{a:g}z" for a, b, height, low in bars)
+            parts.append(f'<path d="{path}"' + (f"><title>{escape(tooltip)}</title></path>" if tooltip else "/>"))
+        parts.append("</g>")
+    return f'<g transform="{place}" shape-rendering="crispEdges">{"".join(parts)}</g>'
