@@ -26,9 +26,9 @@ from frictionbench.problems.compiled import kernel, part
 from frictionbench.problems.rows import Index
 from frictionbench.solvers.interface import Answer, impulses, solver
 from frictionbench.solvers.sweeps.form import ContactForm, contact_form
-from frictionbench.solvers.sweeps.laws import evaluate
+from frictionbench.solvers.sweeps.laws import residual_at
 from frictionbench.solvers.sweeps.projected_gradient import step
-from frictionbench.solvers.sweeps.stopping import going, watch
+from frictionbench.solvers.sweeps.stopping import monitor, should_continue
 
 LIMIT = 10_000
 PATIENCE = 2500  # iterations in which the residual must fall by a hundredth
@@ -78,14 +78,14 @@ class ADMM:
     def solve(self, prepared: tuple[Formed, Factor], tol: float, limit: int | None, start: Array | None = None) -> Answer:
         formed, factor = prepared
         form, rho = formed.form, RHO
-        z, watched = impulses(start, form.offset.shape), watch(tol, LIMIT if limit is None else limit, PATIENCE, CHECK)
+        z, monitored = impulses(start, form.offset.shape), monitor(tol, LIMIT if limit is None else limit, PATIENCE, CHECK)
         x, u, w = np.empty_like(form.rest), np.empty_like(z), np.empty_like(z)
         iterations, factorisations, retune = 0, 1, 0
-        while going(watched, evaluate(form, z, x, u, self.shift), iterations):
+        while should_continue(monitored, residual_at(form, z, x, u, self.shift), iterations):
             if iterations == 0:
                 w[:] = -u
                 w[:, 0] -= self.shift * form.friction * np.linalg.norm(u[:, 1:], axis=1)
-            count = min(CHECK, watched.limit - iterations)
+            count = min(CHECK, monitored.limit - iterations)
             primal, dual = _alternate(form, factor, formed.q, rho, self.shift, z, w, count)
             iterations += count
             ratio = (primal / dual) ** 0.25 if primal > 0 and dual > 0 else 1.0
@@ -94,7 +94,7 @@ class ADMM:
                 rho = float(np.clip(rho * ratio, 1e-6, 1e6))
                 factor = _factorise(formed.W, rho * formed.S)
                 factorisations += 1
-        return watched.answer(z, iterations=iterations, factorisations=factorisations, checks=watched.seen)
+        return monitored.answer(z, iterations=iterations, factorisations=factorisations, checks=monitored.seen)
 
 
 @solver("admm_coulomb", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True)

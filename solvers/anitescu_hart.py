@@ -22,9 +22,9 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.solvers.interface import Answer, Status, impulses, solver
 from frictionbench.solvers.sweeps.form import ContactForm, contact_form
-from frictionbench.solvers.sweeps.laws import evaluate
+from frictionbench.solvers.sweeps.laws import residual_at
 from frictionbench.solvers.sweeps.projected_gradient import relax
-from frictionbench.solvers.sweeps.stopping import going, watch
+from frictionbench.solvers.sweeps.stopping import monitor, should_continue
 
 LIMIT = 500
 PATIENCE = 100  # relaxations in which the residual must fall by a hundredth
@@ -50,22 +50,22 @@ class AnitescuHart:
         return contact_form(problem)
 
     def solve(self, form: ContactForm, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        r, watched = impulses(start, form.offset.shape), watch(tol, LIMIT if limit is None else limit, PATIENCE)
+        r, monitored = impulses(start, form.offset.shape), monitor(tol, LIMIT if limit is None else limit, PATIENCE)
         shifted = form._replace(offset=form.offset.copy())
         x, u = np.empty_like(form.rest), np.empty_like(r)
         lams: list[Array] = []  # lam^k
         slides: list[Array] = []  # |u_t| at the start, then of the relaxation shifted by each lam^k
         relaxations, products = 0, 1  # a check of the residual is one
-        while going(watched, error := evaluate(form, r, x, u, 1.0), relaxations):
+        while should_continue(monitored, error := residual_at(form, r, x, u, 1.0), relaxations):
             slides.append(np.linalg.norm(u[:, 1:], axis=1))
-            if self.memory == 0 and _cycles(slides, watched.history[: relaxations + 1]):
-                answer = watched.answer(r, "a cycle of two", relaxations=relaxations, products=products)
+            if self.memory == 0 and _cycles(slides, monitored.history[: relaxations + 1]):
+                answer = monitored.answer(r, "a cycle of two", relaxations=relaxations, products=products)
                 return replace(answer, status=Status.STALLED)
             lams.append(_combined(lams, slides, self.memory))
             shifted.offset[:, 0] = form.offset[:, 0] + form.friction * lams[-1]
             products += 1 + relax(shifted, r, INNER * error, INNER_LIMIT)
             relaxations += 1
-        return watched.answer(r, relaxations=relaxations, products=products)
+        return monitored.answer(r, relaxations=relaxations, products=products)
 
 
 def _combined(lams: list[Array], slides: list[Array], memory: int) -> Array:

@@ -19,7 +19,7 @@ from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer, impulses, solver
 from frictionbench.solvers.sweeps.form import ContactForm, contact_form
 from frictionbench.solvers.sweeps.projected_gradient import PATIENCE, descend
-from frictionbench.solvers.sweeps.stopping import watch
+from frictionbench.solvers.sweeps.stopping import monitor
 
 LIMIT = 20_000
 
@@ -37,9 +37,9 @@ class APGD:
         return contact_form(problem)
 
     def solve(self, form: ContactForm, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        r, watched = impulses(start, form.offset.shape), watch(tol, LIMIT if limit is None else limit, PATIENCE)
-        iterations, products = descend(form, r, self.shift, watched)
-        return watched.answer(r, iterations=iterations, products=products)
+        r, monitored = impulses(start, form.offset.shape), monitor(tol, LIMIT if limit is None else limit, PATIENCE)
+        iterations, products = descend(form, r, self.shift, monitored)
+        return monitored.answer(r, iterations=iterations, products=products)
 
 
 @solver("apgd_coulomb", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True)

@@ -26,13 +26,13 @@ from frictionbench.solvers.pivots.inverse_basis import Index, Matrix, slack_basi
 from frictionbench.solvers.pivots.lemke_path import (
     ACCURACY,
     COMPLEMENTARY,
-    LOST,
+    INACCURATE,
     RAY,
     STUCK,
     add_coordinates,
+    basic_values,
     draw,
-    evaluate,
-    follow,
+    follow_lemke_path,
 )
 from frictionbench.solvers.pivots.principal_pivoting import PrincipalPivoting
 from frictionbench.solvers.pivots.scaled_lcp import ScaledLCP, finish
@@ -54,26 +54,26 @@ def dantzig(order: Index, M: Matrix, q: Array, unit: Array, tol: float, limit: i
     draw(1, drawn)
     while size > 1e-14 and error > tol:
         # A later round, with a smaller perturbation, takes up again the pairs that the first one left negative.
-        watched = x >= 0.0
-        watched[n] = True
+        blocking = x >= 0.0
+        blocking[n] = True
         shifted[:] = q
         add_coordinates(M, basis, drawn, size, shifted, z)
-        evaluate(M, d, basis, shifted, x, out, ACCURACY)
+        basic_values(M, d, basis, shifted, x, out, ACCURACY)
         for r in order:
-            watched[r] = True
+            blocking[r] = True
             if x[r] >= 0.0:
                 continue
             y[:] = 0.0
             y[r] = 1.0
             d[:] = 0.0
             add_coordinates(M, basis, y, 1.0, d, z)
-            code = follow(M, shifted, d, basis, x, ray, watched, HARRIS * size, limit, work)
+            code = follow_lemke_path(M, shifted, d, basis, x, ray, blocking, HARRIS * size, limit, work)
             y[:] = 0.0
             if code != COMPLEMENTARY:
                 return STUCK if code == RAY else code, y, work[0], work[1]
         error = finish(M, d, basis, q, unit, x, y, out)
         size *= 1e-2
-    return COMPLEMENTARY if error <= tol else LOST, y, work[0], work[1]
+    return COMPLEMENTARY if error <= tol else INACCURATE, y, work[0], work[1]
 
 
 @solver("dantzig", family="pivoting", model="lcp", dimension=(2, 3))

@@ -61,7 +61,7 @@ class FischerNewton(MeritNewton):
     memory = MEMORY
 
     def iterate(self, dense: DenseLCP, descent: Descent) -> tuple[int, int, int]:
-        end, iterations = iterate(dense.M, dense.q, np.zeros(len(dense.q)), descent, float(self.regularisation))
+        end, iterations = iterate_fischer(dense.M, dense.q, np.zeros(len(dense.q)), descent, float(self.regularisation))
         return end, iterations, 0
 
     def describe_end(self, status: Status, period: int) -> str:
@@ -99,7 +99,7 @@ def jacobian(M, y, w):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def iterate(M, q, y, descent, eps):  # type: ignore[no-untyped-def]
+def iterate_fischer(M, q, y, descent, eps):  # type: ignore[no-untyped-def]
     """From y: how it ended and the iterations."""
     n, work = len(q), descent.work
     w = M @ y + q

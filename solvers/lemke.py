@@ -36,16 +36,16 @@ from frictionbench.solvers.pivots.inverse_basis import Index, Matrix, invert, sl
 from frictionbench.solvers.pivots.lemke_path import (
     ACCURACY,
     COMPLEMENTARY,
+    INACCURATE,
     LIMIT,
-    LOST,
     RAY,
     add_coordinates,
-    add_product,
+    add_matrix_product,
+    basic_values,
     draw,
-    evaluate,
-    follow,
+    follow_lemke_path,
 )
-from frictionbench.solvers.pivots.scaled_lcp import MARGIN, ScaledLCP, finish, residual, scaled_lcp
+from frictionbench.solvers.pivots.scaled_lcp import MARGIN, ScaledLCP, finish, scaled_lcp, scaled_residual
 from frictionbench.solvers.pivots.vectors import fill, largest, least, put
 
 PERTURBATION = 1e-7  # of q, whose largest entry is 1
@@ -68,7 +68,7 @@ def certified(M: Matrix, q: Array, d: Array, ray: Array, copositive: bool) -> bo
         s[i] = d[i] * v0
         size = max(size, abs(v[i]))
         along += q[i] * v[i]
-    add_product(M, v, s)
+    add_matrix_product(M, v, s)
     slack = CERTIFICATE * size
     if not (size > CERTIFICATE * abs(v0) and v0 >= -slack):
         return False
@@ -91,13 +91,13 @@ def lemke(
     space = np.empty((6, n))
     d, shifted, drawn, out, y, z = space[0], space[1], space[2], space[3], space[4], space[5]
     x, ray = np.empty(n + 1), np.empty(n + 1)
-    watched = np.empty(n + 1, np.bool_)
-    fill(watched, True)
+    blocking = np.empty(n + 1, np.bool_)
+    fill(blocking, True)
     best_y = np.empty(n)
     fill(best_y, 0.0)
     fill(d, 1.0)
-    best = residual(M, q, unit, best_y, out)
-    ended = COMPLEMENTARY if best <= tol else LOST
+    best = scaled_residual(M, q, unit, best_y, out)
+    ended = COMPLEMENTARY if best <= tol else INACCURATE
     trial = first = -1 if len(guess) else 0
     while best > tol and work[0] < limit and trial <= restarts:
         basis = slack_basis(n)
@@ -105,7 +105,7 @@ def lemke(
         if trial < 0:
             work[1] += 1
             if not invert(M, d, basis, guess):
-                code = LOST
+                code = INACCURATE
         cold = basis.size[0] == 0
         # A path takes up to about 3 n pivots, or many more in Murty's examples: only the last trial may use up what is left.
         budget = limit if trial == restarts else min(limit, work[0] + 5 * n + 1000)
@@ -120,8 +120,8 @@ def lemke(
                 drawn[i] += 9.0  # tenths: nearly uniform perturbations make for shorter paths
             put(shifted, q)
             add_coordinates(M, basis, drawn, size / 10.0, shifted, z)
-            evaluate(M, d, basis, shifted, x, out, ACCURACY)
-            code = follow(M, shifted, d, basis, x, ray, watched, HARRIS * size, budget, work)
+            basic_values(M, d, basis, shifted, x, out, ACCURACY)
+            code = follow_lemke_path(M, shifted, d, basis, x, ray, blocking, HARRIS * size, budget, work)
             if code == RAY and cold and certified(M, q, d, ray, copositive):
                 ended = RAY
             elif work[0] >= limit:

@@ -60,7 +60,7 @@ class MinmapNewton(MeritNewton):
 
     def iterate(self, dense: DenseLCP, descent: Descent) -> tuple[int, int, int]:
         settings = float(self.regularisation), self.globalised
-        end, iterations, period = iterate(dense.M, dense.q, np.zeros(len(dense.q)), descent, *settings)
+        end, iterations, period = iterate_minmap(dense.M, dense.q, np.zeros(len(dense.q)), descent, *settings)
         return end, iterations, period
 
     def describe_end(self, status: Status, period: int) -> str:
@@ -97,7 +97,7 @@ def signature(A):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def iterate(M, q, y, descent, eps, globalised):  # type: ignore[no-untyped-def]
+def iterate_minmap(M, q, y, descent, eps, globalised):  # type: ignore[no-untyped-def]
     """From y: how it ended, the iterations, and the period of the first cycle seen, or 0."""
     work, visited = descent.work, np.empty(len(descent.history), np.int64)
     w = M @ y + q

@@ -15,8 +15,18 @@ import numpy as np
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel
 from frictionbench.solvers.interface import solver
-from frictionbench.solvers.pivots.inverse_basis import Matrix, exchange, refactor, slack_basis, transform
-from frictionbench.solvers.pivots.lemke_path import ACCURACY, COMPLEMENTARY, LIMIT, LOSS, LOST, PIVOT, STUCK, enter, evaluate
+from frictionbench.solvers.pivots.inverse_basis import Matrix, exchange_pair, refactor, slack_basis, transform
+from frictionbench.solvers.pivots.lemke_path import (
+    ACCURACY,
+    COMPLEMENTARY,
+    INACCURATE,
+    LIMIT,
+    LOSS,
+    PIVOT,
+    STUCK,
+    basic_values,
+    enter,
+)
 from frictionbench.solvers.pivots.principal_pivoting import PrincipalPivoting
 from frictionbench.solvers.pivots.scaled_lcp import ScaledLCP, finish
 
@@ -47,24 +57,24 @@ def murty(M: Matrix, q: Array, unit: Array, tol: float, limit: int) -> tuple[int
         if not fresh and (defect > LOSS or not abs(a[r]) > PIVOT * size):
             inversions += 1
             if not refactor(M, d, basis):
-                return LOST, y, pivots, inversions
-            evaluate(M, d, basis, q, x, out, ACCURACY)
+                return INACCURATE, y, pivots, inversions
+            basic_values(M, d, basis, q, x, out, ACCURACY)
             fresh = True
             continue
         if not abs(a[r]) > PIVOT * size:
             return STUCK, y, pivots, inversions
-        exchange(M, d, basis, a, r, z_enters, r)
+        exchange_pair(M, d, basis, a, r, z_enters, r)
         pivots += 1
         t = x[r] / a[r]
         for i in range(n):
             x[i] -= t * a[i]
         x[r] = t
         if pivots % 64 == 0:
-            evaluate(M, d, basis, q, x, out, ACCURACY)
+            basic_values(M, d, basis, q, x, out, ACCURACY)
         fresh = False
     if finish(M, d, basis, q, unit, x, y, out) <= tol:
         return COMPLEMENTARY, y, pivots, inversions
-    return LOST, y, pivots, inversions
+    return INACCURATE, y, pivots, inversions
 
 
 @solver("murty", family="pivoting", model="lcp", dimension=(2, 3))

@@ -18,9 +18,9 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel
 from frictionbench.solvers.interface import Answer, impulses, solver
 from frictionbench.solvers.sweeps.form import ContactForm, contact_form
-from frictionbench.solvers.sweeps.gauss_seidel import CHECK, planar_sweeps, spatial_sweeps, watch_sweeps
-from frictionbench.solvers.sweeps.laws import evaluate
-from frictionbench.solvers.sweeps.stopping import going
+from frictionbench.solvers.sweeps.gauss_seidel import CHECK, monitor_sweeps, planar_sweeps, spatial_sweeps
+from frictionbench.solvers.sweeps.laws import residual_at
+from frictionbench.solvers.sweeps.stopping import should_continue
 
 
 @solver("nncg", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True)
@@ -34,20 +34,20 @@ class NNCG:
         return contact_form(problem)
 
     def solve(self, form: ContactForm, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        r, watch = impulses(start, form.offset.shape), watch_sweeps(tol, limit)
-        sweeps = _iterate(form, r, watch)
-        return watch.answer(r, sweeps=sweeps, checks=watch.seen)
+        r, monitor = impulses(start, form.offset.shape), monitor_sweeps(tol, limit)
+        sweeps = _iterate(form, r, monitor)
+        return monitor.answer(r, sweeps=sweeps, checks=monitor.seen)
 
 
 @kernel
-def _iterate(form, r, watch):  # type: ignore[no-untyped-def]
+def _iterate(form, r, monitor):  # type: ignore[no-untyped-def]
     """Overwrite r by the solution; the number of sweeps."""
     x, u = np.empty_like(form.rest), np.empty_like(r)
     p, p_x = np.zeros_like(r), np.zeros_like(x)
     r_old, x_old = np.empty_like(r), np.empty_like(x)
     sweeps, size = 0, 0.0
-    while going(watch, evaluate(form, r, x, u, 1.0), sweeps):
-        for _ in range(min(CHECK, watch.limit - sweeps)):
+    while should_continue(monitor, residual_at(form, r, x, u, 1.0), sweeps):
+        for _ in range(min(CHECK, monitor.limit - sweeps)):
             r_old[:], x_old[:] = r, x
             if r.shape[1] == 2:
                 planar_sweeps(form, r, x, 1.0, 1)

@@ -16,9 +16,9 @@ from frictionbench.problems.check import Array, require
 from frictionbench.problems.compiled import kernel
 from frictionbench.solvers.interface import Answer, impulses, solver
 from frictionbench.solvers.sweeps.form import ContactForm, contact_form
-from frictionbench.solvers.sweeps.gauss_seidel import CHECK, planar_sweeps, spatial_sweeps, watch_sweeps
-from frictionbench.solvers.sweeps.laws import evaluate
-from frictionbench.solvers.sweeps.stopping import going
+from frictionbench.solvers.sweeps.gauss_seidel import CHECK, monitor_sweeps, planar_sweeps, spatial_sweeps
+from frictionbench.solvers.sweeps.laws import residual_at
+from frictionbench.solvers.sweeps.stopping import should_continue
 
 
 @solver("nsgs", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True)
@@ -38,18 +38,18 @@ class NSGS:
         return contact_form(problem)
 
     def solve(self, form: ContactForm, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        r, watch = impulses(start, form.offset.shape), watch_sweeps(tol, limit)
-        sweeps = _iterate(form, r, float(self.relaxation), watch, True if r.shape[1] == 3 else None)
-        return watch.answer(r, sweeps=sweeps, checks=watch.seen)
+        r, monitor = impulses(start, form.offset.shape), monitor_sweeps(tol, limit)
+        sweeps = _iterate(form, r, float(self.relaxation), monitor, True if r.shape[1] == 3 else None)
+        return monitor.answer(r, sweeps=sweeps, checks=monitor.seen)
 
 
 @kernel
-def _iterate(form, r, relaxation, watch, space):  # type: ignore[no-untyped-def]
+def _iterate(form, r, relaxation, monitor, space):  # type: ignore[no-untyped-def]
     """Overwrite r by the solution; the number of sweeps. space: None in the plane, so that only one of the two is compiled."""
     x, u = np.empty(len(form.rest)), np.empty(r.shape)
     sweeps = 0
-    while going(watch, evaluate(form, r, x, u, 1.0), sweeps):
-        count = min(CHECK, watch.limit - sweeps)
+    while should_continue(monitor, residual_at(form, r, x, u, 1.0), sweeps):
+        count = min(CHECK, monitor.limit - sweeps)
         if space is None:
             planar_sweeps(form, r, x, relaxation, count)
         else:

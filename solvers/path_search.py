@@ -44,20 +44,20 @@ from frictionbench.problems.check import Array, require
 from frictionbench.problems.compiled import kernel, part
 from frictionbench.solvers.interface import Answer, Status, solver
 from frictionbench.solvers.pivots.lu_basis import (
-    Basis,
     Columns,
     Indices,
-    add_product,
+    LUBasis,
+    add_columns_product,
     basic_point,
-    factorise,
-    held,
-    hold,
-    largest,
+    basic_z,
+    factorise_basis,
+    largest_magnitude,
     new_basis,
     orientation,
+    set_complementary_basis,
 )
 from frictionbench.solvers.pivots.natural import MARGIN, exact_residual, natural_residual, own_scale, scaled_and_weighed
-from frictionbench.solvers.pivots.newton_path import FACTORISATIONS, LIMIT, NEWTON, RAY, SINGULAR, follow, is_ray
+from frictionbench.solvers.pivots.newton_path import FACTORISATIONS, LIMIT, NEWTON, RAY, SINGULAR, follow_newton_path, is_ray
 from frictionbench.solvers.pivots.ordering import in_order
 from frictionbench.solvers.pivots.vectors import fill, put
 
@@ -152,7 +152,7 @@ class Prepared(NamedTuple):
     stretch: Array
     order: Indices
     columns: Columns
-    basis: Basis
+    basis: LUBasis
     q: Array
     weight: Array
     noise: Array
@@ -182,7 +182,7 @@ def search(columns, basis, q, weight, noise, tol, limit, steps, proximal):  # ty
         for i in range(n):  # residual r of x: -delta on A; below, with w_i = max(F_i, 0) + delta_i
             columns.cover[i] = -delta[i] if A[i] else min(w[i] - delta[i], 0.0) - delta[i]
             right[i] = columns.cover[i] - along[i]
-        end = follow(basis, columns, right, v, limit, work)
+        end = follow_newton_path(basis, columns, right, v, limit, work)
         residual = np.inf
         if end == NEWTON:
             residual = newton_point(basis, columns, q, weight, v, z, w, work)
@@ -193,9 +193,9 @@ def search(columns, basis, q, weight, noise, tol, limit, steps, proximal):  # ty
                 break
         elif end == RAY and eps == 0.0:
             ray = ray or is_ray(columns, v)
-        if residual < DECREASE * largest(recent):
+        if residual < DECREASE * largest_magnitude(recent):
             recent[work[STEPS] % MEMORY] = residual
-            held(basis, A)
+            basic_z(basis, A)
             continue
         if end == LIMIT or work[RESTARTS] + 1 == len(noise):
             break
@@ -220,32 +220,32 @@ def crash_point(basis, columns, q, A, z, w, steps, work):  # type: ignore[no-unt
     leaves, until z >= 0. A then has z_A >= 0, (Mz + q)_A = 0 and det M_AA > 0.
     """
     n = len(q)
-    kept, right = np.empty(n, np.bool_), np.empty(n)
+    stored, right = np.empty(n, np.bool_), np.empty(n)
     for i in range(n):
-        kept[i], right[i] = A[i], -q[i]
+        stored[i], right[i] = A[i], -q[i]
     least = np.inf
     for step in range(steps + 1):
-        lost = complementary(basis, columns, A, work)
+        dependent = complementary(basis, columns, A, work)
         basic_point(basis, right, z, w)
-        if not lost:
+        if not dependent:
             infeasible = 0.0
             for i in range(n):
                 infeasible -= min(z[i], 0.0) + min(w[i], 0.0)
             if infeasible < least:
-                put(kept, A)
+                put(stored, A)
                 least = infeasible
             if infeasible == 0.0 or step == steps:
                 break
-        held(basis, A)
+        basic_z(basis, A)
         for i in range(n):
             A[i] = z[i] > 0.0 if A[i] else w[i] < 0.0
         work[CRASH] += 1
-    put(A, kept)
+    put(A, stored)
     for _ in range(4):
-        lost = complementary(basis, columns, A, work)
+        dependent = complementary(basis, columns, A, work)
         basic_point(basis, right, z, w)
-        held(basis, A)
-        below = lost
+        basic_z(basis, A)
+        below = dependent
         for i in range(n):
             below += not z[i] >= 0.0
         if not below:
@@ -263,9 +263,9 @@ def crash_point(basis, columns, q, A, z, w, steps, work):  # type: ignore[no-unt
 @part
 def complementary(basis, columns, A, work):  # type: ignore[no-untyped-def]
     """Factorise the complementary basis of A; how many of its columns were left out as dependent."""
-    hold(basis, A)
+    set_complementary_basis(basis, A)
     work[FACTORISATIONS] += 1
-    return factorise(basis, columns, DEPENDENT)
+    return factorise_basis(basis, columns, DEPENDENT)
 
 
 @part
@@ -278,7 +278,7 @@ def newton_point(basis, columns, q, weight, end, z, w, work):  # type: ignore[no
     work[STEPS] += 1
     work[FACTORISATIONS] += 1
     fill(columns.prox, 0.0)
-    factorise(basis, columns, 0.0)
+    factorise_basis(basis, columns, 0.0)
     correction, right, point, best = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     put(best, z)
     for i in range(n):
@@ -286,14 +286,14 @@ def newton_point(basis, columns, q, weight, end, z, w, work):  # type: ignore[no
     basic_point(basis, right, z, w)
     for i in range(n):
         right[i], point[i] = w[i] - q[i], -z[i]
-    add_product(columns, point, right)
+    add_columns_product(columns, point, right)
     basic_point(basis, right, correction, w)
     residual = np.inf
     for refined in (True, False):
         for i in range(n):
             point[i] = max(z[i] + correction[i], 0.0) if refined else max(end[i], 0.0)
         put(w, q)
-        add_product(columns, point, w)
+        add_columns_product(columns, point, w)
         here = natural_residual(weight, point, w)
         if here < residual:
             put(best, point)
@@ -313,4 +313,4 @@ def round_off(columns, q, weight, z):  # type: ignore[no-untyped-def]
             size[columns.row[k]] += abs(z[j] * columns.value[k])
     for i in range(len(q)):
         size[i] *= weight[i]
-    return EPSILON / 8 * largest(size)
+    return EPSILON / 8 * largest_magnitude(size)

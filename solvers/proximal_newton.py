@@ -21,7 +21,7 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.residual import residual
 from frictionbench.solvers.interface import Answer, Status, impulses, solver
 from frictionbench.solvers.interior.alart_curnier import new_state, newton
-from frictionbench.solvers.interior.system import System, in_velocities, new_work, prepare
+from frictionbench.solvers.interior.system import System, build_system, in_velocities, new_work
 
 LIMIT = 1500  # factorisations: most problems that are solved take less than 500
 STEPS = 20  # of Newton's method for one proximal point
@@ -46,7 +46,7 @@ class ProximalNewton:
         return in_velocities(problem)
 
     def setup(self, problem: FrictionProblem) -> tuple[FrictionProblem, System]:
-        return problem, prepare(problem)
+        return problem, build_system(problem)
 
     def solve(
         self, prepared: tuple[FrictionProblem, System], tol: float, limit: int | None, start: Array | None = None

@@ -19,9 +19,9 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer, impulses, solver
 from frictionbench.solvers.sweeps.form import ContactForm, contact_form, state
-from frictionbench.solvers.sweeps.laws import evaluate
+from frictionbench.solvers.sweeps.laws import residual_at
 from frictionbench.solvers.sweeps.projected_gradient import relax
-from frictionbench.solvers.sweeps.stopping import going, watch
+from frictionbench.solvers.sweeps.stopping import monitor, should_continue
 
 LIMIT = 1000
 PATIENCE = 200  # rounds in which the residual must fall by a hundredth
@@ -40,12 +40,12 @@ class Staggered:
         return contact_form(problem)
 
     def solve(self, form: ContactForm, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        r, watched = impulses(start, form.offset.shape), watch(tol, LIMIT if limit is None else limit, PATIENCE)
+        r, monitored = impulses(start, form.offset.shape), monitor(tol, LIMIT if limit is None else limit, PATIENCE)
         normal, friction = _only(form, [0]), _only(form, range(1, r.shape[1]))
         n, t, u, x = np.zeros_like(r), np.zeros_like(r), np.empty_like(r), np.empty_like(form.rest)
         n[:, 0], t[:, 1:] = r[:, 0], r[:, 1:]
         rounds, products = 0, 1  # a check of the residual is one
-        while going(watched, error := evaluate(form, n + t, x, u, 1.0), rounds):
+        while should_continue(monitored, error := residual_at(form, n + t, x, u, 1.0), rounds):
             state(form, t, normal.rest)
             products += relax(normal, n, INNER * error, INNER_LIMIT)
             state(form, n, friction.rest)
@@ -53,7 +53,7 @@ class Staggered:
             products += relax(friction, t, INNER * error, INNER_LIMIT)
             products += 3  # of each half's impulses, for the other to start from, and the next check
             rounds += 1
-        return watched.answer(n + t, rounds=rounds, products=products)
+        return monitored.answer(n + t, rounds=rounds, products=products)
 
 
 def _only(form: ContactForm, rows: range | list[int]) -> ContactForm:

@@ -21,11 +21,11 @@ import numpy as np
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import inlined, kernel, part
-from frictionbench.solvers.interior.elements import add_spatial, feel_spatial, push_spatial
+from frictionbench.solvers.interior.elements import add_spatial, push_spatial, read_spatial
 from frictionbench.solvers.interior.lorentz import Vector
 from frictionbench.solvers.interior.newton import PIVOT
 from frictionbench.solvers.interior.system import System, Work
-from frictionbench.solvers.sparse_lu.multifrontal import factorise, solve
+from frictionbench.solvers.sparse_lu.multifrontal import factorise, solve_factorised
 
 HALVINGS = 8
 DECREASE = 1e-4  # of |s F| for a step taken whole
@@ -57,7 +57,7 @@ def velocities(system: System, r: Array, u: Array, work: Work) -> None:
         for k in range(system.indptr[i], system.indptr[i + 1]):
             v[i] += system.inverse[k] * work.momentum[system.indices[k]]
     for i in range(len(u)):
-        u[i, 0], u[i, 1], u[i, 2] = feel_spatial(system.contacts, i, v)
+        u[i, 0], u[i, 1], u[i, 2] = read_spatial(system.contacts, i, v)
         for k in range(3):
             u[i, k] += system.offset[i, k]
 
@@ -82,17 +82,17 @@ def equations(system: System, state: State, anchor: Array, rho: float, work: Wor
         x0, x1, x2 = _pair(system, i, state, anchor, rho)
         size, normal = np.sqrt(x1 * x1 + x2 * x2), max(x0, 0.0)
         radius = system.friction[i] * normal + system.friction_bias[i]
-        kept = 1.0 if size <= radius else radius / size
+        ratio = 1.0 if size <= radius else radius / size
         state.F[i, 0] = state.r[i, 0] - normal
-        state.F[i, 1] = state.r[i, 1] - kept * x1
-        state.F[i, 2] = state.r[i, 2] - kept * x2
+        state.F[i, 1] = state.r[i, 1] - ratio * x1
+        state.F[i, 2] = state.r[i, 2] - ratio * x2
         for k in range(3):
             total += (system.weight[i] * state.F[i, k]) ** 2
     return float(np.sqrt(total))
 
 
 @inlined
-def _respond(system: System, i: int, state: State, anchor: Array, rho: float, F: Vector, du: Vector) -> Vector:
+def _impulse_change(system: System, i: int, state: State, anchor: Array, rho: float, F: Vector, du: Vector) -> Vector:
     """-G (F + B du): the change of r for a change du of u, and the equations' defect F."""
     s, mu = system.weight[i], system.friction[i]
     k = 1 / ((1 + rho) * s)
@@ -127,18 +127,18 @@ def newton_step(system: System, state: State, anchor: Array, rho: float, step: A
     none = (0.0, 0.0, 0.0)
     for i in range(len(step)):
         F = (state.F[i, 0], state.F[i, 1], state.F[i, 2])
-        c0 = _respond(system, i, state, anchor, rho, none, (-1.0, 0.0, 0.0))
-        c1 = _respond(system, i, state, anchor, rho, none, (0.0, -1.0, 0.0))
-        c2 = _respond(system, i, state, anchor, rho, none, (0.0, 0.0, -1.0))
+        c0 = _impulse_change(system, i, state, anchor, rho, none, (-1.0, 0.0, 0.0))
+        c1 = _impulse_change(system, i, state, anchor, rho, none, (0.0, -1.0, 0.0))
+        c2 = _impulse_change(system, i, state, anchor, rho, none, (0.0, 0.0, -1.0))
         rows = ((c0[0], c1[0], c2[0]), (c0[1], c1[1], c2[1]), (c0[2], c1[2], c2[2]))
         add_spatial(system.contacts, i, rows[0], rows[1], rows[2], system.fronts, storage)
-        push_spatial(system.contacts, i, _respond(system, i, state, anchor, rho, F, none), dv)
+        push_spatial(system.contacts, i, _impulse_change(system, i, state, anchor, rho, F, none), dv)
     factorise(system.fronts, storage, work.swap, PIVOT)
-    solve(system.fronts, storage, work.swap, dv)
+    solve_factorised(system.fronts, storage, work.swap, dv)
     for i in range(len(step)):
         F = (state.F[i, 0], state.F[i, 1], state.F[i, 2])
-        du = feel_spatial(system.contacts, i, dv)
-        step[i, 0], step[i, 1], step[i, 2] = _respond(system, i, state, anchor, rho, F, du)
+        du = read_spatial(system.contacts, i, dv)
+        step[i, 0], step[i, 1], step[i, 2] = _impulse_change(system, i, state, anchor, rho, F, du)
 
 
 @kernel

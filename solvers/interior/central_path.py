@@ -34,7 +34,7 @@ from frictionbench.problems.compiled import kernel, part
 from frictionbench.solvers.interior.elements import larger
 from frictionbench.solvers.interior.newton import direction, linearise
 from frictionbench.solvers.interior.point import Point, add_products, add_step, longest, new_point, set_step, to_geodesics
-from frictionbench.solvers.interior.predictor_corrector import Best, Room, judge, predictor_corrector
+from frictionbench.solvers.interior.predictor_corrector import Best, Workspace, evaluate_and_record, predictor_corrector
 from frictionbench.solvers.interior.system import Space, System
 from frictionbench.solvers.sparse_lu.multifrontal import determinant_sign
 
@@ -47,39 +47,41 @@ SHORTER, SHORTEST = 0.4, 1e-7  # of steps
 MOST = 3  # corrections of one prediction
 INSIDE = 0.98  # of the way to the boundary, or to t = 0
 HAND_OVER = 1e-4  # t at which the predictor-corrector is tried, and again by each of these further on
-END, LOST = 1e-20, 20.0  # t
+END, DIVERGED = 1e-20, 20.0  # t
 
 
 @kernel
-def trace(system: System, space: Space, point: Point, room: Room, best: Best, tol: float, patience: int, history: Array) -> int:
+def trace(
+    system: System, space: Space, point: Point, workspace: Workspace, best: Best, tol: float, patience: int, history: Array
+) -> int:
     """Follow the path from the point; stop where the residual is within tol, history is full, or the path is lost.
 
     patience: that of the predictor-corrector, where it is tried. history receives the residual of every iterate; their
     number is returned.
     """
-    first, defect, correction, tangent, curvature = _five(system)
-    log_step, log_tangent, ahead, saved, trial = _five(system)
-    work = room.work
-    judge(system, space, point, first, work, best)
+    first, defect, correction, tangent, curvature = _five_points(system)
+    log_step, log_tangent, ahead, saved, trial = _five_points(system)
+    work = workspace.work
+    evaluate_and_record(system, space, point, first, work, best)
     product, target = np.zeros((len(point.x), 4)), np.zeros((len(point.x), 4))
-    _aim(space, product, 0.0, target, -1.0, point)
+    _set_target(space, product, 0.0, target, -1.0, point)
     t, saved_t, rate, bend, length, hand_over = 1.0, 1.0, 0.0, 0.0, 0.0, HAND_OVER
-    used, corrections, inwards = 0, 0, 0
+    used, corrections, initial_sign = 0, 0, 0
     while used < len(history):
-        history[used] = judge(system, space, point, defect, work, best)
+        history[used] = evaluate_and_record(system, space, point, defect, work, best)
         used += 1
-        if best.residual[0] <= tol or not END < t < LOST:
+        if best.residual[0] <= tol or not END < t < DIVERGED:
             return used
         linearise(system, space, point, work)
         best.factorisations[0] += 1
         sign = determinant_sign(system.fronts, work.storage, work.swap)
         if used == 1:
-            inwards = sign
-        way = -1.0 if sign == inwards else 1.0
-        _aim(space, target, t, product, 1.0, point)
+            initial_sign = sign
+        orientation = -1.0 if sign == initial_sign else 1.0
+        _set_target(space, target, t, product, 1.0, point)
         add_step(defect, -t, first)
         direction(system, space, point, target, defect, correction, work)
-        _aim(space, target, t, product, 0.0, point)
+        _set_target(space, target, t, product, 0.0, point)
         set_step(defect, -t, first)
         direction(system, space, point, target, defect, tangent, work)
         set_step(log_tangent, 1.0, tangent)
@@ -91,7 +93,7 @@ def trace(system: System, space: Space, point: Point, room: Room, best: Best, to
             add_step(log_step, 2 * length, curvature)
             to_geodesics(system, space, point, log_step)
             change = (rate + 2 * length * bend) / t
-            cosine = way * (_dot(log_step, log_tangent) + change)
+            cosine = orientation * (_dot(log_step, log_tangent) + change)
             cosine /= np.sqrt(square * (_dot(log_step, log_step) + change * change))
         back = _orthogonal(system, space, point, correction, log_step, tangent, log_tangent, square)
         off = larger(_size(log_step), abs(back))
@@ -113,15 +115,15 @@ def trace(system: System, space: Space, point: Point, room: Room, best: Best, to
             saved_t = t * (1 + share * back)
             if saved_t < hand_over and used < len(history):
                 set_step(trial, 1.0, saved)
-                used += predictor_corrector(system, space, trial, room, best, tol, patience, history[used:])
+                used += predictor_corrector(system, space, trial, workspace, best, tol, patience, history[used:])
                 hand_over *= HAND_OVER
                 if best.residual[0] <= tol:
                     return used
                 linearise(system, space, point, work)
                 best.factorisations[0] += 1
-            rate = way / np.sqrt(square)
+            rate = orientation / np.sqrt(square)
             set_step(ahead, rate, tangent)
-            _aim(space, target, 0.0, product, 1.0, ahead)
+            _set_target(space, target, 0.0, product, 1.0, ahead)
             set_step(defect, 0.0, first)
             direction(system, space, point, target, defect, curvature, work)
             bend = t * _orthogonal(system, space, point, curvature, log_step, tangent, log_tangent, square)
@@ -141,12 +143,12 @@ def trace(system: System, space: Space, point: Point, room: Room, best: Best, to
 
 
 @part
-def _five(system: System) -> tuple[Point, Point, Point, Point, Point]:
+def _five_points(system: System) -> tuple[Point, Point, Point, Point, Point]:
     return new_point(system), new_point(system), new_point(system), new_point(system), new_point(system)
 
 
 @part
-def _aim(space: Space, target: Array, t: float, product: Array, share: float, point: Point) -> None:
+def _set_target(space: Space, target: Array, t: float, product: Array, share: float, point: Point) -> None:
     """target = t product - share x ∘ s."""
     for i in range(len(target)):
         for k in range(4):

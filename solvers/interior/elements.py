@@ -29,30 +29,30 @@ def push_spatial(contacts: Elements, i: int, r: Vector, momentum: Array) -> None
 
 
 @part
-def feel_planar(contacts: Elements, i: int, v: Array) -> tuple[float, float]:
-    """feel v of contact i."""
+def read_planar(contacts: Elements, i: int, v: Array) -> tuple[float, float]:
+    """read v of contact i."""
     un = ut = 0.0
     for a in range(contacts.start[i], contacts.start[i + 1]):
-        un += contacts.feel[a, 0] * v[contacts.column[a]]
-        ut += contacts.feel[a, 1] * v[contacts.column[a]]
+        un += contacts.read[a, 0] * v[contacts.column[a]]
+        ut += contacts.read[a, 1] * v[contacts.column[a]]
     return un, ut
 
 
 @inlined
-def feel_spatial(contacts: Elements, i: int, v: Array) -> Vector:
-    """feel v of contact i."""
+def read_spatial(contacts: Elements, i: int, v: Array) -> Vector:
+    """read v of contact i."""
     u0 = u1 = u2 = 0.0
     for a in range(contacts.start[i], contacts.start[i + 1]):
         along = v[contacts.column[a]]
-        u0 += contacts.feel[a, 0] * along
-        u1 += contacts.feel[a, 1] * along
-        u2 += contacts.feel[a, 2] * along
+        u0 += contacts.read[a, 0] * along
+        u1 += contacts.read[a, 1] * along
+        u2 += contacts.read[a, 2] * along
     return u0, u1, u2
 
 
 @part
 def add_planar(contacts: Elements, i: int, nn: float, nt: float, tn: float, tt: float, fronts: Fronts, storage: Array) -> None:
-    """Add push' C feel of contact i, C = [[nn, nt], [tn, tt]], to its front."""
+    """Add push' C read of contact i, C = [[nn, nt], [tn, tt]], to its front."""
     f, lo, hi = contacts.front[i], contacts.start[i], contacts.start[i + 1]
     begin, width = fronts.start[f], fronts.first[f + 1] - fronts.first[f]
     for a in range(lo, hi):
@@ -60,12 +60,12 @@ def add_planar(contacts: Elements, i: int, nn: float, nt: float, tn: float, tt: 
         normal = contacts.push[a, 0] * nn + contacts.push[a, 1] * tn
         tangent = contacts.push[a, 0] * nt + contacts.push[a, 1] * tt
         for b in range(lo, hi):
-            storage[row + contacts.place[b]] += normal * contacts.feel[b, 0] + tangent * contacts.feel[b, 1]
+            storage[row + contacts.place[b]] += normal * contacts.read[b, 0] + tangent * contacts.read[b, 1]
 
 
 @inlined
 def add_spatial(contacts: Elements, i: int, n: Vector, s: Vector, t: Vector, fronts: Fronts, storage: Array) -> None:
-    """Add push' C feel of contact i, C by its rows n, s, t, to its front."""
+    """Add push' C read of contact i, C by its rows n, s, t, to its front."""
     f, lo, hi = contacts.front[i], contacts.start[i], contacts.start[i + 1]
     begin, width = fronts.start[f], fronts.first[f + 1] - fronts.first[f]
     for a in range(lo, hi):
@@ -73,7 +73,7 @@ def add_spatial(contacts: Elements, i: int, n: Vector, s: Vector, t: Vector, fro
         p0, p1, p2 = contacts.push[a, 0], contacts.push[a, 1], contacts.push[a, 2]
         c0, c1, c2 = p0 * n[0] + p1 * s[0] + p2 * t[0], p0 * n[1] + p1 * s[1] + p2 * t[1], p0 * n[2] + p1 * s[2] + p2 * t[2]
         for b in range(lo, hi):
-            along = c0 * contacts.feel[b, 0] + c1 * contacts.feel[b, 1] + c2 * contacts.feel[b, 2]
+            along = c0 * contacts.read[b, 0] + c1 * contacts.read[b, 1] + c2 * contacts.read[b, 2]
             storage[row + contacts.place[b]] += along
 
 
@@ -96,6 +96,6 @@ def natural(r: Vector, u: Vector, mu: float, bias: float, shift: float, weight: 
     compliance = 1 / weight
     n = r[0] - (u[0] + shift * _norm(u[1], u[2])) * compliance
     t1, t2 = r[1] - u[1] * compliance, r[2] - u[2] * compliance
-    normal, kept = nearest(n, _norm(t1, t2), mu, bias)
-    off, off1, off2 = r[0] - normal, r[1] - kept * t1, r[2] - kept * t2
+    normal, share = nearest(n, _norm(t1, t2), mu, bias)
+    off, off1, off2 = r[0] - normal, r[1] - share * t1, r[2] - share * t2
     return weight * np.sqrt(off * off + off1 * off1 + off2 * off2)

@@ -21,22 +21,22 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import part
 from frictionbench.solvers.interior.elements import larger
 from frictionbench.solvers.interior.planar_newton import (
+    add_planar_right_side,
     add_planar_stiffness,
     planar_defects,
     planar_steps,
     push_planar_impulses,
-    push_planar_response,
 )
 from frictionbench.solvers.interior.point import Point
 from frictionbench.solvers.interior.spatial_newton import (
+    add_spatial_right_side,
     add_spatial_stiffness,
     push_spatial_impulses,
-    push_spatial_response,
     spatial_defects,
     spatial_steps,
 )
 from frictionbench.solvers.interior.system import JOINT_SOFTNESS, Elements, Space, System, Work
-from frictionbench.solvers.sparse_lu.multifrontal import factorise, solve
+from frictionbench.solvers.sparse_lu.multifrontal import factorise, solve_factorised
 
 PIVOT = 1e-14  # the least pivot of A, whose mass matrix is scaled to the size of 1
 
@@ -49,15 +49,15 @@ def _push_joints(joints: Elements, impulse: Array, momentum: Array) -> None:
 
 
 @part
-def _feel_joints(joints: Elements, v: Array, velocity: Array) -> None:
+def _read_joints(joints: Elements, v: Array, velocity: Array) -> None:
     for j in range(len(velocity)):
         velocity[j, 0] = 0.0
         for a in range(joints.start[j], joints.start[j + 1]):
-            velocity[j, 0] += joints.feel[a, 0] * v[joints.column[a]]
+            velocity[j, 0] += joints.read[a, 0] * v[joints.column[a]]
 
 
 @part
-def evaluate(system: System, space: Space, point: Point, defect: Point, work: Work) -> float:
+def evaluate_point(system: System, space: Space, point: Point, defect: Point, work: Work) -> float:
     """The residual of problems.residual at a point's impulses, infinity where it is not a number.
 
     defect: overwritten with H'u + K x - s and F v + b_F.
@@ -74,7 +74,7 @@ def evaluate(system: System, space: Space, point: Point, defect: Point, work: Wo
         v[i] = system.free_velocity[i]
         for k in range(system.indptr[i], system.indptr[i + 1]):
             v[i] += system.inverse[k] * work.momentum[system.indices[k]]
-    _feel_joints(system.joints, v, defect.joint)
+    _read_joints(system.joints, v, defect.joint)
     if space is None:
         worst = planar_defects(system, point, v, work.impulse, defect.x)
     else:
@@ -106,17 +106,17 @@ def direction(system: System, space: Space, point: Point, target: Array, defect:
     for i in range(len(dv)):
         dv[i] = 0.0
     if space is None:
-        push_planar_response(system, target, defect.x, work)
+        add_planar_right_side(system, target, defect.x, work)
     else:
-        push_spatial_response(system, point, target, defect.x, step, work)
+        add_spatial_right_side(system, point, target, defect.x, step, work)
     for j in range(len(defect.joint)):
         step.joint[j, 0] = -defect.joint[j, 0] / JOINT_SOFTNESS
     _push_joints(system.joints, step.joint, dv)
-    solve(system.fronts, work.storage, work.swap, dv)
+    solve_factorised(system.fronts, work.storage, work.swap, dv)
     if space is None:
         planar_steps(system, point, target, step, work)
     else:
         spatial_steps(system, point, target, defect.x, step, work)
-    _feel_joints(system.joints, dv, work.joint_velocity)
+    _read_joints(system.joints, dv, work.joint_velocity)
     for j in range(len(defect.joint)):
         step.joint[j, 0] = -(defect.joint[j, 0] + work.joint_velocity[j, 0]) / JOINT_SOFTNESS

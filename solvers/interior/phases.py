@@ -8,8 +8,8 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer, Status
 from frictionbench.solvers.interior.point import Point, start_point
-from frictionbench.solvers.interior.predictor_corrector import Best, new_room
-from frictionbench.solvers.interior.system import System, in_velocities, prepare, space_of
+from frictionbench.solvers.interior.predictor_corrector import Best, new_workspace
+from frictionbench.solvers.interior.system import System, build_system, in_velocities, space_of
 
 POLISHABLE = 1e-5  # a residual
 ROUNDING = 4 * np.finfo(float).eps
@@ -29,7 +29,7 @@ class Phased:
         return in_velocities(problem)
 
     def setup(self, problem: FrictionProblem) -> Prepared:
-        return problem, prepare(problem, self.relaxed)
+        return problem, build_system(problem, self.relaxed)
 
 
 def first_point(system: System) -> Point:
@@ -55,12 +55,12 @@ def run(
     problem, system = prepared
     if problem.velocity_scale == 0:
         return Answer(np.zeros_like(system.offset), Status.SOLVED, {"iterations": 0, "factorisations": 0})
-    history, space, room = np.empty(limit), space_of(system), new_room(system)
+    history, space, workspace = np.empty(limit), space_of(system), new_workspace(system)
     best = Best(np.zeros_like(system.offset), np.array([np.inf]), np.zeros(1, np.int64))
     used, polished = 0, POLISHABLE
     status = Status.STALLED
     for method, point, share in phases:
-        used += method(system, space, point, room, best, MARGIN * tol, patience, history[used : used + share])
+        used += method(system, space, point, workspace, best, MARGIN * tol, patience, history[used : used + share])
         solved = _is_solved(best, tol, system, problem, measure)
         if polish and not solved and best.residual[0] < polished:
             solved = _is_polished(best, tol, prepared, measure, polish)

@@ -8,7 +8,7 @@ every pivot is a sum of positive numbers.
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import part
-from frictionbench.solvers.interior.elements import add_planar, feel_planar, larger, natural, push_planar
+from frictionbench.solvers.interior.elements import add_planar, larger, natural, push_planar, read_planar
 from frictionbench.solvers.interior.point import Point
 from frictionbench.solvers.interior.system import SOFTNESS, System, Work
 
@@ -28,7 +28,7 @@ def planar_defects(system: System, point: Point, v: Array, impulse: Array, defec
     x, s, worst = point.x, point.s, 0.0
     for i in range(len(x)):
         mu, bias, shift = system.friction[i], system.friction_bias[i], system.shift[i]
-        un, ut = feel_planar(system.contacts, i, v)
+        un, ut = read_planar(system.contacts, i, v)
         un += system.offset[i, 0]
         ut += system.offset[i, 1]
         defect[i, 0] = un - shift * x[i, 3] - s[i, 0]
@@ -76,7 +76,7 @@ def _unknowns(pivot: Array, mu: float, shift: float, g: Array, un: float, ut: fl
 
 
 @part
-def push_planar_response(system: System, target: Array, defect: Array, work: Work) -> None:
+def add_planar_right_side(system: System, target: Array, defect: Array, work: Work) -> None:
     """Add J'H B^-1 g to work.vector, and keep g."""
     g, inverse = work.right, work.inverse
     for i in range(len(g)):
@@ -91,7 +91,7 @@ def planar_steps(system: System, point: Point, target: Array, step: Point, work:
     """dx = B^-1 (g - H'du) and ds, du from the velocities in work.vector."""
     s, g, inverse = point.s, work.right, work.inverse
     for i in range(len(s)):
-        un, ut = feel_planar(system.contacts, i, work.vector)
+        un, ut = read_planar(system.contacts, i, work.vector)
         dx = step.x[i]
         dx[0], dx[1], dx[2], dx[3] = _unknowns(work.pivot[i], system.friction[i], system.shift[i], g[i], un, ut)
         for k in range(4):

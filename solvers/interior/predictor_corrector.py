@@ -17,7 +17,7 @@ import numpy as np
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
-from frictionbench.solvers.interior.newton import direction, evaluate, linearise
+from frictionbench.solvers.interior.newton import direction, evaluate_point, linearise
 from frictionbench.solvers.interior.point import Point, add_products, add_step, longest, set_identity
 from frictionbench.solvers.interior.system import Space, System, Work, new_work
 from frictionbench.solvers.sparse_lu.minimum_degree import Index
@@ -34,9 +34,9 @@ class Best(NamedTuple):
 
 
 @part
-def judge(system: System, space: Space, point: Point, defect: Point, work: Work, best: Best) -> float:
+def evaluate_and_record(system: System, space: Space, point: Point, defect: Point, work: Work, best: Best) -> float:
     """Evaluate a point and remember the best one."""
-    residual = evaluate(system, space, point, defect, work)
+    residual = evaluate_point(system, space, point, defect, work)
     if residual < best.residual[0]:
         best.residual[0] = residual
         for i in range(len(best.impulse)):
@@ -45,7 +45,7 @@ def judge(system: System, space: Space, point: Point, defect: Point, work: Work,
     return residual
 
 
-class Room(NamedTuple):
+class Workspace(NamedTuple):
     """Room to work in, made before: a loop over arrays of its own would count references to them at every call."""
 
     step: Point
@@ -54,29 +54,29 @@ class Room(NamedTuple):
     work: Work
 
 
-def new_room(system: System) -> Room:
+def new_workspace(system: System) -> Workspace:
     nc, nj = len(system.friction), len(system.joint_bias)
     pairs, joints = np.zeros((5, nc, 4)), np.zeros((2, nj, 1))
     step, defect = Point(pairs[0], pairs[1], joints[0]), Point(pairs[2], pairs[3], joints[1])
-    return Room(step, defect, pairs[4], new_work(system))
+    return Workspace(step, defect, pairs[4], new_work(system))
 
 
 @kernel
 def predictor_corrector(
-    system: System, space: Space, point: Point, room: Room, best: Best, tol: float, patience: int, history: Array
+    system: System, space: Space, point: Point, workspace: Workspace, best: Best, tol: float, patience: int, history: Array
 ) -> int:
     """Move the point to a solution; stop where the residual is within tol, history is full, or no progress is made.
 
     Progress is that mean(x s) and the largest defect, added, halve within `patience` iterations.
     history receives the residual of every iterate; their number is returned.
     """
-    x, s, step, defect, target, work = point.x, point.s, room.step, room.defect, room.target, room.work
+    x, s, step, defect, target, work = point.x, point.s, workspace.step, workspace.defect, workspace.target, workspace.work
     pairs = 0
     for i in range(len(x)):
         pairs += system.pairs[i]
     milestone, since = np.inf, 0
     for iteration in range(len(history)):
-        history[iteration] = judge(system, space, point, defect, work, best)
+        history[iteration] = evaluate_and_record(system, space, point, defect, work, best)
         gap, off = 0.0, 0.0
         for i in range(len(x)):
             for k in range(4):

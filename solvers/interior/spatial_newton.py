@@ -21,7 +21,7 @@ The delta of solvers.interior.newton comes in as z + delta y in place of z, whic
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import inlined, part
-from frictionbench.solvers.interior.elements import add_spatial, feel_spatial, larger, natural, push_spatial
+from frictionbench.solvers.interior.elements import add_spatial, larger, natural, push_spatial, read_spatial
 from frictionbench.solvers.interior.point import Point
 from frictionbench.solvers.interior.system import SOFTNESS, System, Work
 
@@ -43,7 +43,7 @@ def spatial_defects(system: System, point: Point, v: Array, impulse: Array, defe
     x, s, worst = point.x, point.s, 0.0
     for i in range(len(x)):
         mu, bias, shift = system.friction[i], system.friction_bias[i], system.shift[i]
-        u0, u1, u2 = feel_spatial(system.contacts, i, v)
+        u0, u1, u2 = read_spatial(system.contacts, i, v)
         u0 += system.offset[i, 0]
         u1 += system.offset[i, 1]
         u2 += system.offset[i, 2]
@@ -121,7 +121,7 @@ def _steps(system: System, point: Point, target: Array, defect: Array, step: Poi
 
 
 @part
-def push_spatial_response(system: System, point: Point, target: Array, defect: Array, step: Point, work: Work) -> None:
+def add_spatial_right_side(system: System, point: Point, target: Array, defect: Array, step: Point, work: Work) -> None:
     """Add J'H B^-1 g to work.vector."""
     for i in range(len(target)):
         for k in range(3):
@@ -136,5 +136,5 @@ def spatial_steps(system: System, point: Point, target: Array, defect: Array, st
     """dx = B^-1 (g - H'du) and ds, du from the velocities in work.vector."""
     u = work.velocity
     for i in range(len(u)):
-        u[i, 0], u[i, 1], u[i, 2] = feel_spatial(system.contacts, i, work.vector)
+        u[i, 0], u[i, 1], u[i, 2] = read_spatial(system.contacts, i, work.vector)
     _steps(system, point, target, defect, step, u)

@@ -16,22 +16,22 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.solvers.sparse_lu.minimum_degree import Index
-from frictionbench.solvers.sparse_lu.multifrontal import Fronts, Place, analyse, find
+from frictionbench.solvers.sparse_lu.multifrontal import Fronts, Place, analyse, position_in_front
 
 SOFTNESS = 1e-14  # delta, relative to a contact's own mean diagonal of W; 1e-16 fails, 1e-12 slows stacks of thousands
 JOINT_SOFTNESS = 1e-8  # delta of a joint; its stiffness is added to a mass matrix of size 1, so not as small as a contact's
 
 
 class Elements(NamedTuple):
-    """Constraints as elements of A: rows push and feel (entries, d) on the variables column[start[e]:start[e+1]].
+    """Constraints as elements of A: rows push and read (entries, d) on the variables column[start[e]:start[e+1]].
 
-    u = feel v and M dv = push' r; the two differ for a Delassus problem only. front, place: where an element is added.
+    u = read v and M dv = push' r; the two differ for a Delassus problem only. front, place: where an element is added.
     """
 
     start: Index
     column: Place
     push: Array
-    feel: Array
+    read: Array
     front: Index
     place: Place
 
@@ -99,17 +99,17 @@ def space_of(system: System) -> Space:
 
 
 def in_velocities(problem: FrictionProblem) -> FrictionProblem:
-    """The problem, all that `prepare` reads of it computed: the free contact velocities, s, and W where only W is known."""
+    """The problem, with what `build_system` reads computed: the free contact velocities, s, and W where only W is known."""
     _ = problem.velocity_scale, problem.scale, problem.mechanical or problem.blocks
     return problem
 
 
-def prepare(problem: FrictionProblem, relaxed: bool = False) -> System:
+def build_system(problem: FrictionProblem, relaxed: bool = False) -> System:
     """Scale a problem, or its convex relaxation, find the order of elimination and lay out its matrices."""
     nc, scale, speed = problem.contacts, problem.scale, problem.velocity_scale or 1.0
     impulse = speed / float(np.exp(np.add.reduce(np.log(scale)) / nc)) if nc else speed
     if not problem.mechanical:
-        contacts, own, ratio = _in_impulses(*problem.blocks, impulse / speed), 1.0, 1.0
+        contacts, own, ratio = _delassus_elements(*problem.blocks, impulse / speed), 1.0, 1.0
     else:  # v = speed * unit * v^
         rows = problem.contact_rows
         contacts, own, ratio = (*rows, rows.value), impulse / speed, speed / impulse
@@ -120,7 +120,7 @@ def prepare(problem: FrictionProblem, relaxed: bool = False) -> System:
 
 @kernel
 def _system(  # type: ignore[no-untyped-def]
-    start, column, push, feel, f_start, f_column, f_value, m_start, m_column, m_value, i_start, i_column, i_value,
+    start, column, push, read, f_start, f_column, f_value, m_start, m_column, m_value, i_start, i_column, i_value,
     friction, friction_bias, scale, offset, free, joint_bias, own, ratio, relaxed, speed, impulse,
 ):  # fmt: skip
     """A System; own, ratio: what the mass matrix is divided by to find the units of the velocities, and multiplied by."""
@@ -129,18 +129,18 @@ def _system(  # type: ignore[no-untyped-def]
     for k in range(len(f_value)):
         F[k, 0] = f_value[k]
     fronts, place, contacts, joined, length, slot, constant = _lay_out(
-        start, column, push, feel, f_start, f_column, F, m_start, m_column, m_value, unit, ratio
+        start, column, push, read, f_start, f_column, F, m_start, m_column, m_value, unit, ratio
     )
     value, index, begin = _reorder(i_start, i_column, i_value, place, unit, ratio)
     own_free, own_offset, mu, bias, shift, weight, pairs = _laws(
         friction, friction_bias, scale, offset, free, place, unit, relaxed, speed, impulse
     )
-    held = np.empty(len(joint_bias))
-    for j in range(len(held)):
-        held[j] = joint_bias[j] / (length[j] * speed)
+    own_joint_bias = np.empty(len(joint_bias))
+    for j in range(len(own_joint_bias)):
+        own_joint_bias[j] = joint_bias[j] / (length[j] * speed)
     return System(
         fronts, contacts, joined, slot, constant, value, index, begin,
-        own_free, own_offset, held, mu, bias, shift, weight, pairs, speed, impulse,
+        own_free, own_offset, own_joint_bias, mu, bias, shift, weight, pairs, speed, impulse,
     )  # fmt: skip
 
 
@@ -156,8 +156,8 @@ def _laws(friction, friction_bias, scale, offset, free, place, unit, relaxed, sp
         mu[i], bias[i], weight[i] = friction[i], friction_bias[i] / impulse, scale[i] * (impulse / speed)
         if relaxed:
             shift[i] = mu[i]
-        rubs = mu[i] > 0 or bias[i] > 0
-        pairs[i] = (4 if d == 2 else 2) if rubs else 1
+        has_friction = mu[i] > 0 or bias[i] > 0
+        pairs[i] = (4 if d == 2 else 2) if has_friction else 1
         for a in range(d):
             own_offset[i, a] = offset[i, a] / speed
     return own_free, own_offset, mu, bias, shift, weight, pairs
@@ -176,15 +176,15 @@ def _units(start, column, value, ratio):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _in_impulses(first, beside, block, ratio):  # type: ignore[no-untyped-def]
-    """Where only W is known: push = W' by contacts, times the ratio, and feel = I on the same columns."""
+def _delassus_elements(first, beside, block, ratio):  # type: ignore[no-untyped-def]
+    """Where only W is known: push = W' by contacts, times the ratio, and read = I on the same columns."""
     nc, d = len(first) - 1, block.shape[1]
     start = np.zeros(nc + 1, np.int32)
     for k in range(len(beside)):
         start[beside[k] + 1] += d
     for i in range(nc):
         start[i + 1] += start[i]
-    column, push, feel = np.empty(len(beside) * d, np.int32), np.empty((len(beside) * d, d)), np.zeros((len(beside) * d, d))
+    column, push, read = np.empty(len(beside) * d, np.int32), np.empty((len(beside) * d, d)), np.zeros((len(beside) * d, d))
     end = np.empty(nc, np.int32)
     for i in range(nc):
         end[i] = start[i]
@@ -196,27 +196,27 @@ def _in_impulses(first, beside, block, ratio):  # type: ignore[no-untyped-def]
                 for a in range(d):
                     push[end[i], a] = block[k, b, a] * ratio
                     if i == j and a == b:
-                        feel[end[i], a] = 1.0
+                        read[end[i], a] = 1.0
                 end[i] += 1
-    return start, column, push, feel
+    return start, column, push, read
 
 
 @part
-def _lay_out(start, column, push, feel, f_start, f_column, F, m_start, m_column, m_value, unit, ratio):  # type: ignore[no-untyped-def]
+def _lay_out(start, column, push, read, f_start, f_column, F, m_start, m_column, m_value, unit, ratio):  # type: ignore[no-untyped-def]
     """Fronts, places, contacts, joints, the joints' lengths, slots and constants of a System."""
     n = len(unit)
-    contacts = _gather(start, column, push, feel, unit)
+    contacts = _gather(start, column, push, read, unit)
     joined = _gather(f_start, f_column, F, F, unit)
     nc, nj = len(contacts.front), len(joined.front)
     length = np.empty(nj)
     for j in range(nj):
         square = 0.0
         for a in range(joined.start[j], joined.start[j + 1]):
-            square += joined.feel[a, 0] ** 2
+            square += joined.read[a, 0] ** 2
         length[j] = np.sqrt(square) if square > 0 else 1.0
         for a in range(joined.start[j], joined.start[j + 1]):
-            joined.feel[a, 0] /= length[j]
-            joined.push[a, 0] = joined.feel[a, 0]
+            joined.read[a, 0] /= length[j]
+            joined.push[a, 0] = joined.read[a, 0]
     # The elements one after another: contacts, joints, rows of the mass matrix with more than their diagonal.
     begin = np.empty(nc + nj + n + 1, np.int64)
     member = np.empty(len(contacts.column) + len(joined.column) + len(m_column), np.int64)
@@ -241,8 +241,8 @@ def _lay_out(start, column, push, feel, f_start, f_column, F, m_start, m_column,
         contacts.front[i] = home[i]
     for j in range(nj):
         joined.front[j] = home[nc + j]
-    _settle(contacts, fronts, place)
-    _settle(joined, fronts, place)
+    _place_in_fronts(contacts, fronts, place)
+    _place_in_fronts(joined, fronts, place)
     entries = len(m_column)
     for j in range(nj):
         entries += (joined.start[j + 1] - joined.start[j]) ** 2
@@ -250,48 +250,50 @@ def _lay_out(start, column, push, feel, f_start, f_column, F, m_start, m_column,
     for i in range(n):
         for k in range(m_start[i], m_start[i + 1]):
             f = fronts.owner[min(place[i], place[m_column[k]])]
-            slot[at] = _slot(fronts, f, find(fronts, f, place[i]), find(fronts, f, place[m_column[k]]))
+            slot[at] = _slot(
+                fronts, f, position_in_front(fronts, f, place[i]), position_in_front(fronts, f, place[m_column[k]])
+            )
             constant[at] = m_value[k] * unit[i] * unit[m_column[k]] * ratio
             at += 1
     for j in range(nj):
         for a in range(joined.start[j], joined.start[j + 1]):
             for b in range(joined.start[j], joined.start[j + 1]):
                 slot[at] = _slot(fronts, joined.front[j], np.int64(joined.place[a]), np.int64(joined.place[b]))
-                constant[at] = joined.feel[a, 0] * joined.feel[b, 0] / JOINT_SOFTNESS
+                constant[at] = joined.read[a, 0] * joined.read[b, 0] / JOINT_SOFTNESS
                 at += 1
     return fronts, place, contacts, joined, length, slot, constant
 
 
 @part
-def _gather(start, column, push, feel, unit):  # type: ignore[no-untyped-def]
-    """push and feel by contacts, or by joints, as elements, columns times unit; not yet placed.
+def _gather(start, column, push, read, unit):  # type: ignore[no-untyped-def]
+    """push and read by contacts, or by joints, as elements, columns times unit; not yet placed.
 
     The columns that the first row has come first, then those of the second, as the order of elimination follows them.
     """
-    count, d, room = len(start) - 1, push.shape[1], len(column)
-    own_start, own_column, taken = np.zeros(count + 1, np.int64), np.empty(room, np.uint32), np.zeros(room, np.bool_)
-    pushing, feeling = np.empty((room, d)), np.empty((room, d))
+    count, d, entries = len(start) - 1, push.shape[1], len(column)
+    own_start, own_column, taken = np.zeros(count + 1, np.int64), np.empty(entries, np.uint32), np.zeros(entries, np.bool_)
+    pushing, reading = np.empty((entries, d)), np.empty((entries, d))
     at = 0
     for e in range(count):
         for i in range(d):
             for k in range(start[e], start[e + 1]):
-                if not taken[k] and (push[k, i] != 0 or feel[k, i] != 0):
+                if not taken[k] and (push[k, i] != 0 or read[k, i] != 0):
                     taken[k], own_column[at] = True, column[k]
                     for a in range(d):
-                        pushing[at, a], feeling[at, a] = push[k, a] * unit[column[k]], feel[k, a] * unit[column[k]]
+                        pushing[at, a], reading[at, a] = push[k, a] * unit[column[k]], read[k, a] * unit[column[k]]
                     at += 1
         own_start[e + 1] = at
-    return Elements(own_start, own_column[:at], pushing[:at], feeling[:at], np.zeros(count, np.int64), np.zeros(at, np.uint32))
+    return Elements(own_start, own_column[:at], pushing[:at], reading[:at], np.zeros(count, np.int64), np.zeros(at, np.uint32))
 
 
 @part
-def _settle(elements: Elements, fronts: Fronts, place: Index) -> None:
+def _place_in_fronts(elements: Elements, fronts: Fronts, place: Index) -> None:
     """Renumber an element's variables by the order of elimination, and find them in its front."""
     for e in range(len(elements.front)):
         for a in range(elements.start[e], elements.start[e + 1]):
             column = elements.column[a]
             elements.column[a] = place[column]
-            elements.place[a] = find(fronts, elements.front[e], place[column])
+            elements.place[a] = position_in_front(fronts, elements.front[e], place[column])
 
 
 @part

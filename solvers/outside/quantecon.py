@@ -3,7 +3,7 @@
 Licence: MIT.
 Form: the friction LCP's M, dense and scaled, and q. Setup: none. Solve: lcp_lemke's call.
 Clock: none of its own.
-Tolerance: it takes none; a basis is exact up to rounding. tol_ratio_diff is its slack for ties, 1e-13 unless set.
+Tolerance: it takes none; a basis is exact up to rounding. tol_ratio_diff, its slack for ties, is 1e-13.
 Flaws: its flag is unreliable both ways: it says ray of what it has solved, `frictionbench solve 'pyramid[rows=7,push=1]'
     --solver quantecon`, and claims what drifted, `frictionbench solve 'stack[blocks=5,mass_ratio=1e6,push=1]' --solver
     quantecon`. A dense tableau: time grows with the cube of the contacts.
@@ -18,6 +18,7 @@ from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer, Status, solver
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 
+_TIES = 1e-13  # ratios that differ by less are a tie: some hundred units of rounding in a tableau of size 1
 _ENDED = {0: Status.SOLVED, 1: Status.WORK_LIMIT, 2: Status.RAY}
 
 
@@ -25,10 +26,8 @@ _ENDED = {0: Status.SOLVED, 1: Status.WORK_LIMIT, 2: Status.RAY}
 class QuantEcon:
     """Lemke's method by QuantEcon, a dense tableau in numba. (outside)
 
-    ties: the least difference of ratios that is not a tie. Work: pivots.
+    Work: pivots.
     """
-
-    ties: float = 1e-13
 
     def form(self, problem: FrictionProblem | LCP) -> DenseLCP:
         return dense_lcp(problem)
@@ -36,6 +35,6 @@ class QuantEcon:
     def solve(self, prepared: DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         quantecon: Any = import_module("quantecon.optimize")
         lemke: Any = import_module("quantecon.optimize.lcp_lemke").lcp_lemke
-        options = quantecon.PivOptions(tol_ratio_diff=self.ties)
+        options = quantecon.PivOptions(tol_ratio_diff=_TIES)
         found = lemke(prepared.M, prepared.q, None, limit or 100_000, options)
         return prepared.answer(found.z, _ENDED.get(found.status, Status.FAILED), pivots=int(found.num_iter))

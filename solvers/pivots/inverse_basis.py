@@ -37,7 +37,7 @@ class Matrix(NamedTuple):
     row: Array
 
 
-class Basis(NamedTuple):
+class InverseBasis(NamedTuple):
     """inverse[c, r], for r, c < size[0], is (K^-1)_rc: r belongs to z_{z[r]} (z0 where z[r] = n), c to the nonbasic w_{w[c]}.
 
     row[j] is the r of z_j, column[i] the c of w_i, -1 where there is none. work (2, n+1) is workspace.
@@ -95,18 +95,20 @@ def symmetrised(indptr, indices, data, D):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def slack_basis(n: int) -> Basis:
+def slack_basis(n: int) -> InverseBasis:
     """All w basic."""
     index = np.empty((5, n + 1), np.int64)
     for k in range(5):
         for i in range(n + 1):
             index[k, i] = -1
     index[4, 0] = 0
-    return Basis(np.empty((n + 1, n + 1)), index[0], index[1], index[2], index[3], index[4], np.empty((2, n + 1)))
+    return InverseBasis(np.empty((n + 1, n + 1)), index[0], index[1], index[2], index[3], index[4], np.empty((2, n + 1)))
 
 
 @inlined
-def transform(M: Matrix, d: Array, basis: Basis, rhs: Array, a: Array, out: Array, accuracy: float) -> tuple[float, float]:
+def transform(
+    M: Matrix, d: Array, basis: InverseBasis, rhs: Array, a: Array, out: Array, accuracy: float
+) -> tuple[float, float]:
     """a (n+1,) = (inverse of the whole basis) rhs, by K^-1 and iterative refinement; returns the relative defect and the size.
 
     With rhs = M_p or -e_p it is the rate at which the basic variables fall as z_p or w_p enters; with rhs = -q their value.
@@ -152,7 +154,7 @@ def transform(M: Matrix, d: Array, basis: Basis, rhs: Array, a: Array, out: Arra
 
 
 @inlined
-def exchange(M: Matrix, d: Array, basis: Basis, a: Array, p: int, z_enters: bool, s: int) -> None:
+def exchange_pair(M: Matrix, d: Array, basis: InverseBasis, a: Array, p: int, z_enters: bool, s: int) -> None:
     """Let z_p (z0 where p = n) or w_p enter, a its transformed column, and the basic member of pair s leave."""
     n, k, G, g, h = len(d), basis.size[0], basis.inverse, basis.work[0], basis.work[1]
     out = basis.row[s]  # -1 where w_s leaves
@@ -217,7 +219,7 @@ def exchange(M: Matrix, d: Array, basis: Basis, a: Array, p: int, z_enters: bool
 
 
 @part
-def refactor(M: Matrix, d: Array, basis: Basis) -> bool:
+def refactor(M: Matrix, d: Array, basis: InverseBasis) -> bool:
     """Compute K^-1 afresh by Gauss-Jordan elimination with row exchanges; False where K is singular to working accuracy."""
     n, k = len(d), basis.size[0]
     K = np.zeros((k, k))
@@ -261,7 +263,7 @@ def refactor(M: Matrix, d: Array, basis: Basis) -> bool:
 
 
 @kernel
-def invert(M: Matrix, d: Array, basis: Basis, active: Index) -> bool:
+def invert(M: Matrix, d: Array, basis: InverseBasis, active: Index) -> bool:
     """Make the z of these indices basic in a slack basis, and their w nonbasic; False where that is singular."""
     for c in range(len(active)):
         j = active[c]

@@ -10,19 +10,19 @@ from numpy.typing import NDArray
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import inlined, kernel, part
-from frictionbench.solvers.pivots.inverse_basis import Basis, Index, Matrix, exchange, refactor, transform
+from frictionbench.solvers.pivots.inverse_basis import Index, InverseBasis, Matrix, exchange_pair, refactor, transform
 from frictionbench.solvers.pivots.vectors import put
 
 Flags = NDArray[np.bool_]
 
-COMPLEMENTARY, RAY, LIMIT, LOST, STUCK = range(5)  # how a path ends
+COMPLEMENTARY, RAY, LIMIT, INACCURATE, STUCK = range(5)  # how a path ends
 PIVOT = 1e-10  # the smallest pivot, relative to its column
 ACCURACY = 1e-12  # a transformed column with a larger relative defect is refined
 LOSS = 1e-9  # one that then still has a larger defect needs a new inverse
 
 
 @inlined
-def ratio_test(x: Array, a: Array, watched: Flags, least: float, slack: float) -> int:
+def ratio_test(x: Array, a: Array, blocking: Flags, least: float, slack: float) -> int:
     """The pair whose basic variable blocks x - t a >= 0 first, z0 if it may; the largest pivot among near ties; -1 on a ray.
 
     watched (n+1,): which variables block. least: the smallest entry of a that counts. slack: how far below zero a variable
@@ -31,19 +31,19 @@ def ratio_test(x: Array, a: Array, watched: Flags, least: float, slack: float) -
     n = len(x) - 1
     bound = np.inf
     for i in range(n + 1):
-        if a[i] > least and watched[i]:
+        if a[i] > least and blocking[i]:
             bound = min(bound, (max(x[i], 0.0) + slack) / a[i])
     if a[n] > least and x[n] <= bound * a[n]:
         return n
     best, pivot = -1, least
     for i in range(n):
-        if a[i] > pivot and watched[i] and x[i] <= bound * a[i]:
+        if a[i] > pivot and blocking[i] and x[i] <= bound * a[i]:
             best, pivot = i, a[i]
     return best
 
 
 @part
-def evaluate(M: Matrix, d: Array, basis: Basis, q: Array, x: Array, out: Array, accuracy: float) -> float:
+def basic_values(M: Matrix, d: Array, basis: InverseBasis, q: Array, x: Array, out: Array, accuracy: float) -> float:
     """x (n+1,) = the basic variables' values for the right side q; returns the relative defect."""
     rhs = np.empty(len(q))
     for i in range(len(q)):
@@ -64,8 +64,17 @@ def enter(M: Matrix, p: int, z_enters: bool, rhs: Array) -> None:
 
 
 @kernel
-def follow(
-    M: Matrix, q: Array, d: Array, basis: Basis, x: Array, a: Array, watched: Flags, slack: float, limit: int, work: Index
+def follow_lemke_path(
+    M: Matrix,
+    q: Array,
+    d: Array,
+    basis: InverseBasis,
+    x: Array,
+    a: Array,
+    blocking: Flags,
+    slack: float,
+    limit: int,
+    work: Index,
 ) -> int:
     """Follow Lemke's path from a complementary basis in which z0 lets every basic variable rise, and say how it ended.
 
@@ -80,24 +89,24 @@ def follow(
     while True:
         defect, size = transform(M, d, basis, rhs, a, out, ACCURACY)
         if p < n:
-            s = ratio_test(x, a, watched, PIVOT * size, slack)
+            s = ratio_test(x, a, blocking, PIVOT * size, slack)
             t = max(x[s], 0.0) / a[s] if s >= 0 else 0.0
         else:  # to the level at which the last basic variable becomes nonnegative
             s, t = -1, 0.0
             for i in range(n):
-                if watched[i] and x[i] < t * a[i]:
+                if blocking[i] and x[i] < t * a[i]:
                     s, t = i, x[i] / a[i]
             if s < 0:
                 return COMPLEMENTARY
         if not fresh and (s < 0 or defect > LOSS):
             work[1] += 1
             if not refactor(M, d, basis):
-                return LOST
-            evaluate(M, d, basis, q, x, out, ACCURACY)
+                return INACCURATE
+            basic_values(M, d, basis, q, x, out, ACCURACY)
             fresh = True
             continue
         if defect > LOSS:
-            return LOST
+            return INACCURATE
         if s < 0:
             for i in range(n + 1):
                 a[i] = -a[i] if basis.row[i] >= 0 else 0.0
@@ -108,7 +117,7 @@ def follow(
             return LIMIT
 
         w_leaves = basis.row[s] < 0
-        exchange(M, d, basis, a, p, z_enters, s)
+        exchange_pair(M, d, basis, a, p, z_enters, s)
         for i in range(n + 1):
             x[i] -= t * a[i]
         x[s], x[p] = 0.0, t
@@ -116,13 +125,13 @@ def follow(
         if s == n:
             return COMPLEMENTARY
         if work[0] % 64 == 0:
-            evaluate(M, d, basis, q, x, out, ACCURACY)
+            basic_values(M, d, basis, q, x, out, ACCURACY)
         p, z_enters, fresh = s, w_leaves, False
         enter(M, p, z_enters, rhs)
 
 
 @part
-def add_product(M: Matrix, v: Array, u: Array) -> None:
+def add_matrix_product(M: Matrix, v: Array, u: Array) -> None:
     """u += M v."""
     for j in range(len(u)):
         if v[j] != 0.0:
@@ -131,7 +140,7 @@ def add_product(M: Matrix, v: Array, u: Array) -> None:
 
 
 @part
-def add_coordinates(M: Matrix, basis: Basis, y: Array, size: float, v: Array, z: Array) -> None:
+def add_coordinates(M: Matrix, basis: InverseBasis, y: Array, size: float, v: Array, z: Array) -> None:
     """v += the vector whose coordinates in a complementary basis are size * y, that is y_w - M y_z; z (n,) is workspace."""
     for i in range(len(v)):
         if basis.row[i] < 0:
@@ -140,7 +149,7 @@ def add_coordinates(M: Matrix, basis: Basis, y: Array, size: float, v: Array, z:
         else:
             z[i] = -size * y[i]
     if basis.size[0]:
-        add_product(M, z, v)
+        add_matrix_product(M, z, v)
 
 
 @part

@@ -7,7 +7,7 @@ Methods that pivot on w = M z + q work with n columns chosen from
 numbered i, n + i and 2n. Where a basis holds w_i it leaves row i to it, so that only the other rows, the core, need an LU.
 Its columns are eliminated from the left (Gilbert and Peierls 1988) in dense storage, of which only the span of nonzeros is
 touched: with M in reverse Cuthill-McKee order a banded problem costs what its band costs. A pivot is a product-form update
-(Dantzig and Orchard-Hays 1954); after `memory` of them the basis is factorised afresh, which also wipes out the round-off
+(Dantzig and Orchard-Hays 1954); after UPDATES of them the basis is factorised afresh, which also wipes out the round-off
 gathered since. Values are in M's units; scale M first.
 """
 
@@ -22,6 +22,8 @@ from frictionbench.solvers.pivots.vectors import fill, put
 
 Indices = NDArray[np.int64]
 
+UPDATES = 96  # of a factorisation; each costs n products in every later solve, n numbers, and its rounding
+
 
 class Columns(NamedTuple):
     """The columns to choose from: M (n, n) compressed by columns, prox (n,) added to its diagonal, cover (n,)."""
@@ -33,7 +35,7 @@ class Columns(NamedTuple):
     cover: Array
 
 
-class Basis(NamedTuple):
+class LUBasis(NamedTuple):
     """head (n,): the variable that stands at position i. The rest is its factorisation, the business of this file."""
 
     head: Indices
@@ -48,12 +50,12 @@ class Basis(NamedTuple):
     updated: Indices
 
 
-def new_basis(n: int, memory: int = 96) -> Basis:
-    """Storage for a basis of n columns with at most `memory` updates; all w, not yet factorised."""
+def new_basis(n: int) -> LUBasis:
+    """Storage for a basis of n columns with at most UPDATES updates; all w, not yet factorised."""
     whole = np.int64
-    head, order, updated = np.arange(n, 2 * n), np.zeros(n, whole), np.zeros(memory, whole)
+    head, order, updated = np.arange(n, 2 * n), np.zeros(n, whole), np.zeros(UPDATES, whole)
     square, span = np.empty((2, n, n)), np.zeros((n, 3), whole)
-    return Basis(
+    return LUBasis(
         head,
         np.zeros(2, whole),
         order,
@@ -62,20 +64,20 @@ def new_basis(n: int, memory: int = 96) -> Basis:
         np.zeros(n),
         span,
         np.zeros(n, bool),
-        np.empty((memory, n)),
+        np.empty((UPDATES, n)),
         updated,
     )
 
 
 @kernel
-def hold(basis, A):  # type: ignore[no-untyped-def]
+def set_complementary_basis(basis, A):  # type: ignore[no-untyped-def]
     """Make head the complementary basis of the set A (n, bool): z_i where A_i, w_i elsewhere."""
     for i in range(len(A)):
         basis.head[i] = i if A[i] else i + len(A)
 
 
 @kernel
-def held(basis, A):  # type: ignore[no-untyped-def]
+def basic_z(basis, A):  # type: ignore[no-untyped-def]
     """Write over A (n, bool) which z the basis holds."""
     fill(A, False)
     for i in range(len(A)):
@@ -97,11 +99,11 @@ def column(columns, j, y):  # type: ignore[no-untyped-def]
         for k in range(columns.start[j], columns.start[j + 1]):
             y[columns.row[k]] = columns.value[k]
         y[j] += columns.prox[j]
-    return largest(y)
+    return largest_magnitude(y)
 
 
 @part
-def largest(y):  # type: ignore[no-untyped-def]
+def largest_magnitude(y):  # type: ignore[no-untyped-def]
     """max |y_i|; infinity if y holds a NaN."""
     most = 0.0
     for i in range(len(y)):
@@ -113,7 +115,7 @@ def largest(y):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def factorise(basis, columns, floor):  # type: ignore[no-untyped-def]
+def factorise_basis(basis, columns, floor):  # type: ignore[no-untyped-def]
     """Factorise head, placing its variables anew; how many of its columns depend on others.
 
     A column of which elimination leaves no more than `floor` of its size counts as dependent. The w of a row that is then
@@ -131,7 +133,7 @@ def factorise(basis, columns, floor):  # type: ignore[no-untyped-def]
     free = np.empty(n, np.bool_)
     for i in range(n):
         free[i] = not slack[i]
-    m = lost = 0
+    m = dependent = 0
     for j in range(2 * n + 1):
         if not core[j]:
             continue
@@ -151,7 +153,7 @@ def factorise(basis, columns, floor):  # type: ignore[no-untyped-def]
             if free[i] and abs(y[i]) > least:
                 p, least = i, abs(y[i])
         if p < 0:
-            lost += 1
+            dependent += 1
             continue
         order[m], head[p], free[p], basis.diagonal[m] = p, j, False, y[p]
         y[p] = 0.0
@@ -164,7 +166,7 @@ def factorise(basis, columns, floor):  # type: ignore[no-untyped-def]
     for i in range(n):
         slack[i] = slack[i] or free[i]
     basis.size[0], basis.size[1] = m, 0
-    return lost
+    return dependent
 
 
 @kernel
@@ -198,7 +200,7 @@ def ftran(basis, y):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def exchange(basis, p, j, d):  # type: ignore[no-untyped-def]
+def replace_column(basis, p, j, d):  # type: ignore[no-untyped-def]
     """Let variable j take position p, d being its column in terms of the basis; whether it is time to factorise."""
     k = basis.size[1]
     basis.head[p], basis.updated[k] = j, p
@@ -242,7 +244,7 @@ def orientation(basis):  # type: ignore[no-untyped-def]
 
 
 @part
-def add_product(columns, z, y):  # type: ignore[no-untyped-def]
+def add_columns_product(columns, z, y):  # type: ignore[no-untyped-def]
     """y += M z."""
     for j in range(len(z)):
         if z[j] != 0.0:

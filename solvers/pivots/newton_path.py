@@ -9,12 +9,19 @@ who starts from a random point meets none before t = 1, where they no longer mat
 import numpy as np
 
 from frictionbench.problems.compiled import kernel, part
-from frictionbench.solvers.pivots.lu_basis import add_product, column, exchange, factorise, ftran, largest
+from frictionbench.solvers.pivots.lu_basis import (
+    add_columns_product,
+    column,
+    factorise_basis,
+    ftran,
+    largest_magnitude,
+    replace_column,
+)
 from frictionbench.solvers.pivots.vectors import fill, put
 
 DEPENDENT = 1e-12  # a column keeping less of its size in elimination depends on the others
 PIVOT = 1e-9  # smaller rates of change, relative to the direction's largest, count as zero
-DOUBTFUL = 1e-5  # smaller ones are believed only from a fresh factorisation
+UNRELIABLE = 1e-5  # smaller ones are believed only from a fresh factorisation
 SLIP = 1e-12  # how far below zero a basic variable may go for the sake of a larger pivot
 LAST_SLIP = 1e-10  # the same in the step to t = 1, which round-off might else keep a path from reaching
 
@@ -23,7 +30,7 @@ PIVOTS, FACTORISATIONS = 0, 1  # counted in work
 
 
 @part
-def follow(basis, columns, b, v, limit, work):  # type: ignore[no-untyped-def]
+def follow_newton_path(basis, columns, b, v, limit, work):  # type: ignore[no-untyped-def]
     """Follow M z - w + t cover = b from the factorised basis at t = 0 towards t = 1; how the path ends.
 
     v (n,) receives z: at NEWTON of the end point, whose basis is then held, at RAY of the ray.
@@ -37,30 +44,30 @@ def follow(basis, columns, b, v, limit, work):  # type: ignore[no-untyped-def]
     while True:
         column(columns, entering, d)
         ftran(basis, d)
-        size = max(largest(d), 1.0)
+        size = max(largest_magnitude(d), 1.0)
         if size == np.inf:
             return SINGULAR
-        room = 1.0 if entering == t else np.inf  # until t = 1
+        remaining = 1.0 if entering == t else np.inf  # until t = 1
         if t_at >= 0 and d[t_at] < -PIVOT * size:
-            room = max(1.0 - x[t_at], 0.0) / -d[t_at]
+            remaining = max(1.0 - x[t_at], 0.0) / -d[t_at]
         reach = end = np.inf  # until a basic variable is at zero, but for the slip
         for i in range(n):
             if d[i] > PIVOT * size:
                 reach = min(reach, (max(x[i], 0.0) + SLIP) / d[i])
                 end = min(end, (max(x[i], 0.0) + LAST_SLIP) / d[i])
-        if room <= end and room < np.inf:
+        if remaining <= end and remaining < np.inf:
             for i in range(n):
-                x[i] -= room * d[i]
+                x[i] -= remaining * d[i]
             if entering != t:
                 basis.head[t_at] = entering
-                x[t_at] = room
+                x[t_at] = remaining
             write_z(basis, x, v)
             return NEWTON
         p = n  # none
         for i in range(n):
             if d[i] > PIVOT * size and x[i] <= reach * d[i] and (p == n or d[i] > d[p]):
                 p = i
-        renew = basis.size[1] > 0 and (p == n or d[p] < DOUBTFUL * size)
+        renew = basis.size[1] > 0 and (p == n or d[p] < UNRELIABLE * size)
         if not renew:
             if p == n:
                 for i in range(n):
@@ -79,12 +86,12 @@ def follow(basis, columns, b, v, limit, work):  # type: ignore[no-untyped-def]
             x[p] = step
             t_at = p if entering == t else t_at
             leaving = basis.head[p]
-            renew = exchange(basis, p, entering, d)
+            renew = replace_column(basis, p, entering, d)
             entering = leaving + n if leaving < n else leaving - n
             work[PIVOTS] += 1
         if renew:
             work[FACTORISATIONS] += 1
-            if factorise(basis, columns, DEPENDENT):
+            if factorise_basis(basis, columns, DEPENDENT):
                 return SINGULAR
             put(x, b)
             ftran(basis, x)
@@ -105,11 +112,11 @@ def write_z(basis, x, z):  # type: ignore[no-untyped-def]
 @kernel
 def is_ray(columns, v):  # type: ignore[no-untyped-def]
     """Whether 0 != v >= 0, Mv >= 0 and v_i (Mv)_i = 0, up to 1e-9 of the largest v."""
-    size = largest(v)
+    size = largest_magnitude(v)
     unit, Mv = np.empty(len(v)), np.zeros(len(v))
     for i in range(len(v)):
         unit[i] = v[i] / size if size > 0.0 else v[i]
-    add_product(columns, unit, Mv)
+    add_columns_product(columns, unit, Mv)
     for i in range(len(v)):
         if v[i] < -1e-9 * size or Mv[i] < -1e-9 or abs(v[i] * Mv[i]) > 1e-9 * size:
             return False

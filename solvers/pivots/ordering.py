@@ -5,12 +5,9 @@ numbers are reversed at the end (George 1971), which leaves less fill. The graph
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from frictionbench.problems.compiled import kernel, part
 from frictionbench.solvers.pivots.inverse_basis import symmetrised
-
-Order = NDArray[np.int64]
 
 
 @kernel

@@ -9,8 +9,16 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
 from frictionbench.problems.forms.lcp import friction_rows, impulse, tangent_basis
 from frictionbench.solvers.interface import Answer, Status
-from frictionbench.solvers.pivots.inverse_basis import Basis, Matrix, compress, symmetrised
-from frictionbench.solvers.pivots.lemke_path import COMPLEMENTARY, LIMIT, LOST, RAY, STUCK, add_product, evaluate
+from frictionbench.solvers.pivots.inverse_basis import InverseBasis, Matrix, compress, symmetrised
+from frictionbench.solvers.pivots.lemke_path import (
+    COMPLEMENTARY,
+    INACCURATE,
+    LIMIT,
+    RAY,
+    STUCK,
+    add_matrix_product,
+    basic_values,
+)
 from frictionbench.solvers.pivots.scaling import diagonal_scaling, scaling
 from frictionbench.solvers.pivots.vectors import put
 
@@ -19,7 +27,7 @@ STATUS = {
     COMPLEMENTARY: Status.SOLVED,
     RAY: Status.RAY,
     LIMIT: Status.WORK_LIMIT,
-    LOST: Status.BREAKDOWN,
+    INACCURATE: Status.BREAKDOWN,
     STUCK: Status.STALLED,
 }
 
@@ -50,7 +58,7 @@ class ScaledLCP(NamedTuple):
         return Answer(r, STATUS[ended], work, z=z)
 
 
-def scaled_lcp(problem: FrictionProblem | LCP, facets: int = 8) -> ScaledLCP:
+def scaled_lcp(problem: FrictionProblem | LCP, facets: int) -> ScaledLCP:
     """The scaled LCP of a friction problem, in space with so many facets, or a bare LCP scaled."""
     if isinstance(problem, LCP):
         scale = scaling(problem)
@@ -59,19 +67,19 @@ def scaled_lcp(problem: FrictionProblem | LCP, facets: int = 8) -> ScaledLCP:
         return ScaledLCP(problem, facets, problem.contacts, problem.basis, scale.theta * scale.D, M, q, unit)
     d, mu, b_f = problem.dimension, problem.friction, problem.friction_bias
     basis = tangent_basis(d, facets)
-    start, rows, column, row, *parts = _of_friction(
+    start, rows, column, row, *parts = _scaled_friction_lcp(
         *problem.blocks, problem.q, mu, b_f, basis, problem.scale, problem.velocity_scale
     )
     return ScaledLCP(problem, facets, (len(mu), d), basis, parts[0], Matrix(start, rows, column, row), *parts[1:])
 
 
 @kernel
-def _of_friction(first, beside, block, q, friction, friction_bias, basis, scale, fastest):  # type: ignore[no-untyped-def]
+def _scaled_friction_lcp(first, beside, block, q, friction, friction_bias, basis, scale, fastest):  # type: ignore[no-untyped-def]
     """The scaled matrix on its symmetrised pattern, the stretch, the scaled right side and the units."""
     start, column, value, right = friction_rows(first, beside, block, q, friction, friction_bias, basis)
     D, theta = diagonal_scaling(start, column, value, right)
     begin, rows, below, across = symmetrised(start, column, value, D)
-    unit = _in_velocities(D, theta, scale, friction, fastest)
+    unit = _residual_units(D, theta, scale, friction, fastest)
     for i in range(len(D)):
         right[i] = D[i] * right[i] / theta
         D[i] *= theta
@@ -79,7 +87,7 @@ def _of_friction(first, beside, block, q, friction, friction_bias, basis, scale,
 
 
 @part
-def _in_velocities(D, theta, scale, friction, fastest):  # type: ignore[no-untyped-def]
+def _residual_units(D, theta, scale, friction, fastest):  # type: ignore[no-untyped-def]
     """(2, n): what turns y and w into velocities relative to the largest free one, as problems.residual measures them.
 
     An impulse counts s times, in its own row and in the friction row mu c - e'beta; a tangential defect counts 1 + mu times.
@@ -97,10 +105,10 @@ def _in_velocities(D, theta, scale, friction, fastest):  # type: ignore[no-untyp
 
 
 @part
-def residual(M: Matrix, q: Array, unit: Array, y: Array, w: Array) -> float:
+def scaled_residual(M: Matrix, q: Array, unit: Array, y: Array, w: Array) -> float:
     """max |min(unit_0 y, unit_1 w)|, w = M y + q; infinity where that is not a number."""
     put(w, q)
-    add_product(M, y, w)
+    add_matrix_product(M, y, w)
     worst = 0.0
     for i in range(len(q)):
         defect = abs(min(unit[0, i] * y[i], unit[1, i] * w[i]))
@@ -109,9 +117,9 @@ def residual(M: Matrix, q: Array, unit: Array, y: Array, w: Array) -> float:
 
 
 @part
-def finish(M: Matrix, d: Array, basis: Basis, q: Array, unit: Array, x: Array, y: Array, out: Array) -> float:
+def finish(M: Matrix, d: Array, basis: InverseBasis, q: Array, unit: Array, x: Array, y: Array, out: Array) -> float:
     """Solve a complementary basis for q itself, as exactly as can be: x (n+1,), y = its z part, cut off at 0; the residual."""
-    evaluate(M, d, basis, q, x, out, 4e-16)  # twice the rounding: asking for less refines in vain
+    basic_values(M, d, basis, q, x, out, 4e-16)  # twice the rounding: asking for less refines in vain
     for i in range(len(q)):
         y[i] = max(x[i], 0.0) if basis.row[i] >= 0 else 0.0
-    return residual(M, q, unit, y, out)
+    return scaled_residual(M, q, unit, y, out)

@@ -36,10 +36,6 @@ class Scaling:
         """z of the LCP as given."""
         return self.theta * self.D * y
 
-    def guess(self, z: Array) -> Array:
-        """y of a z of the LCP as given."""
-        return z / (self.theta * self.D)
-
 
 def scaling(lcp: LCP) -> Scaling:
     """The scaling of an LCP; rows and columns of zeros keep their size."""

@@ -99,9 +99,9 @@ def minimum_degree(start: Index, member: Index, width: Index) -> tuple[Index, In
         for k in range(low[e], high[e]):
             size[e] += width[member[k]]
     end = len(member)
-    room = np.empty(2 * end + 2 * n, np.int64)
+    storage = np.empty(2 * end + 2 * n, np.int64)
     for k in range(end):
-        room[k] = member[k]
+        storage[k] = member[k]
 
     # Variables by the bound on their degree, in doubly linked lists; the last one put in comes first.
     degree = np.zeros(n, np.int64)
@@ -112,7 +112,7 @@ def minimum_degree(start: Index, member: Index, width: Index) -> tuple[Index, In
                 if member[m] != v and seen[member[m]] != v:
                     seen[member[m]] = v
                     degree[v] += width[member[m]]
-        _put_in(v, degree[v], head, after, before)
+        _insert(v, degree[v], head, after, before)
     seen, measured = _minus_one(n), _minus_one(elements + n)
     first, pivots = np.zeros(n + 1, np.int64), np.zeros(n, np.int64)
     fronts, left, least = 0, n, 0
@@ -120,15 +120,15 @@ def minimum_degree(start: Index, member: Index, width: Index) -> tuple[Index, In
         while head[least] < 0:
             least += 1
         v = head[least]
-        _take_out(v, degree[v], head, after, before)
+        _remove(v, degree[v], head, after, before)
         f, new = fronts, elements + fronts
-        if end + n > len(room):
+        if end + n > len(storage):
             larger = np.empty(2 * (end + n), np.int64)
             for k in range(end):
-                larger[k] = room[k]
-            room = larger
+                larger[k] = storage[k]
+            storage = larger
         first[f] = end
-        room[end] = v
+        storage[end] = v
         end += 1
         seen[v] = f
         border = 0
@@ -136,15 +136,15 @@ def minimum_degree(start: Index, member: Index, width: Index) -> tuple[Index, In
             e = element[k]
             taken[e] = f
             for m in range(low[e], high[e]):
-                i = room[m]
+                i = storage[m]
                 if seen[i] != f:
                     seen[i] = f
-                    room[end] = i
+                    storage[end] = i
                     end += 1
                     border += width[i]
         for m in range(first[f] + 1, end):  # what every other element has outside the new one
-            i = room[m]
-            _take_out(i, degree[i], head, after, before)
+            i = storage[m]
+            _remove(i, degree[i], head, after, before)
             for k in range(begin[i], begin[i] + count[i]):
                 e = element[k]
                 if taken[e] < 0:
@@ -153,30 +153,30 @@ def minimum_degree(start: Index, member: Index, width: Index) -> tuple[Index, In
                     outside[e] -= width[i]
         pivot = first[f] + 1
         for m in range(first[f] + 1, end):
-            i = room[m]
-            kept, bound = begin[i], 0
+            i = storage[m]
+            remaining, bound = begin[i], 0
             for k in range(begin[i], begin[i] + count[i]):
                 e = element[k]
                 if taken[e] < 0 and outside[e] == 0:
                     taken[e] = f
                 if taken[e] < 0:
-                    element[kept] = e
-                    kept += 1
+                    element[remaining] = e
+                    remaining += 1
                     bound += outside[e]
-            if kept == begin[i]:
+            if remaining == begin[i]:
                 border -= width[i]
-                room[m], room[pivot] = room[pivot], i
+                storage[m], storage[pivot] = storage[pivot], i
                 pivot += 1
-            element[kept] = new
-            count[i] = kept + 1 - begin[i]
+            element[remaining] = new
+            count[i] = remaining + 1 - begin[i]
             degree[i] = min(bound, degree[i])
         pivots[f] = pivot - first[f]
         left -= pivots[f]
         for m in range(pivot, end):
-            i = room[m]
+            i = storage[m]
             degree[i] = min(degree[i] + border - width[i], total - width[i])
             least = min(least, degree[i])
-            _put_in(i, degree[i], head, after, before)
+            _insert(i, degree[i], head, after, before)
         low[new], high[new], size[new] = pivot, end, border
         fronts += 1
     first[fronts] = end
@@ -185,7 +185,7 @@ def minimum_degree(start: Index, member: Index, width: Index) -> tuple[Index, In
         first[f] -= given
     return (
         first[: fronts + 1],
-        room[given:end],
+        storage[given:end],
         pivots[:fronts],
         taken[elements : elements + fronts],
         taken[:elements],
@@ -193,7 +193,7 @@ def minimum_degree(start: Index, member: Index, width: Index) -> tuple[Index, In
 
 
 @part
-def _put_in(v: int, degree: int, head: Index, after: Index, before: Index) -> None:
+def _insert(v: int, degree: int, head: Index, after: Index, before: Index) -> None:
     after[v], before[v] = head[degree], -1
     if head[degree] >= 0:
         before[head[degree]] = v
@@ -201,7 +201,7 @@ def _put_in(v: int, degree: int, head: Index, after: Index, before: Index) -> No
 
 
 @part
-def _take_out(v: int, degree: int, head: Index, after: Index, before: Index) -> None:
+def _remove(v: int, degree: int, head: Index, after: Index, before: Index) -> None:
     if before[v] >= 0:
         after[before[v]] = after[v]
     else:

@@ -130,7 +130,7 @@ def _lay_out(first: Index, listed: Index, pivots: Index, parent: Index, offset: 
 
 
 @kernel
-def find(fronts: Fronts, front: int, variable: int) -> int:
+def position_in_front(fronts: Fronts, front: int, variable: int) -> int:
     """Where a variable stands in a front, which must have it."""
     low, high = fronts.first[front], fronts.first[front + 1] - 1
     while low < high:
@@ -199,7 +199,7 @@ def _front(fronts: Fronts, storage: Array, f: int) -> Array:
 
 
 @kernel
-def solve(fronts: Fronts, storage: Array, swap: Index, b: Array) -> None:
+def solve_factorised(fronts: Fronts, storage: Array, swap: Index, b: Array) -> None:
     """Overwrite b (n,) with A^-1 b, after factorise, whose factors it leaves as they are."""
     eliminated = 0
     for f in range(len(fronts.pivots)):

@@ -46,14 +46,14 @@ def contact_form(problem: FrictionProblem) -> ContactForm:
     """Pack a problem; in velocities where each contact touches few of them, in impulses otherwise."""
     law = problem.friction, problem.friction_bias, problem.scale
     if not problem.mechanical or len(problem.joint_bias):
-        parts = _in_impulses(*problem.blocks, problem.q.reshape(-1, problem.dimension), *law)
+        parts = _pack_impulses(*problem.blocks, problem.q.reshape(-1, problem.dimension), *law)
     else:
-        parts = _in_velocities(*problem.contact_rows, *problem.inverse_rows, problem.free_velocity, problem.bias, *law)
+        parts = _pack_velocities(*problem.contact_rows, *problem.inverse_rows, problem.free_velocity, problem.bias, *law)
     return ContactForm._make((*parts, problem.velocity_scale))
 
 
 @kernel
-def _in_velocities(start, column, J, m_start, m_column, m_value, free, bias, friction, friction_bias, scale):  # type: ignore[no-untyped-def]
+def _pack_velocities(start, column, J, m_start, m_column, m_value, free, bias, friction, friction_bias, scale):  # type: ignore[no-untyped-def]
     """All of a ContactForm but its last entry, with the velocities as the state."""
     nc, d, nv = len(bias), J.shape[1], len(free)
     start, column, read = normal_first(start, column, J)
@@ -88,7 +88,7 @@ def _in_velocities(start, column, J, m_start, m_column, m_value, free, bias, fri
 
 
 @kernel
-def _in_impulses(first, beside, block, q, friction, friction_bias, scale):  # type: ignore[no-untyped-def]
+def _pack_impulses(first, beside, block, q, friction, friction_bias, scale):  # type: ignore[no-untyped-def]
     """All of a ContactForm but its last entry, with the impulses as the state."""
     nc, d = q.shape
     start, push_start = np.empty(nc + 1, np.int32), np.empty(nc + 1, np.int32)

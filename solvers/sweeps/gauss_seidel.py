@@ -8,16 +8,16 @@ import numpy as np
 
 from frictionbench.problems.compiled import kernel
 from frictionbench.solvers.sweeps.laws import planar_contact, spatial_contact
-from frictionbench.solvers.sweeps.stopping import Watch, watch
+from frictionbench.solvers.sweeps.stopping import Monitor, monitor
 
 LIMIT = 10_000
 CHECK = 10  # sweeps between two residuals, each with the state computed anew
 PATIENCE = 2500  # sweeps in which the residual must fall by a hundredth
 
 
-def watch_sweeps(tol: float, limit: int | None) -> Watch:
+def monitor_sweeps(tol: float, limit: int | None) -> Monitor:
     """A watch over at most limit sweeps, LIMIT by default."""
-    return watch(tol, LIMIT if limit is None else limit, PATIENCE, CHECK)
+    return monitor(tol, LIMIT if limit is None else limit, PATIENCE, CHECK)
 
 
 @kernel

@@ -87,8 +87,8 @@ def bounded_tangent(S11, S12, S21, S22, tau1, tau2, L, k1, k2):  # type: ignore[
         d1, d2 = S11 + alpha, S22 + alpha
         det = d1 * d2 - S12 * S21
         t1, t2 = (S12 * tau2 - d2 * tau1) / det, (S21 * tau1 - d1 * tau2) / det
-        size, room = hypot(t1, t2), L - k1 * t1 - k2 * t2
-        excess = size - room
+        size, radius = hypot(t1, t2), L - k1 * t1 - k2 * t2
+        excess = size - radius
         if alpha == 0 and excess <= 0:
             break
         if L <= 0:
@@ -100,7 +100,7 @@ def bounded_tangent(S11, S12, S21, S22, tau1, tau2, L, k1, k2):  # type: ignore[
         else:
             high = alpha
         v1, v2 = (S12 * t2 - d2 * t1) / det, (S21 * t1 - d1 * t2) / det  # dt/dalpha
-        slope = (-(k1 * v1 + k2 * v2) * size - room * (t1 * v1 + t2 * v2) / size) / size
+        slope = (-(k1 * v1 + k2 * v2) * size - radius * (t1 * v1 + t2 * v2) / size) / size
         alpha += excess / slope
         if not low < alpha < high:
             alpha = (low + high) / 2
@@ -122,7 +122,7 @@ def defect(form, r, u, shift):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def evaluate(form, r, x, u, shift):  # type: ignore[no-untyped-def]
+def residual_at(form, r, x, u, shift):  # type: ignore[no-untyped-def]
     """The residual at impulses r, whose state x and velocities u are computed anew."""
     state(form, r, x)
     velocity(form, x, u)

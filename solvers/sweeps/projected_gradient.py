@@ -15,19 +15,19 @@ from frictionbench.problems.compiled import kernel, part
 from frictionbench.problems.forms.cone import nearest
 from frictionbench.solvers.sweeps.form import ContactForm, state, velocity
 from frictionbench.solvers.sweeps.laws import defect
-from frictionbench.solvers.sweeps.stopping import going, watch
+from frictionbench.solvers.sweeps.stopping import monitor, should_continue
 
 PATIENCE = 5000  # iterations in which the residual must fall by a hundredth
 
 
 def relax(form: ContactForm, r: Array, tol: float, limit: int) -> int:
     """Overwrite r (nc, d) by a solution of the convex relaxation; the products with W."""
-    products: int = descend(form, r, 0.0, watch(tol, limit, PATIENCE))[1]
+    products: int = descend(form, r, 0.0, monitor(tol, limit, PATIENCE))[1]
     return products
 
 
 @kernel
-def descend(form, r, shift, watch):  # type: ignore[no-untyped-def]
+def descend(form, r, shift, monitor):  # type: ignore[no-untyped-def]
     """Overwrite r by the solution; the iterations and the products with W."""
     x, u, u_next, u_y = np.empty_like(form.rest), np.empty_like(r), np.empty_like(r), np.empty_like(r)
     y, r_next = np.empty_like(r), np.empty_like(r)
@@ -37,7 +37,7 @@ def descend(form, r, shift, watch):  # type: ignore[no-untyped-def]
     _copy(u, u_y)
     L, theta = 1.0, 1.0
     iterations, products = 0, 1
-    while going(watch, defect(form, r, u, shift), iterations):
+    while should_continue(monitor, defect(form, r, u, shift), iterations):
         while True:
             step(form, r_next, y, u_y, shift, 1 / L)
             state(form, r_next, x)

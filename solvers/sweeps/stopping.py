@@ -12,7 +12,7 @@ from frictionbench.solvers.interface import Answer, Status
 ENDS = (Status.SOLVED, Status.BREAKDOWN, Status.STALLED, Status.WORK_LIMIT)
 
 
-class Watch(NamedTuple):
+class Monitor(NamedTuple):
     """What is asked of a method, and how it fares.
 
     tol: the residual asked for. limit and patience: counts in the method's own unit, of all and of those in which the residual
@@ -35,29 +35,29 @@ class Watch(NamedTuple):
         return Answer(r, ENDS[self.state[1]], work, tuple(self.history[: self.seen].tolist()), detail=detail)
 
 
-def watch(tol: float, limit: int, patience: int, every: int = 1) -> Watch:
-    """A watch over a method that computes its residual at every so many counts."""
-    return Watch(tol, limit, patience, np.empty(2 + limit // every), np.array([np.inf, 0.0]), np.zeros(2, np.int64))
+def monitor(tol: float, limit: int, patience: int, every: int = 1) -> Monitor:
+    """A monitor of a method that computes its residual at every so many counts."""
+    return Monitor(tol, limit, patience, np.empty(2 + limit // every), np.array([np.inf, 0.0]), np.zeros(2, np.int64))
 
 
 @kernel
-def going(watch, error, count):  # type: ignore[no-untyped-def]
-    """Whether to go on from a residual of `error` after `count` counts; otherwise the watch says how the method ended.
+def should_continue(monitor, error, count):  # type: ignore[no-untyped-def]
+    """Whether to go on from a residual of `error` after `count` counts; otherwise the monitor says how the method ended.
 
     Solved within the tolerance, broken down where the residual is not finite, stalled without progress, or at the limit.
     """
-    watch.history[watch.state[0]] = error
-    watch.state[0] += 1
-    if error <= watch.tol:
-        watch.state[1] = 0
+    monitor.history[monitor.state[0]] = error
+    monitor.state[0] += 1
+    if error <= monitor.tol:
+        monitor.state[1] = 0
         return False
     if not np.isfinite(error):
-        watch.state[1] = 1
+        monitor.state[1] = 1
         return False
-    if error < 0.99 * watch.best[0]:
-        watch.best[0], watch.best[1] = error, count
-    if count - watch.best[1] >= watch.patience:
-        watch.state[1] = 2
+    if error < 0.99 * monitor.best[0]:
+        monitor.best[0], monitor.best[1] = error, count
+    if count - monitor.best[1] >= monitor.patience:
+        monitor.state[1] = 2
         return False
-    watch.state[1] = 3
-    return count < watch.limit
+    monitor.state[1] = 3
+    return count < monitor.limit

@@ -7,9 +7,9 @@ from frictionbench.problems.instances.cubes import cubes
 from frictionbench.problems.scenes import scene
 from frictionbench.solvers import find
 from frictionbench.solvers.interior.point import start_point
-from frictionbench.solvers.interior.predictor_corrector import Best, new_room, predictor_corrector
-from frictionbench.solvers.interior.system import new_work, prepare, space_of
-from frictionbench.solvers.sparse_lu.multifrontal import factorise, solve
+from frictionbench.solvers.interior.predictor_corrector import Best, new_workspace, predictor_corrector
+from frictionbench.solvers.interior.system import build_system, new_work, space_of
+from frictionbench.solvers.sparse_lu.multifrontal import factorise, solve_factorised
 
 PROBLEMS = {
     "stack of 50": scene("stack", blocks=50).problem(),
@@ -23,26 +23,26 @@ PROBLEMS = {
 @pytest.mark.parametrize("name", PROBLEMS)
 @pytest.mark.parametrize("kernel", ["factorise", "solve"])
 def test_factors(benchmark, kernel, name) -> None:
-    system = prepare(PROBLEMS[name])
+    system = build_system(PROBLEMS[name])
     work = new_work(system)
     fill = np.random.default_rng(0).standard_normal(len(work.storage))
     factorise(system.fronts, fill, work.swap, 1e-3)
-    solve(system.fronts, fill, work.swap, work.vector)
+    solve_factorised(system.fronts, fill, work.swap, work.vector)
     benchmark.extra_info["variables"] = len(system.free_velocity)
     if kernel == "factorise":
         benchmark.pedantic(factorise, setup=lambda: ((system.fronts, fill.copy(), work.swap, 1e-3), {}), rounds=30)
     else:
-        benchmark(solve, system.fronts, fill, work.swap, work.vector)
+        benchmark(solve_factorised, system.fronts, fill, work.swap, work.vector)
 
 
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_ten_iterations(benchmark, name) -> None:
-    system = prepare(PROBLEMS[name])
-    space, room = space_of(system), new_room(system)
+    system = build_system(PROBLEMS[name])
+    space, workspace = space_of(system), new_workspace(system)
 
     def iterate() -> int:
         best = Best(np.zeros_like(system.offset), np.array([np.inf]), np.zeros(1, np.int64))
-        return predictor_corrector(system, space, start_point(system, 1.0, 1.0), room, best, 0.0, 12, np.empty(11))
+        return predictor_corrector(system, space, start_point(system, 1.0, 1.0), workspace, best, 0.0, 12, np.empty(11))
 
     assert iterate() == 11
     benchmark.extra_info["contacts"] = len(system.friction)

@@ -5,8 +5,8 @@ from frictionbench.solvers.interior import alart_curnier, newton, point
 
 
 @kernel
-def evaluate(system, space, point, defect, work):
-    return newton.evaluate(system, space, point, defect, work)
+def evaluate_point(system, space, point, defect, work):
+    return newton.evaluate_point(system, space, point, defect, work)
 
 
 @kernel

@@ -19,10 +19,10 @@ from frictionbench.solvers.interior.centred_point import centred_point
 from frictionbench.solvers.interior.lorentz import longest_in_cone
 from frictionbench.solvers.interior.phases import run
 from frictionbench.solvers.interior.point import add_products, set_identity, set_step, start_point
-from frictionbench.solvers.interior.predictor_corrector import Best, new_room
-from frictionbench.solvers.interior.system import new_work, prepare, space_of
+from frictionbench.solvers.interior.predictor_corrector import Best, new_workspace
+from frictionbench.solvers.interior.system import build_system, new_work, space_of
 from tests.helpers.friction_problems import block, nothing, spatial
-from tests.helpers.kernels import direction, evaluate, linearise, longest, new_point, to_geodesics
+from tests.helpers.kernels import direction, evaluate_point, linearise, longest, new_point, to_geodesics
 from tests.helpers.places import DATA
 from tests.helpers.recorded import FOLDER as RECORDED
 
@@ -343,7 +343,7 @@ def with_every_kind_of_contact(dimension, joints=0) -> FrictionProblem:
 @pytest.mark.parametrize(("joints", "accuracy"), [(0, 1e-9), (2, 1e-5)])
 def test_a_full_newton_step_meets_its_target_and_removes_the_defect(joints, accuracy, relaxed, dimension) -> None:
     """Joints are soft, so they are met in two or three steps."""
-    system = prepare(with_every_kind_of_contact(dimension, joints), relaxed)
+    system = build_system(with_every_kind_of_contact(dimension, joints), relaxed)
     space = space_of(system)
     point, step, defect, work = start_point(system, 2.0, 1.0), new_point(system), new_point(system), new_work(system)
     random = np.random.default_rng(1)
@@ -353,7 +353,7 @@ def test_a_full_newton_step_meets_its_target_and_removes_the_defect(joints, accu
             values[system.pairs > 1, 1:3] = random.uniform(-0.1, 0.1, (7, 2)) * point.s[system.pairs > 1, 3:]
     rubs = system.pairs[:, None] > 1
     target = np.where(rubs, random.standard_normal(point.x.shape), 0) + np.array([1.0, 0, 0, 0])
-    evaluate(system, space, point, defect, work)
+    evaluate_point(system, space, point, defect, work)
     linearise(system, space, point, work)
     direction(system, space, point, target, defect, step, work)
     met = np.zeros_like(target)
@@ -364,7 +364,7 @@ def test_a_full_newton_step_meets_its_target_and_removes_the_defect(joints, accu
     assert np.allclose(met, target, rtol=0, atol=1e-9)
     for unknown, change in zip(point, step, strict=True):
         unknown[:] += change
-    evaluate(system, space, point, defect, work)
+    evaluate_point(system, space, point, defect, work)
     assert np.abs(defect.x).max() < accuracy
     assert np.abs(defect.joint).max(initial=0) < accuracy
 
@@ -373,14 +373,14 @@ def test_a_full_newton_step_meets_its_target_and_removes_the_defect(joints, accu
 def test_the_residual_inside_is_the_residual_of_the_project(dimension) -> None:
     problem = with_every_kind_of_contact(dimension)
     for relaxed, measure in ((False, residual), (True, relaxation_residual)):
-        system = prepare(problem, relaxed)
+        system = build_system(problem, relaxed)
         space = space_of(system)
         point, work = start_point(system, 1.0, 1.0), new_work(system)
         for seed in range(20):
             point.x[:] = (
                 np.random.default_rng(seed).uniform(0, 3, point.x.shape) * np.where(system.pairs > 1, 1, [[1], [0], [0], [0]]).T
             )
-            inside = evaluate(system, space, point, new_point(system), work)
+            inside = evaluate_point(system, space, point, new_point(system), work)
             assert inside == pytest.approx(measure(problem, work.impulse * system.impulse), rel=1e-10)
 
 
@@ -388,7 +388,7 @@ def test_the_residual_inside_is_the_residual_of_the_project(dimension) -> None:
 def test_a_centred_point_keeps_the_distance_it_is_asked_for(dimension) -> None:
     """x ∘ s = g^2 in units of velocity; and around a solution, as g goes to 0, the solution and no defect."""
     problem = with_every_kind_of_contact(dimension)
-    system, r = prepare(problem), solve(problem, "hybrid", tol=1e-13).impulse
+    system, r = build_system(problem), solve(problem, "hybrid", tol=1e-13).impulse
     space = space_of(system)
     u = problem.contact_velocity(r)
     for g in (1e-3, 0.3, 10.0):
@@ -400,13 +400,13 @@ def test_a_centred_point_keeps_the_distance_it_is_asked_for(dimension) -> None:
         assert np.allclose(product * system.weight[:, None], one, rtol=1e-9, atol=1e-9 * g * g)
         assert longest(system, space, point, new_point(system), 1.0) == 1.0
     point, defect, work = centred_point(system, space, r, u, 1e-12), new_point(system), new_work(system)
-    assert evaluate(system, space, point, defect, work) < 1e-10
+    assert evaluate_point(system, space, point, defect, work) < 1e-10
     assert np.abs(defect.x).max() < 1e-10
     assert np.allclose(work.impulse * system.impulse, r, rtol=0, atol=1e-10)
 
 
 def test_the_longest_step_stops_at_the_first_zero() -> None:
-    system, space = prepare(random_problem(0, 3)), None
+    system, space = build_system(random_problem(0, 3)), None
     point, step = start_point(system, 1.0, 1.0), new_point(system)
     assert longest(system, space, point, step, 1.0) == 1.0
     step.x[1, 2] = -4 * point.x[1, 2]
@@ -444,7 +444,7 @@ def quadratic(a, b):
 
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_a_step_is_measured_by_what_makes_it_of_the_identity(dimension) -> None:
-    system = prepare(with_every_kind_of_contact(dimension, joints=1))
+    system = build_system(with_every_kind_of_contact(dimension, joints=1))
     point, step = start_point(system, 1.0, 2.0), new_point(system)
     random = np.random.default_rng(0)
     rubs = system.pairs > 1
@@ -512,7 +512,7 @@ def test_sparse_joints_keep_a_chain_sparse() -> None:
     problem = FrictionProblem(
         mass=np.eye(nv), normal=normal, tangent=tangent, friction=[0.3], free_velocity=-np.ones(nv), bias=[0.0], joints=rows
     )
-    assert prepare(problem).fronts.start[-1] < 16 * nv
+    assert build_system(problem).fronts.start[-1] < 16 * nv
     assert_solved(problem, "interior_point")
 
 
@@ -522,7 +522,7 @@ def test_what_a_path_leaves_near_an_answer_is_polished() -> None:
     right = solve(problem, "interior_point", tol=1e-12).impulse
     wrong = right * (1 + 1e-6 * np.random.default_rng(0).standard_normal(right.shape))
 
-    def leave(system, space, point, room, best, tol, patience, history):
+    def leave(system, space, point, workspace, best, tol, patience, history):
         best.impulse[:], history[0] = wrong / system.impulse, 1.0
         return 1
 
@@ -540,12 +540,12 @@ def test_what_a_path_leaves_near_an_answer_is_polished() -> None:
 @pytest.mark.parametrize("steps", [1, 5, 20, 40])
 def test_a_path_keeps_all_equations_but_the_products_exact(steps) -> None:
     """The defect of a point of the path is that of its start, times the same t for all contacts, corrected or foretold."""
-    system = prepare(sphere_pyramid(0, levels=3, friction=0.5))
-    point, first, defect, room = start_point(system, 1.5, 5.0), new_point(system), new_point(system), new_room(system)
-    evaluate(system, True, point, first, room.work)
+    system = build_system(sphere_pyramid(0, levels=3, friction=0.5))
+    point, first, defect, workspace = start_point(system, 1.5, 5.0), new_point(system), new_point(system), new_workspace(system)
+    evaluate_point(system, True, point, first, workspace.work)
     best = Best(np.zeros_like(system.offset), np.array([np.inf]), np.zeros(1, np.int64))
-    trace(system, True, point, room, best, 0.0, 12, np.empty(steps))
-    evaluate(system, True, point, defect, room.work)
+    trace(system, True, point, workspace, best, 0.0, 12, np.empty(steps))
+    evaluate_point(system, True, point, defect, workspace.work)
     t = np.vdot(defect.x, first.x) / np.vdot(first.x, first.x)
     assert 0 < t < 1
     assert np.allclose(defect.x, t * first.x, rtol=0, atol=1e-11 * abs(first.x).max())

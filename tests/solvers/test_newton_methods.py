@@ -11,7 +11,7 @@ from frictionbench.problems.residual import residual
 from frictionbench.problems.scenes import scene
 from frictionbench.solvers import Status, solve
 from frictionbench.solvers.fischer_newton import fischer, jacobian
-from frictionbench.solvers.minmap_newton import iterate
+from frictionbench.solvers.minmap_newton import iterate_minmap
 from frictionbench.solvers.pivots.merit_newton import NEWTON, SOLVED, STALLED, new_descent, solve_dense
 from tests.helpers.friction_problems import block, nothing, spatial
 
@@ -69,11 +69,11 @@ def test_the_plain_min_map_cycles_on_a_p_matrix_and_the_line_search_leaves_the_c
     assert least_minor(M) > 0
     start = np.array([-1.0, 0, 0])
     plain, searching = (new_descent(np.ones(3), 1e-10, 200, 15) for _ in range(2))
-    end, k, period = iterate(M, q, start, plain, 0.0, False)
+    end, k, period = iterate_minmap(M, q, start, plain, 0.0, False)
     assert (end, period) == (STALLED, 3)
     assert plain.work[NEWTON] < 10
     assert plain.history[k] == pytest.approx(plain.history[k - 3])
-    end, k, _ = iterate(M, q, start, searching, 0.0, True)
+    end, k, _ = iterate_minmap(M, q, start, searching, 0.0, True)
     assert end == SOLVED
     assert searching.history[k] <= 1e-10
     assert searching.best == pytest.approx(np.zeros(3), abs=1e-9)

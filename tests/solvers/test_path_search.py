@@ -11,14 +11,14 @@ from frictionbench.problems.scenes import scene
 from frictionbench.solvers import Status, find, solve
 from frictionbench.solvers.pivots.lu_basis import (
     Columns,
+    basic_z,
     column,
-    exchange,
-    factorise,
+    factorise_basis,
     ftran,
-    held,
-    hold,
     new_basis,
     orientation,
+    replace_column,
+    set_complementary_basis,
 )
 from frictionbench.solvers.pivots.natural import MARGIN, natural_residual, natural_weight
 from frictionbench.solvers.pivots.newton_path import is_ray
@@ -200,19 +200,20 @@ def random_columns(n, rank, seed=0) -> tuple[Columns, np.ndarray]:
 def test_a_basis_solves_and_is_updated() -> None:
     n, random = 20, np.random.default_rng(1)
     columns, dense = random_columns(n, n)
-    basis, A = new_basis(n, memory=4), random.random(n) < 0.5
-    hold(basis, A)
-    assert factorise(basis, columns, 1e-12) == 0
+    few = {"update": np.empty((4, n)), "updated": np.zeros(4, np.int64)}
+    basis, A = new_basis(n)._replace(**few), random.random(n) < 0.5
+    set_complementary_basis(basis, A)
+    assert factorise_basis(basis, columns, 1e-12) == 0
     for position, entering in ((3, 2 * n), (5, int(np.flatnonzero(~A)[0])), (7, n + int(np.flatnonzero(A)[0]))):
         d = np.empty(n)
         column(columns, entering, d)
         ftran(basis, d)
-        exchange(basis, position, entering, d)
+        replace_column(basis, position, entering, d)
         y = random.standard_normal(n)
         x = y.copy()
         ftran(basis, x)
         assert dense[:, basis.head] @ x == pytest.approx(y, abs=1e-8)
-    assert factorise(basis, columns, 1e-12) == 0
+    assert factorise_basis(basis, columns, 1e-12) == 0
     x = y.copy()
     ftran(basis, x)
     assert dense[:, basis.head] @ x == pytest.approx(y, abs=1e-8)
@@ -222,11 +223,11 @@ def test_dependent_columns_are_left_out() -> None:
     n, rank = 12, 5
     columns, dense = random_columns(n, rank)
     basis = new_basis(n)
-    hold(basis, np.ones(n, bool))
-    assert factorise(basis, columns, 1e-9) == n - rank
+    set_complementary_basis(basis, np.ones(n, bool))
+    assert factorise_basis(basis, columns, 1e-9) == n - rank
     assert np.linalg.cond(dense[:, basis.head]) < 1e6
     A = np.empty(n, bool)
-    held(basis, A)
+    basic_z(basis, A)
     assert A.sum() == rank
 
 
@@ -237,8 +238,8 @@ def test_orientation_is_the_sign_of_the_determinant() -> None:
         columns, dense = random_columns(n, n, seed)
         A = random.random(n) < 0.6
         basis = new_basis(n)
-        hold(basis, A)
-        if factorise(basis, columns, 1e-9) == 0:
+        set_complementary_basis(basis, A)
+        if factorise_basis(basis, columns, 1e-9) == 0:
             signs.append((orientation(basis), np.sign(np.linalg.det(dense[np.ix_(A, A)])) if A.any() else 1))
     assert len(signs) > 10
     assert {1, -1} == {sign for sign, _ in signs}
@@ -263,7 +264,7 @@ def test_the_natural_residual_knows_no_units() -> None:
     for same, impulse_unit in ((problem, 1.0), (small, 1e3)):
         lcp = same.lcp()
         scale, unit = scaling(lcp), np.r_[np.full(24, impulse_unit), np.ones(8)]
-        y = scale.guess(unit * z)
+        y = unit * z / (scale.theta * scale.D)
         w = scale.matrix(lcp.dense) @ y + scale.vector(lcp.q)
         measured.append(natural_residual(natural_weight(same, lcp, scale), y, w))
     assert measured[0] == pytest.approx(measured[1], rel=1e-9)
@@ -275,7 +276,7 @@ def test_the_natural_residual_is_near_the_exact_one() -> None:
         problem = random_problem(seed, contacts=1 + seed % 10, mass_ratio=1e4)
         lcp = problem.lcp()
         scale = scaling(lcp)
-        y = np.maximum(scale.guess(solve(lcp, "path_search").z) + 1e-3 * random.standard_normal(lcp.size), 0)
+        y = np.maximum(solve(lcp, "path_search").z / (scale.theta * scale.D) + 1e-3 * random.standard_normal(lcp.size), 0)
         w = scale.matrix(lcp.dense) @ y + scale.vector(lcp.q)
         exact = residual(problem, lcp.impulse(scale.solution(y)))
         assert exact <= natural_residual(natural_weight(problem, lcp, scale), y, w) / MARGIN

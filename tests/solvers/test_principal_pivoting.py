@@ -9,8 +9,8 @@ from frictionbench.problems.residual import residual
 from frictionbench.solvers.dantzig import Dantzig, contact_order
 from frictionbench.solvers.interface import Status, solve
 from frictionbench.solvers.murty import Murty
-from frictionbench.solvers.pivots.inverse_basis import compress, exchange, invert, slack_basis, transform
-from frictionbench.solvers.pivots.lemke_path import enter, follow
+from frictionbench.solvers.pivots.inverse_basis import compress, exchange_pair, invert, slack_basis, transform
+from frictionbench.solvers.pivots.lemke_path import enter, follow_lemke_path
 
 PRINCIPAL = {"dantzig": Dantzig, "murty": Murty}
 
@@ -75,7 +75,7 @@ def test_basis_stays_the_inverse_through_every_kind_of_pivot():
             break
         s = int(random.choice(choices))
         leaving = s if is_basic[s] else n + s
-        exchange(sparse_M, d, basis, a, p, z_enters, s)
+        exchange_pair(sparse_M, d, basis, a, p, z_enters, s)
         is_basic[leaving] = False
         is_basic[2 * n if p == n else n + p if z_enters else p] = True
         kinds.add((z_enters, leaving >= n))
@@ -91,7 +91,7 @@ def test_a_singular_guess_of_the_basis_is_refused():
 def test_a_path_that_starts_nonnegative_has_no_pivot():
     M, q, work = compress(LCP([[1]], [1]).rows, np.ones(1)), np.ones(1), np.zeros(2, np.int64)
     x = np.array([1.0, 0.0])
-    assert follow(M, q, np.ones(1), slack_basis(1), x, np.empty(2), np.ones(2, np.bool_), 0.0, 10, work) == 0
+    assert follow_lemke_path(M, q, np.ones(1), slack_basis(1), x, np.empty(2), np.ones(2, np.bool_), 0.0, 10, work) == 0
     assert work[0] == 0
 
 

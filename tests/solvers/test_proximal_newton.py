@@ -8,7 +8,7 @@ from frictionbench.problems.instances import make_instance
 from frictionbench.problems.residual import residual
 from frictionbench.solvers import Status, solve
 from frictionbench.solvers.interior.alart_curnier import new_state
-from frictionbench.solvers.interior.system import new_work, prepare
+from frictionbench.solvers.interior.system import build_system, new_work
 from tests.helpers.friction_problems import nothing, spatial
 from tests.helpers.kernels import equations, newton_step
 
@@ -18,7 +18,7 @@ from tests.helpers.kernels import equations, newton_step
 def test_a_newton_step_removes_the_equations_to_first_order(seed, rho) -> None:
     """At impulses of every kind: open, sticking and sliding contacts, with a friction bias."""
     problem = spatial(seed, contacts=12, nv=24, friction=0.7, friction_bias=True)
-    system, random = prepare(problem), np.random.default_rng(seed)
+    system, random = build_system(problem), np.random.default_rng(seed)
     work, state, ahead, step = new_work(system), new_state(12), new_state(12), np.zeros((12, 3))
     anchor = random.standard_normal((12, 3))
     state.r[:] = random.standard_normal((12, 3))

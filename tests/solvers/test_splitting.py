@@ -8,7 +8,7 @@ from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import relaxation_residual, residual
 from frictionbench.problems.scenes import scene
 from frictionbench.solvers import Status, anitescu_hart, available, find, solve
-from frictionbench.solvers.sweeps.stopping import going, watch
+from frictionbench.solvers.sweeps.stopping import monitor, should_continue
 from tests.helpers.friction_problems import block, nothing, spatial, with_joints
 
 COULOMB = ["admm_coulomb", "anitescu_hart", "anitescu_hart[memory=3]", "apgd_coulomb", "nncg", "staggered"]
@@ -93,9 +93,9 @@ def test_the_work_limit_is_obeyed_and_said(spec) -> None:
 
 
 def test_a_residual_that_is_not_finite_is_a_breakdown() -> None:
-    watched = watch(tol=1e-8, limit=10, patience=5)
-    assert going(watched, 1.0, 0)
-    assert not going(watched, np.nan, 1)
+    watched = monitor(tol=1e-8, limit=10, patience=5)
+    assert should_continue(watched, 1.0, 0)
+    assert not should_continue(watched, np.nan, 1)
     assert watched.answer(np.zeros((1, 2))).status is Status.BREAKDOWN
 
 

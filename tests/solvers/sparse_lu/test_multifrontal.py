@@ -6,7 +6,13 @@ from scipy import sparse
 
 from frictionbench.problems.scenes import scene
 from frictionbench.solvers.sparse_lu.minimum_degree import same_elements
-from frictionbench.solvers.sparse_lu.multifrontal import analyse, determinant_sign, factorise, find, solve
+from frictionbench.solvers.sparse_lu.multifrontal import (
+    analyse,
+    determinant_sign,
+    factorise,
+    position_in_front,
+    solve_factorised,
+)
 
 
 def pattern(name, **parameters):
@@ -47,7 +53,7 @@ def factors(incidence, shift=3.0, floor=1e-14):
     for row, column, value in zip(A.row, A.col, A.data, strict=True):
         f = fronts.owner[min(row, column)]
         width = fronts.first[f + 1] - fronts.first[f]
-        storage[fronts.start[f] + find(fronts, f, row) * width + find(fronts, f, column)] += value
+        storage[fronts.start[f] + position_in_front(fronts, f, row) * width + position_in_front(fronts, f, column)] += value
     return A, fronts, storage, swap, factorise(fronts, storage, swap, floor)
 
 
@@ -56,7 +62,7 @@ def test_solves_what_a_dense_solver_solves(name) -> None:
     A, fronts, storage, swap, replaced = factors(PATTERNS[name])
     b = np.random.default_rng(1).standard_normal(len(swap))
     x = b.copy()
-    solve(fronts, storage, swap, x)
+    solve_factorised(fronts, storage, swap, x)
     assert replaced == 0
     assert np.allclose(A @ x, b, rtol=0, atol=1e-9 * np.abs(x).max())
 
@@ -93,7 +99,7 @@ def test_a_pivot_of_zero_is_exchanged_within_its_front() -> None:
     fronts, _ = analysed(sparse.csr_array(np.ones((1, 2))))
     storage, swap, x = np.array([0.0, 2.0, 4.0, 0.0]), np.zeros(2, dtype=np.int64), np.array([6.0, 8.0])
     assert factorise(fronts, storage, swap, 1e-14) == 0
-    solve(fronts, storage, swap, x)
+    solve_factorised(fronts, storage, swap, x)
     assert x.tolist() == [2.0, 3.0]
 
 
@@ -102,7 +108,7 @@ def test_a_singular_matrix_gives_replaced_pivots_and_finite_factors(entry) -> No
     fronts, _ = analysed(sparse.csr_array([[1.0]]))
     storage, swap, x = np.array([entry]), np.zeros(1, dtype=np.int64), np.array([1.0])
     assert factorise(fronts, storage, swap, 1e-3) == 1
-    solve(fronts, storage, swap, x)
+    solve_factorised(fronts, storage, swap, x)
     assert x[0] == pytest.approx(1e3)
 
 
@@ -111,7 +117,7 @@ def test_every_pivot_of_a_matrix_of_zeros_is_replaced(n) -> None:
     fronts, _ = analysed(sparse.csr_array(np.ones((1, n))))
     storage, swap, x = np.zeros(n * n), np.zeros(n, dtype=np.int64), np.ones(n)
     assert factorise(fronts, storage, swap, 1e-3) == n
-    solve(fronts, storage, swap, x)
+    solve_factorised(fronts, storage, swap, x)
     assert x == pytest.approx(1e3)
 
 
