@@ -13,6 +13,7 @@ from typing import Annotated, Any
 import typer
 
 from frictionbench.harness.commands import options
+from frictionbench.results.conventions import DEFAULT_SCHEME
 
 app = typer.Typer(
     help="Compare solvers for the friction LCPs of rigid-body dynamics. First: frictionbench solve stack",
@@ -69,9 +70,9 @@ def run(
     The same command goes on with a run that was broken off.
     """
     from frictionbench.harness.commands.summary import folder_for, summary
-    from frictionbench.harness.maps import run_maps
     from frictionbench.harness.plans.choose import choose
     from frictionbench.harness.progress import Progress
+    from frictionbench.harness.run_maps import run_maps
     from frictionbench.harness.workers.plugins import load_plugins
 
     variants, plugins = load_plugins(solver or [])
@@ -259,7 +260,7 @@ def fetch(
 def show(
     scene: Annotated[str, typer.Argument(metavar="SCENE", help="Like stack or 'stack[blocks=5]'.")],
     solver: Annotated[str, typer.Option("--solver", metavar="SOLVER", help="A solver, or a file that defines one.")] = "lemke",
-    scheme: options.Scheme = "anitescu_potra",
+    scheme: options.Scheme = DEFAULT_SCHEME,
     steps: Annotated[
         int | None,
         typer.Option("--steps", metavar="N", parser=options.whole(), help="The scene's whole duration by default."),
@@ -287,7 +288,7 @@ def map_(
     solver: options.Solvers = None,
     tol: Annotated[str, typer.Option("--tol", metavar="T", help="Residual to ask for.")] = "1e-6",
     time_limit: options.Limit = 1.0,
-    scheme: options.Scheme = "anitescu_potra",
+    scheme: options.Scheme = DEFAULT_SCHEME,
     steps: Annotated[
         int,
         typer.Option(
@@ -306,8 +307,8 @@ def map_(
     """
     from frictionbench.harness.commands.map import plan_map
     from frictionbench.harness.commands.summary import folder_for
-    from frictionbench.harness.maps import run_maps
     from frictionbench.harness.progress import Progress
+    from frictionbench.harness.run_maps import run_maps
     from frictionbench.harness.workers.plugins import load_plugins
     from frictionbench.reports.page import write_report
 

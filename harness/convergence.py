@@ -44,7 +44,7 @@ def record_histories(plan: Plan, folder: Path, entries: Iterable[Entry], pool: P
     with progress.stage("convergence histories", len(tasks), 0) as stage:
         for outcome in pool.run(tasks, stage.started, stage.compiling):
             name, variant, *_ = outcome.task.arguments
-            if not outcome.death:
+            if not outcome.failure:
                 found.append(_history(problems[name], variant, outcome.value))
             stage.finished(outcome.task)
     write_histories(

@@ -74,7 +74,7 @@ def _run(
         for task in (_task(cell, entries, plan) for cell in left):
             if reason := _nothing_there(task):
                 stage.started(task)
-                solved.write(row_of(Outcome(task, death=Verdict.SKIPPED, reason=reason), plan.plugins))
+                solved.write(row_of(Outcome(task, failure=Verdict.SKIPPED, reason=reason), plan.plugins))
                 stage.finished(task)
             else:
                 tasks.append(task)
@@ -88,7 +88,7 @@ def _merge(plan: Plan, folder: Path, cells: list[Cell], entries: dict[str, Entry
 
     def row_of_the_lost(key: str) -> Row:
         reason = "its row was lost: the shard is gone or damaged"
-        return row_of(Outcome(_task(planned[key], entries, plan), death=Verdict.CRASHED, reason=reason), plan.plugins)
+        return row_of(Outcome(_task(planned[key], entries, plan), failure=Verdict.CRASHED, reason=reason), plan.plugins)
 
     lost = 0
     for table in TABLES:
@@ -137,13 +137,13 @@ def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Entry]:
     """The problems of all sources by their origin, in the plan's order; of one that yields none, what says so."""
     tasks = [
         Task(f"{source.scene} {source.parameters or ''}", worker.run_source, (source, COLLECTING), COLLECTING)
-        for source in (*plan.sources, *plan.placed)
+        for source in (*plan.sources, *plan.map_sources)
     ]
     by_task: dict[int, list[Entry]] = {}
     with progress.stage("problems", len(tasks), 0) as stage:
         for outcome in pool.run(tasks, stage.started, stage.compiling):
             source, _ = outcome.task.arguments
-            by_task[id(outcome.task)] = [nothing(source, outcome.reason)] if outcome.death else outcome.value
+            by_task[id(outcome.task)] = [nothing(source, outcome.reason)] if outcome.failure else outcome.value
             stage.finished(outcome.task)
     return {origin(entry): entry for task in tasks for entry in by_task[id(task)]}
 
@@ -193,7 +193,7 @@ def row_of(outcome: Outcome, plugins: tuple[Plugin, ...]) -> Row:
     """The row of a cell: what its worker found or how it died, and what is known without it, which no worker can change."""
     cell, *facts = outcome.task.arguments
     make: Callable[..., Row] = solve_row if isinstance(cell, SolveCell) else simulation_row
-    found = {"verdict": outcome.death, "reason": outcome.reason} if outcome.death else outcome.value
+    found = {"verdict": outcome.failure, "reason": outcome.reason} if outcome.failure else outcome.value
     if not isinstance(found, dict) or found.get("verdict") not in RANK:
         found = {"verdict": Verdict.CRASHED, "reason": "the process sent what is no row"}
     return found | make(cell, *facts, plugins=plugins) | {"host": found.get("host", machine.host())}

@@ -14,13 +14,14 @@ from pathlib import Path
 from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.collect import stored_friction
 from frictionbench.harness.cells.rows import nothing
-from frictionbench.harness.plans.plan import COLD, Plugin, SolveCell, Source
+from frictionbench.harness.plans.plan import Plugin, SolveCell, Source
 from frictionbench.harness.run import row_of
 from frictionbench.harness.workers.pool import Pool
 from frictionbench.harness.workers.task import Task
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.recorded.own import save
 from frictionbench.problems.reduce import keep_contacts
+from frictionbench.results.conventions import COLD
 from frictionbench.results.files import replaced, room
 from frictionbench.results.shrunk import ROOM, Shrunk
 from frictionbench.results.store import Row

@@ -11,11 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
-from frictionbench.harness.plans.plan import USUAL
+from frictionbench.harness.cells.collect import first_problem_of
 from frictionbench.problems import FrictionProblem, scene
 from frictionbench.problems.nature.thresholds import THRESHOLDS
-from frictionbench.problems.schemes import SCHEMES
-from frictionbench.problems.simulate import first_problem
 from frictionbench.results.files import room, write_text
 from frictionbench.results.maps import Axis, Map, Place, thresholds_file
 
@@ -39,8 +37,7 @@ def crossings(spec: Map, holds: Callable[[FrictionProblem], bool]) -> list[Place
     @cache
     def at(i: float, j: float) -> bool:
         stage = scene(spec.scene, **spec.at((i, j)))
-        problem = stage.problem() if spec.scheme == USUAL else first_problem(stage, SCHEMES[spec.scheme])
-        return holds(problem)
+        return holds(first_problem_of(stage, spec.scheme))
 
     upwards = [(i, j) for i in _lines(spec.x) for j in _changes(spec.y, lambda j, i=i: at(i, j))]  # type: ignore[misc]
     across = [(i, j) for j in _lines(spec.y) for i in _changes(spec.x, lambda i, j=j: at(i, j))]  # type: ignore[misc]

@@ -48,7 +48,7 @@ FAR = 10.0  # times the energy defect that the tolerance allows: a reason to loo
 class Finding:
     """The verdict and what it rests on; residuals and their floor as in problems.residual, energy_defect in joules."""
 
-    verdict: str
+    verdict: Verdict
     reason: str
     residual: float
     model_residual: float
@@ -125,7 +125,7 @@ def verify_lcp(lcp: LCP, answer: Answer, tol: float) -> Finding:
     return Finding(verdict, reason, found, found, 0.0, np.nan, np.nan)
 
 
-def _verdict(exact: float, model: float, floor: float, claimed: bool, tol: float) -> str:
+def _verdict(exact: float, model: float, floor: float, claimed: bool, tol: float) -> Verdict:
     if floor > tol and min(exact, model) <= floor:
         return Verdict.UNJUDGEABLE if claimed else Verdict.UNSOLVED
     if exact <= tol:
@@ -137,7 +137,7 @@ def _verdict(exact: float, model: float, floor: float, claimed: bool, tol: float
     return Verdict.NEAR_MISS if min(exact, model) < NEAR * tol else Verdict.WRONG
 
 
-def _reason(verdict: str, exact: float, model: float, floor: float, tol: float) -> str:
+def _reason(verdict: Verdict, exact: float, model: float, floor: float, tol: float) -> str:
     if verdict == Verdict.UNJUDGEABLE:
         return f"rounding alone may make a residual of {floor:.2g}, and {tol:g} was asked for"
     if verdict in (Verdict.NEAR_MISS, Verdict.WRONG):

@@ -12,7 +12,8 @@ import numpy as np
 import pandas as pd
 
 from frictionbench.reports.accuracy import SHIFT
-from frictionbench.reports.run import COLD, WARM, Run
+from frictionbench.reports.run import Run
+from frictionbench.results.conventions import COLD, WARM
 
 SMALL, MEDIUM = 10, 100  # contacts
 ILL = 1e8  # condition of W on its range

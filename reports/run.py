@@ -23,13 +23,13 @@ import pandas as pd
 
 from frictionbench.reports.accuracy import summary, targets, times_to
 from frictionbench.reports.drawing.style import Look, looks
+from frictionbench.results.conventions import COLD, KEEP_ANSWER
 from frictionbench.results.convergence import ConvergenceHistory, read_histories
 from frictionbench.results.maps import Place, maps_of, read_thresholds
 from frictionbench.results.store import read_manifest, read_table
 from frictionbench.results.verdicts import Verdict
 
 BANDS = (100, 1000)  # unknowns of the friction LCP: dense methods win below, sparse ones above
-COLD, WARM = "cold", "warm"  # starts
 PORTFOLIO = "*"
 NO_ANSWER = (Verdict.TIMEOUT, Verdict.CRASHED, Verdict.SKIPPED)
 _IDENTITY = ["scene", "parameters", "step", "phase", "problem"]
@@ -121,7 +121,7 @@ def annotate_simulations(simulations: pd.DataFrame) -> pd.DataFrame:
     texts = ["scene", "parameters", "variant", "verdict", "reason", "scheme", "after_failure", "key"]
     rows[texts] = rows[texts].fillna("")
     told = rows["variant"] + _mark(rows)
-    usual = rows["after_failure"].isin(["", "answer"])
+    usual = rows["after_failure"].isin(["", KEEP_ANSWER])
     return rows.assign(entry=told.where(usual, told + ", else " + rows["after_failure"]))
 
 

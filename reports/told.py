@@ -4,10 +4,10 @@ import json
 from typing import Any, NamedTuple
 
 from frictionbench.reports.drawing.text import scene_title
+from frictionbench.results.conventions import DEFAULT_SCHEME
 
 LONG = 160  # characters, beyond which a setting is folded
 MOST = 20_000  # characters shown of one setting
-USUAL = "anitescu_potra"
 
 
 class Setting(NamedTuple):
@@ -62,4 +62,4 @@ def _source(value: dict[str, Any]) -> str:
     told += f" from {value['file']}" if value.get("file") else ""
     told += f", {value['pick']} steps of its motion" if value.get("pick") else ""
     told += f", {value['steps']} steps long" if value.get("steps") else ""
-    return told + (f" by {value['scheme']}" if value.get("scheme") not in (None, "", USUAL) else "")
+    return told + (f" by {value['scheme']}" if value.get("scheme") not in (None, "", DEFAULT_SCHEME) else "")

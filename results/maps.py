@@ -13,6 +13,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any, Literal
 
+from frictionbench.results.conventions import DEFAULT_SCHEME
 from frictionbench.results.store import ResultsError
 
 Scale = Literal["linear", "log", "zero", "both"]
@@ -66,7 +67,7 @@ class Map:
     x: Axis
     y: Axis
     parameters: Mapping[str, Any] = field(default_factory=dict)
-    scheme: str = "anitescu_potra"
+    scheme: str = DEFAULT_SCHEME
     steps: int = 0
     levels: int = 1
     most: int = 24

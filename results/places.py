@@ -8,10 +8,10 @@ import json
 
 import pandas as pd
 
+from frictionbench.results.conventions import first_phase
 from frictionbench.results.maps import Map
 from frictionbench.results.verdicts import Verdict
 
-USUAL = "anitescu_potra"
 THEORY = ("gaps", "pointed")  # what is known so of a problem holds for it with fewer contacts, too
 EXACT = ("coulomb", "lcp")  # models
 
@@ -19,8 +19,7 @@ EXACT = ("coulomb", "lcp")  # models
 def placed(rows: pd.DataFrame, spec: Map) -> pd.DataFrame:
     """The map's rows, of simulations where it is one in closed loop, else of solves; with the columns i, j (the grid point),
     tile (the width of its tile in grid lines) and known (a solution is)."""
-    told = "step" if spec.scheme == USUAL else f"step of {spec.scheme}"
-    rows = rows[rows["scheme"] == spec.scheme] if spec.steps else rows[rows["phase"] == told]
+    rows = rows[rows["scheme"] == spec.scheme] if spec.steps else rows[rows["phase"] == first_phase(spec.scheme)]
     rows = rows[rows["scene"] == spec.scene]
     where: dict[str, tuple[float, float, float]] = {}
     for i, j in spec.places():

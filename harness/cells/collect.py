@@ -15,7 +15,7 @@ import numpy as np
 
 from frictionbench.harness.cells.reference import NoReference, Reference
 from frictionbench.harness.cells.rows import PROBLEM_FACTS
-from frictionbench.harness.plans.plan import COLD, SHUFFLED, USUAL, WARM, Source, origin, phase
+from frictionbench.harness.plans.plan import Source, origin
 from frictionbench.problems import LCP, FrictionProblem, InputError, scene
 from frictionbench.problems.check import Array
 from frictionbench.problems.instances import instances, make_instance
@@ -31,6 +31,7 @@ from frictionbench.problems.residual import residual
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.schemes import SCHEMES
 from frictionbench.problems.simulate import first_problem, simulate
+from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, SHUFFLED, WARM, first_phase
 from frictionbench.results.files import replaced, room, write_text
 
 MOST_PERTURBED = 30  # contacts; larger problems' response costs more than it tells
@@ -118,24 +119,27 @@ def _recorded(source: Source) -> list[tuple[Met | LCP, dict[str, Array]]]:
     problem, guesses = read_recording(Path(source.file))
     if isinstance(problem, LCP):
         return [(problem, {})]
-    return [(Met(0, "step", problem), {WARM: guesses[0]} if guesses and guesses[0].any() else {})]
+    return [(Met(0, first_phase(DEFAULT_SCHEME), problem), {WARM: guesses[0]} if guesses and guesses[0].any() else {})]
 
 
 def _chosen(source: Source) -> list[tuple[Met, dict[str, Array]]]:
     """The source's problems, each with its starts by name."""
     if source.scene in instances():
-        return [(Met(0, "step", make_instance(source.scene, **source.parameters)), {})]
+        return [(Met(0, first_phase(DEFAULT_SCHEME), make_instance(source.scene, **source.parameters)), {})]
     stage = scene(source.scene, **source.parameters)
     if source.pick == 0:
-        usual = source.scheme == USUAL
-        problem = stage.problem() if usual else first_problem(stage, SCHEMES[source.scheme])
-        return [(Met(0, phase(source.scheme), problem), {})]
+        return [(Met(0, first_phase(source.scheme), first_problem_of(stage, source.scheme)), {})]
     met, ended = _motion(stage, source.steps)
     if not met:
         raise InputError(f"scene: {source.scene} yields no problem{': ' if ended else ''}{ended}")
     chosen = np.unique(np.linspace(0, len(met) - 1, min(source.pick, len(met))).astype(int))
     told = f"{met[-1].reference}; the motion ended after step {met[-1].step}: {ended}" if ended else met[-1].reference
     return [(met[i]._replace(reference=told), _starts(met, int(i))) for i in chosen]
+
+
+def first_problem_of(stage: Scene, scheme: str) -> FrictionProblem:
+    """The first problem that a scheme, by its name, meets in a scene; for the default scheme the one after its impacts."""
+    return stage.problem() if scheme == DEFAULT_SCHEME else first_problem(stage, SCHEMES[scheme])
 
 
 def _motion(stage: Scene, steps: int | None) -> tuple[list[Met], str]:

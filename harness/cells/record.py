@@ -21,6 +21,7 @@ from frictionbench.problems.residual import residual
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.schemes import SCHEMES, NoSolution, Step
 from frictionbench.problems.simulate import simulate
+from frictionbench.results.conventions import DEFAULT_SCHEME
 from frictionbench.results.motion import Motion, Outline, write_motion
 from frictionbench.solvers import solve
 
@@ -34,7 +35,7 @@ def keep(folder: Path, source: Source) -> None:
         write_motion(path, record(scene(source.scene, **source.parameters), Reference(), steps=source.steps))
 
 
-def record(stage: Scene, solver: str | Reference, scheme: str = "anitescu_potra", steps: int | None = None) -> Motion:
+def record(stage: Scene, solver: str | Reference, scheme: str = DEFAULT_SCHEME, steps: int | None = None) -> Motion:
     """The motion of a scene with a solver, or with reference answers, up to where the scheme has no solution, the solver no
     answer, or the energy diverges. Errors: InputError where the solver cannot be used or the scheme refuses the
     scene."""

@@ -3,7 +3,8 @@
 import json
 
 from frictionbench.harness import machine
-from frictionbench.harness.plans.plan import COLD, Plugin, SimulationCell, SolveCell, Source
+from frictionbench.harness.plans.plan import Plugin, SimulationCell, SolveCell, Source
+from frictionbench.results.conventions import COLD
 from frictionbench.results.store import Row
 from frictionbench.solvers import find
 

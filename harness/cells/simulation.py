@@ -19,7 +19,7 @@ import numpy as np
 
 from frictionbench.harness.cells.answers import AnswerError
 from frictionbench.harness.cells.timing import clean_call, timed_call
-from frictionbench.harness.plans.plan import KEEP_VELOCITY, RELAX, SimulationCell
+from frictionbench.harness.plans.plan import SimulationCell
 from frictionbench.harness.verify import verify
 from frictionbench.problems import FrictionProblem, scene
 from frictionbench.problems.check import Array
@@ -27,6 +27,7 @@ from frictionbench.problems.copies import duplicate, same
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.schemes import SCHEMES, NoSolution, Scheme, Solve, Step
 from frictionbench.problems.simulate import penetration, simulate
+from frictionbench.results.conventions import KEEP_VELOCITY, RELAX
 from frictionbench.results.verdicts import RANK, Verdict
 from frictionbench.solvers import Solver, SolverInfo, solve
 
@@ -39,7 +40,7 @@ class _ClosedLoop:
 
     def __init__(self, info: SolverInfo, solver: Solver, cell: SimulationCell) -> None:
         self._info, self._solver, self._tol, self._after = info, solver, cell.tol, cell.after
-        self.verdicts: Counter[str] = Counter()
+        self.verdicts: Counter[Verdict] = Counter()
         self.most_contacts = 0
         self.worst_residual = self.worst_defect = self.solver_time = self.overhead = 0.0
 
@@ -52,7 +53,7 @@ class _ClosedLoop:
             return _usable(problem, solve(problem, FALLBACK, tol=self._tol).impulse)
         return impulse
 
-    def _answered(self, problem: FrictionProblem) -> tuple[str, Array]:
+    def _answered(self, problem: FrictionProblem) -> tuple[Verdict, Array]:
         """The verdict on the solver's answer, and the very impulses that were verified."""
         given = duplicate(problem)
         self.most_contacts = max(self.most_contacts, problem.contacts)
@@ -71,7 +72,7 @@ class _ClosedLoop:
         self.overhead += perf_counter() - answered
         return verdict, _usable(problem, call.answer.impulse)
 
-    def verdict(self) -> tuple[str, str]:
+    def verdict(self) -> tuple[Verdict, str]:
         """The worst verdict of any problem, and how many have which."""
         worst = max(self.verdicts, key=RANK.__getitem__, default=Verdict.SOLVED)
         missed = [f"{count} {verdict}" for verdict, count in sorted(self.verdicts.items()) if verdict != Verdict.SOLVED]

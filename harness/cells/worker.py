@@ -27,7 +27,7 @@ from frictionbench.harness.cells.rows import simulation_row, solve_row, solver_f
 from frictionbench.harness.cells.simulation import refusal, run_closed_loop
 from frictionbench.harness.cells.timing import MOST, Timing, time_solver
 from frictionbench.harness.deadline import Deadline
-from frictionbench.harness.plans.plan import COLD, Plugin, SimulationCell, SolveCell, Source
+from frictionbench.harness.plans.plan import Plugin, SimulationCell, SolveCell, Source
 from frictionbench.harness.verify import Finding, verify, verify_lcp
 from frictionbench.problems import LCP, FrictionProblem, InputError, scene
 from frictionbench.problems.copies import duplicate, same
@@ -35,6 +35,7 @@ from frictionbench.problems.measures import defects
 from frictionbench.problems.nature.mode import mode
 from frictionbench.problems.nature.stability import backward_error
 from frictionbench.problems.spec import split
+from frictionbench.results.conventions import COLD
 from frictionbench.results.motion import write_motion
 from frictionbench.results.polygon import read_deviations, write_deviations
 from frictionbench.results.store import Row

@@ -1,12 +1,13 @@
 """A user's own failure map, as the command line writes it."""
 
 from frictionbench.harness.plans.choose import tolerances
-from frictionbench.harness.plans.maps import axis, checked
-from frictionbench.harness.plans.plan import USUAL, Plan, Plugin
+from frictionbench.harness.plans.map_grid import axis, checked
+from frictionbench.harness.plans.plan import Plan, Plugin
 from frictionbench.harness.plans.spec import parse
 from frictionbench.harness.plans.suites import MAPPED
 from frictionbench.problems import InputError, scene
 from frictionbench.problems.schemes import SCHEMES
+from frictionbench.results.conventions import DEFAULT_SCHEME
 from frictionbench.results.maps import Map
 from frictionbench.solvers import find
 
@@ -21,7 +22,7 @@ def plan_map(
     plugins: tuple[Plugin, ...] = (),
     tol: str = "1e-6",
     time_limit: float = 1.0,
-    scheme: str = USUAL,
+    scheme: str = DEFAULT_SCHEME,
     steps: int = 0,
 ) -> Plan:
     """The plan of one map; steps > 0 makes it one in closed loop. Errors: InputError naming the field."""

@@ -32,7 +32,7 @@ def recorded(scene_spec: str, solver_spec: str, scheme: str, steps: int | None) 
     with tempfile.TemporaryDirectory() as scratch, Pool(Path(scratch), 1, plugins, MEMORY) as pool:
         call = (name, settings, variant, scheme, steps, LONGEST)
         (outcome,) = pool.run([Task(variant, worker.run_show, call, LONGEST, plugins[0].source)])
-        if outcome.death:
+        if outcome.failure:
             told = outcome.reason.startswith(("solver: ", "scheme: "))
             raise InputError(outcome.reason if told else f"solver: {variant}: {outcome.reason}")
         return replace(read_motion(Path(scratch) / worker.SHOWN), scene=stage.name, solver=variant)

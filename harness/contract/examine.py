@@ -43,7 +43,7 @@ def examine(specs: list[str], jobs: int) -> list[Found]:
     with tempfile.TemporaryDirectory() as folder, Pool(Path(folder), jobs, plugins, plan.memory_limit) as pool:
         said = {outcome.task.arguments[:2]: outcome for outcome in pool.run(tasks)}
     return [
-        Found(variant, check, [outcome.reason] if outcome.death else outcome.value)
+        Found(variant, check, [outcome.reason] if outcome.failure else outcome.value)
         for variant in variants
         for check in CHECKS
         if (outcome := said[variant, check])

@@ -12,11 +12,9 @@ from typing import Any
 
 from frictionbench.problems import InputError
 from frictionbench.problems.instances import instances
+from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, KEEP_ANSWER
 from frictionbench.results.maps import Map
 
-USUAL = "anitescu_potra"  # scheme
-COLD, WARM, SHUFFLED = "cold", "warm", "shuffled"
-KEEP_ANSWER, KEEP_VELOCITY, RELAX = "answer", "velocity", "relaxation"  # after a failed step
 MOST_SHOWN = 100  # steps
 
 
@@ -33,7 +31,7 @@ class Source:
     parameters: dict[str, Any] = field(default_factory=dict)
     pick: int = 0
     steps: int | None = None
-    scheme: str = USUAL
+    scheme: str = DEFAULT_SCHEME
     repeats: int | None = None
     file: str = ""
     tolerances: tuple[float, ...] = ()
@@ -78,7 +76,7 @@ class SimulationCell:
     parameters: dict[str, Any]
     variant: str
     tol: float
-    scheme: str = USUAL
+    scheme: str = DEFAULT_SCHEME
     steps: int | None = None
     after: str = KEEP_ANSWER
 
@@ -105,8 +103,8 @@ class Plugin:
 class Plan:
     """What a run does. Times in seconds, memory in bytes; the first tolerance of a simulation is its only one.
 
-    placed, map_simulations: what the maps add to sources and simulations so far, see harness.maps; they are no settings, for
-    they follow from the maps and from what was found.
+    map_sources, map_simulations: the problems and simulations at the maps' grid points so far (harness.run_maps). They are not
+    settings, because they follow from the maps and from the rows found.
     """
 
     suite: str
@@ -116,7 +114,7 @@ class Plan:
     starts: tuple[str, ...] = (COLD,)
     simulations: tuple[Source, ...] = ()
     simulation_solvers: tuple[str, ...] = ()
-    schemes: tuple[str, ...] = (USUAL,)
+    schemes: tuple[str, ...] = (DEFAULT_SCHEME,)
     after_failure: tuple[str, ...] = (KEEP_ANSWER,)
     maps: tuple[Map, ...] = ()
     simulation_tol: float = 1e-8
@@ -124,7 +122,7 @@ class Plan:
     simulation_limit: float = 60.0
     memory_limit: int = 4 * 2**30
     plugins: tuple[Plugin, ...] = ()
-    placed: tuple[Source, ...] = ()
+    map_sources: tuple[Source, ...] = ()
     map_simulations: tuple[SimulationCell, ...] = ()
 
     def __post_init__(self) -> None:
@@ -136,7 +134,7 @@ class Plan:
     def settings(self) -> dict[str, Any]:
         """The plan as plain values, for the manifest: two runs with the same settings do the same cells."""
         told = json.loads(json.dumps(asdict(self)))
-        return {name: value for name, value in told.items() if name not in ("placed", "map_simulations")}
+        return {name: value for name, value in told.items() if name not in ("map_sources", "map_simulations")}
 
     def solve_cells(self, entries: Iterable[dict[str, Any]]) -> list[SolveCell]:
         """Every problem with every solver, start that it has, and tolerance, the loosest first."""
@@ -178,11 +176,6 @@ class Plan:
             if source.moves and source.scene not in simulated:
                 others.setdefault(source.scene, replace(source, steps=source.steps or MOST_SHOWN))
         return [*self.simulations, *others.values()]
-
-
-def phase(scheme: str) -> str:
-    """What a table calls the first problem of a scheme."""
-    return "step" if scheme == USUAL else f"step of {scheme}"
 
 
 def origin(entry: dict[str, Any]) -> str:

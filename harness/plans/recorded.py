@@ -8,10 +8,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from frictionbench.harness.plans.entries import EXACT, LADDER, OTHERS, RELAXED
-from frictionbench.harness.plans.plan import COLD, WARM, Plan, Source
+from frictionbench.harness.plans.lineups import EXACT, LADDER, OTHERS, RELAXED
+from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.problems import InputError
 from frictionbench.problems.recorded import collection
+from frictionbench.results.conventions import COLD, WARM
 
 FORMATS = (".hdf5", ".h5", ".dat", ".npz")
 

@@ -1,11 +1,12 @@
 """The suites: named plans."""
 
 from frictionbench.harness.plans.atlas import ATLAS
-from frictionbench.harness.plans.entries import EXACT, LADDER, OTHERS, RELAXED
+from frictionbench.harness.plans.lineups import EXACT, LADDER, OTHERS, RELAXED
 from frictionbench.harness.plans.peers import peers
-from frictionbench.harness.plans.plan import COLD, KEEP_ANSWER, KEEP_VELOCITY, RELAX, SHUFFLED, WARM, Plan, Source
+from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.plans.recorded import abh2018, recorded, spatial
 from frictionbench.problems.schemes import SCHEMES
+from frictionbench.results.conventions import COLD, KEEP_ANSWER, KEEP_VELOCITY, RELAX, SHUFFLED, WARM
 
 MAPPED = (*EXACT, *(name for name in OTHERS if name not in ("apgd", "admm")))
 MAPPED_RELAXED = ("relaxation_ip", "apgd", "admm", *RELAXED[:3])

@@ -23,6 +23,7 @@ from frictionbench.harness.workers.pool import Pool
 from frictionbench.harness.workers.task import Outcome, Task
 from frictionbench.problems import InputError
 from frictionbench.results.store import ResultsError
+from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers.plugins import is_file
 
 AHEAD = 4  # tasks handed out per worker, so that none waits for the network
@@ -84,7 +85,7 @@ class Cluster:
                 outcome = future.result() if error is None else None
             except (CancelledError, OSError):
                 raise ResultsError("cluster: its scheduler is gone; the same command goes on where it stopped") from None
-            yield outcome or Outcome(task, death="crashed", reason=f"on the cluster: {error}"[:500])
+            yield outcome or Outcome(task, failure=Verdict.CRASHED, reason=f"on the cluster: {error}"[:500])
             if (following := next(queue, None)) is not None:
                 completed.add(submit(following))
 

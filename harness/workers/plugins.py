@@ -42,7 +42,7 @@ def _asked(sources: list[str], named: list[str]) -> list[Plugin]:
     found = {}
     with tempfile.TemporaryDirectory() as scratch, Pool(Path(scratch), 1, (), MEMORY) as pool:
         for outcome in pool.run(tasks):
-            if outcome.death:
+            if outcome.failure:
                 told = outcome.reason.startswith("solver: ")
                 raise InputError(
                     outcome.reason if told else f"solver: {outcome.task.name} cannot be imported ({outcome.reason})"

@@ -20,6 +20,7 @@ from frictionbench.harness import machine, process
 from frictionbench.harness.plans.plan import Plugin
 from frictionbench.harness.workers.task import Outcome, Task
 from frictionbench.results.store import ResultsError
+from frictionbench.results.verdicts import Verdict
 
 TRIES = 3
 START = """import sys; sys.path.insert(0, sys.argv[1])
@@ -107,14 +108,15 @@ class _Hand:
                 self._begin_again()
                 return None
             self.line = _supervisor(self._settings)
-            said = {"death": "crashed", "reason": f"its processes were killed {TRIES} times"}
+            said = {"failure": Verdict.CRASHED.name, "reason": f"its processes were killed {TRIES} times"}
         if "compiling" in said:
             compiling(self.task, bool(said["compiling"]))
             return None
         if said.pop("again", False) and self._tries < TRIES:
             self.give(self.task)
             return None
-        outcome = Outcome(self.task, **said)
+        failure = Verdict[said["failure"]] if "failure" in said else None
+        outcome = Outcome(self.task, said.get("value"), failure, said.get("reason", ""))
         self.task, self._tries = None, 0
         return outcome
 

@@ -29,6 +29,7 @@ from frictionbench.harness.cells import worker
 from frictionbench.harness.deadline import COMPILING, OURS, Deadline
 from frictionbench.harness.workers.task import LONGEST_REPLY, Task
 from frictionbench.problems import InputError
+from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers import plugins
 from frictionbench.solvers.outside.children.child import living
 
@@ -125,7 +126,7 @@ class _Worker:
         while len(reply) < LONGEST_REPLY:
             left = min(self.deadline.left, last.left)
             if left <= 0:
-                return _reply(death="timeout", reason=f"stopped at its limit of {task.limit:g} s"), False
+                return _failure(Verdict.TIMEOUT, f"stopped at its limit of {task.limit:g} s"), False
             ready = wait(open_ends, timeout=min(left, look))
             if channel in ready:  # nothing is sent while a task runs: this is the end
                 raise EOFError
@@ -141,7 +142,7 @@ class _Worker:
             if not ready and self.deadline.compiling != compiling:  # for some time, not just reading its cache
                 compiling = not compiling
                 channel.send_bytes(_reply(compiling=compiling))
-        return _reply(death="crashed", reason=f"the process sent more than {LONGEST_REPLY} bytes"), False
+        return _failure(Verdict.CRASHED, f"the process sent more than {LONGEST_REPLY} bytes"), False
 
     def _ended(self) -> int | None:
         """Its exit code once it has ended, -s for signal s."""
@@ -169,7 +170,7 @@ def work(tasks: Connection, replies: int, deadline: Deadline, core: int | None, 
             reply = _reply(value=value, kept=living())
         except Exception as error:
             why = str(error) if isinstance(error, InputError) else plugins.told(error)
-            reply = _reply(death="crashed", reason=why, kept=living())
+            reply = _failure(Verdict.CRASHED, why, kept=living())
         if os.getpid() != me:  # a solver forked, and its child came back too
             os._exit(0)
         os.chdir(home)
@@ -182,15 +183,23 @@ def _understood(line: bytes) -> tuple[bytes, bool]:
     """A reply as it is sent on, and whether its worker can go on. Whatever runs there may have said it."""
     with suppress(ValueError, RecursionError):
         said = json.loads(line) if line.count(b"\n") == 1 else None
-        if isinstance(said, dict) and said.keys() <= {"value", "death", "reason", "kept"}:
+        if (
+            isinstance(said, dict)
+            and said.keys() <= {"value", "failure", "reason", "kept"}
+            and said.get("failure") in (None, Verdict.CRASHED.name)
+        ):
             return line, True
-    return _reply(death="crashed", reason="the process sent what is no reply"), False
+    return _failure(Verdict.CRASHED, "the process sent what is no reply"), False
 
 
 def _obituary(code: int) -> bytes:
     """SIGKILL comes from outside (a machine short of memory, an operator) and says nothing of the solver."""
     how = signal.Signals(-code).name if code < 0 else f"exit code {code}"
-    return _reply(death="crashed", reason=f"the process died: {how}", again=code == -signal.SIGKILL)
+    return _failure(Verdict.CRASHED, f"the process died: {how}", again=code == -signal.SIGKILL)
+
+
+def _failure(verdict: Verdict, reason: str, **said: Any) -> bytes:
+    return _reply(failure=verdict.name, reason=reason, **said)
 
 
 def _reply(**said: Any) -> bytes:

@@ -4,6 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from frictionbench.results.verdicts import Verdict
+
 LONGEST_REPLY = 256 * 2**20  # bytes
 
 
@@ -23,9 +25,9 @@ class Task:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a task returned; or how it died: `death` is "timeout" or "crashed", with the reason."""
+    """What a task returned; or, where it returned nothing, the verdict (TIMEOUT or CRASHED) and the reason."""
 
     task: Task
     value: Any = None
-    death: str | None = None
+    failure: Verdict | None = None
     reason: str = ""

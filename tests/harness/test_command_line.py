@@ -168,7 +168,7 @@ def test_a_worker_that_compiles_is_told(tmp_path) -> None:
             stage.compiling(which, now)
 
         (outcome,) = pool.run([task], stage.started, compiling)
-        assert outcome.death is None
+        assert outcome.failure is None
         stage.finished(task)
     assert heard[0] is True
     assert "compiling for jitted" in screen.getvalue()

@@ -14,9 +14,9 @@ import psutil
 import pytest
 
 from frictionbench.harness import machine, process
-from frictionbench.harness.maps import run_maps
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.run import run
+from frictionbench.harness.run_maps import run_maps
 from frictionbench.harness.workers import pool
 from frictionbench.harness.workers.pool import Pool
 from frictionbench.problems import InputError

@@ -11,11 +11,11 @@ import pytest
 from markupsafe import escape
 
 from frictionbench.harness.cells.simulation import run_closed_loop
-from frictionbench.harness.maps import run_maps
 from frictionbench.harness.plans.atlas import ATLAS
-from frictionbench.harness.plans.maps import axis, finer, home, phase
+from frictionbench.harness.plans.map_grid import axis, finer, home
 from frictionbench.harness.plans.plan import Plan, SimulationCell, Source
 from frictionbench.harness.plans.suites import MAPPED
+from frictionbench.harness.run_maps import run_maps
 from frictionbench.harness.trace import crossings
 from frictionbench.harness.workers.plugins import load_plugins
 from frictionbench.problems import InputError, scene
@@ -29,6 +29,7 @@ from frictionbench.reports.page import write_report
 from frictionbench.reports.paper import write_paper
 from frictionbench.reports.run import read_run
 from frictionbench.results import store
+from frictionbench.results.conventions import first_phase
 from frictionbench.results.maps import Axis, Map
 from frictionbench.results.shrunk import read_shrunk
 from frictionbench.results.store import ResultsError
@@ -95,7 +96,7 @@ def test_a_map_is_refined_where_neighbours_differ() -> None:
     spec = Map("m", "stack", Axis("friction", 0.0, 0.3, 4), Axis("push", 0.0, 0.2, 3), most=3)
     verdict = {place: "solved" if place[0] < 2 else "unsolved" for place in spec.grid}
     found = {
-        home("stack", json.dumps(spec.at(place), sort_keys=True), phase(spec.scheme)): {
+        home("stack", json.dumps(spec.at(place), sort_keys=True), first_phase(spec.scheme)): {
             "lemke": verdict[place],
             "nsgs": "solved",
         }

@@ -9,8 +9,9 @@ overlap=both:1e-12:1e-1:13     -1e-1 ... -1e-12, 0, 1e-12 ... 1e-1
 import json
 from collections.abc import Iterable, Mapping
 
-from frictionbench.harness.plans.plan import Plan, SimulationCell, Source, phase
+from frictionbench.harness.plans.plan import Plan, SimulationCell, Source
 from frictionbench.problems import InputError, scene, scenes
+from frictionbench.results.conventions import first_phase
 from frictionbench.results.maps import Axis, Map, Place
 from frictionbench.results.store import Row
 
@@ -100,7 +101,7 @@ def finer(spec: Map, known: set[Place], level: int, found: Verdicts) -> list[Pla
 
 
 def _verdicts_at(spec: Map, place: Place, found: Verdicts) -> Mapping[str, str]:
-    told = spec.scheme if spec.steps else phase(spec.scheme)
+    told = spec.scheme if spec.steps else first_phase(spec.scheme)
     return found.get(home(spec.scene, json.dumps(spec.at(place), sort_keys=True), told), {})
 
 

@@ -8,7 +8,7 @@ theory are traced over each map, and of each map and exact solver the smallest f
 from dataclasses import replace
 from pathlib import Path
 
-from frictionbench.harness.plans import maps
+from frictionbench.harness.plans import map_grid
 from frictionbench.harness.plans.plan import Plan
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import open_folder, run
@@ -61,14 +61,14 @@ def _keep_failures(plan: Plan, folder: Path, jobs: int, progress: Progress) -> N
 
 def _refine(specs: tuple[Map, ...], known: list[dict[Place, None]], level: int, folder: Path) -> None:
     rows = [row for table in ("solves", "simulations") for row in store.rows(folder, table)]
-    found = maps.verdicts(rows)
+    found = map_grid.verdicts(rows)
     for spec, places in zip(specs, known, strict=True):
         if level <= spec.levels:
-            places.update(dict.fromkeys(maps.finer(spec, set(places), level, found)))
+            places.update(dict.fromkeys(map_grid.finer(spec, set(places), level, found)))
 
 
 def _with_places(plan: Plan, known: list[dict[Place, None]]) -> Plan:
     both = list(zip(plan.maps, known, strict=True))
-    placed = tuple(source for spec, places in both for source in maps.sources(spec, places))
-    simulated = tuple(cell for spec, places in both for cell in maps.simulation_cells(spec, places, plan))
-    return replace(plan, placed=tuple({source.key: source for source in placed}.values()), map_simulations=simulated)
+    found = tuple(source for spec, places in both for source in map_grid.sources(spec, places))
+    simulated = tuple(cell for spec, places in both for cell in map_grid.simulation_cells(spec, places, plan))
+    return replace(plan, map_sources=tuple({source.key: source for source in found}.values()), map_simulations=simulated)
