@@ -1,24 +1,90 @@
-"""Compare solvers for the friction LCPs of rigid-body dynamics: `import frictionbench as fb`.
+"""Compare solvers for the friction LCPs of rigid-body dynamics.
 
-The names below are imported when they are first used, so that a part of the package costs only what it needs.
+    problems   scene, scenes, instance, instances, FrictionProblem, LCP, load, save, InputError
+    solvers    solve, available, solver, Answer, Status
+    checks     residual, residual_floor, verify, Verdict
+    results    read_results, plot
+
+Units are SI: velocities in m/s, impulses in N s, masses in kg. Impulses have shape (nc, d) for nc contacts of dimension d (2
+planar, 3 spatial), the normal component first.
+
+>>> import frictionbench as fb
+>>> problem = fb.scene("stack", blocks=3, push=1.0).problem()
+>>> answer = fb.solve(problem, "lemke", tol=1e-8)
+>>> fb.verify(problem, answer, tol=1e-8).verdict.value
+'solved'
+
+Each name is imported when it is first used, so that `import frictionbench` alone loads neither numpy nor numba.
 """
 
-import importlib
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from frictionbench import plot
+    from frictionbench.files import load, save
     from frictionbench.problems import LCP, FrictionProblem, InputError, scene, scenes
+    from frictionbench.problems.instances import instances
+    from frictionbench.problems.instances import make_instance as instance
+    from frictionbench.problems.residual import residual, residual_floor
+    from frictionbench.results.verdicts import Verdict
     from frictionbench.solvers import Answer, Status, available, solve, solver
+    from frictionbench.tables import read_results
+    from frictionbench.verification import verify
 
-__all__ = ["LCP", "Answer", "FrictionProblem", "InputError", "Status", "available", "scene", "scenes", "solve", "solver"]
+    __version__: str
+
+__all__ = [
+    "LCP",
+    "Answer",
+    "FrictionProblem",
+    "InputError",
+    "Status",
+    "Verdict",
+    "__version__",
+    "available",
+    "instance",
+    "instances",
+    "load",
+    "plot",
+    "read_results",
+    "residual",
+    "residual_floor",
+    "save",
+    "scene",
+    "scenes",
+    "solve",
+    "solver",
+    "verify",
+]
+
+# Where each name is defined; the type checker reads the imports above, and a test compares the two.
+_HOMES = {
+    "frictionbench.problems": ("LCP", "FrictionProblem", "InputError", "scene", "scenes"),
+    "frictionbench.problems.instances": ("instance", "instances"),
+    "frictionbench.problems.residual": ("residual", "residual_floor"),
+    "frictionbench.solvers": ("Answer", "Status", "available", "solve", "solver"),
+    "frictionbench.results.verdicts": ("Verdict",),
+    "frictionbench.files": ("load", "save"),
+    "frictionbench.tables": ("read_results",),
+    "frictionbench.verification": ("verify",),
+}
+_OTHER_NAME = {"instance": "make_instance"}  # where the defining module calls it differently
 
 
 def __getattr__(name: str) -> Any:
-    for package in ("frictionbench.problems", "frictionbench.solvers") if name in __all__ else ():
-        if hasattr(found := importlib.import_module(package), name):
-            return getattr(found, name)
-    raise AttributeError(f"module 'frictionbench' has no attribute {name!r}")
+    if name == "__version__":
+        value: Any = import_module("importlib.metadata").version("frictionbench")
+    elif name == "plot":
+        value = import_module("frictionbench.plot")
+    else:
+        home = next((module for module, names in _HOMES.items() if name in names), None)
+        if home is None:
+            raise AttributeError(f"module 'frictionbench' has no attribute {name!r}")
+        value = getattr(import_module(home), _OTHER_NAME.get(name, name))
+    globals()[name] = value
+    return value
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return __all__

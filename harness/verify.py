@@ -56,6 +56,9 @@ class Finding:
     fclib_error: float
     energy_defect: float
 
+    def __repr__(self) -> str:
+        return f"Finding({self.verdict}, residual {self.residual:.2g}{f', {self.reason}' if self.reason else ''})"
+
 
 def verify(problem: FrictionProblem, answer: Answer, info: SolverInfo, tol: float) -> Finding:
     """The finding on an answer to a friction problem."""

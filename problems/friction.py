@@ -45,6 +45,18 @@ class FrictionProblem:
     The bodies enter through the operator alone: of given mechanics, or of a given Delassus matrix (from_delassus), whose
     velocities (nc*d) are those of W's symmetric root with unit mass. Compiled passes work on plain arrays (problems.rows):
     contact_rows, the Jacobian J by contacts, and mass_rows, inverse_rows and joint_rows; scipy's matrices are made on demand.
+
+    >>> import frictionbench as fb
+    >>> point = fb.FrictionProblem(  # a point of 2 kg that slides on the floor and falls onto it at 0.1 m/s
+    ...     mass=[[2.0, 0.0], [0.0, 2.0]],
+    ...     normal=[[0.0, 1.0]],
+    ...     tangent=[[1.0, 0.0]],
+    ...     friction=[0.5],
+    ...     free_velocity=[1.0, -0.1],
+    ...     bias=[0.0],
+    ... )
+    >>> fb.solve(point, "lemke").impulse.round(6).tolist()
+    [[0.2, -0.1]]
     """
 
     dimension: int
@@ -75,8 +87,12 @@ class FrictionProblem:
     def from_delassus(cls, W: Any, q: Any, friction: Any, d: int, friction_bias: Any = None) -> Self:
         """The problem of which only u = W r + q is known; rows per contact, normal first (FCLIB's order).
 
-        W: (nc*d, nc*d), stored as given, also where it is slightly unsymmetric. q: (nc*d,).
+        W: (nc*d, nc*d), 1/kg, stored as given, also where it is slightly unsymmetric. q: (nc*d,), m/s. friction: (nc,).
         Errors: InputError naming the field.
+
+        >>> import frictionbench as fb
+        >>> fb.FrictionProblem.from_delassus([[0.5, 0.0], [0.0, 0.5]], [-0.1, 1.0], [0.5], d=2).contacts
+        1
         """
         require(d in (2, 3), "d", f"must be 2 or 3, got {d!r}")
         law = _law(friction, friction_bias)

@@ -26,7 +26,16 @@ from frictionbench.problems.friction import FrictionProblem
 
 
 def residual(problem: FrictionProblem, impulse: Array) -> float:
-    """The residual of impulse (nc, d) on the exact problem; infinity where the impulse is not finite."""
+    """The residual of impulse (nc, d), N s, on the exact problem: the largest defect of Coulomb's law at a contact, as a
+    velocity over the largest free contact velocity.
+
+    Zero exactly at a solution; infinity where the impulse is not finite or has another shape. Errors: none.
+
+    >>> import frictionbench as fb
+    >>> problem = fb.scene("stack", blocks=2, push=1.0).problem()
+    >>> fb.residual(problem, fb.solve(problem, "lemke").impulse) <= 1e-8
+    True
+    """
     return _defect(problem, impulse, shift=1.0)
 
 
@@ -55,7 +64,15 @@ def polygon_residual(problem: FrictionProblem, lcp: LCP, z: Array) -> float:
 
 
 def residual_floor(problem: FrictionProblem, impulse: Array) -> float:
-    """What rounding may change of the residual of impulse (nc, d): 2 eps max_i (s_i |r_i| + (1 + mu_i) |terms of u_i|)/|q|."""
+    """What rounding may change of the residual of impulse (nc, d): 2 eps max_i (s_i |r_i| + (1 + mu_i) |terms of u_i|)/|q|.
+
+    Infinity where the impulse is not finite or has another shape. Errors: none.
+
+    >>> import frictionbench as fb
+    >>> problem = fb.scene("stack", blocks=2, push=1.0).problem()
+    >>> fb.residual_floor(problem, fb.solve(problem, "lemke").impulse) < 1e-12
+    True
+    """
     if not problem.contacts:
         return 0.0
     if impulse.shape != (problem.contacts, problem.dimension) or not np.isfinite(impulse).all():

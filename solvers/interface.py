@@ -44,7 +44,12 @@ MOST_WORK = 10**8  # units of work a limit may allow: histories are laid out for
 
 
 class Status(Enum):
-    """How a solver says that it ended; the values are messages."""
+    """How a solver says that it ended; the values are messages. A claim only: `verify` finds out whether the answer is right.
+
+    >>> import frictionbench as fb
+    >>> fb.Status.STALLED.value
+    'no further progress was possible'
+    """
 
     SOLVED = "solved to the tolerance asked for"
     RAY = "ended on a secondary ray whose certificate holds: no solution on this path"
@@ -65,6 +70,11 @@ class Answer:
     clock: s, the library's own time of its solve, where it keeps one; the harness times the whole call besides.
     softness: (nc, d), 1/kg, of a solver of regularised contacts: the R >= 0 with which it made u = W r + q + R r;
         harness.verify says how large that may be.
+
+    >>> import frictionbench as fb
+    >>> answer = fb.solve(fb.scene("stack", blocks=2).problem(), "lemke")
+    >>> answer.impulse.shape, answer.status.name, sorted(answer.work)[-1]
+    ((4, 2), 'SOLVED', 'restarts')
     """
 
     impulse: Array
@@ -166,7 +176,22 @@ def solver(
     variants: tuple[str, ...] = (),
     members: tuple[str, ...] = (),
 ) -> Callable[[Class], Class]:
-    """Make a class a frozen dataclass whose fields are its variants, give it the steps it leaves out, and list it."""
+    """Make a class a frozen dataclass whose fields are its settings, give it the steps it leaves out, and list it as `name`.
+
+    family: of methods, as reports group them. Other arguments: see SolverInfo. The class needs
+    `solve(self, prepared, tol, limit, start=None) -> Answer`, and may have `form`, `setup` or `prepare`.
+    Errors: ValueError where the name is taken, or the class has `prepare` beside `form` or `setup`.
+
+    >>> import frictionbench as fb, numpy as np
+    >>> @fb.solver("nothing", family="splitting", model="coulomb", dimension=(2, 3))
+    ... class Nothing:
+    ...     "No impulses at all."
+    ...
+    ...     def solve(self, problem, tol, limit, start=None):
+    ...         return fb.Answer(np.zeros((problem.contacts, problem.dimension)), fb.Status.FAILED)
+    >>> fb.solve(fb.scene("stack", blocks=2).problem(), "nothing").status.name
+    'FAILED'
+    """
 
     def register(cls: Class) -> Class:
         made: Any = dataclass(frozen=True)(with_all_steps(cls))
@@ -202,7 +227,12 @@ def _form_and_set_up(self: Solver, problem: Any) -> Any:
 
 
 def available() -> dict[str, SolverInfo]:
-    """All known solvers by name; `missing` says why one cannot be used here."""
+    """All known solvers by name, a SolverInfo each; `missing` says why one cannot be used here, `summary` what it is.
+
+    >>> import frictionbench as fb
+    >>> fb.available()["lemke"].missing is None
+    True
+    """
     return dict(_solvers)
 
 
@@ -243,10 +273,26 @@ _FLAGS = {"true": True, "false": False, "1": True, "0": False}
 def solve(
     problem: FrictionProblem | LCP, spec: str, *, tol: float = 1e-8, limit: int | None = None, start: Array | None = None
 ) -> Answer:
-    """Prepare and solve one problem with the solver `spec` names; one that takes no start is given none.
+    """Prepare and solve one problem with one solver, in this process and without a time limit.
 
-    Errors: InputError for an unknown or unavailable solver or one that does not take this problem, naming problem, tol, limit
-    or start where that cannot be used.
+    problem: a FrictionProblem of nc contacts of dimension d, or a bare LCP for solvers of LCPs.
+    spec: a solver's name, with settings in brackets if any: "lemke", "nsgs[relaxation=1.3]". See `available`.
+    tol: the residual asked for, dimensionless, > 0: the largest defect of the solver's model at a contact, as a velocity over
+        the largest free contact velocity (problems.residual). For a bare LCP max|min(z, w)| over max|q|.
+    limit: most pivots, sweeps or iterations, whatever the method counts; None for the method's own limit.
+    start: (nc, d), N s, normal first: a guess of the impulses. A solver without warm start ignores it.
+
+    Returns an Answer: impulse (nc, d) in N s, normal first, also where the solver failed; status, what the solver claims;
+    work, its counts; z (n,) of solvers of LCPs.
+    Errors: InputError for an unknown or unavailable solver or one that does not take this problem, and naming problem, tol,
+    limit or start where that cannot be used.
+
+    >>> import frictionbench as fb
+    >>> problem = fb.scene("stack", blocks=2, push=1.0).problem()
+    >>> cold = fb.solve(problem, "nsgs", tol=1e-6)
+    >>> warm = fb.solve(problem, "nsgs", tol=1e-6, start=cold.impulse)
+    >>> cold.status.name, warm.work["sweeps"] < cold.work["sweeps"]
+    ('SOLVED', True)
     """
     info, instance = find(spec)
     if not isinstance(problem, FrictionProblem | LCP):

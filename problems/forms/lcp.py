@@ -35,6 +35,12 @@ class LCP:
     contacts: number of contacts nc and dimension d, (0, 0) for a bare LCP. basis: (d, 1 + K) or None; a contact's impulse is
     basis @ (c, beta).
     Errors: InputError naming M or q for a wrong shape, NaN or infinity.
+
+    >>> import frictionbench as fb
+    >>> lcp = fb.LCP([[2.0, 1.0], [1.0, 2.0]], [-3.0, -3.0])
+    >>> answer = fb.solve(lcp, "lemke")
+    >>> lcp.residual(answer.z) < 1e-12, [round(z, 6) for z in answer.z.tolist()]
+    (True, [1.0, 1.0])
     """
 
     rows: Rows

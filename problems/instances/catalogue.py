@@ -42,7 +42,12 @@ def instance(make: Maker) -> Maker:
 
 
 def instances() -> dict[str, InstanceInfo]:
-    """All of them by name, in the order of the alphabet."""
+    """All instances by name, in alphabetical order: an InstanceInfo each, with parameters (defaults) and summary.
+
+    >>> import frictionbench as fb
+    >>> fb.instances()["cubes"].parameters["friction"]
+    0.5
+    """
     return dict(sorted(_instances.items()))
 
 
@@ -50,6 +55,10 @@ def make_instance(name: str, **parameters: Any) -> FrictionProblem:
     """The named problem, with the parameters given in place of its defaults.
 
     Errors: InputError naming the instance or parameter that is unknown, or the parameter that is out of range.
+
+    >>> import frictionbench as fb
+    >>> fb.instance("cubes", boxes=4, friction=0.3).dimension
+    3
     """
     require(name in _instances, "instance", f"unknown instance {name!r}; known are {', '.join(instances())}")
     info = _instances[name]

@@ -52,14 +52,26 @@ def generator(**others: dict[str, Any]) -> Callable[[Generator], Generator]:
 
 
 def scenes() -> dict[str, SceneInfo]:
-    """All scenes by name, in the order of the alphabet."""
+    """All scenes by name, in alphabetical order: a SceneInfo each, with parameters (defaults) and summary.
+
+    >>> import frictionbench as fb
+    >>> "blocks" in fb.scenes()["stack"].parameters
+    True
+    """
     return dict(sorted(_scenes.items()))
 
 
 def scene(name: str, **parameters: Any) -> Scene:
     """The named scene, with the parameters given in place of its defaults.
 
+    Every scene also takes mass_unit (kg) and length_unit (m), units in which its masses and lengths are then counted.
+    Scene.problem() gives the friction problem of its first time step.
     Errors: InputError naming the scene or parameter that is unknown, or the parameter that is out of range.
+
+    >>> import frictionbench as fb
+    >>> scene = fb.scene("stack", blocks=3, friction=0.5)
+    >>> len(scene.bodies), scene.step, scene.problem().contacts
+    (3, 0.01, 6)
     """
     require(name in _scenes, "scene", f"unknown scene {name!r}; known are {', '.join(scenes())}")
     info = _scenes[name]

@@ -45,6 +45,7 @@ MAY_KNOW = {
     "harness": {"problems", "solvers", "results", "harness"},
     "reports": {"results"},
 }
+FACE = sorted((ROOT / "frictionbench").glob("*.py"))  # the public face: it may import everything, and nothing imports it
 FILES = {
     ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path
     for folder in ROAD
@@ -85,6 +86,17 @@ def test_no_arrow_runs_up(module: str) -> None:
         target for target in house if not within(target, place) and not any(within(target, known) for known in MAY_KNOW[place])
     }
     assert not strangers, f"{module}, of {place}, may not know {strangers}"
+
+
+@pytest.mark.parametrize("module", FILES)
+def test_nothing_imports_the_face(module: str) -> None:
+    names = {"frictionbench", *(path.stem for path in FACE)}
+    assert {target for target, _ in imports(FILES[module]) if target in names} == set()
+
+
+def test_the_face_borrows_no_private_name() -> None:
+    borrowed = [(path.name, name) for path in FACE for _, name in imports(path) if str(name).startswith("_")]
+    assert borrowed == []
 
 
 def test_nothing_runs_in_a_circle() -> None:

@@ -1,0 +1,120 @@
+"""The charts of the report, drawn on matplotlib axes of yours.
+
+Each function takes a results folder or what `read_results` returns, the axes to draw on (by default pyplot's current ones), and
+the panel: a chart has one panel per target, scene or problem, named by its title or counted from 0; `titles` lists them. It
+returns the axes. Draw one chart per axes: scales, ticks and legend are set.
+
+Errors: ValueError where the run has nothing to draw, or no such panel; ResultsError where the folder cannot be read.
+
+>>> import frictionbench as fb
+>>> from matplotlib.figure import Figure
+>>> fb.plot.titles("run", "energy")
+['bar']
+>>> ax = fb.plot.energy("run", ax=Figure().subplots())
+>>> ax.get_xlabel(), ax.get_ylabel()
+('time in s', 'change of energy')
+>>> [text.get_text() for text in ax.get_legend().get_texts()]
+['lemke']
+"""
+
+from pathlib import Path
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from frictionbench.reports.charts import CHARTS
+from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.sheets import BANDS
+from frictionbench.reports.drawing.style import RC
+from frictionbench.reports.drawing.text import plain
+from frictionbench.reports.run import Run
+from frictionbench.tables import Results, read_results
+
+__all__ = ["convergence", "energy", "growth", "profiles", "speed_accuracy", "titles", "work"]
+
+
+def profiles(results: Results | str | Path, *, ax: Axes | None = None, panel: str | int = 0) -> Axes:
+    """Performance profiles: the share of problems brought within a residual in at most tau times the fastest solver's time.
+
+    A panel per target, the coarsest first. Bands hold 95 % of bootstrap profiles and are drawn for up to three solvers.
+    """
+    return _draw("profiles", results, ax, panel)
+
+
+def work(results: Results | str | Path, *, ax: Axes | None = None, panel: str | int = 0) -> Axes:
+    """Performance profiles on deterministic counts in place of times, within the tightest target; a panel per counter."""
+    return _draw("work", results, ax, panel)
+
+
+def speed_accuracy(results: Results | str | Path, *, ax: Axes | None = None, panel: str | int = 0) -> Axes:
+    """Verified residual (relative contact velocity) against time (s): a dot per cell, a line along the tolerances of a solver.
+
+    A panel per problem class.
+    """
+    return _draw("speed_accuracy", results, ax, panel)
+
+
+def growth(results: Results | str | Path, *, ax: Axes | None = None, panel: str | int = 0) -> Axes:
+    """Time (s) to a target against the number of contacts, with fitted exponents in the legend.
+
+    A panel per scene that comes in three sizes or more.
+    """
+    return _draw("growth", results, ax, panel)
+
+
+def energy(results: Results | str | Path, *, ax: Axes | None = None, panel: str | int = 0) -> Axes:
+    """Change of energy over time (s) in simulations, relative to the scene's energy scale; a panel per scene and scheme."""
+    return _draw("energy", results, ax, panel)
+
+
+def convergence(results: Results | str | Path, *, ax: Axes | None = None, panel: str | int = 0) -> Axes:
+    """Verified residual against the sweeps, iterations or pivots allowed; a panel per problem followed."""
+    return _draw("convergence", results, ax, panel)
+
+
+def titles(results: Results | str | Path, chart: str) -> list[str]:
+    """The titles of the panels of a chart, by the name of its function, in their order."""
+    return [panel.title for panel in _panels(chart, _run(results))]
+
+
+def _run(results: Results | str | Path) -> Run:
+    return (results if isinstance(results, Results) else read_results(results)).run
+
+
+def _panels(chart: str, run: Run) -> list[Panel]:
+    panels = next((each.panels for each in CHARTS if each.name == chart), None)
+    if panels is None or chart not in __all__:
+        raise ValueError(f"chart: there is no chart {chart!r}")
+    return [panel for panel in panels(run) if isinstance(panel, Panel)]
+
+
+def _draw(chart: str, results: Results | str | Path, ax: Axes | None, which: str | int) -> Axes:
+    run = _run(results)
+    panels = {panel.title: panel for panel in _panels(chart, run)}
+    if not panels:
+        raise ValueError(f"{chart}: this run has nothing to draw")
+    try:
+        panel = panels[which] if isinstance(which, str) else list(panels.values())[which]
+    except LookupError:
+        raise ValueError(f"panel: {chart} has no panel {which!r}; it has {', '.join(panels)}") from None
+    if ax is None:
+        from matplotlib import pyplot
+
+        ax = pyplot.gca()
+    with mpl.rc_context({"text.parse_math": False} | {name: RC[name] for name in ("lines.linewidth", "lines.markersize")}):
+        panel.draw(ax)
+        ax.set_title(plain(panel.title))
+        _legend(ax, run, panel)
+    return ax
+
+
+def _legend(ax: Axes, run: Run, panel: Panel) -> None:
+    """Name the curves by their group ids, and leave out the bands where there are too many to be told apart."""
+    drawn = {str(artist.get_gid()) for artist in ax.findobj()}
+    named = {name: look for name, look in run.looks.items() if {look.tag, f"dots-{look.tag}"} & drawn}
+    if len(named) > BANDS:
+        for band in ax.findobj(lambda artist: str(artist.get_gid()).startswith("band-")):
+            band.remove()
+    labels = [f"{plain(name)} {panel.notes.get(name, '')}".strip() for name in named]
+    ax.legend([Line2D([], [], **look.line) for look in named.values()], labels, fontsize="small", frameon=False)

@@ -1,0 +1,81 @@
+"""A results folder as tables of pandas."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from textwrap import fill, indent
+from typing import Any
+
+import pandas as pd
+
+from frictionbench.reports.run import Run, read_run
+from frictionbench.results.schema import TABLES
+from frictionbench.results.store import read_manifest, read_table
+
+
+@dataclass(frozen=True, repr=False)
+class Results:
+    """The tables of one results folder, read when they are first used.
+
+    folder       the results folder
+    manifest     dict: settings, machine, versions, seeds and times of the run
+    solves       pandas.DataFrame, a row per cell: one problem, one solver, one tolerance
+    simulations  pandas.DataFrame, a row per scene, scheme and solver run in closed loop
+
+    A run that was interrupted has the rows it wrote so far. A number that was not measured is NaN. Errors: ResultsError (a
+    ValueError) naming the file and the column that cannot be read.
+
+    {columns}
+    """
+
+    folder: Path
+
+    @cached_property
+    def manifest(self) -> dict[str, Any]:
+        """Settings, machine, versions, seeds and times of the run."""
+        return read_manifest(self.folder)
+
+    @cached_property
+    def solves(self) -> pd.DataFrame:
+        """A row per cell: one problem, one solver, one tolerance."""
+        return read_table(self.folder, "solves")
+
+    @cached_property
+    def simulations(self) -> pd.DataFrame:
+        """A row per scene, scheme and solver run in closed loop."""
+        return read_table(self.folder, "simulations")
+
+    @cached_property
+    def run(self) -> Run:
+        """The same tables prepared for charts, as the report reads them."""
+        return read_run(self.folder)
+
+    def __repr__(self) -> str:
+        return f"Results({str(self.folder)!r}: {len(self.solves)} solves, {len(self.simulations)} simulations)"
+
+
+def _columns(table: str) -> str:
+    """The columns of a table with units and meanings, as text for `help`."""
+    lines = [f"{column.name}{f' ({column.unit})' if column.unit else ''}: {column.meaning}" for column in TABLES[table]]
+    return f"Columns of `{table}`:\n\n" + "\n".join(fill(line, 118, subsequent_indent="    ") for line in lines)
+
+
+Results.__doc__ = str(Results.__doc__).replace("{columns}", indent("\n\n".join(map(_columns, TABLES)), "    ").strip())
+
+
+def read_results(folder: str | Path) -> Results:
+    """The results in a folder that `frictionbench run` wrote.
+
+    Returns a Results with `solves` and `simulations` as pandas.DataFrame and `manifest` as a dict. `help(Results)`, that is
+    `help(type(results))`, lists every column with its unit and meaning, as docs/columns.md does.
+    Errors: ResultsError (a ValueError) where the folder does not exist, holds no run, or was written with another schema.
+
+    >>> results = read_results("run")
+    >>> results
+    Results('run': 2 solves, 1 simulations)
+    >>> results.solves.groupby("variant")["verdict"].value_counts().to_dict()
+    {('lemke', 'solved'): 1, ('nsgs', 'solved'): 1}
+    """
+    results = Results(Path(folder))
+    read_manifest(results.folder)
+    return results

@@ -1,0 +1,41 @@
+"""The verdict on one answer, as a benchmark run finds it."""
+
+from numbers import Real
+
+from frictionbench.harness import verify as harness_verify
+from frictionbench.harness.verify import Finding
+from frictionbench.problems import LCP, FrictionProblem, InputError
+from frictionbench.solvers import Answer, find
+
+EXACT = "nsgs"  # a solver of Coulomb's law itself, whose answers are compared with the exact problem only
+
+
+def verify(problem: FrictionProblem | LCP, answer: Answer, tol: float, *, solver: str | None = None) -> Finding:
+    """Verify an answer independently of the solver that gave it.
+
+    problem: what was solved; for an LCP the answer must carry z. answer: as `solve` returns it; its status counts as a claim
+    only. tol: the bound on the residual, relative contact velocity, > 0. solver: the name of the solver, with settings if any;
+    an answer of the convex relaxation, of a polygonal cone or of regularised contacts is then also measured on that model,
+    and may be "relaxed". Without it the answer is judged on the exact problem alone.
+
+    Returns a frozen Finding with
+        verdict, reason         a Verdict, and why where it needs a reason
+        residual                of the exact problem, relative contact velocity; infinite where the impulse has a wrong shape
+        model_residual          of the solver's own model, in the same measure
+        floor                   what rounding alone may change of the residual; 0 for an LCP, where it is not measured
+        fclib_error             FCLIB's error measure; NaN for an LCP
+        energy_defect           J, defect of the energy balance; NaN for an LCP
+    Errors: InputError naming tol or solver.
+
+    >>> import frictionbench as fb
+    >>> problem = fb.scene("stack", blocks=2, push=1.0).problem()
+    >>> found = fb.verify(problem, fb.solve(problem, "nsgs", tol=1e-6), tol=1e-6, solver="nsgs")
+    >>> found.verdict.value, found.residual <= 1e-6
+    ('solved', True)
+    """
+    if not (isinstance(tol, Real) and 0 < tol < float("inf")):
+        raise InputError(f"tol: must be a positive, finite number, got {tol!r}")
+    info, _ = find(EXACT if solver is None else solver)
+    if isinstance(problem, LCP):
+        return harness_verify.verify_lcp(problem, answer, float(tol))
+    return harness_verify.verify(problem, answer, info, float(tol))
