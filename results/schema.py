@@ -4,7 +4,9 @@
     simulations   a row per scene, scheme and solver run in closed loop
 
 Lists hold raw repeats or curves. Text columns named `parameters` and `work` hold JSON objects. A number that was not
-measured is null.
+measured is null. docs/columns.md is made from this file:
+
+    python -m frictionbench.results.schema > docs/columns.md
 """
 
 from typing import NamedTuple
@@ -135,3 +137,44 @@ def arrow_schema(table: str) -> pa.Schema:
     """The Arrow schema of a table, units and meanings as field metadata."""
     columns = TABLES[table]
     return pa.schema([pa.field(c.name, c.type, metadata={"unit": c.unit, "meaning": c.meaning}) for c in columns])
+
+
+PAGE = """# Columns
+
+Made from the schema by `python -m frictionbench.results.schema`; a test compares the two. Schema version {version}; folders and
+baselines of another version are refused.
+
+A run writes two tables, `solves.parquet` and `simulations.parquet`; `frictionbench.read_results(DIR)` reads them as
+`pandas.DataFrame`. Units are SI, 1 marks a ratio. A number that was not measured is null. Text columns named `parameters` and
+`work` hold JSON objects.
+
+## solves
+
+A row per cell: one problem, one solver, one tolerance.
+
+{solves}
+
+## simulations
+
+A row per scene, scheme and solver run in closed loop.
+
+{simulations}
+"""
+
+
+def describe() -> str:
+    """All columns with types, units and meanings, as a page of Markdown."""
+    return PAGE.format(version=VERSION, **{name: _markdown(columns) for name, columns in TABLES.items()})
+
+
+def _markdown(columns: tuple[Column, ...]) -> str:
+    cells = [[f"`{c.name}`", _type(c.type), c.unit, c.meaning.replace("|", "\\|")] for c in columns]
+    return "\n".join(f"| {' | '.join(row)} |" for row in [["column", "type", "unit", "meaning"], ["---"] * 4, *cells])
+
+
+def _type(kind: pa.DataType) -> str:
+    return f"list of {kind.value_type}" if pa.types.is_list(kind) else str(kind)
+
+
+if __name__ == "__main__":
+    print(describe(), end="")

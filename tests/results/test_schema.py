@@ -1,0 +1,17 @@
+"""The documentation of the columns is what the schema says."""
+
+from frictionbench.results.schema import TABLES, VERSION, describe
+from tests.helpers.places import ROOT
+
+
+def test_the_page_of_columns_is_made_from_the_schema() -> None:
+    written = (ROOT / "docs" / "columns.md").read_text(encoding="utf-8")
+    assert written == describe(), "python -m frictionbench.results.schema > docs/columns.md"
+
+
+def test_the_page_has_every_column_and_the_version() -> None:
+    page = describe()
+    assert f"Schema version {VERSION};" in page
+    rows = [line.split(" | ") for line in page.splitlines() if line.startswith("| `")]
+    assert [row[0].strip("| `") for row in rows] == [column.name for columns in TABLES.values() for column in columns]
+    assert {len(row) for row in rows} == {4}
