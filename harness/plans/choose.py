@@ -7,7 +7,7 @@ from frictionbench.harness.plans.recorded import with_data
 from frictionbench.harness.plans.spec import parse
 from frictionbench.harness.plans.suites import SUITES
 from frictionbench.problems import InputError, scene
-from frictionbench.problems.instances import instances
+from frictionbench.problems.instances import CATALOGUE, instances
 from frictionbench.results.maps import Map
 from frictionbench.solvers import find
 
@@ -62,10 +62,10 @@ def _chosen(plan: Plan, spec: str) -> tuple[list[Source], list[Source], list[Map
 def named_source(spec: str) -> Source:
     """The instance or the first problem of the scene that a spec names. Errors: InputError naming what is unknown."""
     name, settings = parse("scene", spec)
-    if name not in instances():
+    if name in instances():
+        CATALOGUE.find(name, settings)
+    else:
         scene(name, **settings)
-    elif unknown := settings.keys() - instances()[name].parameters.keys():
-        raise InputError(f"{min(unknown)}: {name} has no such parameter; it has {', '.join(instances()[name].parameters)}")
     return Source(name, settings)
 
 

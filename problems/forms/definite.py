@@ -24,17 +24,17 @@ def spectrum_ends(A: sparse.csr_array) -> tuple[float, float]:
     basis, image = np.zeros((count, n)), np.zeros((count, n))
     direction = random.standard_normal(n)
     for k in range(count):
-        basis[k] = _beside(basis[:k], direction)
+        basis[k] = _orthogonal_to(basis[:k], direction)
         image[k] = symmetric @ basis[k]
         direction = image[k] - basis[: k + 1].T @ (basis[: k + 1] @ image[k])
-        if np.linalg.norm(direction) <= 1e-12 * np.linalg.norm(image[k]):  # an invariant subspace: go on beside it
+        if np.linalg.norm(direction) <= 1e-12 * np.linalg.norm(image[k]):  # an invariant subspace: go on orthogonally to it
             direction = random.standard_normal(n)
     values = np.linalg.eigvalsh(basis @ image.T)
     diagonal = symmetric.diagonal()
     return float(min(values[0], diagonal.min())), float(max(values[-1], diagonal.max()))
 
 
-def _beside(basis: Array, direction: Array) -> Array:
+def _orthogonal_to(basis: Array, direction: Array) -> Array:
     """The unit vector along direction less its part in the span of basis's orthonormal rows; twice, for the rounding."""
     for _ in range(2):
         direction = direction - basis.T @ (basis @ direction)

@@ -8,15 +8,15 @@ from typing import NamedTuple
 import numpy as np
 from scipy import sparse
 
-from frictionbench.problems.compiled import kernel
+from frictionbench.problems.compiled import kernel, part
 from frictionbench.problems.rows import Array, Index, nowhere
 
 
 class Blocks(NamedTuple):
-    """A matrix by blocks: contact i and the contacts beside[first[i]:first[i+1]], ascending, have the blocks (d, d)."""
+    """A matrix by blocks: contact i and each of its neighbours[first[i]:first[i+1]], ascending, i among them, have a block."""
 
     first: Index
-    beside: Index
+    neighbours: Index
     block: Array
 
     def matrix(self) -> sparse.csr_array:
@@ -24,7 +24,7 @@ class Blocks(NamedTuple):
         n = (len(self.first) - 1) * self.block.shape[1]
         if not n:
             return sparse.csr_array((0, 0))
-        matrix = sparse.csr_array(sparse.bsr_array((self.block, self.beside, self.first), shape=(n, n)))
+        matrix = sparse.csr_array(sparse.bsr_array((self.block, self.neighbours, self.first), shape=(n, n)))
         matrix.eliminate_zeros()
         return matrix
 
@@ -163,7 +163,7 @@ def delassus(start, column, J, m_start, m_column, m_value):  # type: ignore[no-u
     response, reached = np.zeros((nv, d)), np.empty(nv, np.int32)
     seen, place = nowhere(nv), nowhere(nc)
     first, size = np.zeros(nc + 1, np.int32), 8 + 4 * nc
-    beside, block = np.empty(size, np.int32), np.zeros((size, d, d))
+    neighbours, block = np.empty(size, np.int32), np.zeros((size, d, d))
     for i in range(nc):
         velocities = 0
         for k in range(start[i], start[i + 1]):
@@ -187,17 +187,12 @@ def delassus(start, column, J, m_start, m_column, m_value):  # type: ignore[no-u
                     size *= 2
                     longer, larger = np.empty(size, np.int32), np.zeros((size, d, d))
                     for old in range(at):
-                        longer[old] = beside[old]
+                        longer[old] = neighbours[old]
                         for a in range(d):
                             for b in range(d):
                                 larger[old, a, b] = block[old, a, b]
-                    beside, block = longer, larger
-                here = at  # in order; the blocks of this contact are still zero
-                while here > first[i] and beside[here - 1] > j:
-                    beside[here] = beside[here - 1]
-                    place[beside[here]] = here
-                    here -= 1
-                beside[here], place[j] = j, here
+                    neighbours, block = longer, larger
+                _insert(neighbours, place, j, first[i], at)  # the blocks of this contact are still zero
                 at += 1
         for k in range(velocities):
             v = reached[k]
@@ -214,43 +209,49 @@ def delassus(start, column, J, m_start, m_column, m_value):  # type: ignore[no-u
                     for b in range(d):
                         block[here, a, b] += response[v, a] * J[k2, b]
         first[i + 1] = at
-    return first, beside[: first[nc]], block[: first[nc]]
+    return first, neighbours[: first[nc]], block[: first[nc]]
 
 
 @kernel
 def _blocks(start, column, value, d):  # type: ignore[no-untyped-def]
     nc = (len(start) - 1) // d
     first, place = np.zeros(nc + 1, np.int32), nowhere(nc)
-    beside, block = np.empty(len(column) + nc, np.int32), np.zeros((len(column) + nc, d, d))
+    neighbours, block = np.empty(len(column) + nc, np.int32), np.zeros((len(column) + nc, d, d))
     for i in range(nc):
-        beside[first[i]], place[i] = i, first[i]  # there in any case
+        neighbours[first[i]], place[i] = i, first[i]  # there in any case
         at = first[i] + 1
         for k in range(start[i * d], start[i * d + d]):
             j = column[k] // d
             if place[j] < first[i]:
-                here = at
-                while here > first[i] and beside[here - 1] > j:
-                    beside[here] = beside[here - 1]
-                    place[beside[here]] = here
-                    here -= 1
-                beside[here], place[j] = j, here
+                _insert(neighbours, place, j, first[i], at)
                 at += 1
         for a in range(d):
             for k in range(start[i * d + a], start[i * d + a + 1]):
                 block[place[column[k] // d], a, column[k] % d] = value[k]
         first[i + 1] = at
-    return first, beside[: first[nc]], block[: first[nc]]
+    return first, neighbours[: first[nc]], block[: first[nc]]
+
+
+@part
+def _insert(neighbours, place, j, begin, end):  # type: ignore[no-untyped-def]
+    """Insert j into the ascending neighbours[begin:end]; place says of each of them where it is."""
+    at = end
+    while at > begin and neighbours[at - 1] > j:
+        neighbours[at] = neighbours[at - 1]
+        place[neighbours[at]] = at
+        at -= 1
+    neighbours[at], place[j] = j, at
 
 
 @kernel
-def act(first, beside, block, r, q):  # type: ignore[no-untyped-def]
+def act(first, neighbours, block, r, q):  # type: ignore[no-untyped-def]
     """W r + q (nc, d)."""
     u = np.zeros(r.shape)
     for i in range(len(u)):
         for a in range(u.shape[1]):
             for k in range(first[i], first[i + 1]):
                 for b in range(u.shape[1]):
-                    u[i, a] += block[k, a, b] * r[beside[k], b]
+                    u[i, a] += block[k, a, b] * r[neighbours[k], b]
             u[i, a] += q[i, a]
     return u
 

@@ -159,11 +159,11 @@ def dense_matrix(start, column, value, n):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def friction_rows(first, beside, block, q, friction, friction_bias, basis):  # type: ignore[no-untyped-def]
+def friction_rows(first, neighbours, block, q, friction, friction_bias, basis):  # type: ignore[no-untyped-def]
     """The friction LCP's matrix by rows, without zeros, and its right side."""
     nc, (d, width) = len(friction), basis.shape
     K = width - 1
-    n, entries = nc * (width + 1), len(beside) * width * width + nc * (2 * K + 1)
+    n, entries = nc * (width + 1), len(neighbours) * width * width + nc * (2 * K + 1)
     start, column, value, right = np.empty(n + 1, np.int32), np.empty(entries, np.int32), np.empty(entries), np.zeros(n)
     part = _in_basis(block, basis)
     start[0] = at = row = 0
@@ -173,11 +173,11 @@ def friction_rows(first, beside, block, q, friction, friction_bias, basis):  # t
                 for a in range(d):
                     right[row] += basis[a, own] * q[i * d + a]
                 for k in range(first[i], first[i + 1]):
-                    column[at], value[at] = beside[k], part[k, own, 0]
+                    column[at], value[at] = neighbours[k], part[k, own, 0]
                     at += part[k, own, 0] != 0
                 for k in range(first[i], first[i + 1]):
                     for m in range(K):
-                        column[at], value[at] = nc + beside[k] * K + m, part[k, own, 1 + m]
+                        column[at], value[at] = nc + neighbours[k] * K + m, part[k, own, 1 + m]
                         at += part[k, own, 1 + m] != 0
                 if own:
                     column[at], value[at] = nc * width + i, 1.0

@@ -4,8 +4,8 @@ make_instance("cubes", boxes=10, friction=0.5)        make_instance("random", se
 """
 
 from frictionbench.problems.discover import import_all
-from frictionbench.problems.instances.catalogue import InstanceInfo, instances, make_instance
+from frictionbench.problems.instances.catalogue import CATALOGUE, instances, make_instance
 
 import_all(__name__, __path__)
 
-__all__ = ["InstanceInfo", "instances", "make_instance"]
+__all__ = ["CATALOGUE", "instances", "make_instance"]

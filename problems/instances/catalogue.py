@@ -5,50 +5,29 @@ def cubes(boxes: int = 5, friction: float = 0.5, ...) -> FrictionProblem: ...
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from inspect import getdoc, signature
 from typing import Any, TypeVar
 
-from frictionbench.problems.check import require
+from frictionbench.problems.catalogue import Catalogue, Generator
 from frictionbench.problems.friction import FrictionProblem
 
-
-@dataclass(frozen=True)
-class InstanceInfo:
-    """An instance's name, what makes it, its parameters with their defaults, and what it says of itself."""
-
-    name: str
-    make: Callable[..., FrictionProblem]
-    parameters: dict[str, Any]
-    description: str
-
-    @property
-    def summary(self) -> str:
-        return self.description.splitlines()[0]
+CATALOGUE: Catalogue[FrictionProblem] = Catalogue("instance")
+Function = TypeVar("Function", bound=Callable[..., FrictionProblem])
 
 
-_instances: dict[str, InstanceInfo] = {}
-Maker = TypeVar("Maker", bound=Callable[..., FrictionProblem])
-
-
-def instance(make: Maker) -> Maker:
-    """List a maker of problems under its name."""
-    name = make.__name__
-    if name in _instances:
-        raise ValueError(f"instance: the name {name!r} is taken by {_instances[name].make}")
-    defaults = {key: parameter.default for key, parameter in signature(make).parameters.items()}
-    _instances[name] = InstanceInfo(name, make, defaults, getdoc(make) or "")
+def instance(make: Function) -> Function:
+    """List a generator of problems under its name. Errors: ValueError where the name is taken."""
+    CATALOGUE.add(make)
     return make
 
 
-def instances() -> dict[str, InstanceInfo]:
-    """All instances by name, in alphabetical order: an InstanceInfo each, with parameters (defaults) and summary.
+def instances() -> dict[str, Generator[FrictionProblem]]:
+    """All instances by name, in alphabetical order: a Generator each, with parameters (defaults) and summary.
 
     >>> import frictionbench as fb
     >>> fb.instances()["cubes"].parameters["friction"]
     0.5
     """
-    return dict(sorted(_instances.items()))
+    return CATALOGUE.generators()
 
 
 def make_instance(name: str, **parameters: Any) -> FrictionProblem:
@@ -60,8 +39,5 @@ def make_instance(name: str, **parameters: Any) -> FrictionProblem:
     >>> fb.instance("cubes", boxes=4, friction=0.3).dimension
     3
     """
-    require(name in _instances, "instance", f"unknown instance {name!r}; known are {', '.join(instances())}")
-    info = _instances[name]
-    for key in parameters:
-        require(key in info.parameters, key, f"{name} has no such parameter; it has {', '.join(info.parameters)}")
-    return info.make(**info.parameters | parameters)
+    found = CATALOGUE.find(name, parameters)
+    return found.make(**found.parameters | parameters)

@@ -22,7 +22,7 @@ from frictionbench.problems.rows import ByContact, Rows, by_contact
 INDEFINITE = 1e-6  # of W's largest eigenvalue: recorded problems are indefinite by that much, as their files round W's digits
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(eq=False, repr=False)
 class DelassusOperator(Operator):
     """The operator of a given W (nc*d, nc*d) and q (nc*d,), rows per contact, normal first.
 

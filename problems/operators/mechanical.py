@@ -28,7 +28,7 @@ from frictionbench.problems.rows import ByContact, Rows, by_contact
 LOCKED = 1000 * float(np.finfo(float).eps)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(eq=False, repr=False)
 class MechanicalOperator(Operator):
     """The operator of M (v - v*) = J' r + F' lam, F v + b_F = 0 and u = J v + b e_n; see Operator for the fields."""
 

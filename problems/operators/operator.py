@@ -20,7 +20,9 @@ NO_ROWS = Rows(np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros(0))  # a m
 
 
 class Operator(ABC):
-    """The operator of nc contacts of dimension d and nv velocities. Immutable; what is derived is computed once.
+    """The operator of nc contacts of dimension d and nv velocities. Its arrays are read-only; what is derived is computed once.
+
+    The operators are not frozen dataclasses, whose construction would add a tenth to the time of making a small problem's W.
 
     FIELDS: the names of the problem's fields that define it with this operator, in the order of the content hash.
     mass_rows, inverse_rows: M and M^-1 (nv, nv); joint_rows: F (nj, nv); contact_rows: J (nc*d, nv) by contacts.

@@ -6,8 +6,8 @@ The talk's numbered examples (Anitescu 1999, page 30) are scenes with the talk's
 """
 
 from frictionbench.problems.discover import import_all
-from frictionbench.problems.scenes.catalogue import SceneInfo, scene, scenes
+from frictionbench.problems.scenes.catalogue import scene, scenes
 
 import_all(__name__, __path__)
 
-__all__ = ["SceneInfo", "scene", "scenes"]
+__all__ = ["scene", "scenes"]

@@ -8,57 +8,42 @@ length_unit, in which its masses and lengths are then counted: the same motion i
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from inspect import getdoc, signature
+from dataclasses import replace
 from typing import Any, TypeVar
 
-from frictionbench.problems.check import require
+from frictionbench.problems.catalogue import Catalogue, Generator
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.scenes.parameters import number
 from frictionbench.problems.scenes.units import in_units
 
-
-@dataclass(frozen=True)
-class SceneInfo:
-    """A scene's name, its generator, the generator's parameters with their defaults, and what it says of itself."""
-
-    name: str
-    make: Callable[..., Scene]
-    parameters: dict[str, Any]
-    description: str
-
-    @property
-    def summary(self) -> str:
-        return self.description.splitlines()[0]
-
-
 UNITS = ("mass_unit", "length_unit")
-_scenes: dict[str, SceneInfo] = {}
-Generator = TypeVar("Generator", bound=Callable[..., Scene])
+CATALOGUE: Catalogue[Scene] = Catalogue("scene")
+Function = TypeVar("Function", bound=Callable[..., Scene])
 
 
-def generator(**others: dict[str, Any]) -> Callable[[Generator], Generator]:
-    """List a scene's generator under its name, and under each name in `others` with the defaults given there."""
+def generator(**others: dict[str, Any]) -> Callable[[Function], Function]:
+    """List a scene's generator under its name, and under each name in `others` with the defaults given there.
 
-    def register(make: Generator) -> Generator:
-        defaults = {key: parameter.default for key, parameter in signature(make).parameters.items()}
-        for name, own in {make.__name__: {}, **others}.items():
-            if name in _scenes:
-                raise ValueError(f"scene: the name {name!r} is taken by {_scenes[name].make}")
-            _scenes[name] = SceneInfo(name, make, defaults | own, getdoc(make) or "")
+    Errors: ValueError where a name is taken.
+    """
+
+    def register(make: Function) -> Function:
+        CATALOGUE.add(make)
+        for name, defaults in others.items():
+            CATALOGUE.add(make, name, **defaults)
         return make
 
     return register
 
 
-def scenes() -> dict[str, SceneInfo]:
-    """All scenes by name, in alphabetical order: a SceneInfo each, with parameters (defaults) and summary.
+def scenes() -> dict[str, Generator[Scene]]:
+    """All scenes by name, in alphabetical order: a Generator each, with parameters (defaults) and summary.
 
     >>> import frictionbench as fb
     >>> "blocks" in fb.scenes()["stack"].parameters
     True
     """
-    return dict(sorted(_scenes.items()))
+    return CATALOGUE.generators()
 
 
 def scene(name: str, **parameters: Any) -> Scene:
@@ -73,15 +58,12 @@ def scene(name: str, **parameters: Any) -> Scene:
     >>> len(scene.bodies), scene.step, scene.problem().contacts
     (3, 0.01, 6)
     """
-    require(name in _scenes, "scene", f"unknown scene {name!r}; known are {', '.join(scenes())}")
-    info = _scenes[name]
     units = {key: number(key, parameters[key], above=0) for key in UNITS if key in parameters}
-    for key in parameters.keys() - units:
-        require(key in info.parameters, key, f"the scene {name} has no such parameter; it has {', '.join(info.parameters)}")
-    chosen = info.parameters | parameters
+    found = CATALOGUE.find(name, {key: value for key, value in parameters.items() if key not in units})
+    chosen = found.parameters | parameters
     for key in {"friction", "restitution", "step", "duration"} & chosen.keys():
         number(key, chosen[key])
-    made = info.make(**{key: value for key, value in chosen.items() if key not in units})
+    made = found.make(**{key: value for key, value in chosen.items() if key not in units})
     if units:
         made = in_units(made, units.get("mass_unit", 1.0), units.get("length_unit", 1.0))
     return replace(made, name=name, parameters=chosen)

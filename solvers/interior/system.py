@@ -176,21 +176,22 @@ def _units(start, column, value, ratio):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _delassus_elements(first, beside, block, ratio):  # type: ignore[no-untyped-def]
+def _delassus_elements(first, neighbours, block, ratio):  # type: ignore[no-untyped-def]
     """Where only W is known: push = W' by contacts, times the ratio, and read = I on the same columns."""
     nc, d = len(first) - 1, block.shape[1]
     start = np.zeros(nc + 1, np.int32)
-    for k in range(len(beside)):
-        start[beside[k] + 1] += d
+    for k in range(len(neighbours)):
+        start[neighbours[k] + 1] += d
     for i in range(nc):
         start[i + 1] += start[i]
-    column, push, read = np.empty(len(beside) * d, np.int32), np.empty((len(beside) * d, d)), np.zeros((len(beside) * d, d))
+    n = len(neighbours) * d
+    column, push, read = np.empty(n, np.int32), np.empty((n, d)), np.zeros((n, d))
     end = np.empty(nc, np.int32)
     for i in range(nc):
         end[i] = start[i]
     for j in range(nc):
         for k in range(first[j], first[j + 1]):
-            i = beside[k]
+            i = neighbours[k]
             for b in range(d):
                 column[end[i]] = j * d + b
                 for a in range(d):

@@ -74,9 +74,9 @@ def scaled_lcp(problem: FrictionProblem | LCP, facets: int) -> ScaledLCP:
 
 
 @kernel
-def _scaled_friction_lcp(first, beside, block, q, friction, friction_bias, basis, scale, fastest):  # type: ignore[no-untyped-def]
+def _scaled_friction_lcp(first, neighbours, block, q, friction, friction_bias, basis, scale, fastest):  # type: ignore[no-untyped-def]
     """The scaled matrix on its symmetrised pattern, the stretch, the scaled right side and the units."""
-    start, column, value, right = friction_rows(first, beside, block, q, friction, friction_bias, basis)
+    start, column, value, right = friction_rows(first, neighbours, block, q, friction, friction_bias, basis)
     D, theta = diagonal_scaling(start, column, value, right)
     begin, rows, below, across = symmetrised(start, column, value, D)
     unit = _residual_units(D, theta, scale, friction, fastest)

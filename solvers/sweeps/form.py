@@ -88,21 +88,21 @@ def _pack_velocities(start, column, J, m_start, m_column, m_value, free, bias, f
 
 
 @kernel
-def _pack_impulses(first, beside, block, q, friction, friction_bias, scale):  # type: ignore[no-untyped-def]
+def _pack_impulses(first, neighbours, block, q, friction, friction_bias, scale):  # type: ignore[no-untyped-def]
     """All of a ContactForm but its last entry, with the impulses as the state."""
     nc, d = q.shape
     start, push_start = np.empty(nc + 1, np.int32), np.empty(nc + 1, np.int32)
-    column, read = np.empty(len(beside) * d, np.int32), np.empty((len(beside) * d, d))
+    column, read = np.empty(len(neighbours) * d, np.int32), np.empty((len(neighbours) * d, d))
     push_column, push, own_block = np.empty(nc * d, np.int32), np.zeros((nc * d, d)), np.zeros((nc, d, d))
     for i in range(nc + 1):
         start[i], push_start[i] = first[i] * d, i * d
     for i in range(nc):
         for k in range(first[i], first[i + 1]):
             for b in range(d):
-                column[k * d + b] = beside[k] * d + b
+                column[k * d + b] = neighbours[k] * d + b
                 for a in range(d):
                     read[k * d + b, a] = block[k, a, b]
-                    if beside[k] == i:
+                    if neighbours[k] == i:
                         own_block[i, a, b] = block[k, a, b]
         for a in range(d):
             push_column[i * d + a], push[i * d + a, a] = i * d + a, 1.0

@@ -95,7 +95,7 @@ def test_instances_are_sources_with_labels(tmp_path) -> None:
     assert np.isfinite(entry["sensitivity"])
     assert not named_source("cubes").moves
     assert named_source("stack").moves
-    with pytest.raises(InputError, match=r"^bricks: cubes has no such parameter"):
+    with pytest.raises(InputError, match=r"^bricks: the instance cubes has no such parameter"):
         named_source("cubes[bricks=2]")
 
 

@@ -1,0 +1,56 @@
+"""Catalogues of what a name and a few parameters make: the scenes and the instances."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from inspect import getdoc, signature
+from typing import Any, Generic, TypeVar
+
+from frictionbench.problems.check import require
+
+Made = TypeVar("Made")
+
+
+@dataclass(frozen=True)
+class Generator(Generic[Made]):
+    """A function under its name in a catalogue, with its parameters' defaults and its docstring."""
+
+    name: str
+    make: Callable[..., Made]
+    parameters: dict[str, Any]
+    description: str
+
+    @property
+    def summary(self) -> str:
+        """The first line of the description."""
+        return self.description.splitlines()[0]
+
+
+class Catalogue(Generic[Made]):
+    """Generators by name. kind: what they make, in error messages."""
+
+    def __init__(self, kind: str) -> None:
+        self.kind = kind
+        self._generators: dict[str, Generator[Made]] = {}
+
+    def add(self, make: Callable[..., Made], name: str = "", **defaults: Any) -> None:
+        """List a function, by default under its own name; defaults replace those of its signature.
+
+        Errors: ValueError where the name is taken.
+        """
+        name = name or make.__name__
+        if name in self._generators:
+            raise ValueError(f"{self.kind}: the name {name!r} is taken by {self._generators[name].make}")
+        own = {key: parameter.default for key, parameter in signature(make).parameters.items()}
+        self._generators[name] = Generator(name, make, own | defaults, getdoc(make) or "")
+
+    def generators(self) -> dict[str, Generator[Made]]:
+        """All generators by name, in alphabetical order."""
+        return dict(sorted(self._generators.items()))
+
+    def find(self, name: str, parameters: dict[str, Any]) -> Generator[Made]:
+        """The generator of this name. Errors: InputError naming the kind, or a parameter that the generator does not have."""
+        require(name in self._generators, self.kind, f"unknown {self.kind} {name!r}; known are {', '.join(self.generators())}")
+        found = self._generators[name]
+        for key in parameters.keys() - found.parameters.keys():
+            require(False, key, f"the {self.kind} {name} has no such parameter; it has {', '.join(found.parameters)}")
+        return found
