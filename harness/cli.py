@@ -8,7 +8,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 
@@ -72,14 +72,22 @@ def run(
     from frictionbench.harness.commands.summary import folder_for, summary
     from frictionbench.harness.plans.choose import choose
     from frictionbench.harness.progress import Progress
-    from frictionbench.harness.run_maps import run_maps
+    from frictionbench.harness.run import drop_disturbed
+    from frictionbench.harness.run import run as run_plan
     from frictionbench.harness.workers.plugins import load_plugins
 
     variants, plugins = load_plugins(solver or [])
     plan = choose(suite, scene or [], variants, tol, time_limit, plugins, tuple(data or ()))
     folder = out or folder_for(plan)
     with _goes_on(folder):
-        run_maps(plan, folder, _jobs(jobs), Progress(), cluster, retake=retake)
+        if retake:
+            drop_disturbed(plan, folder)
+        if plan.maps:
+            from frictionbench.harness.run_maps import run_maps
+
+            run_maps(plan, folder, _jobs(jobs), Progress(), cluster)
+        else:
+            run_plan(plan, folder, _jobs(jobs), Progress(), cluster)
     typer.echo(summary(folder))
 
 
@@ -92,11 +100,12 @@ def report(
     ] = None,
     width: Annotated[
         float,
-        typer.Option("--width", metavar="85mm|3.35in|241pt", parser=options.length, help="For the paper: a column's width."),
+        typer.Option(
+            "--width", metavar="85mm|3.35in|241pt", parser=options.parse_length, help="For the paper: a column's width."
+        ),
     ] = 3.35,
     font: Annotated[
-        str,
-        typer.Option("--font", metavar="serif|sans", parser=options.one_of("serif", "sans"), help="For the paper: its own."),
+        Literal["serif", "sans"], typer.Option("--font", metavar="serif|sans", help="For the paper: its typeface.")
     ] = "serif",
     markdown: Annotated[bool, typer.Option("--markdown", help="Also the run's figures as Markdown.")] = False,
 ) -> None:
@@ -110,7 +119,7 @@ def report(
         from frictionbench.reports.latex import Layout
         from frictionbench.reports.paper import chosen, write_paper
 
-        written = write_paper(folder, chosen(run, options.listed(solvers)) if solvers else run, Layout(width, font))
+        written = write_paper(folder, chosen(run, options.split_names(solvers)) if solvers else run, Layout(width, font))
         typer.echo(f"paper:  {written}, its preview.tex shows all; references in references.bib")
         if not any(written.glob("*.pgf")):
             typer.echo("no PGF: pdflatex is not installed, which measures its texts")
@@ -137,15 +146,15 @@ def compare(
     solver: options.Trusted = None,
     slowdown: Annotated[
         float,
-        typer.Option("--slowdown", metavar="RATIO", parser=options.number(1), help="Of times, up to which nothing is slower."),
+        typer.Option("--slowdown", metavar="RATIO", min=1, help="Of times, up to which nothing is slower."),
     ] = 1.1,
     growth: Annotated[
         float,
-        typer.Option("--growth", metavar="RATIO", parser=options.number(1), help="Of work, up to which nothing has grown."),
+        typer.Option("--growth", metavar="RATIO", min=1, help="Of work, up to which nothing has grown."),
     ] = 1.05,
     alpha: Annotated[
         float,
-        typer.Option("--alpha", metavar="P", parser=options.number(0, 1), help="Chance of error of the times' intervals."),
+        typer.Option("--alpha", metavar="P", min=0, max=1, help="Chance of error of the times' intervals."),
     ] = 0.05,
     no_times: Annotated[bool, typer.Option("--no-times", help="Leave times out.")] = False,
     known: Annotated[
@@ -233,7 +242,7 @@ def export(
     ],
     pick: Annotated[
         int,
-        typer.Option("--pick", metavar="N", parser=options.whole(0), help="Problems spread over its motion; 0: the first."),
+        typer.Option("--pick", metavar="N", min=0, help="Problems spread over its motion; 0: the first."),
     ] = 0,
 ) -> None:
     """Write problems in FCLIB's HDF5 format, for others to solve."""
@@ -263,7 +272,7 @@ def show(
     scheme: options.Scheme = DEFAULT_SCHEME,
     steps: Annotated[
         int | None,
-        typer.Option("--steps", metavar="N", parser=options.whole(), help="The scene's whole duration by default."),
+        typer.Option("--steps", metavar="N", min=1, help="The scene's whole duration by default."),
     ] = None,
     out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE.html", help="SCENE.html by default.")] = None,
 ) -> None:
@@ -291,9 +300,7 @@ def map_(
     scheme: options.Scheme = DEFAULT_SCHEME,
     steps: Annotated[
         int,
-        typer.Option(
-            "--steps", metavar="N", parser=options.whole(0), help="Steps in closed loop; 0 for the first problem alone."
-        ),
+        typer.Option("--steps", metavar="N", min=0, help="Steps in closed loop; 0 for the first problem alone."),
     ] = 0,
     jobs: options.Jobs = None,
     out: Annotated[

@@ -23,7 +23,7 @@ ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUM
 PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36  # linux/prctl.h
 PATIENCE = 10.0  # seconds to end processes that start others as fast as they die
 DEAD = "ZX"  # states of a process in /proc: died and not waited for; gone
-_held: list[socket.socket] = []
+held_cores: list[socket.socket] = []  # the claims on cores of this process, each until it is closed
 
 
 def require_linux() -> None:
@@ -64,15 +64,9 @@ def hold_core() -> int | None:
         except OSError:
             claim.close()
             continue
-        _held.append(claim)
+        held_cores.append(claim)
         return core
     return None
-
-
-def release_cores() -> None:
-    """Give back what hold_core claimed for this process."""
-    while _held:
-        _held.pop().close()
 
 
 def bound_memory(limit: int) -> None:

@@ -119,6 +119,13 @@ def _in_their_words(plan: Plan) -> dict[str, str]:
     return {variant: "\n\n".join(cleandoc(text) for text in texts if text) for variant, texts in words.items()}
 
 
+def drop_disturbed(plan: Plan, folder: Path) -> None:
+    """Drop the rows of cells that shared their core: the next run measures them again. Errors: as of open_folder."""
+    open_folder(plan, folder)
+    for table in TABLES:
+        store.drop(folder, table, lambda row: row.get("disturbed") is True)
+
+
 def _differences(held: Row, wanted: Row) -> list[str]:
     found = []
     for part, values in wanted.items():

@@ -11,36 +11,28 @@ from pathlib import Path
 from frictionbench.harness.plans import map_grid
 from frictionbench.harness.plans.plan import Plan
 from frictionbench.harness.progress import Progress
-from frictionbench.harness.run import open_folder, run
+from frictionbench.harness.run import run
 from frictionbench.harness.shrink import ENOUGH, shrink_rows
 from frictionbench.harness.trace import trace
 from frictionbench.results import store
 from frictionbench.results.maps import Map, Place
 from frictionbench.results.places import THEORY, lost, placed
-from frictionbench.results.schema import TABLES
 from frictionbench.results.shrunk import read_shrunk, write_shrunk
 from frictionbench.results.store import Row
 
 MOST_SHRUNK = 100  # failures
 
 
-def run_maps(
-    plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | None = None, *, retake: bool = False
-) -> None:
-    """Run a plan and its maps; with retake again what shared its core when it ran before. Errors: as of harness.run.run."""
-    if retake:
-        open_folder(plan, folder)
-        for table in TABLES:
-            store.drop(folder, table, lambda row: row.get("disturbed") is True)
+def run_maps(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | None = None) -> None:
+    """Run a plan that has maps. Errors: as of harness.run.run."""
     known: list[dict[Place, None]] = [dict.fromkeys(spec.grid) for spec in plan.maps]
-    for level in range(max((spec.levels for spec in plan.maps), default=0) + 1):
+    for level in range(max(spec.levels for spec in plan.maps) + 1):
         if level:
             _refine(plan.maps, known, level, folder)
         run(_with_places(plan, known), folder, jobs, progress, cluster)
     for spec in plan.maps:
         trace(spec, folder)
-    if plan.maps:
-        _keep_failures(plan, folder, jobs, progress)
+    _keep_failures(plan, folder, jobs, progress)
 
 
 def _keep_failures(plan: Plan, folder: Path, jobs: int, progress: Progress) -> None:

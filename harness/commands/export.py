@@ -3,11 +3,11 @@
 import json
 import tempfile
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 
 from frictionbench.harness.cells.collect import Entry, collect, stored_friction
-from frictionbench.harness.plans.choose import named_source
+from frictionbench.harness.plans.plan import Source
+from frictionbench.harness.plans.spec import parse
 from frictionbench.problems import InputError
 from frictionbench.problems.recorded import fclib
 from frictionbench.results import store
@@ -25,7 +25,7 @@ def export(what: str, out: Path, pick: int = 0) -> Iterator[Path]:
         yield from _written(Path(what), entries, out)
     else:
         with tempfile.TemporaryDirectory() as folder:
-            entries = collect(Path(folder), replace(named_source(what), pick=pick))
+            entries = collect(Path(folder), Source(*parse("scene", what), pick=pick))
             yield from _written(Path(folder), entries, out)
 
 

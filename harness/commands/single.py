@@ -11,8 +11,8 @@ from frictionbench.harness.cells.collect import Entry, collect
 from frictionbench.harness.cells.rows import PROBLEM_FACTS
 from frictionbench.harness.commands.table import columns, paragraph, screen
 from frictionbench.harness.commands.trusted import trusted
-from frictionbench.harness.plans.choose import named_source
 from frictionbench.harness.plans.plan import Plan, Plugin, SimulationCell, SolveCell, Source, origin
+from frictionbench.harness.plans.spec import parse
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import row_of
 from frictionbench.harness.workers.plugins import load_plugins
@@ -125,7 +125,7 @@ def _stage(problem: str, folder: Path) -> Entry:
     """The problem of a file or of an instance, or a scene's first, stored under folder."""
     path = Path(problem)
     named = path.is_file() or Path(problem.partition("[")[0]).suffix
-    return collect(folder, Source(path.name, file=str(path.absolute())) if named else named_source(problem))[0]
+    return collect(folder, Source(path.name, file=str(path.absolute())) if named else Source(*parse("scene", problem)))[0]
 
 
 def _task_again(row: Row, table: str, plugins: tuple[Plugin, ...]) -> Task:

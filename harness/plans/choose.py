@@ -53,20 +53,11 @@ def _chosen(plan: Plan, spec: str) -> tuple[list[Source], list[Source], list[Map
     mapped = [spec for spec in plan.maps if name in (spec.scene, spec.name)]
     if (own or mapped) and not settings:
         return own, [simulation for simulation in plan.simulations if simulation.scene == name], mapped
-    source = named_source(spec)
-    if not source.moves:
-        return [source], [], []
-    return [Source(name, settings, pick=6)], [Source(name, settings)], []
-
-
-def named_source(spec: str) -> Source:
-    """The instance or the first problem of the scene that a spec names. Errors: InputError naming what is unknown."""
-    name, settings = parse("scene", spec)
     if name in instances():
-        CATALOGUE.find(name, settings)
-    else:
-        scene(name, **settings)
-    return Source(name, settings)
+        CATALOGUE.find(name, settings)  # for its errors
+        return [Source(name, settings)], [], []
+    scene(name, **settings)  # for its errors
+    return [Source(name, settings, pick=6)], [Source(name, settings)], []
 
 
 def tolerances(text: str) -> tuple[float, ...]:

@@ -10,7 +10,8 @@ from frictionbench.harness.cells.collect import collect
 from frictionbench.harness.commands.export import export
 from frictionbench.harness.commands.shrink import shrink
 from frictionbench.harness.commands.single import advice, rerun_row, solve_one
-from frictionbench.harness.plans.choose import choose, named_source
+from frictionbench.harness.plans.choose import choose
+from frictionbench.harness.plans.plan import Source
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import run
 from frictionbench.problems import InputError
@@ -89,14 +90,16 @@ def test_scenes_and_instances_are_exported(tmp_path) -> None:
 
 
 def test_instances_are_sources_with_labels(tmp_path) -> None:
-    (entry,) = collect(tmp_path, named_source("cubes[boxes=2]"))
+    (entry,) = collect(tmp_path, Source("cubes", {"boxes": 2}))
     assert (entry["contacts"], entry["dimension"], entry["rank"], entry["redundancy"]) == (8, 3, 12, 12)
     assert entry["solutions"] is None
     assert np.isfinite(entry["sensitivity"])
-    assert not named_source("cubes").moves
-    assert named_source("stack").moves
+    assert not Source("cubes").moves
+    assert Source("stack").moves
     with pytest.raises(InputError, match=r"^bricks: the instance cubes has no such parameter"):
-        named_source("cubes[bricks=2]")
+        choose("spatial", ["cubes[bricks=2]"], (), None, None)
+    with pytest.raises(InputError, match=r"^bricks: the instance cubes has no such parameter"):
+        collect(tmp_path, Source("cubes", {"bricks": 2}))
 
 
 def test_a_spatial_row_is_run_again_and_made_small(tmp_path) -> None:

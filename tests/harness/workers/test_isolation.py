@@ -15,8 +15,7 @@ import pytest
 
 from frictionbench.harness import machine, process
 from frictionbench.harness.plans.plan import Plan, Source
-from frictionbench.harness.run import run
-from frictionbench.harness.run_maps import run_maps
+from frictionbench.harness.run import drop_disturbed, run
 from frictionbench.harness.workers import pool
 from frictionbench.harness.workers.pool import Pool
 from frictionbench.problems import InputError
@@ -180,7 +179,8 @@ def test_without_a_core_of_its_own_a_row_is_marked_and_so_is_the_report(tmp_path
         assert process.hold_core() is None
         run(plan, tmp_path, 1, quiet())
     finally:
-        process.release_cores()
+        while process.held_cores:
+            process.held_cores.pop().close()
     (row,) = store.read_table(tmp_path, "solves").to_dict("records")
     assert all(taken)
     assert (row["verdict"], row["disturbed"], row["core"]) == ("solved", True, pytest.approx(float("nan"), nan_ok=True))
@@ -198,8 +198,9 @@ def test_rows_of_a_disturbed_core_are_taken_again_if_asked(tmp_path) -> None:
     rows = [json.loads(line) | {"disturbed": k == 0, "reason": "before"} for k, line in enumerate(lines)]
     shard.write_text("".join(json.dumps(row) + "\n" for row in rows), encoding="utf-8")
     with pytest.raises(ResultsError, match="holds another run"):
-        run_maps(replace(plan, time_limit=1.0), tmp_path, 1, quiet(), retake=True)
-    run_maps(plan, tmp_path, 1, quiet(), retake=True)
+        drop_disturbed(replace(plan, time_limit=1.0), tmp_path)
+    drop_disturbed(plan, tmp_path)
+    run(plan, tmp_path, 1, quiet())
     again = store.read_table(tmp_path, "solves").set_index("key")["reason"]
     assert [again[row["key"]] for row in rows] == ["", "before"]
 
