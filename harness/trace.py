@@ -13,7 +13,7 @@ import numpy as np
 
 from frictionbench.harness.cells.collect import first_problem_of
 from frictionbench.problems import FrictionProblem, scene
-from frictionbench.problems.nature.thresholds import THRESHOLDS
+from frictionbench.problems.analysis.thresholds import THRESHOLDS
 from frictionbench.results.files import room, write_text
 from frictionbench.results.maps import Axis, Map, Place, thresholds_file
 

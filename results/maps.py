@@ -59,7 +59,7 @@ class Map:
 
     scheme: whose first problem is met, or, in closed loop, who steps; steps: at most so many in closed loop, 0 for a map of
     first problems. levels: how often grid lines are halved, where neighbours' verdicts differ; most: new places each time.
-    thresholds: names of problems.nature.thresholds, drawn over the map. constant: nothing may change over the map.
+    thresholds: names of problems.analysis.thresholds, drawn over the map. constant: nothing may change over the map.
     """
 
     name: str

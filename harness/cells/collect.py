@@ -17,13 +17,13 @@ from frictionbench.harness.cells.reference import NoReference, Reference
 from frictionbench.harness.cells.rows import PROBLEM_FACTS
 from frictionbench.harness.plans.plan import Source, origin
 from frictionbench.problems import LCP, FrictionProblem, InputError, scene
+from frictionbench.problems.analysis.census import census_labels
+from frictionbench.problems.analysis.labels import labels
+from frictionbench.problems.analysis.mode import distance_to_next_mode
+from frictionbench.problems.analysis.stability import sensitivity
+from frictionbench.problems.analysis.thresholds import POINTED, existence
 from frictionbench.problems.check import Array
 from frictionbench.problems.instances import instances, make_instance
-from frictionbench.problems.nature.census import census_labels
-from frictionbench.problems.nature.labels import labels
-from frictionbench.problems.nature.mode import distance_to_next_mode
-from frictionbench.problems.nature.stability import response
-from frictionbench.problems.nature.thresholds import POINTED, existence
 from frictionbench.problems.planar.collision import Contacts
 from frictionbench.problems.recorded import read_recording
 from frictionbench.problems.recorded.own import load, save
@@ -34,7 +34,7 @@ from frictionbench.problems.simulate import first_problem, simulate
 from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, SHUFFLED, WARM, first_phase
 from frictionbench.results.files import replaced, room, write_text
 
-MOST_PERTURBED = 30  # contacts; larger problems' response costs more than it tells
+MOST_PERTURBED = 30  # contacts; larger problems would take too long for what their sensitivity says
 MOST_COUNTED = 6  # contacts; the modes to enumerate grow like 4^contacts
 Entry = dict[str, Any]
 
@@ -218,7 +218,7 @@ def facts(source: Source, met: Met) -> Entry:
         "trivial": bool(found.trivial),
         **counted,
         "existence": _existence(problem, found.pointedness, counted["solutions"]),
-        "sensitivity": _response(problem) if problem.contacts <= MOST_PERTURBED else None,
+        "sensitivity": _sensitivity(problem) if problem.contacts <= MOST_PERTURBED else None,
         "mode_distance": _mode_distance(problem),
     }
 
@@ -245,9 +245,9 @@ def _mode_distance(problem: FrictionProblem) -> float | None:
         return None
 
 
-def _response(problem: FrictionProblem) -> float:
-    """See problems.nature.stability; infinity where the problem, or one near it, has no answer that holds."""
+def _sensitivity(problem: FrictionProblem) -> float:
+    """See problems.analysis.stability; infinity where the problem, or one near it, has no answer that holds."""
     try:
-        return response(problem, Reference())
+        return sensitivity(problem, Reference())
     except NoReference:
         return np.inf

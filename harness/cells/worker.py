@@ -30,10 +30,10 @@ from frictionbench.harness.deadline import Deadline
 from frictionbench.harness.plans.plan import Plugin, SimulationCell, SolveCell, Source
 from frictionbench.harness.verify import Finding, verify, verify_lcp
 from frictionbench.problems import LCP, FrictionProblem, InputError, scene
+from frictionbench.problems.analysis.mode import mode
+from frictionbench.problems.analysis.stability import backward_error
 from frictionbench.problems.copies import duplicate, same
 from frictionbench.problems.measures import defects
-from frictionbench.problems.nature.mode import mode
-from frictionbench.problems.nature.stability import backward_error
 from frictionbench.problems.spec import split
 from frictionbench.results.conventions import COLD
 from frictionbench.results.motion import write_motion

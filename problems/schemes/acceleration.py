@@ -5,8 +5,7 @@
 
 at the contacts that touch at q; a dot is the rate along v, taken by differences. (The law is put on n'v + h (n'a + n'. v),
 which is the same where n'v = 0, so that round-off in n'v does not grow; and a contact slides if one step of the external
-force cannot stop it.) Where a touching contact approaches, an impact goes first (problems.schemes.impact). The problem of
-sliding contacts by itself is in problems.forms.force_level.
+force cannot stop it.) Where a touching contact approaches, an impact goes first (problems.schemes.impact).
 
 With the direction of sliding given there need not be a force: Painlevé's rod slides with p = n'M^-1 (n - mu sign(t'v) t) < 0
 and falls faster for every f_n > 0. Then NoSolution is raised.

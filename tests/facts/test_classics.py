@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from frictionbench.problems import LCP
-from frictionbench.problems.nature.census import lcp_census
-from frictionbench.problems.nature.polyhedra import Shape
+from frictionbench.problems.analysis.polyhedra import Shape
 from frictionbench.solvers import Status, solve
+from tests.helpers.lcp_census import lcp_census
 
 
 def murty(n) -> LCP:

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from frictionbench.problems import FrictionProblem, scene
-from frictionbench.problems.forms.force_level import Regime, force_level_lcp, regime
-from frictionbench.problems.nature.census import census, lcp_census
-from frictionbench.problems.nature.mode import mode
-from frictionbench.problems.nature.polyhedra import Shape
+from frictionbench.problems.analysis.census import census
+from frictionbench.problems.analysis.mode import mode
+from frictionbench.problems.analysis.polyhedra import Shape
 from frictionbench.solvers import Status, solve
+from tests.helpers.force_level import Regime, force_level_lcp, regime
+from tests.helpers.lcp_census import lcp_census
 
 G = 9.81
 

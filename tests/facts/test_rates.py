@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.nature.census import census
+from frictionbench.problems.analysis.census import census
 from frictionbench.solvers import anitescu_hart, solve, staggered  # noqa: F401  # registers them
 
 

@@ -8,8 +8,8 @@ import pytest
 
 from frictionbench import solvers
 from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems.analysis.labels import pointedness
 from frictionbench.problems.check import Array
-from frictionbench.problems.nature.labels import pointedness
 from frictionbench.problems.residual import residual
 from frictionbench.problems.schemes import Step
 from frictionbench.problems.simulate import ledger_defect, simulate

@@ -8,12 +8,12 @@ import pytest
 from frictionbench import solvers
 from frictionbench.problems import FrictionProblem, scene
 from frictionbench.problems.check import Array
-from frictionbench.problems.forms.force_level import force_level_lcp
 from frictionbench.problems.residual import relaxation_residual, residual
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.schemes import SCHEMES, NoSolution, Step
 from frictionbench.problems.schemes.impact import impact
 from frictionbench.problems.simulate import simulate
+from tests.helpers.force_level import force_level_lcp
 
 G = 9.81
 BOUNCING = [name for name, scheme in SCHEMES.items() if "restitution" not in scheme.lacks]

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from frictionbench.problems import FrictionProblem, scene
-from frictionbench.problems.nature.census import census
-from frictionbench.problems.nature.labels import pointedness
-from frictionbench.problems.nature.polyhedra import Shape
+from frictionbench.problems.analysis.census import census
+from frictionbench.problems.analysis.labels import pointedness
+from frictionbench.problems.analysis.polyhedra import Shape
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual
 from frictionbench.solvers import Status, solve

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.nature.census import census
-from frictionbench.problems.nature.polyhedra import Shape
+from frictionbench.problems.analysis.census import census
+from frictionbench.problems.analysis.polyhedra import Shape
 from frictionbench.problems.residual import residual
 from frictionbench.solvers import Status, solve
 

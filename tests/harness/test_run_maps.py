@@ -19,7 +19,7 @@ from frictionbench.harness.run_maps import run_maps
 from frictionbench.harness.trace import crossings
 from frictionbench.harness.workers.plugins import load_plugins
 from frictionbench.problems import InputError, scene
-from frictionbench.problems.nature.thresholds import THRESHOLDS
+from frictionbench.problems.analysis.thresholds import THRESHOLDS
 from frictionbench.problems.recorded.own import load
 from frictionbench.problems.residual import residual
 from frictionbench.reports.drawing import svg

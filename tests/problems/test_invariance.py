@@ -11,7 +11,7 @@ from scipy import sparse
 
 from frictionbench.harness.verify import verify
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.nature.stability import backward_error
+from frictionbench.problems.analysis.stability import backward_error
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import fclib_error, polygon_residual, relaxation_residual, residual, residual_floor
 from frictionbench.problems.simulate import ledger_defect

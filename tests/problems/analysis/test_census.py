@@ -7,14 +7,15 @@ import pytest
 
 from frictionbench import solvers
 from frictionbench.problems import LCP, FrictionProblem, InputError, scene
+from frictionbench.problems.analysis.census import Census, census, census_labels
+from frictionbench.problems.analysis.mode import mode
+from frictionbench.problems.analysis.polyhedra import Polyhedron, Shape, contains, cut, is_subset, polyhedron, shape, simplicial
 from frictionbench.problems.check import Array
-from frictionbench.problems.forms.force_level import Regime, force_level_lcp, regime
-from frictionbench.problems.nature.census import Census, census, census_labels, lcp_census
-from frictionbench.problems.nature.mode import mode
-from frictionbench.problems.nature.polyhedra import Polyhedron, Shape, contains, cut, is_subset, polyhedron, shape, simplicial
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual
+from tests.helpers.force_level import Regime, force_level_lcp, regime
 from tests.helpers.friction_problems import block, nothing, spatial, with_joints
+from tests.helpers.lcp_census import lcp_census
 
 
 def variant(seed: int) -> FrictionProblem:
@@ -183,8 +184,8 @@ def test_round_off_that_looks_like_solutions_is_found_out(monkeypatch) -> None:
     found = census(problem)
     assert (found.shape, found.velocity_shape) == (Shape.CONVEX, Shape.ONE)
     assert max(residual(problem, r.reshape(7, 2)) for piece in found.pieces for r in piece.vertices) <= 1e-10
-    monkeypatch.setattr("frictionbench.problems.nature.census.TIES", (1e-12,))
-    monkeypatch.setattr("frictionbench.problems.nature.census.census", overheard)
+    monkeypatch.setattr("frictionbench.problems.analysis.census.TIES", (1e-12,))
+    monkeypatch.setattr("frictionbench.problems.analysis.census.census", overheard)
     with pytest.warns(UserWarning, match="badly conditioned"):
         assert set(census_labels(problem).values()) == {None}
 
@@ -204,8 +205,6 @@ def test_what_is_too_large_or_spatial_is_refused() -> None:
         census(large)
     with pytest.raises(InputError, match="dimension: "):
         census(spatial(0))
-    with pytest.raises(InputError, match="size: "):
-        lcp_census(LCP(np.eye(17), np.ones(17)))
     assert set(census_labels(large).values()) == {None}
 
 
@@ -316,5 +315,3 @@ def test_force_level_of_two_contacts() -> None:
     inverse = np.linalg.inv(M)
     assert lcp.dense == pytest.approx(N @ inverse @ np.column_stack([N[0] + 0.5 * T[0], N[1]]))
     assert lcp.q == pytest.approx(N @ inverse @ k + rate)
-    with pytest.raises(InputError, match="sliding: "):
-        force_level_lcp(M, N, T, mu, k, [1.0])

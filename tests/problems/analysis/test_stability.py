@@ -1,10 +1,10 @@
-"""Backward error and response: an unstable solver and an ill-posed instance look different."""
+"""Backward error and sensitivity: an unstable solver and an ill-posed instance look different."""
 
 import numpy as np
 import pytest
 
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.nature.stability import backward_error, response
+from frictionbench.problems.analysis.stability import backward_error, sensitivity
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.solvers import solve
 from tests.helpers.friction_problems import block, nothing
@@ -44,10 +44,10 @@ def test_what_no_small_change_explains_is_large() -> None:
     assert backward_error(nothing(), np.zeros((0, 2))) == 0
 
 
-def test_response_tells_a_well_posed_from_an_ill_posed_instance() -> None:
-    assert response(block(), lemke) < 2
+def test_sensitivity_tells_a_well_posed_from_an_ill_posed_instance() -> None:
+    assert sensitivity(block(), lemke) < 2
     # This contact has three solutions where q_t = -1 and q_n > 0 is small, and one where q_n is large: at q_n = 0 it jumps.
     W = np.array([[1.6, -1.2], [-1.2, 3.4]])
     near = [FrictionProblem.from_delassus(W, [q_n, -1.0], [1.5], 2) for q_n in (1e-9, 0.5)]
-    assert response(near[0], lemke) > 1e3 * response(near[1], lemke)
-    assert response(nothing(), lemke) == 0
+    assert sensitivity(near[0], lemke) > 1e3 * sensitivity(near[1], lemke)
+    assert sensitivity(nothing(), lemke) == 0

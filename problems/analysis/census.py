@@ -7,9 +7,8 @@ to the left or right, the solutions are a polyhedron:
     closed  r_n >= 0, u_n = 0                        right   u_t >= 0, r_t = -(mu r_n + b_f)      left the mirror image
 
 The census goes through the modes contact by contact, keeps the polyhedron of the choices made by its vertices and rays
-(problems.nature.polyhedra), and drops a branch where nothing is left. So it finds segments, faces and rays of solutions as
+(problems.analysis.polyhedra), and drops a branch where nothing is left. So it finds segments, faces and rays of solutions as
 well as points, which the bases of the LCP alone do not show: hyperstatic impulses, and the jam whose solutions are not convex.
-The same walk over the choices z_i = 0 or w_i = 0 takes the census of a bare LCP.
 """
 
 from collections.abc import Callable, Iterator
@@ -19,10 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from frictionbench.problems.check import Array, InputError, require
-from frictionbench.problems.forms.lcp import LCP
-from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.nature.polyhedra import (
+from frictionbench.problems.analysis.polyhedra import (
     SAME,
     Cone,
     Polyhedron,
@@ -38,6 +34,8 @@ from frictionbench.problems.nature.polyhedra import (
     shape,
     simplicial,
 )
+from frictionbench.problems.check import Array, InputError, require
+from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.residual import residual
 
 MODES = 4**8  # the most modes that a census goes through
@@ -49,7 +47,7 @@ Cut = tuple[Array, bool]  # row'(x, 1) >= 0, or = 0 if the flag is set
 
 
 class Choice(NamedTuple):
-    """One way a contact, or a complementary pair, can go."""
+    """One mode of a contact: its letter, and the linear conditions under which it holds."""
 
     name: str
     cuts: tuple[Cut, ...]
@@ -57,15 +55,14 @@ class Choice(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Census:
-    """All solutions x of a problem, and the velocities y that belong to them.
+    """All solutions of a problem, x the impulse (nc*d, N s), and the contact velocities y (m/s) that belong to them.
 
-    For a friction problem x is the impulse (nc*d, N s) and y the contact velocity u (m/s); for an LCP x is z and y is w.
     pieces: maximal polyhedra of solutions, each with its mode, a letter per contact ("o"pen, "s"tick, "l"eft, "r"ight,
-    "c"losed without friction, and in capitals open contacts with friction at hand) or pair ("z" or "w" is nonzero).
+    "c"losed without friction, and in capitals open contacts with a friction bias).
     velocities: the same pieces in y, maximal ones; several impulses may have one velocity.
     shape, velocity_shape: whether there is none, one, a convex set of several, isolated ones, or else a set not convex.
     witness: two solutions whose midpoint is none, where the solutions are isolated or not convex; see
-    problems.nature.polyhedra.shape.
+    problems.analysis.polyhedra.shape.
     """
 
     pieces: tuple[Polyhedron, ...]
@@ -124,23 +121,11 @@ def census(problem: FrictionProblem) -> Census:
             Choice(name.upper() or "o", (*r, (r_n, True), (u_n, False), *u)) for name, r, u in (slips if b else frictionless)
         ]
         choices.append(closed + opened)
-    _require_few("contacts", choices)
 
     def is_solution(r: Array) -> bool:
         return residual(problem, r.reshape(nc, 2)) <= WRONG
 
-    return _census(np.array(facets), cuts, choices, velocity, free / root, free * root, is_solution)
-
-
-def lcp_census(lcp: LCP) -> Census:
-    """All solutions of an LCP, q scaled to unit size. Errors: InputError for more than 16 pairs."""
-    n = lcp.size
-    free = np.abs(lcp.q).max(initial=0.0) or 1.0
-    z, w = np.eye(n + 1), np.column_stack([lcp.dense, lcp.q / free])
-    choices = [[Choice("z", ((w[i], True),)), Choice("w", ((z[i], True), (w[i], False)))] for i in range(n)]
-    _require_few("size", choices)
-    unit = np.full(n, free)
-    return _census(z, [], choices, w, unit, unit, lambda x: lcp.residual(x) <= WRONG)
+    return enumerate_solutions(np.array(facets), cuts, choices, velocity, free / root, free * root, is_solution)
 
 
 def census_labels(problem: FrictionProblem) -> dict[str, str | int | None]:
@@ -160,11 +145,6 @@ def census_labels(problem: FrictionProblem) -> dict[str, str | int | None]:
     }
 
 
-def _require_few(field: str, choices: list[list[Choice]]) -> None:
-    modes = prod(len(several) for several in choices)
-    require(modes <= MODES, field, f"a census goes through at most {MODES} modes, here are {modes}")
-
-
 def _walk(cone: Cone, choices: list[list[Choice]], mode: str = "") -> Iterator[Polyhedron]:
     """The polyhedra of solutions of all modes that begin with the choices made so far."""
     here = polyhedron(cone, mode)
@@ -180,7 +160,7 @@ def _walk(cone: Cone, choices: list[list[Choice]], mode: str = "") -> Iterator[P
         yield from _walk(rest, choices, mode + name)
 
 
-def _census(
+def enumerate_solutions(
     facets: Array,
     cuts: list[Cut],
     choices: list[list[Choice]],
@@ -189,7 +169,12 @@ def _census(
     y_unit: Array,
     is_solution: Callable[[Array], bool],
 ) -> Census:
-    """The census of the x with facets (x, 1) >= 0 and the cuts; y (x, 1) are the velocities, the units those of x and y."""
+    """The census of the x with facets (x, 1) >= 0 and the cuts; y (x, 1) are the velocities, the units those of x and y.
+
+    Errors: InputError for more than MODES modes; ArithmeticError where no tolerance of TIES tells the solutions apart.
+    """
+    modes = prod(len(several) for several in choices)
+    require(modes <= MODES, "contacts", f"a census enumerates at most {MODES} modes; this problem has {modes}")
     for tie in TIES:
         cone = simplicial(facets, tie)
         for row, equality in cuts:

@@ -15,8 +15,8 @@ from itertools import combinations
 
 import numpy as np
 
+from frictionbench.problems.analysis.labels import p0_margin, pointedness
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.nature.labels import p0_margin, pointedness
 
 LARGEST = 12  # unknowns of an LCP whose principal minors are all looked at
 POINTED = 1e-9

@@ -1,7 +1,7 @@
 """Whether it is the instance that is ill-posed or the solver that is unstable.
 
 The backward error of an answer is the smallest relative change of the data (q, mu) under which it is exact: small for a stable
-solver, however ill-posed the problem (Higham 2002, section 1.5). The response of a problem is how much larger than a small
+solver, however ill-posed the problem (Higham 2002, section 1.5). The sensitivity of a problem is how much larger than a small
 change of q the change of the solution is: large for an ill-posed problem, whatever the solver.
 """
 
@@ -57,7 +57,7 @@ def _least_change(problem: FrictionProblem, impulse: Array, scale: float) -> flo
     return float(np.max(np.minimum(sliding, sticking)))
 
 
-def response(
+def sensitivity(
     problem: FrictionProblem, solve: Callable[[FrictionProblem], Array], change: float = 1e-7, draws: int = 3, seed: int = 0
 ) -> float:
     """The largest |du| / |dq| over random relative changes of q, in contact velocities; infinity where one is not solved.
