@@ -62,7 +62,7 @@ def _run(
 
     Those of plug-ins come last: a worker that has run one runs nothing else. A library's come together, to load it once.
     """
-    done = store.kept(folder, "solves") | store.kept(folder, "simulations")
+    done = store.stored_keys(folder, "solves") | store.stored_keys(folder, "simulations")
     left = sorted((cell for cell in cells if cell.key not in done), key=lambda cell: _place(plan, cell))
     with (
         ShardWriter(folder, "solves", f"{os.getpid()}") as solved,

@@ -15,8 +15,8 @@ from frictionbench.harness.run import run
 from frictionbench.harness.shrink import ENOUGH, shrink_rows
 from frictionbench.harness.trace import trace
 from frictionbench.results import store
-from frictionbench.results.maps import Map, Place
-from frictionbench.results.places import THEORY, lost, placed
+from frictionbench.results.map_rows import THEORY, at_grid_points, failed_rows
+from frictionbench.results.map_spec import GridPoint, Map
 from frictionbench.results.shrunk import read_shrunk, write_shrunk
 from frictionbench.results.store import Row
 
@@ -25,7 +25,7 @@ MOST_SHRUNK = 100  # failures
 
 def run_maps(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | None = None) -> None:
     """Run a plan that has maps. Errors: as of harness.run.run."""
-    known: list[dict[Place, None]] = [dict.fromkeys(spec.grid) for spec in plan.maps]
+    known: list[dict[GridPoint, None]] = [dict.fromkeys(spec.grid) for spec in plan.maps]
     for level in range(max(spec.levels for spec in plan.maps) + 1):
         if level:
             _refine(plan.maps, known, level, folder)
@@ -40,7 +40,7 @@ def _keep_failures(plan: Plan, folder: Path, jobs: int, progress: Progress) -> N
     too."""
     solves, found = store.read_table(folder, "solves"), read_shrunk(folder)
     failed: list[Row] = []
-    for rows in (lost(placed(solves, spec)) for spec in plan.maps if not spec.steps):
+    for rows in (failed_rows(at_grid_points(solves, spec)) for spec in plan.maps if not spec.steps):
         failed += rows[rows["existence"].isin(THEORY)].drop_duplicates("variant").to_dict("records")
     failed = failed[:MOST_SHRUNK]
     left = [row for row in failed if row["key"] not in found]
@@ -51,7 +51,7 @@ def _keep_failures(plan: Plan, folder: Path, jobs: int, progress: Progress) -> N
             stage.advance()
 
 
-def _refine(specs: tuple[Map, ...], known: list[dict[Place, None]], level: int, folder: Path) -> None:
+def _refine(specs: tuple[Map, ...], known: list[dict[GridPoint, None]], level: int, folder: Path) -> None:
     rows = [row for table in ("solves", "simulations") for row in store.rows(folder, table)]
     found = map_grid.verdicts(rows)
     for spec, places in zip(specs, known, strict=True):
@@ -59,7 +59,7 @@ def _refine(specs: tuple[Map, ...], known: list[dict[Place, None]], level: int, 
             places.update(dict.fromkeys(map_grid.finer(spec, set(places), level, found)))
 
 
-def _with_places(plan: Plan, known: list[dict[Place, None]]) -> Plan:
+def _with_places(plan: Plan, known: list[dict[GridPoint, None]]) -> Plan:
     both = list(zip(plan.maps, known, strict=True))
     found = tuple(source for spec, places in both for source in map_grid.sources(spec, places))
     simulated = tuple(cell for spec, places in both for cell in map_grid.simulation_cells(spec, places, plan))

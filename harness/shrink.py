@@ -22,8 +22,8 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.recorded.own import save
 from frictionbench.problems.reduce import keep_contacts
 from frictionbench.results.conventions import COLD
-from frictionbench.results.files import replaced, room
-from frictionbench.results.shrunk import ROOM, Shrunk
+from frictionbench.results.files import replaced, subfolder
+from frictionbench.results.shrunk import FOLDER, Shrunk
 from frictionbench.results.store import Row
 
 ENOUGH = 10.0  # seconds of trials that one row may cost where it is one of many
@@ -114,6 +114,6 @@ def _written(folder: Path, search: Search) -> Shrunk:
         return Shrunk("", search.problem.contacts, search.trials, whole=False)
     small, row = keep_contacts(search.problem, search.kept), search.row
     name = f"{row['solver']}-{row['verdict']}-{small.contacts}-contacts-{small.hash}.npz"
-    with replaced(room(folder, ROOM) / name) as file:
+    with replaced(subfolder(folder, FOLDER) / name) as file:
         save(small, file)
     return Shrunk(name, small.contacts, search.trials, search.whole)

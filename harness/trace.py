@@ -14,8 +14,8 @@ import numpy as np
 from frictionbench.harness.cells.collect import first_problem_of
 from frictionbench.problems import FrictionProblem, scene
 from frictionbench.problems.analysis.thresholds import THRESHOLDS
-from frictionbench.results.files import room, write_text
-from frictionbench.results.maps import Axis, Map, Place, thresholds_file
+from frictionbench.results.files import subfolder, write_text
+from frictionbench.results.map_spec import Axis, GridPoint, Map, thresholds_file
 
 LINES = 11
 HALVINGS = 7
@@ -26,12 +26,12 @@ def trace(spec: Map, folder: Path) -> None:
     path = thresholds_file(folder, spec)
     if not spec.thresholds or path.exists():
         return
-    room(folder, path.parent.name)
+    subfolder(folder, path.parent.name)
     found = {name: crossings(spec, THRESHOLDS[name]) for name in spec.thresholds}
     write_text(path, json.dumps(found))
 
 
-def crossings(spec: Map, holds: Callable[[FrictionProblem], bool]) -> list[Place]:
+def crossings(spec: Map, holds: Callable[[FrictionProblem], bool]) -> list[GridPoint]:
     """The places on lines along both axes where `holds` changes."""
 
     @cache

@@ -14,7 +14,7 @@ import numpy as np
 
 from frictionbench.reports.drawing.text import scene_title
 from frictionbench.reports.templates import as_json, environment, script
-from frictionbench.results.files import ResultsError, room, write_text
+from frictionbench.results.files import ResultsError, subfolder, write_text
 from frictionbench.results.motion import Array, Motion, Outline, plain, read_motion
 
 MOST_NUMBERS = 250_000  # on a page, which makes it about 2 MB
@@ -49,7 +49,7 @@ def write_animations(folder: Path) -> list[dict[str, Any]]:
             motion = read_motion(path)
         except ResultsError:
             continue
-        room(folder, "motion")
+        subfolder(folder, "motion")
         page = write_animation(motion, path.with_suffix(".html"))
         title = scene_title(motion.scene, json.dumps(motion.parameters))
         pages.append({"scene": motion.scene, "title": title, "address": f"motion/{quote(page.name)}"})

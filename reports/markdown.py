@@ -7,8 +7,8 @@ import numpy as np
 
 from frictionbench.reports import choice, tables
 from frictionbench.reports.drawing.text import power, seconds
+from frictionbench.reports.reliability import sentences, standings
 from frictionbench.reports.run import Run
-from frictionbench.reports.standing import sentences, standings
 from frictionbench.results.verdicts import Verdict
 
 BANDS = ((0, 4), (4, 20), (20, 100), (100, np.inf))  # contacts

@@ -13,7 +13,7 @@ from typing import Any
 import pandas as pd
 from markupsafe import Markup
 
-from frictionbench.reports import choice, maps, tables, told
+from frictionbench.reports import choice, robustness, settings, tables
 from frictionbench.reports.accuracy import ALL, CHARGES, by_charge, entered_in_part
 from frictionbench.reports.animation import write_animations
 from frictionbench.reports.charts import CHARTS
@@ -23,13 +23,13 @@ from frictionbench.reports.drawing.svg import on_page
 from frictionbench.reports.drawing.text import power, scene_title, seconds
 from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.reports.recorded import recorded_problems
+from frictionbench.reports.reliability import sentences
 from frictionbench.reports.run import Run, read_run
 from frictionbench.reports.sheets import sheets
-from frictionbench.reports.standing import sentences
 from frictionbench.reports.templates import as_json, environment, script
 from frictionbench.results.files import write_text
 from frictionbench.results.polygon import read_deviations
-from frictionbench.results.shrunk import ROOM, read_shrunk
+from frictionbench.results.shrunk import FOLDER, read_shrunk
 from frictionbench.results.verdicts import Verdict
 
 MOST_CLAIMS = 200  # wrong claims listed on the page
@@ -54,7 +54,7 @@ def write_report(folder: Path, run: Run | None = None) -> Path:
 
 def _contents(folder: Path, run: Run) -> dict[str, Any]:
     claims = tables.wrong_claims(run)
-    mapped = maps.map_cells(run)
+    mapped = robustness.map_cells(run)
     animations = write_animations(folder)
     text, digest = script("page.js")
     classes, ranked = tables.problem_classes(run), list(run.contested["problem_class"].unique())
@@ -70,7 +70,7 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
         "setup": _setup(run.manifest),
         "disturbed": int(run.rows["disturbed"].eq(True).sum()),
         "homeless": int((run.rows["disturbed"].eq(True) & run.rows["core"].isna()).sum()),
-        "crowded": told.crowded(run.manifest),
+        "crowded": settings.crowded(run.manifest),
         "finished": "finished" in run.manifest,
         "problems": run.rows.loc[run.rows["problem"] != "", "problem_id"].nunique(),
         "contested": run.contested["problem_id"].nunique(),
@@ -90,13 +90,13 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
         "outcomes": list(Verdict),
         "verdicts": {verdict: verdict.meaning for verdict in Verdict},
         "reasons": tables.reasons(run),
-        "robustness": maps.robustness(mapped),
-        "map_failures": maps.failures(mapped, read_shrunk(folder)),
-        "unsteady": {cells.spec.name: maps.changes(cells) for cells in mapped if cells.spec.constant},
-        "costs": maps.costs(run),
-        "all_lost": maps.write_lost(folder, mapped),
+        "robustness": robustness.robustness(mapped),
+        "map_failures": robustness.failures(mapped, read_shrunk(folder)),
+        "unsteady": {cells.spec.name: robustness.changes(cells) for cells in mapped if cells.spec.constant},
+        "costs": robustness.costs(run),
+        "all_lost": robustness.write_failures(folder, mapped),
         "again": lambda row: shlex.join(
-            ["frictionbench", "solve", str(folder / ROOM / row["file"]), "--solver", row["variant"]]
+            ["frictionbench", "solve", str(folder / FOLDER / row["file"]), "--solver", row["variant"]]
         ),
         "charts": _charts(run),
         "svg": lambda one: Markup(inline_svg(one) if isinstance(one, Panel) else on_page(one)),
@@ -118,7 +118,7 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
         "animations_of": lambda name: [page for page in animations if page["scene"] == scene_of[name]],
         "claims": claims.head(MOST_CLAIMS),
         "claims_count": len(claims),
-        "settings": told.settings(run.manifest),
+        "settings": settings.settings(run.manifest),
         "clocks": tables.clocks(run),
         "much_form": MUCH_FORM,
         "rerun": lambda key: f"frictionbench rerun {shlex.quote(str(folder))} {shlex.quote(key)}",

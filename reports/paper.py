@@ -28,7 +28,7 @@ from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.reports.latex import Cell, Layout, Table, Tex, booktabs, escaped, one_unit
 from frictionbench.reports.references import bibliography, cited
 from frictionbench.reports.run import PORTFOLIO, Run
-from frictionbench.results.files import ResultsError, room, write_text
+from frictionbench.results.files import ResultsError, subfolder, write_text
 from frictionbench.results.verdicts import Verdict
 
 FONT = 7  # points, in figures
@@ -38,7 +38,7 @@ ON_PAGE_ONLY = ("Point at", "Bands, ")  # how sentences begin that are of the pa
 def write_paper(folder: Path, run: Run, layout: Layout | None = None) -> Path:
     """Write figures as PDF, SVG and, where LaTeX is installed, PGF; tables, captions and references; return DIR/paper."""
     layout = layout or Layout()
-    paper = room(folder, "paper")
+    paper = subfolder(folder, "paper")
     escape = escaped if which("pdflatex") else None
     floats: list[tuple[str, str, bool]] = []  # name, caption, whether it takes the page's width
     for chart in CHARTS:

@@ -25,7 +25,7 @@ from frictionbench.reports.accuracy import summary, targets, times_to
 from frictionbench.reports.drawing.style import Look, looks
 from frictionbench.results.conventions import COLD, KEEP_ANSWER
 from frictionbench.results.convergence import ConvergenceHistory, read_histories
-from frictionbench.results.maps import Place, maps_of, read_thresholds
+from frictionbench.results.map_spec import GridPoint, maps_of, read_thresholds
 from frictionbench.results.store import read_manifest, read_table
 from frictionbench.results.verdicts import Verdict
 
@@ -44,7 +44,7 @@ class Run:
     simulations: pd.DataFrame
     map_simulations: pd.DataFrame = field(default_factory=pd.DataFrame)  # those of maps in closed loop
     histories: list[ConvergenceHistory] = field(default_factory=list)
-    thresholds: dict[str, dict[str, list[Place]]] = field(default_factory=dict)  # of each map, by name
+    thresholds: dict[str, dict[str, list[GridPoint]]] = field(default_factory=dict)  # of each map, by name
 
     @cached_property
     def contested(self) -> pd.DataFrame:
@@ -84,9 +84,9 @@ def read_run(folder: Path) -> Run:
     manifest = read_manifest(folder)
     specs = maps_of(manifest)
     loops = {
-        (spec.scene, spec.scheme, json.dumps(spec.at(place), sort_keys=True))
+        (spec.scene, spec.scheme, json.dumps(spec.at(point), sort_keys=True))
         for spec in specs
-        for place in (spec.places() if spec.steps else ())
+        for point in (spec.grid_points() if spec.steps else ())
     }
     simulations = annotate_simulations(read_table(folder, "simulations"))
     where = zip(simulations["scene"], simulations["scheme"], simulations["parameters"], strict=True)

@@ -1,4 +1,4 @@
-"""How solvers get to their answers, on a few problems of a run, kept as DIR/convergence.json."""
+"""Convergence histories of solvers on a few problems of a run, stored in DIR/convergence.json."""
 
 import json
 import math
@@ -11,11 +11,11 @@ NAME = "convergence.json"
 
 
 class ConvergenceHistory(NamedTuple):
-    """A solver on one problem, stopped after so many units of its own work (sweeps, iterations, pivots), and so on.
+    """One solver on one problem, stopped after increasing amounts of its own work (sweeps, iterations or pivots).
 
-    parameters: the scene's, JSON. units: work allowed, rising. residuals: verified, of the answer at each. impulse: of the
-    last answer, per contact (normal, tangential...), N s; empty where it was not kept. redundant: W lacks rank, so that
-    impulses are not unique.
+    parameters: of the scene, JSON. units: the limits on work, ascending. residuals: the verified residual of the answer at
+    each limit. impulse: the impulses of the last answer, per contact (normal, tangential...), N s; empty where not stored.
+    redundant: the Delassus matrix W is rank deficient, so that impulses are not unique.
     """
 
     scene: str
@@ -34,7 +34,7 @@ def write_histories(folder: Path, found: list[ConvergenceHistory]) -> None:
 
 
 def read_histories(folder: Path) -> list[ConvergenceHistory]:
-    """As written; none where nothing was. Errors: ResultsError where the file cannot be read."""
+    """The histories; empty if none were written. Errors: ResultsError if the file cannot be read."""
     path = folder / NAME
     if not path.exists():
         return []
@@ -58,5 +58,5 @@ def _history(row: Any) -> ConvergenceHistory:
     )
     numbers = [*history.residuals, *(part for contact in history.impulse for part in contact)]
     if len(history.units) != len(history.residuals) or not all(map(math.isfinite, numbers)):
-        raise ValueError(f"the history of {history.variant} on {history.scene} is not whole")
+        raise ValueError(f"the history of {history.variant} on {history.scene} is incomplete")
     return history

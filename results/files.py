@@ -1,8 +1,8 @@
-"""Files written whole or not at all, and only below the folder that was given.
+"""Files that are written atomically and only inside the folder that was given.
 
-A results folder may come from anybody: a symbolic link in it could lead any file we write to where its owner likes. Folders
-below it that are links are refused; files are written beside their place and renamed, which replaces a link and never follows
-it.
+A results folder may come from an untrusted source, and a symbolic link in it could redirect what is written. Subfolders that
+are symbolic links are therefore refused, and a file is written under a temporary name in the same folder and then renamed,
+which replaces a link instead of following it.
 """
 
 import os
@@ -13,23 +13,23 @@ from pathlib import Path
 
 
 class ResultsError(ValueError):
-    """A results folder or file that cannot be used; the message names it."""
+    """A results folder or file cannot be used; the message names it."""
 
 
-def room(folder: Path, name: str) -> Path:
-    """folder/name as a folder of its own, made where it is missing. Errors: ResultsError where it is a symbolic link."""
+def subfolder(folder: Path, name: str) -> Path:
+    """The folder `folder/name`, created if missing. Errors: ResultsError if it is a symbolic link."""
     path = folder / name
     if path.is_symlink():
-        raise ResultsError(f"{path}: a symbolic link; nothing is written through it")
+        raise ResultsError(f"{path}: is a symbolic link, through which nothing is written; delete it")
     path.mkdir(parents=True, exist_ok=True)
     return path
 
 
 @contextmanager
 def replaced(path: Path) -> Iterator[Path]:
-    """A path beside `path`, of the same suffix, to be written; it takes the place of `path` where the block succeeds.
+    """A temporary path with the same folder and suffix; the file written there replaces `path` if the block succeeds.
 
-    Errors: OSError naming the path, where the disk is full or the folder may not be written.
+    Errors: OSError naming the path, if the disk is full or the folder is not writable.
     """
     try:
         descriptor, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
@@ -49,7 +49,7 @@ def replaced(path: Path) -> Iterator[Path]:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text file whole or not at all; what is no character is replaced."""
+    """Write a text file atomically as UTF-8; what cannot be encoded is replaced by a question mark."""
     with replaced(path) as partial:
         partial.write_text(text, encoding="utf-8", errors="replace")
 

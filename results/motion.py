@@ -1,10 +1,10 @@
-"""A recorded motion of one scene: plain arrays, kept as DIR/motion/NAME.json beside the tables.
+"""A recorded motion of one scene: plain arrays, stored in DIR/motion/NAME.json.
 
-    n frames, nb bodies, all in SI units. Frame k is the state that step k ends at and step k + 1 starts from; the contacts
+    n frames, nb bodies, all in SI units. Frame k is the state at the end of step k, from which step k + 1 starts. The contacts
     and the residual of a frame are those of the step that starts there, so the last frame has none.
 
-The ledger says where the energy went: its change since the start is friction + normal + joints + defect, and the defect is
-what no force at a contact or a hinge accounts for, so it is the scheme's.
+Energy balance: the change of energy since the start is friction + normal + joints + defect, which are the work of the contact
+forces, the work of the hinges, and the remainder: the error of the time-stepping scheme.
 """
 
 import json
@@ -15,18 +15,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionbench.results.files import ResultsError, room, write_text
+from frictionbench.results.files import ResultsError, subfolder, write_text
 
 Array = NDArray[np.float64]
 CURVES = ("times", "energy", "kinetic", "friction", "normal", "joints", "residual")
-DIGITS = 12  # kept of each number on disk: a defect is the small difference of large energies
+DIGITS = 12  # significant digits in the file: a defect is the small difference of large energies
 
 
 @dataclass(frozen=True, eq=False)
 class Outline:
-    """A shape to draw. body: whose frame the corners (k, 2) are in, -1 for the fixed ground. Three corners or more make a
-    polygon, two a rod, one with a radius a disc. endless: the half plane left of the line through its two corners, or, with
-    a negative radius, all that lies outside a circle."""
+    """A shape to draw. body: the body in whose frame the corners (k, 2) are given, -1 for the fixed ground. Three or more
+    corners are a polygon, two a rod, one with a radius a disc. endless: the half plane to the left of the line through the two
+    corners or, with a negative radius, the outside of a circle."""
 
     body: int
     corners: Array
@@ -38,12 +38,12 @@ class Outline:
 class Motion:
     """times: (n,), s. poses: (n, nb, 3), x, y and angle.
 
-    contacts: per frame (nc, 6): the point; the unit normal towards the body that is pushed, of two the upper one; the normal
+    contacts: per frame (nc, 6): the point; the unit normal towards the body that is pushed, the upper one of two; the normal
     and the tangential impulse of the whole step, N s, the latter along the normal turned by -90 degrees.
-    energy: (n,), kinetic and potential, J. kinetic: of it. friction, normal, joints: (n,), J, the work since the start of the
-    tangential impulses, of the normal ones, and of the hinges. residual: (n,), the largest of the step's answers, possibly
-    infinite. hinges: (nh, 3), a body, and the pin's place in its frame. coefficient, restitution: mu and e. ended: why the
-    motion is shorter than planned, or empty.
+    energy: (n,), kinetic plus potential, J. kinetic: (n,), J. friction, normal, joints: (n,), J, the work since the start of
+    the tangential impulses, the normal impulses and the hinges. residual: (n,), the largest residual of the step's answers,
+    possibly infinite. hinges: (nh, 3), a body and the position of the pin in its frame. coefficient, restitution: mu and e.
+    ended: why the motion is shorter than planned, or empty.
     """
 
     scene: str
@@ -68,29 +68,29 @@ class Motion:
 
     @property
     def defect(self) -> Array:
-        """(n,), J: the change of the energy that the ledger does not account for."""
+        """(n,), J: the change of energy that no force at a contact or a hinge accounts for."""
         return self.energy - self.energy[0] - self.friction - self.normal - self.joints
 
 
 def write_motion(path: Path, motion: Motion) -> None:
-    """Write the motion whole or not at all."""
-    room(path.parent.parent, path.parent.name)
+    """Write the motion atomically."""
+    subfolder(path.parent.parent, path.parent.name)
     write_text(path, json.dumps(plain(asdict(motion), DIGITS), separators=(",", ":")))
 
 
 def plain(value: Any, digits: int) -> Any:
-    """The value as JSON takes it, floating-point numbers cut to so many digits."""
+    """The value in types that JSON has, floating-point numbers rounded to so many significant digits."""
     if isinstance(value, dict):
-        return {key: plain(entry, digits) for key, entry in value.items()}
+        return {key: plain(item, digits) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [plain(entry, digits) for entry in value]
+        return [plain(item, digits) for item in value]
     if isinstance(value, np.ndarray):
         return plain(value.tolist(), digits)
     return float(f"{value:.{digits}g}") if isinstance(value, float) else value
 
 
 def read_motion(path: Path) -> Motion:
-    """The motion in a file. Errors: ResultsError where it is not one."""
+    """The motion in a file. Errors: ResultsError if the file is not a recorded motion."""
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
         fields: dict[str, Any] = {name: str(found[name]) for name in ("scene", "solver", "scheme", "ended")}
@@ -120,10 +120,10 @@ def _check(motion: Motion) -> None:
     n, bodies = motion.poses.shape[:2]
     lengths = {name: getattr(motion, name).shape for name in CURVES} | {"contacts": (len(motion.contacts),)}
     if wrong := [name for name, shape in lengths.items() if shape != (n,)]:
-        raise ValueError(f"{', '.join(wrong)}: not one for each of {n} frames")
+        raise ValueError(f"{', '.join(wrong)}: expected one value for each of {n} frames")
     owners = [outline.body for outline in motion.outlines] + motion.hinges[:, 0].tolist()
     if not all(-1 <= owner < bodies for owner in owners):
-        raise ValueError("outlines: no such body")
+        raise ValueError("outlines: the index of a body is out of range")
     arrays = (motion.poses, motion.hinges, *motion.contacts, *(outline.corners for outline in motion.outlines))
     curves = (getattr(motion, name) for name in CURVES if name != "residual")
     if not all(np.isfinite(array).all() for array in (*arrays, *curves)):

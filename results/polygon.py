@@ -1,4 +1,4 @@
-"""What polygons in place of the friction cone do to a motion that is known by hand, kept as DIR/polygon.json."""
+"""The error that a polygonal friction cone causes in a motion with a known solution, stored in DIR/polygon.json."""
 
 import json
 from pathlib import Path
@@ -10,10 +10,13 @@ NAME = "polygon.json"
 
 
 class Deviation(NamedTuple):
-    """The largest distances of a ball's path, m, from its parabola and from the path with the cone. facets: 0 for the cone."""
+    """The largest distances, m, of a sliding ball's path from the exact parabola and from the path computed with the cone.
+
+    facets: of the polygon, 0 for the circular cone. step: time step, s.
+    """
 
     facets: int
-    step: float  # s
+    step: float
     from_parabola: float
     from_cone: float
 
@@ -23,15 +26,15 @@ def write_deviations(folder: Path, found: list[Deviation]) -> None:
 
 
 def read_deviations(folder: Path) -> list[Deviation]:
-    """As written; none where nothing was. Errors: ResultsError where the file cannot be read."""
+    """The deviations; empty if none were written. Errors: ResultsError if the file cannot be read."""
     path = folder / NAME
     if not path.exists():
         return []
     try:
-        told = json.loads(path.read_text(encoding="utf-8"))
+        rows = json.loads(path.read_text(encoding="utf-8"))
         return [
             Deviation(int(row["facets"]), *(float(row[name]) for name in ("step", "from_parabola", "from_cone")))
-            for row in told
+            for row in rows
         ]
     except (OSError, ValueError, TypeError, LookupError, RecursionError, OverflowError) as error:
         raise ResultsError(f"{path}: cannot be read ({error})") from None

@@ -1,19 +1,20 @@
-"""Failing cells made small: DIR/shrunk/HASH.npz the problems, DIR/shrunk/index.json what became of each row that was tried."""
+"""Failing problems reduced in size: DIR/shrunk/HASH.npz holds each of them, DIR/shrunk/index.json the result for each row."""
 
 import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from frictionbench.results.files import ResultsError, room, write_text
+from frictionbench.results.files import ResultsError, subfolder, write_text
 
-ROOM, INDEX = "shrunk", "index.json"
+FOLDER, INDEX = "shrunk", "index.json"
 
 
 class Shrunk(NamedTuple):
-    """A failing row's problem made small. file: its name below DIR/shrunk, empty where the failure did not come back.
+    """The reduction of a failing row's problem. file: its name below DIR/shrunk, empty if the failure was not reproduced.
 
-    contacts: of the problem in the file. whole: no contact of it can go; otherwise the time for it was up.
+    contacts: of the problem in the file. trials: calls of the solver. whole: no contact can be removed without losing the
+    failure; otherwise the reduction ran out of time.
     """
 
     file: str
@@ -23,20 +24,20 @@ class Shrunk(NamedTuple):
 
 
 def write_shrunk(folder: Path, found: Mapping[str, Shrunk]) -> None:
-    """found: by the rows' keys."""
-    write_text(room(folder, ROOM) / INDEX, json.dumps({key: one._asdict() for key, one in found.items()}))
+    """Write the reductions, given by the keys of their rows."""
+    write_text(subfolder(folder, FOLDER) / INDEX, json.dumps({key: one._asdict() for key, one in found.items()}))
 
 
 def read_shrunk(folder: Path) -> dict[str, Shrunk]:
-    """As written; none where nothing was. Errors: ResultsError where the file cannot be read."""
-    path = folder / ROOM / INDEX
+    """The reductions by key; empty if none were written. Errors: ResultsError if the file cannot be read."""
+    path = folder / FOLDER / INDEX
     if not path.exists():
         return {}
     try:
-        told = json.loads(path.read_text(encoding="utf-8"))
+        index = json.loads(path.read_text(encoding="utf-8"))
         return {
             str(key): Shrunk(str(one["file"]), int(one["contacts"]), int(one["trials"]), bool(one["whole"]))
-            for key, one in told.items()
+            for key, one in index.items()
         }
     except (OSError, ValueError, TypeError, LookupError, AttributeError, RecursionError, OverflowError) as error:
         raise ResultsError(f"{path}: cannot be read ({error})") from None

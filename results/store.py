@@ -1,14 +1,14 @@
 """The results folder of a run.
 
-    DIR/manifest.json             what was run, where, with which versions and settings
-    DIR/convergence.json              how solvers get to their answers on a few problems, see results.convergence
+    DIR/manifest.json             what was run, on which machine, with which versions and settings
+    DIR/convergence.json          convergence histories on a few problems, see results.convergence
     DIR/problems/HASH.npz         the problems, so that any cell can be rerun
-    DIR/shards/TABLE-*.jsonl      rows as they came, one file a writer, appended and flushed row by row
-    DIR/solves.parquet, simulations.parquet    the shards merged
+    DIR/shards/TABLE-*.jsonl      rows in order of arrival, one file per writer, appended and flushed row by row
+    DIR/solves.parquet, simulations.parquet    the merged shards
 
-A shard may end in a torn line (a kill in mid-write): it is dropped, and the cell runs again; so is a line that is no row. A
-cell that was written twice counts once, the first row standing. What is read is checked against results.schema; nothing is
-ever unpickled, and nothing is read that says of itself that it is larger than LARGEST.
+A shard may end in an incomplete line, if its writer was killed. Such a line, and any other that is not a row, is ignored, and
+its cell runs again. Of several rows with the same key the first counts. All input is checked against results.schema; nothing
+is unpickled, and files that declare more than the limits below are refused before they are read.
 """
 
 import json
@@ -23,31 +23,32 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from frictionbench.results import files
-from frictionbench.results.files import replaced, room, write_text
+from frictionbench.results.files import replaced, subfolder, write_text
 from frictionbench.results.schema import VERSION, arrow_schema
 
 Row = dict[str, Any]
 ResultsError = files.ResultsError
-LARGEST_LINE = 64 * 2**20  # bytes; a longer line is not a row of ours
-LARGEST_TABLE = 2**30  # bytes unpacked; a larger table is refused unread
-MOST_VALUES = 2 * 10**7  # of a table's columns together
+# Limits on input: far above what the largest suite writes, and small enough for a machine with 4 GiB of memory.
+LARGEST_LINE = 64 * 2**20  # bytes; a longer line is not a row of a run
+LARGEST_TABLE = 2**30  # bytes after decompression
+MOST_VALUES = 2 * 10**7  # values in all columns of a table together
 LARGEST_MANIFEST = 8 * 2**20  # bytes
-LONGEST_TEXT = 20_000  # characters in a column; longer ones are cut
-BATCH = 500  # rows in memory at a time
+LONGEST_TEXT = 20_000  # characters of a text value; a longer text, such as an exception that prints an array, is cut
+BATCH = 500  # rows in memory at a time while shards are merged
 
 
 class ShardWriter:
-    """Appends rows of one table to a shard of its own, each flushed to the disk's cache before the call returns."""
+    """Appends rows of one table to a shard. Each row is handed to the operating system before `write` returns."""
 
     def __init__(self, folder: Path, table: str, writer: str) -> None:
         self._schema = arrow_schema(table)
-        self._path = room(folder, "shards") / f"{table}-{writer}.jsonl"
+        self._path = subfolder(folder, "shards") / f"{table}-{writer}.jsonl"
         self._file: BinaryIO = open(self._path, "ab", buffering=0, opener=_not_through_links)  # noqa: SIM115
         if self._file.tell():
-            self._file.write(b"\n")  # ends a line that an earlier writer of this shard may have left torn
+            self._file.write(b"\n")  # ends an incomplete line of an earlier writer of this shard
 
     def write(self, row: Row) -> None:
-        """What a column cannot hold is left out; texts are cut. Errors: OSError naming the shard."""
+        """Write the part of a row that the table can hold, see `fitted`. Errors: OSError naming the shard."""
         line = json.dumps(fitted(row, self._schema)).encode() + b"\n"
         try:
             if self._file.write(line) != len(line):
@@ -67,7 +68,7 @@ def _not_through_links(path: str, flags: int) -> int:
 
 
 def fitted(row: Row, schema: pa.Schema) -> Row:
-    """The part of a row that its table can hold, each value of its column's type."""
+    """The row with each value in its column's type. Values that a column cannot hold are left out, long texts are cut."""
     fit = {field.name: _fitted(row.get(field.name), field.type) for field in schema}
     return {name: value for name, value in fit.items() if value is not None}
 
@@ -89,20 +90,20 @@ def _fitted(value: Any, kind: pa.DataType) -> Any:
         return None
 
 
-class _Place(NamedTuple):
-    """Where a row begins."""
+class _Position(NamedTuple):
+    """The position of a row: its shard, and the offset of its line in bytes."""
 
     shard: Path
     offset: int
 
 
-def _places(folder: Path, table: str) -> dict[str, _Place]:
-    """Where the row of each key stands, the first of each, in a reproducible order."""
-    places: dict[str, _Place] = {}
+def _positions(folder: Path, table: str) -> dict[str, _Position]:
+    """The position of the first row with each key, in a reproducible order."""
+    positions: dict[str, _Position] = {}
     for shard in sorted((folder / "shards").glob(f"{table}-*.jsonl")):
         for offset, row in _parse(shard):
-            places.setdefault(row["key"], _Place(shard, offset))
-    return places
+            positions.setdefault(row["key"], _Position(shard, offset))
+    return positions
 
 
 def _parse(shard: Path) -> Iterator[tuple[int, Row]]:
@@ -118,76 +119,76 @@ def _row(line: bytes) -> Row | None:
     try:
         row = json.loads(line)
     except (ValueError, RecursionError):
-        return None  # torn
+        return None  # incomplete
     return row if isinstance(row, dict) and isinstance(row.get("key"), str) else None
 
 
-def _rows(places: Sequence[_Place]) -> Iterator[Row]:
-    for place in places:
-        with open(place.shard, "rb") as lines:
-            lines.seek(place.offset)
+def _rows(positions: Sequence[_Position]) -> Iterator[Row]:
+    for position in positions:
+        with open(position.shard, "rb") as lines:
+            lines.seek(position.offset)
             row = _row(lines.readline(LARGEST_LINE))
         if row is not None:
             yield row
 
 
 def rows(folder: Path, table: str) -> Iterator[Row]:
-    """All rows of the table's shards, each value of its column's type."""
+    """All rows of the table's shards, each value in its column's type."""
     schema = arrow_schema(table)
-    return (fitted(row, schema) for row in _rows(list(_places(folder, table).values())))
+    return (fitted(row, schema) for row in _rows(list(_positions(folder, table).values())))
 
 
-def kept(folder: Path, table: str) -> set[str]:
+def stored_keys(folder: Path, table: str) -> set[str]:
     """The keys of all rows in the table's shards."""
-    return set(_places(folder, table))
+    return set(_positions(folder, table))
 
 
 def find_row(folder: Path, given: str, tables: Sequence[str] = ("solves", "simulations")) -> tuple[str, Row]:
-    """The table and the row of a key, or of what only one key begins with, each value of its column's type.
+    """The table and the row with the given key, or with the only key that starts with it.
 
-    The shorter `3f9c` stands for `solve-3f9c...` too. Errors: ResultsError where no row has such a key, or several have.
+    The table's name may be left out: `3f9c` finds `solve-3f9c...`. Errors: ResultsError if no row or several rows match.
     """
-    places = {(table, key): place for table in tables for key, place in _places(folder, table).items()}
-    exact = [(table, key) for table, key in places if key == given]
-    found = exact or [one for one in places if one[1].startswith(given) or one[1].partition("-")[2].startswith(given)]
+    positions = {(table, key): position for table in tables for key, position in _positions(folder, table).items()}
+    exact = [(table, key) for table, key in positions if key == given]
+    found = exact or [one for one in positions if one[1].startswith(given) or one[1].partition("-")[2].startswith(given)]
     if not found or not given:
-        raise ResultsError(f"{folder}: no row has the key {given!r}")
+        raise ResultsError(f"{folder}: no row has the key {given!r}; the report lists the keys, and so does the column `key`")
     if len(found) > 1:
         listed = ", ".join(key for _, key in found[:3])
         raise ResultsError(f"{folder}: {len(found)} rows have a key that begins with {given!r}: {listed}, ...")
     table, key = found[0]
-    (row,) = _rows([places[table, key]])
+    (row,) = _rows([positions[table, key]])
     return table, fitted(row, arrow_schema(table))
 
 
 def drop(folder: Path, table: str, unwanted: Callable[[Row], bool]) -> int:
-    """Take rows out of the table's shards, and what is no row with them; how many rows. Errors: OSError naming the shard."""
+    """Delete rows from the table's shards; return their number. Errors: OSError naming the shard."""
     dropped = 0
     for shard in (folder / "shards").glob(f"{table}-*.jsonl"):
         found = [row for _, row in _parse(shard)]
-        kept = [row for row in found if not unwanted(row)]
-        if len(kept) < len(found):
-            write_text(shard, "".join(json.dumps(row) + "\n" for row in kept))
-        dropped += len(found) - len(kept)
+        remaining = [row for row in found if not unwanted(row)]
+        if len(remaining) < len(found):
+            write_text(shard, "".join(json.dumps(row) + "\n" for row in remaining))
+        dropped += len(found) - len(remaining)
     return dropped
 
 
-def merge(folder: Path, table: str, order: Sequence[str], lost: Callable[[str], Row]) -> int:
-    """Write DIR/TABLE.parquet from the shards, the row of every key of the plan in its order; how many of these have none.
+def merge(folder: Path, table: str, order: Sequence[str], placeholder: Callable[[str], Row]) -> int:
+    """Write DIR/TABLE.parquet with the rows of all keys in `order`; return how many keys have no row in the shards.
 
-    lost: the row that stands for one that is not there. A row that is not planned (of a source that yielded nothing, until it
-    was tried again) stays out. No table is written where there are no rows.
+    placeholder: makes the row of a key that has none. Rows with other keys are left out, such as the row that reports a failed
+    source once a later attempt succeeded. No file is written where `order` is empty.
     """
-    schema, places = arrow_schema(table), _places(folder, table)
+    schema, positions = arrow_schema(table), _positions(folder, table)
     missing = 0
     if order:
         with replaced(folder / f"{table}.parquet") as partial, pq.ParquetWriter(partial, schema) as writer:
             for start in range(0, len(order), BATCH):
                 batch = []
                 for key in order[start : start + BATCH]:
-                    found = next(_rows([places[key]]), None) if key in places else None
+                    found = next(_rows([positions[key]]), None) if key in positions else None
                     missing += found is None
-                    batch.append(lost(key) if found is None else found)
+                    batch.append(placeholder(key) if found is None else found)
                 writer.write_table(_table(batch, schema))
     return missing
 
@@ -198,12 +199,15 @@ def _table(found: Sequence[Row], schema: pa.Schema) -> pa.Table:
 
 
 def read_table(folder: Path, table: str) -> pd.DataFrame:
-    """A merged table, or the shards of a run that was broken off. Errors: ResultsError naming the file and the column."""
+    """The merged table, or the rows in the shards if the run has not finished.
+
+    Errors: ResultsError naming the file and the column.
+    """
     path = folder / f"{table}.parquet"
     schema = arrow_schema(table)
     if not path.exists():
-        places = _places(folder, table)
-        return _table(list(_rows([places[key] for key in sorted(places)])), schema).to_pandas()
+        positions = _positions(folder, table)
+        return _table(list(_rows([positions[key] for key in sorted(positions)])), schema).to_pandas()
     try:
         data = _read_parquet(path, schema)
     except (OSError, pa.ArrowException, ValueError, TypeError, LookupError, OverflowError, MemoryError) as error:
@@ -214,8 +218,8 @@ def read_table(folder: Path, table: str) -> pd.DataFrame:
 
 
 def _read_parquet(path: Path, schema: pa.Schema) -> pa.Table:
-    """The table's columns. A small file can say that it holds more than memory does: its metadata are looked at first, and
-    texts are read as a dictionary, which holds each once, and measured before they are spread out."""
+    """The table's columns. A small file can decompress to more than the memory holds, so sizes are checked twice: in the
+    metadata before the file is read, and of text columns, read as dictionaries, before they are expanded."""
     facts, columns = pq.read_metadata(path), pq.read_schema(path)
     for field in schema:
         if field.name not in columns.names:
@@ -228,19 +232,19 @@ def _read_parquet(path: Path, schema: pa.Schema) -> pa.Table:
         unpacked += max(group.total_byte_size, sum(abs(chunk.total_uncompressed_size) for chunk in chunks))
         values += group.num_rows + sum(abs(chunk.num_values) for chunk in chunks)
     if unpacked > LARGEST_TABLE:
-        raise ResultsError(f"{path}: unpacks to {unpacked / 2**30:.1f} GiB, more than {LARGEST_TABLE / 2**30:g}")
+        raise ResultsError(f"{path}: decompresses to {unpacked / 2**30:.1f} GiB; the limit is {LARGEST_TABLE / 2**30:g} GiB")
     if max(values, facts.num_rows, 0) > MOST_VALUES:
-        raise ResultsError(f"{path}: holds {max(values, facts.num_rows):,} values, more than {MOST_VALUES:,}")
+        raise ResultsError(f"{path}: holds {max(values, facts.num_rows):,} values; the limit is {MOST_VALUES:,}")
     texts = [field.name for field in schema if pa.types.is_string(field.type)]
     data = pq.ParquetFile(path, read_dictionary=texts).read(columns=schema.names, use_threads=False)
-    spread = sum(_spread(chunk) for name in texts for chunk in data.column(name).chunks)
-    if spread > LARGEST_TABLE:
-        raise ResultsError(f"{path}: its texts take {spread / 2**30:.1f} GiB, more than {LARGEST_TABLE / 2**30:g}")
+    expanded = sum(_expanded(chunk) for name in texts for chunk in data.column(name).chunks)
+    if expanded > LARGEST_TABLE:
+        raise ResultsError(f"{path}: its texts take {expanded / 2**30:.1f} GiB; the limit is {LARGEST_TABLE / 2**30:g} GiB")
     return data.select(schema.names).cast(schema)
 
 
-def _spread(chunk: pa.Array) -> int:
-    """The bytes of a column's texts, each as often as it occurs."""
+def _expanded(chunk: pa.Array) -> int:
+    """The bytes of a column's texts, each counted as often as it occurs."""
     if pa.types.is_dictionary(chunk.type):
         chunk = pc.binary_length(chunk.dictionary.cast(pa.large_string())).take(chunk.indices)
         return pc.sum(chunk).as_py() or 0
@@ -248,22 +252,22 @@ def _spread(chunk: pa.Array) -> int:
 
 
 def write_manifest(folder: Path, manifest: Row) -> None:
-    """Write DIR/manifest.json whole or not at all."""
+    """Write DIR/manifest.json atomically."""
     folder.mkdir(parents=True, exist_ok=True)
     write_text(folder / "manifest.json", json.dumps({"schema": VERSION} | manifest, indent=2) + "\n")
 
 
 def read_manifest(folder: Path) -> Row:
-    """DIR/manifest.json. Errors: ResultsError where DIR is no results folder or its manifest cannot be read."""
+    """The manifest of a results folder. Errors: ResultsError if DIR is not a results folder or the manifest is unusable."""
     path = folder / "manifest.json"
     if not folder.is_dir():
         raise ResultsError(f"{folder}: no such results folder")
     try:
         if path.stat().st_size > LARGEST_MANIFEST:
-            raise ResultsError(f"{path}: larger than {LARGEST_MANIFEST / 2**20:g} MiB")
+            raise ResultsError(f"{path}: larger than the limit of {LARGEST_MANIFEST / 2**20:g} MiB")
         text = path.read_text(encoding="utf-8")
         manifest = json.loads(text)
-        json.dumps(manifest, ensure_ascii=False).encode()  # half a surrogate is no text
+        json.dumps(manifest, ensure_ascii=False).encode()  # raises for a lone surrogate, which cannot be written
     except FileNotFoundError:
         raise ResultsError(f"{folder}: not a results folder (it has no manifest.json)") from None
     except ResultsError:
@@ -273,7 +277,8 @@ def read_manifest(folder: Path) -> Row:
     except (OSError, ValueError) as error:
         raise ResultsError(f"{path}: cannot be read ({error})") from None
     if not isinstance(manifest, dict) or not isinstance(manifest.get("settings"), dict):
-        raise ResultsError(f"{path}: not a manifest of ours (no settings)")
+        raise ResultsError(f"{path}: not a manifest of frictionbench (it has no settings)")
     if manifest.get("schema") != VERSION:
-        raise ResultsError(f"{folder}: of schema {manifest.get('schema', 1)!r}, this version reads {VERSION}; run it again")
+        version = manifest.get("schema", 1)
+        raise ResultsError(f"{folder}: has schema version {version!r}, but this program reads version {VERSION}; run it again")
     return manifest

@@ -32,7 +32,7 @@ from frictionbench.problems.scene import Scene
 from frictionbench.problems.schemes import SCHEMES
 from frictionbench.problems.simulate import first_problem, simulate
 from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, SHUFFLED, WARM, first_phase
-from frictionbench.results.files import replaced, room, write_text
+from frictionbench.results.files import replaced, subfolder, write_text
 
 MOST_PERTURBED = 30  # contacts; larger problems would take too long for what their sensitivity says
 MOST_COUNTED = 6  # contacts; the modes to enumerate grow like 4^contacts
@@ -55,7 +55,7 @@ def collect(folder: Path, source: Source) -> list[Entry]:
 
     Errors: InputError with the reason where it yields none.
     """
-    store = room(folder, "problems")
+    store = subfolder(folder, "problems")
     listed = store / f"{source.key}.json"
     if listed.exists():
         return json.loads(listed.read_text(encoding="utf-8"))

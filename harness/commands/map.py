@@ -8,7 +8,7 @@ from frictionbench.harness.plans.suites import MAPPED
 from frictionbench.problems import InputError, scene
 from frictionbench.problems.schemes import SCHEMES
 from frictionbench.results.conventions import DEFAULT_SCHEME
-from frictionbench.results.maps import Map
+from frictionbench.results.map_spec import Map
 from frictionbench.solvers import find
 
 SOLVERS = (*MAPPED, "relaxation_ip")

@@ -8,7 +8,7 @@ from frictionbench.harness.shrink import shrink_rows
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.recorded.own import load
 from frictionbench.results import store
-from frictionbench.results.shrunk import ROOM
+from frictionbench.results.shrunk import FOLDER
 from frictionbench.results.verdicts import Verdict
 
 
@@ -26,7 +26,7 @@ def shrink(folder: Path, key: str, named: list[str]) -> tuple[Path, FrictionProb
     ((_, found),) = shrink_rows(folder, [row], trusted(row, settings, named), settings["memory_limit"], 1, inf)
     if not found.file:
         raise InputError(f"row: {key} does not fail again from a cold start; it is not shrunk")
-    path = folder / ROOM / found.file
+    path = folder / FOLDER / found.file
     small = load(path)
     assert isinstance(small, FrictionProblem)
     return path, small, found.trials

@@ -2,7 +2,7 @@
 
 import math
 
-from frictionbench.results.maps import Axis, Map
+from frictionbench.results.map_spec import Axis, Map
 
 GAPS = "stewart_trinkle"
 FORCES = "acceleration"

@@ -8,7 +8,7 @@ from frictionbench.harness.plans.spec import parse
 from frictionbench.harness.plans.suites import SUITES
 from frictionbench.problems import InputError, scene
 from frictionbench.problems.instances import CATALOGUE, instances
-from frictionbench.results.maps import Map
+from frictionbench.results.map_spec import Map
 from frictionbench.solvers import find
 
 

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping
 from frictionbench.harness.plans.plan import Plan, SimulationCell, Source
 from frictionbench.problems import InputError, scene, scenes
 from frictionbench.results.conventions import first_phase
-from frictionbench.results.maps import Axis, Map, Place
+from frictionbench.results.map_spec import Axis, GridPoint, Map
 from frictionbench.results.store import Row
 
 SCALES = ("linear", "log", "zero", "both")
@@ -48,14 +48,14 @@ def checked(spec: Map) -> Map:
     return spec
 
 
-def sources(spec: Map, places: Iterable[Place]) -> list[Source]:
+def sources(spec: Map, places: Iterable[GridPoint]) -> list[Source]:
     """The problems at these places; none for a map in closed loop."""
     if spec.steps:
         return []
     return [Source(spec.scene, spec.at(place), scheme=spec.scheme, repeats=REPEATS) for place in places]
 
 
-def simulation_cells(spec: Map, places: Iterable[Place], plan: Plan) -> list[SimulationCell]:
+def simulation_cells(spec: Map, places: Iterable[GridPoint], plan: Plan) -> list[SimulationCell]:
     """The simulations at these places, no longer than the scene's own duration; none for a map of first problems."""
     cells = []
     for place in places if spec.steps else ():
@@ -77,11 +77,11 @@ def verdicts(rows: Iterable[Row]) -> Verdicts:
     return found
 
 
-def finer(spec: Map, known: set[Place], level: int, found: Verdicts) -> list[Place]:
+def finer(spec: Map, known: set[GridPoint], level: int, found: Verdicts) -> list[GridPoint]:
     """New places between known ones of the level before whose verdicts differ, those with the most changes first."""
     step = 0.5**level
     told = {place: _verdicts_at(spec, place, found) for place in known}
-    gain: dict[Place, int] = {}
+    gain: dict[GridPoint, int] = {}
     for (i, j), own in told.items():
         for di, dj in ((1, 0), (0, 1), (1, 1), (1, -1)):
             neighbour = (i + 2 * di * step, j + 2 * dj * step)
@@ -91,7 +91,7 @@ def finer(spec: Map, known: set[Place], level: int, found: Verdicts) -> list[Pla
             if changes and between not in known:
                 gain[between] = max(gain.get(between, 0), changes)
     seen = {json.dumps(spec.at(place), sort_keys=True) for place in known}
-    new: list[Place] = []
+    new: list[GridPoint] = []
     for place in sorted(gain, key=lambda place: (-gain[place], place)):
         where = json.dumps(spec.at(place), sort_keys=True)
         if where not in seen and len(new) < spec.most:
@@ -100,7 +100,7 @@ def finer(spec: Map, known: set[Place], level: int, found: Verdicts) -> list[Pla
     return new
 
 
-def _verdicts_at(spec: Map, place: Place, found: Verdicts) -> Mapping[str, str]:
+def _verdicts_at(spec: Map, place: GridPoint, found: Verdicts) -> Mapping[str, str]:
     told = spec.scheme if spec.steps else first_phase(spec.scheme)
     return found.get(home(spec.scene, json.dumps(spec.at(place), sort_keys=True), told), {})
 

@@ -13,7 +13,7 @@ from typing import Any
 from frictionbench.problems import InputError
 from frictionbench.problems.instances import instances
 from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, KEEP_ANSWER
-from frictionbench.results.maps import Map
+from frictionbench.results.map_spec import Map
 
 MOST_SHOWN = 100  # steps
 

@@ -5,9 +5,9 @@ from frictionbench.reports.charts import (
     classes,
     convergence,
     energy,
+    failure_maps,
     forces,
     growth,
-    maps,
     pareto,
     profiles,
     speed_accuracy,
@@ -15,7 +15,7 @@ from frictionbench.reports.charts import (
     work,
 )
 
-MAPS = (maps.VERDICTS, maps.TYPES, maps.TIMES, maps.WORK)
+MAPS = (failure_maps.VERDICTS, failure_maps.TYPES, failure_maps.TIMES, failure_maps.WORK)
 CHARTS = (
     *(stability.CHART, forces.CHART, *MAPS, pareto.CHART, speed_accuracy.CHART, convergence.CHART),
     *(profiles.CHART, work.CHART, budget.CHART, classes.CHART, growth.CHART, energy.CHART),

@@ -99,10 +99,10 @@ def test_what_unpacks_to_too_much_is_refused_unread(tmp_path, monkeypatch) -> No
     run(small_plan(simulations=()), folder, 1, quiet())
     path = next((folder / "problems").glob("*.npz"))
     monkeypatch.setattr(archive, "LARGEST", 100)
-    with pytest.raises(InputError, match="unpacks to"):
+    with pytest.raises(InputError, match="decompresses to"):
         own.load(path)
     monkeypatch.setattr(store, "LARGEST_TABLE", 100)
-    with pytest.raises(ResultsError, match=r"solves\.parquet: unpacks to"):
+    with pytest.raises(ResultsError, match=r"solves\.parquet: decompresses to"):
         store.read_table(folder, "solves")
     monkeypatch.setattr(store, "LARGEST_MANIFEST", 100)
     with pytest.raises(ResultsError, match=r"manifest\.json: larger than"):

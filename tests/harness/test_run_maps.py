@@ -24,13 +24,13 @@ from frictionbench.problems.recorded.own import load
 from frictionbench.problems.residual import residual
 from frictionbench.reports.drawing import svg
 from frictionbench.reports.drawing.tiles import Grid, Tile, panel
-from frictionbench.reports.maps import costs, failures, map_cells, robustness
 from frictionbench.reports.page import write_report
 from frictionbench.reports.paper import write_paper
+from frictionbench.reports.robustness import costs, failures, map_cells, robustness
 from frictionbench.reports.run import read_run
 from frictionbench.results import store
 from frictionbench.results.conventions import first_phase
-from frictionbench.results.maps import Axis, Map
+from frictionbench.results.map_spec import Axis, Map
 from frictionbench.results.shrunk import read_shrunk
 from frictionbench.results.store import ResultsError
 from frictionbench.solvers import Status, find, solve
@@ -180,7 +180,7 @@ def test_a_map_is_drawn_in_few_words_and_names_are_no_markup() -> None:
 
 
 def test_a_map_goes_on_where_it_stopped(atlas) -> None:
-    before = store.kept(atlas, "solves")
+    before = store.stored_keys(atlas, "solves")
     rows = map_cells(read_run(atlas))[1].rows
     assert {0.5, 1.0} == set(rows["tile"])
     shard = next(iter((atlas / "shards").glob("solves-*.jsonl")))
@@ -188,7 +188,7 @@ def test_a_map_goes_on_where_it_stopped(atlas) -> None:
     shard.write_text("".join(lines[:-5]), encoding="utf-8")
     maps = tuple(part.spec for part in map_cells(read_run(atlas)))
     run_maps(plan(*maps, solvers=("hybrid", "lemke", "relaxation_ip")), atlas, 1, quiet())
-    assert store.kept(atlas, "solves") == before
+    assert store.stored_keys(atlas, "solves") == before
 
 
 def test_the_smallest_failure_of_each_solver_is_made_small_by_itself(tmp_path) -> None:

@@ -26,12 +26,12 @@ from frictionbench.reports.markdown import write_markdown
 from frictionbench.reports.page import write_report
 from frictionbench.reports.paper import write_paper
 from frictionbench.reports.recorded import recorded_problems
+from frictionbench.reports.reliability import sentences, standings
 from frictionbench.reports.run import Run, annotate, annotate_simulations, read_run
+from frictionbench.reports.settings import settings
 from frictionbench.reports.sheets import sheets
-from frictionbench.reports.standing import sentences, standings
 from frictionbench.reports.tables import problem_classes
 from frictionbench.reports.templates import script
-from frictionbench.reports.told import settings
 from frictionbench.results.convergence import ConvergenceHistory, write_histories
 from frictionbench.results.polygon import Deviation, write_deviations
 from frictionbench.results.schema import SOLVES, arrow_schema

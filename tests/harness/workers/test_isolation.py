@@ -20,7 +20,7 @@ from frictionbench.harness.workers import pool
 from frictionbench.harness.workers.pool import Pool
 from frictionbench.problems import InputError
 from frictionbench.reports.page import write_report
-from frictionbench.reports.told import crowded
+from frictionbench.reports.settings import crowded
 from frictionbench.results import store
 from frictionbench.results.store import ResultsError
 from tests.helpers.runs import quiet

@@ -20,9 +20,9 @@ from frictionbench.reports.drawing import tiles
 from frictionbench.reports.drawing.style import INK
 from frictionbench.reports.drawing.text import seconds
 from frictionbench.reports.drawing.tiles import Drawing, Grid, Tile
-from frictionbench.reports.maps import Cells, map_cells
+from frictionbench.reports.robustness import Cells, map_cells
 from frictionbench.reports.run import Run
-from frictionbench.results.maps import Axis
+from frictionbench.results.map_spec import Axis
 from frictionbench.results.verdicts import Verdict
 
 VERDICT = {

@@ -1,6 +1,6 @@
 """The maps of a run as tables: every cell at its place, and how robust each solver is over each map.
 
-Where a solution is known to exist results.places says.
+Where a solution is known to exist results.map_rows says.
 """
 
 import shlex
@@ -13,8 +13,8 @@ import pandas as pd
 
 from frictionbench.reports.run import Run
 from frictionbench.results.files import write_text
-from frictionbench.results.maps import Map, maps_of
-from frictionbench.results.places import lost, placed
+from frictionbench.results.map_rows import at_grid_points, failed_rows
+from frictionbench.results.map_spec import Map, maps_of
 from frictionbench.results.shrunk import Shrunk
 from frictionbench.results.verdicts import Verdict
 
@@ -44,7 +44,7 @@ class Cells:
 def map_cells(run: Run) -> list[Cells]:
     """The maps of the run that have rows. Errors: ResultsError where the manifest's maps cannot be read."""
     tables = {False: run.rows, True: run.map_simulations}
-    found = (Cells(spec, placed(tables[spec.steps > 0], spec)) for spec in maps_of(run.manifest))
+    found = (Cells(spec, at_grid_points(tables[spec.steps > 0], spec)) for spec in maps_of(run.manifest))
     return [cells for cells in found if len(cells.rows)]
 
 
@@ -73,7 +73,7 @@ def failures(maps: list[Cells], shrunk: Mapping[str, Shrunk]) -> pd.DataFrame:
     for cells in maps:
         if cells.spec.steps:
             continue
-        failed = lost(cells.rows)
+        failed = failed_rows(cells.rows)
         first = failed.drop_duplicates("entry")
         small = first["key"].map(lambda key: shrunk.get(key, NOT_TRIED))
         parts.append(
@@ -87,9 +87,9 @@ def failures(maps: list[Cells], shrunk: Mapping[str, Shrunk]) -> pd.DataFrame:
     return pd.concat(parts) if parts else pd.DataFrame(columns=["map", "entry", "count", "key"])
 
 
-def write_lost(folder: Path, maps: list[Cells]) -> int:
+def write_failures(folder: Path, maps: list[Cells]) -> int:
     """Write DIR/failures.txt: of every cell that `failures` counts the command that runs it again, and what it is; how many."""
-    rows = [row for cells in maps if not cells.spec.steps for row in lost(cells.rows).to_dict("records")]
+    rows = [row for cells in maps if not cells.spec.steps for row in failed_rows(cells.rows).to_dict("records")]
     lines = [
         f"{shlex.join(['frictionbench', 'rerun', str(folder), row['key']])}"
         f"  # {row['entry']}: {row['verdict']}, {row['scene']} {row['parameters']}, {row['contacts']:.0f} contacts"

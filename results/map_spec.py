@@ -1,0 +1,122 @@
+"""Failure maps: a scene over a grid of two of its parameters. Plans define them and reports draw them.
+
+A position on an axis is measured in grid lines, from 0 at `low` to count - 1 at `high`; grid points between the lines come from
+refinement. Scales: `linear`; `log`, logarithmic; `zero`, logarithmic with 0 as one more line before `low`; and `both`,
+logarithmic in both directions from 0: -high ... -low, 0, low ... high. Between 0 and `low` the last two are linear.
+"""
+
+import json
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import product
+from pathlib import Path
+from typing import Any, Literal
+
+from frictionbench.results.conventions import DEFAULT_SCHEME
+from frictionbench.results.files import ResultsError
+
+Scale = Literal["linear", "log", "zero", "both"]
+GridPoint = tuple[float, float]  # positions on the two axes
+DIGITS = 6  # significant digits of a parameter's value: few enough to be the same on every machine and short in a table
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One axis of a map. count: number of grid lines. whole: the parameter takes whole numbers only."""
+
+    parameter: str
+    low: float
+    high: float
+    count: int
+    scale: Scale = "linear"
+    whole: bool = False
+
+    def value(self, position: float) -> float:
+        """The parameter at a position, powers of two exactly, others to DIGITS; an int where the axis is whole."""
+        exact = self._value(position)
+        power = round(math.log2(abs(exact))) if exact else 0
+        is_power = math.isclose(abs(exact), 2.0**power, rel_tol=1e-12)  # as a unit, it changes no digit of a problem
+        value = math.copysign(2.0**power, exact) if is_power else float(f"{exact:.{DIGITS}g}")
+        return round(value) if self.whole else value
+
+    def _value(self, position: float) -> float:
+        last = self.count - 1
+        if self.scale == "linear":
+            return self.low + (self.high - self.low) * position / max(last, 1)
+        if self.scale == "log":
+            return float(self.low * (self.high / self.low) ** (position / max(last, 1)))
+        middle = last / 2 if self.scale == "both" else 0.0
+        distance = abs(position - middle)
+        steps = max(last - middle - 1, 1)
+        size = self.low * distance if distance <= 1 else self.low * (self.high / self.low) ** ((distance - 1) / steps)
+        return float(size if position >= middle else -size)
+
+
+@dataclass(frozen=True)
+class Map:
+    """One map. parameters: the fixed values of the scene's other parameters. name: used for files and headings.
+
+    steps: the largest number of steps in closed loop, or 0 for a map of the scene's first problems; scheme: the time-stepping
+    scheme that makes these problems. levels: how often the grid is halved between neighbours with different verdicts; most: the
+    largest number of new grid points of each halving. thresholds: names of analytical thresholds drawn over the map. constant:
+    verdicts and work must be the same over the whole map. title, note: text above the drawing.
+    """
+
+    name: str
+    scene: str
+    x: Axis
+    y: Axis
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    scheme: str = DEFAULT_SCHEME
+    steps: int = 0
+    levels: int = 1
+    most: int = 24
+    thresholds: tuple[str, ...] = ()
+    constant: bool = False
+    title: str = ""
+    note: str = ""
+
+    @property
+    def grid(self) -> list[GridPoint]:
+        """The grid points of the unrefined map."""
+        return [(float(i), float(j)) for i, j in product(range(self.x.count), range(self.y.count))]
+
+    def at(self, point: GridPoint) -> dict[str, Any]:
+        """The scene's parameters at a grid point."""
+        return {**self.parameters, self.x.parameter: self.x.value(point[0]), self.y.parameter: self.y.value(point[1])}
+
+    def grid_points(self) -> Iterator[GridPoint]:
+        """Every grid point that the map can have, the coarser grids first."""
+        for level in range(self.levels + 1):
+            step = 0.5**level
+            count = [int((axis.count - 1) / step) + 1 for axis in (self.x, self.y)]
+            yield from ((i * step, j * step) for i, j in product(range(count[0]), range(count[1])))
+
+
+def maps_of(manifest: Mapping[str, Any]) -> list[Map]:
+    """The maps of a run, from its manifest. Errors: ResultsError where they cannot be read."""
+    try:
+        return [
+            Map(**{**spec, "x": Axis(**spec["x"]), "y": Axis(**spec["y"]), "thresholds": tuple(spec["thresholds"])})
+            for spec in manifest["settings"].get("maps", [])
+        ]
+    except (KeyError, TypeError) as error:
+        raise ResultsError(f"manifest.json: maps: cannot be read ({error})") from None
+
+
+def thresholds_file(folder: Path, spec: Map) -> Path:
+    """The file that holds the traced thresholds of a map."""
+    return folder / "maps" / f"{spec.name}.json"
+
+
+def read_thresholds(folder: Path, spec: Map) -> dict[str, list[GridPoint]]:
+    """Points on each threshold, by its name; empty where none were traced. Errors: ResultsError if the file cannot be read."""
+    path = thresholds_file(folder, spec)
+    if not path.exists():
+        return {}
+    try:
+        traced = json.loads(path.read_text(encoding="utf-8"))
+        return {str(name): [(float(i), float(j)) for i, j in points] for name, points in traced.items()}
+    except (OSError, ValueError, TypeError, AttributeError) as error:
+        raise ResultsError(f"{path}: cannot be read ({error})") from None
