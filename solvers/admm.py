@@ -30,12 +30,12 @@ from frictionbench.solvers.sweeps.laws import residual_at
 from frictionbench.solvers.sweeps.projected_gradient import step
 from frictionbench.solvers.sweeps.stopping import monitor, should_continue
 
-LIMIT = 10_000
-PATIENCE = 2500  # iterations in which the residual must fall by a hundredth
-CHECK = 10  # iterations between two residuals
-ALPHA = 1.6
-RHO = 0.1
-RETUNE = 2.0  # least change of rho worth a factorisation
+LIMIT = 10_000  # iterations by default, as for sweeps: an iteration costs about as much as one
+PATIENCE = 2500  # iterations in which the residual must fall by a hundredth: a quarter of the limit
+CHECK = 10  # iterations between two residuals, whose cost is then a tenth of an iteration's
+ALPHA = 1.6  # over-relaxation: 1.5 to 1.8 is recommended (Boyd et al. 2011, section 3.4.3)
+RHO = 0.1  # initial penalty, relative to the scales S; adapted afterwards, as OSQP does from the same value
+RETUNE = 2.0  # least factor of rho that is worth a factorisation
 
 
 class Factor(NamedTuple):

@@ -26,11 +26,11 @@ from frictionbench.solvers.sweeps.laws import residual_at
 from frictionbench.solvers.sweeps.projected_gradient import relax
 from frictionbench.solvers.sweeps.stopping import monitor, should_continue
 
-LIMIT = 500
-PATIENCE = 100  # relaxations in which the residual must fall by a hundredth
-INNER = 0.2  # error of each relaxation relative to the residual it starts from
-INNER_LIMIT = 300  # hyperstatic impulses creep on at a rate of mu lam long after the velocities have settled
-CYCLE = 1e-3  # how nearly every other lam must agree, relative to one step, to be called a cycle of two
+LIMIT = 500  # relaxations by default: the rate is linear, and slower ones stall
+PATIENCE = 100  # relaxations in which the residual must fall by a hundredth: a fifth of the limit
+INNER = 0.2  # error of each relaxation relative to the residual at its start: less costs products, more costs relaxations
+INNER_LIMIT = 300  # products; impulses that are not unique change by mu lam an iteration long after velocities have converged
+CYCLE = 1e-3  # how closely every other lam must agree, relative to one step, to be called a cycle of two
 
 
 @solver("anitescu_hart", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True)

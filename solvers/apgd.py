@@ -21,7 +21,7 @@ from frictionbench.solvers.sweeps.form import ContactForm, contact_form
 from frictionbench.solvers.sweeps.projected_gradient import PATIENCE, descend
 from frictionbench.solvers.sweeps.stopping import monitor
 
-LIMIT = 20_000
+LIMIT = 20_000  # iterations by default: twice the sweeps of nsgs, as an iteration costs about half of one
 
 
 @solver("apgd", family="splitting", model="relaxation", dimension=(2, 3), warm_start=True, sparse=True)

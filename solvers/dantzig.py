@@ -37,8 +37,8 @@ from frictionbench.solvers.pivots.lemke_path import (
 from frictionbench.solvers.pivots.principal_pivoting import PrincipalPivoting
 from frictionbench.solvers.pivots.scaled_lcp import ScaledLCP, finish
 
-PERTURBATION = 1e-7  # of q, whose largest entry is 1
-HARRIS = 1e-4  # how far below zero near ties may reach, relative to the perturbation
+PERTURBATION = 1e-7  # of q, whose largest entry is 1; as in solvers.lemke
+HARRIS = 1e-4  # how far below zero near ties may reach, relative to the perturbation; as in solvers.lemke
 
 
 @kernel

@@ -41,11 +41,11 @@ from frictionbench.solvers.pivots.merit_newton import (
     solve_dense,
 )
 
-ARMIJO = 1e-4  # sigma, the share of the predicted decrease asked for
-DESCENT = 1e-8  # a direction of descent has -d'H'Phi of at least this times |d|^2.1
-MEMORY = 8  # merits the nonmonotone search looks back on
-SHORTEST = 1e-10  # step at which the search gives up
-STATIONARY = 1e-12  # |H'Phi| relative to |Phi|
+ARMIJO = 1e-4  # sigma, the required share of the predicted decrease: the usual Armijo constant
+DESCENT = 1e-8  # required -d'H'Phi, relative to |d|^2.1, of a direction of descent (De Luca, Facchinei and Kanzow 1996)
+MEMORY = 8  # merits that the nonmonotone search compares with: 5 to 10 is usual (Grippo et al. 1986)
+SHORTEST = 1e-10  # step at which the search gives up: rounding of the merit hides smaller decreases
+STATIONARY = 1e-12  # |H'Phi| relative to |Phi| below which the gradient is rounding
 
 
 @solver("fischer_newton", family="newton", model="lcp", dimension=(2, 3))

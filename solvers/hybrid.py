@@ -23,11 +23,12 @@ from frictionbench.solvers.interface import Answer, Solver, SolverInfo, Status, 
 
 PLANAR = ("lemke", "interior_point", "path_search", "staggered", "anitescu_hart", "fischer_newton")
 SPATIAL = ("nsgs", "interior_point", "proximal_newton", "nncg", "apgd_coulomb", "staggered", "admm_coulomb", "anitescu_hart")
-PIVOTS = 48  # contacts up to which lemke comes first, formed and solved
-SWEPT = 6, 60  # contacts up to and from which nsgs does
-HYPERSTATIC = 1.25  # contact rows a velocity, above which it does in the smallest problems only
-SWEEPS = 30  # of nsgs: a fraction of the interior point's time at any size
-CLOSE = 0.01  # the residual up to which what a member leaves makes a better start than nothing
+# Measured by tests/benchmarks/test_hybrid.py, which times hybrid beside its members at every size.
+PIVOTS = 48  # contacts up to which lemke, form and solve, is faster than interior_point
+SWEPT = 6, 60  # contacts up to which nsgs alone is faster, and from which its sweeps save interior_point more than they cost
+HYPERSTATIC = 1.25  # contact rows per velocity above which sweeps help in the smallest problems only: W is singular
+SWEEPS = 30  # of nsgs: a fraction of the time of interior_point at any size
+CLOSE = 0.01  # largest residual at which the impulses of one member are a better start for the next than none
 
 
 Members = tuple[tuple[SolverInfo, Solver], ...]

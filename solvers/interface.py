@@ -40,7 +40,7 @@ from frictionbench.problems.spec import split
 from frictionbench.solvers.needs import installed
 
 Model = Literal["coulomb", "lcp", "relaxation", "regularised"]
-MOST_WORK = 10**8  # units of work a limit may allow: histories are laid out for it
+MOST_WORK = 10**8  # the largest limit that may be given: histories of that length are allocated
 
 
 class Status(Enum):

@@ -35,17 +35,20 @@ from frictionbench.solvers.interior.point import Point, start_point
 from frictionbench.solvers.interior.predictor_corrector import predictor_corrector
 from frictionbench.solvers.interior.system import System, space_of
 
-# Starts of paths that know nothing: impulses and speeds, relative to a contact's own.
-BLIND = ((0.1, 10.0), (1.0, 10.0), (0.1, 100.0), (1.0, 100.0), (10.0, 1.0), (1.0, 1.0))
-AROUND = ((3.0, 10.0), (3.0, 30.0), (1.0, 10.0), (2.0, 6.0), (3.0, 3.0))  # the relaxation: how far, how wide the friction
-SWEEPS = 1000  # before the central path is followed: as dear as ten or twenty factorisations
-NEAR = 1e-10  # a start's least distance from the boundary, in residuals, to step on from
-FAR = 0.3  # and to follow paths from in the plane
-CLOSE = 0.01  # the residual of the relaxation's solution up to which it is worth stepping on from
-LIMIT = 6500  # factorisations
-SHARE = 250  # for one phase, but for paths in space: few that arrived in the plane were longer
-POLISHING = 20  # and for a proximal point near an answer: a pair that vanishes altogether keeps a path at 1e-7
-PATIENCE = 12  # iterations of the predictor-corrector without progress: more than ever helped
+# All of these were tuned by experiment: tests/benchmarks/test_interior_point_starts.py counts, for each start left out and each
+# limit changed, the problems solved and the factorisations. Impulses and speeds are relative to a contact's own.
+PLANAR_STARTS = ((0.1, 10.0), (1.0, 10.0), (0.1, 100.0), (1.0, 100.0), (10.0, 1.0), (1.0, 1.0))  # (impulse, speed)
+FIRST_START, LAST_START = (1.0, 10.0, 10.0), (1.5, 5.0, 1.0)  # in space: (impulse, speed, factor on the friction's products)
+# In space around the relaxation's solution: (distance from the boundary in residuals, factor on the friction's products).
+RELAXED_STARTS = ((3.0, 10.0), (3.0, 30.0), (1.0, 10.0), (2.0, 6.0), (3.0, 3.0))
+SWEEPS = 1000  # of nsgs before its result is a start: their time is that of ten or twenty factorisations
+LEAST_DISTANCE = 1e-10  # of a start from the boundary, in residuals, for the predictor-corrector: it rounds at less
+PATH_DISTANCE = 0.3  # the same in the plane for a path, which is shorter from well inside
+CLOSE = 0.01  # the largest residual of the relaxation's solution from which the predictor-corrector is tried
+LIMIT = 6500  # factorisations in all: enough for every start's share in problems of a few hundred contacts
+SHARE = 250  # factorisations of one phase except paths in space: few paths that arrive in the plane are longer
+POLISHING = 20  # factorisations of proximal_newton near an answer; a pair that vanishes keeps a path at a residual of 1e-7
+PATIENCE = 12  # iterations of the predictor-corrector without progress: no run that recovered took more
 
 
 @solver(
@@ -83,26 +86,26 @@ class InteriorPoint(Phased):
     def _phases(self, problem: FrictionProblem, system: System, start: Array | None, spent: dict[str, int]) -> Iterator[Phase]:
         """The methods in turn, with the points they start from; spent: the work of others, if it comes to that."""
         if start is not None:
-            yield predictor_corrector, _around(problem, system, impulses(start, system.offset.shape), NEAR), SHARE
+            yield predictor_corrector, _around(problem, system, impulses(start, system.offset.shape), LEAST_DISTANCE), SHARE
         if self.shortcut:
             yield predictor_corrector, first_point(system), SHARE
         if problem.dimension == 3:
             yield from self._spatial(problem, system, start, spent)
             return
-        yield trace, _around(problem, system, _guess(problem, start, spent), FAR), SHARE
-        for impulse, speed in BLIND:
+        yield trace, _around(problem, system, _guess(problem, start, spent), PATH_DISTANCE), SHARE
+        for impulse, speed in PLANAR_STARTS:
             yield trace, start_point(system, impulse, speed), SHARE
 
     def _spatial(self, problem: FrictionProblem, system: System, start: Array | None, spent: dict[str, int]) -> Iterator[Phase]:
         """The relaxation, then paths."""
         relaxed = _nested(problem, "relaxation_ip", spent)
         if residual(problem, relaxed) <= CLOSE:
-            yield predictor_corrector, _around(problem, system, relaxed, NEAR), SHARE
+            yield predictor_corrector, _around(problem, system, relaxed, LEAST_DISTANCE), SHARE
         long = 2 * max(SHARE, problem.contacts)
-        yield trace, _blind(system, 1.0, 10.0, 10.0), max(2 * SHARE, problem.contacts)
-        for far, wide in AROUND:
-            yield trace, _widened(_around(problem, system, relaxed, far), wide), long
-        yield trace, _blind(system, 1.5, 5.0, 1.0), long
+        yield trace, _generic(system, *FIRST_START), max(2 * SHARE, problem.contacts)
+        for distance, wide in RELAXED_STARTS:
+            yield trace, _widened(_around(problem, system, relaxed, distance), wide), long
+        yield trace, _generic(system, *LAST_START), long
         yield trace, _around(problem, system, _guess(problem, start, spent), 1.0), long
 
 
@@ -120,7 +123,7 @@ def _guess(problem: FrictionProblem, start: Array | None, spent: dict[str, int])
     return start if start is not None and residual(problem, start) < residual(problem, swept) else swept
 
 
-def _blind(system: System, impulse: float, speed: float, wide: float) -> Point:
+def _generic(system: System, impulse: float, speed: float, wide: float) -> Point:
     """A start in space that knows nothing, with as much friction as mu c allows: where mu is large, no other path arrives."""
     point = start_point(system, impulse, speed)
     point.s[:, 3] *= np.maximum(system.friction, 1)

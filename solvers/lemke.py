@@ -48,11 +48,11 @@ from frictionbench.solvers.pivots.lemke_path import (
 from frictionbench.solvers.pivots.scaled_lcp import MARGIN, ScaledLCP, finish, scaled_lcp, scaled_residual
 from frictionbench.solvers.pivots.vectors import fill, largest, least, put
 
-PERTURBATION = 1e-7  # of q, whose largest entry is 1
-HARRIS = 1e-4  # how far below zero near ties may reach, relative to the perturbation
-EXACT = 1e-12  # a residual of round-off, below which no smaller perturbation is tried
-NONE = np.empty(0, np.int64)
-CERTIFICATE = 1e-9  # how exactly a ray must hold, relative to its size
+PERTURBATION = 1e-7  # of q, whose largest entry is 1: the root of rounding, so that ties of either size are told apart
+HARRIS = 1e-4  # how far below zero near ties may reach, relative to the perturbation, which must still resolve ties
+EXACT = 1e-12  # residual at the level of round-off, below which no smaller perturbation is tried
+NONE = np.empty(0, np.int64)  # no guess of the basis
+CERTIFICATE = 1e-9  # largest defect of a ray, relative to its size: that of entering columns (lemke_path.LOSS)
 
 
 @part

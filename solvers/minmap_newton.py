@@ -39,9 +39,9 @@ from frictionbench.solvers.pivots.merit_newton import (
     solve_dense,
 )
 
-DECREASE = 1e-4  # sigma
-MEMORY = 15  # merits the nonmonotone search looks back on
-SHORTEST = 1e-8  # step at which a search gives up
+DECREASE = 1e-4  # sigma, the usual Armijo constant
+MEMORY = 15  # merits that the nonmonotone search compares with: more than usual, as the min-map has kinks to cross
+SHORTEST = 1e-8  # step at which a search gives up and the gradient is tried
 
 
 @solver("minmap_newton", family="newton", model="lcp", dimension=(2, 3))

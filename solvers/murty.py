@@ -30,7 +30,7 @@ from frictionbench.solvers.pivots.lemke_path import (
 from frictionbench.solvers.pivots.principal_pivoting import PrincipalPivoting
 from frictionbench.solvers.pivots.scaled_lcp import ScaledLCP, finish
 
-NEGATIVE = 1e-13  # of the largest basic variable: what is less negative counts as zero
+NEGATIVE = 1e-13  # relative to the largest basic variable: entries above minus this are rounding, and count as zero
 
 
 @kernel

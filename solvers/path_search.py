@@ -61,13 +61,13 @@ from frictionbench.solvers.pivots.newton_path import FACTORISATIONS, LIMIT, NEWT
 from frictionbench.solvers.pivots.ordering import in_order
 from frictionbench.solvers.pivots.vectors import fill, put
 
-SHIFT = 0.3  # size of a crash point's residual, relative to the largest scaled q
-SPREAD = 0.1  # randomness of its entries
+SHIFT = 0.3  # size of the residual at a crash point, relative to the largest scaled q: smaller ones leave paths with near ties
+SPREAD = 0.1  # relative randomness of its entries: enough to resolve ties, without making one row the first to block
 DEPENDENT = 1e-9  # a column of a guessed basis keeping less of its size in elimination is left out
-DECREASE = 0.9  # of the worst recent residual, asked of a new one
-MEMORY = 3  # residuals that are recent
-RESTART_CRASH, RESTART_PROX = 3, 1e-2  # crash steps and eps over residual in every second restart (PATH's first restart)
-EPSILON = float(np.finfo(float).eps)
+DECREASE = 0.9  # required of a new residual, relative to the worst recent one (Dirkse and Ferris 1995)
+MEMORY = 3  # recent residuals that a new one is compared with
+RESTART_CRASH, RESTART_PROX = 3, 1e-2  # crash steps, and eps over residual, in every second restart: as in PATH's first
+EPSILON = float(np.finfo(float).eps)  # rounding
 
 CRASH, STEPS, RESTARTS = 2, 3, 4  # counted in work, after pivots and factorisations
 

@@ -22,7 +22,7 @@ from frictionbench.problems import InputError
 from frictionbench.solvers.interface import available
 
 GROUP = "frictionbench.solvers"
-FRAMES = 3  # told of an error
+FRAMES = 3  # of a traceback that describe_error names: enough to reach the plug-in's own code
 
 
 def is_file(source: str) -> bool:

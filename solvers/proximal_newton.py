@@ -23,12 +23,12 @@ from frictionbench.solvers.interface import Answer, Status, impulses, solver
 from frictionbench.solvers.interior.alart_curnier import new_state, newton
 from frictionbench.solvers.interior.system import System, build_system, in_velocities, new_work
 
-LIMIT = 1500  # factorisations: most problems that are solved take less than 500
-STEPS = 20  # of Newton's method for one proximal point
-ENOUGH = 1e-2  # |s F| of a proximal point, relative to the least residual so far
-ACCURATE = 1e-11  # and in the largest free velocity: near what rounding leaves
-SOFT, SOFTER, STIFFER = 1.0, 5.0, 0.5  # rho at first, and its factors
-LEAST = 1e-8  # of rho
+LIMIT = 1500  # factorisations by default: most problems that are solved take less than 500
+STEPS = 20  # of Newton's method for one proximal point: it converges within a few, or not at all
+ENOUGH = 1e-2  # |s F| required of a proximal point, relative to the least residual so far: an anchor need not be exact
+ACCURATE = 1e-11  # and relative to the largest free velocity: near what rounding leaves
+SOFT, SOFTER, STIFFER = 1.0, 5.0, 0.5  # rho at first, a contact's own scale, and its factors after a failure and a success
+LEAST = 1e-8  # of rho: below, G is singular to rounding
 
 
 @solver("proximal_newton", family="newton", model="coulomb", dimension=(3,), warm_start=True, sparse=True)

@@ -15,9 +15,9 @@ from frictionbench.solvers.interior.phases import Phased, Prepared, first_point,
 from frictionbench.solvers.interior.point import start_point
 from frictionbench.solvers.interior.predictor_corrector import predictor_corrector
 
-STARTS = ((0.1, 10.0), (10.0, 1.0))  # after the first: impulses and speeds, relative to a contact's own
-SHARE = 250  # factorisations from each of them
-PATIENCE = 60  # a heavy body on a light one needs impulses a million times the first ones
+STARTS = ((0.1, 10.0), (10.0, 1.0))  # after the first: impulses and speeds, one large against the other, to differ from it
+SHARE = 250  # factorisations from each start: more than any run that converged took, so that a limit reaches the next
+PATIENCE = 60  # iterations without progress: a heavy body on a light one needs impulses a million times the first ones
 
 
 @solver("relaxation_ip", family="interior point", model="relaxation", dimension=(2, 3), sparse=True)

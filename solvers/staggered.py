@@ -23,10 +23,10 @@ from frictionbench.solvers.sweeps.laws import residual_at
 from frictionbench.solvers.sweeps.projected_gradient import relax
 from frictionbench.solvers.sweeps.stopping import monitor, should_continue
 
-LIMIT = 1000
-PATIENCE = 200  # rounds in which the residual must fall by a hundredth
-INNER = 0.1  # error of each half relative to the residual it starts from
-INNER_LIMIT = 5000
+LIMIT = 1000  # rounds by default: of the random problems that are solved nearly all need fewer
+PATIENCE = 200  # rounds in which the residual must fall by a hundredth: a fifth of the limit, as convergence is linear
+INNER = 0.1  # error of each half relative to the residual at its start: less costs products, more costs rounds
+INNER_LIMIT = 5000  # iterations of a half; the next round goes on from where it was left
 
 
 @solver("staggered", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True)

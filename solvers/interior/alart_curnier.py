@@ -27,8 +27,8 @@ from frictionbench.solvers.interior.newton import PIVOT
 from frictionbench.solvers.interior.system import System, Work
 from frictionbench.solvers.sparse_lu.multifrontal import factorise, solve_factorised
 
-HALVINGS = 8
-DECREASE = 1e-4  # of |s F| for a step taken whole
+HALVINGS = 8  # of a step: if a 256th does not decrease |s F|, the step is taken nevertheless and the anchor restarts
+DECREASE = 1e-4  # share of the predicted decrease of |s F| that a step must reach (the usual Armijo constant)
 
 
 class State(NamedTuple):

@@ -38,16 +38,18 @@ from frictionbench.solvers.interior.predictor_corrector import Best, Workspace, 
 from frictionbench.solvers.interior.system import Space, System
 from frictionbench.solvers.sparse_lu.multifrontal import determinant_sign
 
-TERM = 0.08  # the last term of a prediction, its largest component in logarithms
-NEAR, FAR = 0.1, 0.2  # corrections with which the next step is foretold, and after which the last is shortened
-SWERVED = 1.0  # and one after which it is, where it is not the first
-TURN = 0.7  # the cosine between a step's end and the tangent there, below which it is shortened
-SHARP = 1e-3  # a step for which the curve itself turns so
-SHORTER, SHORTEST = 0.4, 1e-7  # of steps
-MOST = 3  # corrections of one prediction
-INSIDE = 0.98  # of the way to the boundary, or to t = 0
-HAND_OVER = 1e-4  # t at which the predictor-corrector is tried, and again by each of these further on
-END, DIVERGED = 1e-20, 20.0  # t
+# Chosen by experiment: tests/benchmarks/test_interior_point_starts.py counts what a change costs in solved problems and
+# factorisations. Steps are measured by their largest component in logarithms.
+TERM = 0.08  # the last term of a prediction: larger steps need corrections, smaller ones more predictions
+NEAR, FAR = 0.1, 0.2  # a correction up to NEAR lets the next step be predicted; a first one beyond FAR shortens the last step
+TOO_LARGE = 1.0  # and a later one beyond this
+TURN = 0.7  # cosine between the end of a step and the tangent there, below which the step is shortened: it jumped branches
+SHARP = 1e-3  # steps shorter than this are not checked for it: there the curve itself may turn
+SHORTER, SHORTEST = 0.4, 1e-7  # the factor of a shortened step, and the length at which the path is given up
+MOST = 3  # corrections of one prediction: Newton's method converges quadratically from NEAR
+INSIDE = 0.98  # largest share of the way to the boundary, or to t = 0
+HAND_OVER = 1e-4  # t at which the predictor-corrector is tried, and again after each further factor of this size
+END, DIVERGED = 1e-20, 20.0  # t at which rounding hides all progress, and t beyond which no path was seen to return
 
 
 @kernel
@@ -97,7 +99,7 @@ def trace(
             cosine /= np.sqrt(square * (_dot(log_step, log_step) + change * change))
         back = _orthogonal(system, space, point, correction, log_step, tangent, log_tangent, square)
         off = larger(_size(log_step), abs(back))
-        if used > 1 and (not off <= (FAR if corrections == 0 else SWERVED) or not cosine >= TURN or corrections > MOST):
+        if used > 1 and (not off <= (FAR if corrections == 0 else TOO_LARGE) or not cosine >= TURN or corrections > MOST):
             length *= SHORTER
             corrections = 0
             if length < SHORTEST:

@@ -14,7 +14,7 @@ import numpy as np
 
 from frictionbench.problems.compiled import kernel, part
 
-ROUNDING = 1e-15  # the least eigenvalue told from zero, relative to a_0
+ROUNDING = 1e-15  # the smallest eigenvalue that differs from zero, relative to a_0: a few units of rounding
 
 Vector = tuple[float, float, float]
 

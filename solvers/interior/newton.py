@@ -38,7 +38,7 @@ from frictionbench.solvers.interior.spatial_newton import (
 from frictionbench.solvers.interior.system import JOINT_SOFTNESS, Elements, Space, System, Work
 from frictionbench.solvers.sparse_lu.multifrontal import factorise, solve_factorised
 
-PIVOT = 1e-14  # the least pivot of A, whose mass matrix is scaled to the size of 1
+PIVOT = 1e-14  # the least pivot of A, a hundred units of rounding, as the mass matrix is scaled to a unit diagonal
 
 
 @part

@@ -22,7 +22,7 @@ from frictionbench.solvers.interior.point import Point, add_products, add_step, 
 from frictionbench.solvers.interior.system import Space, System, Work, new_work
 from frictionbench.solvers.sparse_lu.minimum_degree import Index
 
-TO_BOUNDARY = 0.995
+TO_BOUNDARY = 0.995  # share of the way to the boundary: Mehrotra's choice, close enough to 1 for superlinear convergence
 
 
 class Best(NamedTuple):

@@ -25,7 +25,7 @@ from frictionbench.solvers.interior.elements import add_spatial, larger, natural
 from frictionbench.solvers.interior.point import Point
 from frictionbench.solvers.interior.system import SOFTNESS, System, Work
 
-INSIDE = 0.1  # det y / y_0^2 from which a contact clearly sticks
+INSIDE = 0.1  # det y / y_0^2 above which a contact clearly sticks, and dlambda may be divided by det y without loss of digits
 
 
 @part

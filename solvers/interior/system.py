@@ -18,7 +18,7 @@ from frictionbench.problems.friction import FrictionProblem
 from frictionbench.solvers.sparse_lu.minimum_degree import Index
 from frictionbench.solvers.sparse_lu.multifrontal import Fronts, Place, analyse, position_in_front
 
-SOFTNESS = 1e-14  # delta, relative to a contact's own mean diagonal of W; 1e-16 fails, 1e-12 slows stacks of thousands
+SOFTNESS = 1e-14  # delta, relative to a contact's mean diagonal of W: 1e-16 drowns in rounding, 1e-12 slows stacks of thousands
 JOINT_SOFTNESS = 1e-8  # delta of a joint; its stiffness is added to a mass matrix of size 1, so not as small as a contact's
 
 

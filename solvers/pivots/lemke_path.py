@@ -16,9 +16,9 @@ from frictionbench.solvers.pivots.vectors import put
 Flags = NDArray[np.bool_]
 
 COMPLEMENTARY, RAY, LIMIT, INACCURATE, STUCK = range(5)  # how a path ends
-PIVOT = 1e-10  # the smallest pivot, relative to its column
-ACCURACY = 1e-12  # a transformed column with a larger relative defect is refined
-LOSS = 1e-9  # one that then still has a larger defect needs a new inverse
+PIVOT = 1e-10  # the smallest pivot, relative to its column: smaller entries may be the error of the column
+ACCURACY = 1e-12  # relative defect above which a transformed column is refined: some thousand units of rounding
+LOSS = 1e-9  # relative defect after refinement above which the inverse is computed anew
 
 
 @inlined

@@ -20,7 +20,7 @@ from frictionbench.solvers.pivots.natural import MARGIN, exact_residual, natural
 
 STATUS = (Status.SOLVED, Status.STALLED, Status.WORK_LIMIT, Status.BREAKDOWN)
 SOLVED, STALLED, LIMIT, BREAKDOWN = range(4)  # how an iteration ends
-GOING = -1
+GOING = -1  # the iteration has not ended
 UNITS = ("newton", "gradient", "evaluations", "factorisations")
 NEWTON, GRADIENT, EVALUATIONS, FACTORISATIONS = range(4)  # counted in work: steps, of the merit, of dense matrices
 

@@ -19,13 +19,13 @@ from frictionbench.solvers.pivots.lu_basis import (
 )
 from frictionbench.solvers.pivots.vectors import fill, put
 
-DEPENDENT = 1e-12  # a column keeping less of its size in elimination depends on the others
-PIVOT = 1e-9  # smaller rates of change, relative to the direction's largest, count as zero
-UNRELIABLE = 1e-5  # smaller ones are believed only from a fresh factorisation
-SLIP = 1e-12  # how far below zero a basic variable may go for the sake of a larger pivot
-LAST_SLIP = 1e-10  # the same in the step to t = 1, which round-off might else keep a path from reaching
+DEPENDENT = 1e-12  # a column of which elimination leaves less than this share is rounding, and depends on the others
+PIVOT = 1e-9  # smaller rates of change, relative to the largest, count as zero: they may be rounding of 96 updates
+UNRELIABLE = 1e-5  # smaller pivots are taken only from a fresh factorisation, without the rounding of updates
+SLIP = 1e-12  # how far below zero a basic variable may go for the sake of a larger pivot, in units of the scaled q
+LAST_SLIP = 1e-10  # the same in the step to t = 1, which rounding might otherwise keep a path from reaching
 
-NEWTON, RETURNED, RAY, LIMIT, SINGULAR = range(5)  # how a path ends: at t = 1, at t = 0, ..., in a basis lost to round-off
+NEWTON, RETURNED, RAY, LIMIT, SINGULAR = range(5)  # how a path ends: t = 1, t = 0, a ray, the limit, a singular basis
 PIVOTS, FACTORISATIONS = 0, 1  # counted in work
 
 

@@ -5,6 +5,9 @@ several narrower ones where it has none so wide. A vector that is not full is lo
 Python say what they do, and are what runs where numba is told to compile nothing. A product and its sum may be rounded
 together, once; the order of all sums is the one written here.
 
+What they gain is measured by tests/benchmarks/test_sparse_lu.py beside the same factorisation with plain loops: nothing where
+fronts are narrow (stacks), a factor of 2 on planar pyramids of 40 rows, and of 4 on pyramids of spheres.
+
 Kernels are made of this file, and problems.compiled, which looks for its own name, counts it among theirs.
 """
 
@@ -19,7 +22,7 @@ from numba.extending import lower_builtin, models, register_model, type_callable
 
 from frictionbench.problems.check import Array
 
-LANES = 8
+LANES = 8  # doubles in a register of AVX-512; narrower machines use two or four registers, the order of sums being the same
 
 
 def load(F: Array, i: int, j: int, n: int) -> Array:

@@ -26,8 +26,8 @@ from frictionbench.problems.compiled import inlined, kernel, part
 from frictionbench.problems.residual import contact_defect
 from frictionbench.solvers.sweeps.form import state, velocity
 
-LIFT = 1e-14
-TINY = 1e-300
+LIFT = 1e-14  # added to a singular S, relative to the trace of W: a hundred units of rounding
+TINY = 1e-300  # and where W is zero: no division by zero
 
 
 @inlined

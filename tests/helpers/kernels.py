@@ -1,7 +1,7 @@
 """Parts of kernels as tests may call them."""
 
 from frictionbench.problems.compiled import kernel
-from frictionbench.solvers.interior import alart_curnier, newton, point
+from frictionbench.solvers.interior import alart_curnier, newton, planar_newton, point, spatial_newton
 
 
 @kernel
@@ -42,3 +42,15 @@ def equations(system, state, anchor, rho, work):
 @kernel
 def newton_step(system, state, anchor, rho, step, work):
     alart_curnier.newton_step(system, state, anchor, rho, step, work)
+
+
+@kernel
+def assemble(system, space, point, work):
+    """Newton's matrix added up in the fronts, as linearise does before it factorises it."""
+    work.storage[:] = 0.0
+    for k in range(len(system.slot)):
+        work.storage[system.slot[k]] += system.constant[k]
+    if space is None:
+        planar_newton.add_planar_stiffness(system, point, work)
+    else:
+        spatial_newton.add_spatial_stiffness(system, point, work)

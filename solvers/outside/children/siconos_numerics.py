@@ -10,7 +10,7 @@ import numpy as np
 import siconos.numerics as sn
 from talk import Array, serve  # this folder, on the path of a child
 
-CALLS = 3  # the answer grows a little with accuracy
+CALLS = 3  # of the driver at most: |r| grows little from one answer to the next
 told: dict[str, Any] = {}
 
 
