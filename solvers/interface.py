@@ -1,29 +1,29 @@
-"""What a solver is: a name, a few facts about it, and three steps, each timed apart.
+"""The interface of a solver: a name, its properties, and three steps that are timed separately.
 
     @solver("lemke", family="pivoting", model="lcp", dimension=(2, 3), warm_start=True)
     class Lemke:
         restarts: int = 8                            # fields are variants: lemke[restarts=0]
 
-        def form(self, problem): ...                 # the problem written as what the method takes: an LCP, a QP, scaled
-        def setup(self, formed): ...                 # the method's or library's own: orderings, workspaces, factors
+        def form(self, problem): ...                 # the problem in the form the method takes: an LCP, a QP, scaled
+        def setup(self, formed): ...                 # the method's or library's preparation: orderings, workspaces, factors
         def solve(self, prepared, tol, limit, start=None) -> Answer: ...
 
-A solver without form or setup needs none: the next step is given what the last one had. One that tells the two not apart
-defines `prepare(problem)` instead, which counts as setup. Every solver then has `prepare`, which is setup(form(problem)).
+A missing `form` or `setup` passes its argument on unchanged. A solver that does not separate the two defines `prepare(problem)`
+instead, which counts as setup. Every registered solver has `prepare`, which is setup(form(problem)).
 
-`tol` is the residual asked for, of the solver's own model in the measure of problems.residual. One that computes this very
-residual stops at tol; one that stops by another measure keeps a margin, as much as that can fall short of this one:
+`tol` is the requested residual of the solver's own model, as defined in problems.residual. A solver that computes this residual
+stops at tol; a solver with another stopping criterion keeps a safety factor, as large as the criterion can underestimate it:
 
-    1      sweeps, projected gradients and splittings: their residual is the verifier's, to the last bits
-    1/2    interior points and pivoting: the same in other units and by rows, a contact's normal and tangent apart, together
-           sqrt(2) as much, and added up in another order
-    1/10   Newton's methods on an LCP: its natural residual bounds this one up to a small factor (solvers.pivots.natural)
-    own    outside libraries: each file in solvers/outside says what it asks for, and why
+    1      sweeps, projected gradients and splittings: their residual equals the verifier's up to rounding
+    1/2    interior points and pivoting: other units, and a contact's normal and tangential rows are measured separately, which
+           differs by up to sqrt(2), and sums are taken in another order
+    1/10   Newton's methods on an LCP: the natural residual bounds this one up to a small factor (solvers.pivots.natural)
+    own    outside libraries: each file in solvers/outside states what is requested of the library, and why
 
-What a margin cannot promise is found out by the verifier, and is `missed` or `wrong` (harness.verify). `limit` bounds the
-method's own unit of work (pivots, sweeps, iterations), None for its default: wall-clock limits are the harness's business.
-`start` is a guess of the impulses (nc, d), given only to solvers with warm_start. A solver says honestly how it ended;
-whether its answer is right is found out by others.
+If the residual exceeds tol nevertheless, the verifier reports `near_miss` or `wrong` (harness.verify). `limit` bounds the
+method's own unit of work (pivots, sweeps, iterations), None for its default; wall-clock limits are enforced by the harness.
+`start` is an initial guess of the impulses (nc, d), passed only to solvers with warm_start. The status is the solver's own
+claim; the harness verifies every answer independently.
 """
 
 from collections.abc import Callable
@@ -36,40 +36,41 @@ import numpy as np
 
 from frictionbench.problems import LCP, FrictionProblem, InputError, check
 from frictionbench.problems.check import Array, require
+from frictionbench.problems.display import html_table
 from frictionbench.problems.spec import split
-from frictionbench.solvers.needs import installed
+from frictionbench.solvers.needs import installed_version
 
 Model = Literal["coulomb", "lcp", "relaxation", "regularised"]
 MOST_WORK = 10**8  # the largest limit that may be given: histories of that length are allocated
 
 
 class Status(Enum):
-    """How a solver says that it ended; the values are messages. A claim only: `verify` finds out whether the answer is right.
+    """How a solver reports that it ended; the values are messages. It is a claim: `verify` checks the answer.
 
     >>> import frictionbench as fb
     >>> fb.Status.STALLED.value
     'no further progress was possible'
     """
 
-    SOLVED = "solved to the tolerance asked for"
-    RAY = "ended on a secondary ray whose certificate holds: no solution on this path"
-    WORK_LIMIT = "the work limit was reached first"
+    SOLVED = "solved to the requested tolerance"
+    RAY = "ended on a secondary ray with a valid certificate: this path leads to no solution"
+    WORK_LIMIT = "reached the work limit"
     STALLED = "no further progress was possible"
-    BREAKDOWN = "the arithmetic broke down"
-    FAILED = "the outside library reports a failure"
+    BREAKDOWN = "numerical breakdown"
+    FAILED = "the outside library reported a failure"
 
 
-@dataclass(eq=False, slots=True)
+@dataclass(eq=False, slots=True, repr=False)
 class Answer:
-    """What a solver gives back.
+    """The result of a solver.
 
-    impulse: (nc, d), N s, normal first; (0, 0) for a bare LCP. z: (n,), for solvers of LCPs.
+    impulse: (nc, d), N s, the normal component first; (0, 0) for a bare LCP. z: (n,), the solution of the LCP, for LCP solvers.
+    status: how the solver reports that it ended.
     work: deterministic counts by name (pivots, sweeps, iterations, factorisations).
-    history: the method's own measure of progress, one number an iteration, where it has one.
-    detail: the outside library's own words, or a reason.
-    clock: s, the library's own time of its solve, where it keeps one; the harness times the whole call besides.
-    softness: (nc, d), 1/kg, of a solver of regularised contacts: the R >= 0 with which it made u = W r + q + R r;
-        harness.verify says how large that may be.
+    history: the method's measure of convergence, one number per iteration, where it has one.
+    detail: the message of the outside library, or the reason of the status.
+    clock: s, the solve time that the library reports itself, if any; the harness times the whole call as well.
+    softness: (nc, d), 1/kg, for solvers of regularised contacts: the R >= 0 in u = W r + q + R r; harness.verify bounds it.
 
     >>> import frictionbench as fb
     >>> answer = fb.solve(fb.scene("stack", blocks=2).problem(), "lemke")
@@ -86,6 +87,19 @@ class Answer:
     clock: float | None = None
     softness: Array | None = None
 
+    def __repr__(self) -> str:
+        return f"Answer({', '.join([self.status.name, *self._arrays(), *self._counts()])})"
+
+    def _repr_html_(self) -> str:
+        rows: dict[str, object] = {"status": f"{self.status.name}: {self.status.value}", "arrays": ", ".join(self._arrays())}
+        return html_table("Answer", rows | {"work": ", ".join(self._counts()), "detail": self.detail})
+
+    def _arrays(self) -> list[str]:
+        return [f"{name} {array.shape}" for name in ("impulse", "z") if (array := getattr(self, name)) is not None]
+
+    def _counts(self) -> list[str]:
+        return [f"{unit} {count}" for unit, count in self.work.items()]
+
 
 class Solver(Protocol):
     """An instance of a class decorated with @solver."""
@@ -99,16 +113,18 @@ class Solver(Protocol):
     def solve(self, prepared: Any, tol: float, limit: int | None, start: Array | None = None) -> Answer: ...
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SolverInfo:
-    """The facts about a solver.
+    """The properties of a solver.
 
-    model: what it solves: "coulomb" the friction problem itself, "lcp" its LCP (the same in the plane, polygonal in space;
-    such a solver also takes a bare LCP), "relaxation" the convex relaxation, "regularised" that with soft contacts.
-    needs: what must be installed, as solvers.needs has it. sparse: whether it stays sparse on large problems.
-    lacks: the problem's fields that it knows nothing of, friction_bias or joints, and so takes no problem with one.
-    variants: the settings that are solvers of their own, as in `ccp[backend=clarabel]`. A variant that differs in model,
-    dimension, needs or lacks has an attribute of that name. members: the solvers it may run, where it is a portfolio.
+    model: the model that it solves: "coulomb" the friction problem itself, "lcp" its LCP (equivalent in the plane, polygonal in
+    space; such a solver also takes a bare LCP), "relaxation" the convex relaxation, "regularised" that with soft contacts.
+    dimension: of the contacts, 2 or 3 or both. warm_start: whether it uses a start.
+    sparse: whether it stays sparse on large problems. needs: required distributions, in the syntax of solvers.needs.
+    lacks: fields of a problem that are not supported, friction_bias or joints; problems where they are not zero are refused.
+    variants: settings that count as solvers of their own, as in `ccp[backend=clarabel]`. A variant with another model,
+    dimension, needs or lacks has an attribute of that name. members: the solvers that a portfolio may run.
+    make: the class, a frozen dataclass whose fields are the settings.
     """
 
     name: str
@@ -123,14 +139,17 @@ class SolverInfo:
     members: tuple[str, ...]
     make: Callable[..., Solver]
 
+    def __repr__(self) -> str:
+        return f"SolverInfo({self.name}: {self.family}, {self.model}, dimension {' and '.join(map(str, self.dimension))})"
+
     @property
     def ours(self) -> bool:
-        """Whether this package defines it, be the method ours or a library's; a plug-in's is not."""
+        """Whether this package defines it, including the adapters of outside libraries, and not a plug-in."""
         return self.make.__module__.startswith("frictionbench.solvers.")
 
     @property
     def specs(self) -> tuple[str, ...]:
-        """How the command line names it, each of its variants apart."""
+        """The names on the command line, one for each variant."""
         return tuple(f"{self.name}[{settings}]" for settings in self.variants) or (self.name,)
 
     @property
@@ -140,23 +159,23 @@ class SolverInfo:
 
     @property
     def missing(self) -> str | None:
-        """Why the solver cannot be used here, or None."""
-        absent = [need for need in self.needs if installed(need) is None]
+        """The reason why the solver cannot be used on this machine, or None."""
+        absent = [need for need in self.needs if installed_version(need) is None]
         return f"{', '.join(absent)} not installed" if absent else None
 
     @property
     def version(self) -> str:
-        """What it needs with its versions, where it is there; nothing for our own."""
-        return ", ".join(f"{need} {installed(need) or ''}".strip() for need in self.needs)
+        """The required distributions with their installed versions; empty for our own methods."""
+        return ", ".join(f"{need} {installed_version(need) or ''}".strip() for need in self.needs)
 
     def refuses(self, problem: FrictionProblem | LCP) -> str | None:
-        """Why this solver does not take the problem, or None."""
+        """The reason why this solver does not take the problem, or None."""
         if isinstance(problem, LCP):
             return None if self.model == "lcp" else f"{self.name} solves friction problems, not bare LCPs"
         if problem.dimension not in self.dimension:
             return f"{self.name} does not take contacts of dimension {problem.dimension}"
         present = [field for field in self.lacks if abs(getattr(problem, field)).sum() > 0]
-        return f"{self.name} takes no {', '.join(present)}" if present else None
+        return f"{self.name} does not support {', '.join(present)}" if present else None
 
 
 _solvers: dict[str, SolverInfo] = {}
@@ -176,11 +195,11 @@ def solver(
     variants: tuple[str, ...] = (),
     members: tuple[str, ...] = (),
 ) -> Callable[[Class], Class]:
-    """Make a class a frozen dataclass whose fields are its settings, give it the steps it leaves out, and list it as `name`.
+    """Register a class as the solver `name`: a frozen dataclass whose fields are its settings, with missing steps added.
 
     family: of methods, as reports group them. Other arguments: see SolverInfo. The class needs
     `solve(self, prepared, tol, limit, start=None) -> Answer`, and may have `form`, `setup` or `prepare`.
-    Errors: ValueError where the name is taken, or the class has `prepare` beside `form` or `setup`.
+    Errors: ValueError if the name is already registered, or the class defines `prepare` together with `form` or `setup`.
 
     >>> import frictionbench as fb, numpy as np
     >>> @fb.solver("nothing", family="splitting", model="coulomb", dimension=(2, 3))
@@ -196,7 +215,7 @@ def solver(
     def register(cls: Class) -> Class:
         made: Any = dataclass(frozen=True)(with_all_steps(cls))
         if name in _solvers:
-            raise ValueError(f"solver: the name {name!r} is taken by {_solvers[name].make}")
+            raise ValueError(f"solver: the name {name!r} is already registered by {_solvers[name].make}")
         facts = (family, model, dimension, warm_start, sparse, needs, lacks, variants, members)
         _solvers[name] = SolverInfo(name, *facts, made)
         return made
@@ -205,20 +224,20 @@ def solver(
 
 
 def with_all_steps(cls: Any) -> Any:
-    """The class with form, setup and prepare. Errors: ValueError where it has a prepare of its own beside one of the two."""
+    """Add the missing ones of form, setup and prepare. Errors: ValueError if it defines prepare together with form or setup."""
     prepare = getattr(cls, "prepare", _form_and_set_up)
     if prepare is not _form_and_set_up:
         if {"form", "setup"} & vars(cls).keys():
-            raise ValueError(f"solver: {cls.__name__} has a prepare of its own, and form or setup beside it")
-        cls.form, cls.setup = _hand_on, prepare
+            raise ValueError(f"solver: {cls.__name__} defines prepare together with form or setup; define either")
+        cls.form, cls.setup = _pass_on, prepare
     for step in ("form", "setup"):
         if not hasattr(cls, step):
-            setattr(cls, step, _hand_on)
+            setattr(cls, step, _pass_on)
     cls.prepare = _form_and_set_up
     return cls
 
 
-def _hand_on(self: Solver, given: Any) -> Any:
+def _pass_on(self: Solver, given: Any) -> Any:
     return given
 
 
@@ -227,7 +246,7 @@ def _form_and_set_up(self: Solver, problem: Any) -> Any:
 
 
 def available() -> dict[str, SolverInfo]:
-    """All known solvers by name, a SolverInfo each; `missing` says why one cannot be used here, `summary` what it is.
+    """All registered solvers by name, a SolverInfo each: `missing` is the reason why one cannot be used here, or None.
 
     >>> import frictionbench as fb
     >>> fb.available()["lemke"].missing is None
@@ -237,9 +256,9 @@ def available() -> dict[str, SolverInfo]:
 
 
 def find(spec: str) -> tuple[SolverInfo, Solver]:
-    """The facts and an instance for a name with optional settings, like `nsgs[relaxation=1.3]`.
+    """The properties and an instance of a solver, by its name with optional settings, like `nsgs[relaxation=1.3]`.
 
-    Errors: InputError naming the solver, or the setting, that is unknown or of the wrong kind.
+    Errors: InputError naming the solver or the setting that is unknown or has a value of the wrong type.
     """
     if spec in _found and _found[spec][0].name in _solvers:
         return _found[spec]
@@ -248,7 +267,7 @@ def find(spec: str) -> tuple[SolverInfo, Solver]:
         raise InputError(f"solver: unknown solver {name!r}; known are {', '.join(sorted(_solvers))}")
     info = _solvers[name]
     instance: Any = info.make()
-    kinds = {entry.name: type(getattr(instance, entry.name)) for entry in fields(instance)}
+    kinds = {field.name: type(getattr(instance, field.name)) for field in fields(instance)}
     values = {}
     for key, text in settings.items():
         if key not in kinds or text is None:
@@ -261,12 +280,12 @@ def find(spec: str) -> tuple[SolverInfo, Solver]:
         made = replace(instance, **values)
     except ValueError as error:
         raise InputError(f"solver: {spec}: {error}") from None
-    _found[spec] = replace(info, **{fact: getattr(made, fact) for fact in _OF_A_VARIANT if hasattr(made, fact)}), made
+    _found[spec] = replace(info, **{fact: getattr(made, fact) for fact in _VARIANT_PROPERTIES if hasattr(made, fact)}), made
     return _found[spec]
 
 
-_found: dict[str, tuple[SolverInfo, Solver]] = {}  # instances are frozen, so each is made once
-_OF_A_VARIANT = ("model", "dimension", "needs", "lacks")
+_found: dict[str, tuple[SolverInfo, Solver]] = {}  # instances are immutable, so each is made once
+_VARIANT_PROPERTIES = ("model", "dimension", "needs", "lacks")
 _FLAGS = {"true": True, "false": False, "1": True, "0": False}
 
 
@@ -277,15 +296,15 @@ def solve(
 
     problem: a FrictionProblem of nc contacts of dimension d, or a bare LCP for solvers of LCPs.
     spec: a solver's name, with settings in brackets if any: "lemke", "nsgs[relaxation=1.3]". See `available`.
-    tol: the residual asked for, dimensionless, > 0: the largest defect of the solver's model at a contact, as a velocity over
+    tol: the requested residual, dimensionless, > 0: the largest defect of the solver's model at a contact, as a velocity over
         the largest free contact velocity (problems.residual). For a bare LCP max|min(z, w)| over max|q|.
-    limit: most pivots, sweeps or iterations, whatever the method counts; None for the method's own limit.
+    limit: the largest number of pivots, sweeps or iterations, whichever the method counts; None for the method's own limit.
     start: (nc, d), N s, normal first: a guess of the impulses. A solver without warm start ignores it.
 
     Returns an Answer: impulse (nc, d) in N s, normal first, also where the solver failed; status, what the solver claims;
     work, its counts; z (n,) of solvers of LCPs.
-    Errors: InputError for an unknown or unavailable solver or one that does not take this problem, and naming problem, tol,
-    limit or start where that cannot be used.
+    Errors: InputError if the solver is unknown, not installed or does not take this problem, or if problem, tol, limit or start
+    is invalid; the message names which.
 
     >>> import frictionbench as fb
     >>> problem = fb.scene("stack", blocks=2, push=1.0).problem()
@@ -311,7 +330,7 @@ def solve(
 
 
 def impulses(start: Any, shape: tuple[int, ...]) -> Array:
-    """A copy of the impulses (nc, d) to start from, zeros for None. Errors: InputError naming start."""
+    """A checked copy of the impulses (nc, d) to start from, zeros for None. Errors: InputError naming start."""
     if start is None:
         return np.zeros(shape)
     guess = check.floats("start", start)

@@ -1,7 +1,7 @@
-"""What a solver needs that is not ours, and its version.
+"""The distributions that a solver requires, and their installed versions.
 
-quantecon                          a distribution of this Python; its import name is the solver's own business
-dartpy>=7                          one of at least this major version
+quantecon                          a distribution of this Python; it may be imported under another name
+dartpy>=7                          a distribution of at least this major version
 siconos.numerics@/usr/bin/python3  a module of another Python, for a solver that runs in a child process
 """
 
@@ -11,11 +11,11 @@ from importlib.metadata import PackageNotFoundError, version
 
 
 @cache
-def installed(need: str) -> str | None:
-    """The version of what is needed, as far as it tells one; None where it is missing."""
+def installed_version(need: str) -> str | None:
+    """The installed version of a requirement; None if it is missing or too old."""
     module, _, python = need.partition("@")
     if python:
-        return _elsewhere(module, python)
+        return _in_other_python(module, python)
     name, _, least = need.partition(">=")
     try:
         found = version(name)
@@ -24,7 +24,7 @@ def installed(need: str) -> str | None:
     return found if int(found.partition(".")[0]) >= int(least or 0) else None
 
 
-def _elsewhere(module: str, python: str) -> str | None:
+def _in_other_python(module: str, python: str) -> str | None:
     package = module.partition(".")[0]
     script = f"import {module}, importlib.metadata as m; print(m.version({package!r}))"
     try:

@@ -1,13 +1,14 @@
 """Solvers from outside this repository: a file given on the command line, or an entry point of an installed distribution.
 
-Either is a module whose import runs @solver on its classes, and a string says which: the path of a file, which ends in .py and
-stands for all that it defines, or the name of an entry point in the group frictionbench.solvers, which is the solver's own:
+A source is a module that registers its classes with @solver when it is imported. It is named by a string: the path of a file,
+which ends in .py and stands for all solvers that the file defines, or the name of an entry point in the group
+frictionbench.solvers, which is the name of the solver:
 
     [project.entry-points."frictionbench.solvers"]
     mine = "my_package.solvers"
 
-Importing one runs its code: the harness does so only in processes that run nothing else. What is installed is told apart by
-its metadata alone; a name of ours stays ours.
+Importing a source runs its code, so the harness imports it only in worker processes. Installed plug-ins are listed from their
+metadata, without importing them. A plug-in cannot replace a solver of this package.
 """
 
 import importlib
@@ -26,12 +27,12 @@ FRAMES = 3  # of a traceback that describe_error names: enough to reach the plug
 
 
 def is_file(source: str) -> bool:
-    """Whether it is a file that is meant, not the name of a solver."""
+    """Whether the source is the path of a file, and not the name of an entry point."""
     return source.endswith(".py")
 
 
 def installed() -> dict[str, EntryPoint]:
-    """The entry points by name, the first of each, without those whose name is taken; nothing of theirs is run."""
+    """The entry points by name, the first of each, without those whose name is already registered; none is imported."""
     found: dict[str, EntryPoint] = {}
     for point in entry_points(group=GROUP):
         found.setdefault(point.name, point)
@@ -39,7 +40,7 @@ def installed() -> dict[str, EntryPoint]:
 
 
 def content(source: str) -> str:
-    """The hash of a solver's file, or of all files of an entry point's package. Errors: InputError naming the source."""
+    """The SHA-256 of a solver's file, or of all files of an entry point's package. Errors: InputError naming the source."""
     try:
         if is_file(source):
             return sha256(Path(source).read_bytes()).hexdigest()
@@ -52,12 +53,12 @@ def content(source: str) -> str:
 
 
 def version(source: str) -> str:
-    """What rows say of it: the file's name, or the distribution with its version, and the content."""
+    """The version in the tables: the file's name, or the distribution and its version, and the start of the content hash."""
     return f"{Path(source).name if is_file(source) else distribution(_point(source))} {content(source)[:12]}"
 
 
 def load(source: str) -> tuple[str, ...]:
-    """Import a source as it is now; the names it adds. Errors: InputError naming it, and the line that fails."""
+    """Import a source; the names of the solvers that it adds. Errors: InputError naming the source and the line that fails."""
     return _load_file(Path(source)) if is_file(source) else _load_point(_point(source))
 
 
@@ -68,28 +69,28 @@ def _load_file(path: Path) -> tuple[str, ...]:
     before = set(available())
     spec = importlib.util.spec_from_file_location(module_name, path)
     if spec is None or spec.loader is None:
-        raise InputError(f"solver: {path} is no Python file")
+        raise InputError(f"solver: {path} is not a Python file")
     module = importlib.util.module_from_spec(spec)
     sys.modules[module_name] = module
     try:
         spec.loader.exec_module(module)
-    except BaseException as error:  # a plug-in may exit
+    except BaseException as error:  # a plug-in may also call sys.exit
         del sys.modules[module_name]
-        raise InputError(f"solver: {path} cannot be imported ({told(error)})") from error
+        raise InputError(f"solver: {path} cannot be imported ({describe_error(error)})") from error
     added = tuple(sorted(set(available()) - before))
     if not added:
-        raise InputError(f"solver: {path} defines no solver (decorate a class with @solver)")
+        raise InputError(f"solver: {path} defines no solver; decorate a class with @solver")
     return added
 
 
-def told(error: BaseException) -> str:
+def describe_error(error: BaseException) -> str:
     """An error in one line, with the file and line of its last frames, the innermost first."""
     frames = traceback.extract_tb(error.__traceback__)[: -FRAMES - 1 : -1]
     places = " < ".join(f"{Path(frame.filename).name}:{frame.lineno} in {frame.name}" for frame in frames)
     try:
         text = str(error)
-    except Exception as another:  # the error's own code
-        text = f"and its message cannot be told: {type(another).__name__}"
+    except Exception as another:  # str() runs code of the plug-in
+        text = f"its message cannot be formatted: {type(another).__name__}"
     return " ".join(f"{type(error).__name__}: {text}"[:400].split()) + (f" (at {places})" if places else "")
 
 
@@ -99,33 +100,37 @@ def _load_point(point: EntryPoint) -> tuple[str, ...]:
     try:
         importlib.import_module(point.module)
     except BaseException as error:
-        raise InputError(f"solver: {point.name} of {distribution(point)} cannot be imported ({told(error)})") from error
+        raise InputError(
+            f"solver: {point.name} of {distribution(point)} cannot be imported ({describe_error(error)})"
+        ) from error
     if point.name not in available():
         raise InputError(f"solver: {point.module} of {distribution(point)} defines no solver {point.name}")
     return (point.name,)
 
 
 def _point(name: str) -> EntryPoint:
-    """Errors: InputError where no distribution has such an entry point, or two have."""
+    """The entry point of this name. Errors: InputError if no distribution, or more than one, declares it."""
     points = {(point.value, distribution(point)): point for point in entry_points(group=GROUP, name=name)}
     if not points:
-        raise InputError(f"solver: no installed distribution has an entry point {name}")
+        raise InputError(f"solver: no installed distribution declares an entry point {name} in the group {GROUP}")
     if len(points) > 1:
-        raise InputError(f"solver: {name} is in {' and in '.join(sorted(where for _, where in points))}")
+        raise InputError(
+            f"solver: {name} is declared by {' and by '.join(sorted(where for _, where in points))}; uninstall all but one"
+        )
     (point,) = points.values()
     return point
 
 
 def distribution(point: EntryPoint) -> str:
-    """The name and version of the distribution that an entry point is of."""
+    """The name and version of the distribution that declares an entry point."""
     return f"{point.dist.name} {point.dist.version}" if point.dist else point.module
 
 
 def _files(point: EntryPoint) -> list[tuple[Path, Path]]:
-    """The files of the package or module that an entry point is in, each behind its folder; found without running them."""
+    """The files of the package or module of an entry point, as (folder, file); found without importing the module itself."""
     top = importlib.util.find_spec(point.module.partition(".")[0])
     if top is None:
-        raise InputError(f"solver: {point.name} of {distribution(point)}: there is no module {point.module}")
+        raise InputError(f"solver: {point.name} of {distribution(point)}: the module {point.module} does not exist")
     if not top.submodule_search_locations:
         path = Path(str(top.origin))
         return [(path.parent, path)]

@@ -105,7 +105,7 @@ def run_solve(cell: SolveCell, entry: Entry, limit: float) -> Row:
         verdict = Verdict.WRONG if complaint.claimed else Verdict.UNSOLVED
         return _done(begun, row | {"verdict": verdict, "reason": str(complaint), "claimed": complaint.claimed})
     except BaseException as error:  # whatever a solver raises is its row, not our end
-        return _done(begun, row | {"verdict": Verdict.CRASHED, "reason": plugins.told(error)})
+        return _done(begun, row | {"verdict": Verdict.CRASHED, "reason": plugins.describe_error(error)})
     row["peak_memory"] = process.peak_memory()
     row |= _undisturbed(core, timing.spent)
     row |= _found(problem, timing, info, cell.tol, limit, disturbed=bool(row["disturbed"]))
@@ -131,7 +131,7 @@ def run_simulation(cell: SimulationCell, limit: float) -> Row:
         with _worker.deadline.within(limit), process.watch_core() as core:
             simulated = run_closed_loop(cell, info, solver)
     except BaseException as error:
-        return _done(begun, row | {"verdict": Verdict.CRASHED, "reason": plugins.told(error)})
+        return _done(begun, row | {"verdict": Verdict.CRASHED, "reason": plugins.describe_error(error)})
     return _done(begun, row | simulated | {"peak_memory": process.peak_memory()} | _undisturbed(core, perf_counter() - begun))
 
 

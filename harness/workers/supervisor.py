@@ -169,7 +169,7 @@ def work(tasks: Connection, replies: int, deadline: Deadline, core: int | None, 
             value = task.function(*task.arguments)
             reply = _reply(value=value, kept=living())
         except Exception as error:
-            why = str(error) if isinstance(error, InputError) else plugins.told(error)
+            why = str(error) if isinstance(error, InputError) else plugins.describe_error(error)
             reply = _failure(Verdict.CRASHED, why, kept=living())
         if os.getpid() != me:  # a solver forked, and its child came back too
             os._exit(0)

@@ -6,7 +6,7 @@ import pytest
 from frictionbench.harness.cells.collect import stored_start
 from frictionbench.problems import LCP, InputError
 from frictionbench.problems.residual import fclib_error, relaxation_residual, residual, residual_floor
-from frictionbench.solvers import available, find, solve
+from frictionbench.solvers import Answer, Status, available, find, solve
 from tests.helpers.friction_problems import block, spatial
 
 WARM = sorted(name for name, info in available().items() if info.warm_start and not info.missing)
@@ -75,3 +75,13 @@ def test_a_stored_start_that_is_none_is_named(tmp_path):
     np.savez(path, cold=np.zeros(2))
     with pytest.raises(InputError, match=r"abc\.e3b0c442\.starts\.npz: no usable start warm"):
         stored_start(tmp_path, "abc", "", "warm")
+
+
+def test_answers_and_properties_are_shown_in_one_line():
+    answer = Answer(np.zeros((12, 2)), Status.SOLVED, {"pivots": 14}, z=np.zeros(48))
+    assert repr(answer) == "Answer(SOLVED, impulse (12, 2), z (48,), pivots 14)"
+    assert repr(Answer(np.zeros((0, 3)), Status.FAILED)) == "Answer(FAILED, impulse (0, 3))"
+    assert repr(available()["nsgs"]) == "SolverInfo(nsgs: splitting, coulomb, dimension 2 and 3)"
+    table = answer._repr_html_()
+    assert "<td>pivots 14</td>" in table
+    assert Status.SOLVED.value in table

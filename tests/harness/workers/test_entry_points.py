@@ -77,7 +77,7 @@ def test_one_that_cannot_be_used_is_named(distribution) -> None:
     twin.mkdir()
     (twin / "METADATA").write_text(METADATA.replace("made-up", "twin"), encoding="utf-8")
     (twin / "entry_points.txt").write_text(POINTS, encoding="utf-8")
-    with pytest.raises(InputError, match=r"guest is in made-up 1\.2 and in twin"):
+    with pytest.raises(InputError, match=r"guest is declared by made-up 1\.2 and by twin"):
         load_plugins(["guest"])
     assert load_plugins(["nsgs"]) == (("nsgs",), ())
     variants, plugins, complaints = everyone()  # for a bare `solve`, which goes on without them

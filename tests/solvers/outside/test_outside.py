@@ -29,7 +29,7 @@ from frictionbench.problems.recorded import fclib, read
 from frictionbench.problems.residual import relaxation_residual, residual
 from frictionbench.results import store
 from frictionbench.solvers import Answer, Status, available, find, outside, plugins, solve
-from frictionbench.solvers.needs import installed
+from frictionbench.solvers.needs import installed_version
 from frictionbench.solvers.outside.children.child import Child, DiedError, child
 from frictionbench.solvers.outside.pure_delassus import pure_delassus
 from frictionbench.solvers.outside.siconos import PYTHON
@@ -179,7 +179,7 @@ def test_what_is_missing_is_said() -> None:
     assert find("nowhere")[0].missing == missing
     with pytest.raises(InputError, match="not installed"):
         solve(block(), "nowhere")
-    assert installed("numpy") == np.__version__
+    assert installed_version("numpy") == np.__version__
 
 
 def test_a_child_that_dies_is_replaced() -> None:
@@ -260,8 +260,8 @@ def test_dart_is_handed_coulombs_law_in_the_plane(monkeypatch) -> None:
     assert info.missing is None or info.missing == "dartpy>=7 not installed"
     answer = dart.solve(dart.prepare(problem), 1e-8, 200)
     assert residual(problem, answer.impulse) <= 1e-8
-    assert installed("numpy>=1") == np.__version__
-    assert installed("numpy>=999") is None
+    assert installed_version("numpy>=1") == np.__version__
+    assert installed_version("numpy>=999") is None
 
 
 def fclib_matrix(file: h5py.File, name: str) -> np.ndarray:
