@@ -1,8 +1,8 @@
 """Scenes, the friction problem of one time step and its forms, and the schemes that step a scene through time."""
 
-from frictionbench.problems.compiled import keep_compiled
+from frictionbench.problems.compiled import set_kernel_cache
 
-keep_compiled()  # before the first kernel is declared
+set_kernel_cache()  # before the first kernel is declared
 
 from frictionbench.problems.check import InputError  # noqa: E402
 from frictionbench.problems.forms.lcp import LCP  # noqa: E402

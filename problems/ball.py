@@ -1,10 +1,10 @@
-"""A ball on a table, in closed loop: the spatial motion that needs no collision detection, and is known by hand.
+"""A ball sliding on a table, in closed loop: a spatial motion with a closed form that needs no collision detection.
 
-A ball of radius R slides with its lowest point at s = v + omega x (0, 0, -R). Friction mu m g against s turns s shorter and
-nowhere else, s' = -7/2 mu g s/|s|, until it rolls at the time 2 |s_0| / (7 mu g): on a straight line where s_0 is along v_0,
-with 5/7 of the speed if it did not spin, and on a parabola otherwise. A polygon in place of Coulomb's cone pushes along one of
-its corners instead, which turns s and bends the path: the polygon's error made visible. Friction acts at the lowest point,
-about which the momentum of rotation is kept: the velocity of rolling is the same whatever the section.
+The lowest point of a ball of radius R slides at s = v + omega x (0, 0, -R). Friction mu m g against s shortens s and leaves its
+direction, s' = -7/2 mu g s/|s|, until the ball rolls at the time 2 |s_0| / (7 mu g). Until then it moves on a straight line
+where s_0 is along v_0, ending with 5/7 of its speed if it did not spin, and on a parabola otherwise. With a polygon in place of
+Coulomb's cone friction acts along one of the corners, which turns s and bends the path: this shows the polygon's error. Angular
+momentum about the lowest point is conserved, so that the velocity of rolling does not depend on the section.
 """
 
 from collections.abc import Callable
@@ -17,7 +17,7 @@ from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.instances.bodies import GRAVITY, GROUND, touching
 
 MASS, RADIUS = 1.0, 0.1  # kg, m
-SPEED, SIDE_SPIN, FRICTION = 2.0, 14.0, 0.3  # m/s, 1/s: set down so, the lowest point slides at (2, 1.4) m/s
+SPEED, SIDE_SPIN, FRICTION = 2.0, 14.0, 0.3  # m/s, 1/s, none: the lowest point then slides at (2, 1.4) m/s at first
 UPRIGHT = np.array([[[0.0, 0, 1], [1, 0, 0], [0, 1, 0]]])
 
 

@@ -1,4 +1,4 @@
-"""Checks of what comes in from outside. Every error names the field it is about."""
+"""Checks of input data. Every error names the field that it is about."""
 
 from typing import Any
 
@@ -34,7 +34,10 @@ def vector(field: str, value: Any, length: int | None = None) -> Array:
 
 
 def entries(field: str, array: Array, expected: int) -> Array:
-    """The array, flat, if it has so many entries: compiled loops do not look. Errors: InputError naming the field."""
+    """The array, flattened. Errors: InputError naming the field where it does not have `expected` entries.
+
+    Compiled loops do not check bounds, so the number of entries is checked before.
+    """
     flat = np.asarray(array, dtype=float).ravel()
     if len(flat) != expected:
         raise InputError(f"{field}: expected {expected} entries, got {len(flat)}")
@@ -47,12 +50,15 @@ def not_negative(field: str, value: Array) -> None:
 
 
 def rows(field: str, value: Any, shape: tuple[int | None, int]) -> Rows:
-    """What `matrix` checks, as plain arrays: a copy by rows."""
+    """A checked copy of a matrix by rows (problems.rows), accepted in any form that `matrix` accepts.
+
+    Errors: InputError naming the field.
+    """
     if isinstance(value, Rows):
         good, *parts = copied(*value, shape[1])
         if good and shape[0] in (None, len(value.start) - 1):
             return Rows(*parts)
-        raise InputError(f"{field}: not {_show(shape)} of finite entries by rows")
+        raise InputError(f"{field}: expected {_show(shape)} with finite entries by rows, columns ascending and without zeros")
     if sparse.issparse(value) and value.format == "csr" and value.dtype == np.float64 and value.indptr.dtype == np.int32:
         if shape in (value.shape, (None, value.shape[1])):
             good, *parts = copied(value.indptr, value.indices, value.data, shape[1])
@@ -91,7 +97,7 @@ def floats(field: str, value: Any) -> Array:
 
 @kernel
 def _finite(array):  # type: ignore[no-untyped-def]
-    """Whether all entries of a vector are."""
+    """Whether all entries of a vector are finite."""
     for entry in array:  # noqa: SIM110  # a compiled loop
         if not abs(entry) < np.inf:
             return False

@@ -1,4 +1,4 @@
-"""Copies of a problem for those who are not trusted with the problem itself."""
+"""Independent copies of problems, for solvers that might modify what they are given."""
 
 import copy
 from typing import Any, TypeVar
@@ -14,12 +14,12 @@ _PARTS = ("data", "indices", "indptr")
 
 
 def duplicate(problem: Problem) -> Problem:
-    """The same problem in memory of its own, read-only, with nothing derived: what is done to it is not done to this one."""
+    """A deep copy of the problem, read-only, without anything derived: changes to it leave the original as it is."""
     return _own(problem.fresh())
 
 
 def same(one: FrictionProblem | LCP, other: FrictionProblem | LCP) -> bool:
-    """Whether the two hold the same numbers to the last bit."""
+    """Whether the two problems are defined by bitwise equal data."""
     return _equal(one.fresh(), other.fresh())
 
 

@@ -1,4 +1,4 @@
-"""How problems and scenes are shown: one line in a console, a small table in a notebook."""
+"""One-line representations of problems and scenes, and small HTML tables for notebooks."""
 
 from html import escape
 

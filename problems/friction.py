@@ -234,7 +234,7 @@ class FrictionProblem:
         return self.operator.contact_velocity(self._by_contact(impulse))
 
     def velocity_size(self, impulse: Array) -> Array:
-        """(nc, d): the sum of the absolute values of the terms of contact_velocity, in which rounding leaves some eps."""
+        """(nc, d): the sum of the absolute values of the terms of contact_velocity; its rounding error is some eps of this."""
         return self.operator.velocity_size(self._by_contact(impulse))
 
     def _by_contact(self, impulse: Array) -> Array:
@@ -276,7 +276,7 @@ class FrictionProblem:
 
     @cached_property
     def hash(self) -> str:
-        """Content hash: equal for equal problems, whatever form the fields came in."""
+        """Content hash: equal for equal problems, whatever form the fields were given in."""
         return content_hash(dimension=self.dimension, **{name: getattr(self, name) for name in self.operator.FIELDS})
 
     def __repr__(self) -> str:

@@ -1,12 +1,12 @@
-"""Which part of Coulomb's law an answer misses, in measures that the field knows beside problems.residual.
+"""The defects of the parts of Coulomb's law, in measures used in the literature, besides problems.residual.
 
     signorini      0 <= u_n  ⟂  r_n >= 0:                   max_i |min(s_i r_n, u_n)| / |q|
-    dissipation    r_t dissipates as much as friction may:  max_i s_i |r_t - P_D(r_t - u_t/s_i)| / |q|
+    dissipation    maximum dissipation of r_t:              max_i s_i |r_t - P_D(r_t - u_t/s_i)| / |q|
     ncp            K ∋ r  ⟂  g(u) ∈ K*:                     the largest of s_i dist(r_i, K)/|q|, dist(g_i, K*)/|q|
                                                             and s_i |r_i.g_i + b_f |u_t|| / |q|^2
 
 with D the disc of radius mu r_n + b_f, g(u) = u + mu |u_t| e_n, and s_i and |q| as in problems.residual, so that all three
-are numbers without units. Each is zero at a solution; the first two together are zero only there. Le Lidec and others (2024)
+are dimensionless. Each is zero at a solution; the first two together are zero only there. Le Lidec and others (2024)
 compare simulators by a Signorini, a maximum dissipation and a complementarity defect of this kind, in units.
 """
 
@@ -20,7 +20,7 @@ from frictionbench.problems.friction import FrictionProblem
 
 
 class Defects(NamedTuple):
-    """Of one answer; infinity where it is not finite."""
+    """The defects of one answer; infinity where the answer is not finite."""
 
     signorini: float
     dissipation: float
@@ -45,7 +45,7 @@ def defects(problem: FrictionProblem, impulse: Array) -> Defects:
     g = u.copy()
     g[:, 0] += mu * speed
     outside = s * np.linalg.norm(impulse - project_cone(impulse, mu, b), axis=1)
-    separated = np.linalg.norm(project_cone(-g, mu, np.zeros(nc)), axis=1)  # -g less its part in K is its part in -K*
+    separated = np.linalg.norm(project_cone(-g, mu, np.zeros(nc)), axis=1)  # = dist(g, K*)
     product = s * np.abs(np.sum(impulse * g, axis=1) + b * speed) / free
     worst = np.max([signorini, dissipation, np.maximum(np.maximum(outside, separated), product)], axis=1) / free
     return Defects(*(float(value) if np.isfinite(value) else np.inf for value in worst))

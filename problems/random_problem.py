@@ -1,7 +1,7 @@
-"""Random friction problems with the mechanics kept: bodies, contact points, normals, so that W = J M^-1 J'.
+"""Random friction problems of mechanical origin: bodies, contact points and normals, so that W = J M^-1 J'.
 
-Every draw has b >= 0, so it has a solution and Lemke's method reaches one (FACTS: Anitescu and Potra's existence theorem).
-They cover what scenes hardly visit: large mu, odd shapes of contact graphs, mass ratios, more contacts than freedoms.
+Every draw has b >= 0, so it has a solution and Lemke's method reaches one (Anitescu and Potra 1997). They cover what is rare in
+scenes: large mu, irregular contact graphs, mass ratios, more contacts than degrees of freedom.
 """
 
 import numpy as np
@@ -14,11 +14,11 @@ from frictionbench.problems.friction import FrictionProblem
 def random_problem(
     seed: int, contacts: int = 10, bodies: int | None = None, friction: float | None = None, mass_ratio: float = 10.0
 ) -> FrictionProblem:
-    """Planar bodies (3 freedoms each) touching each other or the ground at random points.
+    """Planar bodies (3 degrees of freedom each) touching each other or the ground at random points.
 
     bodies: by default a draw between 1 and contacts. friction: one coefficient for all, by default drawn per problem
     log-uniformly from [.05, 10] and varied by a factor of up to 2 per contact. mass_ratio: masses are log-uniform in
-    [1, mass_ratio] kg. Contacts can number up to twice the freedoms, so W is often rank deficient.
+    [1, mass_ratio] kg. Contacts can number up to twice the degrees of freedom, so W is often rank deficient.
     """
     require(contacts >= 1, "contacts", f"must be at least 1, got {contacts!r}")
     require(mass_ratio >= 1, "mass_ratio", f"must be at least 1, got {mass_ratio!r}")

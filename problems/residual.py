@@ -1,18 +1,18 @@
-"""How far an answer is from Coulomb's law: the one measure behind every verdict.
+"""The residual of an answer in Coulomb's law, on which every verdict is based.
 
-Coulomb's law at a contact says r = P_K(r - g(u)/s) for any s > 0, with the cone K = {|r_t| <= mu r_n + b_f, r_n >= 0} and
-de Saxcé's shifted velocity g(u) = u + mu |u_t| e_n (De Saxcé and Feng 1998). The residual measures the defect of that
-equation as a velocity, relative to the largest free contact velocity:
+Coulomb's law at a contact is equivalent to r = P_K(r - g(u)/s) for any s > 0, with the cone
+K = {|r_t| <= mu r_n + b_f, r_n >= 0} and de Saxcé's shifted velocity g(u) = u + mu |u_t| e_n (De Saxcé and Feng 1998). The
+residual measures the defect of that equation as a velocity, relative to the largest free contact velocity:
 
     max_i s_i | r_i - P_K(r_i - g(u_i)/s_i) |  /  max_i |q_i|
 
-with s_i the mean diagonal of contact i's block of W. It is zero exactly at a solution, and a change of units, of the order
-of the contacts or of their tangent frames changes nothing. Without the shift, g(u) = u, the same formula measures the
+with s_i the mean diagonal of contact i's block of W. It is zero exactly at a solution, and invariant under changes of
+units, of the order of the contacts and of their tangent frames. Without the shift, g(u) = u, the same formula measures the
 convex relaxation's own optimality.
 
-Rounding leaves some eps of every term: of s r, of those that add up to u, and mu times those of u_t. Their sum over |q| is
-the residual's floor. An answer cannot be judged any finer: of impulses so large that eps s r is beyond |q| the residual
-may come out as 0 whatever they are.
+Every term has a rounding error of some eps: s r, the terms of the sum u, and mu times those of u_t. The sum of these errors
+over |q| is the residual's floor, below which an answer cannot be judged: for impulses so large that eps s r exceeds |q|, the
+computed residual may be 0 for wrong answers.
 """
 
 import numpy as np
@@ -42,13 +42,13 @@ def residual(problem: FrictionProblem, impulse: Array) -> float:
 def relaxation_residual(problem: FrictionProblem, impulse: Array, softness: Array | None = None) -> float:
     """The residual of impulse (nc, d) on the problem's convex relaxation, in the same measure.
 
-    softness: (nc, d), R >= 0 in 1/kg, of contacts made soft, u = W r + q + R r.
+    softness: (nc, d), R >= 0 in 1/kg, the compliance of regularised contacts, u = W r + q + R r.
     """
     return _defect(problem, impulse, shift=0.0, softness=softness)
 
 
 def polygon_residual(problem: FrictionProblem, lcp: LCP, z: Array) -> float:
-    """The residual of z on the friction problem's LCP, as a velocity over max|q_i|, so that units do not count:
+    """The residual of z on the friction problem's LCP, as a velocity over max|q_i|, independent of units:
 
     max |min(s z, w)| over the impulses c and beta, |min(z, s w)| over the sliding speeds lambda, s that of the contact.
     """
@@ -64,7 +64,7 @@ def polygon_residual(problem: FrictionProblem, lcp: LCP, z: Array) -> float:
 
 
 def residual_floor(problem: FrictionProblem, impulse: Array) -> float:
-    """What rounding may change of the residual of impulse (nc, d): 2 eps max_i (s_i |r_i| + (1 + mu_i) |terms of u_i|)/|q|.
+    """A bound of the rounding error of impulse's (nc, d) residual: 2 eps max_i (s_i |r_i| + (1 + mu_i) |terms of u_i|)/|q|.
 
     Infinity where the impulse is not finite or has another shape. Errors: none.
 
@@ -87,7 +87,8 @@ def residual_floor(problem: FrictionProblem, impulse: Array) -> float:
 def energy_within(problem: FrictionProblem, impulse: Array, bound: float) -> float:
     """The largest energy defect, J, of impulses (nc, d) whose residual is within bound: bound |q| sum_i (|r_i| + |g(u_i)|/s_i).
 
-    For with p = P_K(r - g/s) and h = g + s (p - r), p.h = 0, the ledger's r.g is s p.(r - p) + (r - p).h + s |r - p|^2.
+    Because with p = P_K(r - g/s) and h = g + s (p - r), p.h = 0, the energy defect r.g (problems.simulate.ledger_defect) is
+    s p.(r - p) + (r - p).h + s |r - p|^2.
     """
     u = problem.contact_velocity(impulse)
     u[:, 0] += problem.friction * np.linalg.norm(u[:, 1:], axis=1)
@@ -113,7 +114,7 @@ def _defect(problem: FrictionProblem, impulse: Array, shift: float, softness: Ar
 
 @kernel
 def largest_defect(r, u, s, mu, b, shift):  # type: ignore[no-untyped-def]
-    """max_i s_i |r_i - P_K(r_i - (u_i + shift mu_i |u_t,i| e_n)/s_i)|, infinity where that is not a number."""
+    """max_i s_i |r_i - P_K(r_i - (u_i + shift mu_i |u_t,i| e_n)/s_i)|, infinity where that is NaN."""
     worst = 0.0
     for i in range(len(r)):
         defect = s[i] * contact_defect(r[i], u[i], s[i], mu[i], b[i], shift)

@@ -2,8 +2,8 @@
 
 By rows: row i has the entries value[k] in the columns column[k], start[i] <= k < start[i+1], columns ascending, no zeros (the
 CSR arrays). By contacts: contact i touches the columns column[k] with the d entries value[k], its normal's first, of which some
-may be zero. scipy's own matrices are made of these where an outside library or a user asks: making one takes as long as all the
-arithmetic on ten contacts.
+may be zero. scipy's matrices are made from these on demand, for users and outside libraries: making one takes as long as all
+the arithmetic on ten contacts.
 """
 
 from typing import NamedTuple
@@ -26,7 +26,7 @@ class Rows(NamedTuple):
     value: Array
 
     def matrix(self, columns: int) -> sparse.csr_array:
-        """The matrix as scipy has it; read-only."""
+        """The matrix as scipy's CSR array; read-only."""
         parts = [piece.view() for piece in (self.value, self.column, self.start)]
         for piece in parts:
             piece.setflags(write=False)
@@ -69,7 +69,7 @@ def _from_dense(dense):  # type: ignore[no-untyped-def]
 
 @part
 def nowhere(n):  # type: ignore[no-untyped-def]
-    """-1 in n places."""
+    """n entries of -1."""
     index = np.empty(n, np.int32)
     for i in range(n):
         index[i] = -1
@@ -78,7 +78,7 @@ def nowhere(n):  # type: ignore[no-untyped-def]
 
 @kernel
 def copied(start, column, value, columns):  # type: ignore[no-untyped-def]
-    """(whether they are a canonical matrix of so many columns with finite entries, copies of the three)."""
+    """(valid, copies of the three): valid where they are a canonical matrix with so many columns and finite entries."""
     good = start[0] == 0 and start[-1] <= len(column) and start[-1] <= len(value)
     own_start, own_column, own_value = np.empty(len(start), np.int32), np.empty(len(column), np.int32), np.empty(len(value))
     own_start[0] = 0
@@ -127,7 +127,7 @@ def by_contact(n_start, n_column, n_value, t_start, t_column, t_value, d):  # ty
 
 @kernel
 def by_row(start, column, value, first, d):  # type: ignore[no-untyped-def]
-    """Of a matrix by contacts the rows first, ..., d-1 of every contact, by rows."""
+    """The rows first, ..., d-1 of every contact of a matrix by contacts, as a matrix by rows."""
     nc, own = len(start) - 1, d - first
     own_start, at = np.zeros(nc * own + 1, np.int32), 0
     own_column, own_value = np.empty(len(column) * own, np.int32), np.empty(len(column) * own)
@@ -145,7 +145,7 @@ def by_row(start, column, value, first, d):  # type: ignore[no-untyped-def]
 def normal_first(start, column, value):  # type: ignore[no-untyped-def]
     """A matrix by contacts with the columns of a contact's normal first, then those that the first tangent adds, and so on.
 
-    Methods that go from contact to contact add up in this order.
+    Methods that sweep over the contacts add up in this order.
     """
     d, taken = value.shape[1], np.zeros(len(column), np.bool_)
     own_start, own_column, own_value, at = (

@@ -1,9 +1,9 @@
-"""A scene: rigid planar bodies, the fixed obstacles around them, the laws they obey and the state they start from.
+"""A scene: rigid planar bodies, fixed obstacles, the laws of contact and the initial state.
 
     M v' = k(q, v, t) + forces of contacts and joints,    q' = v,    q = (x, y, angle) of each body's centre of mass.
 
-A scene knows its mechanics and its geometry. How time is discretised is the business of a scheme (problems.schemes), which
-asks for the contacts here and puts them into a FrictionProblem.
+A scene provides the mechanics and the geometry. Time is discretised by a scheme (problems.schemes), which computes the contacts
+with the scene and sets up a FrictionProblem.
 """
 
 from dataclasses import dataclass, field
@@ -50,8 +50,8 @@ class Scene:
         nv = 3 * len(self.bodies)
         object.__setattr__(self, "q0", check.vector("q0", np.ravel(self.q0), nv))
         object.__setattr__(self, "v0", check.vector("v0", np.zeros(nv) if self.v0 is None else np.ravel(self.v0), nv))
-        strangers = [hinge.bodies for hinge in self.hinges if max(hinge.bodies) >= len(self.bodies)]
-        require(not strangers, "hinges", f"no such bodies: {strangers}")
+        unknown = [hinge.bodies for hinge in self.hinges if max(hinge.bodies) >= len(self.bodies)]
+        require(not unknown, "hinges", f"refer to bodies that do not exist: {unknown}")
         require(0 <= self.friction < np.inf, "friction", f"must not be negative, got {self.friction!r}")
         require(0 <= self.restitution <= 1, "restitution", f"must be between 0 and 1, got {self.restitution!r}")
         require(0 < self.step < np.inf, "step", f"must be positive, got {self.step!r}")
@@ -78,8 +78,8 @@ class Scene:
 
     @property
     def touch(self) -> float:
-        """The gap, m, up to which a contact counts as touching: 1e-6 of the largest body, far above what round-off and a
-        solver's tolerance leave open at a contact that stays closed, far below what one step of motion opens."""
+        """The gap, m, up to which a contact counts as touching: 1e-6 of the largest body, far above the
+        gaps that round-off and a solver's tolerance leave at a closed contact, far below the gap after one step of motion."""
         return 1e-6 * self.geometry.reach
 
     def force(self, q: Array, v: Array, t: float) -> Array:
@@ -124,7 +124,7 @@ class Scene:
         )
 
     def problem(self) -> FrictionProblem:
-        """Anitescu and Potra's problem of the first step: no solver is needed to have it."""
+        """The friction problem of the first time step of Anitescu and Potra's scheme."""
         free = self.v0 + self.step * self.force(self.q0, self.v0, 0.0) / self.weights
         return self.friction_problem(self.q0, free, self.contacts(self.q0))
 

@@ -1,4 +1,4 @@
-"""A scene driven through time, and what the energy says about it."""
+"""Simulation of a scene over time, and the energy balance of its steps."""
 
 from collections.abc import Iterator
 from contextlib import suppress
@@ -26,7 +26,7 @@ def simulate(scene: Scene, solve: Solve, scheme: Scheme = anitescu_potra, steps:
 
 
 def first_problem(scene: Scene, scheme: Scheme = anitescu_potra) -> FrictionProblem:
-    """The first friction problem that a scheme meets in a scene. Errors: InputError where the scheme refuses the scene."""
+    """The first friction problem that a scheme sets up in a scene. Errors: InputError where the scheme refuses the scene."""
     met: list[FrictionProblem] = []
 
     def meet(problem: FrictionProblem) -> Array:
@@ -39,14 +39,13 @@ def first_problem(scene: Scene, scheme: Scheme = anitescu_potra) -> FrictionProb
 
 
 def ledger_defect(problem: FrictionProblem, impulse: Array) -> float:
-    """The energy, J, that an answer (nc, d) makes or loses against the law of energy of an exact one.
+    """The energy, J, that an answer (nc, d) adds compared with the energy balance of an exact one.
 
-    With v* the free velocity, lambda = |u_t|, and u = J v + b, an exact answer obeys
+    With v* the free velocity, lambda = |u_t|, and u = J v + b, an exact answer satisfies
 
         T(v) = T(v*) - |J'r|^2/2 (in M^-1) - b.r_n - sum lambda (mu r_n + b_f),
 
-    and any answer misses it by sum r_n u_n + r_t.u_t + |u_t| (mu r_n + b_f): positive where the answer holds more energy than
-    the law allows it.
+    and the defect of any answer is sum r_n u_n + r_t.u_t + |u_t| (mu r_n + b_f), positive where the answer has too much energy.
     """
     u = problem.contact_velocity(impulse)
     slip = np.linalg.norm(u[:, 1:], axis=1)

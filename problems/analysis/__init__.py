@@ -1,1 +1,1 @@
-"""What a problem is like, whoever solves it: labels, stability, the census of its solutions."""
+"""Properties of a friction problem that do not depend on the solver: labels, stability, the census of its solutions."""

@@ -1,14 +1,15 @@
-"""The census of a small planar friction problem: all of its solutions, none overlooked.
+"""The census of a small planar friction problem: the complete set of its solutions.
 
-Coulomb's law is a choice between linear pieces. In a mode, which says of every contact whether it is open, sticks or slides
+Coulomb's law is piecewise linear. In a mode, which states for every contact whether it is open, sticks or slides
 to the left or right, the solutions are a polyhedron:
 
     open    r_n = 0, u_n >= 0                        stick   u_t = 0, |r_t| <= mu r_n + b_f
     closed  r_n >= 0, u_n = 0                        right   u_t >= 0, r_t = -(mu r_n + b_f)      left the mirror image
 
-The census goes through the modes contact by contact, keeps the polyhedron of the choices made by its vertices and rays
-(problems.analysis.polyhedra), and drops a branch where nothing is left. So it finds segments, faces and rays of solutions as
-well as points, which the bases of the LCP alone do not show: hyperstatic impulses, and the jam whose solutions are not convex.
+The census enumerates the modes contact by contact, represents the polyhedron of the choices so far by its vertices and rays
+(problems.analysis.polyhedra), and prunes a branch where it is empty. So it finds segments, faces and rays of solutions as well
+as points, which enumerating the bases of the LCP would not: hyperstatic impulses, and the scene jam, whose solutions are not
+convex.
 """
 
 from collections.abc import Callable, Iterator
@@ -38,9 +39,9 @@ from frictionbench.problems.check import Array, InputError, require
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.residual import residual
 
-MODES = 4**8  # the most modes that a census goes through
-TIES = (1e-12, 1e-11, 1e-10, 1e-9)  # how small a velocity counts as zero, relative to the largest free one; the first that does
-WRONG = 1e-7  # what has a larger residual is no solution
+MODES = 4**8  # the most modes that are enumerated: some seconds
+TIES = (1e-12, 1e-11, 1e-10, 1e-9)  # velocities relative to the largest free one that count as zero; the first that suffices
+WRONG = 1e-7  # a point with a larger residual is not a solution but an effect of round-off
 
 
 Cut = tuple[Array, bool]  # row'(x, 1) >= 0, or = 0 if the flag is set
@@ -61,7 +62,7 @@ class Census:
     "c"losed without friction, and in capitals open contacts with a friction bias).
     velocities: the same pieces in y, maximal ones; several impulses may have one velocity.
     shape, velocity_shape: whether there is none, one, a convex set of several, isolated ones, or else a set not convex.
-    witness: two solutions whose midpoint is none, where the solutions are isolated or not convex; see
+    witness: two solutions whose midpoint is no solution, where the solutions are isolated or not convex; see
     problems.analysis.polyhedra.shape.
     """
 
@@ -73,12 +74,12 @@ class Census:
 
     @property
     def count(self) -> int | None:
-        """How many solutions there are, None where infinitely many."""
+        """How many solutions there are, None for infinitely many."""
         return _count(self.pieces)
 
     @property
     def velocity_count(self) -> int | None:
-        """How many velocities the solutions have, None where infinitely many."""
+        """How many velocities the solutions have, None for infinitely many."""
         return _count(self.velocities)
 
 
@@ -87,13 +88,13 @@ def census(problem: FrictionProblem) -> Census:
 
     It works with impulses in units of |q|/s, s the mean diagonal of a contact's block of W, so its tolerances are relative:
     impulses 1e-7 apart are the same; velocities below 1e-12 of the largest free one are zero, impulses beyond 1e12 |q|/s
-    infinite. Where a generator so found is no solution, as round-off in a badly conditioned W can have it, these two give way
-    by powers of ten, down to 1e-9.
+    infinite. Where a generator found this way is no solution, because of round-off in a badly conditioned W, these two are
+    relaxed by powers of ten, up to 1e-9.
     A few contacts take milliseconds, eight up to some seconds where most modes are possible.
     Errors: InputError for spatial problems and for more than 4^8 modes: 8 contacts with friction, fewer with friction_bias.
-    ArithmeticError where no such tolerance will do.
+    ArithmeticError where no such tolerance suffices.
     """
-    require(problem.dimension == 2, "dimension", "a census needs planar contacts")
+    require(problem.dimension == 2, "dimension", "a census is for planar problems, dimension 2")
     nc = problem.contacts
     root = np.sqrt(np.repeat(problem.scale, 2))
     free = np.abs(problem.q / root).max(initial=0.0) or 1.0
@@ -109,7 +110,7 @@ def census(problem: FrictionProblem) -> Census:
         wide = limit if mu else r_n + limit  # without friction the cone is a half-line, which no two facets bound
         facets += [wide + r_t, wide - r_t]
         cuts += [(r_n, False), (limit + r_t, False), (limit - r_t, False)]
-        # The impulse's own cuts come first: they only select a face, and leave less to cut.
+        # The cuts on the impulse come first: they only select a face, which leaves fewer generators for the next cuts.
         slips: list[tuple[str, tuple[Cut, ...], tuple[Cut, ...]]] = [
             ("s", (), ((u_t, True),)),
             ("l", ((limit - r_t, True),), ((-u_t, False),)),
@@ -171,7 +172,7 @@ def enumerate_solutions(
 ) -> Census:
     """The census of the x with facets (x, 1) >= 0 and the cuts; y (x, 1) are the velocities, the units those of x and y.
 
-    Errors: InputError for more than MODES modes; ArithmeticError where no tolerance of TIES tells the solutions apart.
+    Errors: InputError for more than MODES modes; ArithmeticError where no tolerance of TIES suffices.
     """
     modes = prod(len(several) for several in choices)
     require(modes <= MODES, "contacts", f"a census enumerates at most {MODES} modes; this problem has {modes}")
@@ -197,7 +198,7 @@ def enumerate_solutions(
 
 
 def _image(piece: Polyhedron, y: Array) -> Polyhedron:
-    """The piece under x -> y @ (x, 1); impulses that differ may have one velocity."""
+    """The image of the piece under x -> y @ (x, 1); different impulses may have the same velocity."""
     vertices, rays = piece.vertices @ y[:, :-1].T + y[:, -1], piece.rays @ y[:, :-1].T
     return Polyhedron(distinct(vertices), rays[np.abs(rays).max(axis=1, initial=0.0) > SAME], piece.mode)
 

@@ -1,7 +1,7 @@
-"""What kind of problem a friction problem is: size, rank, pointedness, whether there is anything to solve.
+"""Labels of a friction problem: size, rank, pointedness, triviality.
 
-Labels keep trivial problems out of headlines and let results be split by what makes a problem hard. Rank deficiency of W,
-rather than lack of convexity, is what most methods suffer from (Acary, Brémond and Huber 2018).
+By their labels trivial problems are excluded from headline results, and results are split by what makes problems hard. Rank
+deficiency of W, rather than lack of convexity, is what most methods suffer from (Acary, Brémond and Huber 2018).
 """
 
 from dataclasses import dataclass
@@ -15,8 +15,8 @@ from frictionbench.problems.forms.definite import spectrum_ends
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.residual import residual
 
-DENSE_ROWS = 600
-FACETS = 8
+DENSE_ROWS = 600  # the most rows of W for dense decompositions, which cost more than solving larger problems
+FACETS = 8  # of the polygon in space, the default of FrictionProblem.lcp
 
 
 @dataclass(frozen=True)
@@ -30,8 +30,8 @@ class Labels:
     makes a P0 matrix iff it is not negative (in space |b| is a norm, and the margin a lower bound); 1 without contacts.
     mass_ratio: the largest over the smallest effective mass at a contact, 1/s of FrictionProblem.scale; 1 without contacts.
     asymmetry: the largest entry of |W - W'| over that of |W|, and indefiniteness: the most negative eigenvalue of W's symmetric
-    part over the largest, positive where there is one, as far as problems.forms.definite sees; of a W that is all that is
-    known, as recorded problems have it. 0 for mechanics.
+    part over the largest, positive where there is one, as estimated by problems.forms.definite; for problems of
+    which only W is known, as recorded ones. 0 where the mechanics are given.
     trivial: why there is nothing to solve, or "": "no contact", "no friction", or "no impulse" where r = 0 is an answer.
     """
 
@@ -87,8 +87,8 @@ def _trivial(problem: FrictionProblem) -> str:
 
 
 def _rank_condition(problem: FrictionProblem) -> tuple[int, float | None]:
-    """Rank and condition of W = A A', from the singular values of A, which are the roots of those of W: half the digits of a
-    badly conditioned W are lost in forming it. Where W is all that is known they are its own."""
+    """Rank and condition of W = A A', from the singular values of A, which are the roots of those of W: forming a badly
+    conditioned W loses half its digits. Where only W is known, its own singular values are used."""
     if not problem.contacts:
         return 0, None
     if not problem.mechanical:
@@ -106,8 +106,8 @@ def pointedness(problem: FrictionProblem) -> float:
     """max { sum c : J'(c, beta) + F' lam = 0, |beta| <= mu c, 0 <= c <= 1 }, by linear programming; polygonal in space.
 
     The amount of normal impulse that the contacts can exchange without moving anything: 0 where the friction cone is pointed,
-    and then the impulses are bounded by the data. A body jammed between two walls has 2. Where only W is known the program is
-    too dense to be worth its time above DENSE_ROWS rows: NaN, as where it is not solved.
+    and then the impulses are bounded by the data. A body jammed between two walls has 2. NaN where the program is
+    not solved, and where only W is known, above DENSE_ROWS rows, for which the dense program takes too long.
     """
     nc, d = problem.contacts, problem.dimension
     if not nc:
@@ -124,7 +124,7 @@ def pointedness(problem: FrictionProblem) -> float:
     D = push[:, tangential] @ sparse.kron(eye, directions)
     momentum = sparse.hstack([push[:, ~tangential], D, problem.joints.T], format="csr")
     size = abs(momentum).max(axis=1).toarray().ravel()
-    momentum = sparse.diags_array(1 / np.where(size > 0, size, 1.0)) @ momentum  # a moment must not be small for its units
+    momentum = sparse.diags_array(1 / np.where(size > 0, size, 1.0)) @ momentum  # no row small for its units
     nj = problem.joints.shape[0]
     cone = sparse.hstack(
         [-sparse.diags_array(problem.friction), sparse.kron(eye, np.ones((1, K))), sparse.csr_array((nc, nj))], format="csr"

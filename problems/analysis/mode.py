@@ -1,4 +1,4 @@
-"""What an answer makes of each contact, and how near it is to making something else of one."""
+"""The mode of each contact in an answer, and the distance of an answer from the nearest change of mode."""
 
 import numpy as np
 
@@ -7,11 +7,11 @@ from frictionbench.problems.friction import FrictionProblem
 
 
 def mode(problem: FrictionProblem, impulse: Array, tol: float = 1e-6) -> str:
-    """What an answer (nc, 2) makes of each planar contact: "o"pen, "s"ticking, sliding "l"eft or "r"ight.
+    """The mode of each planar contact in an answer (nc, 2): "o"pen, "s"ticking, sliding "l"eft or "r"ight.
 
-    An impulse below tol |q|/s is none, a velocity below tol |q| is rest, q the largest free contact velocity.
+    An impulse below tol |q|/s and a velocity below tol |q| count as zero, q the largest free contact velocity.
     """
-    require(problem.dimension == 2, "dimension", "modes need planar contacts")
+    require(problem.dimension == 2, "dimension", "modes are for planar problems, dimension 2")
     u = problem.contact_velocity(impulse)
     free = np.abs(problem.q).max(initial=0.0)
     opened = problem.scale * np.abs(impulse).max(axis=1, initial=0.0) <= tol * free
@@ -20,12 +20,12 @@ def mode(problem: FrictionProblem, impulse: Array, tol: float = 1e-6) -> str:
 
 
 def distance_to_next_mode(problem: FrictionProblem, impulse: Array) -> float:
-    """How far a solution (nc, 2) is from the nearest change of mode, as a velocity over the largest free one; 0 on a tie.
+    """The distance of a solution (nc, 2) from the nearest change of mode, as a velocity over the largest free one; 0 on a tie.
 
     An open contact changes where u_n reaches 0, a closed one where s r_n does; a sticking one where s |r_t| reaches its limit,
     a sliding one where u_t reaches 0. Infinity without contacts.
     """
-    require(problem.dimension == 2, "dimension", "modes need planar contacts")
+    require(problem.dimension == 2, "dimension", "modes are for planar problems, dimension 2")
     free = np.abs(problem.q).max(initial=0.0)
     if not free:
         return np.inf

@@ -1,6 +1,6 @@
 """Polyhedra by vertices and rays, cut by one plane at a time, and the shape of a union of them.
 
-A polyhedron {x} is held as the cone {(x, tau)} of its generators: with tau > 0 the vertices x/tau, with tau = 0 the rays.
+A polyhedron {x} is stored as the cone {(x, tau)} of its generators: with tau > 0 the vertices x/tau, with tau = 0 the rays.
 A cut keeps the generators on one side and adds the points where the edges cross the plane; two generators span an edge where
 no third is tight in all the inequalities that both are tight in. This is the double description method (Motzkin, Raiffa,
 Thompson and Thrall 1953; Fukuda and Prodon 1996). It needs a pointed cone to begin with and is meant for a few dozen
@@ -18,13 +18,13 @@ from scipy.optimize import linprog
 
 from frictionbench.problems.check import Array
 
-SAME = 1e-7  # points this near, relative to 1 and their size, are one
+SAME = 1e-7  # points at most this far apart, relative to 1 and their size, count as equal
 
 
 class Cone(NamedTuple):
     """generators: (k, n+1), largest entry 1. tight: (k, m), where each generator meets each inequality exactly.
 
-    tie: how near to a plane (largest coefficient 1) a generator counts as lying on it, that of infinity, tau = 0, too.
+    tie: the distance from a plane (largest coefficient 1), also from tau = 0, up to which a generator counts as lying on it.
     """
 
     generators: Array
@@ -35,7 +35,7 @@ class Cone(NamedTuple):
 class Polyhedron(NamedTuple):
     """The points sum a_i vertices_i + sum b_j rays_j with a, b >= 0 and sum a = 1. vertices: (k, n), rays: (j, n).
 
-    mode: whatever pieces of a union are told apart by.
+    mode: a label that distinguishes the pieces of a union.
     """
 
     vertices: Array
@@ -51,7 +51,7 @@ class Polyhedron(NamedTuple):
 
 
 class Shape(Enum):
-    """What a union of polyhedra looks like."""
+    """The shape of a union of polyhedra."""
 
     NONE = "none"
     ONE = "one"
@@ -77,8 +77,8 @@ def cut(cone: Cone, row: Array, equality: bool) -> Cone:
     if len(above) and len(below):
         p, m = (side.ravel() for side in np.meshgrid(above, below, indexing="ij"))
         both = tight[p] & tight[m]
-        missed = both.astype(np.float32) @ ~tight.T  # of how many of these inequalities each generator is not tight in
-        edge = np.count_nonzero(missed == 0, axis=1) == 2
+        not_tight = both.astype(np.float32) @ ~tight.T  # of how many of these inequalities each generator is not tight in
+        edge = np.count_nonzero(not_tight == 0, axis=1) == 2
         p, m, both = p[edge], m[edge], both[edge]
         crossing = _unit(value[p, None] * generators[m] - value[m, None] * generators[p])
     tight = np.vstack([tight[keep], both])
@@ -103,16 +103,16 @@ def distinct(points: Array) -> Array:
 
 
 def maximal(pieces: Iterable[Polyhedron], within: Callable[[Polyhedron, Polyhedron], bool]) -> list[Polyhedron]:
-    """The pieces that lie within no other; of equal ones the first."""
-    kept: list[Polyhedron] = []
+    """The pieces that lie in no other; of equal ones the first."""
+    found: list[Polyhedron] = []
     for piece in pieces:
-        if not any(within(piece, other) for other in kept):
-            kept = [other for other in kept if not within(other, piece)] + [piece]
-    return kept
+        if not any(within(piece, other) for other in found):
+            found = [other for other in found if not within(other, piece)] + [piece]
+    return found
 
 
 def is_face(piece: Polyhedron, other: Polyhedron) -> bool:
-    """Whether all generators of the piece are the other's: what inclusion means for two that meet in a common face."""
+    """Whether all generators of the piece are generators of the other: inclusion, for two that meet in a common face."""
     return _among(piece.vertices, other.vertices) and _among(piece.rays, other.rays)
 
 
@@ -141,10 +141,10 @@ def contains(piece: Polyhedron, x: Array) -> bool:
 
 
 def shape(pieces: list[Polyhedron], is_solution: Callable[[Array], bool]) -> tuple[Shape, tuple[Array, Array] | None]:
-    """What the union of maximal pieces looks like, and two of its points whose midpoint is outside where it is not convex.
+    """The shape of the union of maximal pieces, and two of its points whose midpoint is outside where it is not convex.
 
     Pairs of vertices, of points on rays and of centres are tried; a union of several pieces without such a pair is called
-    convex, which is not proved by it.
+    convex, although this does not prove it.
     """
     if not pieces:
         return Shape.NONE, None

@@ -1,8 +1,8 @@
-"""Whether it is the instance that is ill-posed or the solver that is unstable.
+"""Backward error and sensitivity, which distinguish unstable solvers from ill-posed problems.
 
 The backward error of an answer is the smallest relative change of the data (q, mu) under which it is exact: small for a stable
-solver, however ill-posed the problem (Higham 2002, section 1.5). The sensitivity of a problem is how much larger than a small
-change of q the change of the solution is: large for an ill-posed problem, whatever the solver.
+solver, however ill-posed the problem (Higham 2002, section 1.5). The sensitivity of a problem is the ratio of the change of
+the solution to a small change of q: large for an ill-posed problem, whatever the solver.
 """
 
 from collections.abc import Callable
@@ -14,15 +14,15 @@ from frictionbench.problems.forms.cone import project_cone
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.residual import residual
 
-EPSILON = 8 * np.finfo(float).eps
-ROUND_OFF = 1e-13  # of the largest free velocity: what a smaller impulse moves at its own contact is not seen
+EPSILON = 8 * np.finfo(float).eps  # the rounding of a norm and of a product, with a margin
+ROUND_OFF = 1e-13  # of the largest free velocity: impulses that change the velocity of their own contact by less are neglected
 
 
 def backward_error(problem: FrictionProblem, impulse: Array) -> float:
     """The least eta with which impulse (nc, d) obeys Coulomb's law exactly for some |dq_i| <= eta max|q|, |dmu_i| <= eta mu_i.
 
-    The answer is taken as it is, and moved to the nearest impulses that friction allows, those below round-off made none: the
-    better of the two counts. Infinity where there is no such change.
+    The smaller of two values: for the answer itself, and for its projection on the friction cones with impulses below round-off
+    set to zero. Infinity where there is no such change.
     """
     nc, d = problem.contacts, problem.dimension
     if not nc:
@@ -36,8 +36,8 @@ def backward_error(problem: FrictionProblem, impulse: Array) -> float:
 
 
 def _least_change(problem: FrictionProblem, impulse: Array, scale: float) -> float:
-    """Contact by contact, with u the answer's own velocities: r_n > 0 asks for u_n = 0, r_n = 0 for u_n >= 0. Sticking asks
-    for u_t = 0 with r_t inside the cone; sliding for u_t against r_t on the cone, to which mu may be moved.
+    """Contact by contact, with u the answer's own velocities: r_n > 0 requires u_n = 0, r_n = 0 requires u_n >= 0. Sticking
+    requires u_t = 0 with r_t inside the cone; sliding for u_t against r_t on the cone, to which mu may be moved.
     """
     n, t = impulse[:, 0], impulse[:, 1:]
     if (n < 0).any():
@@ -46,7 +46,7 @@ def _least_change(problem: FrictionProblem, impulse: Array, scale: float) -> flo
     size, widest = np.linalg.norm(t, axis=1), problem.friction * n
     limit = widest + problem.friction_bias
     normal = np.where(n > 0, np.abs(u[:, 0]), np.maximum(-u[:, 0], 0.0))
-    at_limit = np.abs(size - limit) <= EPSILON * limit  # a product and a norm round apart
+    at_limit = np.abs(size - limit) <= EPSILON * limit  # equal up to the rounding of a norm and of a product
     onto = np.where(at_limit, 0.0, np.where(widest > 0, np.abs(size - limit) / np.where(widest > 0, widest, 1.0), np.inf))
     against = np.where(size[:, None] > 0, -t / np.where(size > 0, size, 1.0)[:, None], 0.0)
     along = np.maximum(np.sum(u[:, 1:] * against, axis=1), 0.0)
@@ -60,10 +60,11 @@ def _least_change(problem: FrictionProblem, impulse: Array, scale: float) -> flo
 def sensitivity(
     problem: FrictionProblem, solve: Callable[[FrictionProblem], Array], change: float = 1e-7, draws: int = 3, seed: int = 0
 ) -> float:
-    """The largest |du| / |dq| over random relative changes of q, in contact velocities; infinity where one is not solved.
+    """The largest |du| / |dq| over random relative changes of q, in contact velocities; infinity where a perturbed problem
+    is not solved.
 
-    solve gives the impulses (nc, d) of a problem and is checked to a residual of change / 100: what it returns is compared, so
-    with several solutions apart a jump between them counts as the ill-posedness that it is.
+    solve gives the impulses (nc, d) of a problem; their residuals must be at most change / 100. Where a problem has several
+    isolated solutions, a jump between them counts as ill-posedness.
     """
     nc, d = problem.contacts, problem.dimension
     if not nc:

@@ -1,13 +1,13 @@
-"""Where theory changes its mind about a problem, and whether it knows a solution to exist.
+"""Conditions at which the theory of a problem changes, and known sufficient conditions for the existence of a solution.
 
-    p          every contact alone has p = a - mu |b| >= 0, with a = W_nn and b = W_nt of its own block: sliding on it, a normal
+    p          every contact alone has p = a - mu |b| >= 0, with a = W_nn and b = W_nt of its own block: in sliding, a normal
                force opposes the approach (Painlevé 1895), and its own LCP has a P0 matrix
     P0         the whole friction LCP has a P0 matrix: no principal minor is negative
     pointed    the friction cone is pointed: no contact impulses cancel, so impulses are bounded by the data
     gaps       no bias is negative: nothing overlaps
 
-A solution exists where no bias is negative, for an LCP's ray needs v'q < 0 with v'Qv = 0, which forces v'q = v'b (Anitescu and
-Potra 1997); and where the cone is pointed, for there v'Qv = 0 leaves nothing but v = (0, 0, lambda).
+A solution exists where no bias is negative, because a secondary ray needs v'q < 0 with v'Qv = 0, which forces v'q = v'b
+(Anitescu and Potra 1997); and where the cone is pointed, because then v'Qv = 0 leaves nothing but v = (0, 0, lambda).
 """
 
 from collections.abc import Callable
@@ -18,14 +18,14 @@ import numpy as np
 from frictionbench.problems.analysis.labels import p0_margin, pointedness
 from frictionbench.problems.friction import FrictionProblem
 
-LARGEST = 12  # unknowns of an LCP whose principal minors are all looked at
-POINTED = 1e-9
+LARGEST = 12  # unknowns of an LCP up to which all principal minors are computed: 4095 determinants
+POINTED = 1e-9  # up to which the value of the linear program counts as 0, which it is but for rounding
 
 
 def is_p0(problem: FrictionProblem) -> bool:
     """Whether no principal minor of the friction LCP's matrix is negative; rows and columns scaled to its diagonal's roots.
 
-    Beyond LARGEST unknowns only each contact alone is looked at.
+    Beyond LARGEST unknowns only the blocks of single contacts are examined.
     """
     lcp = problem.lcp()
     if lcp.size > LARGEST:
@@ -41,7 +41,7 @@ def is_p0(problem: FrictionProblem) -> bool:
 
 
 def is_pointed(problem: FrictionProblem) -> bool:
-    """Whether no contact impulses but zero cancel."""
+    """Whether the only admissible contact impulses that cancel are zero."""
     return pointedness(problem) <= POINTED
 
 
@@ -59,7 +59,7 @@ THRESHOLDS: dict[str, Callable[[FrictionProblem], bool]] = {
 
 
 def existence(problem: FrictionProblem, pointed: bool) -> str:
-    """Why the problem is known to have a solution: "gaps", "pointed", or "" where theory does not say."""
+    """Why the problem is known to have a solution: "gaps", "pointed", or "" where neither condition holds."""
     if not problem.mechanical or problem.joint_bias.any():
         return "pointed" if pointed else ""
     return "gaps" if gaps_only(problem) else "pointed" if pointed else ""

@@ -1,1 +1,1 @@
-"""The forms a friction problem is written in: Delassus matrix, LCP, convex relaxation."""
+"""The forms of a friction problem: Delassus matrix, LCP, convex relaxation."""

@@ -1,6 +1,6 @@
 """The projection on a contact's friction cone, K = {|r_t| <= mu r_n + b, r_n >= 0}, mu and b >= 0.
 
-The nearest point of (n, t) keeps the direction of t, so that it is a matter of n and |t| alone, in the plane and in space:
+The nearest point of (n, t) has the direction of t, so that it depends on n and |t| only, in the plane and in space:
 (n, t) itself inside; on the slanted side, whose normal is (-mu, 1), the foot of the perpendicular; the face r_n = 0 below.
 """
 

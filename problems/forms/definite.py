@@ -1,8 +1,8 @@
-"""The ends of a symmetric matrix's spectrum, seen from a few products with it (Lanczos 1950).
+"""Estimates of the least and the largest eigenvalue of a symmetric matrix from a few products with it (Lanczos 1950).
 
-A Ritz value is the mean of eigenvalues, weighted: the least of them is never below the least eigenvalue, and the largest never
-above the largest. Few steps find an end that stands out, as the negative eigenvalues of a matrix do that is indefinite by
-more than round-off; up to STEPS rows the values are exact.
+A Ritz value is a weighted mean of eigenvalues: the least is never below the least eigenvalue, the largest never above the
+largest. Few steps suffice for extreme eigenvalues that are well separated, such as the negative ones of a matrix that is
+indefinite by more than round-off; up to STEPS rows the values are exact.
 """
 
 import numpy as np
@@ -10,7 +10,7 @@ from scipy import sparse
 
 from frictionbench.problems.check import Array
 
-STEPS = 60
+STEPS = 60  # products with the matrix; up to so many rows the values are exact
 
 
 def spectrum_ends(A: sparse.csr_array) -> tuple[float, float]:
@@ -27,7 +27,7 @@ def spectrum_ends(A: sparse.csr_array) -> tuple[float, float]:
         basis[k] = _orthogonal_to(basis[:k], direction)
         image[k] = symmetric @ basis[k]
         direction = image[k] - basis[: k + 1].T @ (basis[: k + 1] @ image[k])
-        if np.linalg.norm(direction) <= 1e-12 * np.linalg.norm(image[k]):  # an invariant subspace: go on orthogonally to it
+        if np.linalg.norm(direction) <= 1e-12 * np.linalg.norm(image[k]):  # an invariant subspace: continue orthogonally to it
             direction = random.standard_normal(n)
     values = np.linalg.eigvalsh(basis @ image.T)
     diagonal = symmetric.diagonal()

@@ -1,6 +1,6 @@
-"""What a friction problem's mechanics say about its contacts: velocities, and the Delassus matrix W = J M^-1 J'.
+"""Kernels for contact velocities and the Delassus matrix W = J M^-1 J'.
 
-J is given by contacts, M^-1 by rows (problems.rows), and each function is one pass over the contacts.
+J is given by contacts, M^-1 by rows (problems.rows); each function is one pass over the contacts.
 """
 
 from typing import NamedTuple
@@ -20,7 +20,7 @@ class Blocks(NamedTuple):
     block: Array
 
     def matrix(self) -> sparse.csr_array:
-        """The matrix (nc*d, nc*d) as scipy has it."""
+        """The matrix (nc*d, nc*d) as scipy's CSR array."""
         n = (len(self.first) - 1) * self.block.shape[1]
         if not n:
             return sparse.csr_array((0, 0))
@@ -64,7 +64,7 @@ def contact_velocity(start, column, J, v, bias):  # type: ignore[no-untyped-def]
 
 @kernel
 def velocity_size(start, column, J, m_start, m_column, m_value, free, impulse):  # type: ignore[no-untyped-def]
-    """|J| (|free| + |M^-1| |J'| |impulse|) (nc, d): the size of what adds up to J (free + M^-1 J' impulse)."""
+    """|J| (|free| + |M^-1| |J'| |impulse|) (nc, d): the absolute values of the terms of J (free + M^-1 J' impulse)."""
     nc, d = impulse.shape
     momentum, u = np.zeros(len(free)), np.zeros((nc, d))
     for i in range(nc):
@@ -144,7 +144,7 @@ def coupling(start, column, J, response):  # type: ignore[no-untyped-def]
 def delassus(start, column, J, m_start, m_column, m_value):  # type: ignore[no-untyped-def]
     """W by blocks.
 
-    For each contact i: y = M^-1 J_i', then J y through the contacts of each velocity that y moves.
+    For each contact i: y = M^-1 J_i', then J y over the contacts of each nonzero entry of y.
     """
     nc, d, nv = len(start) - 1, J.shape[1], len(m_start) - 1
     # The contacts that touch each velocity, and where: J by columns.
@@ -218,7 +218,7 @@ def _blocks(start, column, value, d):  # type: ignore[no-untyped-def]
     first, place = np.zeros(nc + 1, np.int32), nowhere(nc)
     neighbours, block = np.empty(len(column) + nc, np.int32), np.zeros((len(column) + nc, d, d))
     for i in range(nc):
-        neighbours[first[i]], place[i] = i, first[i]  # there in any case
+        neighbours[first[i]], place[i] = i, first[i]  # the diagonal block is stored in any case
         at = first[i] + 1
         for k in range(start[i * d], start[i * d + d]):
             j = column[k] // d
@@ -234,7 +234,7 @@ def _blocks(start, column, value, d):  # type: ignore[no-untyped-def]
 
 @part
 def _insert(neighbours, place, j, begin, end):  # type: ignore[no-untyped-def]
-    """Insert j into the ascending neighbours[begin:end]; place says of each of them where it is."""
+    """Insert j into the ascending neighbours[begin:end]; place[j] is the position of j in it."""
     at = end
     while at > begin and neighbours[at - 1] > j:
         neighbours[at] = neighbours[at - 1]

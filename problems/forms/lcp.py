@@ -31,7 +31,7 @@ from frictionbench.problems.rows import Index, Rows
 class LCP:
     """Find z >= 0 with w = M z + q >= 0 and z'w = 0.
 
-    M: (n, n), dense or sparse; kept sparse, `rows` as plain arrays and M as scipy has it. q: (n,).
+    M: (n, n), dense or sparse; stored sparse, as plain arrays in `rows`, of which M is scipy's view. q: (n,).
     contacts: number of contacts nc and dimension d, (0, 0) for a bare LCP. basis: (d, 1 + K) or None; a contact's impulse is
     basis @ (c, beta).
     Errors: InputError naming M or q for a wrong shape, NaN or infinity.
@@ -54,7 +54,7 @@ class LCP:
 
     @classmethod
     def of_friction(cls, rows: Rows, q: Array, basis: Array, contacts: tuple[int, int]) -> Self:
-        """A friction problem's LCP, of parts that need no check."""
+        """A friction problem's LCP, of parts that have been checked."""
         lcp = object.__new__(cls)
         lcp.rows, lcp.q, lcp.basis, lcp.contacts = rows, q, basis, contacts
         return lcp
@@ -98,7 +98,7 @@ class LCP:
 
     @cached_property
     def hash(self) -> str:
-        """Content hash: equal for equal M and q, whatever form they came in."""
+        """Content hash: equal for equal M and q, whatever form they were given in."""
         return content_hash(M=self.M, q=self.q)
 
     def __repr__(self) -> str:
@@ -150,7 +150,7 @@ def impulse(basis, z, nc):  # type: ignore[no-untyped-def]
 
 @kernel
 def dense_matrix(start, column, value, n):  # type: ignore[no-untyped-def]
-    """A square matrix of rows, dense."""
+    """A square matrix by rows as a dense one."""
     dense = np.zeros((n, n))
     for i in range(n):
         for k in range(start[i], start[i + 1]):
@@ -167,7 +167,7 @@ def friction_rows(first, neighbours, block, q, friction, friction_bias, basis): 
     start, column, value, right = np.empty(n + 1, np.int32), np.empty(entries, np.int32), np.empty(entries), np.zeros(n)
     part = _in_basis(block, basis)
     start[0] = at = row = 0
-    for tangential in range(2):  # the normal rows of all contacts, then the directions of one after another
+    for tangential in range(2):  # the normal rows of all contacts, then the tangential rows contact by contact
         for i in range(nc):
             for own in range(1, width) if tangential else range(1):
                 for a in range(d):

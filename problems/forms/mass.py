@@ -1,7 +1,7 @@
 """The inverse of a mass matrix.
 
-A multibody system's mass matrix is block diagonal: a block a body, or one for each set of coordinates that a generalised
-description couples. Each block's inverse is dense, so the inverse has the blocks' own sparsity.
+A multibody system's mass matrix is block diagonal: a block per body, or per set of coordinates that generalised
+coordinates couple. Each block's inverse is dense, so the inverse has the blocks' own sparsity.
 """
 
 import numpy as np

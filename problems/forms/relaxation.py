@@ -5,13 +5,13 @@ Coulomb's law without de Saxcé's shift: -u in the normal cone of K at r, which 
     min  ½ v'Mv - (M v*)'v + b_f'y    subject to    u = J v + offset,   F v + b_F = 0,
          u_n >= mu |u_t|  at every contact,    y_i >= |u_t,i|  at contacts with b_f,i > 0.
 
-The multipliers are the impulses. A sliding contact separates at u_n = mu |u_t|: the model's error, whatever the solver.
+The multipliers are the impulses. A sliding contact separates at u_n = mu |u_t|, which is the error of the model.
 In the plane and with a polygonal section the constraints are linear; the slack y, one for each contact with a friction
 bias, carries the segment by which that contact's set K is wider than a cone.
 
 Every contact has m rows (e_k u_n + mu d_k.u_t) in both programs, and those with a friction bias m more, (e_k y + d_k.u_t): in a
-polygon e_k = 1 and d_k its corners; of a circular cone row 0 has e = 1, the others one component of u_t each. So one pass makes
-the matrices of both, by columns.
+polygon e_k = 1 and d_k its corners; of a circular cone row 0 has e = 1, the others one component of u_t each. One pass
+thus assembles the matrices of both, by columns.
 """
 
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ from frictionbench.problems.rows import Array, ByContact, Rows
 
 
 class VelocityForm(NamedTuple):
-    """A friction problem in its velocities: M (v - v*) = J' r + F' lam, u = J v + offset (nc, d), and what else it says."""
+    """A friction problem in its velocities: M (v - v*) = J' r + F' lam, u = J v + offset (nc, d); friction; joints."""
 
     contact_rows: ByContact
     mass_rows: Rows
@@ -126,7 +126,7 @@ def _matrices(start, column, J, m_start, m_column, m_value, free, offset, mu, wi
         P_start[v] = m_start[nv]
     most = 2 * m * len(column) + m * wide
     G_start, row, value = np.zeros(nv + wide + 2, np.int32), np.empty(most, np.int32), np.empty(most)
-    for fill in (False, True):  # count the entries of each column, two places on, then enter them one place on
+    for fill in (False, True):  # count the entries of column v in G_start[v + 2], then fill from position G_start[v + 1]
         block = 0
         for segment in (False, True):
             for i in range(nc):

@@ -28,7 +28,7 @@ def package(tmp_path) -> Path:
         (home / folder).mkdir(parents=True)
     problems = home / "problems"
     (home / "__init__.py").touch()
-    (problems / "__init__.py").write_text("import frictionbench.problems.compiled as compiled\ncompiled.keep_compiled()\n")
+    (problems / "__init__.py").write_text("import frictionbench.problems.compiled as compiled\ncompiled.set_kernel_cache()\n")
     shutil.copy(ROOT / "problems" / "compiled.py", problems)
     (problems / "outer.py").write_text(KERNEL.format(module="inner"))
     write_inner(home, 1)
@@ -81,5 +81,5 @@ def test_without_a_cache_folder_the_temporary_one_serves(package) -> None:
 
 
 def test_a_part_called_from_python_says_what_it_is() -> None:
-    with pytest.raises(TypeError, match="nearest is a part of kernels"):
+    with pytest.raises(TypeError, match="nearest can only be called from a compiled kernel"):
         nearest(-1.0, 1.0, 0.5, 0.0)
