@@ -4,9 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
-from frictionbench.harness.cli import app
 from tests.helpers.command_line import frictionbench
 from tests.helpers.places import ROOT
 
@@ -37,21 +35,3 @@ def test_a_problem_of_ones_own_is_a_file(stranger, monkeypatch) -> None:
     solved = frictionbench("solve", "problem.npz", "--solver", "lemke", "--solver", "nsgs", cwd=stranger)
     assert "problem.npz: 2 contacts" in solved.stdout
     assert "use " in solved.stdout, solved.stderr
-
-
-def test_every_command_and_option_of_the_readme_is_there() -> None:
-    told = re.findall(r"^    frictionbench ([\w-]+)([^#\n]*)", README, flags=re.MULTILINE)
-    assert {command for command, _ in told} >= {"list", "run", "report", "compare", "accept", "solve", "map", "shrink"}
-    for command, rest in told:
-        known = CliRunner().invoke(app, [command, "--help"])
-        assert known.exit_code == 0, command
-        assert [option for option in re.findall(r"--[\w-]+", rest) if option not in known.output] == []
-
-
-def test_every_link_leads_somewhere() -> None:
-    links = re.findall(r"\]\(([^)]+)\)", README)
-    headings = {
-        "#" + re.sub(r"[^\w -]", "", line[3:].lower()).replace(" ", "-") for line in README.splitlines() if line[:3] == "## "
-    }
-    root = ROOT
-    assert [link for link in links if link not in headings and not (root / link).exists()] == []

@@ -1,4 +1,4 @@
-"""The recipes of docs/house.md, followed word for word in a copy of the house."""
+"""The recipes of CONTRIBUTING.md, followed word for word in a copy of the source."""
 
 import os
 import re
@@ -15,21 +15,26 @@ from frictionbench.problems.compiled import PACKAGE
 from tests.helpers.places import ROOT
 
 RECIPES = dict(
-    re.findall(r"^### (.+?)\n(.*?)(?=^### |\Z)", (ROOT / "docs" / "house.md").read_text(encoding="utf-8"), re.M | re.S)
+    re.findall(r"^### (.+?)\n(.*?)(?=^### |\Z)", (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8"), re.M | re.S)
 )
 PIPED = {"capture_output": True, "text": True, "timeout": 300}
-# What each recipe's last command must show; a claim that is wrong must be seen to be.
+# What each recipe's last command must print; a wrong claim must be reported as wrong.
 SHOWS = {
     "Add a scene": ("lemke", "solved"),
+    "Add an instance": ("8 contacts", "nsgs", "solved"),
+    "Add a time-stepping scheme": ("brick.html",),
     "Add a solver": ("jacobi", "solved"),
     "Add an outside solver": ("scipy_nnls", "wrong"),
     "Add a chart": ("report:", "paper:"),
+    "Add a suite": ("solved", "lemke"),
+    "Add a check to the contract": ("counts its work",),
+    "Add a file format": ("one.json: 1 contact", "solved"),
 }
 
 
 @pytest.fixture(scope="module")
-def house(tmp_path_factory) -> Path:
-    copy = tmp_path_factory.mktemp("house")
+def source(tmp_path_factory) -> Path:
+    copy = tmp_path_factory.mktemp("source")
     for folder in ("problems", "solvers", "harness", "results", "reports"):
         shutil.copytree(ROOT / folder, copy / folder)
     shutil.copytree(ROOT / "frictionbench", copy / "frictionbench", symlinks=True)
@@ -38,7 +43,7 @@ def house(tmp_path_factory) -> Path:
 
 
 def share_compiled(copy: Path) -> None:
-    """What numba has compiled for this house serves the copy, whose files are as old and as long."""
+    """What numba has compiled for this source serves the copy, whose files are as old and as long."""
     kept = Path(config.CACHE_DIR)
     for folder in {path.parent for path in copy.rglob("*.py")}:
         here, there = (
@@ -49,36 +54,37 @@ def share_compiled(copy: Path) -> None:
             shutil.copytree(kept / here, copy / "compiled" / kept.name / there)
 
 
-def follow(recipe: str, house: Path) -> str:
-    """Write the files that a recipe gives, name its chart in the list, run its commands; what the last one printed."""
+def follow(recipe: str, copy: Path) -> str:
+    """Write the files that a recipe gives, make its changes, run its commands; what the last one printed."""
     for name, text in re.findall(r"Write `([\w/.]+)`:\n\n```python\n(.*?)```", recipe, re.S):
         lines = [line for line in text.splitlines() if line.strip()]
-        assert len(lines) <= 20, f"{name} is no recipe of a few lines"
-        (house / name).write_text(text, encoding="utf-8")
-    if chart := re.search(r"add `(\w+)\.CHART` to `CHARTS`", recipe):
-        charts = house / "reports" / "charts" / "__init__.py"
-        text = charts.read_text(encoding="utf-8")
-        text = re.sub(
-            r"^(from frictionbench.reports.charts import) \(\n(.*?)^\)$",
-            rf"\1 (\n\2    {chart[1]},\n)",
-            text,
-            flags=re.M | re.S,
-        )
-        text = re.sub(r"^CHARTS = \(\n(.*?)^\)$", rf"CHARTS = (\n\1    {chart[1]}.CHART,\n)", text, flags=re.M | re.S)
-        charts.write_text(text, encoding="utf-8")
-    environment = os.environ | {"PYTHONPATH": str(house), "COLUMNS": "200", "NUMBA_CACHE_DIR": str(house / "compiled")}
+        assert len(lines) <= 20, f"{name} is too long for a recipe"
+        (copy / name).write_text(text, encoding="utf-8")
+    for name, changes in re.findall(r"```diff\n--- ([\w/.]+)\n(.*?)```", recipe, re.S):
+        for hunk in changes.split("@@\n"):
+            change(copy / name, hunk.splitlines())
+    environment = os.environ | {"PYTHONPATH": str(copy), "COLUMNS": "200", "NUMBA_CACHE_DIR": str(copy / "compiled")}
     printed = ""
-    for command in re.findall(r"^    frictionbench (.+)$", recipe, re.M):
-        call = [sys.executable, "-c", "from frictionbench.harness.cli import main; main()", *command.split()]
-        done = subprocess.run(call, cwd=house, env=environment, check=False, **PIPED)
+    for command in re.findall(r"^    ((?:frictionbench|echo) .+)$", recipe, re.M):
+        call = ["-c", "from frictionbench.harness.cli import main; main()", *command.split()[1:]]
+        shell = {"args": command, "shell": True} if command.startswith("echo ") else {"args": [sys.executable, *call]}
+        done = subprocess.run(**shell, cwd=copy, env=environment, check=False, **PIPED)
         assert done.returncode == 0, done.stderr
         printed = done.stdout
     return printed
 
 
+def change(path: Path, hunk: list[str]) -> None:
+    """Replace the lines of a hunk that begin with a space or - by those that begin with a space or +."""
+    before, after = ("\n".join(line[1:] for line in hunk if line[0] in kind) for kind in (" -", " +"))
+    text = path.read_text(encoding="utf-8")
+    assert text.count(before) == 1, f"{path.name} has {text.count(before)} times:\n{before}"
+    path.write_text(text.replace(before, after), encoding="utf-8")
+
+
 @pytest.fixture(scope="module")
-def printed(house) -> dict[str, str]:
-    return {name: follow(recipe, house) for name, recipe in RECIPES.items()}
+def printed(source) -> dict[str, str]:
+    return {name: follow(recipe, source) for name, recipe in RECIPES.items()}
 
 
 @pytest.mark.parametrize("name", RECIPES)
@@ -87,8 +93,8 @@ def test_the_recipe_works(name, printed) -> None:
         assert word in printed[name]
 
 
-def test_the_chart_is_on_the_page_and_in_the_paper(house, printed) -> None:
-    run = house / "runs" / "brick"
+def test_the_chart_is_on_the_page_and_in_the_paper(source, printed) -> None:
+    run = source / "runs" / "brick"
     assert "Cells solved, trivial problems left out." in (run / "report.html").read_text(encoding="utf-8")
     assert (run / "paper" / "solved.pdf").exists()
     assert "paper:" in printed["Add a chart"]

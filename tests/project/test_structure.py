@@ -1,4 +1,4 @@
-"""The road runs one way, the rooms know only what lies below them, nothing runs in a circle, and every test can fail."""
+"""Imports go one way between folders and subpackages, without cycles; every file is documented, and every test can fail."""
 
 import ast
 from collections.abc import Iterator
@@ -12,8 +12,8 @@ from tests.helpers.places import ROOT
 
 ROAD = ("problems", "solvers", "harness", "results", "reports")
 _MECHANISMS = ("harness.machine", "harness.process", "harness.deadline")
-# What each place may import of the house: a folder, a room or a file, by its dotted name. Its own files it always may.
-MAY_KNOW = {
+# What each place (a folder, a subpackage or a file, by its dotted name) may import of ours, besides its own files.
+MAY_IMPORT = {
     "problems.compiled": set(),
     "problems.rows": {"problems.compiled"},
     "problems.check": {"problems.compiled", "problems.rows"},
@@ -75,17 +75,17 @@ def within(module: str, place: str) -> bool:
 
 
 def the_place_of(module: str) -> str:
-    return max((place for place in MAY_KNOW if within(module, place)), key=len)
+    return max((place for place in MAY_IMPORT if within(module, place)), key=len)
 
 
 @pytest.mark.parametrize("module", FILES)
-def test_no_arrow_runs_up(module: str) -> None:
+def test_imports_go_one_way(module: str) -> None:
     place = the_place_of(module)
-    house = {target for target, _ in imports(FILES[module]) if target.split(".")[0] in ROAD}
-    strangers = {
-        target for target in house if not within(target, place) and not any(within(target, known) for known in MAY_KNOW[place])
+    ours = {target for target, _ in imports(FILES[module]) if target.split(".")[0] in ROAD}
+    refused = {
+        target for target in ours if not within(target, place) and not any(within(target, known) for known in MAY_IMPORT[place])
     }
-    assert not strangers, f"{module}, of {place}, may not know {strangers}"
+    assert not refused, f"{module}, of {place}, may not import {refused}"
 
 
 @pytest.mark.parametrize("module", FILES)
@@ -99,8 +99,8 @@ def test_the_face_borrows_no_private_name() -> None:
     assert borrowed == []
 
 
-def test_nothing_runs_in_a_circle() -> None:
-    # The __init__ of a folder gathers what lies in it; only what it is asked for by its own name is an arrow to it.
+def test_there_are_no_import_cycles() -> None:
+    # The __init__ of a folder imports what lies in it; importing a module of the folder does not count as importing the rest.
     known = {
         module: {target for target, _ in imports(path, at_once=True) if target in FILES and target != module}
         for module, path in FILES.items()
@@ -112,9 +112,9 @@ def test_nothing_runs_in_a_circle() -> None:
         pytest.fail(" -> ".join(circle.args[1]))
 
 
-def test_private_names_stay_at_home() -> None:
+def test_private_names_are_used_in_their_own_file() -> None:
     borrowed = [
-        f"{module} takes {name} from {target}"
+        f"{module} imports {name} from {target}"
         for module, path in FILES.items()
         for target, name in imports(path)
         if name and name.startswith("_") and not name.startswith("__") and target.split(".")[0] in ROAD
@@ -123,7 +123,7 @@ def test_private_names_stay_at_home() -> None:
 
 
 @pytest.mark.parametrize("module", FILES)
-def test_every_file_says_what_it_is(module: str) -> None:
+def test_every_file_has_a_docstring(module: str) -> None:
     assert ast.get_docstring(tree(FILES[module]))
 
 

@@ -1,0 +1,76 @@
+"""What the documents refer to is there: links, files, subpackages, commands and their options, and the constants they state."""
+
+import re
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from frictionbench.harness import deadline
+from frictionbench.harness.cli import app
+from frictionbench.harness.workers import pool
+from frictionbench.problems.recorded import archive, fclib, siconos
+from frictionbench.results import store
+from tests.helpers.places import ROOT
+
+DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
+FOLDERS = ("problems", "solvers", "harness", "results", "reports", "tests", "docs", "frictionbench")
+# Written by recipes or by a user's own repository.
+EXAMPLES = re.compile(r"brick|plate|midpoint|jacobi|scipy_nnls|charts/solved|plain_json|solvers/mine")
+
+
+def ids(path: Path) -> str:
+    return path.name
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=ids)
+def test_every_link_leads_somewhere(document: Path) -> None:
+    text = document.read_text(encoding="utf-8")
+    headings = {
+        "#" + re.sub(r"[^\w -]", "", line.lstrip("# ").lower()).replace(" ", "-")
+        for line in text.splitlines()
+        if line.startswith("##")
+    }
+    links = [link for link in re.findall(r"\]\(([^)\s]+)\)", text) if "://" not in link]
+    assert [link for link in links if link not in headings and not (document.parent / link.partition("#")[0]).exists()] == []
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=ids)
+def test_every_file_that_is_named_is_there(document: Path) -> None:
+    named = re.findall(rf"`((?:{'|'.join(FOLDERS)})/[\w/.]*)`", document.read_text(encoding="utf-8"))
+    assert [name for name in named if not (ROOT / name).exists() and not EXAMPLES.search(name)] == []
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=ids)
+def test_every_command_and_option_is_there(document: Path) -> None:
+    lines = re.findall(r"^    frictionbench ([a-z][\w-]*)([^#\n]*)", document.read_text(encoding="utf-8"), flags=re.MULTILINE)
+    for command, rest in lines:
+        known = CliRunner().invoke(app, [command, "--help"])
+        assert known.exit_code == 0, command
+        assert [option for option in re.findall(r"--[\w-]+", rest) if option not in known.output] == []
+
+
+def test_the_readme_shows_the_main_commands() -> None:
+    shown = set(re.findall(r"^    frictionbench ([\w-]+)", (ROOT / "README.md").read_text(encoding="utf-8"), re.MULTILINE))
+    assert shown >= {"list", "run", "report", "compare", "accept", "solve", "map", "shrink"}
+
+
+def test_the_architecture_lists_every_subpackage() -> None:
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    for folder in FOLDERS[:5]:
+        row = next(line for line in text.splitlines() if line.startswith(f"| `{folder}/` |"))
+        there = {path.parent.name for path in (ROOT / folder).glob("*/__init__.py")}
+        listed = set(re.findall(r"`(\w+)` [\w ]", row.split("|")[3]))
+        assert listed - {"baselines"} == there, folder
+
+
+def test_the_limits_of_the_security_page_are_those_of_the_code() -> None:
+    text = " ".join((ROOT / "SECURITY.md").read_text(encoding="utf-8").split())
+    assert (store.LARGEST_TABLE, store.LARGEST_MANIFEST) == (2**30, 8 * 2**20)
+    assert "unpack to more than 1 GiB; so are manifests above 8 MiB" in text
+    assert (archive.LARGEST, fclib.LARGEST, siconos.LARGEST, fclib.LONGEST) == (4 * 2**30, 2**29, 2**29, 120.0)
+    assert "(4 GiB for `.npz`, 512 MiB for HDF5 and text)" in text
+    assert "ended after 120 s" in text
+    assert (deadline.COMPILING, deadline.OURS, pool.TRIES) == (600.0, 600.0, 3)
+    assert "3 (limit + 600 s) + 600 s" in text
+    assert "tried again, three times in all" in text
