@@ -1,1 +1,1 @@
-"""One file an outside library."""
+"""Adapters of outside libraries, one file each."""

@@ -1,17 +1,17 @@
-"""MuJoCo's mju_boxQP on the dual of the convex relaxation, in a child process: the one solver of MuJoCo that takes raw
-matrices.
+"""MuJoCo's mju_boxQP on the dual of the convex relaxation, in a child process: the only solver of MuJoCo that takes
+matrices directly.
 
 In the plane the cone's two edges generate every impulse, r = G z with G_i = [1 1; mu -mu] and z >= 0, so the relaxation is
 
     min  ½ z'(G'W G + 1e-12) z + (G'q)'z,     z >= 0,
 
-the small diagonal because mju_boxQP wants a definite matrix, and redundant contacts have none.
+where the small diagonal makes the matrix definite, as mju_boxQP requires, also for redundant contacts.
 
 Licence: Apache-2.0.
-Form: that program, dense, in pure numbers. Setup: none. Solve: mju_boxQP, and sending it the matrix.
+Form: that program, dense and dimensionless. Setup: none. Solve: mju_boxQP, including the transfer of the matrix.
 Clock: around mju_boxQP, in the child.
 Tolerance: it takes none.
-Flaws: it returns a rank and no word on its accuracy, and there is none to ask for: `frictionbench solve
+Flaws: it returns a rank and no measure of accuracy, and no accuracy can be requested: `frictionbench solve
     'stack[blocks=5,mass_ratio=1e6,push=1]' --solver mujoco_boxqp`.
 Reference: Tassa, Mansard and Todorov 2014, "Control-limited differential dynamic programming".
 """
@@ -24,11 +24,11 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer, Status, solver
 from frictionbench.solvers.outside.children.child import child
-from frictionbench.solvers.outside.pure_delassus import PureDelassus, pure_delassus
+from frictionbench.solvers.outside.scaled_delassus import ScaledDelassus, scaled_delassus
 
 
 class Prepared(NamedTuple):
-    given: PureDelassus
+    given: ScaledDelassus
     generators: Array
     H: Array
     g: Array
@@ -38,11 +38,11 @@ class Prepared(NamedTuple):
 class BoxQP:
     """MuJoCo's mju_boxQP on the relaxation's dual, in a child process. (outside)
 
-    Work: none is revealed.
+    Work: none is reported.
     """
 
     def form(self, problem: FrictionProblem) -> Prepared:
-        given, nc = pure_delassus(problem), problem.contacts
+        given, nc = scaled_delassus(problem), problem.contacts
         G, i = np.zeros((2 * nc, 2 * nc)), np.arange(nc)
         G[2 * i, 2 * i] = G[2 * i, 2 * i + 1] = 1.0
         G[2 * i + 1, 2 * i], G[2 * i + 1, 2 * i + 1] = problem.friction, -problem.friction

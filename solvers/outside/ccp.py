@@ -1,20 +1,21 @@
-"""The convex relaxation as a quadratic program, by an outside library through qpsolvers.
+"""The convex relaxation as a quadratic program, solved by an outside library through qpsolvers.
 
-Planar problems only, where the cones are polygons; `ccp_cone` takes round ones too. It is another model than Coulomb's: see
-problems.forms.relaxation.
+Planar problems only, where the cones are polyhedral; `ccp_cone` also takes circular ones. The relaxation differs from Coulomb's
+law: see problems.forms.relaxation.
 
 Licence: qpsolvers LGPL-3.0; Clarabel and OSQP Apache-2.0, ProxSuite and PIQP BSD-2-Clause, DAQP, HiGHS and SCS MIT, quadprog
     GPL-2.0-or-later, ECOS GPL-3.0, QPALM LGPL-3.0-or-later.
-Form: the QP scaled to pure numbers (solvers.outside.scaled_program), dense for DAQP, quadprog and ECOS. Setup: qpsolvers'
+Form: the dimensionless QP (solvers.outside.scaled_program), dense for DAQP, quadprog and ECOS. Setup: qpsolvers'
     problem. Solve: qpsolvers' call, the backend's own setup inside.
-Clock: qpsolvers', around the backend's solve, after its setup where the two can be told apart.
-Tolerance: eps stands for tol in the project's measure, and complementarity needs a gap of eps^2.
+Clock: qpsolvers', around the backend's solve, after its setup where the two can be separated.
+Tolerance: eps is tol in the units of the scaled program; complementarity requires a gap of eps^2.
     clarabel tol_feas = eps, gaps eps^2. osqp eps_abs = eps/10, not polished. proxqp and piqp eps_abs = eps, gap eps^2, which
-    ProxQP does not test unless told to. daqp primal and dual eps/10. highs both feasibilities eps/10, no less than 1e-10.
+    ProxQP tests only on request. daqp primal and dual eps/10. highs both feasibilities eps/10, no less than 1e-10.
     scs and qpalm eps_abs = eps/10. ecos feastol = eps/10, gaps eps^2. quadprog takes none. Relative tolerances are 0.
-Flaws: another model than Coulomb's wherever boxes slide, `frictionbench solve stopping_block --solver 'ccp[backend=daqp]'`;
-    that is the relaxation's, not the libraries'. quadprog and ECOS want a definite matrix and take no friction_bias.
-    HiGHS' least feasibility of 1e-10 and ECOS' arithmetic leave some claims at 1e-8 off by a few times that.
+Flaws: the model differs from Coulomb's law wherever boxes slide, `frictionbench solve stopping_block --solver
+    'ccp[backend=daqp]'`; this is due to the relaxation, not to the libraries. quadprog and ECOS require a definite matrix and
+    so do not support friction_bias. HiGHS' least feasibility of 1e-10 and ECOS' arithmetic leave the residual of some answers
+    at a few times 1e-8.
 Reference: Anitescu 2006 for the model; Caron and others, qpsolvers; Goulart and Chen 2024 (Clarabel); Stellato and others 2020
     (OSQP); Bambade and others 2022 (ProxQP); Schwan and others 2023 (PIQP); Arnström and others 2022 (DAQP).
 """
@@ -35,8 +36,8 @@ from frictionbench.solvers.outside.scaled_program import ScaledProgram, gap_tole
 
 
 class Backend(NamedTuple):
-    """A backend's distribution, the name and default of its limit on iterations, whether it likes dense matrices, and whether
-    it wants a definite P: then no friction_bias, whose variable has no weight."""
+    """A backend's distribution, the name and default of its limit on iterations, whether it is given dense matrices, and
+    whether it requires a definite P, which excludes friction_bias, whose variable has no weight."""
 
     distribution: str
     limit: str
@@ -71,7 +72,7 @@ _VARIANTS = tuple(f"backend={name}" for name in BACKENDS)
 class CCP:
     """The convex relaxation as a QP in the velocities, by a library through qpsolvers.
 
-    backend: which library. Work: the backend's iterations, where it reveals them.
+    backend: which library. Work: the backend's iterations, where it reports them.
     """
 
     backend: str = "clarabel"
@@ -104,10 +105,10 @@ class CCP:
         settings = _settings(self.backend, tol * scaled.share)
         settings |= {backend.limit: limit or backend.most} if backend.limit else {}
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # qpsolvers' word on a failure; it is in the status
+            warnings.simplefilter("ignore")  # qpsolvers warns of a failure; the status reports it
             found = qpsolvers.solve_problem(prepared.problem, self.backend, **settings)
         impulse = np.zeros(scaled.program.contacts) if found.z is None else scaled.impulse(found.z)
-        status, (work, detail) = Status.SOLVED if found.found else Status.FAILED, _told(found.extras)
+        status, (work, detail) = Status.SOLVED if found.found else Status.FAILED, _work_and_detail(found.extras)
         return Answer(impulse, status, work, detail=detail, clock=found.solve_time)
 
 
@@ -130,12 +131,12 @@ def _settings(backend: str, eps: float) -> dict[str, Any]:
     }[backend]
 
 
-def _told(extras: Mapping[str, Any]) -> tuple[dict[str, int], str]:
-    """The iterations and the last word of a backend, each where it tells it."""
+def _work_and_detail(extras: Mapping[str, Any]) -> tuple[dict[str, int], str]:
+    """The iterations and the final status of a backend, each if it reports them."""
     info = extras.get("info", extras)
-    told = (
+    reported = (
         info if isinstance(info, Mapping) else {name: getattr(info, name) for name in ("iter", "status") if hasattr(info, name)}
     )
-    count = told.get("iter", np.ravel(told.get("iterations", []))[:1].tolist())
+    count = reported.get("iter", np.ravel(reported.get("iterations", []))[:1].tolist())
     work = {"iterations": int(count[0] if isinstance(count, list) else count)} if count != [] else {}
-    return work, str(told.get("status", told.get("infostring", "")))
+    return work, str(reported.get("status", reported.get("infostring", "")))

@@ -1,18 +1,19 @@
-"""The convex relaxation as a second-order cone program, by an outside library through CVXPY.
+"""The convex relaxation as a second-order cone program, solved by an outside library through CVXPY.
 
     min  ½ x'Px + q'x    subject to    h - G x in {s_0 >= |s_1:|} for every contact,    A x = b
 
-with the circular cone in space and Coulomb's own cone in the plane. It is another model than Coulomb's: see
+with the circular cone in space and Coulomb's cone in the plane. The relaxation differs from Coulomb's law: see
 problems.forms.relaxation.
 
 Licence: CVXPY and Clarabel Apache-2.0, SCS MIT.
-Form: the program scaled to pure numbers (solvers.outside.scaled_program). Setup: CVXPY builds and canonicalises it. Solve: the
+Form: the dimensionless program (solvers.outside.scaled_program). Setup: CVXPY builds and canonicalises it. Solve: the
     backend's, its own setup inside, and CVXPY's unpacking.
-Clock: none that is told apart from its setup.
-Tolerance: eps stands for tol in the project's measure. clarabel tol_feas = eps, both gaps eps^2. scs eps_abs = eps/10 for both
-    residuals and the gap, eps_rel = 0.
-Flaws: a gap of eps^2 is often out of Clarabel's reach on round cones, and it then says so though the answer is good,
-    `frictionbench solve 'random_bodies[seed=0,contacts=4]' --solver ccp_cone`. Another model than Coulomb's where bodies slide.
+Clock: none that excludes its setup.
+Tolerance: eps is tol in the units of the scaled program. clarabel tol_feas = eps, both gaps eps^2. scs eps_abs = eps/10 for
+    both residuals and the gap, eps_rel = 0.
+Flaws: a gap of eps^2 is often below Clarabel's rounding on circular cones; it then reports failure although the answer is
+    accurate, `frictionbench solve 'random_bodies[seed=0,contacts=4]' --solver ccp_cone`. The model differs from Coulomb's law
+    where bodies slide.
 Reference: Anitescu and Tasora 2010 for the model; Diamond and Boyd 2016 (CVXPY); Goulart and Chen 2024 (Clarabel); O'Donoghue
     and others 2016 (SCS).
 """
@@ -36,7 +37,7 @@ _BACKENDS = ("clarabel", "scs")
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """The scaled program, the CVXPY problem and its canonical data; none of the latter two without contacts."""
+    """The scaled program, the CVXPY problem and its canonical data; the latter two are None without contacts."""
 
     scaled: ScaledProgram[ConeProgram]
     problem: Any = None
@@ -95,7 +96,7 @@ class CCPCone:
         eps, d = tol * scaled.share, scaled.program.contacts[1]
         settings = self._settings(eps, gap_tolerance(eps, round_cones=d > 2), limit)
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # CVXPY's word on an inaccurate solution; it is in the status
+            warnings.simplefilter("ignore")  # CVXPY warns of an inaccurate solution; the status reports it
             raw = chain.solve_via_data(built, data, solver_opts=settings)
             try:
                 built.unpack_results(raw, chain, inverse)

@@ -1,12 +1,12 @@
 """The convex relaxation by Clarabel's own Python interface: linear constraints in the plane, circular cones in space.
 
 Licence: Apache-2.0.
-Form: the program scaled to pure numbers (solvers.outside.scaled_program), A and G stacked. Setup: Clarabel's solver object, its
-    ordering and scaling; with keep=true an update of the object of the step before, wherever the entries are in the same
-    places. Solve: its solve. (It has no warm start: an interior point starts from the middle.)
-Clock: none: its solve_time holds its setup too.
+Form: the dimensionless program (solvers.outside.scaled_program), A and G stacked. Setup: Clarabel's solver object, its ordering
+    and scaling; with keep=true an update of the object of the previous step, if the sparsity pattern is the same. Solve: its
+    solve. (It has no warm start.)
+Clock: none, as its solve_time includes its setup.
 Tolerance: tol_feas = eps, both gaps eps^2; eps stands for tol.
-Flaws: a gap of eps^2 is often out of reach of its arithmetic, and it then says so though the answer is good, `frictionbench
+Flaws: a gap of eps^2 is often below its rounding; it then reports failure although the answer is accurate, `frictionbench
     solve 'random_bodies[seed=0,contacts=4]' --solver clarabel`.
 Reference: Goulart and Chen 2024.
 """
@@ -22,7 +22,7 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.forms.relaxation import QP, ConeProgram
 from frictionbench.solvers.interface import Answer, Status, solver
-from frictionbench.solvers.outside.kept import Kept
+from frictionbench.solvers.outside.reused_object import ReusedObject
 from frictionbench.solvers.outside.scaled_program import ScaledProgram, gap_tolerance, scaled_program
 
 Scaled = ScaledProgram[QP] | ScaledProgram[ConeProgram]
@@ -45,14 +45,14 @@ class Prepared(NamedTuple):
 class Clarabel:
     """The convex relaxation by Clarabel itself, with circular cones in space. (outside)
 
-    keep: update the object of the problem before instead of making another. Work: iterations.
+    keep: update the object of the previous problem instead of creating another. Work: iterations.
     """
 
     keep: bool = False
 
     @cached_property
-    def _kept(self) -> Kept:
-        return Kept()
+    def _reused(self) -> ReusedObject:
+        return ReusedObject()
 
     def form(self, problem: FrictionProblem) -> Scaled:
         if problem.dimension == 2:
@@ -75,7 +75,7 @@ class Clarabel:
         def update(made: Any) -> None:
             made.update(P=P, q=q, A=A, b=b)
 
-        return Prepared(scaled, self._kept.take(scaled.pattern(), make, update) if self.keep else make())
+        return Prepared(scaled, self._reused.get(scaled.pattern(), make, update) if self.keep else make())
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         clarabel: Any = import_module("clarabel")

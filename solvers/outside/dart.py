@@ -1,16 +1,17 @@
-"""DART's solvers of boxed LCPs with friction indices, from version 7 on: the plane's friction problem as it stands.
+"""DART's solvers of boxed LCPs with friction indices, from version 7 on: the planar friction problem itself.
 
     w = A x - b,    lo <= x <= hi complementary to w,    |x_t| <= mu x_n for a row t whose findex names row n
 
-With A = W and b = -q this is Coulomb's law in the plane, without the LCP's extra unknowns. In space its box is another law.
+With A = W and b = -q this is Coulomb's law in the plane, without the additional unknowns of the LCP. In space the
+box differs from Coulomb's cone.
 
 Licence: BSD-2-Clause.
-Form: the Delassus matrix in pure numbers, dense; bounds and friction indices. Setup: DART's LcpProblem. Solve: a solver object
+Form: the dimensionless Delassus matrix, dense; bounds and friction indices. Setup: DART's LcpProblem. Solve: a solver object
     and its solve, from x = 0.
-Clock: none of its own.
-Tolerance: absolute and complementarity tolerance of eps/10, eps as in solvers.outside.pure_delassus; the relative one is off.
-Flaws: not tried yet: no 7.x can be installed from the index. 6.20 has no LcpProblem, and its BoxedLcpSolver binds pointers as
-    scalars. The calls are those of DART's own tests of its Python interface.
+Clock: none.
+Tolerance: absolute and complementarity tolerance of eps/10, eps as in solvers.outside.scaled_delassus; the relative one is off.
+Flaws: untested: no version 7 can be installed from the package index. 6.20 has no LcpProblem, and its BoxedLcpSolver binds
+    pointers as scalars. The calls follow DART's tests of its Python interface.
 Reference: Lee and others 2018, DART; Baraff 1994 and Smith's ODE for the Dantzig solver.
 """
 
@@ -23,13 +24,13 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.solvers.interface import Answer, Status, solver
 from frictionbench.solvers.outside.margin import MARGIN
-from frictionbench.solvers.outside.pure_delassus import PureDelassus, pure_delassus
+from frictionbench.solvers.outside.scaled_delassus import ScaledDelassus, scaled_delassus
 
 _METHODS = {"dantzig": "DantzigSolver", "newton": "BoxedSemiSmoothNewtonSolver", "pgs": "PgsSolver", "nncg": "NncgSolver"}
 
 
 class Prepared(NamedTuple):
-    given: PureDelassus
+    given: ScaledDelassus
     problem: Any  # dartpy.LcpProblem
 
 
@@ -52,14 +53,14 @@ class Dart:
     def __post_init__(self) -> None:
         require(self.method in _METHODS, "method", f"must be one of {', '.join(_METHODS)}, got {self.method!r}")
 
-    def form(self, problem: FrictionProblem) -> tuple[PureDelassus, tuple[Any, ...]]:
-        given, normal = pure_delassus(problem), 2 * np.arange(problem.contacts)
+    def form(self, problem: FrictionProblem) -> tuple[ScaledDelassus, tuple[Any, ...]]:
+        given, normal = scaled_delassus(problem), 2 * np.arange(problem.contacts)
         hi, findex = np.full(len(given.q), np.inf), np.full(len(given.q), -1, dtype=np.int32)
         hi[1::2], findex[1::2] = given.friction, normal
         lo = np.where(findex < 0, 0.0, -hi)
         return given, (given.W.toarray(), -given.q, lo, hi, findex)
 
-    def setup(self, formed: tuple[PureDelassus, tuple[Any, ...]]) -> Prepared:
+    def setup(self, formed: tuple[ScaledDelassus, tuple[Any, ...]]) -> Prepared:
         dart: Any = import_module("dartpy")
         given, parts = formed
         return Prepared(given, dart.LcpProblem(*parts))

@@ -1,11 +1,11 @@
 """Drake's two solvers of LCPs: MobyLcp, a Lemke method with retries, and UnrevisedLemke.
 
 Licence: BSD-3-Clause; the wheel bundles proprietary libraries that none of these solvers calls.
-Form: the friction LCP's M, dense and scaled, and q. Setup: a MathematicalProgram with that one constraint. Solve: a solver
-    object made afresh, for one that is reused starts from its last basis, and its Solve.
-Clock: none of its own.
-Tolerance: it takes none; both pivot and check what they found against zero tolerances of their own, left as they are.
-Flaws: UnrevisedLemke gives up where masses are far apart and MobyLcp claims what is no answer, `frictionbench solve
+Form: the friction LCP's M, dense and scaled, and q. Setup: a MathematicalProgram with that one constraint. Solve: a new solver
+    object, as a reused one starts from its last basis, and its Solve.
+Clock: none.
+Tolerance: it takes none; both check their solutions against zero tolerances of their own, which are left at their defaults.
+Flaws: with large mass ratios UnrevisedLemke fails and MobyLcp reports success for wrong answers, `frictionbench solve
     'stack[blocks=5,mass_ratio=1e4,push=1]' --solver 'drake[method=unrevised]' --solver 'drake[method=moby]'`. MobyLcp takes
     seconds from 100 contacts on.
 Reference: Drewniak, Tedrake and others, Drake; Dai and Drumwright, "Computing the Principal Pivoting Transform"
@@ -42,7 +42,7 @@ class Prepared(NamedTuple):
 class Drake:
     """Drake's solvers of LCPs: MobyLcp or UnrevisedLemke. (outside)
 
-    method: moby or unrevised. Work: none is revealed.
+    method: moby or unrevised. Work: none is reported.
     """
 
     method: str = "moby"

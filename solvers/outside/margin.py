@@ -1,10 +1,9 @@
-"""How much sharper than tol a library is asked to be where its own measure is looser than the project's.
+"""The factor between tol and the tolerance of a library whose stopping criterion is weaker than the residual.
 
-The project's residual is the largest defect of one contact, as a velocity. A library stops by its own measure: a sum, a mean
-or a norm of scaled rows, primal and dual apart. An answer that just meets that can miss tol by a small factor and be called
-missed for a difference of norms, which says nothing of the method. A tenth of tol is asked for instead, of every library alike
-whose measure was seen to fall short; interior points that overshoot anyway, and libraries that test the very residual, are
-asked for tol itself.
+The residual is the largest error of one contact, as a velocity. A library stops by its own criterion: a sum, a mean or a norm
+of scaled rows, primal and dual separately. An answer that just meets it can exceed tol by a small factor and be a near miss for
+a difference of norms, which says nothing about the method. Every library whose criterion was seen to be weaker therefore gets
+a tenth of tol; interior points, which overshoot, and libraries that test this very residual get tol itself.
 """
 
-MARGIN = 10
+MARGIN = 10  # larger than every factor that was seen

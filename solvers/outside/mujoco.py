@@ -1,16 +1,16 @@
-"""MuJoCo's constraint solvers on a raw friction problem, in a child process, for such a call can crash it.
+"""MuJoCo's constraint solvers on a given friction problem, in a child process, as such calls can crash.
 
-Its contacts are soft: Newton and CG minimise the relaxation with u = W r + q + R r, and R sets how far that is from hard
-contacts. Here R = max(tol, 1e-7) s at every contact, so that the ladder of tolerances is a sweep of R: below that Newton
+Its contacts are soft: Newton and CG minimise the relaxation with u = W r + q + R r, and R determines the distance from hard
+contacts. Here R = max(tol, 1e-7) s at every contact, so that a ladder of tolerances is a sweep of R; with smaller R Newton
 diverges.
 
 Licence: Apache-2.0.
-Form: contact rows in pure numbers, three a contact, on velocities whitened by the mass's Cholesky factor. Setup: MuJoCo's
-    template, once for a size. Solve: mj_fwdConstraint, and some time to send the rows and overwrite the template's.
+Form: dimensionless contact rows, three a contact, on velocities whitened by the mass's Cholesky factor. Setup: MuJoCo's
+    template, once per size. Solve: mj_fwdConstraint, including the transfer of the rows into the template.
 Clock: around mj_fwdConstraint, in the child.
-Tolerance: R as above, and MuJoCo's own tolerance 0: it goes on until it can improve no more, which is judged by its gradient.
+Tolerance: R as above, and MuJoCo's tolerance 0: it iterates until it makes no progress, and its gradient decides the status.
 Flaws: soft contacts. Newton stalls where R is small against W, `frictionbench solve 'random_bodies[seed=1,contacts=20]'
-    --solver 'mujoco[method=newton]'`; CG is far from its own minimum in 2000 iterations, `frictionbench solve
+    --solver 'mujoco[method=newton]'`; CG is far from the minimum after 2000 iterations, `frictionbench solve
     'stack[blocks=5,friction=0.2,push=1]' --solver 'mujoco[method=cg]'`.
 Reference: Todorov 2014, "Convex and analytically-invertible dynamics with contacts and constraints".
 """
@@ -23,7 +23,7 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.solvers.interface import Answer, Status, solver
 from frictionbench.solvers.outside.children.child import child
-from frictionbench.solvers.outside.pure_delassus import PureDelassus, pure_delassus
+from frictionbench.solvers.outside.scaled_delassus import ScaledDelassus, scaled_delassus
 
 _METHODS = {"newton": "Newton", "cg": "CG"}
 _ITERATIONS = {"newton": 200, "cg": 2000}  # by default: Newton converges in tens or not at all
@@ -34,7 +34,7 @@ _SCRIPT = "mujoco_rows.py"
 class Prepared(NamedTuple):
     """The rows J^ (3 nc, nv), v^ (nv,) and b^ (3 nc,), with W^ = J^ J^' and q^ = J^ v^ + b^."""
 
-    given: PureDelassus
+    given: ScaledDelassus
     J: Array
     v: Array
     b: Array
@@ -61,7 +61,7 @@ class MuJoCo:
         require(self.method in _METHODS, "method", f"must be one of {', '.join(_METHODS)}, got {self.method!r}")
 
     def form(self, problem: FrictionProblem) -> Prepared:
-        given, nc, d = pure_delassus(problem), problem.contacts, problem.dimension
+        given, nc, d = scaled_delassus(problem), problem.contacts, problem.dimension
         root = np.linalg.cholesky(problem.mass.toarray())
         J, b = np.zeros((nc, 3, len(root))), np.zeros((nc, 3))
         rows = given.E[:, None] * np.linalg.solve(root, problem.jacobian.toarray().T).T

@@ -1,8 +1,8 @@
-"""The convex relaxation in the plane by OSQP's own Python interface, as a simulator would use it.
+"""The convex relaxation in the plane by OSQP's own Python interface, as a simulator uses it.
 
 Licence: Apache-2.0.
-Form: the QP scaled to pure numbers (solvers.outside.scaled_program), G and A stacked, P's upper half. Setup: OSQP's setup; with
-    keep=true an update of the workspace of the step before, wherever the entries are in the same places. Solve: its solve.
+Form: the dimensionless QP (solvers.outside.scaled_program), G and A stacked, P's upper half. Setup: OSQP's setup; with
+    keep=true an update of the workspace of the previous step, if the sparsity pattern is the same. Solve: its solve.
 Clock: OSQP's own solve_time.
 Tolerance: eps_abs = eps/10 for both residuals and the gap, eps_rel = 0, not polished; eps stands for tol.
 Flaws: another model than Coulomb's wherever boxes slide, `frictionbench solve stopping_block --solver osqp`.
@@ -20,8 +20,8 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.forms.relaxation import QP
 from frictionbench.solvers.interface import Answer, Status, solver
-from frictionbench.solvers.outside.kept import Kept
 from frictionbench.solvers.outside.margin import MARGIN
+from frictionbench.solvers.outside.reused_object import ReusedObject
 from frictionbench.solvers.outside.scaled_program import ScaledProgram, scaled_program
 
 
@@ -42,14 +42,14 @@ class Prepared(NamedTuple):
 class OSQP:
     """The convex relaxation as a QP by OSQP itself. (outside)
 
-    keep: update the workspace of the problem before instead of setting up another. Work: iterations.
+    keep: update the workspace of the previous problem instead of setting up another. Work: iterations.
     """
 
     keep: bool = False
 
     @cached_property
-    def _kept(self) -> Kept:
-        return Kept()
+    def _reused(self) -> ReusedObject:
+        return ReusedObject()
 
     def form(self, problem: FrictionProblem) -> ScaledProgram[QP]:
         return scaled_program(problem, problem.qp())
@@ -66,9 +66,9 @@ class OSQP:
 
         def update(workspace: Any) -> None:
             workspace.update(q=scaled.q, l=lower, u=upper, Px=P.data, Ax=A.data)
-            workspace.update_settings(rho=0.1)  # as at its setup: it adapts
+            workspace.update_settings(rho=0.1)  # the initial value: OSQP adapts it
 
-        return Prepared(scaled, self._kept.take(scaled.pattern(), make, update) if self.keep else make())
+        return Prepared(scaled, self._reused.get(scaled.pattern(), make, update) if self.keep else make())
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         scaled, workspace = prepared

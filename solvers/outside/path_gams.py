@@ -1,13 +1,13 @@
-"""PATH through GAMSPy, for whoever has it: the package brings a demonstration licence that forbids commercial use, holds for at
-most 1000 rows and may expire. Never a dependency.
+"""PATH through GAMSPy, where it is installed: the package includes a demonstration licence that forbids commercial use, covers
+at most 1000 rows and may expire. It is never a dependency.
 
 Licence: GAMSPy MIT; GAMS and PATH proprietary, with a demonstration licence in the package gamspy_base.
-Form: the friction LCP's M, dense and scaled, and q. Setup: GAMSPy's container and model. Solve: GAMSPy's call from z = 0, with
-    30 to 100 ms of GAMS around PATH.
-Clock: the total time in PATH's own log, GAMS' evaluation of M z + q inside.
-Tolerance: convergence_tolerance = tol/10, of PATH's own residual on the scaled LCP.
-Flaws: the wall time is GAMS' and not PATH's; read its clock. Beyond its licence's 1000 rows GAMS does not ask PATH: the answer
-    then is that of no solver, unsolved with that reason, which says nothing of PATH.
+Form: the friction LCP's M, dense and scaled, and q. Setup: GAMSPy's container and model. Solve: GAMSPy's call from z = 0, which
+    includes 30 to 100 ms of GAMS.
+Clock: the total time in PATH's own log, including GAMS' evaluation of M z + q.
+Tolerance: convergence_tolerance = tol/10, on PATH's residual of the scaled LCP.
+Flaws: the wall time is mostly GAMS'; use the clock. Beyond the licence's 1000 rows GAMS does not call PATH; the answer is then
+    `unsolved` with that reason, which says nothing about PATH.
 Reference: Dirkse and Ferris 1995; Ferris and Munson 1999.
 """
 
@@ -38,7 +38,7 @@ class Prepared(NamedTuple):
 class Path:
     """PATH, a pivoting Newton method for complementarity problems, through GAMSPy. (outside)
 
-    Work: pivots (minor iterations) where the log tells them.
+    Work: pivots (minor iterations) if the log contains them.
     """
 
     def form(self, problem: FrictionProblem | LCP) -> DenseLCP:
@@ -70,7 +70,9 @@ class Path:
         except gp.exceptions.GamspyException as error:
             if "license" not in str(error):
                 raise
-            return given.answer(np.zeros(len(given.q)), Status.FAILED, "not tried: larger than GAMS' licence here allows")
+            return given.answer(
+                np.zeros(len(given.q)), Status.FAILED, "not attempted: the problem is larger than the GAMS licence allows"
+            )
         total = re.search(r"Total Time[. ]*([\d.]+)", log.getvalue())
         minor = re.search(r"Minor Iterations[. ]*(\d+)", log.getvalue())
         status = Status.SOLVED if model.status.name in ("OptimalGlobal", "OptimalLocal") else Status.FAILED

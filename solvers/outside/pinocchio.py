@@ -1,15 +1,15 @@
 """Pinocchio's solvers of contact problems: ADMM and projected Gauss-Seidel on a Delassus operator.
 
 Licence: BSD-2-Clause by the text that it ships.
-Form: the Delassus matrix in pure numbers with three rows a contact, (t1, t2, n); a planar one has a second tangent that nothing
-    moves. Setup: the operator and one point contact model a contact. Solve: the solver's solve, and the impulses out of it.
-Clock: none of its own.
-Tolerance: absolute feasibility and complementarity of eps/10 for ADMM and eps/100 for PGS, whose measure falls further short,
-    eps as in solvers.outside.pure_delassus; relative ones are off.
-Flaws: ADMM does not get there in 20 000 iterations where masses are far apart, `frictionbench solve
-    'stack[blocks=5,mass_ratio=1e6,push=1]' --solver 'pinocchio[method=admm]'`. PGS stops at once without friction, and claims,
-    `frictionbench solve 'stack[blocks=1,friction=0,push=1]' --solver 'pinocchio[method=pgs]'`. With solve_ncp off it solves the
-    relaxation, here law=ccp.
+Form: the dimensionless Delassus matrix with three rows a contact, (t1, t2, n); the second tangent of a planar one is
+    decoupled. Setup: the operator and one point contact model a contact. Solve: the solver's solve, and reading the impulses.
+Clock: none.
+Tolerance: absolute feasibility and complementarity of eps/10 for ADMM and eps/100 for PGS, whose criterion is weaker still,
+    eps as in solvers.outside.scaled_delassus; relative tolerances are off.
+Flaws: ADMM does not converge in 20 000 iterations with large mass ratios, `frictionbench solve
+    'stack[blocks=5,mass_ratio=1e6,push=1]' --solver 'pinocchio[method=admm]'`. Without friction PGS stops at once and reports
+    success, `frictionbench solve 'stack[blocks=1,friction=0,push=1]' --solver 'pinocchio[method=pgs]'`. With solve_ncp off it
+    solves the relaxation, here law=ccp.
 Reference: Carpentier, Montaut and Le Lidec 2024, "From compliant to rigid contact simulation"; Le Lidec and others 2024.
 """
 
@@ -23,7 +23,7 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.solvers.interface import Answer, Model, Status, impulses, solver
 from frictionbench.solvers.outside.margin import MARGIN
-from frictionbench.solvers.outside.pure_delassus import PureDelassus, pure_delassus
+from frictionbench.solvers.outside.scaled_delassus import ScaledDelassus, scaled_delassus
 
 _SOLVERS = {"admm": "ADMM", "pgs": "PGS"}
 _MARGINS = {"admm": MARGIN, "pgs": 10 * MARGIN}
@@ -33,7 +33,7 @@ _VARIANTS = ("method=admm", "method=admm,operator=sparse", "method=admm,law=ccp"
 
 
 class Prepared(NamedTuple):
-    given: PureDelassus
+    given: ScaledDelassus
     operator: Any
     g: Array
     models: Any
@@ -64,16 +64,16 @@ class Pinocchio:
     def __post_init__(self) -> None:
         for name, known in (("method", _SOLVERS), ("law", _LAWS), ("operator", _OPERATORS)):
             require(getattr(self, name) in known, name, f"must be one of {', '.join(known)}, got {getattr(self, name)!r}")
-        require(self.method == "admm" or self.operator == "dense", "operator", "PGS takes the dense one alone")
+        require(self.method == "admm" or self.operator == "dense", "operator", "PGS supports only the dense operator")
 
     @property
     def model(self) -> Model:
         return _LAWS[self.law]
 
-    def form(self, problem: FrictionProblem) -> PureDelassus:
-        return pure_delassus(problem)
+    def form(self, problem: FrictionProblem) -> ScaledDelassus:
+        return scaled_delassus(problem)
 
-    def setup(self, given: PureDelassus) -> Prepared:
+    def setup(self, given: ScaledDelassus) -> Prepared:
         pin: Any = import_module("pinocchio")
         W, q = given.in_space()
         order = (3 * np.arange(len(given.friction))[:, None] + [1, 2, 0]).ravel()

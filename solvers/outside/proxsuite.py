@@ -1,10 +1,10 @@
-"""The convex relaxation in the plane by ProxSuite's own Python interface, as a simulator would use it.
+"""The convex relaxation in the plane by ProxSuite's own Python interface, as a simulator uses it.
 
 Licence: BSD-2-Clause.
-Form: the QP scaled to pure numbers (solvers.outside.scaled_program), sparse or dense. Setup: the QP object and its init; with
-    keep=true an update of the object of the step before, wherever the entries are in the same places. Solve: its solve.
+Form: the dimensionless QP (solvers.outside.scaled_program), sparse or dense. Setup: the QP object and its init; with
+    keep=true an update of the object of the previous step, if the sparsity pattern is the same. Solve: its solve.
 Clock: ProxQP's own solve_time.
-Tolerance: eps_abs = eps for both residuals, gap eps^2, which is not tested unless told to; eps_rel = 0; eps stands for tol.
+Tolerance: eps_abs = eps for both residuals, gap eps^2, which is tested only on request; eps_rel = 0; eps stands for tol.
 Flaws: another model than Coulomb's wherever boxes slide, `frictionbench solve stopping_block --solver proxsuite`.
 Reference: Bambade, El-Kazdadi, Taylor and Carpentier 2022.
 """
@@ -19,7 +19,7 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.forms.relaxation import QP
 from frictionbench.solvers.interface import Answer, Status, solver
-from frictionbench.solvers.outside.kept import Kept
+from frictionbench.solvers.outside.reused_object import ReusedObject
 from frictionbench.solvers.outside.scaled_program import ScaledProgram, gap_tolerance, scaled_program
 
 
@@ -40,7 +40,7 @@ class Prepared(NamedTuple):
 class ProxSuite:
     """The convex relaxation as a QP by ProxSuite itself. (outside)
 
-    matrices: sparse or dense. keep: update the object of the problem before instead of making another. Work: iterations.
+    matrices: sparse or dense. keep: update the object of the previous problem instead of creating another. Work: iterations.
     """
 
     matrices: str = "sparse"
@@ -50,8 +50,8 @@ class ProxSuite:
         require(self.matrices in ("sparse", "dense"), "matrices", f"must be sparse or dense, got {self.matrices!r}")
 
     @cached_property
-    def _kept(self) -> Kept:
-        return Kept()
+    def _reused(self) -> ReusedObject:
+        return ReusedObject()
 
     def form(self, problem: FrictionProblem) -> ScaledProgram[QP]:
         return scaled_program(problem, problem.qp())
@@ -70,7 +70,7 @@ class ProxSuite:
         def update(qp: Any) -> None:
             qp.update(*parts, update_preconditioner=True)
 
-        return Prepared(scaled, self._kept.take(scaled.pattern(), make, update) if self.keep else make())
+        return Prepared(scaled, self._reused.get(scaled.pattern(), make, update) if self.keep else make())
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         proxqp: Any = import_module("proxsuite").proxqp

@@ -2,11 +2,11 @@
 
 Licence: MIT.
 Form: the friction LCP's M, dense and scaled, and q. Setup: none. Solve: lcp_lemke's call.
-Clock: none of its own.
-Tolerance: it takes none; a basis is exact up to rounding. tol_ratio_diff, its slack for ties, is 1e-13.
-Flaws: its flag is unreliable both ways: it says ray of what it has solved, `frictionbench solve 'pyramid[rows=7,push=1]'
-    --solver quantecon`, and claims what drifted, `frictionbench solve 'stack[blocks=5,mass_ratio=1e6,push=1]' --solver
-    quantecon`. A dense tableau: time grows with the cube of the contacts.
+Clock: none.
+Tolerance: it takes none; the solution of a basis is exact up to rounding. tol_ratio_diff, its slack for ties, is 1e-13.
+Flaws: its status is unreliable in both directions: it reports a ray for problems that it has solved, `frictionbench solve
+    'pyramid[rows=7,push=1]' --solver quantecon`, and success for inaccurate answers, `frictionbench solve
+    'stack[blocks=5,mass_ratio=1e6,push=1]' --solver quantecon`. A dense tableau: time grows with the cube of the contacts.
 Reference: Stachurski, Oyama and others, QuantEcon.py, quantecon.optimize.lcp_lemke.
 """
 

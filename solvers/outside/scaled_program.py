@@ -1,4 +1,4 @@
-"""The convex relaxation in pure numbers, so that an outside library's tolerances have one meaning.
+"""The dimensionless convex relaxation, in which the tolerances of all outside libraries have the same meaning.
 
 The program  min ½ x'Px + q'x,  h - G x in a cone,  A x = b  of problems.forms.relaxation becomes, with x = theta D x^,
 
@@ -13,8 +13,8 @@ scaled row is eps theta sqrt(s_i) of contact velocity, so
 keeps every contact's velocity error below tol max|q_i|, the measure of problems.residual.
 
 The duality gap is the sum of the products r_i'u_i. Where impulse and velocity vanish together (a contact about to slide or to
-part), and all along a round cone, a gap of eps leaves an error of sqrt(eps): so the gap is asked to fall to eps^2. It is a
-difference of objectives of size 1, and stops falling near 1e-15; flat cones need no less than 1e-13.
+part), and all along a round cone, a gap of eps leaves an error of sqrt(eps): so the requested gap is eps^2. It is a
+difference of objectives of size 1, which rounding keeps above 1e-15; for polyhedral cones 1e-13 suffices.
 """
 
 from dataclasses import dataclass
@@ -56,7 +56,7 @@ class ScaledProgram(Generic[Kind]):
         return sparse.vstack([M for M in (self.G, self.A) if M is not None], format="csc")
 
     def multipliers(self, impulse: Array) -> Array:
-        """Scaled multipliers of G that make about these planar impulses, for a warm start; friction's bias has none."""
+        """Scaled multipliers of G that make about these planar impulses, for a warm start; the friction bias is ignored."""
         impulse = impulses(impulse, (len(self.program.friction), 2))
         n, slip = impulse[:, 0], impulse[:, 1] / np.where(self.program.friction > 0, self.program.friction, 1.0)
         z = np.zeros(len(self.h))
@@ -64,12 +64,12 @@ class ScaledProgram(Generic[Kind]):
         return z / self.unit
 
     def pattern(self) -> tuple[bytes, ...]:
-        """Equal where P, G and A have their entries in the same places, so that a library can keep its analysis."""
+        """Equal where P, G and A have their entries in the same places, so that a library can reuse its symbolic analysis."""
         return tuple(part.tobytes() for M in (self.P, self.constraints) for part in (M.indptr, M.indices))
 
 
 def gap_tolerance(eps: float, round_cones: bool) -> float:
-    """The duality gap at which errors fall to eps, as far as arithmetic lets it."""
+    """The duality gap at which errors are below eps, bounded below by what rounding allows."""
     return max(eps**2, 1e-15 if round_cones else 1e-13)
 
 
@@ -82,7 +82,7 @@ def scaled_program(problem: FrictionProblem, program: Kind) -> ScaledProgram[Kin
     A, joint = _joints(program, D)
     return ScaledProgram(
         program,
-        # libraries may want arrays that they could write, and the mass's columns are the problem's own
+        # copies, as some libraries require writable arrays and the columns of the mass matrix belong to the problem
         sparse.csc_matrix((P, objective.column.copy(), objective.start), shape=(len(D), len(D))),
         D * program.q / theta,
         sparse.csc_matrix((G, bounds.column, bounds.start), shape=(len(rows), len(D))),

@@ -1,15 +1,15 @@
-"""Siconos/Numerics in a child process: Debian's python3-siconos, for the system's Python alone.
+"""Siconos/Numerics in a child process: Debian's python3-siconos, for the system's Python only.
 
-Licence: Apache-2.0. (The metadata of Debian's 4.4.0 say 4.5.0.)
-Form: for lcp_ the friction LCP's M, dense and scaled; for friction_ the Delassus matrix in pure numbers, dense, in space with a
-    second tangent that nothing moves where the problem is planar; for global_, in space alone, M, H = J' and q, sparse, in
-    pure numbers. Setup: sending them, and Siconos' problem object. Solve: the driver's call, and some 50 µs to ask for it.
+Licence: Apache-2.0. (The metadata of Debian's 4.4.0 state 4.5.0.)
+Form: for lcp_ the friction LCP's M, dense and scaled; for friction_ the dimensionless Delassus matrix, dense, with a decoupled
+    second tangent for friction_3d_ on planar problems; for global_, in space only, M, H = J' and q, sparse and dimensionless.
+    Setup: their transfer, and Siconos' problem object. Solve: the driver's call, and some 50 µs of transfer.
 Clock: around the driver's call, in the child.
-Tolerance: eps/2 over |q^|, for Siconos divides its natural map's norm by |q|; eps as in solvers.outside.pure_delassus. Where
-    |r^| is larger it divides by that, and is asked again from its own answer for as much less.
-Flaws: return codes lie in both directions, `frictionbench solve 'pyramid[rows=3,friction=0.5,push=1]' --solver
-    'siconos[method=friction_2d_lemke]'`. friction_3d_nsn_fb and global_friction_3d_ipm end in assertions of their own, and
-    fixed points (aclmfp, tfp) take minutes on bad problems, which costs their cell.
+Tolerance: eps/2 over |q^|, as Siconos divides the norm of its natural map by |q|; eps as in solvers.outside.scaled_delassus.
+    Where |r^| is larger it divides by that, and is called again from its own answer with a smaller tolerance.
+Flaws: return codes are unreliable in both directions, `frictionbench solve 'pyramid[rows=3,friction=0.5,push=1]' --solver
+    'siconos[method=friction_2d_lemke]'`. friction_3d_nsn_fb and global_friction_3d_ipm end in failed assertions, and
+    the fixed points (aclmfp, tfp) take minutes on difficult problems and are then stopped at the time limit.
 Reference: Acary, Brémond and Huber 2018; Acary, Bonnefon, Brémond, Huber, Pérignon and Sinclair 2019, Siconos.
 """
 
@@ -21,7 +21,7 @@ from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.solvers.interface import Answer, Model, Status, impulses, solver
 from frictionbench.solvers.outside.children.child import child
-from frictionbench.solvers.outside.pure_delassus import PureDelassus, pure_delassus
+from frictionbench.solvers.outside.scaled_delassus import ScaledDelassus, scaled_delassus
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 
 PYTHON = "/usr/bin/python3"
@@ -34,10 +34,10 @@ _SCRIPT = "siconos_numerics.py"
 
 
 class Prepared(NamedTuple):
-    """What the child is told, and the way back."""
+    """The message to the child, and the scaling that converts its answer."""
 
     kind: str
-    given: DenseLCP | PureDelassus
+    given: DenseLCP | ScaledDelassus
     message: dict[str, Any]
 
 
@@ -76,12 +76,12 @@ class Siconos:
 
     def form(self, problem: FrictionProblem | LCP) -> Prepared:
         kind = next(kind for kind in ("lcp", "friction_2d", "friction_3d", "global") if self.method.startswith(kind))
-        given: DenseLCP | PureDelassus
+        given: DenseLCP | ScaledDelassus
         if isinstance(problem, LCP) or kind == "lcp":
             given = dense_lcp(problem)
             message: dict[str, Any] = {"M": given.M, "q": given.q}
         else:
-            given = pure_delassus(problem)
+            given = scaled_delassus(problem)
             W, q = (given.W.toarray(), given.q) if kind == "friction_2d" else given.in_space()
             message = _global(problem, given) if kind == "global" else {"W": W, "q": q}
             message["mu"] = problem.friction
@@ -89,7 +89,7 @@ class Siconos:
 
     def setup(self, formed: Prepared) -> Prepared:
         if len(formed.given.q):
-            child(_SCRIPT, PYTHON).tell(formed, kind=formed.kind, **formed.message)
+            child(_SCRIPT, PYTHON).store(formed, kind=formed.kind, **formed.message)
         return formed
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
@@ -101,7 +101,7 @@ class Siconos:
         size = len(message["b" if prepared.kind == "global" else "q"])
         eps = tol if isinstance(given, DenseLCP) else tol * given.share
         guess = np.zeros(size)
-        if start is not None and isinstance(given, PureDelassus):
+        if start is not None and isinstance(given, ScaledDelassus):
             start = impulses(start, given.contacts)
             own = start.ravel() / (given.theta * given.E)
             guess = given.to_space(start) if size == 3 * len(start) else own
@@ -116,7 +116,7 @@ class Siconos:
         return Answer(impulse, status, work, detail=detail, clock=found["clock"])
 
 
-def _global(problem: FrictionProblem, given: PureDelassus) -> dict[str, Array]:
+def _global(problem: FrictionProblem, given: ScaledDelassus) -> dict[str, Array]:
     """M v = H r + q, u = H'v + b in pure numbers: v = theta D v^ with D = 1/sqrt(M_ii)."""
     D = 1 / np.sqrt(problem.mass.diagonal())
     H = (problem.jacobian.multiply(given.E[:, None]).multiply(D)).toarray().T

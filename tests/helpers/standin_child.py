@@ -6,7 +6,7 @@ import sys
 import time
 
 import numpy as np
-from talk import serve
+from messages import serve
 
 
 def answer(do, n=0):

@@ -1,1 +1,1 @@
-"""Libraries that run in a process of their own: another Python's, or such as may crash."""
+"""Libraries that run in a process of their own: those of another Python, and those that may crash."""

@@ -1,7 +1,7 @@
-"""A child process that keeps a library ready: started by the first question, one for all that follow.
+"""A child process that has a library loaded: started by the first request and used for all that follow.
 
-It is on its parent's core, under its parent's bound on memory, and ends with it, by the kernel's hand; a child that dies takes
-only the question with it, and the next one is answered by another.
+It runs on its parent's core and under its memory limit, and the kernel kills it when the parent ends. If the child dies, only
+the current request fails; the next one starts another child.
 """
 
 import os
@@ -12,50 +12,50 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from frictionbench.solvers.outside.children import talk
+from frictionbench.solvers.outside.children import messages
 
 _FOLDER = Path(__file__).parent
 
 
 class DiedError(RuntimeError):
-    """The child ended instead of answering."""
+    """The child ended without a reply."""
 
 
 class Child:
-    """A script of this folder, or any by its absolute path, in a process of the given Python.
+    """A script of this folder, or any script by its absolute path, in a process of the given Python.
 
-    held: what the child was told last by `tell`; it forgets that when it dies.
+    stored: what the child received last through `store`; None after it has died.
     """
 
     def __init__(self, script: str, python: str) -> None:
         self._command = [python, str(_FOLDER / script), str(os.getpid())]
         self._process: subprocess.Popen[bytes] | None = None
-        self.held: object = None
+        self.stored: object = None
 
-    def tell(self, what: object, **message: Any) -> None:
-        """Let the child hold a message on `what`, unless it holds it already."""
-        if self.pid is not None and self.held is what:
+    def store(self, what: object, **message: Any) -> None:
+        """Send a message about `what` for the child to store, unless it has stored it already."""
+        if self.pid is not None and self.stored is what:
             return
         self.ask(**message)
-        self.held = what
+        self.stored = what
 
     def ask(self, **message: Any) -> dict[str, Any]:
-        """The answer to a message. Errors: DiedError, with the signal or exit code."""
+        """The reply to a message. Errors: DiedError, with the signal or exit code."""
         if self.pid is None:
             self.end()
-            talked = os.environ | {"PYTHONPATH": str(_FOLDER)}  # a script says `from talk import serve`
-            self._process = subprocess.Popen(self._command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=talked)
+            environment = os.environ | {"PYTHONPATH": str(_FOLDER)}  # scripts import messages
+            self._process = subprocess.Popen(self._command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment)
         process = self._process
         assert process is not None
         assert process.stdin is not None
         assert process.stdout is not None
         answer = None
         try:
-            talk.send(process.stdin, message)
-            answer = talk.receive(process.stdout)
+            messages.send(process.stdin, message)
+            answer = messages.receive(process.stdout)
         except BrokenPipeError:
             pass
-        except BaseException:  # broken off in the middle: what it may still say answers nothing
+        except BaseException:  # interrupted: a late reply would be taken for the next one's
             self.end()
             raise
         if answer is None:
@@ -66,18 +66,18 @@ class Child:
         return answer
 
     def end(self) -> None:
-        """Kill the child, if there is one."""
+        """Kill the child if it is running."""
         if self._process is not None:
             self._process.kill()
             self._process.wait()
             for pipe in (self._process.stdin, self._process.stdout):
                 with suppress(BrokenPipeError):
                     pipe.close()  # type: ignore[union-attr]
-        self._process, self.held = None, None
+        self._process, self.stored = None, None
 
     @property
     def pid(self) -> int | None:
-        """Its process, while it lives."""
+        """Its process id while it is running, or None."""
         return self._process.pid if self._process is not None and self._process.poll() is None else None
 
 
@@ -85,10 +85,10 @@ _children: dict[tuple[str, str], Child] = {}
 
 
 def child(script: str, python: str = sys.executable) -> Child:
-    """The child of this process that runs a script."""
+    """This process's child that runs a script; started by its first request."""
     return _children.setdefault((script, python), Child(script, python))
 
 
 def living() -> list[int]:
-    """The processes of this process's children."""
+    """The process ids of this process's running children."""
     return [made.pid for made in _children.values() if made.pid is not None]

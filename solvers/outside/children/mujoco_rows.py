@@ -1,4 +1,4 @@
-"""MuJoCo in a process of its own, for solvers.outside.mujoco: a raw friction problem in place of a template's constraint rows.
+"""MuJoCo in a process of its own, for solvers.outside.mujoco: a friction problem in place of the constraint rows of a template.
 
 The template has nv bodies of unit mass on slides and nc touching spheres, so that the mass matrix is the identity and its rows
 are those of nc contacts; then J, R, the reference and the friction are overwritten. (A call of mj_projectConstraint afterwards
@@ -11,7 +11,7 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from talk import Array, serve  # this folder, on the path of a child
+from messages import Array, serve  # this folder is on the path of the child
 
 _FIXED = 'gravity="0 0 0" cone="elliptic" impratio="1" jacobian="dense" ls_iterations="100" tolerance="0"'
 
@@ -34,7 +34,7 @@ def template(nv: int, nc: int, solver: str, iterations: int) -> tuple[Any, Any]:
 
 
 def answer(**message: Any) -> dict[str, Any]:
-    """The answer to either of the two problems."""
+    """Solve the problem of the message: a box-constrained QP, or soft contacts."""
     return box(**message) if "H" in message else soft(**message)
 
 
@@ -57,7 +57,7 @@ def soft(solver: str, iterations: int, R: float, J: Array, v: Array, b: Array, m
     data.efc_margin[:] = data.efc_pos[:] = 0
     data.efc_aref[:] = -b
     data.efc_R[:], data.efc_D[:] = R, 1 / R
-    mu = np.maximum(mu, 1e-8)  # its cone has none without friction
+    mu = np.maximum(mu, 1e-8)  # its elliptic cone needs friction
     data.contact.mu[:] = mu
     data.contact.friction[:, :2] = mu[:, None]
     data.qacc_smooth[:] = data.qfrc_smooth[:] = v

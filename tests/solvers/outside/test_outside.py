@@ -31,7 +31,7 @@ from frictionbench.results import store
 from frictionbench.solvers import Answer, Status, available, find, outside, plugins, solve
 from frictionbench.solvers.needs import installed_version
 from frictionbench.solvers.outside.children.child import Child, DiedError, child
-from frictionbench.solvers.outside.pure_delassus import pure_delassus
+from frictionbench.solvers.outside.scaled_delassus import scaled_delassus
 from frictionbench.solvers.outside.siconos import PYTHON
 from tests.helpers.friction_problems import block, nothing, spatial, with_joints
 from tests.helpers.places import HELPERS, ROOT
@@ -98,7 +98,7 @@ def test_an_easy_problem_is_solved_by_those_that_are_here(spec, name) -> None:
 def test_pure_numbers_know_no_units() -> None:
     problem = spatial(5)
     heavy = type(problem).from_delassus(problem.W / 1e6, problem.q / 10, problem.friction, 3)
-    one, other = pure_delassus(problem), pure_delassus(heavy)
+    one, other = scaled_delassus(problem), scaled_delassus(heavy)
     assert one.W.toarray() == pytest.approx(other.W.toarray(), abs=1e-12)
     assert one.q == pytest.approx(other.q, abs=1e-12)
     assert np.abs(one.q.reshape(-1, 3)).max() <= 1
@@ -184,13 +184,13 @@ def test_what_is_missing_is_said() -> None:
 
 def test_a_child_that_dies_is_replaced() -> None:
     child = Child(str(HELPERS / "standin_child.py"), os.sys.executable)
-    child.tell("what", do="")
-    assert child.held == "what"
+    child.store("what", do="")
+    assert child.stored == "what"
     for how, named in (("abort", "SIGABRT"), ("exit", "exit code 0")):
         with pytest.raises(DiedError, match=named):
             child.ask(do=how)
         assert child.ask(do="", n=3)["r"].tolist() == [0, 0, 0]
-        assert child.held is None
+        assert child.stored is None
     child.end()
 
 

@@ -1,11 +1,11 @@
-"""The Delassus form in pure numbers, so that an outside library's tolerances have one meaning.
+"""The dimensionless Delassus form, in which the tolerances of all outside libraries have the same meaning.
 
 With E_i = 1/sqrt(s_i) on contact i's rows and theta = max_i |q_i| E_i, r = theta E r^ turns u = W r + q into
 
     u^ = W^ r^ + q^,      W^ = E W E,      q^ = E q / theta,
 
-a mean diagonal of 1 at every contact, free velocities of at most 1, the same cones. A defect of the natural map of eps at a
-contact, |r^_i - P_K(r^_i - g(u^_i))| <= eps, is one of eps theta sqrt(s_i) in contact velocity, so
+a mean diagonal of 1 at every contact, free velocities of at most 1, the same cones. An error of the natural map of eps at a
+contact, |r^_i - P_K(r^_i - g(u^_i))| <= eps, is an error of eps theta sqrt(s_i) in contact velocity, so
 
     eps = share * tol,      share = max_i |q_i| / (theta max_i sqrt(s_i)) <= 1,
 
@@ -21,7 +21,7 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 
 
-class PureDelassus(NamedTuple):
+class ScaledDelassus(NamedTuple):
     """W^ (nc*d, nc*d), q^ (nc*d,), friction (nc,), E (nc*d,), theta, share, s (nc,) and (nc, d)."""
 
     W: sparse.csr_array
@@ -34,11 +34,11 @@ class PureDelassus(NamedTuple):
     contacts: tuple[int, int]
 
     def impulse(self, r: Array) -> Array:
-        """The impulses (nc, d), N s, of r^ (nc*d,)."""
+        """The impulses (nc, d), N s, for r^ (nc*d,)."""
         return (self.theta * self.E * r).reshape(self.contacts)
 
     def in_space(self) -> tuple[Array, Array]:
-        """W^ dense and q^ with three rows a contact; in the plane the third moves nothing and has the second's inertia."""
+        """W^ dense and q^ with three rows a contact; in the plane the third is decoupled, with the second's diagonal."""
         nc, d = self.contacts
         W = self.W.toarray()
         if d == 3:
@@ -63,8 +63,8 @@ class PureDelassus(NamedTuple):
         return r.ravel()
 
 
-def pure_delassus(problem: FrictionProblem) -> PureDelassus:
-    """A friction problem's Delassus form in pure numbers; a friction_bias is left out."""
+def scaled_delassus(problem: FrictionProblem) -> ScaledDelassus:
+    """The dimensionless Delassus form of a friction problem, without its friction_bias."""
     nc, d = problem.contacts, problem.dimension
     s = problem.scale
     E = np.repeat(1 / np.sqrt(s), d)
@@ -72,4 +72,4 @@ def pure_delassus(problem: FrictionProblem) -> PureDelassus:
     theta = float((size / np.sqrt(s)).max(initial=0.0)) or 1.0
     share = float(size.max(initial=0.0) / (theta * np.sqrt(s).max(initial=0.0))) if size.any() else 1.0
     W = sparse.csr_array(problem.W.multiply(E[:, None]).multiply(E))
-    return PureDelassus(W, E * problem.q / theta, problem.friction, E, theta, share, s, (nc, d))
+    return ScaledDelassus(W, E * problem.q / theta, problem.friction, E, theta, share, s, (nc, d))
