@@ -2,8 +2,8 @@
 
 A body has three coordinates (x, y, angle) at its centre of mass, so that the mass matrix is diag(m, m, I), constant. A shape
 is the convex hull of its corners, counterclockwise: k >= 3 corners make a polygon, two a rod, one with a radius a disc. A half
-plane lies to the left of the line through its two corners, and a hollow is all that lies outside a circle; both are for the
-fixed ground only, and in a hollow only discs may move.
+plane lies to the left of the line through its two corners, and a hollow is the outside of a circle; both can only be obstacles,
+and in a scene with a hollow all bodies are discs.
 """
 
 from collections.abc import Sequence
@@ -33,16 +33,14 @@ class Shape:
             corners.ndim == 2 and corners.shape[1] == 2 and len(corners) > 0, "corners", f"expected (k, 2), got {corners.shape}"
         )
         require(bool(np.isfinite(corners).all()), "corners", "must be finite")
-        require(len(corners) < 3 or _convex(corners), "corners", "must turn left at every corner, once around")
-        require(
-            (self.radius != 0) == (len(corners) == 1), "radius", "for a disc or a hollow, which has one corner, and only for it"
-        )
+        require(len(corners) < 3 or _convex(corners), "corners", "must be those of a convex polygon, counterclockwise")
+        require((self.radius != 0) == (len(corners) == 1), "radius", "must be nonzero for one corner (disc, hollow), else 0")
         corners.setflags(write=False)
         object.__setattr__(self, "corners", corners)
 
     @property
     def reach(self) -> float:
-        """The distance of the shape's farthest point from the origin of its frame, m."""
+        """The largest distance of a point of the shape from the origin of its frame, m."""
         return float(np.hypot(*self.corners.T).max()) + self.radius
 
 
@@ -66,18 +64,18 @@ def box(width: float, height: float, centre: Sequence[float] = (0.0, 0.0)) -> Sh
 
 
 def half_plane(point: Sequence[float] = (0.0, 0.0), slope: float = 0.0) -> Shape:
-    """All that lies below the line through `point` that rises at the angle `slope`, in radians."""
+    """The half plane below the line through `point` that rises at the angle `slope`, in radians."""
     along = np.array([np.cos(slope), np.sin(slope)])
     return Shape(np.array(point) - np.array([[0.0, 0.0], along]), endless=True)
 
 
 def vertical_wall(x: float, side: float) -> Shape:
-    """All beyond the vertical line at x, on the right for side = 1 and on the left for side = -1."""
+    """The half plane beyond the vertical line at x: to its right for side = 1, to its left for side = -1."""
     return half_plane((x, 0.0), slope=side * np.pi / 2)
 
 
 def hollow(radius: float, centre: Sequence[float] = (0.0, 0.0)) -> Shape:
-    """All that lies outside a circle."""
+    """The outside of a circle."""
     return Shape(np.array([centre]), -radius, endless=True)
 
 
@@ -117,17 +115,17 @@ class Geometry:
         self.endless = np.array([shape.endless for _, shape in owned], dtype=bool)
         self.corner_owner = np.repeat(self.owner, np.array(count, dtype=np.int64))
         bowl, angular = (self.radius < 0).any(), (self.owner >= 0) & (self.radius <= 0)
-        require(not (bowl and angular.any()), "obstacles", "in a hollow only discs may move")
+        require(not (bowl and angular.any()), "obstacles", "a hollow is only possible where all bodies are discs")
         self.hinges = np.array([sorted(hinge.bodies) for hinge in hinges], dtype=np.int64).reshape(-1, 2)
         self.reach = max((shape.reach for i, shape in owned if i >= 0), default=1.0)
 
     def hinged(self, pairs: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Which pairs (n, 2) of shapes belong to two bodies on a common hinge, (n,)."""
+        """Whether each pair (n, 2) of shapes belongs to two bodies on a common hinge, (n,)."""
         bodies = np.sort(self.owner[pairs], axis=1)
         held = self.hinges[self.hinges[:, 0] >= 0]
         return np.asarray((bodies[:, None] == held).all(axis=2).any(axis=1))
 
-    def placed(self, q: Any) -> Array:
+    def world_corners(self, q: Any) -> Array:
         """The corners (k, 2) in the world, for coordinates q (3 per body)."""
         x, y, angle = check.vector("q", q).reshape(-1, 3).T
         world = self.corners.copy()

@@ -1,8 +1,8 @@
 """Contact finding between convex planar shapes.
 
 Every contact is a corner of one shape against an edge of another, the pair `feature`, with its gap measured along the edge's
-normal, so that the gap's gradient is exactly the contact's normal row: both bodies' arms end at the corner. Pairs of shapes
-that are near each other are found here, where they meet in problems.planar.narrow_phase.
+normal, so that the gap's gradient is exactly the contact's normal row: both bodies' arms end at the corner. This is the broad
+phase, which finds pairs of shapes that are near each other; problems.planar.narrow_phase computes their contacts.
 """
 
 from dataclasses import dataclass
@@ -84,7 +84,7 @@ def deepest_overlap(geometry: Geometry, q: Array) -> float:
 
 
 def _meet(geometry: Geometry, q: Array, margin: float) -> tuple[Array, Array, Index, Index]:
-    corners = geometry.placed(q)
+    corners = geometry.world_corners(q)
     start, owner, radius, endless = geometry.start, geometry.owner, geometry.radius, geometry.endless
     low = np.where(endless[:, None], -np.inf, _reduce(np.minimum, corners, start) - radius[:, None])
     high = np.where(endless[:, None], np.inf, _reduce(np.maximum, corners, start) + radius[:, None])
@@ -98,7 +98,7 @@ def _reduce(extreme: np.ufunc, corners: Array, start: Index) -> Array:
 
 @kernel
 def _rows(q: Array, bodies: Index, place: Array, turned: bool) -> tuple[NDArray[np.int32], NDArray[np.int32], Array]:
-    """Rows (nc, nv) of the velocity of the first body at the point relative to the second's, along the normal or it turned."""
+    """Rows (nc, nv) of the first body's velocity at the point relative to the second's, along the normal or the tangent."""
     nc, at = len(bodies), 0
     start, column, value = np.zeros(nc + 1, np.int32), np.empty(6 * nc, np.int32), np.empty(6 * nc)
     for i in range(nc):

@@ -1,4 +1,4 @@
-"""Hinges: revolute joints, which hold a point of one body on a point of another, or of the ground."""
+"""Hinges: revolute joints, which fix a point of one body to a point of another, or of the ground."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -14,7 +14,7 @@ from frictionbench.problems.rows import Rows
 
 @dataclass(frozen=True, eq=False)
 class Hinge:
-    """bodies: the two bodies' numbers, -1 for the ground. points: (2, 2), m, the pin's place in each one's own frame.
+    """bodies: the two bodies' numbers, -1 for the ground. points: (2, 2), m, the pin in each body's frame.
 
     Bodies on a common hinge do not collide with each other.
     """
@@ -23,20 +23,20 @@ class Hinge:
     points: Array
 
     def __post_init__(self) -> None:
-        require(self.bodies[0] != self.bodies[1] and min(self.bodies) >= -1, "bodies", f"expected two, got {self.bodies}")
+        require(self.bodies[0] != self.bodies[1] and min(self.bodies) >= -1, "bodies", f"must be two, got {self.bodies}")
         points = check.vector("points", np.ravel(self.points), 4).reshape(2, 2)
         object.__setattr__(self, "points", points)
 
 
 def hinge_equations(hinges: tuple[Hinge, ...], q: Array) -> tuple[Array, Rows]:
-    """How far apart each hinge's two points are, Theta (2 hinges,), m, x before y, and its Jacobian F by rows."""
+    """The difference of each hinge's two points, Theta (2 hinges,), m, x before y, and its Jacobian F by rows."""
     theta, *rows = _equations(*_as_arrays(hinges), check.vector("q", q))
     return theta, Rows(*rows)
 
 
 @lru_cache(maxsize=64)
 def _as_arrays(hinges: tuple[Hinge, ...]) -> tuple[NDArray[np.int64], Array]:
-    """Their bodies (hinges, 2) and points (hinges, 2, 2)."""
+    """The bodies (hinges, 2) and points (hinges, 2, 2) of the hinges."""
     bodies = np.array([hinge.bodies for hinge in hinges], np.int64).reshape(-1, 2)
     return bodies, np.array([hinge.points for hinge in hinges]).reshape(-1, 2, 2)
 

@@ -1,12 +1,13 @@
-"""Where two convex planar shapes meet: the kernels behind problems.planar.collision.
+"""The contacts of two convex planar shapes: the kernels of problems.planar.collision.
 
-Two polygons meet along the axis on which they are farthest apart, or overlap least (separating axis theorem): the edge that
-owns this axis is the reference, the other shape's most opposed edge is clipped to it, and each end of what remains is a
-contact. Two shapes have at most two contacts with each other, and none while they are corner to corner. A disc is a corner
-with a radius; a hollow is a disc turned inside out, with a negative one.
+Two polygons have contacts along the axis of largest separation or least overlap (separating axis theorem): the edge whose
+normal this axis is becomes the reference edge, the most antiparallel edge of the other shape is clipped to it, and each end of
+the clipped edge is a contact. Two shapes have at most two contacts, and none while they are corner to corner. A disc is a
+corner with a radius; a hollow has a negative radius.
 
 Ties (equal boxes stacked flush, bricks side by side) are decided by order and not by round-off: a candidate beats an earlier
-one only by more than TIE times the length of the first shape's first edge, and corners that merely touch are no contact.
+one only by more than TIE times the length of the first shape's first edge, and corners that only touch each other have no
+contact.
 """
 
 import numpy as np
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
 
-TIE = 1e-7
+TIE = 1e-7  # of an edge: far above the round-off of coordinates, far below any gap that matters
 Index = NDArray[np.int64]
 
 
@@ -39,7 +40,7 @@ def meet(
             if gap[k] <= margin:
                 gap[nc], shape[nc, 0], shape[nc, 1] = gap[k], i, j
                 feature[nc, 0], feature[nc, 1] = feature[k, 0], feature[k, 1]
-                for a in range(4):  # not by rows: numba compiles what it would say of rows of other lengths
+                for a in range(4):  # entry by entry: assigning rows would also compile the error for unequal lengths
                     place[nc, a] = place[k, a]
                 nc += 1
     return gap[:nc], place[:nc], feature[:nc], shape[:nc]
@@ -56,7 +57,7 @@ def _edge(X: Array, e: int, first: int, last: int) -> tuple[int, float, float, f
 
 @part
 def _widest(X: Array, a0: int, a1: int, b0: int, b1: int, edges: int, tie: float) -> tuple[int, float]:
-    """The edge among A's first `edges` that B lies farthest outside of, and how far."""
+    """The edge among A's first `edges` with the largest separation from B, and this separation."""
     best, widest = a0, -np.inf
     for e in range(a0, a0 + edges):
         _, nx, ny, _ = _edge(X, e, a0, a1)
@@ -97,7 +98,7 @@ def _polygons(
         low, high, s_low, s_high = high, low, s_high, s_low
     overlap = min(s_high, length) - max(s_low, 0.0)
     if not endless and overlap <= tie and (overlap < -tie or s_high - s_low > tie):
-        return 0  # beside each other, or corner to corner
+        return 0  # no common part of the edges: side by side, or corner to corner
     new = 0
     for corner, inside, limit in (
         (low, endless or s_low >= -tie, reference),
@@ -151,7 +152,7 @@ def _round(
         nx, ny = X[c, 0] - X[nearest, 0], X[c, 1] - X[nearest, 1]
         distance = np.hypot(nx, ny)
         nx, ny = (nx / distance, ny / distance) if distance > 0 else (0.0, 1.0)
-        if other < 0:  # a hollow: the gap is counted inwards from its rim
+        if other < 0:  # a hollow: the gap is measured inwards from its circle
             nx, ny, distance = -nx, -ny, -distance
     gap[0] = distance - r - other
     place[0, 0], place[0, 1] = X[c, 0] - r * nx, X[c, 1] - r * ny

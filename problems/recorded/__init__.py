@@ -1,4 +1,4 @@
-"""Problems in files, ours and other people's: each format in a file of its own, recognised by what the file holds.
+"""Reading of problems from files, one module per format; the format is recognised by the content of the file.
 
 FCLIB's HDF5              problems.recorded.fclib       read and written
 Siconos's text            problems.recorded.siconos     friction problems, local and global, and LCPs
@@ -24,7 +24,7 @@ def read(path: Path) -> FrictionProblem | LCP:
 
 
 def read_recording(path: Path) -> tuple[FrictionProblem | LCP, tuple[Array, ...]]:
-    """The problem and the impulses (nc, d) that FCLIB's files may offer to start from. Errors: as read."""
+    """The problem and the initial guesses (nc, d) of its impulses, which FCLIB's files may contain. Errors: as read."""
     try:
         with path.open("rb") as file:
             head = file.read(8)

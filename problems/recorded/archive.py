@@ -1,6 +1,6 @@
-"""The arrays of an .npz file, unpacked only if they are plain numbers and not too large.
+"""The arrays of an .npz file, if they are plain numbers and not too large.
 
-An archive is refused by what its headers claim, before anything is unpacked: pickled objects, text, more than LARGEST bytes.
+An archive is refused by its headers, before anything is unpacked: pickled objects, text, more than LARGEST bytes.
 """
 
 import zipfile
@@ -12,7 +12,7 @@ from numpy.lib import format as npy
 
 from frictionbench.problems.check import Array, InputError, require
 
-LARGEST = 4 * 2**30  # bytes unpacked; a larger problem is refused unread
+LARGEST = 4 * 2**30  # bytes unpacked; a larger archive is refused without unpacking it
 
 
 def read_arrays(path: Path) -> dict[str, Array]:
@@ -47,9 +47,9 @@ def read_arrays(path: Path) -> dict[str, Array]:
 
 
 def _claimed(name: str, stream: IO[bytes]) -> int:
-    """The bytes that an array says it has; a shape that they do not fill is found when it is read."""
+    """The size in bytes that an array's header states; an error where the data are shorter follows when it is read."""
     version = npy.read_magic(stream)
-    require(version in ((1, 0), (2, 0)), name, f"of the unknown format {version}")
+    require(version in ((1, 0), (2, 0)), name, f"has the unknown .npy format version {version}")
     shape, _, kind = (npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0)(stream)
     require(kind.kind in "fiub", name, f"not an array of numbers, but of {kind}")
     require(len(shape) <= 2, name, f"expected a number, a vector or a matrix, got shape {shape}")

@@ -1,10 +1,10 @@
-"""FCLIB's collection of recorded problems, which anybody can fetch: github.com/FrictionalContactLibrary/fclib-library.
+"""Download of FCLIB's public collection of recorded problems: github.com/FrictionalContactLibrary/fclib-library.
 
-Beside this file, fclib_registry.csv lists 15 of its families with the size and sha256 that each file had in May 2024 (commit
-3e2066ef). The repository states no licence, so nothing of it is part of this project; its files are kept by git-LFS, and are
-downloaded from there as the main branch has them, if they are still the same. Fetched files are kept in the user's cache
-folder, FRICTIONBENCH_CACHE or the system's own, and are used from there: without a network, too. A broken-off download goes on
-file by file.
+fclib_registry.csv, in the folder of this file, lists 15 of its families with the size and sha256 that each file had in May 2024
+(commit 3e2066ef). The repository states no licence, so nothing of it is part of this project; its files are stored by git-LFS,
+downloaded from the main branch and refused if their sha256 has changed. Fetched files are stored in the cache folder,
+FRICTIONBENCH_CACHE or else the user's, and read from there without a network. An interrupted download is resumed at the file
+where it ended.
 """
 
 import csv
@@ -21,7 +21,7 @@ REGISTRY = Path(__file__).with_name("fclib_registry.csv")
 
 
 class Entry(NamedTuple):
-    """One file of the collection: its path there, its bytes and sha256."""
+    """One file of the collection: its path in the repository, its size in bytes and its sha256."""
 
     path: str
     size: int
@@ -52,31 +52,31 @@ def family(name: str) -> str:
 
 
 def cache_folder() -> Path:
-    """Where fetched files are kept."""
+    """The folder in which fetched files are stored."""
     import pooch
 
     return Path(os.environ.get("FRICTIONBENCH_CACHE") or pooch.os_cache("frictionbench")) / "fclib"
 
 
 def folder(name: str) -> Path:
-    """Where the files of a family are kept, whether fetched yet or not."""
+    """The paths of the files of a family in the cache folder, whether they have been fetched or not."""
     return cache_folder() / name
 
 
 def fetched() -> list[str]:
-    """The families of which all files are there."""
+    """The families of which all files have been fetched."""
     return [name for name, entries in registry().items() if all((cache_folder() / entry.path).is_file() for entry in entries)]
 
 
 def address() -> str:
-    """Where files come from: ADDRESS, or what FRICTIONBENCH_FCLIB says, a mirror."""
+    """The address from which files are downloaded: ADDRESS, or a mirror given by FRICTIONBENCH_FCLIB."""
     return os.environ.get("FRICTIONBENCH_FCLIB", ADDRESS).rstrip("/") + "/"
 
 
 def fetch(name: str) -> Iterator[Entry]:
-    """Download what is not there yet of a family, each file checked, one after another; yields each as it is there.
+    """Download the missing files of a family one after another, check each, and yield it when it is stored.
 
-    Errors: InputError naming the file that could not be had or is not what the registry says.
+    Errors: InputError naming the file that could not be downloaded or differs from the registry.
     """
     import pooch
 
@@ -101,7 +101,7 @@ def _refuse_links(path: Path) -> None:
 
 
 class _Sized:
-    """Downloads a file that must have this size, and not more of it than that."""
+    """Downloads a file of known size, and stops as soon as it is longer."""
 
     def __init__(self, size: int) -> None:
         self._size = size

@@ -1,6 +1,6 @@
 """ContactBench's .npz (Le Lidec and others 2024): G (3 nc, 3 nc) and g (3 nc, 1) in u = G r + g, mus (nc).
 
-Its contacts have the normal last, (t1, t2, n). G holds 1e-9 I of compliance, which belongs to the problem and stays in it.
+Its contacts have the normal last, (t1, t2, n). G includes a compliance of 1e-9 I, which is part of the problem.
 """
 
 import numpy as np

@@ -6,10 +6,10 @@
     solution/       r, u, [v, l]
 
 A matrix is {m, n, nz, nzmax, p, i, x}. nz >= 0: that many triplets, in which i is the row and p the column (the library's
-header says it the other way round); -1: by columns (CSC); -2: by rows (CSR). Rows per contact, normal first. A stored solution
-may be a placeholder: nothing here believes it.
+header documents them the other way round); -1: by columns (CSC); -2: by rows (CSR). Rows per contact, normal first. A stored
+solution may be a placeholder, and is not used as a reference.
 
-Beside FCLIB's own, write() leaves frictionbench/free_velocity, as M v* = f does not give back v* to the last bit.
+In addition, write() stores frictionbench/free_velocity, because solving M v* = f does not reproduce v* to the last bit.
 """
 
 import os
@@ -27,16 +27,16 @@ from frictionbench.problems.check import Array, InputError, require
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.recorded.forms import from_global, from_local
 
-LARGEST = 2**29  # bytes of all arrays of a file
-NO_PLUGINS = {"HDF5_PLUGIN_PRELOAD": "::"}  # code that a file may ask for
-LONGEST = 120.0  # seconds that reading a file may take
+LARGEST = 2**29  # bytes of all arrays of a file; larger ones are refused
+NO_PLUGINS = {"HDF5_PLUGIN_PRELOAD": "::"}  # no filter plugins, which are code that a file can cause to be loaded
+LONGEST = 120.0  # seconds after which reading a file is aborted
 OURS = "frictionbench/free_velocity"
 
 Arrays = dict[str, Array]
 
 
 class Recording(NamedTuple):
-    """A problem, the impulses (nc, d) that the file offers to start from, and the one it calls a solution."""
+    """A problem, the initial guesses (nc, d) of its impulses that the file contains, and its stored solution."""
 
     problem: FrictionProblem
     guesses: tuple[Array, ...] = ()
@@ -70,10 +70,10 @@ def _unpack(path: Path) -> Arrays:
     try:
         done = subprocess.run(command, capture_output=True, timeout=LONGEST, check=False, env=os.environ | NO_PLUGINS)
     except subprocess.TimeoutExpired:
-        raise InputError(f"HDF5: not read within {LONGEST:g} s") from None
+        raise InputError(f"HDF5: reading was aborted after {LONGEST:g} s") from None
     if done.returncode == 2:
         raise InputError(done.stderr.decode(errors="replace"))
-    require(done.returncode == 0, "HDF5", "its library died on the file")
+    require(done.returncode == 0, "HDF5", "the library crashed while reading the file")
     with np.load(BytesIO(done.stdout), allow_pickle=False) as stored:
         return {name.replace("|", "/"): stored[name] for name in stored.files}
 
@@ -153,9 +153,9 @@ def _within(field: str, index: NDArray[np.int64], size: int) -> None:
 def write(problem: FrictionProblem, path: Path, title: str = "", description: str = "", solution: Array | None = None) -> None:
     """Write FCLIB's local form where only W is known, and its global form, in triplets, otherwise.
 
-    solution: (nc, d) impulses. Errors: InputError where FCLIB's form cannot say it.
+    solution: (nc, d) impulses. Errors: InputError where FCLIB's format cannot represent the problem.
     """
-    require(not problem.friction_bias.any(), "friction_bias", "FCLIB has no place for it")
+    require(not problem.friction_bias.any(), "friction_bias", "FCLIB's format cannot represent it")
     import h5py
 
     with h5py.File(path, "w") as file:

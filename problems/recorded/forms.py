@@ -1,11 +1,11 @@
-"""The two forms in which others keep a friction problem, joints included (Acary, Brémond and Huber 2018; FCLIB).
+"""The local and the global form of recorded friction problems, joints included (Acary, Brémond and Huber 2018; FCLIB).
 
     local    u = W r + V l + q,   0 = V' r + R l + s
     global   M v = H r + G l + f,   u = H' v + w,   0 = G' v + b
 
-with contact rows normal first. A global problem keeps its M and H, and so whatever is sparse in them. Two kinds of it have no
-FrictionProblem with a mass matrix, and are taken to their local form: those whose M is not symmetric, and those whose w acts on
-tangential velocities.
+with contact rows normal first. A global problem keeps its sparse M and H. Two kinds cannot be written as a FrictionProblem
+with a mass matrix, and are reduced to their local form: those whose M is not symmetric, and those whose w acts on tangential
+velocities.
 """
 
 import numpy as np
@@ -16,8 +16,8 @@ from scipy.sparse.linalg import splu
 from frictionbench.problems.check import Array, InputError, require
 from frictionbench.problems.friction import FrictionProblem
 
-MOST_COUPLED = 4000  # coordinates of one block of M, and joints of a local problem: their inverses are dense
-SYMMETRIC = 1e-12  # relative, as FrictionProblem asks of its mass
+MOST_COUPLED = 4000  # coordinates of one block of M, or joints of a local problem: a dense inverse takes 128 MB
+SYMMETRIC = 1e-12  # relative, as FrictionProblem requires of its mass
 
 
 def from_global(
@@ -39,9 +39,7 @@ def from_global(
     for name, value in {"M": M.data, "H": H.data, "f": f, "w": w}.items():
         require(bool(np.isfinite(value).all()), name, "all entries must be finite")
     coupled = np.bincount(connected_components(M, directed=False)[1]).max(initial=0)
-    require(
-        coupled <= MOST_COUPLED, "M", f"{coupled} coordinates are coupled; a block's inverse is dense, at most {MOST_COUPLED}"
-    )
+    require(coupled <= MOST_COUPLED, "M", f"{coupled} coordinates are coupled; a dense inverse has at most {MOST_COUPLED}")
     free = _solve(M, f)
     normal = np.arange(len(w)) % d == 0
     if abs(M - M.T).max() <= SYMMETRIC * abs(M).max() and not w[~normal].any():
@@ -81,7 +79,7 @@ def from_local(
     nj = len(s)
     require(R.shape == (nj, nj), "R", f"expected shape {(nj, nj)}, got {R.shape}")
     require(V.shape == (len(q), nj), "V", f"expected shape {(len(q), nj)}, got {V.shape}")
-    require(nj <= MOST_COUPLED, "R", f"{nj} joints; their inverse is dense, at most {MOST_COUPLED}")
+    require(nj <= MOST_COUPLED, "R", f"{nj} joints; a dense inverse has at most {MOST_COUPLED}")
     for name, value in {"V": V.data, "R": R.data, "s": s}.items():
         require(bool(np.isfinite(value).all()), name, "all entries must be finite")
     inverse = np.linalg.pinv(R.toarray())  # joints may be redundant

@@ -2,11 +2,10 @@
 
     python hdf5_child.py FILE BYTES
 
-HDF5 is a language for files, and its library was not written for hostile ones: a damaged file can crash it or keep it busy for
-ever. Here that ends this process and no other. Of the file's language only plain data are read: no links, not to other files
-either, no data outside the file, no virtual data, no filters but those of the library itself, no types but numbers, no more
-than BYTES in all by what the file claims of itself. An array that was announced and never written is left out. What is
-refused, and why, is one line on the standard error, exit 2.
+A damaged or malicious file can crash the HDF5 library or make it run for ever, which here ends only this process. Only plain
+data are read: no links (also to other files), no data outside the file, no virtual data, no filters but those of the library
+itself, no types but numbers, and no more than BYTES in all by the shapes stated in the file. A data set that was created and
+never written is left out. A refused file is reported by one line on the standard error and exit code 2.
 """
 
 import io
@@ -17,16 +16,16 @@ import h5py
 import numpy as np
 
 FILTERS = {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32, h5py.h5z.FILTER_SZIP}
-MOST = 1000  # datasets
-DEEPEST = 6  # groups
+MOST = 1000  # groups and data sets: far more than FCLIB's files have
+DEEPEST = 6  # levels of groups: more than FCLIB's files have
 
 
 class Refused(Exception):  # noqa: N818  # a finding about the file
-    """The field and what is wrong with it."""
+    """A file that is refused; the message names the field and the reason."""
 
 
 def read(path: str, most: int) -> dict[str, np.ndarray]:
-    """All numeric arrays under their paths; attributes and texts are left alone."""
+    """All numeric arrays by their paths; attributes and texts are ignored."""
     arrays: dict[str, np.ndarray] = {}
     left, seen = most, 0
     with h5py.File(path, "r") as file:
@@ -34,39 +33,39 @@ def read(path: str, most: int) -> dict[str, np.ndarray]:
         while groups:
             above, group, depth = groups.pop()
             if depth > DEEPEST:
-                raise Refused(f"{above}: groups within groups within groups")
+                raise Refused(f"{above}: groups are nested more than {DEEPEST} levels deep")
             for name in group:
                 field, seen = f"{above}/{name}".lstrip("/"), seen + 1
                 if seen > MOST:
-                    raise Refused(f"{above or 'file'}: more than {MOST} entries")
+                    raise Refused(f"{above or 'file'}: more than {MOST} groups and data sets")
                 if not isinstance(group.get(name, getlink=True), h5py.HardLink):
-                    raise Refused(f"{field}: a link; only plain data are read")
-                entry = group[name]
-                if isinstance(entry, h5py.Group):
-                    groups.append((field, entry, depth + 1))
-                elif isinstance(entry, h5py.Dataset) and entry.dtype.kind in "fiu" and _is_written(entry):
-                    left -= entry.size * entry.dtype.itemsize
-                    _check(field, entry, left)
-                    arrays[field] = entry[()]
+                    raise Refused(f"{field}: is a link; only plain data are read")
+                data = group[name]
+                if isinstance(data, h5py.Group):
+                    groups.append((field, data, depth + 1))
+                elif isinstance(data, h5py.Dataset) and data.dtype.kind in "fiu" and _is_written(data):
+                    left -= data.size * data.dtype.itemsize
+                    _check(field, data, left)
+                    arrays[field] = data[()]
     return arrays
 
 
-def _check(field: str, entry: h5py.Dataset, left: int) -> None:
-    if entry.is_virtual or entry.external:
-        raise Refused(f"{field}: its data lie outside the file")
-    if len(entry.shape) > 2:
-        raise Refused(f"{field}: expected a number, a vector or a matrix, got shape {entry.shape}")
+def _check(field: str, data: h5py.Dataset, left: int) -> None:
+    if data.is_virtual or data.external:
+        raise Refused(f"{field}: its data are stored outside the data set")
+    if len(data.shape) > 2:
+        raise Refused(f"{field}: expected a number, a vector or a matrix, got shape {data.shape}")
     if left < 0:
-        raise Refused(f"{field}: claims shape {entry.shape}; that is more than is read of any file")
-    properties = entry.id.get_create_plist()
+        raise Refused(f"{field}: has shape {data.shape}, with which the file is larger than the limit")
+    properties = data.id.get_create_plist()
     for k in range(properties.get_nfilters()):
         if properties.get_filter(k)[0] not in FILTERS:
-            raise Refused(f"{field}: packed by a filter that is not HDF5's own")
+            raise Refused(f"{field}: is compressed by a filter that is not part of HDF5")
 
 
-def _is_written(entry: h5py.Dataset) -> bool:
-    """Whether there is anything behind the shape; what was announced and never written counts as missing."""
-    return entry.size == 0 or entry.is_virtual or bool(entry.external) or entry.id.get_storage_size() > 0
+def _is_written(data: h5py.Dataset) -> bool:
+    """Whether the data set has data; one that was created and never written counts as missing."""
+    return data.size == 0 or data.is_virtual or bool(data.external) or data.id.get_storage_size() > 0
 
 
 def main() -> int:

@@ -1,4 +1,4 @@
-"""Our own file of a friction problem, or of a bare LCP: one .npz of plain arrays, which anyone can write.
+"""The native file format of friction problems and bare LCPs: one .npz of plain arrays.
 
 Every field of FrictionProblem by its name, dense fields as they are, a sparse one F as the four arrays of its CSR form:
 
@@ -6,9 +6,8 @@ Every field of FrictionProblem by its name, dense fields as they are, a sparse o
     friction (nc), free_velocity (nv), bias (nc), friction_bias (nc), joint_bias (nj)
     mass, normal, tangent, joints  (nv, nv), (nc, nv), (nc*(d-1), nv), (nj, nv), each as F_data, F_indices, F_indptr, F_shape
 
-A problem known by its Delassus matrix holds W (as W_data ...) and q (nc*d) in place of the mechanical fields, rows per contact,
-normal first. A bare LCP holds M (n, n) and q (n), and its dimension is 0. Where dense arrays will do, problems.recorded.plain
-reads them under shorter names.
+A problem in Delassus form has W (as W_data ...) and q (nc*d) in place of the mechanical fields, rows per contact, normal first.
+A bare LCP has M (n, n) and q (n), and its dimension is 0. problems.recorded.plain reads dense arrays under shorter names.
 """
 
 from pathlib import Path

@@ -5,7 +5,7 @@
         with b (nc), fb (nc), F (nj, nv), bF (nj), d            biases and joints, none if left out; d = 2 if left out
     M (n, n), q (n)                                             an LCP, w = M z + q
 
-mu may be one number for all contacts. N and T may also hold contacts in columns. A file with M and W is taken by its M.
+mu may be one number for all contacts. N and T may also have the contacts in columns. Of a file with both M and W, M is used.
 """
 
 from collections.abc import Callable
@@ -21,7 +21,7 @@ Arrays = dict[str, Array]
 
 
 def kind(arrays: Arrays) -> Callable[[Arrays], FrictionProblem | LCP] | None:
-    """What reads these arrays, if anything here does."""
+    """The function that reads these arrays, None where they are of none of these kinds."""
     if {"M", "N", "T", "mu"} <= arrays.keys():
         return mechanical
     if {"W", "q", "mu", "d"} <= arrays.keys():
@@ -30,7 +30,7 @@ def kind(arrays: Arrays) -> Callable[[Arrays], FrictionProblem | LCP] | None:
 
 
 def mechanical(arrays: Arrays) -> FrictionProblem:
-    """A problem with its masses and contact directions. Errors: InputError naming the field."""
+    """A problem given by its mechanics. Errors: InputError naming the field."""
     M, N, T, d = arrays["M"], arrays["N"], arrays["T"], _dimension(arrays)
     require(N.ndim == T.ndim == M.ndim == 2, "M, N, T", "expected matrices")
     if N.shape[1] != len(M) == N.shape[0]:
@@ -53,7 +53,7 @@ def mechanical(arrays: Arrays) -> FrictionProblem:
 
 
 def known_by_delassus(arrays: Arrays) -> FrictionProblem:
-    """A problem known by W and q. Errors: InputError naming the field."""
+    """A problem in Delassus form. Errors: InputError naming the field."""
     d, q, mu = _dimension(arrays), arrays["q"], arrays["mu"]
     return FrictionProblem.from_delassus(arrays["W"], q, np.full(q.size // d, mu) if mu.ndim == 0 else mu, d)
 

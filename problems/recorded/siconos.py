@@ -11,8 +11,8 @@ A matrix begins with its storage, rows and columns; what follows depends on the 
                  number and its entries by columns
     2, sparse    what CSparse prints, to six digits: triplets `row column : value`, or columns of `row : value`
 
-Text after the last number is a remark. Memory is bounded by the file: a claim of more numbers than its bytes could hold is
-refused before anything is set aside for them.
+Text after the last number is ignored. A count of more numbers than the bytes of the file could represent is refused before
+memory is allocated for them.
 """
 
 from collections.abc import Iterator
@@ -29,20 +29,20 @@ from frictionbench.problems.forms.lcp import LCP
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.recorded.forms import from_global
 
-LARGEST = 2**29  # bytes of text; a larger file is refused unread
+LARGEST = 2**29  # bytes of text; a larger file is refused without reading it
 CHUNK = 2**20
 Index = NDArray[np.int64]
 
 
 class _Numbers:
-    """The words of a text one after another, as the numbers they have to be."""
+    """The words of a text one after another, converted to the numbers that the format requires."""
 
     def __init__(self, file: TextIO, size: int) -> None:
         self._words, self._most = _words(file), size // 2 + 1
 
     def word(self, field: str) -> str:
         word = next(self._words, None)
-        require(word is not None, field, "the file ends before it")
+        require(word is not None, field, "is missing: the file ends before it")
         return str(word)
 
     def whole(self, field: str, least: int = 0) -> int:
@@ -63,7 +63,7 @@ class _Numbers:
 
     def reals(self, field: str, count: int) -> Array:
         """The next `count` numbers (count,)."""
-        require(count <= self._most, field, f"claims {count} numbers, more than the file can hold")
+        require(count <= self._most, field, f"has {count} numbers by its header, more than the file can hold")
         try:
             values = np.fromiter((float(word) for word in islice(self._words, count)), float)
         except ValueError as error:
@@ -84,7 +84,7 @@ def _words(file: TextIO) -> Iterator[str]:
     while chunk := file.read(CHUNK):
         words = (rest + chunk).split()
         rest = words.pop() if words and not chunk[-1].isspace() else ""
-        require(len(rest) < 1000, "text", "a word of more than a thousand letters")
+        require(len(rest) < 1000, "text", "contains a word of more than a thousand characters")
         yield from words
     yield from rest.split()
 
@@ -97,7 +97,7 @@ def read(path: Path) -> FrictionProblem | LCP:
         head = list(islice(_words(file), 7))
         file.seek(0)
         numbers = _Numbers(file, size)
-        # Both begin with small integers: of an LCP the second is a storage, and the first comes again as rows and columns.
+        # Both begin with small integers; in an LCP the second is M's storage, and the first is repeated as M's shape.
         if len(head) > 3 and head[0] == head[2] == head[3] and "CSparse" not in head[6:]:
             return _lcp(numbers)
         return _friction(numbers)
@@ -137,7 +137,7 @@ def _matrix(numbers: _Numbers, name: str, storage: int | None = None) -> sparse.
 
 def _dense(numbers: _Numbers, name: str, m: int, n: int) -> sparse.csr_array:
     again = numbers.whole(f"{name}, rows"), numbers.whole(f"{name}, columns")
-    require(again == (m, n), name, f"says {(m, n)} and then {again}")
+    require(again == (m, n), name, f"states the shape {(m, n)} first and {again} later")
     return sparse.csr_array(numbers.reals(name, m * n).reshape(n, m).T)
 
 
@@ -170,7 +170,7 @@ def _sparse(numbers: _Numbers, name: str, m: int, n: int) -> sparse.csr_array:
     numbers.whole(f"{name}, origin")
     words = ""
     while not words.endswith("nnz: "):
-        require(len(words) < 1000, name, "is not what CSparse prints")
+        require(len(words) < 1000, name, "is not in the format that CSparse prints")
         words += numbers.word(name) + " "
     count = _before_comma(numbers, name)
     require(f" {m}-by-{n}, " in f" {words}", name, f"expected {m}-by-{n}")
@@ -185,7 +185,7 @@ def _sparse(numbers: _Numbers, name: str, m: int, n: int) -> sparse.csr_array:
             numbers.word(name)  # to
             last = int(numbers.real(f"{name}, locations"))
             entries += [(numbers.whole(name), column, _after_colon(numbers, name)) for _ in range(first, last + 1)]
-        require(len(entries) == count, name, f"claims {count} entries and has {len(entries)}")
+        require(len(entries) == count, name, f"has {len(entries)} entries, but {count} by its header")
     parts = np.array(entries, dtype=float).reshape(-1, 3)
     return _from_triplets(name, parts[:, 0].astype(np.int64), parts[:, 1].astype(np.int64), parts[:, 2], (m, n))
 

@@ -82,11 +82,11 @@ def test_fields_of_a_scene_are_checked() -> None:
         Scene(bodies=(rigid_box(1, 1),), q0=np.zeros(3), v0=np.array([np.inf, 0, 0]), friction=0.5)
     with pytest.raises(InputError, match=r"^mass: "):
         rigid_box(1, 1, density=-1)
-    with pytest.raises(InputError, match=r"^hinges: no such bodies: \[\(0, 1\)\]"):
+    with pytest.raises(InputError, match=r"^hinges: refer to bodies that do not exist: \[\(0, 1\)\]"):
         Scene(bodies=(rigid_box(1, 1),), hinges=(Hinge((0, 1), np.zeros((2, 2))),), q0=np.zeros(3), friction=0.5)
     with pytest.raises(InputError, match=r"^bodies: "):
         Hinge((0, 0), np.zeros((2, 2)))
-    with pytest.raises(InputError, match=r"^obstacles: in a hollow only discs"):
+    with pytest.raises(InputError, match=r"^obstacles: a hollow is only possible where all bodies are discs"):
         Geometry((rigid_box(1, 1),), (hollow(3.0),))
 
 

@@ -260,7 +260,7 @@ def test_groups_that_contain_themselves_end(tmp_path) -> None:
     with h5py.File(path, "a") as file:
         file["loop/again"] = file["fclib_local"]
         file["fclib_local/back"] = file["loop"]
-    with pytest.raises(InputError, match=r"groups within groups|more than 1000"):
+    with pytest.raises(InputError, match=r"groups are nested more|more than 1000"):
         read(path)
 
 
@@ -284,7 +284,7 @@ def test_the_library_that_dies_or_hangs_is_named(tmp_path, monkeypatch) -> None:
     path = tmp_path / "p.hdf5"
     fclib.write(known_by_W(SPATIAL), path)
     monkeypatch.setattr(fclib, "LONGEST", 1e-3)
-    with pytest.raises(InputError, match="not read within"):
+    with pytest.raises(InputError, match="reading was aborted after"):
         read(path)
     monkeypatch.undo()
     monkeypatch.setattr(fclib, "LARGEST", -(2**26))  # too little memory to live in
