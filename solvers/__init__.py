@@ -1,4 +1,4 @@
-"""One file a method, one signature for all, each listed by its decorator: see solvers.interface."""
+"""Solvers, one file per method, with a common interface; a decorator registers each (solvers.interface)."""
 
 from frictionbench.problems.discover import import_all
 from frictionbench.solvers import outside

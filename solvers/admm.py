@@ -1,13 +1,14 @@
-"""Alternating directions: the impulses split into one copy that obeys the dynamics and one that stays in the cones.
+"""Alternating direction method of multipliers: one copy of the impulses obeys the dynamics, the other stays in the cones.
 
     (W + rho S) r = rho S z - q - mu |w_t| e_n - w        the dynamics, one sparse factorisation for all iterations
     z+ = P_K(r^ + w/(rho S)),    r^ = alpha r + (1-alpha) z    the cones, contact by contact
     w+ = w + rho S (r^ - z+)                              the multiplier, -(u + mu |u_t| e_n) at the end
 
-with S = diag(s_i) the contacts' scales, in which rho is a pure number, and over-relaxation alpha. The term mu |w_t| e_n is
+with S = diag(s_i) the contacts' scales, in which rho is dimensionless, and over-relaxation alpha. The term mu |w_t| e_n is
 de Saxcé's shift: with it the fixed points are Coulomb's solutions (`admm_coulomb`, no convergence theorem), without it those of
 the convex relaxation (`admm`, which converges for every fixed rho). rho is multiplied by the root of the ratio of the two
-residuals, |r - z| and rho |z+ - z|, at a factorisation each time; never before the iterations have doubled, so that it settles.
+residuals, |r - z| and rho |z+ - z|, which costs a factorisation each time; the iterations must double in between, so that rho
+converges.
 
 References: Boyd, Parikh, Chu, Peleato and Eckstein 2011, sections 3.3 and 3.4; Tasora, Mangoni, Benatti and Garziera 2021;
 Carpentier, Le Lidec and Montaut 2024.
@@ -30,7 +31,7 @@ from frictionbench.solvers.sweeps.laws import residual_at
 from frictionbench.solvers.sweeps.projected_gradient import step
 from frictionbench.solvers.sweeps.stopping import monitor, should_continue
 
-LIMIT = 10_000  # iterations by default, as for sweeps: an iteration costs about as much as one
+LIMIT = 10_000  # iterations by default, as many as sweeps of nsgs
 PATIENCE = 2500  # iterations in which the residual must fall by a hundredth: a quarter of the limit
 CHECK = 10  # iterations between two residuals, whose cost is then a tenth of an iteration's
 ALPHA = 1.6  # over-relaxation: 1.5 to 1.8 is recommended (Boyd et al. 2011, section 3.4.3)
@@ -39,7 +40,7 @@ RETUNE = 2.0  # least factor of rho that is worth a factorisation
 
 
 class Factor(NamedTuple):
-    """P_r A P_c = L U of a sparse matrix; L and U by columns (start, row, entry), L's diagonal 1 and U's kept apart."""
+    """P_r A P_c = L U of a sparse matrix; L and U by columns (start, row, entry), L's diagonal 1 and U's stored separately."""
 
     row: Index
     column: Index

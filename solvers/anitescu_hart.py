@@ -1,13 +1,13 @@
-"""A fixed point of convex relaxations that ends at Coulomb's law.
+"""A fixed-point iteration of convex relaxations whose fixed points obey Coulomb's law.
 
     r^k solves the relaxation with u_n replaced by u_n + mu lam^k,     lam^{k+1} = |u_t(r^k)|.
 
-The relaxation keeps u_n + mu lam^k >= mu |u_t| at every contact; where lam stays put both shifts cancel, and u_n = 0 wherever
-r_n > 0: a fixed point is a Coulomb solution. It contracts for small mu, one contact with the block [[a, b], [b, g]] that slides
-along +t at the rate |mu (mu g - b)|/(a - 2 mu b + mu^2 g); where that is 1 or more it can end in a cycle of two, which is
-detected and said.
+The relaxation keeps u_n + mu lam^k >= mu |u_t| at every contact; where lam is stationary both shifts cancel, and u_n = 0
+wherever r_n > 0: a fixed point is a Coulomb solution. It contracts for small mu, one contact with the block [[a, b], [b, g]]
+that slides along +t at the rate |mu (mu g - b)|/(a - 2 mu b + mu^2 g); where that is 1 or more it can end in a cycle of period
+two, which is detected and reported.
 
-With memory > 0 the iteration is carried on by Anderson's acceleration over that many steps; memory = 0 is the plain one. Each
+With memory > 0 Anderson's acceleration over that many steps is applied; memory = 0 is the plain iteration. Each
 relaxation is solved by accelerated projected gradients (solvers.sweeps.projected_gradient) from the last one's impulses, to
 INNER of the present residual.
 
@@ -59,7 +59,7 @@ class AnitescuHart:
         while should_continue(monitored, error := residual_at(form, r, x, u, 1.0), relaxations):
             slides.append(np.linalg.norm(u[:, 1:], axis=1))
             if self.memory == 0 and _cycles(slides, monitored.history[: relaxations + 1]):
-                answer = monitored.answer(r, "a cycle of two", relaxations=relaxations, products=products)
+                answer = monitored.answer(r, "a cycle of period two", relaxations=relaxations, products=products)
                 return replace(answer, status=Status.STALLED)
             lams.append(_combined(lams, slides, self.memory))
             shifted.offset[:, 0] = form.offset[:, 0] + form.friction * lams[-1]
@@ -79,7 +79,7 @@ def _combined(lams: list[Array], slides: list[Array], memory: int) -> Array:
 
 
 def _cycles(slides: list[Array], error: Array) -> bool:
-    """Whether lam comes back every other time and not every time, and no relaxation brings the residual down."""
+    """Whether lam repeats with period two, and not one, while the residual does not decrease."""
     if len(slides) < 5 or error[-1] < 0.99 * error[-3] or error[-2] < 0.99 * error[-4]:
         return False
     step = np.abs(slides[-1] - slides[-2]).max()

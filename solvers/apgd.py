@@ -1,15 +1,16 @@
 """Accelerated projected gradient descent on the relaxation's dual, and on Coulomb's law itself.
 
 The convex relaxation's impulses minimise  ½ r'W r + q'r  over the product K of the contacts' cones, a problem whose gradient is
-the contact velocity u and whose projections are made contact by contact. A step goes down the gradient, back into the cones,
+the contact velocity u and whose projections are made contact by contact. A step follows the negative gradient and is projected
+onto the cones,
 
     r+ = P_K(y - u(y)/(L s)),    y+ = r+ + beta (r+ - r),
 
-s the contacts' scales, and on by Nesterov's momentum, which starts anew whenever a step goes uphill
+s the contacts' scales, followed by Nesterov's momentum, which restarts whenever a step goes uphill
 (solvers.sweeps.projected_gradient).
 
-`apgd_coulomb` takes the same steps along de Saxcé's shifted velocity u + mu |u_t| e_n. Its fixed points are Coulomb solutions,
-it is no gradient, and no convergence is known.
+`apgd_coulomb` takes the same steps along de Saxcé's shifted velocity u + mu |u_t| e_n. Its fixed points are Coulomb solutions;
+it is not a gradient, and no convergence theorem is known.
 
 References: Nesterov 1983; O'Donoghue and Candès 2015 for the restart; Mazhar, Heyn, Negrut and Tasora 2015.
 """
@@ -21,7 +22,7 @@ from frictionbench.solvers.sweeps.form import ContactForm, contact_form
 from frictionbench.solvers.sweeps.projected_gradient import PATIENCE, descend
 from frictionbench.solvers.sweeps.stopping import monitor
 
-LIMIT = 20_000  # iterations by default: twice the sweeps of nsgs, as an iteration costs about half of one
+LIMIT = 20_000  # iterations by default, mostly one product with W each: twice as many as sweeps of nsgs
 
 
 @solver("apgd", family="splitting", model="relaxation", dimension=(2, 3), warm_start=True, sparse=True)

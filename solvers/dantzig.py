@@ -3,17 +3,17 @@
     w = M z + q,   w, z >= 0,   w'z = 0.
 
 The pairs are taken in order, contact by contact: normal, sliding speed, tangent directions. Those taken so far satisfy
-their conditions, the others are disregarded with z = 0. If the next pair r has w_r < 0, its impulse z_r is driven up; the
-conditions already satisfied are kept by letting a variable that reaches zero change places with its partner; until w_r = 0.
+their conditions; the others are ignored, with z = 0. If the next pair r has w_r < 0, its impulse z_r is increased until w_r =
+0; when a variable of a pair already taken reaches zero, it is exchanged with its complement.
 
-In Baraff's words a contact is clamped or free and a friction force has limits mu f_n. Here the LCP itself says so, with
-w_lambda = mu c - e'beta and lambda as its partner, so that limits which move with c need no special case. Driving is then a
-path of Lemke's method for the pairs taken, with a covering vector of one entry: w_r = ... + z0, from z0 = -w_r to z0 = 0
+In Baraff's formulation a contact is clamped or free and a friction force has limits mu f_n. Here the LCP contains this, with
+w_lambda = mu c - e'beta and lambda as its partner, so that limits which depend on c need no special case. Increasing z_r is
+then a path of Lemke's method for the pairs taken, with a covering vector of one entry: w_r = ... + z0, from z0 = -w_r to z0 = 0
 (the variable dimension method of van der Heyden 1980). Ties are excluded by a perturbation of q as in solvers.lemke.
 
-Where M is a P-matrix, or positive definite, driving always succeeds. For contact without friction it does too (Baraff
-1994). With friction it may end on a ray, and the method stalls: the friction LCP's existence theorem speaks of
-covering vectors without a zero.
+Where M is a P-matrix, or positive definite, every path succeeds, and also for frictionless contact (Baraff 1994). With
+friction a path may end on a ray, and the method stalls: the existence theorem of the friction LCP requires covering vectors
+without zeros.
 """
 
 import numpy as np
@@ -53,7 +53,7 @@ def dantzig(order: Index, M: Matrix, q: Array, unit: Array, tol: float, limit: i
     size, error = PERTURBATION, np.inf
     draw(1, drawn)
     while size > 1e-14 and error > tol:
-        # A later round, with a smaller perturbation, takes up again the pairs that the first one left negative.
+        # A later round, with a smaller perturbation, repeats the pairs that are still negative.
         blocking = x >= 0.0
         blocking[n] = True
         shifted[:] = q
@@ -78,9 +78,9 @@ def dantzig(order: Index, M: Matrix, q: Array, unit: Array, tol: float, limit: i
 
 @solver("dantzig", family="pivoting", model="lcp", dimension=(2, 3))
 class Dantzig(PrincipalPivoting):
-    """Dantzig's principal pivoting, one contact after the other, as Baraff used it. (Baraff 1994)
+    """Dantzig's principal pivoting, one contact after the other. (Baraff 1994)
 
-    facets: of the polygon that the cone's section is in space. The limit counts pivots, by default 10 000 + 100 n.
+    facets: of the polygon that approximates the cone's section in space. The limit counts pivots, by default 10 000 + 100 n.
     """
 
     def pivot(self, lcp: ScaledLCP, tol: float, limit: int) -> tuple[int, Array, int, int]:
@@ -88,7 +88,7 @@ class Dantzig(PrincipalPivoting):
 
 
 def contact_order(lcp: LCP) -> Index:
-    """The indices of z, contact by contact: c, lambda, beta; of a bare LCP as they stand."""
+    """The indices of z, contact by contact: c, lambda, beta; for a bare LCP in their own order."""
     n, nc = lcp.size, lcp.contacts[0]
     if not nc:
         return np.arange(n)

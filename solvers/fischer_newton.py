@@ -8,16 +8,16 @@ and unlike Phi its merit Psi = |Phi|²/2 is continuously differentiable, with gr
 Jacobian, rows H_i = (a/s - 1) e_i' + (b/s - 1) M_i, (a, b) = (z_i, w_i), s = |(a, b)|. An iteration (De Luca, Facchinei
 and Kanzow 1996)
 
-1. solves H d = -Phi, and falls back on d = -H'Phi where that is singular or no descent;
+1. solves H d = -Phi, or takes d = -H'Phi if H is singular or d is not a descent direction;
 2. halves the step t from 1 until Psi(z + t d) <= the largest of recent Psi + sigma t d'H'Phi (nonmonotone: Grippo,
    Lampariello and Lucidi 1986).
 
-Redundant supports make M, and with it H, singular at the solution. Therefore the H of step 1 is that of M + eps I; Phi, Psi
-and the gradient stay exact, so that only the rate is touched: linear with a factor of about eps |H^-1| in place of quadratic.
+Redundant supports make M, and with it H, singular at the solution. The H of step 1 is therefore that of M + eps I; Phi, Psi
+and the gradient stay exact, so that only the rate changes: linear with a factor of about eps |H^-1| in place of quadratic.
 
-What is guaranteed: every limit is a stationary point of Psi, H'Phi = 0, and that is a solution if M is P0. The friction LCP
-of one contact with W = [[a, b], [b, g]] is P0 only for a >= mu |b|. Beyond that, and often with several contacts, the
-iteration may end in a minimum of Psi that is no solution.
+Every limit is a stationary point of Psi, H'Phi = 0, and a solution if M is P0. The friction LCP
+of one contact with W = [[a, b], [b, g]] is P0 only for a >= mu |b|. Otherwise, and often with several contacts, the
+iteration may end in a minimum of Psi that is not a solution.
 
 Reference: De Luca, Facchinei and Kanzow, A semismooth equation approach to the solution of nonlinear complementarity
 problems, Mathematical Programming 75 (1996).
@@ -52,7 +52,7 @@ STATIONARY = 1e-12  # |H'Phi| relative to |Phi| below which the gradient is roun
 class FischerNewton(MeritNewton):
     """Fischer-Burmeister Newton (De Luca, Facchinei and Kanzow): semismooth, line search on the merit, gradient fallback.
 
-    regularisation: eps, on the scaled M in the Newton system. facets: of the polygon that the cone's section is in space.
+    regularisation: eps, on the scaled M in the Newton system. facets: of the polygon that approximates the cone's section.
     limit bounds the iterations, by default 200.
     work: newton and gradient steps, evaluations of the merit, factorisations. history: the natural residual, per iteration.
     """
@@ -65,7 +65,7 @@ class FischerNewton(MeritNewton):
         return end, iterations, 0
 
     def describe_end(self, status: Status, period: int) -> str:
-        return "no descent: a stationary point of the merit that is no solution" if status is Status.STALLED else ""
+        return "no descent: a stationary point of the merit that is not a solution" if status is Status.STALLED else ""
 
 
 @kernel

@@ -1,14 +1,13 @@
-"""A portfolio: the fastest method first, then others until an answer holds.
+"""A portfolio: the fastest method first, then others until an answer is within the tolerance.
 
 No single method is fast, accurate and reliable on every friction problem. In the plane Lemke's pivots are the fastest up to
-some dozens of contacts, an interior point's sparse factorisations beyond. In space a few sweeps of Gauss-Seidel end the
-smallest problems, and bring the largest near enough for the interior point to start there and save most of its iterations;
-between them they cost more than they save, and so they do where bodies rest on more contacts than it takes to hold them, as in
-stacks of cubes: W is singular there, and 30 sweeps leave a residual of a tenth. The interior point is a portfolio itself, of
-the convex relaxation and of central paths; hardly anything is left for those after it. Pivoting ends on an exact basis; each
-method fails on some instances that another solves. A portfolio stops at the first answer whose residual, computed here from
-the problem's own velocities, is within the tolerance: so it solves what any of its members does, and says so when none does.
-(Algorithm portfolios: Gomes and Selman 2001.)
+some dozens of contacts, an interior point's sparse factorisations beyond. In space a few sweeps of Gauss-Seidel solve the
+smallest problems, and give the interior point a start for the largest that saves most of its iterations. In between they cost
+more than they save, as they do for hyperstatic contacts such as those of stacks of cubes: W is singular there, and 30 sweeps
+leave a residual of a tenth. The interior point is itself a portfolio of the convex relaxation and central paths, and solves
+nearly all that is left. Pivoting ends on an exact basis; each method fails on some instances that another solves. The portfolio
+stops at the first answer whose residual, computed here from the problem's own velocities, is within the tolerance; it solves
+what any member solves, and reports failure if none does. (Algorithm portfolios: Gomes and Selman 2001.)
 """
 
 from functools import cache
@@ -35,7 +34,7 @@ Members = tuple[tuple[SolverInfo, Solver], ...]
 
 
 class Prepared(NamedTuple):
-    """The problem, the members in order with their facts, and the first of them's form, then its setup."""
+    """The problem, the members in order, and the form of the first member, later its setup."""
 
     problem: FrictionProblem
     members: Members
@@ -47,9 +46,9 @@ MEMBERS = tuple(dict.fromkeys((*PLANAR, *SPATIAL)))
 
 @solver("hybrid", family="portfolio", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True, members=MEMBERS)
 class Hybrid:
-    """A portfolio: the interior point first or nearly so, then pivoting and others, until a checked answer holds.
+    """A portfolio: the interior point or a simpler method first, then others, until a checked answer is within the tolerance.
 
-    The limit bounds each member's own unit of work. work counts the members tried and, by name, what each of them did.
+    The limit bounds each member's unit of work. work counts the members tried and, by name, the work of each.
     """
 
     def form(self, problem: FrictionProblem) -> Prepared:

@@ -2,21 +2,21 @@
 
 In the plane the problem is the friction LCP; in space it has the circular cone as it is (solvers.interior.point). A step costs
 one sparse factorisation of the size of the mass matrix (solvers.interior.newton, solvers.sparse_lu.multifrontal), as for the
-convex relaxation. Mehrotra's predictor-corrector (solvers.interior.predictor_corrector) comes first: about ten iterations, few
-more for a thousand boxes than for ten.
+convex relaxation. Mehrotra's predictor-corrector (solvers.interior.predictor_corrector) comes first: about ten iterations,
+little more for a thousand boxes than for ten.
 
 The problem is not monotone, and the predictor-corrector can be trapped: in a few random instances of a hundred, and in large
-piles with much friction. In space the convex relaxation is solved then, which cannot be trapped: where nothing slides in its
+piles with much friction. In space the convex relaxation is then solved, which cannot be trapped: if nothing slides in its
 solution, that is the answer. Then the central path is followed around its folds (solvers.interior.central_path) from one start
-after the other: some know nothing, the others are centred points (solvers.interior.centred_point) around where Gauss-Seidel
-gets in SWEEPS sweeps, around the relaxation's solution, or around impulses given. Most paths arrive in the end; some are short,
-and no start has the shortest in all problems, so that one that winds on is left for the next.
+after the other: some are the same for all problems, the others are centred points (solvers.interior.centred_point) around the
+result of SWEEPS sweeps of Gauss-Seidel, around the relaxation's solution, or around given impulses. Most paths converge
+eventually; no start has the shortest path in all problems, so that a long path is abandoned for the next start.
 
 In space paths of many contacts with much friction are several times shorter where the friction's products are larger at the
-start than the normal ones: what slides is told from what sticks later than what opens.
+start than the normal ones, so that sliding and sticking are decided after opening and closing.
 
-Given impulses to start from, the predictor-corrector sets out from the centred point around them. As this keeps the distance
-from the boundary that their residual suggests, a good start saves most of the iterations, and a bad one does no harm.
+Given impulses to start from, the predictor-corrector starts at the centred point around them. Its distance from the boundary is
+their residual, so that a good start saves most of the iterations, and a bad one does little harm.
 """
 
 from collections.abc import Iterator
@@ -63,9 +63,9 @@ PATIENCE = 12  # iterations of the predictor-corrector without progress: no run 
 class InteriorPoint(Phased):
     """Predictor-corrector on Coulomb's law, then its central path; one sparse factorisation an iteration.
 
-    A portfolio where it is trapped: paths start around what nsgs and relaxation_ip left, and proximal_newton polishes what is
-    nearly solved; their work is counted by their names.
-    shortcut: try the predictor-corrector first; otherwise follow the path from the beginning.
+    A portfolio where it is trapped: paths start around the results of nsgs and relaxation_ip, and proximal_newton refines
+    nearly solved points; their work is counted under their names. shortcut: try the predictor-corrector first; otherwise follow
+    the path from the beginning.
     """
 
     shortcut: bool = True
@@ -84,7 +84,7 @@ class InteriorPoint(Phased):
         return answer
 
     def _phases(self, problem: FrictionProblem, system: System, start: Array | None, spent: dict[str, int]) -> Iterator[Phase]:
-        """The methods in turn, with the points they start from; spent: the work of others, if it comes to that."""
+        """The methods in turn, with their starting points; spent: the work of nested solvers, added up."""
         if start is not None:
             yield predictor_corrector, _around(problem, system, impulses(start, system.offset.shape), LEAST_DISTANCE), SHARE
         if self.shortcut:
@@ -118,13 +118,13 @@ def _nested(problem: FrictionProblem, spec: str, spent: dict[str, int], **option
 
 
 def _guess(problem: FrictionProblem, start: Array | None, spent: dict[str, int]) -> Array:
-    """The impulses (nc, d) where Gauss-Seidel gets, or those given where they are nearer."""
+    """The impulses (nc, d) that Gauss-Seidel finds, or the given ones if their residual is smaller."""
     swept = _nested(problem, "nsgs", spent, limit=SWEEPS)
     return start if start is not None and residual(problem, start) < residual(problem, swept) else swept
 
 
 def _generic(system: System, impulse: float, speed: float, wide: float) -> Point:
-    """A start in space that knows nothing, with as much friction as mu c allows: where mu is large, no other path arrives."""
+    """A start in space independent of the problem, with the friction mu c: with large mu no other path converges."""
     point = start_point(system, impulse, speed)
     point.s[:, 3] *= np.maximum(system.friction, 1)
     return _widened(point, wide)

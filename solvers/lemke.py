@@ -1,4 +1,4 @@
-"""Lemke's method for the LCP, at full strength.
+"""Lemke's method for the LCP, with scaling, perturbation, refinement and restarts.
 
     w = M z + q + d z0,   w, z >= 0,   w'z = 0,   d > 0.
 
@@ -7,21 +7,21 @@ both members nonbasic, and the member that did not just leave the basis enters n
 the LCP, or on a secondary ray. For a friction step with b >= 0 there is no secondary ray, so Lemke's method solves it
 (Anitescu and Potra 1997). References: Lemke 1965; Murty 1988, chapter 2; Cottle, Pang and Stone 1992, section 4.4.
 
-What keeps that true in floating point:
+In floating point this is preserved by the following:
 
-* The problem is scaled (solvers.pivots.scaling), so tolerances are pure numbers. Pivoting uses the inverse of the basis's
-  active part with iterative refinement against M; where that is no longer accurate the inverse is computed afresh.
+* The problem is scaled (solvers.pivots.scaling), so that tolerances are dimensionless. Pivoting uses the inverse of the basis's
+  active part with iterative refinement against M; where that is no longer accurate the inverse is recomputed.
 * Ties. q is perturbed along a vector with random positive entries, which makes every basis nondegenerate with probability
   one, and a path through nondegenerate bases cannot return to one of them. Near ties go to the largest pivot (Harris 1973).
   The last basis is solved for q itself; if a negative entry leaves more of a residual than round-off does, the method goes on
   from this basis with a smaller perturbation and with d taken in this basis's own coordinates.
 * An answer counts as solved only after its residual has been computed, a secondary ray only with its certificate checked.
-  Otherwise the method restarts with other covering vectors, from a fixed sequence. It does so after a ray too, but that need
+  Otherwise the method restarts with other covering vectors, from a fixed sequence. It does so after a ray too, which need
   not help: on a bimatrix game every d leads to a ray at once, though there are solutions. On a bare LCP lemke[restarts=0]
   is the textbook method, with d = 1 in scaled units.
 
-A start (impulses) becomes a guess of the basis. If that can be inverted the method sets out from there, in the way it goes on
-with a smaller perturbation; if it cannot, or that fails, from z = 0.
+A start (impulses) becomes a guess of the basis. If that is invertible the method starts there, in the same way as it continues
+with a smaller perturbation; if it is singular, or that fails, it starts from z = 0.
 """
 
 from functools import lru_cache
@@ -144,7 +144,7 @@ def lemke(
 class Lemke:
     """Lemke's complementary pivoting, scaled, perturbed, refined and checked. (Lemke 1965)
 
-    restarts: how many more covering vectors may be tried. facets: of the polygon that the cone's section is in space.
+    restarts: how many more covering vectors may be tried. facets: of the polygon that approximates the cone's section.
     The limit counts pivots, by default 100 000 + 100 n.
     """
 
@@ -173,7 +173,8 @@ class Lemke:
 def covering_vector(n: int, contacts: int) -> Array:
     """d (n,) in scaled units: 1, and 30 in the tangential rows of the LCP of so many contacts with friction.
 
-    Any d > 0 will do; with this one contacts come to bear before they rub, which was measured to save a third of the pivots.
+    Any d > 0 will do; with this one normal impulses enter the basis before tangential ones, which was measured to save a third
+    of the pivots.
     """
     d = np.ones(n)
     d[contacts : n - contacts] = 30.0 if contacts else 1.0
@@ -181,7 +182,7 @@ def covering_vector(n: int, contacts: int) -> Array:
 
 
 def guess_basis(lcp: LCP, impulse: Array) -> Index:
-    """The z that contact impulses (nc, d) suggest to be basic: c, beta where they press and rub, lambda on sliding."""
+    """The z that contact impulses (nc, d) suggest to be basic: c and beta where impulses act, lambda where contacts slide."""
     nc, d = lcp.contacts
     impulse = impulses(impulse, lcp.contacts)
     if not nc:

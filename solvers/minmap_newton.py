@@ -1,20 +1,20 @@
-"""Newton on the min-map: primal-dual active sets, globalised by a line search that gets it out of cycles.
+"""Newton on the min-map: primal-dual active sets, globalised by a line search that avoids cycles.
 
 z solves the LCP w = M z + q exactly when min(z, w) = 0. With the active set A = {i: w_i < z_i}, Newton's step solves
 
     w_A + M_A d = 0,      z_I + d_I = 0,
 
-so that a full step lands on z_I = 0, M_AA z_A = -q_A: one linear system of the size of A, and a finite method when it works
+so that a full step lands on z_I = 0, M_AA z_A = -q_A: one linear system of the size of A, and a finite method if it converges
 (Aganagic 1984; Bergounioux, Ito and Kunisch 1999). Full steps alone converge for M-matrices and near a regular solution.
 Already for P-matrices they can cycle: for [[1, 0, a], [a, 1, 0], [0, a, 1]] and q = 1 with a > 1 through the active sets
-{1}, {2}, {3} (Ben Gharbia and Gilbert 2012). A full step depends on A alone, so a set that comes back after other ones shows
-the cycle; the plain method stops there.
+{1}, {2}, {3} (Ben Gharbia and Gilbert 2012). A full step depends on A alone, so a set that recurs after other ones proves
+a cycle; the plain method stops there.
 
 Globalised, the step t is halved from 1 until psi(z + t d) <= (1 - 2 sigma t) of the largest of recent psi = |min(z, w)|²/2
-(Pang 1990 with a nonmonotone search); where the system is singular or the search fails, along -H'min(z, w) instead, H the rows
-e_i' or M_i in force. psi is not differentiable where z_i = w_i, and the search may end in such a kink: there is no guarantee of
-more than that, and the answer says so. On redundant supports M_AA is singular: as in Fischer-Burmeister Newton, the system is
-that of M + eps I, psi is exact.
+(Pang 1990 with a nonmonotone search); where the system is singular or the search fails, along -H'min(z, w) instead, H the
+active rows e_i' or M_i. psi is not differentiable where z_i = w_i, and the search may end in such a kink: there is no stronger
+guarantee, and the answer's detail says so. On redundant supports M_AA is singular: as in Fischer-Burmeister Newton, the system
+is that of M + eps I, psi is exact.
 
 References: Pang, Newton's method for B-differentiable equations, Mathematics of Operations Research 15 (1990); Ben Gharbia
 and Gilbert, Nonconvergence of the plain Newton-min algorithm for linear complementarity problems with a P-matrix,
@@ -49,7 +49,7 @@ class MinmapNewton(MeritNewton):
     """Min-map Newton (primal-dual active sets): full steps, line search on the merit, cycles detected.
 
     globalised: false for full steps only. regularisation: eps, on the scaled M in the Newton system. facets: of the polygon
-    that the cone's section is in space. limit bounds the iterations, by default 200. work: newton and gradient steps,
+    that approximates the cone's section. limit bounds the iterations, by default 200. work: newton and gradient steps,
     evaluations of the merit, factorisations.
     history: the natural residual, per iteration.
     """

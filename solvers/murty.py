@@ -3,10 +3,10 @@
     w = M z + q,   w, z >= 0,   w'z = 0.
 
 Every complementary basis (of each pair w_i, z_i one is basic, the nonbasic ones are 0) gives a complementary (w, z); the
-method looks for a nonnegative one. As long as a basic variable is negative, the pair of the least such index changes
-places. Where M is a P-matrix every such pivot exists and no basis comes twice, so it ends with the solution, for every q,
-after 2^n pivots at worst (Murty 1974; Murty 1988, section 4.1). Nothing is promised otherwise. A friction LCP is not even a
-P0-matrix above a certain mu, and no P-matrix at any: the method may cycle, which shows as the work limit, or meet a pair
+method looks for a nonnegative one. As long as a basic variable is negative, the pair of the least such index is
+exchanged. If M is a P-matrix every such pivot exists and no basis repeats, so that the method finds the solution, for every q,
+after at most 2^n pivots (Murty 1974; Murty 1988, section 4.1). There is no guarantee otherwise. The matrix of a friction LCP is
+not a P-matrix, and above a certain mu not a P0-matrix: the method may cycle, which ends at the work limit, or meet a pair
 whose pivot vanishes, where it stalls.
 """
 
@@ -79,9 +79,9 @@ def murty(M: Matrix, q: Array, unit: Array, tol: float, limit: int) -> tuple[int
 
 @solver("murty", family="pivoting", model="lcp", dimension=(2, 3))
 class Murty(PrincipalPivoting):
-    """Murty's least-index principal pivoting; sure of success for P-matrices only. (Murty 1974)
+    """Murty's least-index principal pivoting; guaranteed for P-matrices only. (Murty 1974)
 
-    facets: of the polygon that the cone's section is in space. The limit counts pivots, by default 10 000 + 100 n.
+    facets: of the polygon that approximates the cone's section in space. The limit counts pivots, by default 10 000 + 100 n.
     """
 
     def pivot(self, lcp: ScaledLCP, tol: float, limit: int) -> tuple[int, Array, int, int]:

@@ -1,7 +1,7 @@
 """Nonlinear nonsmooth conjugate gradients over Gauss-Seidel sweeps.
 
 One sweep of nonsmooth Gauss-Seidel, r -> G(r), has the solutions as its fixed points; its step g = G(r) - r is treated as minus
-the gradient of a function that is not known. Fletcher and Reeves' conjugate directions then carry the sweeps on:
+the gradient of an unknown function, and Fletcher and Reeves' conjugate directions are applied to it:
 
     g+ = G(r) - r,    beta = |g+|^2 / |g|^2, taken as 0 where it is 1 or more,    r+ = G(r) + beta p,    p+ = g+ + beta p,
 

@@ -3,8 +3,8 @@
     repeat   for i = 1..nc:   r_i <- the solution of contact i's law, the others held;   x += R_i (r_i+ - r_i)
 
 Fixed points are exactly the Coulomb solutions. No convergence theorem: one sliding contact converges at the linear rate
-mu|b|/a, a sticking one at b^2/(a g) if its two laws are solved apart; here they are solved at once, so that a single contact
-takes one sweep. Between contacts the rate remains, and tall stacks and heavy bodies on light ones make it slow.
+mu|b|/a, a sticking one at b^2/(a g) if its two laws are solved apart; here they are solved together, so that a single contact
+takes one sweep. The coupling between contacts still converges linearly, slowly for tall stacks and heavy bodies on light ones.
 
 References: Jourdan, Alart and Jean 1998; Jean 1999.
 """

@@ -12,20 +12,20 @@ complement enters next (Ralph 1994). One Newton step consists of
 2. the path from the crash point, to t = 1 or to where it ends;
 3. the Newton point itself, from a fresh LU of the last basis, refined once;
 4. nonmonotone acceptance: the residual must fall below the worst of the last three (Dirkse and Ferris 1995; Grippo,
-   Lampariello and Lucidi 1986). A step refused, or a path that ends early, means a restart with another perturbation: by
-   turns from z = 0, and from the best point with M + eps I in place of M, centred there, eps shrinking with the residual.
+   Lampariello and Lucidi 1986). After a rejected step or a path that ends early the method restarts with another perturbation,
+   alternately from z = 0 and from the best point with M + eps I in place of M, centred there, eps shrinking with the residual.
 
-What differs from PATH, and why.
+Differences from PATH, and their reasons:
 
 * The linearisation of an LCP is exact: where t reaches 1 with eps = 0 the Newton point is a solution. A search back along
   the path could only stop short of it, so paths are followed to their end, and a second step is needed only after a
-  proximal one or where round-off spoilt the first.
+  proximal one or where round-off limits the first.
 * The crash point solves a shifted problem: M_AA z_A = -(q_A + delta_A), w_i = max(F_i, 0) + delta_i, with random delta > 0.
   So r < 0, and the existence proof for Lemke's method carries over: a ray v of the path has v >= 0, Mv >= 0, v'Mv = 0, hence
   (1 - t) v'r = v'Mz + v'q, where v'Mz >= 0 if M is copositive, and v'q >= 0 for friction with a bias b >= 0 (Anitescu and
   Potra 1997); but v'r < 0. In trials from crash points with r of either sign, a quarter of the paths on stacks and four in
   ten on random problems ended early; with r < 0 one in a hundred. Random, delta also resolves exact ties.
-* det M_AA > 0 is asked of the crash basis. Along a path t rises with the sign of det B: from a negative one it can only
+* The crash basis must have det M_AA > 0. Along a path t rises with the sign of det B: from a negative one it can only
   reach solutions of index -1, of which there is usually one fewer than of index +1, often none. Where no basis is found
   the path starts at z = 0, and is then Lemke's with the covering vector delta (PATH's ray start).
 * PATH factorises sparse; here an LU in reverse Cuthill-McKee order skips zeros (solvers.pivots.lu_basis).
@@ -76,8 +76,8 @@ CRASH, STEPS, RESTARTS = 2, 3, 4  # counted in work, after pivots and factorisat
 class PathSearch:
     """PATH-like normal-map Newton: crash, then a pivotal path to the Newton point, restarted where it stalls.
 
-    crash: active-set steps before the path. proximal: eps over residual in the first attempt. restarts: at most so many.
-    seed: of the perturbations. facets: of the polygon that the cone's section is in space. limit bounds the pivots, by default
+    crash: active-set steps before the path. proximal: eps over residual in the first attempt. restarts: the largest number.
+    seed: of the perturbations. facets: of the polygon that approximates the cone's section. limit bounds the pivots, by default
     50 n + 1000.
     work: pivots, factorisations, crash (steps), newton (steps), restarts.
     """
@@ -216,7 +216,7 @@ def search(columns, basis, q, weight, noise, tol, limit, steps, proximal):  # ty
 def crash_point(basis, columns, q, A, z, w, steps, work):  # type: ignore[no-untyped-def]
     """Improve the guess A of the basic z, and write the basic point of LCP(M, q) over z, w; A is empty where that fails.
 
-    Projected Newton: what is negative changes sides, and the least infeasible basis is kept; of it, what stays negative
+    Projected Newton: what is negative changes sides, and the least infeasible basis is stored; of it, what stays negative
     leaves, until z >= 0. A then has z_A >= 0, (Mz + q)_A = 0 and det M_AA > 0.
     """
     n = len(q)
@@ -272,7 +272,8 @@ def complementary(basis, columns, A, work):  # type: ignore[no-untyped-def]
 def newton_point(basis, columns, q, weight, end, z, w, work):  # type: ignore[no-untyped-def]
     """Write over z and w = M z + q the Newton point, solved and refined by the basis; its natural residual.
 
-    Of an ill-conditioned basis the path's own end can be better: variables it dropped a slip away from zero are not at zero.
+    Of an ill-conditioned basis the end of the path can be better: variables that left the basis within the slip of zero are not
+    zero.
     """
     n = len(q)
     work[STEPS] += 1

@@ -1,15 +1,14 @@
 """Proximal points of Coulomb's law in space, each found by Newton's method.
 
 The proximal point of an anchor a solves the contact problem with u + rho s (r - a) in place of u, s the contacts' scales: as
-if every contact were a little compliant, and unloaded at a. However redundant the contacts are, its impulses are isolated, and
-for a large rho it is one small problem a contact, which Newton's method (solvers.interior.alart_curnier) solves in a few steps.
-Then a moves there and rho is halved; where Newton's method does not arrive, it starts from a once more, with a rho five times
-larger.
+if every contact were slightly compliant, and unloaded at a. However redundant the contacts are, its impulses are isolated, and
+for large rho it separates into one small problem a contact, which Newton's method (solvers.interior.alart_curnier) solves in a
+few steps. Then a moves there and rho is halved; if Newton's method fails, it starts from a again, with a rho five times larger.
 
     a <- r,  rho <- rho / 2      where |s F| fell below a hundredth of the residual,         otherwise    rho <- 5 rho.
 
-Where a stays put it is a Coulomb solution, whatever rho. For a monotone problem the anchors converge; Coulomb's law is not
-monotone, and they need not. It is good for what traps interior points: large friction, and contacts in odd directions.
+Where a is stationary it is a Coulomb solution, for every rho. For a monotone problem the anchors converge; Coulomb's law is not
+monotone, so they need not. It solves problems that trap interior points: large friction, and contacts in random directions.
 
 References: Rockafellar 1976; Acary, Brémond and Huber 2018, section 4.4.
 """
@@ -39,7 +38,7 @@ class ProximalNewton:
     """
 
     def form(self, problem: FrictionProblem) -> FrictionProblem:
-        """Joints are eliminated: what is left is known by its Delassus matrix."""
+        """Joints are eliminated, which leaves a problem in Delassus form."""
         if problem.joints.shape[0]:
             laws = (problem.friction, problem.dimension, problem.friction_bias)
             problem = FrictionProblem.from_delassus(problem.W, problem.q, *laws)
@@ -67,7 +66,7 @@ class ProximalNewton:
             used, off = newton(system, state, trial, anchor, rho, step, work, aim, steps)
             factorisations += used
             if not used:
-                break  # nothing is left of |s F|, but of the residual: rounding
+                break  # |s F| is zero up to rounding, the residual is not
             found = residual(problem, state.r * system.impulse)
             history.append(found)
             if found < least:

@@ -2,8 +2,8 @@
 
 Where Coulomb's law has 0 <= c ⟂ u_n >= 0, the relaxation (problems.forms.relaxation) has 0 <= c ⟂ u_n - mu lambda >= 0: a
 contact may slide only while it opens. One sign more makes the problem monotone, and Mehrotra's method hardly ever fails
-(Wright 1997); in space, where products of Lorentz' cone do not commute, once in some hundred random problems, and starts anew.
-Beside interior_point it tells what the model saves: the matrix and the arithmetic are the same.
+(Wright 1997); in space, where products of Lorentz' cone do not commute, it fails once in some hundred random problems, and
+restarts. The comparison with interior_point shows what the simpler model saves: the matrix and the arithmetic are the same.
 """
 
 from itertools import chain
@@ -16,7 +16,7 @@ from frictionbench.solvers.interior.point import start_point
 from frictionbench.solvers.interior.predictor_corrector import predictor_corrector
 
 STARTS = ((0.1, 10.0), (10.0, 1.0))  # after the first: impulses and speeds, one large against the other, to differ from it
-SHARE = 250  # factorisations from each start: more than any run that converged took, so that a limit reaches the next
+SHARE = 250  # factorisations from each start: above the default limit, so that only a larger one is shared out
 PATIENCE = 60  # iterations without progress: a heavy body on a light one needs impulses a million times the first ones
 
 

@@ -3,12 +3,12 @@
     r_n = argmin ½ r_n'W_nn r_n + (q_n + W_nt r_t)'r_n    over r_n >= 0,
     r_t = argmin ½ r_t'W_tt r_t + (q_t + W_tn r_n)'r_t    over |r_t,i| <= mu_i r_n,i + b_f,i,
 
-until both hold at once, which is Coulomb's law exactly: the second says that friction dissipates the most. No convergence
+until both hold at once, which is Coulomb's law exactly: the second says that friction dissipates maximally. No convergence
 theorem; a single sliding contact contracts by mu|b|/a (b = W_nt, a = W_nn).
 
 Both are contact problems themselves: the first without tangents, the second without normals, on frictionless cones whose
 friction bias is mu r_n + b_f. Each is solved by accelerated projected gradients (solvers.sweeps.projected_gradient) from
-where it was left, to a share INNER of the present residual. The friction problem's answer need not be unique, its velocity is.
+its last result, to a fraction INNER of the present residual. The friction problem's answer need not be unique, its velocity is.
 
 Reference: Kaufman, Sueda, James and Pai 2008.
 """
@@ -23,7 +23,7 @@ from frictionbench.solvers.sweeps.laws import residual_at
 from frictionbench.solvers.sweeps.projected_gradient import relax
 from frictionbench.solvers.sweeps.stopping import monitor, should_continue
 
-LIMIT = 1000  # rounds by default: of the random problems that are solved nearly all need fewer
+LIMIT = 1000  # rounds by default; convergence is linear, and rates too slow for it stall first (PATIENCE)
 PATIENCE = 200  # rounds in which the residual must fall by a hundredth: a fifth of the limit, as convergence is linear
 INNER = 0.1  # error of each half relative to the residual at its start: less costs products, more costs rounds
 INNER_LIMIT = 5000  # iterations of a half; the next round goes on from where it was left

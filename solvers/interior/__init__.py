@@ -1,1 +1,1 @@
-"""Interior point methods: the scaled system, its points and Newton steps, and the paths through the interior."""
+"""Interior point methods: the scaled system, its points, Newton steps, and the methods that iterate them."""

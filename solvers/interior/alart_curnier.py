@@ -10,7 +10,7 @@ Newton step is, contact by contact, with G = (A + rho s B)^-1,
     dr = -G (F + B du),        (M + J'G B J) dv = -J'G F,        du = J dv:
 
 the matrix of solvers.interior.newton with another block for every contact. A has rank 3 at an open contact and none at one that
-sticks; rho > 0 makes G exist, and so it is of no account how many contacts a body has. A step is halved until |s F| falls.
+sticks; rho > 0 makes G exist, for any number of contacts on a body. A step is halved until |s F| falls.
 
 References: Alart and Curnier 1991; Acary, Brémond and Huber 2018, sections 4.2 and 4.4.
 """

@@ -7,22 +7,22 @@ From a start x0, s0 > 0 with defect d0, the curve of all z = (x, s) and t with
 leads to a solution. The problem is not monotone, so t need not decrease along it: the curve is followed by its length. Each
 iteration factorises Newton's matrix once (solvers.interior.newton) and solves with it three times, for
 
-    correction   towards the curve, orthogonal to its tangent; the next step is foretold where it is short, else it is repeated,
+    correction   towards the curve, orthogonal to its tangent; if it is short the next step is predicted, else it is repeated,
     tangent      z', t', of length 1,
     curvature    z'', t'', orthogonal to the tangent: the second derivative of x ∘ s is 2 z'_x ∘ z'_s, that of the rest 0,
 
-and foretells z + tau z' + tau^2 z''/2, with tau such that the last term is small. Lengths and angles are measured in the
+and predicts z + tau z' + tau^2 z''/2, with tau such that the last term is small. Lengths and angles are measured in the
 logarithms of x, s and t (the geodesics of solvers.interior.point), in which the cones' boundaries disappear; but steps are
-straight in x and s, which keeps all equations but the products exact however long a step is. Were it otherwise, the velocities
-that belong to the impulses would be lost, and with them the curve, wherever many contacts hold few bodies.
+straight in x and s, which keeps all equations but the products exact for every step length. Otherwise the velocities would
+no longer match the impulses, and the curve would be lost where many contacts act on few bodies.
 
-Which way along the tangent is told by the sign of det A: along a curve dt changes its sign together with the determinant of
-the derivative by (x, s), and nowhere else (Allgower and Georg 1990, section 2.1), and that of the eliminated contacts is
-positive. Where this way is not the one in which the last step arrives, that has jumped to another branch, and is shortened.
+The direction along the tangent follows from the sign of det A: along a curve dt changes its sign together with the determinant
+of the derivative by (x, s), and nowhere else (Allgower and Georg 1990, section 2.1), and that of the eliminated contacts is
+positive. If this direction is opposite to that of the last step, the step has jumped to another branch and is shortened.
 
 Where t is small the faster predictor_corrector is tried from there. The curve may also leave to t > 1, or be very long; then
 another start is tried. Speeds s0 large against W x0 make that rare: the problem at t = 1 then has nearly q > 0, as for the ray
-on which Lemke's method starts. This is an observation and not a theorem.
+on which Lemke's method starts. This is an observation, not a theorem.
 
 References: Kojima, Megiddo, Noda and Yoshise 1991 (the path); Allgower and Georg 1990, chapters 2 to 6 (tracing a curve).
 """
@@ -56,7 +56,7 @@ END, DIVERGED = 1e-20, 20.0  # t at which rounding hides all progress, and t bey
 def trace(
     system: System, space: Space, point: Point, workspace: Workspace, best: Best, tol: float, patience: int, history: Array
 ) -> int:
-    """Follow the path from the point; stop where the residual is within tol, history is full, or the path is lost.
+    """Follow the path from the point; stop where the residual is within tol, history is full, or the path is abandoned.
 
     patience: that of the predictor-corrector, where it is tried. history receives the residual of every iterate; their
     number is returned.

@@ -1,6 +1,6 @@
-"""What one contact does: its rows on the velocities, in the plane and in space, and the residual of its law.
+"""Operations of one contact, in the plane and in space: its rows applied to velocities, and the residual of its law.
 
-Scalars in and scalars out, as these are the innermost loops of the interior point methods.
+Arguments and results are scalars, as these are the innermost loops of the interior point methods.
 """
 
 import numpy as np

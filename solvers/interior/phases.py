@@ -1,4 +1,4 @@
-"""The frame of the interior point methods: one phase after another, each from a start of its own, until one ends well."""
+"""The driver of the interior point methods: phases, each with its own start, are run in turn until one solves the problem."""
 
 from collections.abc import Callable, Iterable
 
@@ -33,7 +33,7 @@ class Phased:
 
 
 def first_point(system: System) -> Point:
-    """From between nothing and the weight of all the other contacts on top."""
+    """The first start: impulses between zero and the weight of all other contacts."""
     return start_point(system, float(np.sqrt(len(system.friction))), 1.0)
 
 
@@ -46,11 +46,11 @@ def run(
     measure: Measure,
     polish: Polish | None = None,
 ) -> Answer:
-    """The third step, within limit factorisations; measure: the residual that counts.
+    """The third step, within limit factorisations; measure: the exact residual.
 
-    phases: made one by one, as the one before fails.
+    phases: generated one by one, each after the previous one has failed.
     patience: iterations of the predictor-corrector without progress.
-    polish: what makes better impulses (nc, d) of those whose residual is at most POLISHABLE, where no phase before left them.
+    polish: refines impulses (nc, d) whose residual is at most POLISHABLE and less than at the last refinement.
     """
     problem, system = prepared
     if problem.velocity_scale == 0:
@@ -76,7 +76,7 @@ def run(
 
 
 def _is_solved(best: Best, tol: float, system: System, problem: FrictionProblem, measure: Measure) -> bool:
-    """Whether the best residual is within tol for certain; where rounding leaves a doubt, the problem itself is asked."""
+    """Whether the best residual is within tol; within rounding of tol the exact residual decides."""
     rounding = ROUNDING * np.max(system.weight * best.impulse[:, 0], initial=0.0)
     if best.residual[0] + rounding > tol:
         best.residual[0] = measure(problem, best.impulse * system.impulse)

@@ -7,8 +7,8 @@ the centring sigma; the corrector aims at
     x ∘ s = sigma mean(x s),      sigma = (mean(x s) after the predictor / mean(x s))^2,
 
 with the predictor's second-order term, and goes .995 of the way to the boundary, x and s together, for the problem is not
-monotone. Nor is there a guarantee: where the central path folds, no step is left that decreases x s, and the method has to
-notice. References: Mehrotra 1992; Wright 1997, chapter 10.
+monotone. Nor is there a guarantee: where the central path folds, no step is left that decreases x s, which the method must
+detect. References: Mehrotra 1992; Wright 1997, chapter 10.
 """
 
 from typing import NamedTuple
@@ -35,7 +35,7 @@ class Best(NamedTuple):
 
 @part
 def evaluate_and_record(system: System, space: Space, point: Point, defect: Point, work: Work, best: Best) -> float:
-    """Evaluate a point and remember the best one."""
+    """Evaluate a point, and store its impulses if it is the best so far."""
     residual = evaluate_point(system, space, point, defect, work)
     if residual < best.residual[0]:
         best.residual[0] = residual
@@ -46,7 +46,7 @@ def evaluate_and_record(system: System, space: Space, point: Point, defect: Poin
 
 
 class Workspace(NamedTuple):
-    """Room to work in, made before: a loop over arrays of its own would count references to them at every call."""
+    """Preallocated arrays: arrays created inside the loop would cost reference counting in every call."""
 
     step: Point
     defect: Point

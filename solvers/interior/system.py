@@ -69,7 +69,7 @@ Space = bool | None
 
 
 class Work(NamedTuple):
-    """Room for Newton's method on one system.
+    """Workspace of Newton's method on one system.
 
     storage, swap: the factors of A. inverse, pivot, right (nc, 4): 1/x, the pivots' inverses and g, in the plane.
     impulse and velocity (nc, d), vector and momentum (nv,), joint_velocity (nj, 1).
@@ -146,7 +146,7 @@ def _system(  # type: ignore[no-untyped-def]
 
 @part
 def _laws(friction, friction_bias, scale, offset, free, place, unit, relaxed, speed, impulse):  # type: ignore[no-untyped-def]
-    """What stands beside the matrices, in the system's units."""
+    """The vectors of the system, in its units."""
     nc, d = offset.shape
     own_free, own_offset, bias = np.empty(len(free)), np.empty((nc, d)), np.empty(nc)
     mu, shift, weight, pairs = np.empty(nc), np.zeros(nc), np.empty(nc), np.empty(nc, np.int64)

@@ -1,4 +1,4 @@
-"""The dense LCP, scaled so that tolerances are pure numbers (solvers.pivots.scaling)."""
+"""The dense LCP, scaled so that tolerances are dimensionless (solvers.pivots.scaling)."""
 
 from typing import NamedTuple
 

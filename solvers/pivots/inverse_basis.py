@@ -1,13 +1,13 @@
-"""The basis of Lemke's method, kept as the inverse of its active part.
+"""The basis of Lemke's method, stored as the inverse of its active part.
 
 Lemke's method moves among solutions of
 
     w = M z + d z0 + q,      one of w_i, z_i basic for every i but one (the missing pair), and z0 basic.
 
 Rows whose w_i is basic only define that w_i. What has to be inverted is the kernel K: the rows whose w_i is nonbasic, the
-columns of the basic z_j and of z0; a square matrix, for as many w are nonbasic as z are basic. Basis keeps K^-1. A pivot
-replaces, adds or drops a row and a column of it by a rank-one update. Where M is sparse and few z are basic, as in friction
-problems, that is far less work than a tableau of n rows.
+columns of the basic z_j and of z0; a square matrix, for as many w are nonbasic as z are basic. InverseBasis stores K^-1. A
+pivot replaces, adds or drops a row and a column of it by a rank-one update. Where M is sparse and few z are basic, as in
+friction problems, that is far less work than a tableau of n rows.
 
 Vectors over the basis are indexed by pair: entry i belongs to w_i or z_i, whichever is basic, entry n to z0.
 """

@@ -1,8 +1,8 @@
 """Following the path of Lemke's method from a complementary basis, in floating point.
 
-The problem is scaled, so that the tolerances here are pure numbers. Entering columns come from the inverse of the basis's
-active part with iterative refinement against M; where that is no longer accurate the inverse is computed afresh. Near ties
-go to the largest pivot (Harris 1973); exact ties the caller excludes by perturbing q.
+The problem is scaled, so that the tolerances here are dimensionless. Entering columns come from the inverse of the basis's
+active part with iterative refinement against M; where that is no longer accurate the inverse is recomputed. Near ties
+go to the largest pivot (Harris 1973); the caller excludes exact ties by perturbing q.
 """
 
 import numpy as np
@@ -23,7 +23,7 @@ LOSS = 1e-9  # relative defect after refinement above which the inverse is compu
 
 @inlined
 def ratio_test(x: Array, a: Array, blocking: Flags, least: float, slack: float) -> int:
-    """The pair whose basic variable blocks x - t a >= 0 first, z0 if it may; the largest pivot among near ties; -1 on a ray.
+    """The pair whose basic variable blocks x - t a >= 0 first, z0 if possible; the largest pivot among near ties; -1 on a ray.
 
     watched (n+1,): which variables block. least: the smallest entry of a that counts. slack: how far below zero a variable
     may go for the sake of a larger pivot.
@@ -76,7 +76,7 @@ def follow_lemke_path(
     limit: int,
     work: Index,
 ) -> int:
-    """Follow Lemke's path from a complementary basis in which z0 lets every basic variable rise, and say how it ended.
+    """Follow Lemke's path from a complementary basis in which z0 lets every basic variable rise, and return how it ended.
 
     x (n+1,): the values of the basic variables, updated. a (n+1,): at the end of a ray its direction (z, z0).
     watched (n+1,): the variables to keep nonnegative. slack: how far near ties may reach. work: counts of pivots and

@@ -1,4 +1,4 @@
-"""Bases of an LCP's columns: one LU, kept up to date pivot by pivot.
+"""Bases of an LCP's columns: one LU factorisation, updated with every pivot.
 
 Methods that pivot on w = M z + q work with n columns chosen from
 
@@ -7,8 +7,8 @@ Methods that pivot on w = M z + q work with n columns chosen from
 numbered i, n + i and 2n. Where a basis holds w_i it leaves row i to it, so that only the other rows, the core, need an LU.
 Its columns are eliminated from the left (Gilbert and Peierls 1988) in dense storage, of which only the span of nonzeros is
 touched: with M in reverse Cuthill-McKee order a banded problem costs what its band costs. A pivot is a product-form update
-(Dantzig and Orchard-Hays 1954); after UPDATES of them the basis is factorised afresh, which also wipes out the round-off
-gathered since. Values are in M's units; scale M first.
+(Dantzig and Orchard-Hays 1954); after UPDATES of them the basis is refactorised, which also removes the accumulated
+round-off. Values are in M's units; scale M first.
 """
 
 from typing import NamedTuple
@@ -36,7 +36,7 @@ class Columns(NamedTuple):
 
 
 class LUBasis(NamedTuple):
-    """head (n,): the variable that stands at position i. The rest is its factorisation, the business of this file."""
+    """head (n,): the variable that stands at position i. The rest is its factorisation, internal to this file."""
 
     head: Indices
     size: Indices  # of the core, of the updates
@@ -116,7 +116,7 @@ def largest_magnitude(y):  # type: ignore[no-untyped-def]
 
 @kernel
 def factorise_basis(basis, columns, floor):  # type: ignore[no-untyped-def]
-    """Factorise head, placing its variables anew; how many of its columns depend on others.
+    """Factorise head, placing its variables anew; the number of linearly dependent columns.
 
     A column of which elimination leaves no more than `floor` of its size counts as dependent. The w of a row that is then
     left over takes its place, so that head is a regular basis in any case.
@@ -201,7 +201,7 @@ def ftran(basis, y):  # type: ignore[no-untyped-def]
 
 @kernel
 def replace_column(basis, p, j, d):  # type: ignore[no-untyped-def]
-    """Let variable j take position p, d being its column in terms of the basis; whether it is time to factorise."""
+    """Let variable j take position p, d being its column in terms of the basis; whether a factorisation is due."""
     k = basis.size[1]
     basis.head[p], basis.updated[k] = j, p
     put(basis.update[k], d)

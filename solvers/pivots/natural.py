@@ -4,11 +4,11 @@ With z = theta D y and w = theta w^ / D (solvers.pivots.scaling) it is max_i g_i
 
     g_i = (1 + m) theta D_i s_i / max|q|,      s_i = M_ii, or 1 for a row without a diagonal,
 
-which in the problem's own units is (1 + m) max_i |min(M_ii z_i, w_i)| / max|q|: heavy and light bodies count alike, and units
-do not count. Where the LCP is a friction problem's, s_i is at least the contact's s, the step in problems.residual. m is the
-largest scaled entry of a row without a diagonal: the friction coefficient, or 1, with which a defect in the tangent comes back
-in the normal. That makes it a bound of the exact residual up to a small factor: solvers stop at MARGIN times the tolerance,
-and look at the exact residual at the end.
+which in the problem's own units is (1 + m) max_i |min(M_ii z_i, w_i)| / max|q|: heavy and light bodies have the same weight,
+and it is independent of units. Where the LCP is a friction problem's, s_i is at least the contact's s, the step in
+problems.residual. m is the largest scaled entry of a row without a diagonal: the friction coefficient, or 1, with which a
+defect in the tangent comes back in the normal. That makes it a bound of the exact residual up to a small factor: solvers stop
+at MARGIN times the tolerance, and evaluate the exact residual at the end.
 """
 
 import numpy as np
@@ -19,7 +19,7 @@ from frictionbench.problems.compiled import kernel
 from frictionbench.problems.residual import polygon_residual, residual
 from frictionbench.solvers.pivots.scaling import Scaling, diagonal_scaling
 
-MARGIN = 0.1  # of tol: the natural residual bounds the exact one up to a factor below 10 (tests/solvers/test_path_search.py)
+MARGIN = 0.1  # of tol: the natural residual bounds the exact one up to a factor below 10 (tested in test_path_search)
 
 
 def natural_weight(problem: FrictionProblem | LCP, lcp: LCP, scale: Scaling) -> Array:
@@ -28,7 +28,7 @@ def natural_weight(problem: FrictionProblem | LCP, lcp: LCP, scale: Scaling) -> 
 
 
 def own_scale(problem: FrictionProblem | LCP) -> Array:
-    """s (nc,), nothing of a bare LCP."""
+    """s (nc,), or an empty array for a bare LCP."""
     return problem.scale if isinstance(problem, FrictionProblem) else _NOTHING
 
 
@@ -63,7 +63,7 @@ def _weight(start, column, value, q, D, theta, own):  # type: ignore[no-untyped-
 
 
 def exact_residual(problem: FrictionProblem | LCP, lcp: LCP, z: Array, impulse: Array) -> float:
-    """The residual that `tol` is about: the friction problem's own in the plane, its polygon's in space, a bare LCP's own."""
+    """The residual that `tol` refers to: the friction problem's own in the plane, its polygon's in space, a bare LCP's own."""
     if isinstance(problem, LCP):
         return lcp.residual(z)
     return residual(problem, impulse) if problem.dimension == 2 else polygon_residual(problem, lcp, z)

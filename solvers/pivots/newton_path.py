@@ -2,7 +2,7 @@
 
 t enters the basis first; from then on the complement of what left, as in Lemke's method, until t reaches 1. The ratio test
 is Harris's (1973): among the basic variables that would be the first to pass a small slip below zero, the one with the
-largest pivot leaves. No pivot is small and no ray is believed but on a fresh factorisation. Ties are not ordered: a caller
+largest pivot leaves. Small pivots and rays are accepted only after a fresh factorisation. Ties are not ordered: a caller
 who starts from a random point meets none before t = 1, where they no longer matter.
 """
 

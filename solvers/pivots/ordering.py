@@ -1,4 +1,4 @@
-"""Reverse Cuthill-McKee order: the unknowns level by level from one of few neighbours, so that a matrix becomes a band.
+"""Reverse Cuthill-McKee order: the unknowns level by level from one with few neighbours, which gives a banded matrix.
 
 From the unknown with the fewest neighbours its neighbours are numbered, those with fewer neighbours first, then theirs; the
 numbers are reversed at the end (George 1971), which leaves less fill. The graph is that of M + M'.

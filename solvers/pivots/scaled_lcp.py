@@ -1,4 +1,4 @@
-"""What every pivoting method here works on: the scaled LCP, and the way back to impulses."""
+"""The scaled LCP that all pivoting methods work on, and the conversion back to impulses."""
 
 from typing import NamedTuple
 
@@ -35,7 +35,7 @@ STATUS = {
 class ScaledLCP(NamedTuple):
     """w = M y + q, scaled; z = stretch * y. unit (2, n) is what the residual multiplies y and w by.
 
-    problem: what it is the LCP of, with so many facets; contacts and basis as in LCP.
+    problem: the friction problem, with so many facets, or the LCP itself; contacts and basis as in LCP.
     """
 
     problem: FrictionProblem | LCP
@@ -49,7 +49,7 @@ class ScaledLCP(NamedTuple):
 
     @property
     def lcp(self) -> LCP:
-        """Not scaled; made when it is asked for."""
+        """The unscaled LCP, built on access."""
         return self.problem if isinstance(self.problem, LCP) else self.problem.lcp(self.facets)
 
     def answer(self, y: Array, ended: int, **work: int) -> Answer:
@@ -119,7 +119,7 @@ def scaled_residual(M: Matrix, q: Array, unit: Array, y: Array, w: Array) -> flo
 @part
 def finish(M: Matrix, d: Array, basis: InverseBasis, q: Array, unit: Array, x: Array, y: Array, out: Array) -> float:
     """Solve a complementary basis for q itself, as exactly as can be: x (n+1,), y = its z part, cut off at 0; the residual."""
-    basic_values(M, d, basis, q, x, out, 4e-16)  # twice the rounding: asking for less refines in vain
+    basic_values(M, d, basis, q, x, out, 4e-16)  # twice the unit of rounding, as less cannot be reached
     for i in range(len(q)):
         y[i] = max(x[i], 0.0) if basis.row[i] >= 0 else 0.0
     return scaled_residual(M, q, unit, y, out)

@@ -1,4 +1,4 @@
-"""Scaling of an LCP, so that tolerances inside a method are pure numbers.
+"""Scaling of an LCP, so that tolerances inside a method are dimensionless.
 
 With a positive diagonal D and a number theta, z = theta D y turns LCP(M, q) into
 
@@ -33,12 +33,12 @@ class Scaling:
         return self.D * q / self.theta
 
     def solution(self, y: Array) -> Array:
-        """z of the LCP as given."""
+        """z of the unscaled LCP."""
         return self.theta * self.D * y
 
 
 def scaling(lcp: LCP) -> Scaling:
-    """The scaling of an LCP; rows and columns of zeros keep their size."""
+    """The scaling of an LCP; rows and columns of zeros are not scaled."""
     return Scaling(*diagonal_scaling(*lcp.rows, lcp.q))
 
 
@@ -51,7 +51,7 @@ def diagonal_scaling(start, column, value, q):  # type: ignore[no-untyped-def]
         for k in range(start[i], start[i + 1]):
             if column[k] == i and value[k] != 0:
                 D[i] = 1 / np.sqrt(abs(value[k]))
-    # What a bare row or column does to those that have a scale: columns first, then rows for what is left.
+    # Rows without a diagonal are scaled by their columns, then the remaining ones by their rows.
     for by_column in (True, False):
         for i in range(n):
             reach[i] = 0.0

@@ -1,4 +1,4 @@
-"""Loops over vectors: compiled much sooner than numpy's own expressions, which bring broadcasting and its errors along."""
+"""Loops over vectors, which compile much faster than numpy's expressions with their broadcasting and error handling."""
 
 from frictionbench.problems.compiled import kernel, part
 

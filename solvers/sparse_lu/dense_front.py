@@ -4,7 +4,8 @@
     [ C  S ]
 
 The front (w, w) is overwritten with the factors: L, below the diagonal of ones, reaches down through C, U to the right through
-R, and the diagonal holds the inverse pivots. What is left in S is then the parent's, and its first row room for the solution.
+R, and the diagonal holds the inverse pivots. The remaining S is added to the parent's front; its first row is later workspace
+for the solution.
 """
 
 import numpy as np
@@ -76,7 +77,7 @@ def extend_add(F: Array, p: int, above: NDArray[np.uint32], G: Array) -> None:
 
 @part
 def forward(F: Array, p: int, first: int, variable: NDArray[np.uint32], b: Array) -> None:
-    """Take what the rows above have of b off each row of a front, whose pivots are the variables from first on."""
+    """Forward substitution in a front whose pivots are the variables from first on."""
     row = b.reshape(1, len(b))
     for i in range(1, len(F)):
         b[variable[i]] -= dot(F, i, 0, row, 0, first, min(i, p))
@@ -84,7 +85,7 @@ def forward(F: Array, p: int, first: int, variable: NDArray[np.uint32], b: Array
 
 @part
 def backward(F: Array, p: int, first: int, variable: NDArray[np.uint32], b: Array) -> None:
-    """The unknowns of a front from those of later ones, gathered where the front has a row that it gave to its parent."""
+    """Back substitution in a front; later unknowns are gathered in a row that has been passed to the parent."""
     w, row = len(F), b.reshape(1, len(b))
     for j in range(p, w):
         F[p, j] = b[variable[j]]

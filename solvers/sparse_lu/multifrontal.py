@@ -11,7 +11,7 @@ with the same neighbours is dense work on a front,
 whose S is added to the front of the first variable left in it. Everything that depends on the pattern alone (an order of
 elimination with little fill, the fronts, the place of each entry in them) is found once, by `analyse`; `factorise` and `solve`
 are compiled and allocate nothing. Rows are interchanged within the pivots of a front only, and a pivot below `floor` is
-replaced by it, so that `factorise` always ends; whoever asks for many digits refines (Li and Demmel 1998).
+replaced by it, so that `factorise` always ends; callers that need more digits refine (Li and Demmel 1998).
 
 On the matrices of an interior point it is 2 to 28 times as fast as scipy's splu with the best of its orderings, which splu
 computes each time; in an order given to it, splu is 1 to 6 times as slow (tests/benchmarks/test_sparse_lu.py).
@@ -29,7 +29,7 @@ from frictionbench.problems.compiled import inlined, kernel, part
 from frictionbench.solvers.sparse_lu.dense_front import backward, eliminate, extend_add, forward, pivot
 from frictionbench.solvers.sparse_lu.minimum_degree import Index, minimum_degree, same_elements, transpose
 
-Place = NDArray[np.uint32]  # unsigned, so that compiled code need not ask whether an index counts from the end
+Place = NDArray[np.uint32]  # unsigned, so that compiled code need not check for negative indices
 NARROW = 12  # fronts of at most so many columns go by plain loops: tiles gain nothing (tests/benchmarks/test_sparse_lu.py)
 FEW = 4  # and fronts of at most so many pivots in the substitutions, for the same reason
 
@@ -150,7 +150,7 @@ def factorise(fronts: Fronts, storage: Array, swap: Index, floor: float) -> int:
     """Factorise in place what was added into storage (start[-1],); the number of pivots replaced.
 
     swap: (n,), filled with the row interchanges. Wide fronts go by blocks of columns. In narrow ones pivots act on the rows
-    below them three at a time, as a body has three.
+    below them three at a time, the number of velocities of a planar body.
     """
     replaced = eliminated = 0
     for f in range(len(fronts.pivots)):

@@ -2,8 +2,8 @@
 
 A - B C with its sums kept in registers: a tile of A, four rows by two vectors of eight, is read once, takes up a row of C for
 each column of B, and is written once, so that nearly every instruction multiplies and adds. The compiler does not find this
-form by itself: of plain loops over numbers it makes code several times slower, the more so for the few columns that do not fill
-a vector, which it takes one by one; here they are the same instruction under a mask.
+form itself: from plain loops it generates code several times slower, most of all for the last columns that do not fill
+a vector, which it processes one by one; here they use the same instruction under a mask.
 
 Reference: Goto and van de Geijn 2008 (sums in registers).
 """

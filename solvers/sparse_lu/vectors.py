@@ -1,14 +1,14 @@
 """Eight numbers at a time: the instructions of which solvers.sparse_lu.tiles makes its loops.
 
-`load`, `store`, `minus`, `plus` and `total` stand for instructions of LLVM, which turns them into those of the machine at hand,
-several narrower ones where it has none so wide. A vector that is not full is loaded and stored under a mask. Their bodies in
-Python say what they do, and are what runs where numba is told to compile nothing. A product and its sum may be rounded
-together, once; the order of all sums is the one written here.
+`load`, `store`, `minus`, `plus` and `total` stand for instructions of LLVM, which compiles them for the machine at hand,
+to several narrower ones if it has none of this width. A vector that is not full is loaded and stored under a mask. Their bodies
+in Python define them, and run if compilation is disabled. A product and its sum may be rounded together, once; the order of all
+sums is the one written here.
 
 What they gain is measured by tests/benchmarks/test_sparse_lu.py beside the same factorisation with plain loops: nothing where
 fronts are narrow (stacks), a factor of 2 on planar pyramids of 40 rows, and of 4 on pyramids of spheres.
 
-Kernels are made of this file, and problems.compiled, which looks for its own name, counts it among theirs.
+Kernels depend on this file: frictionbench.problems.compiled, named here, finds it by this name for the fingerprint of kernels.
 """
 
 from typing import Any

@@ -1,4 +1,4 @@
-"""A friction problem as contact-wise methods see it: a state x that every contact reads and pushes.
+"""The form of contact-wise methods: a state x from which a contact reads its velocity, and which its impulse changes.
 
     u_i = offset_i + G_i x,        x = rest + sum_i R_i r_i,        G R = W.
 

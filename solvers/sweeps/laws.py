@@ -12,8 +12,8 @@ the velocity u + W (r+ - r) after a change of r. Two branches:
 
 In the plane that is -tau/S clipped to an interval; in space a trust-region problem, one equation in alpha.
 
-Where mu|w| < a the contact has one solution. Otherwise it may have several (Painlevé): these laws take the open one if
-there is one, then the sticking, then a sliding one. At most one side of the cone then bounds r_t (kappa beyond -1 or 1: pushing
+If mu|w| < a the contact has one solution. Otherwise it may have several (Painlevé): these laws prefer the open one, then
+the sticking one, then a sliding one. At most one side of the cone then bounds r_t (kappa beyond -1 or 1: pushing
 to that side jams the contact). A singular S is lifted by LIFT, about the present r_t, so that the fixed points stay exact.
 References: Jean 1999; Daviet, Bertails-Descoubes and Boissieux 2011, for one exact spatial contact.
 """

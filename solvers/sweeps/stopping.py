@@ -1,4 +1,4 @@
-"""When an iterative method ends, the same for all of them, and by counts alone so that every run ends alike."""
+"""Stopping criteria shared by the iterative methods; they depend on counts alone, so that runs are reproducible."""
 
 from typing import NamedTuple
 
@@ -13,9 +13,9 @@ ENDS = (Status.SOLVED, Status.BREAKDOWN, Status.STALLED, Status.WORK_LIMIT)
 
 
 class Monitor(NamedTuple):
-    """What is asked of a method, and how it fares.
+    """The stopping criteria of a method, and the record of its convergence.
 
-    tol: the residual asked for. limit and patience: counts in the method's own unit, of all and of those in which the residual
+    tol: the requested residual. limit and patience: counts in the method's own unit, of all and of those in which the residual
     must fall by a hundredth. history: the residuals seen. best (2,): the least of them and its count.
     state (2,): the number seen, and the index in ENDS of how the method ended.
     """

@@ -174,7 +174,7 @@ def test_anitescu_and_hart_cycle_where_staggering_converges() -> None:
     problem = one_contact(1.0, 0.97, 1.0, 0.75, [-1.0, 2.0])
     plain = solve(problem, "anitescu_hart")
     assert plain.status is Status.STALLED
-    assert plain.detail == "a cycle of two"
+    assert plain.detail == "a cycle of period two"
     for spec in ("staggered", "anitescu_hart[memory=2]"):
         assert residual(problem, solve(problem, spec).impulse) <= 1e-8
 

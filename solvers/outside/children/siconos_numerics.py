@@ -39,12 +39,12 @@ def build_problem(kind: str, q: Array, **given: Any) -> Any:
 
 def compressed(matrix: Array) -> Any:
     """A matrix in Siconos' sparse storage; this Python may have no scipy."""
-    matrix_out = sn.NM_create(sn.NM_SPARSE, *matrix.shape)
+    sparse_matrix = sn.NM_create(sn.NM_SPARSE, *matrix.shape)
     rows, columns = np.nonzero(matrix)
-    sn.NM_triplet_alloc(matrix_out, len(rows))
+    sn.NM_triplet_alloc(sparse_matrix, len(rows))
     for i, j in zip(rows.tolist(), columns.tolist(), strict=True):
-        sn.NM_entry(matrix_out, i, j, float(matrix[i, j]))
-    return matrix_out
+        sn.NM_entry(sparse_matrix, i, j, float(matrix[i, j]))
+    return sparse_matrix
 
 
 def solve(solver: str, eps: float, size: float, limit: int, start: Array) -> dict[str, Any]:
