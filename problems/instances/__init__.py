@@ -1,4 +1,4 @@
-"""Friction problems of one step: one file a kind, each listed by its decorator (problems.instances.catalogue).
+"""Friction problems of one step, one file per kind, registered by a decorator (problems.instances.catalogue).
 
 make_instance("cubes", boxes=10, friction=0.5)        make_instance("random", seed=3)
 """

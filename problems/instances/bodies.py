@@ -1,4 +1,4 @@
-"""Spatial bodies that touch at given points: their friction problem, from masses, contact points and contact frames.
+"""The friction problem of spatial bodies, given by masses, contact points and contact frames.
 
 A body has six velocities, (v, omega) of its centre of mass. A contact between bodies a and b at arms x_a, x_b from their
 centres, with the frame of rows e = n, t1, t2 (n towards a), moves along e at
@@ -64,7 +64,7 @@ def frames(normal: Array) -> Array:
 
 
 def falling(bodies: int, step: float) -> Array:
-    """Velocities (nb, 6) at rest but for one step of gravity."""
+    """The free velocities (nb, 6) of bodies at rest after one step of gravity."""
     velocity = np.zeros((bodies, 6))
     velocity[:, 2] = -GRAVITY * step
     return velocity

@@ -1,4 +1,4 @@
-"""Friction problems of one step by name, made from a few parameters and a seed, without a scene that could move.
+"""The catalogue of instances: friction problems of one step, made from parameters and a seed, that no scene simulates.
 
 @instance
 def cubes(boxes: int = 5, friction: float = 0.5, ...) -> FrictionProblem: ...

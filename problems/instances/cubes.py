@@ -1,4 +1,4 @@
-"""Cubes upon each other: hyperstatic, with exact ties."""
+"""A stack of cubes in space: hyperstatic, with exact ties."""
 
 import numpy as np
 
@@ -14,7 +14,8 @@ def cubes(
 ) -> FrictionProblem:
     """A stack of unit cubes touching at their four corners, in space.
 
-    push: m/s, askew, and the faster the higher. mass_ratio: of the topmost over the lowest, growing by one factor in between.
+    push: m/s, in an oblique direction, increasing with height. mass_ratio: mass of the topmost over that of the lowest cube,
+    geometric in between.
     """
     boxes, push = count("boxes", boxes), number("push", push)
     box, corner = np.repeat(np.arange(boxes), 4), np.array([(x, y) for x in (-0.5, 0.5) for y in (-0.5, 0.5)])

@@ -1,4 +1,4 @@
-"""Bodies that touch each other at random: odd contact graphs and directions, which scenes hardly visit."""
+"""Random contacts between random bodies: irregular contact graphs and directions, which are rare in scenes."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from frictionbench.problems.scenes.parameters import count, number
 
 @instance
 def random_bodies(seed: int = 0, contacts: int = 20, friction: float = 0.5, mass_ratio: float = 10.0) -> FrictionProblem:
-    """Spatial contacts in random directions between random pairs of bodies, one body for two contacts.
+    """Spatial contacts in random directions between random pairs of bodies, with half as many bodies as contacts.
 
     mass_ratio: masses are log-uniform in [1, mass_ratio] kg.
     """

@@ -1,4 +1,4 @@
-"""Spheres piled and packed: many contacts on few freedoms, none of which can be told apart by symmetry."""
+"""Piles and packings of spheres: many contacts, few degrees of freedom."""
 
 import numpy as np
 from scipy.optimize import minimize
@@ -10,17 +10,17 @@ from frictionbench.problems.instances.bodies import GROUND, Index, falling, fram
 from frictionbench.problems.instances.catalogue import instance
 from frictionbench.problems.scenes.parameters import count, number
 
-NEAR = 1e-4  # of a radius: gaps that count as touching
+NEAR = 1e-4  # of a radius: the gaps up to which spheres count as touching
 
 
 @instance
 def sphere_pyramid(
     seed: int = 0, levels: int = 4, friction: float = 0.5, noise: float = 0.0, mass_ratio: float = 1.0, step: float = 0.01
 ) -> FrictionProblem:
-    """A square pyramid of unit spheres, each touching its neighbours of the layer and four below: hyperstatic.
+    """A square pyramid of unit spheres, each touching its neighbours in the layer and four below: hyperstatic.
 
-    The normals between spheres are askew by 1e-3, at random. noise: m/s on every freedom, beside gravity. mass_ratio: masses
-    are log-uniform in [1, mass_ratio] kg.
+    The normals between spheres are perturbed at random by 1e-3. noise: m/s, standard deviation of every velocity, added to
+    gravity. mass_ratio: masses are log-uniform in [1, mass_ratio] kg.
     """
     levels = count("levels", levels)
     random = np.random.default_rng([count("seed", seed, least=0), levels])
@@ -56,19 +56,19 @@ def packed_spheres(
     mass_ratio: float = 1.0,
     step: float = 0.01,
 ) -> FrictionProblem:
-    """Spheres packed at random in a closed box, which they fill to a fraction: .64 is random close packing (in large boxes:
-    walls take room).
+    """Spheres packed at random in a closed box, of which they fill a fraction: .64 is random close packing in
+    large boxes; in small ones the walls lower it.
 
-    Their diameters vary by a tenth of 1 m. From random places they move apart to where the squared overlaps are least; who then
-    touches has a contact, of gap 0. noise: m/s on every freedom, beside gravity. mass_ratio: masses are log-uniform in
-    [1, mass_ratio] kg.
+    The diameters are 0.95 to 1.05 m. Random centres are moved to a local minimum of the sum of squared overlaps; spheres that
+    touch there have contacts, of gap 0. noise: m/s, standard deviation of every velocity, added to gravity. mass_ratio: masses
+    are log-uniform in [1, mass_ratio] kg.
     """
     n = count("spheres", spheres)
     random = np.random.default_rng([count("seed", seed, least=0), n])
     radius = 0.5 * random.uniform(0.95, 1.05, n)
     side = float(np.cbrt(4 / 3 * np.pi * (radius**3).sum() / number("fraction", fraction, above=0, most=0.7)))
-    centre = _moved_apart(random.uniform(0, side, (n, 3)), radius, side)
-    bodies, normal = _who_touches(centre, radius, side)
+    centre = _least_overlap(random.uniform(0, side, (n, 3)), radius, side)
+    bodies, normal = _touching_pairs(centre, radius, side)
     arms = np.zeros((len(bodies), 2, 3))
     for which, sign in ((0, -1.0), (1, 1.0)):
         arms[:, which] = sign * radius[bodies[:, which]][:, None] * normal
@@ -82,8 +82,8 @@ def _weights(mass: Array, radius: Array) -> Array:
     return np.column_stack([mass, mass, mass, inertia, inertia, inertia])
 
 
-def _moved_apart(centre: Array, radius: Array, side: float) -> Array:
-    """The centres (n, 3) where the sum of squared overlaps, of spheres and of walls, is least: a local minimum."""
+def _least_overlap(centre: Array, radius: Array, side: float) -> Array:
+    """Centres (n, 3) at a local minimum of the sum of squared overlaps of spheres and walls."""
     n = len(radius)
 
     def energy(flat: Array) -> tuple[float, Array]:
@@ -103,7 +103,7 @@ def _moved_apart(centre: Array, radius: Array, side: float) -> Array:
     return np.asarray(found.x).reshape(n, 3)
 
 
-def _who_touches(centre: Array, radius: Array, side: float) -> tuple[Index, Array]:
+def _touching_pairs(centre: Array, radius: Array, side: float) -> tuple[Index, Array]:
     """The bodies (nc, 2) and normals (nc, 3) of spheres that touch each other or a wall."""
     pairs = np.array(sorted(cKDTree(centre).query_pairs(2.1 * radius.max())), dtype=int).reshape(-1, 2)
     between = centre[pairs[:, 0]] - centre[pairs[:, 1]]

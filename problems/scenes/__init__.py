@@ -1,4 +1,4 @@
-"""One file a scene, or a family of scenes; each is listed by its decorator: see problems.scenes.catalogue.
+"""Scenes, one file per scene or family of scenes, registered by a decorator (problems.scenes.catalogue).
 
     scene("stack", blocks=10, friction=0.5)        scene("example_2")
 

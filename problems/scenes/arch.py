@@ -1,4 +1,4 @@
-"""An arch of voussoirs, held up by its own thrust: what interlocks needs no friction to stay, and some not to slide."""
+"""An arch of voussoirs, which stands by its thrust and the friction of its joints."""
 
 import numpy as np
 
@@ -12,10 +12,10 @@ from frictionbench.problems.scenes.parameters import count, number
 def arch(
     stones: int = 7, friction: float = 0.5, thickness: float = 0.3, push: float = 0.0, step: float = 0.01, duration: float = 1.0
 ) -> Scene:
-    """A half circle of equal stones on the ground, joint against joint.
+    """A semicircular arch of equal stones on the ground.
 
-    It stands iff it is thick enough for a line of thrust (for many stones thickness >= 0.107, Heyman 1969) and rough enough
-    that no joint slides. The middle line has the radius 1 m. thickness: m. push: m/s, of the middle stone, to the right.
+    It stands iff it is thick enough for a line of thrust (for many stones thickness >= 0.107, Heyman 1969) and no joint
+    slides. The middle line has the radius 1 m. thickness: m. push: m/s, of the middle stone, to the right.
     """
     n, thick = count("stones", stones, least=2), number("thickness", thickness, above=0, most=1)
     half = np.pi / n / 2

@@ -37,7 +37,7 @@ def bouncing_ball(
 
 @generator()
 def bowl(friction: float = 0.1, radius: float = 1.0, angle: float = 1.0, step: float = 0.01, duration: float = 2.0) -> Scene:
-    """A bead slides to and fro in a round bowl: curved ground, which a straight step leaves.
+    """A bead slides to and fro in a circular bowl: curved ground, from which straight steps deviate.
 
     Schemes on velocities drift out of the bowl by O(h), schemes on gaps by O(h^2). The bead is a flywheel of 1 kg and 1 kg m^2
     and a millimetre across, so that it hardly rolls. radius: m, of its path. angle: rad, from the lowest point, at the start.

@@ -1,4 +1,4 @@
-"""A disc held by two walls: the friction cones of the two contacts may then hold opposite directions."""
+"""A disc between two walls, where the friction cones of the two contacts can contain opposite directions."""
 
 import numpy as np
 
@@ -20,12 +20,12 @@ def jam(
     step: float = 0.01,
     duration: float = 1.0,
 ) -> Scene:
-    """A disc of 1 kg slides up between two upright walls that just hold it: the talk's difficult friction configuration.
+    """A disc of 1 kg slides up between two vertical walls at its own distance: the talk's difficult friction configuration.
 
-    The normals cancel, so normal impulses of any size do nothing, and the friction cone is not pointed. The solutions are not
-    unique nor their set convex: with V = speed - g h, normal impulses c = s V/(2 mu) on both walls slow the disc to (1-s) V,
-    for s in [0, 1], and any larger ones stop it (page 22 of Anitescu 1999). overlap: m, by which the walls stand too close, so
-    that a scheme on gaps has no solution; negative where they leave a gap. speed, sideways: m/s, up and to the right.
+    The normals cancel, so normal impulses of any size have no effect, and the friction cone is not pointed. The solutions are
+    not unique, and their set is not convex: with V = speed - g h, normal impulses c = s V/(2 mu) on both walls slow the disc to
+    (1-s) V, for s in [0, 1], and any larger ones stop it (page 22 of Anitescu 1999). overlap: m, by which the walls overlap the
+    disc, so that a scheme on gaps has no solution; negative for a gap. speed, sideways: m/s, up and to the right.
     """
     squeeze = number("overlap", overlap, least=-RADIUS, most=RADIUS) / 2
     return Scene(
@@ -48,10 +48,10 @@ def wedge(
     step: float = 0.01,
     duration: float = 1.0,
 ) -> Scene:
-    """A disc of 1 kg hits both walls of an upright wedge at once, and stays.
+    """A disc of 1 kg hits both walls of an upright wedge at once and stops.
 
-    It stops in every solution, u = 0. The impulses are bounded for friction < tan(angle); from there on the walls can press
-    against each other through the disc, and it locks. angle: rad, of each wall from the vertical. speed: m/s, downwards.
+    It stops in every solution, u = 0. The impulses are bounded for friction < tan(angle); above it the walls can press
+    against each other through the disc, which jams. angle: rad, of each wall from the vertical. speed: m/s, downwards.
     depth: m, by which the disc overlaps both walls at first.
     """
     angle = number("angle", angle, above=0, most=1.5)

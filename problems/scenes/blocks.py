@@ -36,7 +36,7 @@ def three_blocks(
 ) -> Scene:
     """A block slides over a table into the lower block of a tower of two.
 
-    The lower block is carried off under the upper, which stays nearly where it was and drops.
+    The lower block is pushed out from under the upper one, which hardly moves sideways and drops.
     """
     return Scene(
         bodies=(rigid_box(1.0, 1.0), rigid_box(1.0, 1.0), rigid_box(1.0, 1.0)),

@@ -1,10 +1,10 @@
-"""The scenes by name.
+"""The catalogue of scenes.
 
     @generator(example_3={"friction": 0.02}, example_4={"friction": 0.1})
     def two_blocks(friction: float = 0.02, ...) -> Scene: ...
 
-lists a function under its own name and under others with defaults of their own. Every scene also takes mass_unit and
-length_unit, in which its masses and lengths are then counted: the same motion in other numbers.
+registers a function under its own name and under others with other defaults. Every scene also takes mass_unit and length_unit,
+the units in which its masses and lengths are then given: the motion is the same.
 """
 
 from collections.abc import Callable
@@ -49,7 +49,7 @@ def scenes() -> dict[str, Generator[Scene]]:
 def scene(name: str, **parameters: Any) -> Scene:
     """The named scene, with the parameters given in place of its defaults.
 
-    Every scene also takes mass_unit (kg) and length_unit (m), units in which its masses and lengths are then counted.
+    Every scene also takes mass_unit (kg) and length_unit (m), the units in which its masses and lengths are then given.
     Scene.problem() gives the friction problem of its first time step.
     Errors: InputError naming the scene or parameter that is unknown, or the parameter that is out of range.
 

@@ -1,4 +1,4 @@
-"""Bodies on hinges."""
+"""Mechanisms with hinges."""
 
 import numpy as np
 
@@ -11,9 +11,10 @@ from frictionbench.problems.scenes.parameters import number
 
 @generator()
 def pendulum(angle: float = 1.0, length: float = 1.0, spin: float = 0.0, step: float = 0.01, duration: float = 2.0) -> Scene:
-    """A uniform rod hung up at one end, without any contact.
+    """A uniform rod that hangs from a hinge at one end, without contacts.
 
-    Energy is constant; small swings take 2 pi sqrt(2 length/(3 g)). angle: rad, from the vertical. length: m. spin: rad/s.
+    The energy is constant; the period of small swings is 2 pi sqrt(2 length/(3 g)). angle: rad, from the vertical. length: m.
+    spin: rad/s.
     """
     half, spin = number("length", length, above=0) / 2, number("spin", spin)
     direction = number("angle", angle) - np.pi / 2
@@ -42,14 +43,14 @@ def slider_crank(
 ) -> Scene:
     """A crank drives a slider that has a little clearance between its two guides (Flores, Leine and Glocker 2010).
 
-    Contacts at the end of a chain of three hinges: the slider rattles between the guides, flat if it starts so, and only they
-    take energy. Crank 0.153 m, rod 0.306 m, slider 0.1 m by 0.05 m, masses as in the reference. It turns once in
-    about 0.07 s. clearance: m, on each side. speed: rad/s, of the crank. tilt: rad, of the slider. angle: rad, of the crank, 0
+    Contacts at the end of a chain of three hinges: the slider rattles between the guides, which alone dissipate energy.
+    Crank 0.153 m, rod 0.306 m, slider 0.1 m by 0.05 m, masses as in the reference. The crank turns once in about
+    0.07 s. clearance: m, on each side. speed: rad/s, of the crank. tilt: rad, of the slider. angle: rad, of the crank, 0
     where it is in line with the rod.
     """
     clearance, w = number("clearance", clearance, least=0, most=0.01), number("speed", speed)
     crank, rod, length, height = 0.153, 0.306, 0.1, 0.05
-    guide = (height + 0.1) / 2 + clearance  # the height of a guide's middle
+    guide = (height + 0.1) / 2 + clearance  # the height of a guide's centre
     angle = number("angle", angle)
     cos, sin = np.cos(angle), np.sin(angle)
     lean = -np.arcsin(crank / rod * sin)

@@ -40,7 +40,7 @@ def two_corner_block(
 def incline(angle: float = 0.5, friction: float = 0.3, speed: float = 0.0, step: float = 0.01, duration: float = 1.0) -> Scene:
     """A block, 2 by 1, on a slope.
 
-    It stays iff friction >= tan(angle), and else slides down with the acceleration g (sin(angle) - friction cos(angle)). It
+    It rests iff friction >= tan(angle), else it slides down with the acceleration g (sin(angle) - friction cos(angle)). It
     does not tip over while tan(angle) and friction are below 2. angle: rad. speed: m/s, at first, downhill.
     """
     angle, speed = number("angle", angle, least=0, most=1.1), number("speed", speed)

@@ -1,4 +1,4 @@
-"""Blocks that collide in a pen: the talk's examples 5 and 7 (Anitescu 1999); the geometry is ours."""
+"""Blocks that collide between walls: the talk's examples 5 and 7 (Anitescu 1999); the geometry is ours."""
 
 import numpy as np
 
@@ -36,7 +36,7 @@ def several_blocks(
 ) -> Scene:
     """Five tilted blocks dropped side by side in a pen 7 m wide.
 
-    They bounce, spin and hit each other; with restitution 1 too energy must never rise, and friction takes some away.
+    They bounce, spin and hit each other; the energy must never rise, also with restitution 1, and friction dissipates some.
     drop: m, from the middle of the lowest block to where it would be at rest; each further one starts a quarter of it higher.
     """
     drop = number("drop", drop, least=0.25)

@@ -1,4 +1,4 @@
-"""Boxes upon boxes: a stack, a brick wall, a pyramid. Many contacts, exact ties, more contacts than freedoms."""
+"""A stack, a brick wall and a pyramid of boxes: many contacts, exact ties, more contacts than degrees of freedom."""
 
 import numpy as np
 
@@ -20,11 +20,11 @@ def stack(
 ) -> Scene:
     """A straight stack of unit boxes, the lowest pushed sideways.
 
-    With push = 0 it rests, and interface i carries the weight of all above it, however the two contacts share it: with equal
+    With push = 0 it rests, and the two contacts of interface i together carry the weight of all boxes above it: with equal
     masses, m g h (blocks - i). mass_ratio: the densities grow by one factor from each box to the next, the topmost box having
-    mass_ratio times the lowest one's: iterations over contacts suffer where it is large. push: m/s, of the lowest box. shear:
-    1/s, the boxes being the faster the higher they are. jitter: how unlike the boxes are, up to this share of their mass and
-    of the way they stand aside: 0 makes every contact an exact tie.
+    mass_ratio times the lowest one's: large ones slow down iterations over contacts. push: m/s, of the lowest box. shear:
+    1/s, velocities increase with height by so much. jitter: the relative random variation of the boxes' masses and
+    of their offsets; with 0 every contact is an exact tie.
     """
     n = count("blocks", blocks)
     ratio = number("mass_ratio", mass_ratio, above=0)
@@ -69,8 +69,8 @@ def wall(rows: int = 5, columns: int = 5, friction: float = 0.5, push: float = 0
 def pyramid(rows: int = 5, friction: float = 0.5, push: float = 0.0, shear: float = 0.0, step: float = 0.01) -> Scene:
     """A pyramid of unit boxes, each resting on two that stand apart, the topmost pushed sideways.
 
-    With push = 0 it rests. The boxes of a row are 0.2 apart. push: m/s, of the topmost box. shear: 1/s, the boxes being the
-    faster the higher they are.
+    With push = 0 it rests. The boxes of a row are 0.2 apart. push: m/s, of the topmost box. shear: 1/s, velocities
+    increase with height by so much.
     """
     rows = count("rows", rows)
     place = [(1.2 * (i + row / 2), row + 0.5, 0.0) for row in range(rows) for i in range(rows - row)]

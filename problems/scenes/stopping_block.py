@@ -1,4 +1,4 @@
-"""The simplest friction there is, with a closed form for every step."""
+"""A block that slides to a stop: the simplest scene with friction, with a closed form for every step."""
 
 import numpy as np
 

@@ -1,6 +1,6 @@
-"""A scene in other units of mass and length, time as it is: the same motion in other numbers.
+"""A scene in other units of mass and length; the unit of time is unchanged, and the motion is the same.
 
-No solver may notice: what works in one set of units and not in another has an absolute tolerance somewhere.
+A solver whose results depend on the units has an absolute tolerance.
 """
 
 from dataclasses import replace

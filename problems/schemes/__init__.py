@@ -1,4 +1,4 @@
-"""One file a time-stepping scheme, one signature for all; each is listed by its decorator: see problems.schemes.stepping."""
+"""Time-stepping schemes, one file per scheme, with one signature, registered by a decorator (problems.schemes.stepping)."""
 
 from frictionbench.problems.discover import import_all
 from frictionbench.problems.schemes.stepping import SCHEMES, NoSolution, Scheme, Solve, Solved, Step, start

@@ -1,19 +1,20 @@
-"""Forces and accelerations, as Pfeiffer and Glocker (1996) and Baraff (1993) have them: a scheme that can fail.
+"""The scheme of forces and accelerations (Baraff 1993; Pfeiffer and Glocker 1996), whose equations may have no solution.
 
     M a = k + J' f + F' lam,      F a + F. v = 0,      v+ = v + h a,      q+ = q + h v+,
     0 <= n'a + n'. v ⟂ f_n >= 0,      f_t = -mu sign(t'v) f_n  where a contact slides,  |f_t| <= mu f_n where it does not,
 
-at the contacts that touch at q; a dot is the rate along v, taken by differences. (The law is put on n'v + h (n'a + n'. v),
-which is the same where n'v = 0, so that round-off in n'v does not grow; and a contact slides if one step of the external
-force cannot stop it.) Where a touching contact approaches, an impact goes first (problems.schemes.impact).
+at the contacts that touch at q; a dot is the rate along v, computed by finite differences. (The law is imposed on
+n'v + h (n'a + n'. v), which is the same where n'v = 0, so that round-off in n'v does not grow; and a contact slides if one step
+of the external force cannot stop it.) Where a touching contact approaches, an impact precedes the step
+(problems.schemes.impact).
 
-With the direction of sliding given there need not be a force: Painlevé's rod slides with p = n'M^-1 (n - mu sign(t'v) t) < 0
-and falls faster for every f_n > 0. Then NoSolution is raised.
+With the direction of sliding given a force need not exist: where Painlevé's rod slides with
+p = n'M^-1 (n - mu sign(t'v) t) < 0, every f_n > 0 accelerates it downwards. Then NoSolution is raised.
 
-The direction is kept by a trick that leaves a friction problem for the solver: a sliding contact rests on a belt, a body of
-its own which runs along with the slip, SWIFT times faster than anything else. Friction does not depend on the slip's size,
-so the forces are the same for every belt that keeps running. A belt that a right answer stops needed forces that are, to
-this scheme, infinite.
+The direction of sliding is imposed such that a friction problem remains for the solver: a sliding contact rests on a belt, an
+additional body that moves in the direction of the slip, SWIFT times faster than all else. Friction does not depend on the speed
+of the slip, so the forces are the same for every speed at which the belt continues to move. Where a correct answer stops a
+belt, the forces are unbounded in the limit of fast belts, and the scheme has no solution.
 """
 
 import numpy as np
@@ -28,9 +29,9 @@ from frictionbench.problems.scene import Scene
 from frictionbench.problems.schemes.impact import approaching, impact
 from frictionbench.problems.schemes.stepping import NoSolution, Solve, Solved, Step, free_velocity, respond, scheme
 
-SWIFT = 1e3  # a belt's speed, in units of the contacts' speeds and of what the external force changes in a step
-RIGHT = 1e-6  # the residual up to which an answer says something about the scheme, and not about its solver
-NUDGE = 1e-5  # the way over which rates are taken, in units of the largest body: balances round-off and curvature
+SWIFT = 1e3  # the belts' speed, relative to the contacts' speeds and to the change by the external force in a step
+RIGHT = 1e-6  # the residual up to which an answer is taken as the solution of the scheme's equations
+NUDGE = 1e-5  # the displacement of the finite differences, relative to the largest body: balances round-off and curvature
 
 
 @scheme("acceleration")
@@ -57,7 +58,7 @@ def acceleration(scene: Scene, now: Step, solve: Solve) -> Step:
     caught = np.flatnonzero(slides)[left < speed / 2]
     if len(caught) and residual(problem, step.impulse) <= RIGHT:
         places = ", ".join(f"({x:.4g}, {y:.4g})" for x, y in contacts.point[caught])
-        raise NoSolution(f"no bounded force keeps the contact sliding at {places} from closing, at t = {now.time:.6g} s")
+        raise NoSolution(f"no bounded force prevents penetration of the contact sliding at {places}, at t = {now.time:.6g} s")
     after = after[: len(v)]
     return Step(now.time + h, q + h * after, after, contacts, (*solved, step))
 
@@ -77,7 +78,7 @@ def _on_belts(problem: FrictionProblem, contacts: Index, speeds: Array, mass: fl
 
 
 def _rates(scene: Scene, q: Array, v: Array, contacts: Contacts) -> tuple[Array, Array]:
-    """d/dt(n') v (nc,) and d/dt(F) v (nj,), by central differences along v; 0 at contacts that end within the difference."""
+    """d/dt(n') v (nc,) and d/dt(F) v (nj,), by central differences along v; 0 at contacts that do not exist at both ends."""
     way = NUDGE * scene.geometry.reach
     fastest = np.abs(v).max(initial=0.0) * max(1.0, scene.geometry.reach)
     if not fastest or not (len(contacts) or scene.hinges):

@@ -2,11 +2,11 @@
 
     M (v+ - v) = h k + J' r + F' lam,      q+ = q + h v+,      F v+ = 0,
 
-with Coulomb's law between the impulse r and the velocity u = J v+ at the contacts that touch at q. It works on velocities: a
-gap is neither anticipated nor corrected, so a body enters an obstacle by up to h times its speed before it is stopped, and
-the drift is O(h). The bias is zero, so every problem has a solution and no contact ever adds energy.
+with Coulomb's law between the impulse r and the velocity u = J v+ at the contacts that touch at q. The constraints are on
+velocities: gaps are neither anticipated nor corrected, so a body penetrates an obstacle by up to h times its speed before it is
+stopped, and the drift is O(h). The bias is zero, so every problem has a solution and no contact adds energy.
 
-Where a touching contact approaches and e > 0, an impact goes first (problems.schemes.impact).
+Where a touching contact approaches and e > 0, an impact precedes the step (problems.schemes.impact).
 """
 
 from frictionbench.problems.scene import Scene

@@ -4,8 +4,9 @@
     0 <= n'v+ ⟂ r_n >= 0,      |r_t| <= mu r_n(before),  r_t opposing the slip,
 
 at the contacts that touch at q. With its limits known, friction is a convex problem, so every step has a solution, and its
-velocity is unique. The price is a lag: O(h) in smooth motion, and no friction at all at a contact's first step, so not at
-starts nor at impacts. A contact is known again by its feature. There is no law of restitution.
+velocity is unique. The limits lag by one step: the error is O(h) in smooth motion, and a contact has no friction in its first
+step, that is at the start and in impacts. Contacts of successive steps are matched by their feature. There is no law of
+restitution.
 """
 
 import numpy as np

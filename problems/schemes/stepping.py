@@ -1,13 +1,13 @@
-"""What the time-stepping schemes share.
+"""The interface of the time-stepping schemes, and what they share.
 
 A scheme takes a scene, the step before, and a way to solve friction problems, and returns the next step. It knows no solver:
-`solve` maps a FrictionProblem to its impulses (nc, d). Every problem it had solved is kept in the step.
+`solve` maps a FrictionProblem to its impulses (nc, d). The step records every problem that was solved.
 
     @scheme("lotstedt", lacks=("restitution",))
     def lotstedt(scene, now, solve): ...
 
-A scheme says beforehand which scenes it does not treat (`refuses`), and raises NoSolution where its own equations have no
-solution, which is a finding about the scheme and no fault of the solver.
+A scheme states in advance which scenes it does not treat (`refuses`), and raises NoSolution where its equations have no
+solution, which is a property of the scheme and not a failure of the solver.
 """
 
 from collections.abc import Callable
@@ -27,7 +27,7 @@ Feature = Literal["friction", "restitution"]
 
 
 class NoSolution(Exception):  # noqa: N818  # a finding, not an error
-    """The scheme's equations have no solution at this step; the message says which and why."""
+    """The scheme's equations have no solution at this step; the message says at which contact and when."""
 
 
 class Solved(NamedTuple):
@@ -40,7 +40,7 @@ class Solved(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """The state (q, v) at the time t that a step ends at, the contacts it used, and what it solved, in order."""
+    """The state (q, v) at the end of a step, at time t; its contacts, and the problems it solved, in order."""
 
     time: float
     q: Array
@@ -51,13 +51,13 @@ class Step:
 
 @dataclass(frozen=True)
 class Scheme:
-    """advance: one step of length scene.step. lacks: what a scene may not have."""
+    """advance: one step of length scene.step. lacks: properties of scenes that it does not support."""
 
     advance: Callable[[Scene, Step, Solve], Step]
     lacks: tuple[Feature, ...] = ()
 
     def refuses(self, scene: Scene) -> str | None:
-        """Why this scheme does not treat the scene, or None."""
+        """The reason why this scheme does not treat the scene, or None."""
         unmet = [feature for feature in self.lacks if getattr(scene, feature) > 0]
         return f"it has no law of {' and '.join(unmet)}" if unmet else None
 
@@ -72,7 +72,7 @@ SCHEMES: dict[str, Scheme] = {}
 
 
 def scheme(name: str, lacks: tuple[Feature, ...] = ()) -> Callable[[Callable[[Scene, Step, Solve], Step]], Scheme]:
-    """Make a function a Scheme, and list it under `name`."""
+    """A decorator that makes a function a Scheme and registers it under `name`."""
 
     def register(advance: Callable[[Scene, Step, Solve], Step]) -> Scheme:
         SCHEMES[name] = Scheme(advance, lacks)
@@ -87,7 +87,7 @@ def start(scene: Scene) -> Step:
 
 
 def respond(phase: Phase, problem: FrictionProblem, solve: Solve) -> tuple[Solved, Array]:
-    """Solve a problem; the record of it, and the velocity (nv,) afterwards."""
+    """The solved problem, and the velocity (nv,) afterwards."""
     impulse = solve(problem)
     return Solved(phase, problem, impulse), problem.velocity(impulse)
 
@@ -98,7 +98,7 @@ def free_velocity(scene: Scene, now: Step, v: Array) -> Array:
 
 
 def contacts_within_reach(scene: Scene, q: Array, *velocities: Array) -> Contacts:
-    """The contacts that could close within one step: gaps up to twice the way of the fastest point at these velocities."""
+    """The contacts that could close within one step: gaps up to twice the fastest point's displacement at these velocities."""
     planar = np.vstack(velocities).reshape(-1, 3)
     speed = np.hypot(planar[:, 0], planar[:, 1]) + scene.geometry.reach * np.abs(planar[:, 2])
     return scene.contacts(q, scene.touch + 2 * scene.step * float(speed.max(initial=0.0)))

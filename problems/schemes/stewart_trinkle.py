@@ -2,16 +2,16 @@
 
     M (v+ - v) = h k + J' r + F' lam,      q+ = q + h v+,      F v+ + Theta/h = 0,
 
-with Coulomb's law between r and u = J v+ + phi/h e_n at all contacts within reach of the step: a linearised gap may close by
-the end of the step and no further, and a contact that will not close carries no impulse. The drift is O(h^2). Where gaps are
-positive every problem has a solution; an overlap phi < 0 is pushed apart at the speed |phi|/h and feeds in the energy
+with Coulomb's law between r and u = J v+ + phi/h e_n at all contacts within reach of the step: a linearised gap is
+nonnegative at the end of the step, and a contact that remains open has no impulse. The drift is O(h^2). Where gaps are
+positive every problem has a solution; an overlap phi < 0 is corrected at the speed |phi|/h, which adds the energy
 -c phi/h, and between two walls that overlap a body there may be no solution.
 
-A body is slowed down so that it just arrives. With e > 0 that would eat its speed before it hits, so an impact goes first
-wherever a contact would close within the step, over the gap that is left; restitution then acts up to a step early.
+The scheme reduces the approach velocity of a body so that its gap just closes. With e > 0 an impact therefore precedes the step
+wherever a contact would close within it, over the remaining gap; restitution then acts up to one step early.
 
-Bodies that face each other corner to corner have no contact until they overlap: their common normal could be any, and a
-wrong one stops bodies that would pass each other.
+Bodies that face each other corner to corner have no contact until they overlap: their normal is not determined, and a wrong one
+would stop bodies that pass each other.
 """
 
 from frictionbench.problems.scene import Scene
