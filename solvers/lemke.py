@@ -48,7 +48,7 @@ from frictionbench.solvers.pivots.lemke_path import (
 from frictionbench.solvers.pivots.scaled_lcp import MARGIN, ScaledLCP, finish, scaled_lcp, scaled_residual
 from frictionbench.solvers.pivots.vectors import fill, largest, least, put
 
-PERTURBATION = 1e-7  # of q, whose largest entry is 1: the root of rounding, so that ties of either size are told apart
+PERTURBATION = 1e-7  # of q, whose largest entry is 1: the root of rounding, half the digits for it, half for the solution
 HARRIS = 1e-4  # how far below zero near ties may reach, relative to the perturbation, which must still resolve ties
 EXACT = 1e-12  # residual at the level of round-off, below which no smaller perturbation is tried
 NONE = np.empty(0, np.int64)  # no guess of the basis
@@ -59,7 +59,7 @@ CERTIFICATE = 1e-9  # largest defect of a ray, relative to its size: that of ent
 def certified(M: Matrix, q: Array, d: Array, ray: Array, copositive: bool) -> bool:
     """Whether (v, v0) = ray is a secondary ray: v >= 0, v != 0, v0 >= 0, s = M v + d v0 >= 0 and v's = 0.
 
-    Where M is copositive, as in every friction LCP, it then follows that v0 = 0 and q'v < 0, which is asked for too.
+    Where M is copositive, as in every friction LCP, it then follows that v0 = 0 and q'v < 0, which is also checked.
     """
     n = len(q)
     v, v0, s = ray[:n], ray[n], np.empty(n)

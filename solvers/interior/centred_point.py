@@ -5,8 +5,8 @@ The smooth function
 
     phi(y) = (y + sqrt(y^2 + 4 g^2)) / 2          in place of y_+
 
-makes x = phi(y), s = phi(-y), which still has x - s = y, and x ∘ s = g^2 in every pair: the point of the interior, as far
-from the boundary as g says, that belongs to a guess of r and u. In Lorentz' cone phi is taken of the eigenvalues of y.
+makes x = phi(y), s = phi(-y), which still has x - s = y, and x ∘ s = g^2 in every pair: the point of the interior, at the
+distance g from the boundary, that corresponds to a guess of r and u. In Lorentz' cone phi is taken of the eigenvalues of y.
 References: Chen and Harker 1993; Kanzow 1996; in the cone Fukushima, Luo and Tseng 2001.
 """
 

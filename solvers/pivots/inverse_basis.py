@@ -220,7 +220,7 @@ def exchange_pair(M: Matrix, d: Array, basis: InverseBasis, a: Array, p: int, z_
 
 @part
 def refactor(M: Matrix, d: Array, basis: InverseBasis) -> bool:
-    """Compute K^-1 afresh by Gauss-Jordan elimination with row exchanges; False where K is singular to working accuracy."""
+    """Recompute K^-1 by Gauss-Jordan elimination with row exchanges; False where K is singular to working accuracy."""
     n, k = len(d), basis.size[0]
     K = np.zeros((k, k))
     for c in range(k):

@@ -2,7 +2,7 @@
 
 Where A = sum_e A_e, each A_e dense in the few variables of element e, eliminating a variable v merges the elements it
 belongs to into a new one: their union without v, the front of v. So the graph is never more than a list of elements, and
-it never needs more room than at the start. Each time a variable is taken whose front is (about) the smallest:
+it never needs more storage than at the start. Each time a variable is taken whose front is (about) the smallest:
 
 * variables with the same elements, the coordinates of one body mostly, go together from the beginning, and a variable left
   with the new element alone is eliminated at once, for its front adds nothing;

@@ -75,10 +75,10 @@ def spatial_contact(u, r, W, mu, b_f):  # type: ignore[no-untyped-def]
 
 @part
 def bounded_tangent(S11, S12, S21, S22, tau1, tau2, L, k1, k2):  # type: ignore[no-untyped-def]
-    """t with S t + tau = -alpha t, alpha >= 0 ⟂ |t| <= L - k't; zero where L <= 0 leaves no room.
+    """t with S t + tau = -alpha t, alpha >= 0 ⟂ |t| <= L - k't; zero where L <= 0.
 
-    Newton's method on room/|t| - 1, which is nearly linear in alpha (Moré and Sorensen 1983), kept inside a bracket: it is
-    negative at alpha = 0 unless the contact sticks, and not negative at (1 + |k|) |tau| / L.
+    Newton's method on radius/|t| - 1, radius = L - k't, which is nearly linear in alpha (Moré and Sorensen 1983), kept inside a
+    bracket: it is negative at alpha = 0 unless the contact sticks, and not negative at (1 + |k|) |tau| / L.
     """
     low, high = 0.0, (1 + hypot(k1, k2)) * hypot(tau1, tau2) / L
     alpha = 0.0

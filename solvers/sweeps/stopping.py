@@ -42,7 +42,7 @@ def monitor(tol: float, limit: int, patience: int, every: int = 1) -> Monitor:
 
 @kernel
 def should_continue(monitor, error, count):  # type: ignore[no-untyped-def]
-    """Whether to go on from a residual of `error` after `count` counts; otherwise the monitor says how the method ended.
+    """Whether to continue from a residual of `error` after `count` counts; otherwise the monitor records how the method ended.
 
     Solved within the tolerance, broken down where the residual is not finite, stalled without progress, or at the limit.
     """
