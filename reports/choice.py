@@ -1,9 +1,9 @@
-"""Which solver: of each kind of problem the entry with the least mean time to a target, its lead, reliability and certainty.
+"""Which solver to choose: for each kind of problem the solver with the least mean time to a target, its lead and win rate.
 
-The mean is the shifted geometric mean of reports.accuracy, misses charged at the time limit. Only entries that ran on every
-problem of the kind are ranked, so that all are judged by the same problems. The lead is the next entry's mean over the
-winner's. How sure that is comes from DRAWS bootstrap samples of the problems: the share in which the same entry wins. Problems
-of one scene are alike, so the certainty is that for problems like these, and no more.
+The mean is the shifted geometric mean of reports.accuracy, with problems not solved charged at the time limit. Only solvers
+that ran on every problem of the kind are ranked, so that all are compared on the same problems. The lead is the mean of the
+second solver over that of the first. The win rate is the share of DRAWS bootstrap samples of the problems in which the same
+solver is first. Problems of one scene are similar, so the win rate applies to problems like these.
 """
 
 from typing import NamedTuple
@@ -15,28 +15,31 @@ from frictionbench.reports.accuracy import SHIFT
 from frictionbench.reports.run import Run
 from frictionbench.results.conventions import COLD, WARM
 
-SMALL, MEDIUM = 10, 100  # contacts
-ILL = 1e8  # condition of W on its range
-DRAWS = 1000
-FEW = 5  # problems: of fewer a sample says nothing
+SMALL, MEDIUM = 10, 100  # contacts: the largest problems of these two kinds, a decade each
+ILL = 1e8  # condition of W on its range, at which a factorisation loses half of the digits of double precision
+DRAWS = 1000  # bootstrap samples: the standard error of a win rate is below 2 %
+FEW = 5  # problems; of so few the bootstrap gives no meaningful win rate
 
 
 class Choice(NamedTuple):
-    """The winner of a kind of problem; lead and next are None where nobody else ran on all of them."""
+    """The fastest solver on a kind of problem; `next` and `lead` are None if no other solver ran on all of the problems.
 
-    entry: str
-    mean: float  # s
+    mean: s. reached: the number of problems solved to the target. win_rate: None for FEW problems or less.
+    """
+
+    label: str
+    mean: float
     reached: int
     problems: int
     next: str | None
     lead: float | None
-    sure: float | None  # share of the bootstrap samples; None of FEW problems or less
+    win_rate: float | None
 
 
 def choices(run: Run, among: set[str] | None = None) -> list[tuple[str, dict[float, Choice]]]:
-    """Of each kind that has problems of its own, the winner at each target that somebody reaches.
+    """For each kind of problem in the run, the choice at each target that some solver reaches.
 
-    among: entries that may win; all where None.
+    among: the labels to choose from; None for all. A kind that consists of all problems is listed as such only.
     """
     problems = run.contested.drop_duplicates("problem_id").set_index("problem_id")
     contacts = problems["contacts"]
@@ -49,30 +52,30 @@ def choices(run: Run, among: set[str] | None = None) -> list[tuple[str, dict[flo
         "planar": problems["dimension"] == 2,
         "spatial": problems["dimension"] == 3,
     }
-    cold, warm = (set(run.rows.loc[run.rows["start"].isin(starts), "entry"]) for starts in (["", COLD], [WARM]))
+    cold, warm = (set(run.rows.loc[run.rows["start"].isin(starts), "label"]) for starts in (["", COLD], [WARM]))
     asked = [(kind, set(problems.index[chosen]), cold) for kind, chosen in kinds.items()]
     asked.append(("warm starts", set(problems.index), warm))
     everything = set(problems.index)
     found = []
-    for kind, chosen, entries in asked:
-        if chosen and entries and (chosen != everything or kind in ("all problems", "warm starts")):
+    for kind, chosen, labels in asked:
+        if chosen and labels and (chosen != everything or kind in ("all problems", "warm starts")):
             best = {
-                target: choose(times, chosen, entries if among is None else entries & among)
+                target: choose(times, chosen, labels if among is None else labels & among)
                 for target, times in run.times.items()
             }
             found.append((kind, {target: choice for target, choice in best.items() if choice}))
     return found
 
 
-def choose(times: pd.DataFrame, problems: set[int], entries: set[str]) -> Choice | None:
-    """The winner of these problems among these entries; None where none of them reaches the target anywhere.
+def choose(times: pd.DataFrame, problems: set[int], labels: set[str]) -> Choice | None:
+    """The choice for these problems among these labels; None if none of them reaches the target on any problem.
 
-    times: a row per problem and entry with `charged` (s) and `reached`, see reports.accuracy.times_to.
+    times: a row per problem and label with `charged` (s) and `reached`, see reports.accuracy.times_to.
     """
-    own = times[times["problem_id"].isin(problems) & times["entry"].isin(entries)]
+    own = times[times["problem_id"].isin(problems) & times["label"].isin(labels)]
     if not own["reached"].any():
         return None
-    table = own.pivot_table(index="problem_id", columns="entry", values="charged").reindex(sorted(problems)).dropna(axis=1)
+    table = own.pivot_table(index="problem_id", columns="label", values="charged").reindex(sorted(problems)).dropna(axis=1)
     if table.empty:
         return None
     logs = np.log(table.to_numpy() + SHIFT)
@@ -80,8 +83,8 @@ def choose(times: pd.DataFrame, problems: set[int], entries: set[str]) -> Choice
     means = np.exp(logs.mean(axis=0)) - SHIFT
     first = table.columns[order[0]]
     weights = np.random.default_rng(0).multinomial(len(logs), np.full(len(logs), 1 / len(logs)), size=DRAWS)
-    sure = float(np.mean(np.argmin(weights @ logs, axis=1) == order[0])) if len(logs) > FEW else None
-    reached = int(own.loc[own["entry"] == first, "reached"].sum())
+    win_rate = float(np.mean(np.argmin(weights @ logs, axis=1) == order[0])) if len(logs) > FEW else None
+    reached = int(own.loc[own["label"] == first, "reached"].sum())
     following = str(table.columns[order[1]]) if len(order) > 1 else None
     lead = float(means[order[1]] / means[order[0]]) if following else None
-    return Choice(str(first), float(means[order[0]]), reached, len(table), following, lead, sure)
+    return Choice(str(first), float(means[order[0]]), reached, len(table), following, lead, win_rate)

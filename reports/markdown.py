@@ -7,7 +7,7 @@ import numpy as np
 
 from frictionbench.reports import choice, tables
 from frictionbench.reports.drawing.text import power, seconds
-from frictionbench.reports.reliability import sentences, standings
+from frictionbench.reports.reliability import reliabilities, sentences
 from frictionbench.reports.run import Run
 from frictionbench.results.verdicts import Verdict
 
@@ -38,7 +38,7 @@ def _head(run: Run) -> str:
     return (
         f"Suite {told.get('suite')}, finished {run.manifest.get('finished', 'never')}, {machine.get('processor')}, "
         f"{machine.get('cores')} cores: {len(problems)} problems that are not trivial, "
-        f"{run.contested['entry'].nunique()} entries, {told.get('time_limit')} s for form, setup and solve together{shaken}.\n"
+        f"{run.contested['label'].nunique()} labels, {told.get('time_limit')} s for form, setup and solve together{shaken}.\n"
     )
 
 
@@ -55,21 +55,21 @@ def _which(run: Run) -> str:
 
 
 def outside(run: Run) -> set[str]:
-    """The entries that rest on an outside library: their version is not this project's own."""
+    """The labels that rest on an outside library: their version is not this project's own."""
     ours = run.manifest.get("versions", {}).get("frictionbench")
-    return set(run.rows.loc[run.rows["version"].fillna(ours) != ours, "entry"])
+    return set(run.rows.loc[run.rows["version"].fillna(ours) != ours, "label"])
 
 
 def _said(found: choice.Choice) -> str:
-    sure = "" if found.sure is None else f", sure {found.sure:.0%}"
+    sure = "" if found.win_rate is None else f", sure {found.win_rate:.0%}"
     lead = "" if found.lead is None else f", {found.lead:.1f} times ahead of {_name(str(found.next))}{sure}"
-    return f"**{_name(found.entry)}** {seconds(found.mean)}{lead} ({found.reached}/{found.problems})"
+    return f"**{_name(found.label)}** {seconds(found.mean)}{lead} ({found.reached}/{found.problems})"
 
 
 def _exact(run: Run) -> str:
-    """Of each entry the problems it met at the tightest tolerance, and how many it ended how."""
+    """Of each label the problems it met at the tightest tolerance, and how many it ended how."""
     names = ["problems", "exact", "its own model", Verdict.NEAR_MISS, Verdict.WRONG, Verdict.TIMEOUT, Verdict.CRASHED]
-    body = [[_name(one.entry), *map(str, one[1:])] for one in standings(run)]
+    body = [[_name(one.label), *map(str, one[1:])] for one in reliabilities(run)]
     return _table(f"## How each ended, at {power(run.contested['tol'].min())}", ["solver", "model", *names], body)
 
 
@@ -81,7 +81,7 @@ def _times(run: Run, dimension: int) -> str:
         return ""
     done = rows["answered"] & (rows[["residual", "model_residual"]].min(axis=1) <= rows["tol"])
     body, order = [], []
-    for entry, own in rows.groupby("entry", sort=False):
+    for label, own in rows.groupby("label", sort=False):
         cells = []
         for low, high in BANDS:
             band = (own["contacts"] > low) & (own["contacts"] <= high)
@@ -89,7 +89,7 @@ def _times(run: Run, dimension: int) -> str:
             parts = [good[f"{step}_time"].median() for step in ("form", "setup", "solve")]
             shown = " + ".join(f"{1e3 * part:.2g}" for part in parts)
             cells.append(f"{shown} ({len(good)}/{band.sum()})" if len(good) else f"– (0/{band.sum()})")
-        body.append([_name(str(entry)), *cells])
+        body.append([_name(str(label)), *cells])
         order.append((-done[own.index].sum(), own.loc[done[own.index], "time"].median()))
     body = [body[i] for i in sorted(range(len(body)), key=order.__getitem__)]
     where = "the plane" if dimension == 2 else "space"
@@ -103,12 +103,12 @@ def _clocks(run: Run) -> str:
     rows = run.contested[run.contested["clock_time"].notna() & (run.contested["tol"] == run.contested["tol"].min())]
     rows = rows[rows["answered"] & (rows[["residual", "model_residual"]].min(axis=1) <= rows["tol"])]
     body = []
-    for entry, ratio in zip(apart["entry"], apart["ratio"], strict=True):
-        own, shown = rows[rows["entry"] == entry], []
+    for label, ratio in zip(apart["label"], apart["ratio"], strict=True):
+        own, shown = rows[rows["label"] == label], []
         for low, high in BANDS:
             times = own.loc[(own["contacts"] > low) & (own["contacts"] <= high), ["solve_time", "clock_time"]].median() * 1e3
             shown.append("–" if times.isna().any() else f"{times['solve_time']:.2g} / {times['clock_time']:.2g}")
-        body.append([_name(str(entry)), *shown, f"{ratio:.2g}"])
+        body.append([_name(str(label)), *shown, f"{ratio:.2g}"])
     title = "## Whose own clock differs by more than a tenth: solve by the harness / by its own clock, ms"
     return _table(title, ["solver", *_bands(), "ratio"], body) if body else ""
 
@@ -120,11 +120,11 @@ def _bands() -> list[str]:
 def _skipped(run: Run) -> str:
     found = tables.reasons(run)
     found = found[(found["verdict"] == Verdict.SKIPPED) & found["reason"].str.contains("not installed")]
-    return "".join(f"Skipped: {_name(row['entry'])}, {row['reason']}.  \n" for _, row in found.iterrows())
+    return "".join(f"Skipped: {_name(row['label'])}, {row['reason']}.  \n" for _, row in found.iterrows())
 
 
-def _name(entry: str) -> str:
-    return f"`{entry}`"
+def _name(label: str) -> str:
+    return f"`{label}`"
 
 
 def _table(title: str, heads: list[str], rows: list[list[str]]) -> str:

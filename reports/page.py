@@ -33,7 +33,7 @@ from frictionbench.results.shrunk import FOLDER, read_shrunk
 from frictionbench.results.verdicts import Verdict
 
 MOST_CLAIMS = 200  # wrong claims listed on the page
-FEW = 8  # entries that a figure shows well at once
+FEW = 8  # labels that a figure shows well at once
 BANDS = 3  # bands that it does
 MOST_SIMULATIONS = 300  # of a scene, listed
 CURVES = ["times", "energies", "penetrations", "load", "clock"]
@@ -78,8 +78,8 @@ def _contents(folder: Path, run: Run) -> dict[str, Any]:
         "headline": headline(run),
         "choices": choice.choices(run),
         "ends": run.ends,
-        "standing": sentences(run),
-        "swatches": {entry: Markup(swatch(one)) for entry, one in run.looks.items()},
+        "reliability": sentences(run),
+        "swatches": {label: Markup(swatch(one)) for label, one in run.looks.items()},
         "matrices": {target: tables.matrix(table) for target, table in run.summaries.items()},
         "races": {name: tables.race(run.summaries, name) for name in [ALL, *ranked]},
         "parts": entered_in_part(run.times[run.ends[-1]]),
@@ -139,13 +139,13 @@ def headline(run: Run) -> list[str]:
         on = f"on {first['reached']} of {first['problems']} non-trivial problems"
         if equals > 1:
             tie = f"{equals} solvers reach a verified residual of {power(finest)} equally often, {on}; the fastest of them is"
-            sentences = [f"{tie} {first['entry']}, with a mean of {seconds(first['mean'])}{_written(first)}."]
+            sentences = [f"{tie} {first['label']}, with a mean of {seconds(first['mean'])}{_written(first)}."]
         else:
-            alone = f"{first['entry']} reaches a verified residual of {power(finest)} most often: {on}"
+            alone = f"{first['label']} reaches a verified residual of {power(finest)} most often: {on}"
             sentences = [f"{alone}, with a mean of {seconds(first['mean'])}{_written(first)}."]
     if best := found[coarsest]:
         sentences.append(
-            f"For {power(coarsest)} {best.fastest['entry']} is the fastest of those that reach it about as often as any: on "
+            f"For {power(coarsest)} {best.fastest['label']} is the fastest of those that reach it about as often as any: on "
             f"{best.fastest['reached']} of {best.fastest['problems']}, with a mean of {seconds(best.fastest['mean'])}"
             f"{_written(best.fastest)}."
         )
@@ -153,7 +153,7 @@ def headline(run: Run) -> list[str]:
 
 
 def _written(row: pd.Series) -> str:
-    """How much of an entry's time is form, marked where it is much."""
+    """How much of an label's time is form, marked where it is much."""
     much = ", more than a fifth" if row["written"] > MUCH_FORM else ""
     return f" (of it form, the writing of the problem: {100 * row['written']:.0f} %{much})"
 
@@ -180,11 +180,11 @@ def _examples(run: Run) -> dict[str, str]:
 
 
 def _families(run: Run) -> dict[str, str]:
-    """The tags of each family's entries, for families of several."""
-    rows = pd.concat([run.rows[["family", "entry"]], run.simulations[["family", "entry"]]]).drop_duplicates()
-    rows = rows[rows["entry"].isin(run.looks)].fillna("")
+    """The tags of each family's labels, for families of several."""
+    rows = pd.concat([run.rows[["family", "label"]], run.simulations[["family", "label"]]]).drop_duplicates()
+    rows = rows[rows["label"].isin(run.looks)].fillna("")
     return {
-        str(family): " ".join(run.looks[entry].tag for entry in own["entry"])
+        str(family): " ".join(run.looks[label].tag for label in own["label"])
         for family, own in rows.groupby("family")
         if family and len(own) > 1
     }
@@ -193,7 +193,7 @@ def _families(run: Run) -> dict[str, str]:
 def _rest(run: Run, few: int, bearable: int) -> list[str]:
     """The tags of those that stand back until somebody chooses: all but the best few, where there are more than bearable."""
     best = list(tables.best_first(run.summaries[min(run.summaries)]).index)[:few]
-    return [look.tag for entry, look in run.looks.items() if entry not in best] if len(run.looks) > bearable else []
+    return [look.tag for label, look in run.looks.items() if label not in best] if len(run.looks) > bearable else []
 
 
 def _charts(run: Run) -> dict[str, list[tuple[Chart, Sequence[Panel] | Sequence[Drawing]]]]:

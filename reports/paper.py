@@ -74,11 +74,11 @@ def chosen(run: Run, names: Collection[str]) -> Run:
     kept: set[str] = set()
     for name in names:
         found = {
-            str(entry)
+            str(label)
             for table in (run.rows, run.simulations)
-            for entry in table.loc[
-                (table["solver"] == name) | (table["variant"] == name) | (table["entry"].str.removesuffix(PORTFOLIO) == name),
-                "entry",
+            for label in table.loc[
+                (table["solver"] == name) | (table["variant"] == name) | (table["label"].str.removesuffix(PORTFOLIO) == name),
+                "label",
             ]
         }
         if not found:
@@ -86,7 +86,7 @@ def chosen(run: Run, names: Collection[str]) -> Run:
             raise ResultsError(f"solvers: {name} is not in this run; there are {there}")
         kept |= found
     parts = {
-        name: table[table["entry"].isin(kept)] if len(table) else table
+        name: table[table["label"].isin(kept)] if len(table) else table
         for name, table in (("rows", run.rows), ("simulations", run.simulations), ("map_simulations", run.map_simulations))
     }
     return replace(run, **parts)
@@ -97,13 +97,13 @@ def _solvability(run: Run, layout: Layout) -> Table:
     rows = tables.solvability(run)
     columns = ["cells", "claimed", *(name for name in Verdict if rows[name].any())]
     return booktabs(
-        ["solver", *columns], [[row["entry"], *(str(row[name]) for name in columns)] for row in rows.to_dict("records")], layout
+        ["solver", *columns], [[row["label"], *(str(row[name]) for name in columns)] for row in rows.to_dict("records")], layout
     )
 
 
 def _times(run: Run, layout: Layout) -> Table:
     race = tables.race(run.summaries)
-    header, groups, columns = ["solver"], [("", 1)], [[entry for entry, _ in race]]
+    header, groups, columns = ["solver"], [("", 1)], [[label for label, _ in race]]
     for i, target in enumerate(run.summaries):
         unit, means = one_unit([cells[i]["mean"] for _, cells in race])
         header += ["reached", f"mean, {unit}"]

@@ -48,11 +48,11 @@ def _line(family: str, file: str, rows: pd.DataFrame) -> Recorded:
     if first["problem"] == "":
         return Recorded(family, file, None, None, None, None, "", tol, {}, 0, str(first["reason"]))
     done = rows[rows["answered"] & (rows["residual"] <= tol)]
-    tried = rows.loc[rows["verdict"] != Verdict.SKIPPED, "entry"].nunique()
+    tried = rows.loc[rows["verdict"] != Verdict.SKIPPED, "label"].nunique()
     contacts, dimension, unknowns = (None if pd.isna(first[n]) else int(first[n]) for n in ("contacts", "dimension", "size"))
     rows_of_w = (contacts or 0) * (dimension or 0)
     ratio = first["rank"] / rows_of_w if rows_of_w and np.isfinite(first["rank"] or np.nan) else None
-    times = {str(entry): float(time) for entry, time in done.groupby("entry")["time"].min().sort_values().items()}
+    times = {str(label): float(time) for label, time in done.groupby("label")["time"].min().sort_values().items()}
     size = dimension, contacts, unknowns, ratio
     return Recorded(family, file, *size, _oddities(first), tol, times, tried, "")
 

@@ -1,4 +1,4 @@
-"""Who is exact, who claims falsely, and who dies, at the tightest tolerance of a run: a line an entry, and all in sentences.
+"""Who is exact, who claims falsely, and who dies, at the tightest tolerance of a run: a line an label, and all in sentences.
 
 A relaxation's or a polygon's answers are exact as such where the residual of that model is within the tolerance.
 """
@@ -11,10 +11,10 @@ from frictionbench.reports.run import Run
 from frictionbench.results.verdicts import Verdict
 
 
-class Standing(NamedTuple):
-    """Of the problems that an entry met how many it ended how; own: exactly in its own model."""
+class Reliability(NamedTuple):
+    """Of the problems that an label met how many it ended how; own: exactly in its own model."""
 
-    entry: str
+    label: str
     model: str
     problems: int
     exact: int
@@ -25,28 +25,28 @@ class Standing(NamedTuple):
     crashed: int
 
 
-def standings(run: Run) -> list[Standing]:
+def reliabilities(run: Run) -> list[Reliability]:
     """Those exact most often first."""
     rows = run.contested[(run.contested["tol"] == run.contested["tol"].min()) & (run.contested["verdict"] != Verdict.SKIPPED)]
     found = []
-    for entry, own in rows.groupby("entry", sort=False):
+    for label, own in rows.groupby("label", sort=False):
         exact, model = own["residual"] <= own["tol"], own[["residual", "model_residual"]].min(axis=1) <= own["tol"]
         ended = [
             int((own["verdict"] == verdict).sum())
             for verdict in (Verdict.NEAR_MISS, Verdict.WRONG, Verdict.TIMEOUT, Verdict.CRASHED)
         ]
-        found.append(Standing(str(entry), own["model"].iloc[0], len(own), int(exact.sum()), int(model.sum()), *ended))
+        found.append(Reliability(str(label), own["model"].iloc[0], len(own), int(exact.sum()), int(model.sum()), *ended))
     return sorted(found, key=lambda one: (-one.exact, -one.own))
 
 
 def sentences(run: Run) -> list[tuple[str, str]]:
-    """What is said of entries, and which they are, with counts; what holds of nobody is left out."""
-    everybody = standings(run)
+    """What is said of labels, and which they are, with counts; what holds of nobody is left out."""
+    everybody = reliabilities(run)
     if not everybody:
         return []
     to = power(float(run.contested["tol"].min()))
     everywhere = [one for one in everybody if one.own == one.problems]
-    claims: dict[str, tuple[list[Standing], Callable[[Standing], int] | None]] = {
+    claims: dict[str, tuple[list[Reliability], Callable[[Reliability], int] | None]] = {
         f"Exact to {to} on every problem taken": ([one for one in everywhere if one.exact == one.problems], None),
         f"To {to} as well, with a polygon for the cone in space": (
             [one for one in everywhere if one.exact < one.problems and one.model == "lcp"],
@@ -60,11 +60,11 @@ def sentences(run: Run) -> list[tuple[str, str]]:
         ),
     }
     return [
-        (what, ", ".join(_named(one, count(one) if count else None) for one in entries))
-        for what, (entries, count) in claims.items()
-        if entries
+        (what, ", ".join(_named(one, count(one) if count else None) for one in labels))
+        for what, (labels, count) in claims.items()
+        if labels
     ]
 
 
-def _named(one: Standing, count: int | None) -> str:
-    return one.entry if count is None else f"{one.entry} ({count} of {one.problems})"
+def _named(one: Reliability, count: int | None) -> str:
+    return one.label if count is None else f"{one.label} ({count} of {one.problems})"

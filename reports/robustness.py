@@ -30,9 +30,9 @@ class Cells:
     rows: pd.DataFrame
 
     @property
-    def entries(self) -> list[str]:
+    def labels(self) -> list[str]:
         """The solvers that ran, in the plan's order."""
-        ran = self.rows.loc[self.rows["verdict"] != Verdict.SKIPPED, "entry"]
+        ran = self.rows.loc[self.rows["verdict"] != Verdict.SKIPPED, "label"]
         return list(dict.fromkeys(ran))
 
     @property
@@ -49,42 +49,42 @@ def map_cells(run: Run) -> list[Cells]:
 
 
 def robustness(maps: list[Cells]) -> pd.DataFrame:
-    """A row per entry: per map the share of places solved among those where a solution is known; `all` and `known` over all
+    """A row per label: per map the share of places solved among those where a solution is known; `all` and `known` over all
     maps, each place counting once: the share of all places, and of those where a solution is known. Best first."""
     columns: dict[str, Any] = {}
     for cells in maps:
         known = cells.rows[cells.rows["known"] & (cells.rows["verdict"] != Verdict.SKIPPED)]
-        columns[cells.spec.name] = (known["verdict"] == Verdict.SOLVED).groupby(known["entry"]).mean()
+        columns[cells.spec.name] = (known["verdict"] == Verdict.SOLVED).groupby(known["label"]).mean()
     if not columns:
         return pd.DataFrame()
-    rows = pd.concat([cells.rows[["entry", "verdict", "known"]] for cells in maps], ignore_index=True)
+    rows = pd.concat([cells.rows[["label", "verdict", "known"]] for cells in maps], ignore_index=True)
     rows = rows[rows["verdict"] != Verdict.SKIPPED]
     solved = rows["verdict"] == Verdict.SOLVED
     table = pd.DataFrame(columns)
-    table["all"] = solved.groupby(rows["entry"]).mean()
-    table["known"] = solved[rows["known"]].groupby(rows["entry"]).mean()
-    return table.sort_values("known", ascending=False, kind="stable").rename_axis("entry").reset_index()
+    table["all"] = solved.groupby(rows["label"]).mean()
+    table["known"] = solved[rows["known"]].groupby(rows["label"]).mean()
+    return table.sort_values("known", ascending=False, kind="stable").rename_axis("label").reset_index()
 
 
 def failures(maps: list[Cells], shrunk: Mapping[str, Shrunk]) -> pd.DataFrame:
-    """Cells of exact methods that are not solved where a solution is known: per map and entry the smallest, with the count, and
+    """Cells of exact methods that are not solved where a solution is known: per map and label the smallest, with the count, and
     what is left of its problem made small: file and left, its contacts."""
     parts = []
     for cells in maps:
         if cells.spec.steps:
             continue
         failed = failed_rows(cells.rows)
-        first = failed.drop_duplicates("entry")
+        first = failed.drop_duplicates("label")
         small = first["key"].map(lambda key: shrunk.get(key, NOT_TRIED))
         parts.append(
             first.assign(
                 map=cells.spec.name,
-                count=first["entry"].map(failed["entry"].value_counts()),
+                count=first["label"].map(failed["label"].value_counts()),
                 file=small.map(lambda one: one.file),
                 left=small.map(lambda one: one.contacts),
             )
         )
-    return pd.concat(parts) if parts else pd.DataFrame(columns=["map", "entry", "count", "key"])
+    return pd.concat(parts) if parts else pd.DataFrame(columns=["map", "label", "count", "key"])
 
 
 def write_failures(folder: Path, maps: list[Cells]) -> int:
@@ -92,7 +92,7 @@ def write_failures(folder: Path, maps: list[Cells]) -> int:
     rows = [row for cells in maps if not cells.spec.steps for row in failed_rows(cells.rows).to_dict("records")]
     lines = [
         f"{shlex.join(['frictionbench', 'rerun', str(folder), row['key']])}"
-        f"  # {row['entry']}: {row['verdict']}, {row['scene']} {row['parameters']}, {row['contacts']:.0f} contacts"
+        f"  # {row['label']}: {row['verdict']}, {row['scene']} {row['parameters']}, {row['contacts']:.0f} contacts"
         for row in rows
     ]
     if lines:
@@ -116,6 +116,6 @@ def costs(run: Run) -> pd.DataFrame:
 
 
 def changes(cells: Cells) -> list[str]:
-    """Of a map over which nothing may change: the entries whose verdict or work does."""
-    kinds = cells.rows.groupby("entry", sort=False)[["verdict", "work"]].nunique().max(axis=1)
+    """Of a map over which nothing may change: the labels whose verdict or work does."""
+    kinds = cells.rows.groupby("label", sort=False)[["verdict", "work"]].nunique().max(axis=1)
     return list(kinds.index[kinds > 1])

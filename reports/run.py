@@ -2,7 +2,7 @@
 
 To the solves table come the columns
 
-    entry           the variant of a solver, with an asterisk where it is a portfolio; another start makes it another entry,
+    label           the variant of a solver, with an asterisk where it is a portfolio; another start makes it another label,
                     and so does another host: times of two machines never meet in one figure
     problem_id      a number for the problem of one time step
     problem_class   the scene; where a scene comes in several sizes, the scene and its band of sizes
@@ -53,9 +53,9 @@ class Run:
 
     @cached_property
     def looks(self) -> dict[str, Look]:
-        """The look of every entry that ran at all."""
+        """The look of every label that ran at all."""
         tables = (self.rows, self.simulations)
-        return looks(entry for table in tables for entry in table.loc[table["verdict"] != Verdict.SKIPPED, "entry"])
+        return looks(label for table in tables for label in table.loc[table["verdict"] != Verdict.SKIPPED, "label"])
 
     @cached_property
     def portfolios(self) -> dict[str, str]:
@@ -65,7 +65,7 @@ class Run:
 
     @cached_property
     def times(self) -> dict[float, pd.DataFrame]:
-        """Of each target the times to it, per problem and entry: see reports.accuracy."""
+        """Of each target the times to it, per problem and label: see reports.accuracy."""
         return {target: times_to(self.contested, target) for target in targets(self.contested)}
 
     @property
@@ -75,7 +75,7 @@ class Run:
 
     @cached_property
     def summaries(self) -> dict[float, pd.DataFrame]:
-        """Of each target its times summed up, per class and entry."""
+        """Of each target its times summed up, per class and label."""
         return {target: summary(times) for target, times in self.times.items()}
 
 
@@ -97,17 +97,17 @@ def read_run(folder: Path) -> Run:
 
 
 def annotate(solves: pd.DataFrame) -> pd.DataFrame:
-    """A copy of the solves table with the columns entry, problem_id, problem_class, time and answered."""
+    """A copy of the solves table with the columns label, problem_id, problem_class, time and answered."""
     rows = solves.reset_index(drop=True)
     texts = ["scene", "parameters", "solver", "variant", "model", "verdict", "reason"]
     texts += ["phase", "problem", "start", "key", "host"]
     rows[texts] = rows[texts].fillna("")
     rows["trivial"] = rows["trivial"].eq(True)
     rows["claimed"] = rows["claimed"].eq(True)
-    rows["entry"] = rows["variant"].where(rows["start"].isin(["", COLD]), rows["variant"] + ", " + rows["start"])
-    rows["entry"] += _mark(rows)
+    rows["label"] = rows["variant"].where(rows["start"].isin(["", COLD]), rows["variant"] + ", " + rows["start"])
+    rows["label"] += _mark(rows)
     if len(set(rows["host"])) > 1:
-        rows["entry"] += " on " + rows["host"]
+        rows["label"] += " on " + rows["host"]
     rows["problem_id"] = rows.groupby(_IDENTITY, dropna=False, sort=False).ngroup()
     rows["problem_class"] = _classes(rows)
     rows["time"] = rows["form_time"].fillna(0.0) + rows["setup_time"].fillna(0.0) + rows["solve_time"]
@@ -116,13 +116,13 @@ def annotate(solves: pd.DataFrame) -> pd.DataFrame:
 
 
 def annotate_simulations(simulations: pd.DataFrame) -> pd.DataFrame:
-    """A copy of the simulations table with the column entry: another way to go on from a failed step makes it another entry."""
+    """A copy of the simulations table with the column label: another way to go on from a failed step makes it another label."""
     rows = simulations.reset_index(drop=True)
     texts = ["scene", "parameters", "variant", "verdict", "reason", "scheme", "after_failure", "key"]
     rows[texts] = rows[texts].fillna("")
     told = rows["variant"] + _mark(rows)
     usual = rows["after_failure"].isin(["", KEEP_ANSWER])
-    return rows.assign(entry=told.where(usual, told + ", else " + rows["after_failure"]))
+    return rows.assign(label=told.where(usual, told + ", else " + rows["after_failure"]))
 
 
 def _mark(rows: pd.DataFrame) -> pd.Series:

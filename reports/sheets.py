@@ -14,7 +14,7 @@ MOST_TOLD = 6000  # characters of a solver's own words
 
 
 class Failure(NamedTuple):
-    """The cells of one class that an entry ended with one verdict, of so many it ran there, and the smallest of them."""
+    """The cells of one class that an label ended with one verdict, of so many it ran there, and the smallest of them."""
 
     problem_class: str
     verdict: str
@@ -27,9 +27,9 @@ class Failure(NamedTuple):
 
 
 class Sheet(NamedTuple):
-    """One entry. told: the solver's own words, from the manifest; results: of each target its row of the summary over all."""
+    """One label. told: the solver's own words, from the manifest; results: of each target its row of the summary over all."""
 
-    entry: str
+    label: str
     variant: str
     facts: dict[str, str]
     told: list[str]
@@ -40,46 +40,46 @@ class Sheet(NamedTuple):
 
 
 def sheets(run: Run) -> list[Sheet]:
-    """The sheets of all entries that have cells, in the order of their names."""
+    """The sheets of all labels that have cells, in the order of their names."""
     words = run.manifest.get("solvers")
-    results = {target: table[table["problem_class"] == ALL].set_index("entry") for target, table in run.summaries.items()}
+    results = {target: table[table["problem_class"] == ALL].set_index("label") for target, table in run.summaries.items()}
     lost = _failures(run)
-    reasons = run.rows[run.rows["verdict"] == Verdict.SKIPPED].groupby(["entry", "reason"], sort=False).size()
+    reasons = run.rows[run.rows["verdict"] == Verdict.SKIPPED].groupby(["label", "reason"], sort=False).size()
     found = []
-    for row in run.rows.drop_duplicates("entry").sort_values("entry").itertuples():
-        entry = str(row.entry)
+    for row in run.rows.drop_duplicates("label").sort_values("label").itertuples():
+        label = str(row.label)
         told = words.get(row.variant, "") if isinstance(words, dict) else ""
-        own = [Failure(*failure) for failure in lost[lost["entry"] == entry].drop(columns="entry").itertuples(index=False)]
+        own = [Failure(*failure) for failure in lost[lost["label"] == label].drop(columns="label").itertuples(index=False)]
         facts = {name: str(getattr(row, name) or "") for name in ("family", "model", "version", "members")}
         found.append(
             Sheet(
-                entry,
+                label,
                 str(row.variant),
                 {name: text for name, text in facts.items() if text not in ("", "nan", "None")},
                 [_flowing(part) for part in str(told)[:MOST_TOLD].split("\n\n") if part.strip()],
-                {target: table.loc[entry].to_dict() for target, table in results.items() if entry in table.index},
+                {target: table.loc[label].to_dict() for target, table in results.items() if label in table.index},
                 own[:MOST_FAILURES],
                 max(0, len(own) - MOST_FAILURES),
-                {str(key[1]): int(count) for key, count in reasons[reasons.index.get_level_values(0) == entry].items()},
+                {str(key[1]): int(count) for key, count in reasons[reasons.index.get_level_values(0) == label].items()},
             )
         )
     return found
 
 
 def _flowing(paragraph: str) -> str:
-    """The paragraph with its lines joined, but for formulas, which are indented as a whole, and entries of lists."""
+    """The paragraph with its lines joined, but for formulas, which are indented as a whole, and labels of lists."""
     if all(line.startswith(" ") for line in paragraph.splitlines()):
         return paragraph
     return re.sub(r"\n(?!\* |\d\. |[A-Z]\w*: )\s*", " ", paragraph)
 
 
 def _failures(run: Run) -> pd.DataFrame:
-    """A row per entry, class and verdict that is neither solved nor skipped, as in Failure, the most cells first."""
+    """A row per label, class and verdict that is neither solved nor skipped, as in Failure, the most cells first."""
     ran = run.contested[run.contested["verdict"] != Verdict.SKIPPED]
-    of = ran.groupby(["entry", "problem_class"]).size().rename("of")
+    of = ran.groupby(["label", "problem_class"]).size().rename("of")
     lost = ran[ran["verdict"] != Verdict.SOLVED].sort_values(["contacts", "tol"], kind="stable")
     columns = ["contacts", "residual", "reason", "key"]
-    kinds = lost.groupby(["entry", "problem_class", "verdict"], sort=False)
-    table = kinds[columns].first().assign(cells=kinds.size()).reset_index().join(of, on=["entry", "problem_class"])
+    kinds = lost.groupby(["label", "problem_class", "verdict"], sort=False)
+    table = kinds[columns].first().assign(cells=kinds.size()).reset_index().join(of, on=["label", "problem_class"])
     table = table.sort_values("cells", ascending=False, kind="stable")
-    return table[["entry", "problem_class", "verdict", "cells", "of", *columns]]
+    return table[["label", "problem_class", "verdict", "cells", "of", *columns]]

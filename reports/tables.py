@@ -13,13 +13,13 @@ APART = 0.1  # of solve_time, beyond which a library's own clock says otherwise
 
 
 def solvability(run: Run) -> pd.DataFrame:
-    """A row per entry: trivial (cells left out of all that follows), cells, claimed, and the count of each verdict."""
+    """A row per label: trivial (cells left out of all that follows), cells, claimed, and the count of each verdict."""
     real = run.contested
-    table = pd.DataFrame({"trivial": run.rows.groupby("entry", sort=False)["trivial"].sum()})
-    table["cells"] = real.groupby("entry").size()
-    table["claimed"] = real.groupby("entry")["claimed"].sum()
+    table = pd.DataFrame({"trivial": run.rows.groupby("label", sort=False)["trivial"].sum()})
+    table["cells"] = real.groupby("label").size()
+    table["claimed"] = real.groupby("label")["claimed"].sum()
     for verdict in Verdict:
-        table[verdict] = real[real["verdict"] == verdict].groupby("entry").size()
+        table[verdict] = real[real["verdict"] == verdict].groupby("label").size()
     return table.fillna(0).astype(int).reset_index()
 
 
@@ -30,13 +30,13 @@ def wrong_claims(run: Run) -> pd.DataFrame:
 
 
 def reasons(run: Run) -> pd.DataFrame:
-    """A row per entry, verdict and reason given: cells."""
+    """A row per label, verdict and reason given: cells."""
     given = run.rows[run.rows["reason"] != ""]
-    return given.groupby(["entry", "verdict", "reason"], sort=False).size().rename("cells").reset_index()
+    return given.groupby(["label", "verdict", "reason"], sort=False).size().rename("cells").reset_index()
 
 
 def by_class(run: Run) -> pd.DataFrame:
-    """A row per class, entry and tolerance: cells, solved, and medians of residuals and times; worst: largest residual."""
+    """A row per class, label and tolerance: cells, solved, and medians of residuals and times; worst: largest residual."""
     rows = run.contested
     answers = rows.assign(
         solved=rows["verdict"] == Verdict.SOLVED,
@@ -45,7 +45,7 @@ def by_class(run: Run) -> pd.DataFrame:
         model_residual=rows["model_residual"].where(rows["answered"]),
     )
     return (
-        answers.groupby(["problem_class", "entry", "tol"], sort=False)
+        answers.groupby(["problem_class", "label", "tol"], sort=False)
         .agg(
             cells=("ran", "sum"),
             solved=("solved", "sum"),
@@ -84,21 +84,21 @@ def problem_classes(run: Run) -> pd.DataFrame:
 
 
 def best_first(summary: pd.DataFrame, problem_class: str = ALL) -> pd.DataFrame:
-    """The class's rows of a summary by entry, the most problems reached first, the faster first among equals."""
-    own = summary[summary["problem_class"] == problem_class].set_index("entry")
+    """The class's rows of a summary by label, the most problems reached first, the faster first among equals."""
+    own = summary[summary["problem_class"] == problem_class].set_index("label")
     return own.sort_values(["reached", "mean"], ascending=[False, True])
 
 
 def matrix(summary: pd.DataFrame) -> list[tuple[str, dict[str, Any]]]:
-    """The entries, best over all first, each with its row per class."""
-    cells = {entry: group.set_index("problem_class").to_dict("index") for entry, group in summary.groupby("entry")}
-    return [(entry, cells[entry]) for entry in best_first(summary).index]
+    """The labels, best over all first, each with its row per class."""
+    cells = {label: group.set_index("problem_class").to_dict("index") for label, group in summary.groupby("label")}
+    return [(label, cells[label]) for label in best_first(summary).index]
 
 
 def race(summaries: dict[float, pd.DataFrame], problem_class: str = ALL) -> list[tuple[str, list[dict[str, Any]]]]:
-    """The entries of a class, best at the finest target first, each with its row at each target."""
+    """The labels of a class, best at the finest target first, each with its row at each target."""
     own = {target: best_first(table, problem_class) for target, table in summaries.items()}
-    return [(entry, [table.loc[entry].to_dict() for table in own.values()]) for entry in own[min(own)].index]
+    return [(label, [table.loc[label].to_dict() for table in own.values()]) for label in own[min(own)].index]
 
 
 class Leaders(NamedTuple):
@@ -121,17 +121,17 @@ def leaders(summary: pd.DataFrame) -> Leaders | None:
 
 
 def gaps(run: Run) -> int:
-    """How many pairs of a problem and an entry have no row at all, as in a run cut short."""
+    """How many pairs of a problem and an label have no row at all, as in a run cut short."""
     rows = run.contested
-    return rows["problem_id"].nunique() * rows["entry"].nunique() - len(rows.drop_duplicates(["problem_id", "entry"]))
+    return rows["problem_id"].nunique() * rows["label"].nunique() - len(rows.drop_duplicates(["problem_id", "label"]))
 
 
 def clocks(run: Run) -> pd.DataFrame:
-    """A row per entry whose library keeps a clock of its own: medians of solve_time and clock_time (s), their ratio's median,
+    """A row per label whose library keeps a clock of its own: medians of solve_time and clock_time (s), their ratio's median,
     and apart: whether it is off one by more than APART."""
     rows = run.contested[run.contested["clock_time"].notna() & run.contested["solve_time"].notna()]
     ratio = rows["solve_time"] / rows["clock_time"].clip(lower=1e-7)
-    groups = rows.assign(ratio=ratio).groupby("entry", sort=False)
+    groups = rows.assign(ratio=ratio).groupby("label", sort=False)
     table = groups[["solve_time", "clock_time", "ratio"]].median()
     return table.assign(apart=(table["ratio"] - 1).abs() > APART).reset_index()
 

@@ -44,7 +44,7 @@ class Time(Finding):
         return self.high < 1 / self.limit
 
     @property
-    def sure(self) -> bool:
+    def significant(self) -> bool:
         """Whether anything can be said: the interval leaves out 1."""
         return not self.low <= 1 <= self.high
 

@@ -27,10 +27,10 @@ def panels(run: Run) -> list[Panel]:
 
 def _draw(ax: Axes, times: pd.DataFrame, looks: dict[str, Look]) -> None:
     longest = float(times.loc[times["reached"], "charged"].max())
-    for entry, own in times.groupby("entry"):
+    for label, own in times.groupby("label"):
         spent, share = staircase(np.sort(own.loc[own["reached"], "charged"].to_numpy()), len(own))
         if len(spent):
-            ax.step([*spent, longest], [*share, share[-1]], where="post", **looks[str(entry)].line, markevery=(0.1, 0.15))
+            ax.step([*spent, longest], [*share, share[-1]], where="post", **looks[str(label)].line, markevery=(0.1, 0.15))
     ax.set_ylim(0, 1.03)
     ax.yaxis.set_major_formatter(PercentFormatter(1))
     ax.grid(lw=0.4, alpha=0.3)

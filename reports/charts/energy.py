@@ -40,7 +40,7 @@ def _draw(ax: Axes, simulations: pd.DataFrame, looks: dict[str, Look]) -> None:
         keep = np.unique(np.linspace(0, count - 1, min(count, POINTS)).astype(int))
         scale = row.energy_scale if row.energy_scale > 0 else 1.0
         change = (row.energies[keep] - row.energies[0]) / scale
-        look = looks[row.entry]
+        look = looks[row.label]
         ax.plot(
             row.times[keep],
             change,

@@ -65,7 +65,7 @@ def verdicts(run: Run) -> list[Drawing]:
     for cells in map_cells(run):
         fields = _verdicts(cells)
         shown = [field for field in fields.values() if set(field.colours) != {field.ground}]
-        perfect = ", ".join(entry for entry, field in fields.items() if set(field.colours) == {field.ground})
+        perfect = ", ".join(label for label, field in fields.items() if set(field.colours) == {field.ground})
         note = f"Every place is solved by {perfect}." if perfect else ""
         drawings.append(_drawing(run, cells, [*_problem(cells), *shown], note, VERDICT | SOLUTIONS))
     return drawings
@@ -91,11 +91,11 @@ def _drawing(run: Run, cells: Cells, fields: Sequence[Field], note: str, legend:
     spec = cells.spec
     traced = {name: places for name, places in run.thresholds.get(spec.name, {}).items() if name in THRESHOLDS and places}
     used = {colour for field in fields for colour in {*field.colours, field.ground}}
-    entries = [(name, colour, False) for name, colour in legend.items() if colour in used]
-    entries += [(*THRESHOLDS[name], True) for name in traced]
+    labels = [(name, colour, False) for name, colour in legend.items() if colour in used]
+    labels += [(*THRESHOLDS[name], True) for name in traced]
     grid = Grid(_axis(spec.x), _axis(spec.y), {THRESHOLDS[name][1]: places for name, places in traced.items()})
     panels = [tiles.panel(field.title, _tiles(field), grid, field.ground) for field in fields]
-    return Drawing(f"{spec.title or spec.name}. {spec.note}", spec.name, (tiles.legend(entries, grid), *panels), note)
+    return Drawing(f"{spec.title or spec.name}. {spec.note}", spec.name, (tiles.legend(labels, grid), *panels), note)
 
 
 def _axis(axis: Axis) -> tuple[str, str, str, int]:
@@ -115,10 +115,10 @@ def _at(cells: Cells, rows: pd.DataFrame) -> "pd.Series[Any]":
 
 
 def _verdicts(cells: Cells) -> dict[str, Field]:
-    """By entry."""
+    """By label."""
     fields = {}
-    for entry in cells.entries:
-        rows = cells.rows[cells.rows["entry"] == entry]
+    for label in cells.labels:
+        rows = cells.rows[cells.rows["label"] == label]
         known = rows[rows["known"]]
         share = f" {_share((known['verdict'] == Verdict.SOLVED).mean())}" if len(known) else ""
         residual = rows["worst_residual" if cells.spec.steps else "residual"]
@@ -127,7 +127,7 @@ def _verdicts(cells: Cells) -> dict[str, Field]:
         told = told.where(
             rows["verdict"] != Verdict.RELAXED, ""
         )  # a relaxation's model is solved as it should be: nothing failed
-        fields[entry] = Field(entry + share, rows, rows["verdict"].map(VERDICT).fillna(INK), VERDICT[Verdict.SOLVED], told)
+        fields[label] = Field(label + share, rows, rows["verdict"].map(VERDICT).fillna(INK), VERDICT[Verdict.SOLVED], told)
     return fields
 
 
@@ -175,36 +175,36 @@ def _type(mode: object) -> str | None:
 
 def _types(cells: Cells) -> list[tuple[str, Field]]:
     fields = []
-    for entry in cells.entries:
-        rows = cells.rows[(cells.rows["entry"] == entry) & (cells.rows["verdict"] == Verdict.SOLVED)]
-        fields.append((entry, Field("", rows, rows["mode"].map(_type).map(TYPE).fillna(""))))
+    for label in cells.labels:
+        rows = cells.rows[(cells.rows["label"] == label) & (cells.rows["verdict"] == Verdict.SOLVED)]
+        fields.append((label, Field("", rows, rows["mode"].map(_type).map(TYPE).fillna(""))))
     return fields
 
 
 def _alike(fields: Sequence[tuple[str, Field]]) -> tuple[list[Field], str]:
-    """One field for all entries whose fields have the same scale and colours, titled by them; and who is alike, in words."""
+    """One field for all labels whose fields have the same scale and colours, titled by them; and who is alike, in words."""
     same: dict[tuple[Any, ...], list[tuple[str, Field]]] = {}
-    for entry, field in fields:
+    for label, field in fields:
         colours = sorted(zip(field.rows["i"], field.rows["j"], field.colours, strict=True))
-        same.setdefault((field.title, *colours), []).append((entry, field))
+        same.setdefault((field.title, *colours), []).append((label, field))
     found, words = [], []
     for alike in same.values():
-        (entry, field), others = alike[0], len(alike) - 1
+        (label, field), others = alike[0], len(alike) - 1
         what = f": {field.title}" if field.title else ""
-        found.append(field._replace(title=f"{entry}{f' and {others} more' if others else ''}{what}"))
+        found.append(field._replace(title=f"{label}{f' and {others} more' if others else ''}{what}"))
         if others:
             words.append(f"{', '.join(name for name, _ in alike)} are alike{f' in {field.title}' if field.title else ''}")
     return found, "; ".join(words) + "." * bool(words)
 
 
 def _times(cells: Cells) -> list[tuple[str, Field]]:
-    parts = ((entry, cells.rows[cells.rows["entry"] == entry]) for entry in cells.entries)
-    return [(entry, _scale("", rows, rows["time"], seconds)) for entry, rows in parts]
+    parts = ((label, cells.rows[cells.rows["label"] == label]) for label in cells.labels)
+    return [(label, _scale("", rows, rows["time"], seconds)) for label, rows in parts]
 
 
 def _work(cells: Cells) -> list[tuple[str, Field]]:
-    parts = ((entry, cells.rows[cells.rows["entry"] == entry]) for entry in cells.entries)
-    return [(entry, _scale("", rows, rows["work"].map(_count), "{:.0f}".format)) for entry, rows in parts]
+    parts = ((label, cells.rows[cells.rows["label"] == label]) for label in cells.labels)
+    return [(label, _scale("", rows, rows["work"].map(_count), "{:.0f}".format)) for label, rows in parts]
 
 
 def _count(work: str) -> float:
@@ -220,11 +220,11 @@ def _loop(cells: Cells) -> list[tuple[str, Field]]:
     """What changes over the map."""
     fields = []
     for title, column in (("drift", "energy_drift"), ("overlap, m", "worst_penetration"), ("free steps", "contact_free_steps")):
-        for entry in cells.entries:
-            rows = cells.rows[cells.rows["entry"] == entry]
+        for label in cells.labels:
+            rows = cells.rows[cells.rows["label"] == label]
             values = rows[column].astype(float)
             if values.max() > values.min():
-                fields.append((entry, _scale(title, rows, values)))
+                fields.append((label, _scale(title, rows, values)))
     return fields
 
 

@@ -1,4 +1,4 @@
-"""Time against size: how an entry's time to a target grows with the number of contacts, for scenes of several sizes.
+"""Time against size: how an label's time to a target grows with the number of contacts, for scenes of several sizes.
 
 The exponent p of time ~ contacts^p is the slope of the least-squares line through the logarithms, over the sizes of which every
 problem was solved; +- is the slope's standard error.
@@ -22,7 +22,7 @@ SIZES = 3  # fewer make no curve
 
 
 def panels(run: Run) -> list[Panel]:
-    """A panel per scene that comes in three sizes or more, with each entry's exponent."""
+    """A panel per scene that comes in three sizes or more, with each label's exponent."""
     problems = run.contested.groupby("problem_id").agg(scene=("scene", "first"), contacts=("contacts", "max"))
     times = run.times[TARGET if TARGET in run.times else run.ends[-1]].join(problems, on="problem_id")
     scenes = times.dropna(subset="contacts").groupby("scene", sort=False)
@@ -36,10 +36,10 @@ def panels(run: Run) -> list[Panel]:
 
 
 def _curves(times: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """Of each entry by number of contacts: mean (s), and all: whether all problems of that size were solved."""
-    groups = times.groupby(["entry", "contacts"])
+    """Of each label by number of contacts: mean (s), and all: whether all problems of that size were solved."""
+    groups = times.groupby(["label", "contacts"])
     table = pd.DataFrame({"mean": groups["charged"].agg(shifted_geometric_mean), "all": groups["reached"].all()})
-    return {str(entry): own.droplevel("entry") for entry, own in table.groupby("entry")}
+    return {str(label): own.droplevel("label") for label, own in table.groupby("label")}
 
 
 def exponent(contacts: Array, time: Array) -> tuple[float, float]:
@@ -54,19 +54,19 @@ def exponent(contacts: Array, time: Array) -> tuple[float, float]:
 
 
 def _exponents(curves: dict[str, pd.DataFrame]) -> dict[str, str]:
-    """Of the entries that solve enough sizes the exponents as text, the least first."""
+    """Of the labels that solve enough sizes the exponents as text, the least first."""
     found = {}
-    for entry, curve in curves.items():
+    for label, curve in curves.items():
         own = curve[curve["all"] & (curve.index > 0)]
         slope, error = exponent(own.index.to_numpy(dtype=float), own["mean"].to_numpy())
         if np.isfinite(slope):
-            found[entry] = slope, error
-    return {entry: f"n^{slope:.1f} ± {error:.1f}" for entry, (slope, error) in sorted(found.items(), key=lambda one: one[1])}
+            found[label] = slope, error
+    return {label: f"n^{slope:.1f} ± {error:.1f}" for label, (slope, error) in sorted(found.items(), key=lambda one: one[1])}
 
 
 def _draw(ax: Axes, curves: dict[str, pd.DataFrame], looks: dict[str, Look], ends: tuple[float, float]) -> None:
-    for entry, curve in curves.items():
-        look, missed = looks[entry], curve[~curve["all"]]
+    for label, curve in curves.items():
+        look, missed = looks[label], curve[~curve["all"]]
         ax.plot(curve.index, curve["mean"], color=look.colour, ls=look.dash, gid=look.tag)
         ax.plot(curve.index[curve["all"]], curve.loc[curve["all"], "mean"], look.marker, color=look.colour, gid=look.tag)
         ax.plot(missed.index, missed["mean"], "x", color=look.colour, mew=1.4, gid=look.tag)

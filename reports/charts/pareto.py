@@ -1,7 +1,7 @@
-"""Speed against accuracy over all problems: a point for each entry and tolerance, and the front that nobody is below.
+"""Speed against accuracy over all problems: a point for each label and tolerance, and the front that nobody is below.
 
 Time is the shifted geometric mean over the problems, misses charged at the time limit; accuracy the median of the verified
-residual, no answer counting as the worst. Only entries that ran on every problem of the chart are drawn, for a mean over
+residual, no answer counting as the worst. Only labels that ran on every problem of the chart are drawn, for a mean over
 fewer problems is another mean. The front joins the points for which no other is both faster and more accurate.
 """
 
@@ -29,14 +29,14 @@ def panels(run: Run) -> list[Panel]:
 
 
 def ladder(run: Run) -> pd.DataFrame:
-    """A row per entry and tolerance that met every non-trivial problem: time (s) and residual."""
+    """A row per label and tolerance that met every non-trivial problem: time (s) and residual."""
     rows = run.contested
     rows = rows.assign(
         time=rows["time"].where(rows["answered"], rows["time_limit"]),
         residual=rows["residual"].where(rows["answered"], np.inf),
         met=rows["problem_id"].where(rows["verdict"] != Verdict.SKIPPED),
     )
-    groups = rows.groupby(["entry", "tol"], sort=False)
+    groups = rows.groupby(["label", "tol"], sort=False)
     points = groups.agg(time=("time", shifted_geometric_mean), residual=("residual", "median"), met=("met", "nunique"))
     points = points[points["met"] == rows["problem_id"].nunique()].drop(columns="met").reset_index()
     return points.assign(residual=points["residual"].clip(ZERO, WORST))
@@ -50,8 +50,8 @@ def front(time: NDArray[np.float64], residual: NDArray[np.float64]) -> NDArray[n
 
 
 def _draw(ax: Axes, points: pd.DataFrame, looks: dict[str, Look]) -> None:
-    for entry, own in points.groupby("entry"):
-        look, along = looks[str(entry)], own.sort_values("tol", ascending=False)
+    for label, own in points.groupby("label"):
+        look, along = looks[str(label)], own.sort_values("tol", ascending=False)
         ax.plot(along["time"], along["residual"], **look.line)
     best = points.iloc[front(points["time"].to_numpy(), points["residual"].to_numpy())]
     ax.step(best["time"], best["residual"], where="post", color=INK, lw=3, alpha=0.15, zorder=0)

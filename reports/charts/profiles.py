@@ -34,10 +34,10 @@ def panels(run: Run) -> list[Panel]:
 def draw(
     ax: Axes, costs: dict[str, Array], looks: dict[str, Look], across: str = "time over the fastest solver's time"
 ) -> None:
-    """costs: of each entry its cost over the least, of each problem, sorted; infinite where it missed."""
+    """costs: of each label its cost over the least, of each problem, sorted; infinite where it missed."""
     at = np.geomspace(1, FARTHEST, POINTS)
-    for entry, ratio in costs.items():
-        look, (reached, share) = looks[entry], staircase(ratio[ratio <= FARTHEST], len(ratio))
+    for label, ratio in costs.items():
+        look, (reached, share) = looks[label], staircase(ratio[ratio <= FARTHEST], len(ratio))
         x, y = [1.0, *reached, FARTHEST], [0.0, *share]
         ax.step(x, [*y, y[-1]], where="post", **look.line, markevery=(0.1, 0.15))
         ax.fill_between(at, *band(ratio, at), color=look.colour, alpha=0.13, lw=0, gid=f"band-{look.tag}")

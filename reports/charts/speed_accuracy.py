@@ -1,6 +1,6 @@
 """The speed-accuracy chart: verified residual against time, one panel a problem class.
 
-Dots are cells; a line joins an entry's medians along its ladder of tolerances. A relaxation's solver cannot come below the
+Dots are cells; a line joins an label's medians along its ladder of tolerances. A relaxation's solver cannot come below the
 error of its model, drawn as a floor; its residual on the model itself, which is the solver's own error, is dotted. A ring is
 a wrong claim. The strip on top counts the cells that gave no answer.
 """
@@ -41,20 +41,20 @@ def _told(rows: pd.DataFrame, looks: dict[str, Look]) -> dict[str, list[str]]:
     """What each dot is: who, on what, how well, how fast, and the key to run it again."""
     answers = rows[rows["answered"]]
     return {
-        looks[str(entry)].tag: [
-            f"{entry}\n{scene_title(row.scene, row.parameters)}, step {row.step}, tolerance {row.tol:g}\n"
+        looks[str(label)].tag: [
+            f"{label}\n{scene_title(row.scene, row.parameters)}, step {row.step}, tolerance {row.tol:g}\n"
             f"residual {row.residual:.1e} in {seconds(row.time)}: {row.verdict}\nfrictionbench rerun DIR {row.key}"
             for row in own.itertuples()
         ]
-        for entry, own in answers.groupby("entry")
+        for label, own in answers.groupby("label")
     }
 
 
 def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look], ends: tuple[float, float], lowest: float) -> None:
     answers = rows[rows["answered"]]
     crowded = len(answers) > CROWD
-    for entry, own in answers.groupby("entry"):
-        look = looks[entry]
+    for label, own in answers.groupby("label"):
+        look = looks[label]
         dots = ax.scatter(own["time"], _shown(own["residual"]), s=5, lw=0, color=look.colour, alpha=0.35, rasterized=crowded)
         dots.set_gid(f"dots-{look.tag}")
         ladder = own.groupby("tol")[["time", "residual", "model_residual"]].median().sort_index(ascending=False)
@@ -92,13 +92,13 @@ def _model_error(ax: Axes, answers: pd.DataFrame) -> None:
 
 
 def _misses(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
-    lost = rows[~rows["answered"] & (rows["verdict"] != Verdict.SKIPPED)].groupby("entry").size()
+    lost = rows[~rows["answered"] & (rows["verdict"] != Verdict.SKIPPED)].groupby("label").size()
     if lost.empty:
         return
     ax.axhspan(WORST, STRIP, color=INK, alpha=0.07, lw=0)
     ax.text(0.01, 0.95, "no answer", transform=ax.transAxes, va="center", fontsize="x-small", alpha=0.8)
-    for i, (entry, count) in enumerate(lost.items()):
-        x, colour = 0.25 + 0.75 * i / max(6, len(lost)), looks[str(entry)].colour
+    for i, (label, count) in enumerate(lost.items()):
+        x, colour = 0.25 + 0.75 * i / max(6, len(lost)), looks[str(label)].colour
         ax.text(x, 0.95, f"×{count}", transform=ax.transAxes, va="center", fontsize="small", weight="bold", color=colour)
 
 

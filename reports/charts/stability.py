@@ -39,12 +39,12 @@ def panels(run: Run) -> list[Panel]:
 def _told(rows: pd.DataFrame, run: Run) -> dict[str, list[str]]:
     columns = ["scene", "parameters", "step", "sensitivity", "backward_error", "residual", "verdict"]
     return {
-        run.looks[str(entry)].tag: [
-            f"{entry}\n{scene_title(scene, parameters)}, step {step:.0f}\nresponse {sensitivity:.1e}, "
+        run.looks[str(label)].tag: [
+            f"{label}\n{scene_title(scene, parameters)}, step {step:.0f}\nresponse {sensitivity:.1e}, "
             f"backward error {error:.1e}, residual {residual:.1e}: {verdict}"
             for scene, parameters, step, sensitivity, error, residual, verdict in own[columns].itertuples(index=False)
         ]
-        for entry, own in rows.groupby("entry")
+        for label, own in rows.groupby("label")
     }
 
 
@@ -52,8 +52,8 @@ def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
     crowded = len(rows) > TOLD
     ax.axvline(ILL, color=INK, lw=0.6, ls=":")
     ax.axhline(UNSTABLE, color=INK, lw=0.6, ls=":")
-    for entry, own in rows.groupby("entry"):
-        look = looks[str(entry)]
+    for label, own in rows.groupby("label"):
+        look = looks[str(label)]
         dots = ax.scatter(
             own["sensitivity"].clip(*SENSITIVITY),
             own["backward_error"].clip(*ERROR),

@@ -1,8 +1,8 @@
 """Performance profiles on work: like those on time, of deterministic counts, which no machine and no neighbour disturbs.
 
-Of each problem an entry's work is the count at the least time within the finest target (reports.accuracy); with one added,
+Of each problem an label's work is the count at the least time within the finest target (reports.accuracy); with one added,
 so that a problem solved without any has a ratio. Counts of different units are not compared, so each unit has a panel, with
-the entries that count it on every problem; what a portfolio's members counted is summed.
+the labels that count it on every problem; what a portfolio's members counted is summed.
 """
 
 import json
@@ -21,14 +21,14 @@ UNITS = ("pivots", "sweeps", "iterations", "factorisations")
 
 
 def panels(run: Run) -> list[Panel]:
-    """A panel per unit that two entries or more count."""
+    """A panel per unit that two labels or more count."""
     times = run.times[run.ends[-1]]
     counts = pd.DataFrame([counted(text) for text in times["work"]], index=times.index, columns=list(UNITS))
     found = []
     for unit in UNITS:
-        counting = (counts[unit].notna() | ~times["reached"]).groupby(times["entry"]).transform("all")
+        counting = (counts[unit].notna() | ~times["reached"]).groupby(times["label"]).transform("all")
         own = times.assign(work=counts[unit].fillna(0.0) + 1.0)[counting]
-        if len(set(own.loc[own["reached"], "entry"])) > 1:
+        if len(set(own.loc[own["reached"], "label"])) > 1:
             across = f"{unit} over the fewest of any solver"
             found.append(Panel(unit, partial(draw, costs=ratios(own, "work"), looks=run.looks, across=across)))
     return found

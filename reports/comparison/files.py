@@ -41,7 +41,7 @@ def write_files(comparison: Comparison, folder: Path) -> None:
 
 def data(comparison: Comparison) -> dict[str, Any]:
     """The comparison as plain values."""
-    plain = {entry.name: getattr(comparison, entry.name) for entry in fields(comparison)}
+    plain = {label.name: getattr(comparison, label.name) for label in fields(comparison)}
     plain |= {name: [_finding(comparison, one) for one in plain[name]] for name in ("flips", "gone", "work", "times")}
     return {"exit_code": comparison.exit_code, "counts": comparison.counts, **plain}
 

@@ -103,7 +103,7 @@ def _remark(found: Finding) -> str:
 def _times(comparison: Comparison) -> Iterator[str]:
     first = "benchmark" if comparison.benchmarks else "solver"
     heads = [first, "before", "after", "ratio", f"{1 - comparison.alpha:.0%} interval", "p", "n", "cells"]
-    order = sorted(comparison.times, key=lambda time: (not time.worse, not time.sure, -time.ratio))
+    order = sorted(comparison.times, key=lambda time: (not time.worse, not time.significant, -time.ratio))
     mean = ["geometric mean", "", "", f"×{overall(comparison.times):.2f}", "", "", "", ""]
     yield from _table(heads, [_time(time) for time in order], mean)
     if any(time.n == 1 for time in comparison.times):
@@ -117,7 +117,7 @@ def _time(time: Time) -> list[str]:
     interval = f"{time.low:.2f} to {time.high:.2f}" if np.isfinite(time.high) else "~"
     known = f", known: {_text(time.known)}" if time.known else ""
     p = f"{time.p:.2g}" if np.isfinite(time.p) else ""
-    shown = f"{ratio} {'' if time.sure else '~'}".strip()
+    shown = f"{ratio} {'' if time.significant else '~'}".strip()
     names = [_code(time.variant), seconds(time.before), seconds(time.after)]
     return [*names, _bold(shown, time) + known, interval, p, str(time.n), str(time.cells)]
 

@@ -24,13 +24,13 @@ class Panel:
     draw: Callable[[Axes], object]
     dots: Mapping[str, Sequence[str]] = field(default_factory=dict)  # what the dots of each tag are, in the order drawn
     size: tuple[float, float] = PANEL
-    notes: Mapping[str, str] = field(default_factory=dict)  # of entries, for the panel's own legend
+    notes: Mapping[str, str] = field(default_factory=dict)  # of labels, for the panel's own legend
 
 
 def inline_svg(panel: Panel) -> str:
     """The panel, without its title, as an SVG element whose ink is the page's own.
 
-    The ids of groups are dropped, for a page holds many such elements; those of entries stay as data-entry, data-dots or
+    The ids of groups are dropped, for a page holds many such elements; those of labels stay as data-label, data-dots or
     data-band.
     """
     with mpl.rc_context(RC):
@@ -40,7 +40,7 @@ def inline_svg(panel: Panel) -> str:
 
 
 def swatch(look: Look) -> str:
-    """An entry's line and marker as a small SVG element, for a legend on the page."""
+    """An label's line and marker as a small SVG element, for a legend on the page."""
     with mpl.rc_context(RC):
         figure = Figure(figsize=(0.34, 0.17))
         ax = figure.add_axes((0, 0, 1, 1))
@@ -54,7 +54,7 @@ def _element(figure: Figure) -> str:
     figure.savefig(text, format="svg", dpi=IMAGE, metadata={"Date": None})
     svg = text.getvalue()
     svg = re.sub(r"\s*<metadata>.*?</metadata>", "", svg[svg.index("<svg") :], flags=re.DOTALL)
-    svg = re.sub(r'<g id="(dots|band)-(entry-[0-9a-f]+)"', r'<g data-\1="\2"', svg)
-    svg = re.sub(r'<g id="(entry-[0-9a-f]+)"', r'<g data-entry="\1"', svg)
+    svg = re.sub(r'<g id="(dots|band)-(label-[0-9a-f]+)"', r'<g data-\1="\2"', svg)
+    svg = re.sub(r'<g id="(label-[0-9a-f]+)"', r'<g data-label="\1"', svg)
     svg = re.sub(r'<g id="[^"]*"', "<g", svg).replace(INK, "currentColor")
     return re.sub(r'(?<= d=")[^"]*', lambda way: re.sub(r"(\.\d)\d+|\s*\n", r"\1", way[0]), svg)  # tenths of a point will do

@@ -21,7 +21,7 @@ from frictionbench.results.files import replaced
 
 FAMILIES = {"serif": "STIXGeneral", "sans": "DejaVu Sans"}  # which matplotlib brings
 _PGF = {"pgf.texsystem": "pdflatex", "pgf.rcfonts": False, "pgf.preamble": ""}
-BANDS = 3  # entries beyond which their bands would hide each other
+BANDS = 3  # labels beyond which their bands would hide each other
 Escape = Callable[[str], str]
 
 
@@ -41,7 +41,7 @@ def save_sheet(
     """
     columns = max(1, min(columns, len(panels)))
     rows = -(-len(panels) // columns)
-    across = max(1, int(columns * size[0] / (0.2 * font)))  # a legend's entry is some 13 letters wide
+    across = max(1, int(columns * size[0] / (0.2 * font)))  # a legend's label is some 13 letters wide
     height = 0.02 * font * -(-len(looks) // across)
     told = {"font.size": font, "lines.markersize": font / 2, "lines.linewidth": font / 8, "font.family": _family(family)}
     with mpl.rc_context(RC | told | {f"font.{_family(family)}": [FAMILIES[family]]} | _PGF):

@@ -1,4 +1,4 @@
-"""How every figure looks: one colour and marker per entry wherever it is drawn, readable on light and dark pages."""
+"""How every figure looks: one colour and marker per label wherever it is drawn, readable on light and dark pages."""
 
 import re
 from collections.abc import Iterable
@@ -55,7 +55,7 @@ _PLACES = (
 
 
 class Look(NamedTuple):
-    """Colour, marker and dash of one entry, the dash for what greyscale does not tell apart; tag: its name in drawings."""
+    """Colour, marker and dash of one label, the dash for what greyscale does not tell apart; tag: its name in drawings."""
 
     colour: str
     marker: str
@@ -68,27 +68,27 @@ class Look(NamedTuple):
         return {"color": self.colour, "marker": self.marker, "ls": self.dash, "gid": self.tag}
 
 
-def looks(entries: Iterable[str]) -> dict[str, Look]:
-    """A look for each entry from its name alone, so that it is the same in every figure of every report. Only where the names
+def looks(labels: Iterable[str]) -> dict[str, Look]:
+    """A look for each label from its name alone, so that it is the same in every figure of every report. Only where the names
     of two strangers fall on one look does the later of them take the next."""
     found: dict[str, Look] = {}
-    for entry in sorted(set(entries), key=lambda entry: (_solver(entry) not in _PLACES, entry)):
-        place, shift = _place(entry)
+    for label in sorted(set(labels), key=lambda label: (_solver(label) not in _PLACES, label)):
+        place, shift = _place(label)
         while (drawn := _drawn(place, shift)) in (look[:3] for look in found.values()):
             shift += 1
-        found[entry] = Look(*drawn, f"entry-{_number(entry):x}")
+        found[label] = Look(*drawn, f"label-{_number(label):x}")
     return dict(sorted(found.items()))
 
 
-def _solver(entry: str) -> str:
-    return re.split(r"[\[,*]| on ", entry, maxsplit=1)[0]
+def _solver(label: str) -> str:
+    return re.split(r"[\[,*]| on ", label, maxsplit=1)[0]
 
 
-def _place(entry: str) -> tuple[int, int]:
+def _place(label: str) -> tuple[int, int]:
     """The solver's place, which decides the colour, and how far its variant is from it in markers and dashes."""
-    solver = _solver(entry)
+    solver = _solver(label)
     place = _PLACES.index(solver) if solver in _PLACES else len(_PLACES) + _number(solver)
-    return place, _number(entry) if entry != solver else 0
+    return place, _number(label) if label != solver else 0
 
 
 def _drawn(place: int, shift: int) -> tuple[str, str, Any]:

@@ -17,7 +17,7 @@ def scene_title(scene: str, parameters: str) -> str:
 
 def plain(text: str, longest: int = 48) -> str:
     """Text a figure can hold: what the font or XML lacks replaced, cut to length, and no leading underscore, which hides
-    a legend's entry."""
+    a legend's label."""
     latin = text.encode("latin-1", "replace").decode("latin-1")
     shown = "".join(c if c.isprintable() else "?" for c in latin)
     shown = shown if len(shown) <= longest else shown[: longest - 3] + "..."

@@ -95,10 +95,10 @@ class Drawing(NamedTuple):
     note: str = ""
 
 
-def legend(entries: Sequence[tuple[str, str, bool]], grid: Grid) -> Panel:
+def legend(labels: Sequence[tuple[str, str, bool]], grid: Grid) -> Panel:
     """The panel of names and their colours, as dots where the third item is true, and of the parameters of both axes."""
     shapes: list[Text | Box] = []
-    for k, (name, colour, dot) in enumerate(entries):
+    for k, (name, colour, dot) in enumerate(labels):
         x, y = 2 + 60 * (k // LEGEND_ROWS), TOP + 9 * (k % LEGEND_ROWS)
         shapes += [Box(x, y, 6, 6, colour, 0.3, radius=3.0 * dot), Text(x + 9, y + 5.4, name)]
     for k, (way, (parameter, low, high, _)) in enumerate((("across", grid.x), ("upwards", grid.y))):

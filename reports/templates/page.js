@@ -1,28 +1,28 @@
 "use strict";
 // Choosing solvers, sorting tables and telling what a dot is. The page is whole without it: then the best few stand out.
-const marks = document.querySelectorAll("g[data-entry], g[data-dots]");
+const marks = document.querySelectorAll("g[data-label], g[data-dots]");
 const bands = document.querySelectorAll("g[data-band]");
-const chips = document.querySelectorAll("button[data-entry], button[data-family]");
+const chips = document.querySelectorAll("button[data-label], button[data-family]");
 const chosen = new Set();
 
 function show() {
   document.getElementById("rest")?.remove();
   for (const mark of marks) {
-    mark.classList.toggle("faint", chosen.size > 0 && !chosen.has(mark.dataset.entry || mark.dataset.dots));
+    mark.classList.toggle("faint", chosen.size > 0 && !chosen.has(mark.dataset.label || mark.dataset.dots));
   }
   for (const band of bands) band.classList.toggle("gone", !chosen.has(band.dataset.band));
   for (const chip of chips) {
-    const own = chip.dataset.entry ? [chip.dataset.entry] : chip.dataset.family.split(" ");
-    chip.setAttribute("aria-pressed", own.every((entry) => chosen.has(entry)));
+    const own = chip.dataset.label ? [chip.dataset.label] : chip.dataset.family.split(" ");
+    chip.setAttribute("aria-pressed", own.every((label) => chosen.has(label)));
   }
 }
 
 for (const chip of chips) {
   chip.disabled = false;
   chip.addEventListener("click", () => {
-    const own = chip.dataset.entry ? [chip.dataset.entry] : chip.dataset.family.split(" ");
-    const all = own.every((entry) => chosen.has(entry));
-    for (const entry of own) all ? chosen.delete(entry) : chosen.add(entry);
+    const own = chip.dataset.label ? [chip.dataset.label] : chip.dataset.family.split(" ");
+    const all = own.every((label) => chosen.has(label));
+    for (const label of own) all ? chosen.delete(label) : chosen.add(label);
     show();
   });
 }

@@ -150,7 +150,7 @@ def test_an_overlap_on_both_sides_has_no_solution(atlas) -> None:
 
 
 def test_robustness_counts_what_is_known_to_have_a_solution(atlas) -> None:
-    table = robustness(map_cells(read_run(atlas))).set_index("entry")
+    table = robustness(map_cells(read_run(atlas))).set_index("label")
     assert table.loc["hybrid*", "known"] == table.loc["hybrid*", "jam"] == 1.0
     assert table.loc["hybrid*", "all"] < 1.0
     assert table.loc["relaxation_ip", "painleve_rod"] < 0.9
@@ -197,7 +197,7 @@ def test_the_smallest_failure_of_each_solver_is_made_small_by_itself(tmp_path) -
     run_maps(made, tmp_path / "run", 2, quiet())
     failed = failures(map_cells(read_run(tmp_path / "run")), found := read_shrunk(tmp_path / "run"))
     (row,) = failed.to_dict("records")
-    assert (row["entry"], json.loads(row["parameters"])["blocks"], row["contacts"]) == ("nsgs", 2, 4)
+    assert (row["label"], json.loads(row["parameters"])["blocks"], row["contacts"]) == ("nsgs", 2, 4)
     assert found.keys() == {row["key"]}
     assert found[row["key"]].whole
     small = load(tmp_path / "run" / "shrunk" / row["file"])
@@ -216,7 +216,7 @@ def test_units_change_nothing(tmp_path) -> None:
     maps = [small(name, 2, 2, levels=0) for name in MAPS if name.startswith("units_")]
     run_maps(plan(*maps, solvers=MAPPED), tmp_path / "run", 2, quiet())
     for part in map_cells(read_run(tmp_path / "run")):
-        for entry, rows in part.rows.groupby("entry"):
+        for entry, rows in part.rows.groupby("label"):
             assert len(rows) == 4
             assert len(set(rows["verdict"])) == 1, (part.spec.name, entry)
             assert len(set(rows["mode"])) == 1, (part.spec.name, entry)
@@ -274,7 +274,7 @@ def test_what_a_failed_step_does_afterwards(tmp_path) -> None:
     run_maps(made, tmp_path / "run", 1, quiet())
     simulations = read_run(tmp_path / "run").simulations
     assert len(simulations) == 2 * 2 * 3
-    assert set(simulations["entry"]) >= {"lemke", "lemke, else velocity", "lemke, else relaxation"}
+    assert set(simulations["label"]) >= {"lemke", "lemke, else velocity", "lemke, else relaxation"}
     assert set(simulations.loc[simulations["variant"] == "lemke", "unsolved"]) == {0}
     lost = simulations[(simulations["variant"] == "gives_up") & (simulations["scene"] == "stack")].set_index("after_failure")
     assert (lost["unsolved"] == 3).all()

@@ -62,7 +62,7 @@ def test_a_paper_may_have_some_of_the_solvers(run) -> None:
     few = chosen(run, ["lemke", "ccp"])
     assert set(few.looks) == {"lemke", "ccp[backend=osqp]"}
     assert few.looks["lemke"][:3] == run.looks["lemke"][:3]
-    assert set(few.summaries[1e-8]["entry"]) == set(few.looks)
+    assert set(few.summaries[1e-8]["label"]) == set(few.looks)
     with pytest.raises(ResultsError, match=r"solvers: murty is not in this run; there are .*lemke"):
         chosen(run, ["murty"])
     assert listed("a, b[x=1,y=2],c") == ["a", "b[x=1,y=2]", "c"]

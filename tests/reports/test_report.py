@@ -26,7 +26,7 @@ from frictionbench.reports.markdown import write_markdown
 from frictionbench.reports.page import write_report
 from frictionbench.reports.paper import write_paper
 from frictionbench.reports.recorded import recorded_problems
-from frictionbench.reports.reliability import sentences, standings
+from frictionbench.reports.reliability import reliabilities, sentences
 from frictionbench.reports.run import Run, annotate, annotate_simulations, read_run
 from frictionbench.reports.settings import settings
 from frictionbench.reports.sheets import sheets
@@ -59,8 +59,8 @@ def run_of(*rows):
     return Run({}, annotated(*rows), annotate_simulations(table("simulations", [])))
 
 
-def by_entry(table, problem_class="bar"):
-    return table[table["problem_class"] == problem_class].set_index("entry")
+def by_label(table, problem_class="bar"):
+    return table[table["problem_class"] == problem_class].set_index("label")
 
 
 def test_shifted_geometric_mean_by_hand():
@@ -94,7 +94,7 @@ def test_the_least_time_within_the_target_counts_whatever_was_asked_for():
 )
 def test_a_miss_is_charged_at_the_limit(miss):
     rows = annotated(solve_row("a", "p", form_time=0.0, setup_time=0.0, solve_time=0.1), miss)
-    summary = by_entry(accuracy.summary(accuracy.times_to(rows, 1e-8))).loc["a"]
+    summary = by_label(accuracy.summary(accuracy.times_to(rows, 1e-8))).loc["a"]
     assert (summary["problems"], summary["reached"], summary["share"]) == (2, 1, 0.5)
     assert summary["mean"] == pytest.approx(np.sqrt(0.1 * 10), rel=1e-3)
     assert summary["solve"] == 0.1
@@ -108,7 +108,7 @@ def test_a_wrong_claim_is_paid_for_the_accuracy_it_has():
 
 def test_a_class_skipped_as_a_whole_has_no_figure():
     rows = annotated(solve_row("a", "p"), lost_row("b", "p", "skipped"), lost_row("c", "p", "crashed"))
-    assert accuracy.times_to(rows, 1e-8)["entry"].tolist() == ["a", "c"]
+    assert accuracy.times_to(rows, 1e-8)["label"].tolist() == ["a", "c"]
 
 
 def test_whoever_is_skipped_on_a_class_gains_nothing_by_it(tmp_path):
@@ -121,13 +121,13 @@ def test_whoever_is_skipped_on_a_class_gains_nothing_by_it(tmp_path):
     ]
     warm = [solve_row("a", name, scene=scene, start="warm", key=f"warm {name}") for scene, name in classes[:3]]
     run = run_of(*slow, *quick, *warm)
-    table = run.summaries[1e-8].set_index(["problem_class", "entry"])
+    table = run.summaries[1e-8].set_index(["problem_class", "label"])
     assert table.loc[(accuracy.ALL, "a"), ["reached", "problems"]].tolist() == [10, 10]
     assert table.loc[(accuracy.ALL, "b"), ["reached", "problems"]].tolist() == [5, 10]
     assert table.loc[(accuracy.ALL, "b"), "mean"] > table.loc[(accuracy.ALL, "a"), "mean"]
     assert table.loc[(accuracy.ALL, "a, warm"), ["reached", "problems"]].tolist() == [3, 3]
     assert ("rod", "b") not in table.index
-    assert tables.leaders(run.summaries[1e-8]).fastest["entry"] == "a"
+    assert tables.leaders(run.summaries[1e-8]).fastest["label"] == "a"
     assert accuracy.profile(run.times[1e-8])["b"][1].tolist() == [0.1, 0.2, 0.3, 0.4, 0.5]
     folder = write_folder(tmp_path / "run", [*slow, *quick, *warm])
     assert "b & 5/10 &" in (write_paper(folder, read_run(folder)) / "times.tex").read_text()
@@ -155,7 +155,7 @@ def test_solvability_counts_every_verdict():
 
 def test_warm_and_cold_are_apart():
     rows = annotated(solve_row("a", "p"), solve_row("a", "p", start="warm", solve_time=1e-4))
-    assert sorted(accuracy.times_to(rows, 1e-8)["entry"]) == ["a", "a, warm"]
+    assert sorted(accuracy.times_to(rows, 1e-8)["label"]) == ["a", "a, warm"]
 
 
 def test_small_and_large_problems_of_a_scene_are_apart():
@@ -183,10 +183,10 @@ def test_profile_by_hand():
 
 def test_leaders_are_the_most_frequent_and_the_fastest_of_nearly_as_frequent():
     cells = [("sure", 10, 1.0), ("quick", 9, 0.1), ("rash", 8, 0.01)]
-    table = pd.DataFrame(cells, columns=["entry", "reached", "mean"]).assign(problem_class=accuracy.ALL)
+    table = pd.DataFrame(cells, columns=["label", "reached", "mean"]).assign(problem_class=accuracy.ALL)
     found = tables.leaders(table)
     assert found is not None
-    assert (found.most_often["entry"], found.equals, found.fastest["entry"]) == ("sure", 1, "quick")
+    assert (found.most_often["label"], found.equals, found.fastest["label"]) == ("sure", 1, "quick")
     assert tables.leaders(table.assign(reached=0)) is None
 
 
@@ -251,7 +251,7 @@ for _row in RUN[:-2]:
 def test_a_large_share_of_form_is_marked(tmp_path):
     few = [solve_row("a", "p", form_time=0.5e-3, setup_time=1e-3, solve_time=2e-3)]
     much = [solve_row("a", "p", form_time=1e-3, setup_time=0.0, solve_time=1e-3)]
-    shares = [by_entry(accuracy.summary(accuracy.times_to(annotated(*rows), 1e-8))).loc["a", "written"] for rows in (few, much)]
+    shares = [by_label(accuracy.summary(accuracy.times_to(annotated(*rows), 1e-8))).loc["a", "written"] for rows in (few, much)]
     assert shares == pytest.approx([1 / 7, 1 / 2])
     assert "form, the writing of the problem: 14 %)" in _Page(write_report(write_folder(tmp_path / "few", few))).text
     assert "50 %, more than a fifth)" in _Page(write_report(write_folder(tmp_path / "much", much))).text
@@ -265,7 +265,7 @@ def test_a_portfolio_is_marked_wherever_it_is_named(tmp_path):
     assert "the fastest of them is mixture*, with a mean of 2 ms" in page.text
     assert re.search(r"(?<!check-solver ')mixture(?!\*)", page.text) is None
     assert set(run.looks) == {"mixture*", "nsgs"}
-    assert set(run.simulations["entry"]) == {"mixture*"}
+    assert set(run.simulations["label"]) == {"mixture*"}
     assert looks(["hybrid*"])["hybrid*"].colour == looks(["hybrid"])["hybrid"].colour
     assert r"mixture* &" in (write_paper(folder, read_run(folder)) / "times.tex").read_text()
 
@@ -392,8 +392,8 @@ def test_plain_text_for_figures():
 
 def test_times_of_two_hosts_never_meet() -> None:
     two = annotated(solve_row("lemke", "p", host="left"), solve_row("lemke", "q", host="right"))
-    assert two["entry"].tolist() == ["lemke on left", "lemke on right"]
-    assert annotated(solve_row("lemke", "p", start="warm"))["entry"].tolist() == ["lemke, warm"]
+    assert two["label"].tolist() == ["lemke on left", "lemke on right"]
+    assert annotated(solve_row("lemke", "p", start="warm"))["label"].tolist() == ["lemke, warm"]
 
 
 def test_the_harness_own_share_by_hand() -> None:
@@ -416,13 +416,13 @@ def test_which_solver_by_hand():
     rows += [lost_row("c", "p2", "skipped", contacts=50)]
     found = dict(choice.choices(run_of(*rows)))
     assert list(found) == ["all problems", "small: up to 10 contacts", "medium: 11 to 100 contacts"]
-    assert {kind: best[1e-8].entry for kind, best in found.items()} == {
+    assert {kind: best[1e-8].label for kind, best in found.items()} == {
         "all problems": "b",
         "small: up to 10 contacts": "c",
         "medium: 11 to 100 contacts": "b",
     }
     small = found["small: up to 10 contacts"][1e-8]
-    assert (small.reached, small.problems, small.next, small.sure) == (2, 2, "a", None)
+    assert (small.reached, small.problems, small.next, small.win_rate) == (2, 2, "a", None)
     # with the shift and the millisecond of form and setup
     assert small.lead == pytest.approx((2e-3 + 1e-5 - 1e-5) / (1.001e-3), rel=1e-12)
 
@@ -431,9 +431,9 @@ def test_certainty_comes_from_the_problems():
     times = {"a": (1e-3, 3e-3), "b": (2e-3, 2e-3)}
     even = [solve_row(name, f"p{i}", solve_time=own[i % 2]) for name, own in times.items() for i in range(20)]
     clear = [solve_row(name, f"p{i}", solve_time=own[0]) for name, own in times.items() for i in range(20)]
-    doubtful, sure = (dict(choice.choices(run_of(*rows)))["all problems"][1e-8].sure for rows in (even, clear))
+    doubtful, clear_rate = (dict(choice.choices(run_of(*rows)))["all problems"][1e-8].win_rate for rows in (even, clear))
     assert 0.5 < doubtful < 0.9
-    assert sure == 1.0
+    assert clear_rate == 1.0
 
 
 def test_the_front_has_those_that_nobody_beats():
@@ -443,7 +443,7 @@ def test_the_front_has_those_that_nobody_beats():
 
 def test_who_missed_a_problem_is_not_on_the_chart_of_all():
     rows = [solve_row("a", "p"), solve_row("a", "q"), solve_row("b", "p"), lost_row("b", "q", "skipped")]
-    assert pareto.ladder(run_of(*rows))["entry"].tolist() == ["a"]
+    assert pareto.ladder(run_of(*rows))["label"].tolist() == ["a"]
 
 
 def test_a_solver_looks_the_same_in_every_report():
@@ -458,7 +458,7 @@ HANDS = """
 const seen = [];
 const faint = () => document.querySelectorAll("g.faint").length;
 const first = (table) => table.querySelector("td").textContent.trim();
-const [chip] = document.querySelectorAll("button[data-entry]");
+const [chip] = document.querySelectorAll("button[data-label]");
 seen.push(chip.disabled, document.getElementById("rest") !== null, faint());
 chip.click(); seen.push(chip.getAttribute("aria-pressed"), document.getElementById("rest") !== null, faint() > 0);
 chip.click(); seen.push(chip.getAttribute("aria-pressed"), faint());
@@ -524,21 +524,21 @@ def test_mean_profile_and_page_have_one_denominator():
     ]
     rows += [solve_row("a", name, scene=scene, start="warm", key=f"warm {name}") for scene, name in names[:3]]
     run = run_of(*rows)
-    shares = by_entry(run.summaries[1e-8], accuracy.ALL)["share"]
+    shares = by_label(run.summaries[1e-8], accuracy.ALL)["share"]
     curves = accuracy.profile(run.times[1e-8])
     assert (
         {entry: share[-1] for entry, (_, share) in curves.items()} == shares.to_dict() == {"a": 1.0, "b": 0.6, "a, warm": 1.0}
     )
-    assert by_entry(run.summaries[1e-8], accuracy.ALL)["problems"].to_dict() == {"a": 10, "b": 10, "a, warm": 3}
+    assert by_label(run.summaries[1e-8], accuracy.ALL)["problems"].to_dict() == {"a": 10, "b": 10, "a, warm": 3}
     (part,) = accuracy.entered_in_part(run.times[1e-8]).to_dict("records")
-    assert (part["entry"], part["entered"], part["of"], part["rank"], part["others"], part["best"]) == ("b", 6, 10, 1, 2, "b")
+    assert (part["label"], part["entered"], part["of"], part["rank"], part["others"], part["best"]) == ("b", 6, 10, 1, 2, "b")
 
 
 def test_the_rank_with_misses_charged_more_by_hand():
     """a, fast, misses one of four; at the limit of 10 s it is the first, at ten limits the last."""
     quick = [solve_row("a", f"p{i}", solve_time=1e-5, form_time=0.0, setup_time=0.0) for i in range(3)]
     slow = [solve_row("b", f"p{i}", solve_time=7e-4, form_time=0.0, setup_time=0.0) for i in range(4)]
-    table = accuracy.by_charge(run_of(*quick, lost_row("a", "p3", "timeout"), *slow).times[1e-8]).set_index("entry")
+    table = accuracy.by_charge(run_of(*quick, lost_row("a", "p3", "timeout"), *slow).times[1e-8]).set_index("label")
     assert table.loc["a", "missed"] == 1
     assert table.loc["a", "mean 10"] == pytest.approx(((2e-5) ** 3 * 100) ** 0.25 - 1e-5, rel=1e-6)
     assert table["rank 1"].to_dict() == {"a": 1, "b": 2}
@@ -637,7 +637,7 @@ def test_a_page_says_why_an_unfinished_run_does_not_compare(tmp_path):
 def test_a_librarys_own_clock_is_shown_beside_ours(tmp_path):
     rows = [solve_row("a", f"p{i}", clock_time=1.9e-3) for i in range(3)]
     rows += [solve_row("b", f"p{i}", clock_time=1e-3) for i in range(3)]
-    table = tables.clocks(run_of(*rows)).set_index("entry")
+    table = tables.clocks(run_of(*rows)).set_index("label")
     assert table["apart"].to_dict() == {"a": False, "b": True}
     assert table.loc["b", "ratio"] == pytest.approx(2.0)
     assert "By their own clocks" in _Page(write_report(write_folder(tmp_path / "run", rows))).text
@@ -652,7 +652,7 @@ def test_who_is_exact_and_who_claims_falsely_by_hand(tmp_path):
     rows += [solve_row("weak", "p"), lost_row("weak", "q", "crashed")]
     folder = write_folder(tmp_path / "run", [{"version": "ours"} | row for row in rows], versions={"frictionbench": "ours"})
     run = read_run(folder)
-    assert [(one.entry, one.exact, one.own, one.wrong, one.crashed) for one in standings(run)] == [
+    assert [(one.label, one.exact, one.own, one.wrong, one.crashed) for one in reliabilities(run)] == [
         ("a", 2, 2, 0, 0),
         ("b", 2, 2, 0, 0),
         ("liar", 1, 1, 1, 0),
