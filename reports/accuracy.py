@@ -1,18 +1,19 @@
-"""Time to equal achieved accuracy, the headline speed.
+"""Time to equal achieved accuracy, the measure of speed by which reports rank solvers.
 
-For a problem and an label it is the least median time, form, setup and solve together, over the label's ladder of tolerances,
-at which the *verified* residual is within the target; what the solver claimed plays no part. A miss is charged at the time
-limit, not dropped. A class of problems is summed up by the shifted geometric mean (H. Mittelmann's benchmarks)
+For a problem and a solver (a label, see reports.run) it is the least median time, form, setup and solve together, over all
+tolerances of the solver, at which the *verified* residual is within the target; whether the solver claimed a solution has no
+influence. A problem not solved is charged the time limit. A class of problems is summarised by the shifted geometric mean
+(H. Mittelmann's benchmarks)
 
     exp(mean(log(t + s))) - s,     s = 1e-5 s,
 
-where s is about what one call costs, so that differences below it do not rule the mean. An label that was skipped on all of
-a class has no figure there; one that enters a class and is skipped on some of it is charged for these. Over all problems
-every label is judged by the same ones: what it was skipped on is a miss, too.
+where s is about the cost of one call, so that differences below it have little weight. A solver that was skipped on a whole
+class has no mean there; one that was skipped on some of its problems is charged for these. Over all problems the solvers are
+compared on the same problems, so that every problem skipped counts as not solved.
 
-Dolan and Moré's performance profile (2002) is the share of the same problems that an label brings within the target in at
-most tau times the time of the fastest. Whoever was skipped on whole classes is compared on those it entered, too, with the
-others on the same. How much of a ranking is the charge for a miss shows where that is made larger.
+The performance profile of Dolan and Moré (2002) is the share of these problems that a solver brings within the target in at
+most tau times the time of the fastest. A solver that was skipped on whole classes is also compared with the others on the
+problems that it ran on. `by_charge` shows how the ranking depends on the charge for a problem not solved.
 """
 
 import numpy as np
@@ -23,9 +24,9 @@ from frictionbench.results.verdicts import Verdict
 
 TARGETS = (1e-4, 1e-6, 1e-8)
 Array = NDArray[np.float64]
-SHIFT = 1e-5  # s
-CHARGES = (1, 3, 10)  # time limits that a miss may be charged
-DRAWS = 500  # of a bootstrap
+SHIFT = 1e-5  # s, about the cost of calling a solver
+CHARGES = (1, 3, 10)  # time limits charged for a problem not solved, up to a decade
+DRAWS = 500  # bootstrap samples: enough for percentiles 2.5 and 97.5, which rest on a dozen samples each
 ALL = "all problems"
 
 
@@ -35,7 +36,7 @@ def shifted_geometric_mean(times: pd.Series) -> float:
 
 
 def targets(rows: pd.DataFrame) -> tuple[float, ...]:
-    """Those targets that a run asked for: nobody is told to miss what it was not asked. The coarsest where it asked for less.
+    """The targets that are not below the tightest tolerance of a run; the coarsest if all of them are.
 
     rows: of the solves table.
     """
@@ -61,8 +62,8 @@ def times_to(rows: pd.DataFrame, target: float) -> pd.DataFrame:
 
 
 def summary(times: pd.DataFrame) -> pd.DataFrame:
-    """A row per class and label, and per label over all classes: problems, reached, share, mean (s), the medians of form,
-    setup and solve (s) over the problems it reached, and written: form's share of all three."""
+    """A row per class and label, and per label over all classes: problems, reached (how many within the target), share, mean
+    (s), the medians of form, setup and solve (s) over the problems reached, and written: the share of form in the time."""
     both = pd.concat([on_all(times), times], ignore_index=True)
     groups = both.groupby(["problem_class", "label"], sort=False)
     table = groups.agg(
@@ -79,8 +80,8 @@ def summary(times: pd.DataFrame) -> pd.DataFrame:
 
 
 def on_all(times: pd.DataFrame) -> pd.DataFrame:
-    """The times with a row for every label on every problem that has its start and was met by its host, the class ALL: the
-    one denominator of mean, share and profile."""
+    """The times as class ALL, with a row for every label on every problem that has its start and host: means, shares and
+    profiles over all problems have the same denominator."""
     parts = [times]
     for _, own in times.groupby(["start", "host"], sort=False):
         limit = own.groupby("problem_id", sort=False)["limit"].max()
@@ -92,22 +93,18 @@ def on_all(times: pd.DataFrame) -> pd.DataFrame:
 
 
 def ratios(times: pd.DataFrame, cost: str = "charged") -> dict[str, Array]:
-    """Of each label its cost over the least of anybody's, of each problem of `on_all`; infinite where it missed."""
+    """For each label its cost over the least cost of any label on each problem of `on_all`, sorted; infinite if not solved."""
     both = on_all(times)
     least = both[both["reached"]].groupby("problem_id")[cost].min()
     ratio = (both[cost] / both["problem_id"].map(least)).where(both["reached"], np.inf)
     return {str(label): np.sort(own.to_numpy()) for label, own in ratio.groupby(both["label"], sort=False)}
 
 
-def profile(times: pd.DataFrame, cost: str = "charged") -> dict[str, tuple[Array, Array]]:
-    """Of each label the ratios tau, sorted, of the problems it reached, and the share of all its problems within each."""
-    reached = {label: (ratio[np.isfinite(ratio)], len(ratio)) for label, ratio in ratios(times, cost).items()}
-    return {label: (ratio, np.arange(1, len(ratio) + 1) / count) for label, (ratio, count) in reached.items()}
-
-
 def band(ratio: Array, at: Array) -> tuple[Array, Array]:
-    """The bootstrap band of a profile: between which shares 95 of 100 profiles of as many problems, drawn again with
-    replacement, lie at each tau of `at`. A problem drawn again keeps its ratio, so that only the share within tau is drawn."""
+    """The pointwise 95 % bootstrap band of a performance profile, its lower and upper shares at each tau of `at`.
+
+    ratio: sorted. In a bootstrap sample of the problems, the number within tau has a binomial distribution, which is sampled.
+    """
     n = len(ratio)
     within = np.searchsorted(ratio, at, side="right") / max(n, 1)
     drawn = np.random.default_rng(0).binomial(n, within, size=(DRAWS, len(at))) / max(n, 1)
@@ -116,20 +113,21 @@ def band(ratio: Array, at: Array) -> tuple[Array, Array]:
 
 
 def by_charge(times: pd.DataFrame) -> pd.DataFrame:
-    """A row per label: of each of CHARGES, in time limits, its mean (s) over all problems with misses charged so, its rank."""
+    """A row per label: for each of CHARGES its mean (s) over all problems and its rank; failed: problems not solved."""
     both = on_all(times)
     columns = {}
     for charge in CHARGES:
         charged = both["charged"].where(both["reached"], charge * both["limit"])
         columns[f"mean {charge}"] = charged.groupby(both["label"], sort=False).agg(shifted_geometric_mean)
         columns[f"rank {charge}"] = columns[f"mean {charge}"].rank(method="min")
-    missed = (~both["reached"]).groupby(both["label"], sort=False).sum()
-    return pd.DataFrame(columns).assign(missed=missed).sort_values("mean 1", kind="stable").reset_index()
+    failed = (~both["reached"]).groupby(both["label"], sort=False).sum()
+    return pd.DataFrame(columns).assign(failed=failed).sort_values("mean 1", kind="stable").reset_index()
 
 
 def entered_in_part(times: pd.DataFrame) -> pd.DataFrame:
-    """A row per label that was skipped on whole classes: how many of all problems it entered, and on these alone its rank
-    among the `others` that entered all of them, itself with them, its mean, and the best label with its mean (s)."""
+    """A row per label that was skipped on whole classes: the number of problems that it ran on (entered), of all; and on these
+    its rank among the solvers that ran on all of them (others, itself included), its mean (s), and the best label with its own.
+    """
     found = []
     count = on_all(times)["label"].value_counts()
     for label, own in times.groupby("label", sort=False):
@@ -138,7 +136,7 @@ def entered_in_part(times: pd.DataFrame) -> pd.DataFrame:
             groups = same.groupby("label")["charged"]
             means = groups.agg(shifted_geometric_mean)[groups.size() == len(own)].sort_values(kind="stable")
             rank = int((means < means[label]).sum()) + 1
-            told = {"label": label, "entered": len(own), "of": int(count[label]), "rank": rank, "others": len(means)}
+            row = {"label": label, "entered": len(own), "of": int(count[label]), "rank": rank, "others": len(means)}
             reached = int(own["reached"].sum())
-            found.append(told | {"reached": reached, "mean": means[label], "best": means.index[0], "best_mean": means.iloc[0]})
+            found.append(row | {"reached": reached, "mean": means[label], "best": means.index[0], "best_mean": means.iloc[0]})
     return pd.DataFrame(found)

@@ -1,13 +1,13 @@
-"""A motion as one self-contained HTML page: the bodies, the impulses in their friction cones, and the energy's ledger.
+"""A motion as one self-contained HTML page: the bodies, the impulses in their friction cones, and the energy balance.
 
 The page holds the motion as JSON and a short script that draws it (templates/animation.js), and loads nothing. Names may come
-from strangers: text is escaped, "<" does not occur in the JSON, and the page's security policy lets no script run but this
-one, by its hash.
+from an untrusted source: text is escaped, "<" does not occur in the JSON, and the page's security policy allows this script
+only, by its hash.
 """
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from urllib.parse import quote
 
 import numpy as np
@@ -18,31 +18,39 @@ from frictionbench.results.files import ResultsError, subfolder, write_text
 from frictionbench.results.motion import Array, Motion, Outline, plain, read_motion
 
 MOST_NUMBERS = 250_000  # on a page, which makes it about 2 MB
-DIGITS = 5  # of each, finer than a pixel
-MARGIN = 0.1  # around the motion, of its size
+DIGITS = 5  # significant digits of each number, finer than a pixel
+MARGIN = 0.1  # around the motion, relative to its size
+
+
+class Animation(NamedTuple):
+    """A page in a results folder: the scene, its title with parameters, and the address relative to the folder."""
+
+    scene: str
+    title: str
+    address: str
 
 
 def write_animation(motion: Motion, path: Path) -> Path:
     """Write the page; return its path."""
-    templates = environment()
     text, digest = script("animation.js")
-    page = templates.get_template("animation.html").render(
-        motion=motion,
-        title=scene_title(motion.scene, json.dumps(motion.parameters)),
-        frames=len(motion.times),
-        script=text,
-        script_hash=digest,
-        data=as_json(_data(motion)),
+    page = (
+        environment()
+        .get_template("animation.html")
+        .render(
+            motion=motion,
+            title=scene_title(motion.scene, json.dumps(motion.parameters)),
+            frames=len(motion.times),
+            script=text,
+            script_hash=digest,
+            data=as_json(_data(motion)),
+        )
     )
     write_text(path, page)
     return path
 
 
-def write_animations(folder: Path) -> list[dict[str, Any]]:
-    """Write DIR/motion/NAME.html for every recording DIR/motion/NAME.json; of each page its scene, title and address from DIR.
-
-    A file that is no recording is passed over.
-    """
+def write_animations(folder: Path) -> list[Animation]:
+    """Write DIR/motion/NAME.html for every recorded motion DIR/motion/NAME.json; other files are ignored."""
     pages = []
     for path in sorted((folder / "motion").glob("*.json")):
         try:
@@ -52,13 +60,13 @@ def write_animations(folder: Path) -> list[dict[str, Any]]:
         subfolder(folder, "motion")
         page = write_animation(motion, path.with_suffix(".html"))
         title = scene_title(motion.scene, json.dumps(motion.parameters))
-        pages.append({"scene": motion.scene, "title": title, "address": f"motion/{quote(page.name)}"})
+        pages.append(Animation(motion.scene, title, f"motion/{quote(page.name)}"))
     return pages
 
 
 def _data(motion: Motion) -> dict[str, Any]:
-    """What the script draws: every frame, or of a long motion every k-th; of the steps between two frames the contacts of the
-    one with the largest impulses are shown, so that no impact is lost."""
+    """The data that the script draws: every frame, or every k-th frame of a long motion, with the contacts of the step between
+    two frames that has the largest impulses, so that every impact is shown."""
     n = len(motion.times)
     numbers = motion.poses.size + 8 * n + sum(contacts.size for contacts in motion.contacts)
     every = -(-numbers // MOST_NUMBERS)
@@ -81,7 +89,7 @@ def _data(motion: Motion) -> dict[str, Any]:
 
 
 def _size(motion: Motion) -> float:
-    """How much room an arrow has, m: a body's size, or the picture's if there are few bodies and small ones."""
+    """The length for the arrows, m: the size of a body or, if the bodies are few and small, a share of the picture's size."""
     left, bottom, right, top = _view(motion)
     sizes = [float(np.ptp(outline.corners, axis=0).max()) + 2 * outline.radius for outline in _moving(motion)]
     return max(float(np.median(sizes)) if sizes else 0.0, max(right - left, top - bottom) / (motion.poses.shape[1] + 2))
@@ -92,7 +100,7 @@ def _moving(motion: Motion) -> list[Outline]:
 
 
 def _view(motion: Motion) -> Array:
-    """The box (left, bottom, right, top) of all that ever moves, with a margin."""
+    """The bounding box (left, bottom, right, top) of all moving bodies over the whole motion, with a margin."""
     low, high = [np.zeros((0, 2))], [np.zeros((0, 2))]
     for outline in _moving(motion):
         x, y, angle = motion.poses[:, outline.body].T[:, :, None]

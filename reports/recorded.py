@@ -1,6 +1,6 @@
-"""The problems that others recorded, one by one: what they are, who solves them, and who is the fastest.
+"""The problems recorded by others, one by one: their properties and the solvers that solve them.
 
-Of each problem the tightest tolerance that it was put to counts; who reaches it at a looser one has reached it, too.
+A problem counts as solved if the residual is within the tightest tolerance of its rows, at whichever tolerance it was reached.
 """
 
 import json
@@ -12,14 +12,13 @@ import pandas as pd
 from frictionbench.reports.run import Run
 from frictionbench.results.verdicts import Verdict
 
-NOTICED = 1e-12  # asymmetry and indefiniteness of W that are not rounding
+NOTICED = 1e-12  # asymmetry and indefiniteness of W above the rounding errors of its assembly
 
 
 class Recorded(NamedTuple):
-    """One file: rank_ratio is W's rank over its rows, None where unknown; solvers, the fastest first, with their times in s.
-    A bare LCP has unknowns alone.
-
-    reason: why the file yields no problem; all else but its name is then empty.
+    """One file. rank_ratio: the rank of W over its number of rows, None if unknown. remarks: properties that a mechanical
+    problem does not have. solvers: those that solve it with their times, s, the fastest first; tried: how many ran. reason: why
+    the file yields no problem; all other fields are then empty. A bare LCP has neither dimension nor contacts.
     """
 
     family: str
@@ -28,7 +27,7 @@ class Recorded(NamedTuple):
     contacts: int | None
     unknowns: int | None
     rank_ratio: float | None
-    oddities: str
+    remarks: str
     tol: float
     solvers: dict[str, float]
     tried: int
@@ -36,14 +35,14 @@ class Recorded(NamedTuple):
 
 
 def recorded_problems(run: Run) -> list[Recorded]:
-    """A line per file, in the plan's order; none where the run has scenes alone."""
+    """The recorded problems of the run, in the order of the plan."""
     files = run.rows["parameters"].map(_file)
     own = run.rows.assign(file=files)[files != ""]
     groups = own.groupby(["scene", "file", "problem"], sort=False)
-    return [_line(str(family), str(file), rows) for (family, file, _), rows in groups]
+    return [_recorded(str(family), str(file), rows) for (family, file, _), rows in groups]
 
 
-def _line(family: str, file: str, rows: pd.DataFrame) -> Recorded:
+def _recorded(family: str, file: str, rows: pd.DataFrame) -> Recorded:
     first, tol = rows.iloc[0], float(rows["tol"].min())
     if first["problem"] == "":
         return Recorded(family, file, None, None, None, None, "", tol, {}, 0, str(first["reason"]))
@@ -54,22 +53,21 @@ def _line(family: str, file: str, rows: pd.DataFrame) -> Recorded:
     ratio = first["rank"] / rows_of_w if rows_of_w and np.isfinite(first["rank"] or np.nan) else None
     times = {str(label): float(time) for label, time in done.groupby("label")["time"].min().sort_values().items()}
     size = dimension, contacts, unknowns, ratio
-    return Recorded(family, file, *size, _oddities(first), tol, times, tried, "")
+    return Recorded(family, file, *size, _remarks(first), tol, times, tried, "")
 
 
-def _oddities(facts: pd.Series) -> str:
-    """What mechanics has not, and the file has."""
-    told = ["trivial"] if facts["trivial"] else []
+def _remarks(facts: pd.Series) -> str:
+    remarks = ["trivial"] if facts["trivial"] else []
     for name, column in (("unsymmetric", "asymmetry"), ("indefinite", "indefiniteness")):
         share = abs(facts[column] or 0.0)
-        told += [f"{name} by {share:.0e}".replace("e-0", "e-")] if share > NOTICED else []
-    return ", ".join(told)
+        remarks += [f"{name} by {share:.0e}".replace("e-0", "e-")] if share > NOTICED else []
+    return ", ".join(remarks)
 
 
 def _file(parameters: str) -> str:
-    """The file that a source's parameters name; empty for a scene."""
+    """The file that the parameters of a recorded problem name; empty for a scene."""
     try:
-        told: Any = json.loads(parameters or "{}")
+        values: Any = json.loads(parameters or "{}")
     except (ValueError, RecursionError):
         return ""
-    return str(told["file"]) if isinstance(told, dict) and list(told) == ["file"] else ""
+    return str(values["file"]) if isinstance(values, dict) and list(values) == ["file"] else ""

@@ -1,6 +1,7 @@
-"""Who is exact, who claims falsely, and who dies, at the tightest tolerance of a run: a line an label, and all in sentences.
+"""Reliability at the tightest tolerance of a run: which solvers are exact, which claim wrong solutions, and which crash.
 
-A relaxation's or a polygon's answers are exact as such where the residual of that model is within the tolerance.
+An answer to a relaxation, or to an LCP with a polygonal cone, solves its own model if the residual of that model is within the
+tolerance.
 """
 
 from collections.abc import Callable
@@ -12,21 +13,22 @@ from frictionbench.results.verdicts import Verdict
 
 
 class Reliability(NamedTuple):
-    """Of the problems that an label met how many it ended how; own: exactly in its own model."""
+    """How many of the problems that a solver ran on ended how. exact: residual of the exact problem within the tolerance; own:
+    residual of the exact problem or of its own model within the tolerance; the others count verdicts."""
 
     label: str
     model: str
     problems: int
     exact: int
     own: int
-    missed: int
+    near_miss: int
     wrong: int
     timeout: int
     crashed: int
 
 
 def reliabilities(run: Run) -> list[Reliability]:
-    """Those exact most often first."""
+    """One per label, the most often exact first."""
     rows = run.contested[(run.contested["tol"] == run.contested["tol"].min()) & (run.contested["verdict"] != Verdict.SKIPPED)]
     found = []
     for label, own in rows.groupby("label", sort=False):
@@ -40,31 +42,30 @@ def reliabilities(run: Run) -> list[Reliability]:
 
 
 def sentences(run: Run) -> list[tuple[str, str]]:
-    """What is said of labels, and which they are, with counts; what holds of nobody is left out."""
+    """Statements, each with the solvers that it holds for, as text with counts; those that hold for none are left out."""
     everybody = reliabilities(run)
     if not everybody:
         return []
-    to = power(float(run.contested["tol"].min()))
+    tol = power(float(run.contested["tol"].min()))
     everywhere = [one for one in everybody if one.own == one.problems]
     claims: dict[str, tuple[list[Reliability], Callable[[Reliability], int] | None]] = {
-        f"Exact to {to} on every problem taken": ([one for one in everywhere if one.exact == one.problems], None),
-        f"To {to} as well, with a polygon for the cone in space": (
+        f"Every problem solved to {tol}": ([one for one in everywhere if one.exact == one.problems], None),
+        f"Every problem solved to {tol} with a polygonal cone in space": (
             [one for one in everywhere if one.exact < one.problems and one.model == "lcp"],
             None,
         ),
-        "Claim answers that are off by more than ten times": ([one for one in everybody if one.wrong], lambda one: one.wrong),
-        "Died": ([one for one in everybody if one.crashed], lambda one: one.crashed),
-        f"To {to} as well, of a relaxation, another law where bodies slide": (
+        "Wrong claims, with a residual above ten times the tolerance": (
+            [one for one in everybody if one.wrong],
+            lambda one: one.wrong,
+        ),
+        "Crashed": ([one for one in everybody if one.crashed], lambda one: one.crashed),
+        f"Every problem solved to {tol} as a convex relaxation, whose friction law differs for sliding contacts": (
             [one for one in everywhere if one.exact < one.problems and one.model != "lcp"],
             None,
         ),
     }
     return [
-        (what, ", ".join(_named(one, count(one) if count else None) for one in labels))
-        for what, (labels, count) in claims.items()
-        if labels
+        (what, ", ".join(f"{one.label} ({count(one)} of {one.problems})" if count else one.label for one in solvers))
+        for what, (solvers, count) in claims.items()
+        if solvers
     ]
-
-
-def _named(one: Reliability, count: int | None) -> str:
-    return one.label if count is None else f"{one.label} ({count} of {one.problems})"

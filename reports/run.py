@@ -1,15 +1,15 @@
-"""A run as a report reads it: its manifest, and its tables made ready for figures. Page, paper and charts share this value.
+"""A run as reports read it: its manifest and its tables with added columns. Page, paper and charts share this value.
 
-To the solves table come the columns
+Columns added to the solves table:
 
-    label           the variant of a solver, with an asterisk where it is a portfolio; another start makes it another label,
-                    and so does another host: times of two machines never meet in one figure
+    label           the variant of a solver, with an asterisk if it is a portfolio, and with the start and the host where they
+                    differ, so that times of two machines are never combined
     problem_id      a number for the problem of one time step
-    problem_class   the scene; where a scene comes in several sizes, the scene and its band of sizes
+    problem_class   the scene, with its range of sizes if the scene occurs in several
     time            form, setup and solve together, s
-    answered        there is an answer, verified and timed
+    answered        whether there is an answer that was verified and timed
 
-Trivial problems never enter a headline: `Run.contested` leaves them out.
+Trivial problems are excluded from rankings: `Run.contested` leaves them out.
 """
 
 import json
@@ -26,10 +26,12 @@ from frictionbench.reports.drawing.style import Look, looks
 from frictionbench.results.conventions import COLD, KEEP_ANSWER
 from frictionbench.results.convergence import ConvergenceHistory, read_histories
 from frictionbench.results.map_spec import GridPoint, maps_of, read_thresholds
+from frictionbench.results.polygon import Deviation, read_deviations
+from frictionbench.results.shrunk import Shrunk, read_shrunk
 from frictionbench.results.store import read_manifest, read_table
 from frictionbench.results.verdicts import Verdict
 
-BANDS = (100, 1000)  # unknowns of the friction LCP: dense methods win below, sparse ones above
+BANDS = (100, 1000)  # unknowns of the friction LCP: dense methods are faster below, sparse ones above
 PORTFOLIO = "*"
 NO_ANSWER = (Verdict.TIMEOUT, Verdict.CRASHED, Verdict.SKIPPED)
 _IDENTITY = ["scene", "parameters", "step", "phase", "problem"]
@@ -37,50 +39,57 @@ _IDENTITY = ["scene", "parameters", "step", "phase", "problem"]
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """The manifest and the two tables, annotated, of a results folder; what several readers need of them is made once."""
+    """The contents of a results folder. Values that several readers need are computed once.
+
+    rows: the solves table; simulations: without those of maps in closed loop, which are in map_simulations; thresholds: points
+    on each threshold, by map and name.
+    """
 
     manifest: dict[str, Any]
-    rows: pd.DataFrame  # solves
+    rows: pd.DataFrame
     simulations: pd.DataFrame
-    map_simulations: pd.DataFrame = field(default_factory=pd.DataFrame)  # those of maps in closed loop
+    map_simulations: pd.DataFrame = field(default_factory=pd.DataFrame)
     histories: list[ConvergenceHistory] = field(default_factory=list)
-    thresholds: dict[str, dict[str, list[GridPoint]]] = field(default_factory=dict)  # of each map, by name
+    thresholds: dict[str, dict[str, list[GridPoint]]] = field(default_factory=dict)
+    shrunk: dict[str, Shrunk] = field(default_factory=dict)
+    deviations: list[Deviation] = field(default_factory=list)
+    folder: Path = Path()
 
     @cached_property
     def contested(self) -> pd.DataFrame:
-        """The rows of friction problems that are not trivial; a source that yielded none has no problem, an LCP no contacts."""
+        """The rows of non-trivial friction problems, without those of sources that yielded no problem and of bare LCPs."""
         return self.rows[~self.rows["trivial"] & (self.rows["problem"] != "") & self.rows["contacts"].notna()]
 
     @cached_property
     def looks(self) -> dict[str, Look]:
-        """The look of every label that ran at all."""
+        """The look of every label that ran."""
         tables = (self.rows, self.simulations)
         return looks(label for table in tables for label in table.loc[table["verdict"] != Verdict.SKIPPED, "label"])
 
     @cached_property
     def portfolios(self) -> dict[str, str]:
-        """Of each portfolio that has a row, the solvers that it may run."""
+        """For each portfolio that has a row, the solvers that it may run."""
         rows = pd.concat([table[["solver", "members"]] for table in (self.rows, self.simulations)]).drop_duplicates("solver")
         return {solver: members for solver, members in rows.fillna("").itertuples(index=False) if members}
 
     @cached_property
     def times(self) -> dict[float, pd.DataFrame]:
-        """Of each target the times to it, per problem and label: see reports.accuracy."""
+        """For each target the times to it, per problem and label: see reports.accuracy."""
         return {target: times_to(self.contested, target) for target in targets(self.contested)}
 
     @property
     def ends(self) -> list[float]:
-        """The coarsest and the tightest target; one, where there is no other."""
+        """The coarsest and the tightest target; only one if they are the same."""
         return sorted({max(self.times), min(self.times)}, reverse=True)
 
     @cached_property
     def summaries(self) -> dict[float, pd.DataFrame]:
-        """Of each target its times summed up, per class and label."""
+        """For each target the summary of its times, per class and label."""
         return {target: summary(times) for target, times in self.times.items()}
 
 
 def read_run(folder: Path) -> Run:
-    """The run in a results folder. Errors: results.store.ResultsError where it is none or a table cannot be read."""
+    """The run in a results folder. Errors: results.files.ResultsError if it is not one or a file in it cannot be read."""
     manifest = read_manifest(folder)
     specs = maps_of(manifest)
     loops = {
@@ -90,10 +99,12 @@ def read_run(folder: Path) -> Run:
     }
     simulations = annotate_simulations(read_table(folder, "simulations"))
     where = zip(simulations["scene"], simulations["scheme"], simulations["parameters"], strict=True)
-    mapped = np.array([told in loops for told in where], dtype=bool)
+    mapped = np.array([simulation in loops for simulation in where], dtype=bool)
     thresholds = {spec.name: read_thresholds(folder, spec) for spec in specs}
     solves = annotate(read_table(folder, "solves"))
-    return Run(manifest, solves, simulations[~mapped], simulations[mapped], read_histories(folder), thresholds)
+    both = simulations[~mapped], simulations[mapped]
+    reduced, deviations = read_shrunk(folder), read_deviations(folder)
+    return Run(manifest, solves, *both, read_histories(folder), thresholds, reduced, deviations, folder)
 
 
 def annotate(solves: pd.DataFrame) -> pd.DataFrame:
@@ -116,17 +127,17 @@ def annotate(solves: pd.DataFrame) -> pd.DataFrame:
 
 
 def annotate_simulations(simulations: pd.DataFrame) -> pd.DataFrame:
-    """A copy of the simulations table with the column label: another way to go on from a failed step makes it another label."""
+    """A copy of the simulations table with the column label, which names the way to continue after a failed step if unusual."""
     rows = simulations.reset_index(drop=True)
     texts = ["scene", "parameters", "variant", "verdict", "reason", "scheme", "after_failure", "key"]
     rows[texts] = rows[texts].fillna("")
-    told = rows["variant"] + _mark(rows)
+    label = rows["variant"] + _mark(rows)
     usual = rows["after_failure"].isin(["", KEEP_ANSWER])
-    return rows.assign(label=told.where(usual, told + ", else " + rows["after_failure"]))
+    return rows.assign(label=label.where(usual, label + ", else " + rows["after_failure"]))
 
 
 def _mark(rows: pd.DataFrame) -> pd.Series:
-    """What follows a portfolio's name wherever it is shown."""
+    """The mark that follows the name of a portfolio, else nothing."""
     return rows["members"].fillna("").ne("").map({True: PORTFOLIO, False: ""})
 
 

@@ -1,4 +1,4 @@
-"""A sheet per solver: what it is, what it guarantees in its own words, how far it got, and where it failed, smallest first."""
+"""A sheet per solver: its properties, its own description, its results, and its failures, the smallest problems first."""
 
 import re
 from typing import Any, NamedTuple
@@ -9,12 +9,13 @@ from frictionbench.reports.accuracy import ALL
 from frictionbench.reports.run import Run
 from frictionbench.results.verdicts import Verdict
 
-MOST_FAILURES = 12  # kinds of failure listed of one solver
-MOST_TOLD = 6000  # characters of a solver's own words
+MOST_FAILURES = 12  # kinds of failure listed for one solver, the most frequent ones
+LONGEST = 6000  # characters of a description, three times the longest in this package; a plug-in's may be of any length
 
 
 class Failure(NamedTuple):
-    """The cells of one class that an label ended with one verdict, of so many it ran there, and the smallest of them."""
+    """The cells of one class in which a solver failed with one verdict: their number, of all cells that ran, and the one with
+    the fewest contacts."""
 
     problem_class: str
     verdict: str
@@ -27,36 +28,38 @@ class Failure(NamedTuple):
 
 
 class Sheet(NamedTuple):
-    """One label. told: the solver's own words, from the manifest; results: of each target its row of the summary over all."""
+    """One solver. description: its own, in paragraphs, from the manifest. results: its row of the summary over all problems,
+    by target. more: kinds of failure not listed. skipped: cells by reason.
+    """
 
     label: str
     variant: str
     facts: dict[str, str]
-    told: list[str]
+    description: list[str]
     results: dict[float, dict[str, Any]]
     failures: list[Failure]
-    more: int  # kinds of failure not listed
+    more: int
     skipped: dict[str, int]
 
 
 def sheets(run: Run) -> list[Sheet]:
-    """The sheets of all labels that have cells, in the order of their names."""
-    words = run.manifest.get("solvers")
+    """The sheets of all labels that have cells, in alphabetical order."""
+    descriptions = run.manifest.get("solvers")
     results = {target: table[table["problem_class"] == ALL].set_index("label") for target, table in run.summaries.items()}
-    lost = _failures(run)
+    failed = _failures(run)
     reasons = run.rows[run.rows["verdict"] == Verdict.SKIPPED].groupby(["label", "reason"], sort=False).size()
     found = []
     for row in run.rows.drop_duplicates("label").sort_values("label").itertuples():
         label = str(row.label)
-        told = words.get(row.variant, "") if isinstance(words, dict) else ""
-        own = [Failure(*failure) for failure in lost[lost["label"] == label].drop(columns="label").itertuples(index=False)]
+        text = descriptions.get(row.variant, "") if isinstance(descriptions, dict) else ""
+        own = [Failure(*one) for one in failed[failed["label"] == label].drop(columns="label").itertuples(index=False)]
         facts = {name: str(getattr(row, name) or "") for name in ("family", "model", "version", "members")}
         found.append(
             Sheet(
                 label,
                 str(row.variant),
                 {name: text for name, text in facts.items() if text not in ("", "nan", "None")},
-                [_flowing(part) for part in str(told)[:MOST_TOLD].split("\n\n") if part.strip()],
+                [_flowing(part) for part in str(text)[:LONGEST].split("\n\n") if part.strip()],
                 {target: table.loc[label].to_dict() for target, table in results.items() if label in table.index},
                 own[:MOST_FAILURES],
                 max(0, len(own) - MOST_FAILURES),
@@ -67,19 +70,19 @@ def sheets(run: Run) -> list[Sheet]:
 
 
 def _flowing(paragraph: str) -> str:
-    """The paragraph with its lines joined, but for formulas, which are indented as a whole, and labels of lists."""
+    """The paragraph with its lines joined, except formulas, which are indented as a whole, and items of lists."""
     if all(line.startswith(" ") for line in paragraph.splitlines()):
         return paragraph
     return re.sub(r"\n(?!\* |\d\. |[A-Z]\w*: )\s*", " ", paragraph)
 
 
 def _failures(run: Run) -> pd.DataFrame:
-    """A row per label, class and verdict that is neither solved nor skipped, as in Failure, the most cells first."""
+    """A row per label, class and verdict other than solved and skipped, see Failure, the most frequent first."""
     ran = run.contested[run.contested["verdict"] != Verdict.SKIPPED]
     of = ran.groupby(["label", "problem_class"]).size().rename("of")
-    lost = ran[ran["verdict"] != Verdict.SOLVED].sort_values(["contacts", "tol"], kind="stable")
+    failed = ran[ran["verdict"] != Verdict.SOLVED].sort_values(["contacts", "tol"], kind="stable")
     columns = ["contacts", "residual", "reason", "key"]
-    kinds = lost.groupby(["label", "problem_class", "verdict"], sort=False)
+    kinds = failed.groupby(["label", "problem_class", "verdict"], sort=False)
     table = kinds[columns].first().assign(cells=kinds.size()).reset_index().join(of, on=["label", "problem_class"])
     table = table.sort_values("cells", ascending=False, kind="stable")
     return table[["label", "problem_class", "verdict", "cells", "of", *columns]]

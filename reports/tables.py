@@ -1,4 +1,4 @@
-"""The report's tables: who solves what, and how fast."""
+"""The report's tables: which solver solves which problems, and how fast."""
 
 from typing import Any, NamedTuple
 
@@ -8,12 +8,12 @@ from frictionbench.reports.accuracy import ALL
 from frictionbench.reports.run import Run
 from frictionbench.results.verdicts import Verdict
 
-NEARLY = 0.9  # as many problems as the best
-APART = 0.1  # of solve_time, beyond which a library's own clock says otherwise
+NEARLY = 0.9  # share of the best solver's number of problems that counts as nearly as many
+APART = 0.1  # relative difference of a library's own clock from solve_time that is larger than the overhead of a call
 
 
 def solvability(run: Run) -> pd.DataFrame:
-    """A row per label: trivial (cells left out of all that follows), cells, claimed, and the count of each verdict."""
+    """A row per label: trivial (cells of trivial problems, not counted in the others), cells, claimed, and each verdict."""
     real = run.contested
     table = pd.DataFrame({"trivial": run.rows.groupby("label", sort=False)["trivial"].sum()})
     table["cells"] = real.groupby("label").size()
@@ -24,19 +24,19 @@ def solvability(run: Run) -> pd.DataFrame:
 
 
 def wrong_claims(run: Run) -> pd.DataFrame:
-    """All cells, trivial ones too, that were claimed solved and are not, the worst residual first."""
+    """All cells with the verdict wrong, those of trivial problems included, the largest residual first."""
     wrong = run.rows[run.rows["verdict"] == Verdict.WRONG]
     return wrong.sort_values("residual", ascending=False, kind="stable", na_position="first")
 
 
 def reasons(run: Run) -> pd.DataFrame:
-    """A row per label, verdict and reason given: cells."""
+    """A row per label, verdict and reason: cells."""
     given = run.rows[run.rows["reason"] != ""]
     return given.groupby(["label", "verdict", "reason"], sort=False).size().rename("cells").reset_index()
 
 
 def by_class(run: Run) -> pd.DataFrame:
-    """A row per class, label and tolerance: cells, solved, and medians of residuals and times; worst: largest residual."""
+    """A row per class, label and tolerance: cells, solved, medians of residuals (1) and times (s), worst (largest residual)."""
     rows = run.contested
     answers = rows.assign(
         solved=rows["verdict"] == Verdict.SOLVED,
@@ -62,11 +62,11 @@ def by_class(run: Run) -> pd.DataFrame:
 
 
 def problem_classes(run: Run) -> pd.DataFrame:
-    """A row per class, those of one scene together and by size: problems, trivial ones among them, and the ranges of contacts,
-    unknowns and condition."""
+    """A row per class, grouped by scene and ordered by size: problems, how many are trivial, the ranges of contacts and
+    unknowns, and the largest condition."""
     problems = run.rows.sort_values("size").drop_duplicates("problem_id").sort_index()
-    met = {scene: place for place, scene in enumerate(problems["scene"].unique())}
-    problems = problems.assign(place=problems["scene"].map(met)).sort_values(["place", "size"], kind="stable")
+    order = {scene: i for i, scene in enumerate(problems["scene"].unique())}
+    problems = problems.assign(order=problems["scene"].map(order)).sort_values(["order", "size"], kind="stable")
     return (
         problems.groupby("problem_class", sort=False)
         .agg(
@@ -84,7 +84,7 @@ def problem_classes(run: Run) -> pd.DataFrame:
 
 
 def best_first(summary: pd.DataFrame, problem_class: str = ALL) -> pd.DataFrame:
-    """The class's rows of a summary by label, the most problems reached first, the faster first among equals."""
+    """The rows of a class in a summary by label, the most problems solved first, the faster first among equals."""
     own = summary[summary["problem_class"] == problem_class].set_index("label")
     return own.sort_values(["reached", "mean"], ascending=[False, True])
 
@@ -102,8 +102,8 @@ def race(summaries: dict[float, pd.DataFrame], problem_class: str = ALL) -> list
 
 
 class Leaders(NamedTuple):
-    """Rows of a summary: who reaches the target most often (the fastest of so many equals), and the fastest of those that
-    reach it on nearly as many problems."""
+    """Rows of a summary: the solver that reaches the target most often (the fastest of `equals` solvers), and the fastest of
+    those that reach it on nearly as many problems."""
 
     most_often: pd.Series
     equals: int
@@ -111,7 +111,7 @@ class Leaders(NamedTuple):
 
 
 def leaders(summary: pd.DataFrame) -> Leaders | None:
-    """The leaders over all problems; None where nobody reaches the target."""
+    """The leaders over all problems; None if no solver reaches the target."""
     overall = summary[(summary["problem_class"] == ALL) & (summary["reached"] > 0)].sort_values("mean", kind="stable")
     if overall.empty:
         return None
@@ -121,14 +121,14 @@ def leaders(summary: pd.DataFrame) -> Leaders | None:
 
 
 def gaps(run: Run) -> int:
-    """How many pairs of a problem and an label have no row at all, as in a run cut short."""
+    """The number of pairs of a problem and a label that have no row, as in a run that has not finished."""
     rows = run.contested
     return rows["problem_id"].nunique() * rows["label"].nunique() - len(rows.drop_duplicates(["problem_id", "label"]))
 
 
 def clocks(run: Run) -> pd.DataFrame:
-    """A row per label whose library keeps a clock of its own: medians of solve_time and clock_time (s), their ratio's median,
-    and apart: whether it is off one by more than APART."""
+    """A row per label whose library measures its own time: medians of solve_time and clock_time (s) and of their ratio; apart:
+    whether the ratio differs from one by more than APART."""
     rows = run.contested[run.contested["clock_time"].notna() & run.contested["solve_time"].notna()]
     ratio = rows["solve_time"] / rows["clock_time"].clip(lower=1e-7)
     groups = rows.assign(ratio=ratio).groupby("label", sort=False)
@@ -137,7 +137,7 @@ def clocks(run: Run) -> pd.DataFrame:
 
 
 def overhead(run: Run) -> float | None:
-    """The share of the cells' time that was spent outside form, setup and solve; None where it was not measured."""
+    """The share of the cells' time spent outside form, setup and solve; None if it was not measured."""
     rows = pd.concat([table[["overhead", "wall_time"]] for table in (run.rows, run.simulations)])
     measured = rows[rows["overhead"].notna() & (rows["wall_time"] > 0)]
     return float(measured["overhead"].sum() / measured["wall_time"].sum()) if len(measured) else None

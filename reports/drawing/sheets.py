@@ -21,7 +21,7 @@ from frictionbench.results.files import replaced
 
 FAMILIES = {"serif": "STIXGeneral", "sans": "DejaVu Sans"}  # which matplotlib brings
 _PGF = {"pgf.texsystem": "pdflatex", "pgf.rcfonts": False, "pgf.preamble": ""}
-BANDS = 3  # labels beyond which their bands would hide each other
+BANDS = 3  # bootstrap bands in one panel; more would hide each other
 Escape = Callable[[str], str]
 
 

@@ -1,7 +1,8 @@
-"""The page's template and how it writes numbers; everything it is given is escaped unless it is our own markup."""
+"""The environment of the templates and how they format numbers. All text is escaped unless it is markup of this package."""
 
 import json
 import math
+import shlex
 from base64 import b64encode
 from hashlib import sha256
 from pathlib import Path
@@ -10,22 +11,27 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from frictionbench.reports.drawing.text import power, seconds
+from frictionbench.reports.drawing.figures import Panel, inline_svg, swatch
+from frictionbench.reports.drawing.style import Look
+from frictionbench.reports.drawing.svg import on_page
+from frictionbench.reports.drawing.text import power, scene_title, seconds
+from frictionbench.reports.drawing.tiles import Drawing
+from frictionbench.results.verdicts import Verdict
 
 
 def script(name: str) -> tuple[Markup, str]:
-    """A script of this folder, and the hash by which a page's security policy lets it run, and no other."""
+    """A script of this folder, and the hash by which a page's security policy allows this script only."""
     text = Path(__file__).with_name(name).read_text(encoding="utf-8")
     return Markup(text), b64encode(sha256(text.encode()).digest()).decode()
 
 
 def as_json(value: Any) -> Markup:
-    """JSON that ends no script element, whatever text is in it."""
+    """The value as JSON that cannot end a script element."""
     return Markup(json.dumps(value, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"))
 
 
 def environment() -> Environment:
-    """Templates with escaping on, and the filters that numbers pass through; "–" stands for what was not measured."""
+    """Templates with escaping, and filters for numbers, commands and drawings; "–" stands for a missing number."""
     made = Environment(
         loader=PackageLoader("frictionbench.reports"),
         autoescape=True,
@@ -44,8 +50,19 @@ def environment() -> Environment:
         "whole": lambda value: "–" if _absent(value) else f"{value:.0f}",
         "breakable": lambda name: Markup("_<wbr>").join(str(name).split("_")),
         "records": lambda table: table.to_dict("records"),
+        "rerun": lambda key, run: shlex.join(["frictionbench", "rerun", str(run.folder), key]),
+        "scene": lambda row: scene_title(row["scene"], row["parameters"]),
+        "svg": _svg,
+        "json": as_json,
     }
+    made.globals["verdicts"] = Verdict
     return made
+
+
+def _svg(drawn: Panel | Drawing | Look) -> Markup:
+    if isinstance(drawn, Look):
+        return Markup(swatch(drawn))
+    return Markup(inline_svg(drawn) if isinstance(drawn, Panel) else on_page(drawn))
 
 
 def _absent(value: Any) -> bool:

@@ -26,7 +26,7 @@ from frictionbench.reports.drawing import svg
 from frictionbench.reports.drawing.tiles import Grid, Tile, panel
 from frictionbench.reports.page import write_report
 from frictionbench.reports.paper import write_paper
-from frictionbench.reports.robustness import costs, failures, map_cells, robustness
+from frictionbench.reports.robustness import costs, failures, map_cells, robustness, smallest
 from frictionbench.reports.run import read_run
 from frictionbench.results import store
 from frictionbench.results.conventions import first_phase
@@ -195,7 +195,8 @@ def test_the_smallest_failure_of_each_solver_is_made_small_by_itself(tmp_path) -
     spec = Map("m", "stack", Axis("blocks", 2, 3, 2, whole=True), Axis("mass_ratio", 1.0, 1e6, 2, "log"), {"push": 1.0})
     made = plan(replace(spec, levels=0), solvers=("hybrid", "nsgs"))
     run_maps(made, tmp_path / "run", 2, quiet())
-    failed = failures(map_cells(read_run(tmp_path / "run")), found := read_shrunk(tmp_path / "run"))
+    found = read_shrunk(tmp_path / "run")
+    failed = smallest(failures(map_cells(read_run(tmp_path / "run"))), found)
     (row,) = failed.to_dict("records")
     assert (row["label"], json.loads(row["parameters"])["blocks"], row["contacts"]) == ("nsgs", 2, 4)
     assert found.keys() == {row["key"]}

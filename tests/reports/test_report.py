@@ -47,6 +47,9 @@ def no_latex(monkeypatch) -> None:
     monkeypatch.setattr("frictionbench.reports.paper.which", lambda name: None)
 
 
+INF = float("inf")
+
+
 def table(name, rows):
     return pa.Table.from_pylist(list(rows), arrow_schema(name)).to_pandas()
 
@@ -128,7 +131,7 @@ def test_whoever_is_skipped_on_a_class_gains_nothing_by_it(tmp_path):
     assert table.loc[(accuracy.ALL, "a, warm"), ["reached", "problems"]].tolist() == [3, 3]
     assert ("rod", "b") not in table.index
     assert tables.leaders(run.summaries[1e-8]).fastest["label"] == "a"
-    assert accuracy.profile(run.times[1e-8])["b"][1].tolist() == [0.1, 0.2, 0.3, 0.4, 0.5]
+    assert np.isfinite(accuracy.ratios(run.times[1e-8])["b"]).tolist() == [True] * 5 + [False] * 5
     folder = write_folder(tmp_path / "run", [*slow, *quick, *warm])
     assert "b & 5/10 &" in (write_paper(folder, read_run(folder)) / "times.tex").read_text()
     assert "a reaches a verified residual of 1e-8 most often: on 10 of 10" in _Page(write_report(folder)).text
@@ -176,9 +179,8 @@ def test_profile_by_hand():
         *(lost_row(name, "r", "timeout") for name in "ab"),
         lost_row("c", "p", "timeout"),
     )
-    curves = accuracy.profile(accuracy.times_to(rows, 1e-8))
-    assert {name: ratio.tolist() for name, (ratio, _) in curves.items()} == {"a": [1, 4], "b": [1, 2], "c": []}
-    assert curves["a"][1].tolist() == [1 / 3, 2 / 3]
+    ratios = accuracy.ratios(accuracy.times_to(rows, 1e-8))
+    assert {name: ratio.tolist() for name, ratio in ratios.items()} == {"a": [1, 4, INF], "b": [1, 2, INF], "c": [INF] * 3}
 
 
 def test_leaders_are_the_most_frequent_and_the_fastest_of_nearly_as_frequent():
@@ -253,7 +255,9 @@ def test_a_large_share_of_form_is_marked(tmp_path):
     much = [solve_row("a", "p", form_time=1e-3, setup_time=0.0, solve_time=1e-3)]
     shares = [by_label(accuracy.summary(accuracy.times_to(annotated(*rows), 1e-8))).loc["a", "written"] for rows in (few, much)]
     assert shares == pytest.approx([1 / 7, 1 / 2])
-    assert "form, the writing of the problem: 14 %)" in _Page(write_report(write_folder(tmp_path / "few", few))).text
+    assert (
+        "share of form, the formulation of the problem: 14 %)" in _Page(write_report(write_folder(tmp_path / "few", few))).text
+    )
     assert "50 %, more than a fifth)" in _Page(write_report(write_folder(tmp_path / "much", much))).text
 
 
@@ -277,7 +281,7 @@ def test_the_page_has_all_its_parts_and_stands_alone(tmp_path):
     write_deviations(folder, [Deviation(0, 0.01, 1e-3, 0.0), Deviation(4, 0.01, 25e-3, 24e-3)])
     path = write_report(folder)
     page = _Page(path)
-    for part in ("Recorded problems", "no problem: for a reason", "The polygon's error on a motion", "24 mm", "circle"):
+    for part in ("Recorded problems", "no problem: for a reason", "Error of the polygon in a motion", "24 mm", "circle"):
         assert part in page.text
     for part in ("At a glance", "Solvability", "Speed and accuracy", "Time to equal accuracy", "Energy in closed loop"):
         assert part in page.text
@@ -510,7 +514,7 @@ def test_recorded_problems_are_told_one_by_one(tmp_path) -> None:
     run = read_run(write_folder(tmp_path / "run", rows))
     whole, broken = recorded_problems(run)
     assert (whole.file, whole.dimension, whole.contacts, whole.rank_ratio) == ("a.hdf5", 3, 4, 0.75)
-    assert (list(whole.solvers), whole.tried, whole.oddities) == (["fast", "slow"], 3, "unsymmetric by 1e-3")
+    assert (list(whole.solvers), whole.tried, whole.remarks) == (["fast", "slow"], 3, "unsymmetric by 1e-3")
     assert (broken.file, broken.reason) == ("torn.dat", "for a reason")
 
 
@@ -525,10 +529,8 @@ def test_mean_profile_and_page_have_one_denominator():
     rows += [solve_row("a", name, scene=scene, start="warm", key=f"warm {name}") for scene, name in names[:3]]
     run = run_of(*rows)
     shares = by_label(run.summaries[1e-8], accuracy.ALL)["share"]
-    curves = accuracy.profile(run.times[1e-8])
-    assert (
-        {entry: share[-1] for entry, (_, share) in curves.items()} == shares.to_dict() == {"a": 1.0, "b": 0.6, "a, warm": 1.0}
-    )
+    reached = {label: np.isfinite(ratio).mean() for label, ratio in accuracy.ratios(run.times[1e-8]).items()}
+    assert reached == shares.to_dict() == {"a": 1.0, "b": 0.6, "a, warm": 1.0}
     assert by_label(run.summaries[1e-8], accuracy.ALL)["problems"].to_dict() == {"a": 10, "b": 10, "a, warm": 3}
     (part,) = accuracy.entered_in_part(run.times[1e-8]).to_dict("records")
     assert (part["label"], part["entered"], part["of"], part["rank"], part["others"], part["best"]) == ("b", 6, 10, 1, 2, "b")
@@ -539,7 +541,7 @@ def test_the_rank_with_misses_charged_more_by_hand():
     quick = [solve_row("a", f"p{i}", solve_time=1e-5, form_time=0.0, setup_time=0.0) for i in range(3)]
     slow = [solve_row("b", f"p{i}", solve_time=7e-4, form_time=0.0, setup_time=0.0) for i in range(4)]
     table = accuracy.by_charge(run_of(*quick, lost_row("a", "p3", "timeout"), *slow).times[1e-8]).set_index("label")
-    assert table.loc["a", "missed"] == 1
+    assert table.loc["a", "failed"] == 1
     assert table.loc["a", "mean 10"] == pytest.approx(((2e-5) ** 3 * 100) ** 0.25 - 1e-5, rel=1e-6)
     assert table["rank 1"].to_dict() == {"a": 1, "b": 2}
     assert table["rank 10"].to_dict() == {"a": 2, "b": 1}
@@ -605,15 +607,15 @@ def test_a_sheet_says_what_a_solver_is_and_where_it_failed(tmp_path):
         row |= {"verdict": verdict, "residual": 2.4e-3, "reason": "so it says"}
     folder = write_folder(tmp_path / "run", [*rows, solve_row("b", "p0")], solvers={"a": "Pivots.\n\nIt always ends."})
     first, second = sheets(read_run(folder))
-    assert first.told == ["Pivots.", "It always ends."]
+    assert first.description == ["Pivots.", "It always ends."]
     assert [(lost.verdict, lost.cells, lost.of, lost.contacts) for lost in first.failures] == [
         ("unsolved", 2, 4, 3),
         ("wrong", 1, 4, 5),
     ]
     assert first.results[1e-8]["reached"] == 1
-    assert (second.failures, second.told) == ([], [])
+    assert (second.failures, second.description) == ([], [])
     page = _Page(write_report(folder)).text
-    for text in ("It always ends.", "It failed nowhere.", "2.4e-3", "so it says"):
+    for text in ("It always ends.", "No failures.", "2.4e-3", "so it says"):
         assert text in page
 
 
@@ -640,7 +642,7 @@ def test_a_librarys_own_clock_is_shown_beside_ours(tmp_path):
     table = tables.clocks(run_of(*rows)).set_index("label")
     assert table["apart"].to_dict() == {"a": False, "b": True}
     assert table.loc["b", "ratio"] == pytest.approx(2.0)
-    assert "By their own clocks" in _Page(write_report(write_folder(tmp_path / "run", rows))).text
+    assert "Times measured by the libraries" in _Page(write_report(write_folder(tmp_path / "run", rows))).text
 
 
 def test_who_is_exact_and_who_claims_falsely_by_hand(tmp_path):
@@ -660,16 +662,16 @@ def test_who_is_exact_and_who_claims_falsely_by_hand(tmp_path):
         ("soft", 0, 2, 0, 0),
     ]
     assert dict(sentences(run)) == {
-        "Exact to 1e-8 on every problem taken": "a, b",
-        "To 1e-8 as well, of a relaxation, another law where bodies slide": "soft",
-        "Claim answers that are off by more than ten times": "liar (1 of 2)",
-        "Died": "weak (1 of 2)",
+        "Every problem solved to 1e-8": "a, b",
+        "Every problem solved to 1e-8 as a convex relaxation, whose friction law differs for sliding contacts": "soft",
+        "Wrong claims, with a residual above ten times the tolerance": "liar (1 of 2)",
+        "Crashed": "weak (1 of 2)",
     }
     told = write_markdown(folder, read_run(folder)).read_text(encoding="utf-8")
-    assert "**Died**: weak (1 of 2)." in told
+    assert "**Crashed**: weak (1 of 2)." in told
     best = next(line for line in told.splitlines() if line.startswith("| all problems"))
     assert "`liar`" in best.split("|")[-2], "the best of the outside solvers"
-    assert "Claim answers that are off by more than ten times" in write_report(folder).read_text(encoding="utf-8")
+    assert "Wrong claims, with a residual above ten times the tolerance" in write_report(folder).read_text(encoding="utf-8")
 
 
 def test_nobody_misses_what_nobody_asked_for(tmp_path) -> None:
