@@ -15,6 +15,7 @@ from frictionbench.harness.plans.atlas import ATLAS
 from frictionbench.harness.plans.map_grid import axis, finer, home
 from frictionbench.harness.plans.plan import Plan, SimulationCell, Source
 from frictionbench.harness.plans.suites import MAPPED
+from frictionbench.harness.run import run
 from frictionbench.harness.run_maps import run_maps
 from frictionbench.harness.trace import crossings
 from frictionbench.harness.workers.plugins import load_plugins
@@ -272,7 +273,7 @@ def test_what_a_failed_step_does_afterwards(tmp_path) -> None:
         after_failure=("answer", "velocity", "relaxation"),
         plugins=plugins,
     )
-    run_maps(made, tmp_path / "run", 1, quiet())
+    run(made, tmp_path / "run", 1, quiet())
     simulations = read_run(tmp_path / "run").simulations
     assert len(simulations) == 2 * 2 * 3
     assert set(simulations["label"]) >= {"lemke", "lemke, else velocity", "lemke, else relaxation"}

@@ -9,7 +9,7 @@ import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from frictionbench.harness.commands.options import length, listed
+from frictionbench.harness.commands.options import parse_length, split_names
 from frictionbench.reports.charts import pareto, profiles
 from frictionbench.reports.drawing import tiles
 from frictionbench.reports.drawing.print import draw_panel, save_drawing
@@ -65,14 +65,16 @@ def test_a_paper_may_have_some_of_the_solvers(run) -> None:
     assert set(few.summaries[1e-8]["label"]) == set(few.looks)
     with pytest.raises(ResultsError, match=r"solvers: murty is not in this run; there are .*lemke"):
         chosen(run, ["murty"])
-    assert listed("a, b[x=1,y=2],c") == ["a", "b[x=1,y=2]", "c"]
+    assert split_names("a, b[x=1,y=2],c") == ["a", "b[x=1,y=2]", "c"]
 
 
 def test_widths_are_read_with_their_units() -> None:
-    assert [length(text) for text in ("85mm", "8.5cm", "3.35in", "3.35")] == pytest.approx([85 / 25.4, 85 / 25.4, 3.35, 3.35])
+    assert [parse_length(text) for text in ("85mm", "8.5cm", "3.35in", "3.35")] == pytest.approx(
+        [85 / 25.4, 85 / 25.4, 3.35, 3.35]
+    )
     for text in ("85", "wide", "3 ft", "..in"):
-        with pytest.raises(Exception, match="takes a"):
-            length(text)
+        with pytest.raises(Exception, match="is not a length"):
+            parse_length(text)
 
 
 def test_every_solver_has_its_references() -> None:  # but for the plug-ins that other tests load
