@@ -1,5 +1,6 @@
 # make bench   install, run the standard suite, write its results and report, and say where the report is
-# make test    install, check the style and the types, run the tests
+# make quick   install, check the style and the types, run the tests that matter for most changes: half a minute with kernels compiled
+# make test    install, check the style and the types, run all tests
 # make timing  install, time the kernels with pytest-benchmark, a file in runs/timing-REVISION each time
 # make peers   the outside solvers into an environment of their own, as far as they can be had; run the peers suite, report,
 #              and put its tables into docs/peers.md
@@ -13,7 +14,14 @@ PEERS_RUN ?= runs/peers-$(REVISION)
 RUN ?= runs/standard-$(REVISION)
 TIMING ?= runs/timing-$(REVISION)
 
-.PHONY: bench test timing peers regress install clean
+# Of one process each and without runs, browsers or installs: those are for make test.
+QUICK := tests/problems --ignore=tests/problems/recorded --ignore=tests/problems/test_compiled.py \
+	$(addprefix tests/solvers/test_,interface.py every_solver.py lemke.py principal_pivoting.py nsgs.py) \
+	tests/facts/test_statics.py tests/facts/test_classics.py tests/harness/test_verify.py tests/results/test_schema.py \
+	tests/results/test_baselines.py tests/face tests/project/test_structure.py tests/project/test_documents.py
+PYTEST = $(BIN)/python -m pytest --numprocesses=2 --dist=loadfile --no-loadscope-reorder
+
+.PHONY: bench quick test timing peers regress install clean
 install: .venv/installed
 
 .venv/installed: pyproject.toml constraints.txt
@@ -26,11 +34,17 @@ bench: install
 	$(BIN)/frictionbench run standard --out $(RUN)
 	$(BIN)/frictionbench report $(RUN)
 
-test: install
+quick: checked
+	$(PYTEST) $(QUICK)
+
+test: checked
+	$(PYTEST)
+
+.PHONY: checked
+checked: install
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	$(BIN)/python -m pytest --numprocesses=2 --dist=loadfile --no-loadscope-reorder
 
 timing: install
 	mkdir -p $(TIMING)
