@@ -1,5 +1,6 @@
-"""What a person at a terminal, or a pipe, is told: helps, lists, tables, ends of runs, and mistakes."""
+"""Help, lists, tables, the end of a run, errors and interruptions, as printed to a terminal or a pipe."""
 
+import re
 import signal
 import subprocess
 import sys
@@ -41,19 +42,19 @@ class Jitted:
 """
 
 
-def told(*arguments: str) -> str:
+def output_of(*arguments: str) -> str:
     return CliRunner().invoke(app, arguments).output
 
 
-def test_helps_keep_their_brackets() -> None:
-    assert "'stack[blocks=5]'" in told("solve", "--help")
-    assert "nsgs[relaxation=1.3]" in told("run", "--help").replace("\n", "")
-    listed = told("--help").partition("Commands:")[2].splitlines()
+def test_help_keeps_brackets_and_fits_its_lines() -> None:
+    assert "'stack[blocks=5]'" in output_of("solve", "--help")
+    assert "nsgs[relaxation=1.3]" in output_of("run", "--help").replace("\n", "")
+    listed = output_of("--help").partition("Commands:")[2].splitlines()
     assert [line for line in listed if len(line) > 80 or (line.endswith("...") and "compare" not in line)] == []
 
 
-def test_the_version_is_told() -> None:
-    assert told("--version").startswith("frictionbench 0.")
+def test_the_version_is_printed() -> None:
+    assert output_of("--version").startswith("frictionbench 0.")
 
 
 @pytest.mark.parametrize(
@@ -86,7 +87,7 @@ def test_a_table_leaves_out_what_does_not_fit_and_never_cuts(capsys) -> None:
     assert narrow == "nsgs[relaxation=1.3]  3 ms"
 
 
-def test_lists_tell_the_settings(capsys) -> None:
+def test_lists_show_the_settings(capsys) -> None:
     listing.show("solvers")
     listed = capsys.readouterr().out
     assert "settings: restarts=8, facets=8" in listed
@@ -112,17 +113,17 @@ def test_a_run_ends_with_its_verdicts_and_what_to_do_next(tmp_path) -> None:
     ]
     write_folder(tmp_path, [*solves, solve_row("a", "r", trivial=True)], [simulation_row("a")])
     lines = summary(tmp_path).splitlines()
-    assert lines[0] == "cells of problems that are not trivial: 5"
+    assert lines[0].endswith(": 5")  # cells of problems that are not trivial
     assert [line.split() for line in lines[1:4]] == [
         ["solver", "solved", "timeout", "skipped"],
         ["a", "2"],
         ["b", "1", "1", "1"],
     ]
-    assert "1 × b skipped: for a reason" in lines
-    assert lines[-1] == f"report:  frictionbench report {tmp_path}"
+    assert [line for line in lines if re.search(r"\b1\b.*\bb\b.*skipped.*for a reason", line)]
+    assert lines[-1].endswith(f"frictionbench report {tmp_path}")
 
 
-def test_a_key_may_be_cut_short(tmp_path) -> None:
+def test_a_key_may_be_abbreviated(tmp_path) -> None:
     for table, keys in (("solves", ("solve-12ab", "solve-12cd", "solve-12")), ("simulations", ("simulation-77",))):
         with ShardWriter(tmp_path, table, "test") as writer:
             for key in keys:
@@ -130,34 +131,27 @@ def test_a_key_may_be_cut_short(tmp_path) -> None:
     assert [store.find_row(tmp_path, given)[1]["key"] for given in ("12a", "solve-12c", "solve-12", "7")] == [
         *("solve-12ab", "solve-12cd", "solve-12", "simulation-77")
     ]
-    for given, complaint in (
-        ("12", "3 rows have a key that begins with '12'"),
-        ("13", "no row has the key '13'"),
-        ("", "no row"),
-    ):
-        with pytest.raises(ResultsError, match=complaint):
+    for given, facts in (("12", r"3 rows.*'12'"), ("13", "no row.*'13'"), ("", "no row")):
+        with pytest.raises(ResultsError, match=facts):
             store.find_row(tmp_path, given)
 
 
-@pytest.mark.parametrize(
-    ("command", "complaint"),
-    [
-        (("solve", "stack"), "broken off by SIGINT; nothing was kept"),
-        (("run", "smoke", "--out"), "broken off by SIGINT; the same command goes on where it stopped; what is there:"),
-    ],
-)
-def test_a_key_that_stops_it_is_answered(tmp_path, command, complaint) -> None:
-    begun = [sys.executable, "-m", "frictionbench", *command, *([str(tmp_path / "run")] if "--out" in command else [])]
+@pytest.mark.parametrize("command", ["solve stack", "run smoke --out run"])
+def test_an_interrupted_command_names_the_signal_and_the_folder_to_continue(tmp_path, command) -> None:
     code = "import os, signal; from frictionbench.harness.workers import pool; begin = pool.Pool.__init__\n"
     code += "pool.Pool.__init__ = lambda *given: (begin(*given), os.kill(os.getpid(), signal.SIGINT))[0]\n"
     code += "from frictionbench.harness.cli import main; main()"
-    ended = subprocess.run([sys.executable, "-c", code, *begun[3:]], capture_output=True, text=True, check=False, timeout=60)
+    call = [sys.executable, "-c", code, *command.split()]
+    ended = subprocess.run(call, capture_output=True, text=True, check=False, timeout=60, cwd=tmp_path)
     assert ended.returncode == 128 + signal.SIGINT
-    assert complaint in ended.stderr
+    assert "SIGINT" in ended.stderr
     assert "Traceback" not in ended.stderr
+    if "--out" in command:
+        assert "frictionbench report run" in ended.stderr
+        assert store.read_manifest(tmp_path / "run")["settings"]["suite"] == "smoke"  # the same command continues it
 
 
-def test_a_worker_that_compiles_is_told(tmp_path) -> None:
+def test_the_screen_shows_which_solver_is_compiled(tmp_path) -> None:
     plugin, heard, screen = tmp_path / "jitted.py", [], StringIO()
     plugin.write_text(JITTED, encoding="utf-8")
     _, plugins = load_plugins([str(plugin)])
@@ -176,4 +170,4 @@ def test_a_worker_that_compiles_is_told(tmp_path) -> None:
         assert outcome.failure is None
         stage.finished(task)
     assert heard[0] is True
-    assert "compiling for jitted" in screen.getvalue()
+    assert re.search(r"compiling.*jitted", screen.getvalue())

@@ -76,16 +76,6 @@ def test_the_current_folder_is_not_imported_from(saboteurs_folder) -> None:
     assert set(store.read_table(saboteurs_folder / "run", "solves")["verdict"]) == {"solved"}
 
 
-def test_the_face_shows_what_a_user_needs() -> None:
-    import frictionbench as fb
-
-    problem = fb.scene("stack", blocks=2, push=1.0).problem()
-    assert fb.solve(problem, "lemke", tol=1e-8).status is fb.Status.SOLVED
-    assert all(hasattr(fb, name) for name in fb.__all__)
-    with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
-        fb.nonsense  # noqa: B018
-
-
 def test_a_worker_of_other_code_is_refused(monkeypatch, tmp_path) -> None:
     monkeypatch.setattr(pool, "_server", None)
     monkeypatch.setattr(machine, "code", lambda: {"package": str(machine.PACKAGE.parent), "content": "another"})
