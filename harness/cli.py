@@ -1,6 +1,6 @@
 """The command line. Exit codes: 0 done, 1 a regression (compare), 2 unusable input, 128 + n ended by signal n.
 
-Everything heavy is imported inside the command that needs it, so that --help answers at once.
+Large imports are inside the commands that need them, so that --help is fast.
 """
 
 import signal
@@ -16,16 +16,16 @@ from frictionbench.harness.commands import options
 from frictionbench.results.conventions import DEFAULT_SCHEME
 
 app = typer.Typer(
-    help="Compare solvers for the friction LCPs of rigid-body dynamics. First: frictionbench solve stack",
+    help="Compare solvers for the friction LCPs of rigid-body dynamics. To begin: frictionbench solve stack",
     no_args_is_help=True,
     add_completion=False,
-    rich_markup_mode=None,  # which reads [blocks=5] as markup
+    rich_markup_mode=None,  # it would read [blocks=5] as markup
     pretty_exceptions_enable=False,
 )
 
 
-def _version(asked: bool) -> None:
-    if asked:
+def _version(requested: bool) -> None:
+    if requested:
         from importlib.metadata import version
 
         typer.echo(f"frictionbench {version('frictionbench')}")
@@ -59,15 +59,15 @@ def run(
     cluster: options.Cluster = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="DIR", help="Results folder; by default one below runs/ for these very settings."),
+        typer.Option("--out", metavar="DIR", help="Results folder; by default one below runs/ for these settings."),
     ] = None,
     retake: Annotated[
-        bool, typer.Option("--retake", help="Run again the cells of an earlier run that did not have their core to themselves.")
+        bool, typer.Option("--retake", help="Run again the cells that shared their core with another process.")
     ] = False,
 ) -> None:
-    """Run a suite, or what of it the options choose.
+    """Run a suite, or the part of it that the options select.
 
-    The same command goes on with a run that was broken off.
+    The same command resumes an interrupted run.
     """
     from frictionbench.harness.commands.summary import folder_for, summary
     from frictionbench.harness.plans.choose import choose
@@ -79,7 +79,7 @@ def run(
     variants, plugins = load_plugins(solver or [])
     plan = choose(suite, scene or [], variants, tol, time_limit, plugins, tuple(data or ()))
     folder = out or folder_for(plan)
-    with _goes_on(folder):
+    with _resumable(folder):
         if retake:
             drop_disturbed(plan, folder)
         if plan.maps:
@@ -94,20 +94,22 @@ def run(
 @app.command()
 def report(
     folder: options.Folder,
-    paper: Annotated[bool, typer.Option("--paper", help="Also figures, tables, captions and references for LaTeX.")] = False,
+    paper: Annotated[
+        bool, typer.Option("--paper", help="Also write figures, tables, captions and references for LaTeX.")
+    ] = False,
     solvers: Annotated[
-        str | None, typer.Option("--solvers", metavar="A,B,...", help="For the paper: only these, by their names.")
+        str | None, typer.Option("--solvers", metavar="A,B,...", help="For the paper: only these solvers.")
     ] = None,
     width: Annotated[
         float,
         typer.Option(
-            "--width", metavar="85mm|3.35in|241pt", parser=options.parse_length, help="For the paper: a column's width."
+            "--width", metavar="85mm|3.35in|241pt", parser=options.parse_length, help="For the paper: the width of a column."
         ),
     ] = 3.35,
     font: Annotated[
         Literal["serif", "sans"], typer.Option("--font", metavar="serif|sans", help="For the paper: its typeface.")
     ] = "serif",
-    markdown: Annotated[bool, typer.Option("--markdown", help="Also the run's figures as Markdown.")] = False,
+    markdown: Annotated[bool, typer.Option("--markdown", help="Also write the run's figures as Markdown.")] = False,
 ) -> None:
     """Make the HTML report of a results folder."""
     from frictionbench.reports.page import write_report
@@ -120,9 +122,9 @@ def report(
         from frictionbench.reports.paper import chosen, write_paper
 
         written = write_paper(folder, chosen(run, options.split_names(solvers)) if solvers else run, Layout(width, font))
-        typer.echo(f"paper:  {written}, its preview.tex shows all; references in references.bib")
+        typer.echo(f"paper:  {written}; preview.tex includes everything, references.bib has the references")
         if not any(written.glob("*.pgf")):
-            typer.echo("no PGF: pdflatex is not installed, which measures its texts")
+            typer.echo("no PGF figures: they need pdflatex, which is not installed")
     if markdown:
         from frictionbench.reports.markdown import write_markdown
 
@@ -131,42 +133,45 @@ def report(
 
 @app.command()
 def compare(
-    baseline: Annotated[Path, typer.Argument(metavar="BASELINE", help="A baseline's text, or a results folder.")],
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A results folder. Both may be results of pytest-benchmark.")],
-    confirm: Annotated[bool, typer.Option("--confirm", help="Run the alerting cells again before exit 1.")] = False,
+    baseline: Annotated[Path, typer.Argument(metavar="BASELINE", help="A baseline file or a results folder.")],
+    folder: Annotated[
+        Path, typer.Argument(metavar="DIR", help="A results folder. Both may also be results of pytest-benchmark.")
+    ],
+    confirm: Annotated[bool, typer.Option("--confirm", help="Run the cells with alerts again before exiting with 1.")] = False,
     code: Annotated[
         str | None,
         typer.Option(
             "--code",
             metavar="REVISION|DIR",
-            help="With --confirm: the baseline's code, to run in turn with this one and compare times: a git revision, a "
-            "checkout, or an environment that has it.",
+            help="With --confirm: the baseline's code, run alternately with this code to compare times: a git revision, a "
+            "checkout, or an environment in which it is installed.",
         ),
     ] = None,
     solver: options.Trusted = None,
     slowdown: Annotated[
         float,
-        typer.Option("--slowdown", metavar="RATIO", min=1, help="Of times, up to which nothing is slower."),
+        typer.Option("--slowdown", metavar="RATIO", min=1, help="Ratio of times above which a solver counts as slower."),
     ] = 1.1,
     growth: Annotated[
         float,
-        typer.Option("--growth", metavar="RATIO", min=1, help="Of work, up to which nothing has grown."),
+        typer.Option("--growth", metavar="RATIO", min=1, help="Ratio of work counters above which work counts as grown."),
     ] = 1.05,
     alpha: Annotated[
         float,
-        typer.Option("--alpha", metavar="P", min=0, max=1, help="Chance of error of the times' intervals."),
+        typer.Option("--alpha", metavar="P", min=0, max=1, help="Error probability of the confidence intervals of times."),
     ] = 0.05,
-    no_times: Annotated[bool, typer.Option("--no-times", help="Leave times out.")] = False,
+    no_times: Annotated[bool, typer.Option("--no-times", help="Do not compare times.")] = False,
     known: Annotated[
         Path | None, typer.Option("--known", metavar="FILE", help="Acknowledged changes with their reasons, in TOML.")
     ] = None,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FOLDER", help="Write it as Markdown, JSON, benchmark JSON and JUnit XML.")
+        Path | None,
+        typer.Option("--out", metavar="FOLDER", help="Also write it as Markdown, JSON, benchmark JSON and JUnit XML."),
     ] = None,
 ) -> None:
     """Compare two runs as Markdown.
 
-    Exit 0 nothing worse, 1 a regression, 2 unusable input.
+    Exit code 0: nothing is worse; 1: a regression; 2: unusable input.
     """
     from frictionbench.reports.comparison.files import write_files
     from frictionbench.reports.comparison.markdown import markdown, summarise
@@ -193,20 +198,20 @@ def compare(
 def accept(
     folder: options.Folder,
     baseline: Annotated[
-        Path | None, typer.Argument(metavar="BASELINE", help="The text to write; baselines/SUITE.tsv by default.")
+        Path | None, typer.Argument(metavar="BASELINE", help="The file to write; baselines/SUITE.tsv by default.")
     ] = None,
 ) -> None:
-    """Make a run the baseline that others are compared with.
+    """Write a run as a baseline for comparisons.
 
-    Shows what that changes.
+    Shows the changes against the previous baseline.
     """
     from frictionbench.harness.commands.accept import accept as accept_run
     from frictionbench.reports.comparison.markdown import markdown
 
-    before, told = accept_run(folder, baseline)
+    before, accepted = accept_run(folder, baseline)
     if before is not None:
         typer.echo(markdown(before))
-    typer.echo(told)
+    typer.echo(accepted)
 
 
 @app.command()
@@ -217,7 +222,7 @@ def history(folders: Annotated[list[Path], typer.Argument(metavar="DIR...", help
     from frictionbench.reports.comparison.history import history as table_of
 
     console, table = Console(), table_of(folders)
-    (console if console.is_terminal else Console(width=10**6)).print(table)  # nothing is folded in a pipe
+    (console if console.is_terminal else Console(width=10**6)).print(table)  # lines are not wrapped in a pipe
 
 
 @app.command()
@@ -228,7 +233,7 @@ def solve(
     time_limit: options.Limit = 10.0,
     jobs: options.Jobs = None,
 ) -> None:
-    """Put every solver to one problem and show a table."""
+    """Solve one problem with every solver and show a table."""
     from frictionbench.harness.commands.single import solve_one
 
     solve_one(problem, solver or [], tol, time_limit, _jobs(jobs))
@@ -238,14 +243,14 @@ def solve(
 def export(
     problems: Annotated[str, typer.Argument(metavar="SCENE|DIR", help="A scene, or a results folder.")],
     out: Annotated[
-        Path, typer.Option("--out", "-o", metavar="FILE.hdf5|FOLDER", help="One file, or a folder where there are several.")
+        Path, typer.Option("--out", "-o", metavar="FILE.hdf5|FOLDER", help="A file, or a folder for several problems.")
     ],
     pick: Annotated[
         int,
-        typer.Option("--pick", metavar="N", min=0, help="Problems spread over its motion; 0: the first."),
+        typer.Option("--pick", metavar="N", min=0, help="Number of problems, spread over the motion; 0: the first problem."),
     ] = 0,
 ) -> None:
-    """Write problems in FCLIB's HDF5 format, for others to solve."""
+    """Write problems in FCLIB's HDF5 format."""
     from frictionbench.harness.commands.export import export as export_problems
 
     for path in export_problems(problems, out, pick):
@@ -254,11 +259,11 @@ def export(
 
 @app.command()
 def fetch(
-    family: Annotated[str, typer.Argument(metavar="fclib/FAMILY", help="Like fclib/Capsules; `fclib/` lists those known.")],
+    family: Annotated[str, typer.Argument(metavar="fclib/FAMILY", help="Like fclib/Capsules; `fclib/` lists all.")],
 ) -> None:
     """Download recorded problems of FCLIB's collection.
 
-    They are checked by size and sha256 and go into the user's cache.
+    They are verified by size and sha256 and stored in the user's cache.
     """
     from frictionbench.harness.commands.fetch import fetch as fetch_family
 
@@ -272,13 +277,13 @@ def show(
     scheme: options.Scheme = DEFAULT_SCHEME,
     steps: Annotated[
         int | None,
-        typer.Option("--steps", metavar="N", min=1, help="The scene's whole duration by default."),
+        typer.Option("--steps", metavar="N", min=1, help="Number of steps; by default the scene's duration."),
     ] = None,
     out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE.html", help="SCENE.html by default.")] = None,
 ) -> None:
     """Animate a scene on an HTML page.
 
-    It shows bodies, contact impulses, friction cones and the ledger of energy.
+    It shows bodies, contact impulses, friction cones and the energy balance.
     """
     from frictionbench.harness.commands.show import recorded
     from frictionbench.reports.animation import write_animation
@@ -286,7 +291,7 @@ def show(
     motion = recorded(scene, solver, scheme, steps)
     typer.echo(f"animation: {write_animation(motion, out or Path(f'{motion.scene}.html'))}")
     if motion.ended:
-        typer.echo(f"it ends after {len(motion.times) - 1} steps: {motion.ended}", err=True)
+        typer.echo(f"the motion ends after {len(motion.times) - 1} steps: {motion.ended}", err=True)
 
 
 @app.command("map")
@@ -295,22 +300,22 @@ def map_(
     x: Annotated[str, typer.Option("--x", metavar="PARAMETER=FROM:TO:N", help="Like friction=.1:3:30.")],
     y: Annotated[str, typer.Option("--y", metavar="PARAMETER=FROM:TO:N", help="Like mass_ratio=log:1e-6:1e6:13.")],
     solver: options.Solvers = None,
-    tol: Annotated[str, typer.Option("--tol", metavar="T", help="Residual to ask for.")] = "1e-6",
+    tol: Annotated[str, typer.Option("--tol", metavar="T", help="Tolerance on the residual.")] = "1e-6",
     time_limit: options.Limit = 1.0,
     scheme: options.Scheme = DEFAULT_SCHEME,
     steps: Annotated[
         int,
-        typer.Option("--steps", metavar="N", min=0, help="Steps in closed loop; 0 for the first problem alone."),
+        typer.Option("--steps", metavar="N", min=0, help="Steps in closed loop; 0 for only the first problem."),
     ] = 0,
     jobs: options.Jobs = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="DIR", help="Results folder; by default one below runs/ for these very settings."),
+        typer.Option("--out", metavar="DIR", help="Results folder; by default one below runs/ for these settings."),
     ] = None,
 ) -> None:
     """Draw a failure map of a scene over two of its parameters.
 
-    Every solver is tried on a grid that is refined where verdicts differ.
+    Every solver runs on a grid that is refined where verdicts differ.
     """
     from frictionbench.harness.commands.map import plan_map
     from frictionbench.harness.commands.summary import folder_for
@@ -322,7 +327,7 @@ def map_(
     variants, plugins = load_plugins(solver or [])
     plan = plan_map(scene, x, y, variants, plugins, tol, time_limit, scheme, steps)
     folder = out or folder_for(plan)
-    with _goes_on(folder):
+    with _resumable(folder):
         run_maps(plan, folder, _jobs(jobs), Progress())
     typer.echo(f"report: {write_report(folder)}")
 
@@ -330,18 +335,18 @@ def map_(
 @app.command("check-solver")
 def check_solver(
     solver: Annotated[
-        list[str], typer.Argument(metavar="FILE|NAME...", help="A file that defines solvers, or names; all variants of a name.")
+        list[str], typer.Argument(metavar="FILE|NAME...", help="Files that define solvers, or names; all variants of each.")
     ],
     jobs: options.Jobs = None,
 ) -> None:
-    """Hold a solver to the contract.
+    """Check a solver against the contract.
 
-    Says what is wrong with it, and what to do; exit 0 where it keeps all of it, else 1.
+    Shows what is wrong and how to correct it. Exit code 0: all checks passed; 1: a check failed.
     """
-    from frictionbench.harness.contract.examine import examine, told
+    from frictionbench.harness.contract.examine import examine, format_findings
 
     found = examine(solver, _jobs(jobs))
-    typer.echo(told(found))
+    typer.echo(format_findings(found))
     raise typer.Exit(int(any(one.complaints for one in found)))
 
 
@@ -355,15 +360,15 @@ def rerun(folder: options.Folder, row: options.Row, solver: options.Trusted = No
 
 @app.command()
 def shrink(folder: options.Folder, row: options.Row, solver: options.Trusted = None) -> None:
-    """Make a failing cell's problem as small as it can be.
+    """Reduce the problem of a failing cell.
 
-    It is kept as a file, which still fails.
+    Contacts are removed while it still fails; the rest is saved as a file.
     """
     from frictionbench.harness.commands.shrink import shrink as shrink_row
 
     path, problem, trials = shrink_row(folder, row, solver or [])
-    typer.echo(f"{problem.contacts} contacts and {len(problem.free_velocity)} velocities left after {trials} trials: {path}")
-    typer.echo(f"again: frictionbench solve {path}")
+    typer.echo(f"reduced to {problem.contacts} contacts and {len(problem.free_velocity)} velocities in {trials} trials: {path}")
+    typer.echo(f"solve it: frictionbench solve {path}")
 
 
 def _jobs(jobs: int | None) -> int:
@@ -373,29 +378,29 @@ def _jobs(jobs: int | None) -> int:
     require_linux()
     most = len(cores())
     if jobs is not None and jobs > most:
-        raise InputError(f"jobs: at most {most} here, one core for each")
+        raise InputError(f"jobs: at most {most} on this machine, one per core")
     return jobs or most
 
 
 class _Stopped(BaseException):
-    """A signal asked for the end; the argument is its number."""
+    """A signal interrupted the command; the argument is its number."""
 
 
 def _stop(number: int, _: Any) -> None:
     for same in _SIGNALS:
-        signal.signal(same, signal.SIG_IGN)  # what is under way ends in order
+        signal.signal(same, signal.SIG_IGN)  # further signals do not interrupt the clean-up
     raise _Stopped(number)
 
 
 @contextmanager
-def _goes_on(folder: Path) -> Iterator[None]:
-    """Say where a run goes, and of one that is stopped how it goes on."""
-    typer.echo(f"results go into {folder}", err=True)
+def _resumable(folder: Path) -> Iterator[None]:
+    """Print the run's folder, and if the run is interrupted how to resume it."""
+    typer.echo(f"results are written to {folder}", err=True)
     try:
         yield
     except _Stopped as stopped:
-        stopped.add_note("the same command goes on where it stopped")
-        stopped.add_note(f"what is there: frictionbench report {folder}")
+        stopped.add_note("run the same command again to resume")
+        stopped.add_note(f"report of the results so far: frictionbench report {folder}")
         raise
 
 
@@ -403,7 +408,7 @@ _SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if
 
 
 def main() -> Any:
-    """The entry point: run the command line, errors of the user's as one line."""
+    """The entry point: run the command line; errors of input are printed as one line."""
     for number in _SIGNALS:
         signal.signal(number, _stop)
     try:
@@ -414,18 +419,18 @@ def main() -> Any:
 
         if not isinstance(error, InputError | ResultsError | OSError):
             raise
-        typer.echo(f"frictionbench: {_told(error)}", err=True)
+        typer.echo(f"frictionbench: {_message(error)}", err=True)
         sys.exit(2)
     except _Stopped as stopped:
         number = stopped.args[0]
-        told = [f"broken off by {signal.Signals(number).name}", *getattr(stopped, "__notes__", ["nothing was kept"])]
-        with suppress(OSError):  # the terminal may be gone
-            typer.echo(f"\nfrictionbench: {'; '.join(told)}", err=True)
+        notes = [f"interrupted by {signal.Signals(number).name}", *getattr(stopped, "__notes__", ["nothing was stored"])]
+        with suppress(OSError):  # the terminal may be closed
+            typer.echo(f"\nfrictionbench: {'; '.join(notes)}", err=True)
         sys.exit(128 + number)
 
 
-def _told(error: Exception) -> str:
-    """The error in our words: a file's name with what the system says of it."""
+def _message(error: Exception) -> str:
+    """The error's message; of an error of the system the file and the reason."""
     if isinstance(error, OSError) and error.filename and error.strerror:
         return f"{error.filename}: {error.strerror}"
     return str(error)

@@ -1,7 +1,7 @@
 """The convergence histories of a run (results.convergence): residual against work on a few problems, after all cells are done.
 
-Chosen are the largest problems of up to MOST contacts of different scenes, and the small ones with the most redundant
-contacts, none of them trivial; followed are single methods, not portfolios, that solved the problem at the tightest tolerance.
+The problems are the largest of up to MOST contacts of different scenes, and the small ones with the most redundant contacts,
+none of them trivial. The solvers are single methods, not portfolios, that solved the problem at the tightest tolerance.
 """
 
 from collections.abc import Iterable
@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from frictionbench.harness.cells import worker
-from frictionbench.harness.cells.collect import Entry
+from frictionbench.harness.cells.collect import Record
 from frictionbench.harness.plans.plan import Plan
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.workers.pool import Pool
@@ -18,18 +18,18 @@ from frictionbench.results import store
 from frictionbench.results.convergence import NAME, ConvergenceHistory, write_histories
 from frictionbench.results.verdicts import Verdict
 
-LARGE, REDUNDANT = 4, 2  # problems chosen of each kind
-MOST = 64  # contacts
-MOST_FORCES = 12  # contacts of a problem whose impulses are kept
-LIMIT = 10.0  # seconds for one history
+LARGE, REDUNDANT = 4, 2  # problems of each kind; each is a panel of the report's figure, which stays legible with few
+MOST = 64  # contacts: a history takes some twenty-five solves, too long for larger problems
+MOST_FORCES = 12  # contacts of a problem whose impulses are stored: the report draws each as a bar
+LIMIT = 10.0  # seconds for one history: five times the budget of harness.cells.convergence
 
 
-def record_histories(plan: Plan, folder: Path, entries: Iterable[Entry], pool: Pool, progress: Progress) -> None:
-    """Write the histories, unless they are there; one that is lost is no loss. Maps have none."""
+def record_histories(plan: Plan, folder: Path, records: Iterable[Record], pool: Pool, progress: Progress) -> None:
+    """Write the histories, unless they have been written; those that fail are left out. Runs of maps have none."""
     if plan.maps or (folder / NAME).exists():
         return
-    tol, problems = min(plan.tolerances), {entry["problem"]: entry for entry in chosen(entries)}
-    able = {
+    tol, problems = min(plan.tolerances), {record["problem"]: record for record in chosen(records)}
+    solved = {
         (row.get("problem"), row.get("variant"))
         for row in store.rows(folder, "solves")
         if row.get("tol") == tol and row.get("verdict") in (Verdict.SOLVED, Verdict.RELAXED) and not row.get("members")
@@ -38,7 +38,7 @@ def record_histories(plan: Plan, folder: Path, entries: Iterable[Entry], pool: P
         Task(f"convergence history of {variant}", worker.run_history, (name, variant, tol, LIMIT), LIMIT, plan.owner(variant))
         for variant in sorted(plan.solvers, key=plan.owner)
         for name in problems
-        if (name, variant) in able
+        if (name, variant) in solved
     ]
     found = []
     with progress.stage("convergence histories", len(tasks), 0) as stage:
@@ -52,24 +52,26 @@ def record_histories(plan: Plan, folder: Path, entries: Iterable[Entry], pool: P
     )
 
 
-def chosen(entries: Iterable[Entry]) -> list[Entry]:
-    """The problems that are followed."""
-    real = [entry for entry in entries if entry["problem"] and not entry["trivial"] and (entry["contacts"] or MOST + 1) <= MOST]
-    large = sorted(real, key=lambda entry: -entry["contacts"])
-    redundant = [entry for entry in large if entry["redundancy"] and entry["contacts"] <= MOST_FORCES]
-    redundant.sort(key=lambda entry: -entry["redundancy"] / entry["contacts"])
+def chosen(records: Iterable[Record]) -> list[Record]:
+    """The records of the problems whose histories are recorded."""
+    real = [
+        record for record in records if record["problem"] and not record["trivial"] and (record["contacts"] or MOST + 1) <= MOST
+    ]
+    large = sorted(real, key=lambda record: -record["contacts"])
+    redundant = [record for record in large if record["redundancy"] and record["contacts"] <= MOST_FORCES]
+    redundant.sort(key=lambda record: -record["redundancy"] / record["contacts"])
     return [*_one_a_scene(large)[:LARGE], *_one_a_scene(redundant)[:REDUNDANT]]
 
 
-def _one_a_scene(entries: list[Entry]) -> list[Entry]:
-    found: dict[str, Entry] = {}
-    for entry in entries:
-        found.setdefault(entry["scene"], entry)
+def _one_a_scene(records: list[Record]) -> list[Record]:
+    found: dict[str, Record] = {}
+    for record in records:
+        found.setdefault(record["scene"], record)
     return list(found.values())
 
 
-def _history(entry: Entry, variant: str, told: dict[str, Any]) -> ConvergenceHistory:
-    redundant = bool(entry["redundancy"])
-    impulse = told["impulse"] if redundant and entry["contacts"] <= MOST_FORCES else []
-    facts = (entry["scene"], entry["parameters"], entry["step"], variant, entry["contacts"], redundant)
-    return ConvergenceHistory(*facts, told["units"], told["residuals"], impulse)
+def _history(record: Record, variant: str, found: dict[str, Any]) -> ConvergenceHistory:
+    redundant = bool(record["redundancy"])
+    impulse = found["impulse"] if redundant and record["contacts"] <= MOST_FORCES else []
+    facts = (record["scene"], record["parameters"], record["step"], variant, record["contacts"], redundant)
+    return ConvergenceHistory(*facts, found["units"], found["residuals"], impulse)

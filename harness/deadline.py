@@ -1,8 +1,8 @@
-"""The moment after which a worker is killed, in memory that it shares with its supervisor.
+"""The deadline of a worker, in memory that it shares with its supervisor.
 
-The worker writes until when it may run; its supervisor (harness.workers.supervisor), another process, kills it past that. No
-signal is involved that a solver could block, and native code is stopped like any other. The clock is the system's monotonic
-one: setting the date does nothing.
+The worker writes the time until which it may run; its supervisor (harness.workers.supervisor), another process, kills it after
+that. A solver cannot block this as it could block a signal, and native code is stopped like any other. Times are of the
+system's monotonic clock, which does not change when the date is set.
 """
 
 from collections.abc import Callable, Iterator
@@ -10,12 +10,12 @@ from contextlib import contextmanager
 from mmap import mmap
 from time import monotonic
 
-COMPILING = 600.0  # seconds numba may take at a time, whatever the limit
-OURS = 600.0  # seconds for what is not a solver's: reading a problem, verifying
+COMPILING = 600.0  # seconds for one compilation by numba: far above any kernel's, a bound in case it hangs
+OURS = 600.0  # seconds for the harness's own work, such as reading and verifying: likewise a bound in case it hangs
 
 
 class Deadline:
-    """Made by the supervisor before it forks the worker, so that both see the same bytes."""
+    """Created by the supervisor before it forks the worker, so that both share the memory."""
 
     def __init__(self) -> None:
         self._moment = memoryview(mmap(-1, 16)).cast("d")
@@ -23,23 +23,23 @@ class Deadline:
 
     @property
     def compiling(self) -> bool:
-        """Whether numba is at work in a block within a limit; it is, for a moment, when it reads its cache."""
+        """Whether numba compiles in a block within a limit; true for a moment also when it reads its cache."""
         return bool(self._moment[1])
 
     @property
     def left(self) -> float:
-        """Seconds."""
+        """Seconds until the deadline."""
         return self._moment[0] - monotonic()
 
     def allow(self, seconds: float) -> None:
-        """The process may run for so long from now."""
+        """Set the deadline to so many seconds from now."""
         self._moment[0] = monotonic() + seconds
 
     @contextmanager
     def within(self, seconds: float) -> Iterator[Callable[[float], None]]:
-        """End this process where the block takes longer; the clock stands still while numba compiles or reads its cache.
+        """End this process if the block takes longer; the time in which numba compiles or reads its cache does not count.
 
-        Yields a function that sets the time left anew, in seconds.
+        Yields a function that resets the time left, in seconds.
         """
         from numba.core import event
 

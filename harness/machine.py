@@ -1,4 +1,4 @@
-"""The machine a run is made on, and the versions of everything that runs on it, this code by its content."""
+"""The machine that a run is made on, and the versions of all installed distributions and of this code."""
 
 import platform
 import subprocess
@@ -17,7 +17,7 @@ FOLDERS = ("problems", "solvers", "harness", "results", "reports")
 
 
 def describe() -> dict[str, Any]:
-    """What figures of this machine must not be mixed with another's: host, processor, cores, memory, system, Python."""
+    """The facts in which runs must agree for their times to be comparable: host, processor, cores, memory, system, Python."""
     return {
         "host": host(),
         "processor": _processor(),
@@ -31,16 +31,21 @@ def describe() -> dict[str, Any]:
 
 def versions() -> dict[str, str]:
     """The version of every installed distribution, and of this project's code."""
-    found = {entry.metadata["Name"]: entry.version for entry in distributions()}
+    found = {each.metadata["Name"]: each.version for each in distributions()}
     return {"frictionbench": revision(), **{name: found[name] for name in sorted(found) if name != "frictionbench"}}
 
 
 @cache
 def revision() -> str:
-    """The commit, with a hash of the code where it differs from it; outside a checkout of ours the version, with that hash."""
-    git = ["git", "--no-optional-locks", "-C", str(PACKAGE.parent)]  # a lock would outlive a kill
+    """The commit, with a hash of the code if it was changed; outside a checkout of this project the version, with that hash."""
+    git = [
+        "git",
+        "--no-optional-locks",
+        "-C",
+        str(PACKAGE.parent),
+    ]  # without locks, which would remain if this process were killed
     try:
-        if not (PACKAGE.parent / ".git").exists():  # a repository that the environment happens to lie in says nothing
+        if not (PACKAGE.parent / ".git").exists():  # the environment may lie in another repository
             raise FileNotFoundError
         commit, changes = (
             subprocess.run([*git, *command], capture_output=True, text=True, check=True, timeout=10).stdout.strip()
@@ -53,7 +58,7 @@ def revision() -> str:
 
 @cache
 def content() -> str:
-    """Hash of this project's code as it lies on the disk."""
+    """Hash of this project's code on disk."""
     found = sha256()
     for folder in FOLDERS:
         for path in sorted((PACKAGE / folder).rglob("*")):
@@ -63,7 +68,7 @@ def content() -> str:
 
 
 def code() -> dict[str, str]:
-    """Whose code this process runs."""
+    """The location and the content of the code that this process runs."""
     return {"package": str(PACKAGE), "content": content()}
 
 

@@ -1,7 +1,7 @@
-"""Holds on a process: its core, its threads, its memory, its end with its parent's, and the end of all that it left behind.
+"""Control of a process by Linux: its core, threads and memory, and the end of its descendants, also after their parents' end.
 
-The mechanisms are Linux's: a subreaper is the process to which orphans below it return, however they were detached; the
-signal of a parent's death cannot be missed; a bound socket without a file is a claim that the kernel ends with the process.
+A subreaper is the process that becomes the parent of orphaned descendants, however they were detached. The parent-death signal
+cannot be blocked. A bound abstract socket claims a core; the kernel closes it with the process.
 """
 
 import ctypes
@@ -19,29 +19,30 @@ import psutil
 
 from frictionbench.problems import InputError
 
+# The variables by which BLAS, OpenMP, numba and Rayon (Rust libraries) are told their number of threads.
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "RAYON_NUM_THREADS")
 PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36  # linux/prctl.h
-PATIENCE = 10.0  # seconds to end processes that start others as fast as they die
-DEAD = "ZX"  # states of a process in /proc: died and not waited for; gone
-held_cores: list[socket.socket] = []  # the claims on cores of this process, each until it is closed
+PATIENCE = 10.0  # seconds to end processes that start others as fast as they are ended
+ENDED = "ZX"  # states of a process in /proc: a zombie, which was not waited for; gone
+held_cores: list[socket.socket] = []  # this process's claims on cores; closing one releases the core
 
 
 def require_linux() -> None:
-    """Errors: InputError where the mechanisms are missing that a measurement stands on."""
+    """Errors: InputError where the mechanisms are missing that isolation and timing need."""
     if sys.platform != "linux":
         raise InputError(
-            f"platform: {sys.platform} has no parent-death signal, subreaper or core affinity as this suite needs them; "
-            "solvers are run and measured on Linux only"
+            f"platform: {sys.platform} has no parent-death signal, subreaper or core affinity, which isolation needs; "
+            "solvers are run and timed on Linux only"
         )
 
 
 def pin_threads() -> None:
-    """One thread for BLAS, OpenMP, numba and Rayon in every process started from here on."""
+    """Limit BLAS, OpenMP, numba and Rayon to one thread in every process started from now on."""
     os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
 
 
 def cores() -> list[int]:
-    """The processor cores this process may use, of two threads of one core the first."""
+    """The processor cores that this process may use; of two hardware threads of a core, the first."""
     allowed = os.sched_getaffinity(0)
     return sorted({min(_siblings(core) & allowed) for core in allowed})
 
@@ -56,7 +57,7 @@ def _siblings(core: int) -> set[int]:
 
 
 def hold_core() -> int | None:
-    """A core that no other worker on this machine holds, claimed until this process dies; None where all are held."""
+    """A core that no other worker on this machine has claimed, claimed until this process ends; None where all are claimed."""
     for core in cores():
         claim = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
         try:
@@ -70,22 +71,22 @@ def hold_core() -> int | None:
 
 
 def bound_memory(limit: int) -> None:
-    """Let this process map at most `limit` bytes beyond what it has mapped; allocations past that fail."""
+    """Let this process map at most `limit` bytes more than it has mapped; allocations beyond that fail."""
     import resource
 
     mapped = psutil.Process().memory_info().vms
     resource.setrlimit(resource.RLIMIT_AS, (mapped + limit, resource.RLIM_INFINITY))
 
 
-def forget_peak_memory() -> None:
-    """Start the record of the largest resident memory anew, of this process and all below it."""
+def reset_peak_memory() -> None:
+    """Reset the peak of the resident memory of this process and of its descendants."""
     for pid in (os.getpid(), *descendants(os.getpid())):
         with suppress(OSError), open(f"/proc/{pid}/clear_refs", "w", encoding="ascii") as control:
             control.write("5")
 
 
 def peak_memory() -> float:
-    """Largest resident memory since forget_peak_memory, in bytes: of this process and of all below it, added up."""
+    """Peak of the resident memory since reset_peak_memory, in bytes, summed over this process and its descendants."""
     peak = 0.0
     for pid in (os.getpid(), *descendants(os.getpid())):
         with suppress(OSError), open(f"/proc/{pid}/status", encoding="ascii") as status:
@@ -95,7 +96,7 @@ def peak_memory() -> float:
 
 @dataclass
 class Core:
-    """What became of this process's core within a block: see watch_core."""
+    """The state of this process's core during a block: see watch_core."""
 
     core_wait: float = float("nan")
     load: tuple[float, ...] = ()
@@ -104,7 +105,7 @@ class Core:
 
 @contextmanager
 def watch_core() -> Iterator[Core]:
-    """The seconds that this thread waited for its core while the block ran; load average and clock before and after."""
+    """The seconds for which this thread waited for its core during the block, and load average and clock before and after."""
     core = Core()
     before, load, clock = _waited(), os.getloadavg()[0], _clock()
     yield core
@@ -121,47 +122,47 @@ def _waited() -> float:
 
 
 def _clock() -> tuple[float, ...]:
-    """Of the core that runs this, in Hz; nothing where the machine does not tell."""
+    """The clock frequency of this thread's core, Hz; empty where the machine does not report it."""
     core = min(os.sched_getaffinity(0))
     try:
         return (int(Path(f"/sys/devices/system/cpu/cpu{core}/cpufreq/scaling_cur_freq").read_text(encoding="ascii")) * 1e3,)
     except (OSError, ValueError):
         pass
-    with suppress(OSError, ValueError, IndexError), open("/proc/cpuinfo", encoding="utf-8") as told:
-        return (float([line for line in told if line.startswith("cpu MHz")][core].partition(":")[2]) * 1e6,)
+    with suppress(OSError, ValueError, IndexError), open("/proc/cpuinfo", encoding="utf-8") as lines:
+        return (float([line for line in lines if line.startswith("cpu MHz")][core].partition(":")[2]) * 1e6,)
     return ()
 
 
 def die_with_parent(parent: int) -> None:
-    """Have the kernel kill this process when its parent, by its id, dies."""
+    """Have the kernel kill this process when its parent, given by id, ends."""
     _prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
-    if os.getppid() != parent:  # it died before
+    if os.getppid() != parent:  # it has ended already
         os._exit(1)
 
 
 @contextmanager
 def no_forked_child() -> Iterator[None]:
-    """A child that the block forks and that comes out of it ends there: it is no second worker, and forks no further."""
-    home = os.getpid()
+    """Ends, at the end of the block, a child process that a solver forked within it and that returned from the call too."""
+    parent = os.getpid()
     try:
         yield
     finally:
-        if os.getpid() != home:
+        if os.getpid() != parent:
             os._exit(1)
 
 
 def adopt_orphans() -> None:
-    """Make this process the parent of every orphan below it."""
+    """Make this process the parent of orphaned descendants."""
     _prctl(PR_SET_CHILD_SUBREAPER, 1)
 
 
 def _prctl(option: int, value: int) -> None:
     if ctypes.CDLL(None, use_errno=True).prctl(option, value, 0, 0, 0):
-        raise OSError(ctypes.get_errno(), f"prctl({option}) is refused")
+        raise OSError(ctypes.get_errno(), f"prctl({option}) failed")
 
 
 def descendants(pid: int) -> list[int]:
-    """The ids of all processes below one; those that died and were not waited for count too."""
+    """The ids of all descendants of a process, zombies included."""
     found: list[int] = []
     for task in _listed(f"/proc/{pid}/task"):
         with suppress(OSError), open(f"/proc/{pid}/task/{task}/children", encoding="ascii") as children:
@@ -170,15 +171,15 @@ def descendants(pid: int) -> list[int]:
 
 
 def end_descendants(*, spare: Collection[int] = ()) -> bool:
-    """Kill everything below this process but those to spare; whether there was anything alive.
+    """Kill all descendants of this process except those to spare; whether any of them was running.
 
-    The dead children of one that is spared are its own to wait for. Calling this, a process must be a subreaper, or what was
-    detached escapes.
+    Zombies of a spared process are left for it to wait for. This process must be a subreaper, or detached descendants are
+    missed.
     """
-    found, patience = False, monotonic() + PATIENCE
-    while (strays := [pid for pid in descendants(os.getpid()) if not _may_stay(pid, spare)]) and monotonic() < patience:
+    found, deadline = False, monotonic() + PATIENCE
+    while (strays := [pid for pid in descendants(os.getpid()) if not _may_stay(pid, spare)]) and monotonic() < deadline:
         for pid in strays:
-            found = found or _state(pid)[0] not in DEAD
+            found = found or _state(pid)[0] not in ENDED
             with suppress(OSError):
                 os.kill(pid, signal.SIGKILL)
         for pid in strays:
@@ -190,11 +191,11 @@ def end_descendants(*, spare: Collection[int] = ()) -> bool:
 
 def _may_stay(pid: int, spare: Collection[int]) -> bool:
     state, parent = _state(pid)
-    return pid in spare or (state in DEAD and parent != os.getpid())
+    return pid in spare or (state in ENDED and parent != os.getpid())
 
 
 def _state(pid: int) -> tuple[str, int]:
-    """A process's state, a letter, and its parent; X and 0 of one that is gone."""
+    """A process's state, a letter, and its parent; X and 0 for a process that does not exist."""
     try:
         with open(f"/proc/{pid}/stat", encoding="utf-8", errors="replace") as stat:
             state, parent, *_ = stat.read().rpartition(")")[2].split()

@@ -1,4 +1,4 @@
-"""The progress bar: what is running, what is left. Plain lines now and then where the output is no terminal."""
+"""Progress bars on a terminal; plain lines at intervals where the output is not a terminal."""
 
 import time
 from collections.abc import Iterator
@@ -11,25 +11,25 @@ from rich.progress import Progress as Bar
 
 from frictionbench.harness.workers.task import Task
 
-EVERY = 20.0  # seconds between plain lines
+INTERVAL = 20.0  # seconds between plain lines: a log of an hour's run has under two hundred
 
 
 class Stage:
-    """One bar: tasks handed out and done."""
+    """One bar: the tasks that are running and the number that are done."""
 
     def __init__(self, console: Console, bar: Bar, name: str, total: int, done: int) -> None:
         self._console, self._bar, self._name, self._total, self._done = console, bar, name, total, done
         self._id = bar.add_task(name, total=total, completed=done, running="")
         self._running: list[str] = []
         self._compiling: dict[int, str] = {}
-        self._told = time.monotonic()
+        self._printed = time.monotonic()
 
     def started(self, task: Task) -> None:
         self._running.append(task.name)
         self._show()
 
     def compiling(self, task: Task, now: bool) -> None:
-        """Its worker began to compile, or is done with it."""
+        """The task's worker has begun to compile (now), or has finished compiling."""
         self._compiling.pop(id(task), None)
         if now:
             self._compiling[id(task)] = task.name
@@ -47,10 +47,10 @@ class Stage:
 
     def _show(self) -> None:
         running = next(iter(self._running), "")
-        told = f"compiling for {next(iter(self._compiling.values()))}" if self._compiling else running
-        self._bar.update(self._id, completed=self._done, running=escape(told))
-        if not self._console.is_terminal and time.monotonic() - self._told > EVERY:
-            self._told = time.monotonic()
+        shown = f"compiling for {next(iter(self._compiling.values()))}" if self._compiling else running
+        self._bar.update(self._id, completed=self._done, running=escape(shown))
+        if not self._console.is_terminal and time.monotonic() - self._printed > INTERVAL:
+            self._printed = time.monotonic()
             compiling = ", compiling" if self._compiling else ""
             self._console.print(f"{self._name}: {self._done} of {self._total}{compiling}", highlight=False)
 

@@ -1,7 +1,7 @@
 """A run: collect the problems, run the cells that have no row yet, merge the tables.
 
-The folder is the run's whole state. Stopped at any moment, by a key or a kill, the same command goes on where it stopped; a
-folder that holds a run of another plan, machine or code is refused with what differs.
+The folder is the whole state of the run. After an interruption at any moment the same command resumes it. A folder that holds a
+run of another plan, machine or code is refused with a list of the differences.
 """
 
 import os
@@ -13,8 +13,8 @@ from pathlib import Path
 
 from frictionbench.harness import machine
 from frictionbench.harness.cells import worker
-from frictionbench.harness.cells.collect import Entry
-from frictionbench.harness.cells.rows import nothing, simulation_row, solve_row
+from frictionbench.harness.cells.collect import Record
+from frictionbench.harness.cells.rows import no_problem, simulation_row, solve_row
 from frictionbench.harness.convergence import record_histories
 from frictionbench.harness.plans.plan import Cell, Plan, Plugin, SolveCell, origin
 from frictionbench.harness.progress import Progress
@@ -24,46 +24,50 @@ from frictionbench.harness.workers.task import Outcome, Task
 from frictionbench.results import store
 from frictionbench.results.schema import TABLES
 from frictionbench.results.store import ResultsError, Row, ShardWriter
-from frictionbench.results.verdicts import RANK, Verdict
+from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers import find
 
-COLLECTING = 600.0  # seconds for one source's problems
+COLLECTING = 600.0  # seconds for one source's problems: a bound for scenes whose reference answers take too long
 
 
 def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | None = None) -> None:
-    """Run what of the plan folder does not hold yet, here or on the dask cluster at an address.
+    """Run the cells of the plan that have no row in folder, here or on the dask cluster at an address.
 
-    Errors: ResultsError where folder holds an unlike run, InputError where the cluster cannot be used.
+    Errors: ResultsError where folder holds a different run or rows are missing at the end, InputError where the cluster
+    cannot be used.
     """
     folder = folder.absolute()
     open_folder(plan, folder)
     store.write_manifest(folder, store.read_manifest(folder) | {"workers": None if cluster else jobs})
     with Pool(folder, 1 if cluster else jobs, plan.plugins, plan.memory_limit) as pool:
-        entries = _collect(plan, pool, progress)
-        _record(plan, pool, progress)
-        cells: list[Cell] = [*plan.solve_cells(entries.values()), *plan.simulation_cells()]
+        records = _collect(plan, pool, progress)
+        _record_motions(plan, pool, progress)
+        cells: list[Cell] = [*plan.solve_cells(records.values()), *plan.simulation_cells()]
         if not cluster:
-            _run(cells, entries, plan, folder, pool, progress)
-            record_histories(plan, folder, entries.values(), pool, progress)
-    if cluster:  # whose workers want the cores that ours held
+            _run(cells, records, plan, folder, pool, progress)
+            record_histories(plan, folder, records.values(), pool, progress)
+    if cluster:  # after the pool has released its cores, which workers on this machine need
         with Cluster(cluster, folder, plan.plugins, plan.memory_limit) as engine:
-            _run(cells, entries, plan, folder, engine, progress)
-    lost = _merge(plan, folder, cells, entries)
-    names = sorted({entry["problem"] for entry in entries.values()} - {""})
+            _run(cells, records, plan, folder, engine, progress)
+    missing = _merge(plan, folder, cells, records)
+    names = sorted({record["problem"] for record in records.values()} - {""})
     store.write_manifest(folder, store.read_manifest(folder) | {"problems": names, "finished": _now()})
-    if lost:
-        raise ResultsError(f"{folder}: {lost} rows were lost; the tables say which. The same command runs their cells again")
+    if missing:
+        raise ResultsError(
+            f"{folder}: {missing} rows are missing and marked in the tables; run the same command again to run their cells"
+        )
 
 
 def _run(
-    cells: list[Cell], entries: dict[str, Entry], plan: Plan, folder: Path, engine: Pool | Cluster, progress: Progress
+    cells: list[Cell], records: dict[str, Record], plan: Plan, folder: Path, engine: Pool | Cluster, progress: Progress
 ) -> None:
     """Run the cells that have no row yet.
 
-    Those of plug-ins come last: a worker that has run one runs nothing else. A library's come together, to load it once.
+    Cells of plug-ins come last, because a worker that has run one is used for nothing else; cells of the same library come
+    together, so that each worker loads it once.
     """
     done = store.stored_keys(folder, "solves") | store.stored_keys(folder, "simulations")
-    left = sorted((cell for cell in cells if cell.key not in done), key=lambda cell: _place(plan, cell))
+    left = sorted((cell for cell in cells if cell.key not in done), key=lambda cell: _loaded_by(plan, cell))
     with (
         ShardWriter(folder, "solves", f"{os.getpid()}") as solved,
         ShardWriter(folder, "simulations", f"{os.getpid()}") as simulated,
@@ -71,8 +75,8 @@ def _run(
     ):
         shards = {"solves": solved, "simulations": simulated}
         tasks = []
-        for task in (_task(cell, entries, plan) for cell in left):
-            if reason := _nothing_there(task):
+        for task in (_task(cell, records, plan) for cell in left):
+            if reason := _no_problem(task):
                 stage.started(task)
                 solved.write(row_of(Outcome(task, failure=Verdict.SKIPPED, reason=reason), plan.plugins))
                 stage.finished(task)
@@ -83,40 +87,40 @@ def _run(
             stage.finished(outcome.task)
 
 
-def _merge(plan: Plan, folder: Path, cells: list[Cell], entries: dict[str, Entry]) -> int:
-    """Merge the tables, rows in the plan's order; of how many planned cells the row is not there."""
+def _merge(plan: Plan, folder: Path, cells: list[Cell], records: dict[str, Record]) -> int:
+    """Merge the tables, with rows in the plan's order; the number of planned cells whose row is missing."""
 
-    def row_of_the_lost(key: str) -> Row:
-        reason = "its row was lost: the shard is gone or damaged"
-        return row_of(Outcome(_task(planned[key], entries, plan), failure=Verdict.CRASHED, reason=reason), plan.plugins)
+    def missing_row(key: str) -> Row:
+        reason = "its row is missing: the shard was removed or damaged"
+        return row_of(Outcome(_task(planned[key], records, plan), failure=Verdict.CRASHED, reason=reason), plan.plugins)
 
-    lost = 0
+    missing = 0
     for table in TABLES:
         planned = {cell.key: cell for cell in cells if cell.table == table}
-        lost += store.merge(folder, table, list(planned), row_of_the_lost)
-    return lost
+        missing += store.merge(folder, table, list(planned), missing_row)
+    return missing
 
 
 def open_folder(plan: Plan, folder: Path) -> None:
-    """Make folder the home of this plan's run, or see that it is. Errors: ResultsError saying what differs."""
+    """Begin the plan's run in folder, or check that folder holds it. Errors: ResultsError naming what differs."""
     manifest = {"settings": plan.settings(), "machine": machine.describe(), "versions": machine.versions()}
     if (folder / "manifest.json").exists():
-        held = store.read_manifest(folder)
-        if different := list(_differences(held, manifest)):
+        stored = store.read_manifest(folder)
+        if different := list(_differences(stored, manifest)):
             listed = "\n  ".join(different[:12])
-            raise ResultsError(f"{folder} holds another run; choose another --out. What differs:\n  {listed}")
+            raise ResultsError(f"{folder} holds another run; choose another --out. Differences:\n  {listed}")
         return
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise ResultsError(f"{folder}: neither empty nor a results folder; nothing was written")
-    store.write_manifest(folder, manifest | {"solvers": _in_their_words(plan), "started": _now()})
+        raise ResultsError(f"{folder}: neither empty nor a results folder; nothing was written. Choose another --out")
+    store.write_manifest(folder, manifest | {"solvers": _descriptions(plan), "started": _now()})
 
 
-def _in_their_words(plan: Plan) -> dict[str, str]:
-    """What our solvers' files and classes say of them, for the report; a plug-in is not asked outside its worker."""
+def _descriptions(plan: Plan) -> dict[str, str]:
+    """The docstrings of our solvers' files and classes, for the report; plug-ins are not imported in this process."""
     variants = dict.fromkeys(variant for variant in (*plan.solvers, *plan.simulation_solvers) if not plan.owner(variant))
     makes = {variant: find(variant)[0].make for variant in variants}
-    words = {variant: (sys.modules[make.__module__].__doc__, make.__doc__) for variant, make in makes.items()}
-    return {variant: "\n\n".join(cleandoc(text) for text in texts if text) for variant, texts in words.items()}
+    docstrings = {variant: (sys.modules[make.__module__].__doc__, make.__doc__) for variant, make in makes.items()}
+    return {variant: "\n\n".join(cleandoc(text) for text in texts if text) for variant, texts in docstrings.items()}
 
 
 def drop_disturbed(plan: Plan, folder: Path) -> None:
@@ -126,12 +130,12 @@ def drop_disturbed(plan: Plan, folder: Path) -> None:
         store.drop(folder, table, lambda row: row.get("disturbed") is True)
 
 
-def _differences(held: Row, wanted: Row) -> list[str]:
+def _differences(stored: Row, wanted: Row) -> list[str]:
     found = []
     for part, values in wanted.items():
-        old = held.get(part, {})
+        old = stored.get(part, {})
         names = (name for name in sorted(values.keys() | old.keys()) if old.get(name) != values.get(name))
-        found += [f"{part}.{name}: {_brief(old.get(name))} there, {_brief(values.get(name))} now" for name in names]
+        found += [f"{part}.{name}: {_brief(old.get(name))} in the folder, {_brief(values.get(name))} now" for name in names]
     return found
 
 
@@ -140,23 +144,23 @@ def _brief(value: object) -> str:
     return text if len(text) <= 80 else f"{text[:60]}... ({len(text)} characters)"
 
 
-def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Entry]:
-    """The problems of all sources by their origin, in the plan's order; of one that yields none, what says so."""
+def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Record]:
+    """The records of all problems by origin, in the plan's order; for a source without problems one with the reason."""
     tasks = [
         Task(f"{source.scene} {source.parameters or ''}", worker.run_source, (source, COLLECTING), COLLECTING)
         for source in (*plan.sources, *plan.map_sources)
     ]
-    by_task: dict[int, list[Entry]] = {}
+    by_task: dict[int, list[Record]] = {}
     with progress.stage("problems", len(tasks), 0) as stage:
         for outcome in pool.run(tasks, stage.started, stage.compiling):
             source, _ = outcome.task.arguments
-            by_task[id(outcome.task)] = [nothing(source, outcome.reason)] if outcome.failure else outcome.value
+            by_task[id(outcome.task)] = [no_problem(source, outcome.reason)] if outcome.failure else outcome.value
             stage.finished(outcome.task)
-    return {origin(entry): entry for task in tasks for entry in by_task[id(task)]}
+    return {origin(record): record for task in tasks for record in by_task[id(task)]}
 
 
-def _record(plan: Plan, pool: Pool, progress: Progress) -> None:
-    """Record a motion of every scene, here, and what a polygon makes of one; a picture that cannot be made is no loss."""
+def _record_motions(plan: Plan, pool: Pool, progress: Progress) -> None:
+    """Record a motion of every scene, on this machine, and the polygon's error; the report does without those that fail."""
     tasks = [
         Task(f"motion of {shown.scene}", worker.run_motion, (shown, plan.simulation_limit), plan.simulation_limit)
         for shown in plan.shown()
@@ -170,39 +174,39 @@ def _record(plan: Plan, pool: Pool, progress: Progress) -> None:
             stage.finished(outcome.task)
 
 
-def _place(plan: Plan, cell: Cell) -> tuple[str, str]:
-    """The plug-in and the outside library that a cell runs, each empty where it runs none."""
+def _loaded_by(plan: Plan, cell: Cell) -> tuple[str, str]:
+    """The plug-in and the outside library that a cell loads, each empty where it loads none."""
     if owner := plan.owner(cell.variant):
         return owner, ""
     info, _ = find(cell.variant)
     return "", info.name if info.needs else ""
 
 
-def _task(cell: Cell, entries: dict[str, Entry], plan: Plan) -> Task:
+def _task(cell: Cell, records: dict[str, Record], plan: Plan) -> Task:
     owner = plan.owner(cell.variant)
     if isinstance(cell, SolveCell):
-        entry = entries[cell.origin]
-        name = f"{cell.variant} on {entry['scene']}, {entry['contacts']} contacts"
-        limit = entry.get("time_limit", plan.time_limit)
-        return Task(name, worker.run_solve, (cell, entry, limit), limit, owner)
+        record = records[cell.origin]
+        name = f"{cell.variant} on {record['scene']}, {record['contacts']} contacts"
+        limit = record.get("time_limit", plan.time_limit)
+        return Task(name, worker.run_solve, (cell, record, limit), limit, owner)
     return Task(
         f"{cell.variant} in {cell.scene}", worker.run_simulation, (cell, plan.simulation_limit), plan.simulation_limit, owner
     )
 
 
-def _nothing_there(task: Task) -> str:
-    """Why there is no problem to solve, where the source yielded none."""
-    cell, facts, *_ = task.arguments
-    return str(facts.get("reason", "")) if isinstance(cell, SolveCell) else ""
+def _no_problem(task: Task) -> str:
+    """Why there is no problem to solve, where the source yielded none; empty where there is one."""
+    cell, record, *_ = task.arguments
+    return str(record.get("reason", "")) if isinstance(cell, SolveCell) else ""
 
 
 def row_of(outcome: Outcome, plugins: tuple[Plugin, ...]) -> Row:
-    """The row of a cell: what its worker found or how it died, and what is known without it, which no worker can change."""
+    """The row of a cell: what its worker returned, or how it failed, with the facts known beforehand, which take precedence."""
     cell, *facts = outcome.task.arguments
     make: Callable[..., Row] = solve_row if isinstance(cell, SolveCell) else simulation_row
     found = {"verdict": outcome.failure, "reason": outcome.reason} if outcome.failure else outcome.value
-    if not isinstance(found, dict) or found.get("verdict") not in RANK:
-        found = {"verdict": Verdict.CRASHED, "reason": "the process sent what is no row"}
+    if not isinstance(found, dict) or found.get("verdict") not in list(Verdict):
+        found = {"verdict": Verdict.CRASHED, "reason": "the worker returned a malformed row"}
     return found | make(cell, *facts, plugins=plugins) | {"host": found.get("host", machine.host())}
 
 

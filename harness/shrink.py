@@ -1,9 +1,9 @@
-"""Failing cells made small: contacts removed while the solver still fails, what is left kept as a problem file.
+"""Shrinking the problems of failing cells: contacts are removed while the solver still fails, and the rest is saved as a file.
 
-Delta debugging (Zeller and Hildebrandt 2002): try to do without each of n parts of the contacts, n growing as parts turn out
-to be needed, until no single contact can go. Bodies go with their last contact. Every trial runs isolated and is verified,
-like any cell; it fails as long as its verdict is the row's own, and rounding does not hide the residual. Several rows are
-shrunk side by side, a trial each in turn.
+Delta debugging (Zeller and Hildebrandt 2002): leave out each of n parts of the contacts in turn, with n growing as parts turn
+out to be needed, until no single contact can be removed. A body is removed with its last contact. Every trial runs isolated
+and is verified like any cell; it fails if its verdict is the row's own and its residual is above the rounding floor. Several
+rows are shrunk concurrently, one trial each in turn.
 """
 
 import tempfile
@@ -13,7 +13,7 @@ from pathlib import Path
 
 from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.collect import stored_friction
-from frictionbench.harness.cells.rows import nothing
+from frictionbench.harness.cells.rows import no_problem
 from frictionbench.harness.plans.plan import Plugin, SolveCell, Source
 from frictionbench.harness.run import row_of
 from frictionbench.harness.workers.pool import Pool
@@ -26,43 +26,48 @@ from frictionbench.results.files import replaced, subfolder
 from frictionbench.results.shrunk import FOLDER, Shrunk
 from frictionbench.results.store import Row
 
-ENOUGH = 10.0  # seconds of trials that one row may cost where it is one of many
+ENOUGH = 10.0  # seconds of trials for each of many rows, so that a map's MOST_SHRUNK failures take a quarter of an hour at most
 
 
 class Search:
-    """One row's way to a smaller problem. asked: the contacts of the trial that is due; kept: the fewest that fail so far."""
+    """The search for one row's smallest failing problem.
+
+    candidate: the contacts of the next trial. smallest: the fewest contacts that have failed, None before any did. minimal:
+    whether no single contact can be removed. done: whether the search has ended.
+    """
 
     def __init__(self, row: Row, problem: FrictionProblem, seconds: float) -> None:
         self.row, self.problem = row, problem
-        self.asked = list(range(problem.contacts))
-        self.kept: list[int] | None = None
-        self.trials, self.whole, self.over = 0, False, False
-        self._left, self._way = seconds, smallest(self.asked)
+        self.candidate = list(range(problem.contacts))
+        self.smallest: list[int] | None = None
+        self.trials, self.minimal, self.done = 0, False, False
+        self._left, self._reduction = seconds, reduction(self.candidate)
 
-    def hear(self, found: Row) -> None:
-        """What became of the trial."""
+    def update(self, found: Row) -> None:
+        """Take the row of the trial into account."""
         self.trials += 1
         self._left -= found.get("wall_time") or self.row["time_limit"]
         hidden = (found.get("residual_floor") or 0.0) > max(self.row["tol"], self.row.get("residual_floor") or 0.0)
         fails = found["verdict"] == self.row["verdict"] and not hidden
         if fails:
-            self.kept = self.asked
+            self.smallest = self.candidate
         try:
             if self.trials == 1:
-                self.asked = next(self._way)
+                self.candidate = next(self._reduction)
             else:
-                self.asked = self._way.send(fails)
+                self.candidate = self._reduction.send(fails)
         except StopIteration:
-            self.whole = self.over = True
-        self.over = self.over or self.kept is None or self._left <= 0
+            self.minimal = self.done = True
+        self.done = self.done or self.smallest is None or self._left <= 0
 
 
 def shrink_rows(
     folder: Path, rows: Sequence[Row], plugins: tuple[Plugin, ...], memory_limit: int, jobs: int, seconds: float
 ) -> Iterator[tuple[Row, Shrunk]]:
-    """Shrink the problems of failing solve rows into DIR/shrunk; each row with what became of it, as soon as it is known.
+    """Shrink the problems of failing solve rows into DIR/shrunk; yields each row with its result when it is known.
 
-    seconds: of trials for each row, after which the smallest so far counts. Errors: InputError where a problem is damaged.
+    seconds: of trials for each row, after which the smallest failing problem so far is saved.
+    Errors: InputError where a problem is damaged.
     """
     if not rows:
         return
@@ -72,19 +77,19 @@ def shrink_rows(
         (scratch / "problems").mkdir()
         with Pool(scratch, jobs, plugins, memory_limit) as pool:
             while searches:
-                asked = [(search, _trial(search, scratch, plugins)) for search in searches]
-                heard = {id(outcome.task): outcome for outcome in pool.run([task for _, task in asked])}
-                for search, task in asked:
-                    search.hear(row_of(heard[id(task)], plugins))
-                    if search.over:
+                trials = [(search, _trial(search, scratch, plugins)) for search in searches]
+                outcomes = {id(outcome.task): outcome for outcome in pool.run([task for _, task in trials])}
+                for search, task in trials:
+                    search.update(row_of(outcomes[id(task)], plugins))
+                    if search.done:
                         yield search.row, _written(folder, search)
-                searches = [search for search in searches if not search.over]
+                searches = [search for search in searches if not search.done]
 
 
-def smallest(parts: list[int]) -> Generator[list[int], bool, None]:
-    """Asks about one sublist after another, and is told whether it fails, until no single part of the last that did can go.
+def reduction(parts: list[int]) -> Generator[list[int], bool, None]:
+    """Yields sublists to try and receives whether each fails, until no single part of the last failing one can be removed.
 
-    The whole list fails.
+    The whole list must fail.
     """
     pieces = 2
     while len(parts) >= 2:
@@ -101,19 +106,19 @@ def smallest(parts: list[int]) -> Generator[list[int], bool, None]:
 
 
 def _trial(search: Search, scratch: Path, plugins: tuple[Plugin, ...]) -> Task:
-    row, problem = search.row, keep_contacts(search.problem, search.asked)
+    row, problem = search.row, keep_contacts(search.problem, search.candidate)
     save(problem, scratch / "problems" / f"{problem.hash}.npz")
-    entry = nothing(Source(row["scene"]), "") | {"repeats": 1}
+    record = no_problem(Source(row["scene"]), "") | {"repeats": 1}
     cell = SolveCell(problem.hash, f"shrink {search.trials}", row["variant"], row["tol"], COLD)
     owner = row["variant"] if any(row["variant"] in plugin.solvers for plugin in plugins) else ""
-    return Task(row["variant"], worker.run_solve, (cell, entry, row["time_limit"]), row["time_limit"], owner)
+    return Task(row["variant"], worker.run_solve, (cell, record, row["time_limit"]), row["time_limit"], owner)
 
 
 def _written(folder: Path, search: Search) -> Shrunk:
-    if search.kept is None:
+    if search.smallest is None:
         return Shrunk("", search.problem.contacts, search.trials, whole=False)
-    small, row = keep_contacts(search.problem, search.kept), search.row
+    small, row = keep_contacts(search.problem, search.smallest), search.row
     name = f"{row['solver']}-{row['verdict']}-{small.contacts}-contacts-{small.hash}.npz"
     with replaced(subfolder(folder, FOLDER) / name) as file:
         save(small, file)
-    return Shrunk(name, small.contacts, search.trials, search.whole)
+    return Shrunk(name, small.contacts, search.trials, search.minimal)

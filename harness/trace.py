@@ -1,6 +1,6 @@
-"""Thresholds of theory traced over a map: where along its grid lines, and lines between, a property of the problem changes.
+"""Thresholds of theory over a map: where a property of the problem changes along grid lines, and along lines between them.
 
-Each line is looked at in steps of half a grid line, and a change is narrowed down by bisection. No solver takes part.
+Each line is sampled at steps of half a grid line, and a change is located by bisection. No solver is involved.
 """
 
 import json
@@ -17,12 +17,12 @@ from frictionbench.problems.analysis.thresholds import THRESHOLDS
 from frictionbench.results.files import subfolder, write_text
 from frictionbench.results.map_spec import Axis, GridPoint, Map, thresholds_file
 
-LINES = 11
-HALVINGS = 7
+LINES = 11  # along each axis at least, so that a curve drawn through the points looks smooth
+HALVINGS = 7  # of half a grid line: to 1/256 of it, finer than a printed map shows
 
 
 def trace(spec: Map, folder: Path) -> None:
-    """Leave the map's thresholds in folder, unless they are there."""
+    """Write the map's thresholds to folder, unless they have been written."""
     path = thresholds_file(folder, spec)
     if not spec.thresholds or path.exists():
         return
@@ -32,7 +32,7 @@ def trace(spec: Map, folder: Path) -> None:
 
 
 def crossings(spec: Map, holds: Callable[[FrictionProblem], bool]) -> list[GridPoint]:
-    """The places on lines along both axes where `holds` changes."""
+    """The points on lines along both axes where `holds` changes."""
 
     @cache
     def at(i: float, j: float) -> bool:
@@ -46,12 +46,12 @@ def crossings(spec: Map, holds: Callable[[FrictionProblem], bool]) -> list[GridP
 
 def _lines(axis: Axis) -> list[float]:
     count = axis.count if axis.whole else max(LINES, axis.count)
-    return [float(place) for place in np.linspace(0, axis.count - 1, count)]
+    return [float(line) for line in np.linspace(0, axis.count - 1, count)]
 
 
 def _changes(axis: Axis, holds: Callable[[float], bool]) -> list[float]:
     steps = [k / 2 for k in range(2 * axis.count - 1)]
-    places = []
+    points = []
     for low, high in pairwise(steps):
         if holds(low) == holds(high):
             continue
@@ -59,5 +59,5 @@ def _changes(axis: Axis, holds: Callable[[float], bool]) -> list[float]:
         for _ in range(0 if axis.whole else HALVINGS):
             middle = (a + b) / 2
             a, b = (middle, b) if holds(middle) == holds(low) else (a, middle)
-        places.append((a + b) / 2)
-    return places
+        points.append((a + b) / 2)
+    return points

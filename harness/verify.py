@@ -1,24 +1,21 @@
-"""What an answer is worth, found from the problem alone. Nothing that a solver says is believed; nothing else decides.
+"""Verification: the verdict on an answer (results.verdicts), computed from the problem and the answer alone.
 
-    solved        the residual of the exact problem is within the tolerance, whatever the solver says of itself
-    relaxed       it is not, but the model that the solver was given is solved within the tolerance
-    missed        neither, the solver claims to have solved it, and the nearer of the two is off by less than a factor of ten
-    unjudgeable   it claims so, and its residual may be nothing but rounding, which alone is above the tolerance
-    wrong         it claims so, and is off by more; or what came back is no answer at all
-    unsolved      none of the first two, and the solver says so
+The answer's claim decides only between verdicts on an answer that is not accurate enough: an accurate one is `solved` (or
+`relaxed`) whatever its status, another `unsolved` if it does not claim to be solved, and else `near_miss`, `unjudgeable` or
+`wrong`. An answer that is malformed and claims to be solved is `wrong`.
 
-The exact problem's residual and the model's are measured apart: the first is model error and solver error together, the
-second the solver's alone. Verdicts are no finer than arithmetic: see residual_floor in problems.residual.
+The residuals of the exact problem and of the model are computed separately: the first contains model error and solver error,
+the second only the solver's. Verdicts are no finer than floating-point arithmetic: see residual_floor in problems.residual.
 
-What tol means, and the margins that solvers keep. tol is a bound of the residual of the solver's own model, in the measure of
-problems.residual, which is the worst contact's. A solver that computes this very residual stops at tol. One that stops by
-another measure is to ask for as much less as that measure can fall short of this one, tol times a margin that stands where
-it is used, with its reason; so no solver does more work than its measure needs, and none is paid for claiming early. What a
-bound between two norms cannot promise is `near_miss` where it comes close and `wrong` where it does not.
+The tolerance, and the margins of solvers. tol bounds the residual of the solver's own model in the measure of
+problems.residual, the maximum over contacts. A solver that computes this residual stops at tol. One that stops by another
+measure must ask for as much less as that measure can underestimate this one: tol times a margin, which stands where it is used,
+with its reason. Then no solver does more work than its measure needs, and none gains time by claiming early. Where a bound
+between two norms does not hold, the verdict is `near_miss` if the residual is close and `wrong` otherwise.
 
-A solver of regularised contacts says how soft it made them, u = W r + q + R r, and is judged as that model's. With R chosen
-freely any answer is some soft model's, so R is bound to the tolerance: 0 <= R_i <= max(tol, SOFTEST) s_i, s_i as in
-problems.residual. Beyond that the answer is judged without any, and the reason says so; within, the reason tells R.
+A solver of regularised contacts states its softness R, u = W r + q + R r, and is verified as a solver of that model. Since
+any answer solves some regularised model, R is bounded by the tolerance: 0 <= R_i <= max(tol, SOFTEST) s_i, s_i as in
+problems.residual. Beyond that the answer is verified without R, and the reason says so; within, the reason gives R.
 """
 
 from dataclasses import dataclass
@@ -39,14 +36,14 @@ from frictionbench.problems.simulate import ledger_defect
 from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers import Answer, SolverInfo, Status
 
-NEAR = 10.0  # times the tolerance: an honest difference of norms
-SOFTEST = 1e-6  # of s: softness that is allowed at any tolerance, for hard contacts are out of reach of such methods
-FAR = 10.0  # times the energy defect that the tolerance allows: a reason to look
+NEAR = 10.0  # times the tolerance: a residual below may be due to another norm in the solver's own stopping test
+SOFTEST = 1e-6  # of s: softness allowed at any tolerance, because regularised methods cannot solve with rigid contacts
+FAR = 10.0  # times the energy defect that the tolerance allows: above it the row has a remark
 
 
 @dataclass(frozen=True)
 class Finding:
-    """The verdict and what it rests on; residuals and their floor as in problems.residual, energy_defect in joules."""
+    """The verdict with its reason and the values behind it: residuals and floor as in problems.residual, energy_defect in J."""
 
     verdict: Verdict
     reason: str
@@ -70,18 +67,17 @@ def verify(problem: FrictionProblem, answer: Answer, info: SolverInfo, tol: floa
     softness, soft = _softness(problem, answer, info, tol)
     model = _model_residual(problem, answer, info, exact, softness)
     verdict = _verdict(exact, model, floor, claimed, tol)
+    accepted = claimed and verdict in (Verdict.SOLVED, Verdict.RELAXED)
     defect = ledger_defect(problem, impulse)
     reasons = [
         _reason(verdict, exact, model, floor, tol),
         soft,
-        ""
-        if info.needs and claimed and verdict in (Verdict.SOLVED, Verdict.RELAXED)
-        else answer.detail,  # a library's word for success
+        "" if accepted and info.needs else answer.detail,  # of a library's success the detail says nothing more
         answer.status.value if verdict == Verdict.UNSOLVED and not answer.detail else "",
     ]
     allowed = energy_within(problem, impulse, max(exact, tol))
     if abs(defect) > FAR * allowed:
-        reasons.append(f"look: an energy defect of {abs(defect):.2g} J, where such a residual explains {allowed:.2g}")
+        reasons.append(f"energy defect of {abs(defect):.2g} J, more than the {allowed:.2g} J that such a residual explains")
     return Finding(verdict, "; ".join(filter(None, reasons)), exact, model, floor, fclib_error(problem, impulse), defect)
 
 
@@ -95,16 +91,16 @@ def _complaint(problem: FrictionProblem, impulse: Array) -> str | None:
 
 
 def _softness(problem: FrictionProblem, answer: Answer, info: SolverInfo, tol: float) -> tuple[Array | None, str]:
-    """The softness R (nc, d) that a regularised answer is judged with, None for none; what is to be said of it."""
+    """The softness R (nc, d) with which a regularised answer is verified, None for none, and a remark about it."""
     if info.model != "regularised" or answer.softness is None or not problem.contacts:
         return None, ""
     claimed, bound = np.asarray(answer.softness, dtype=float), max(tol, SOFTEST)
     if claimed.shape != (problem.contacts, problem.dimension) or not (claimed >= 0).all():
-        return None, f"softness must be {problem.contacts} by {problem.dimension} numbers, none below 0: judged without"
+        return None, f"softness is not {problem.contacts} by {problem.dimension} numbers of at least 0: verified without it"
     share = float((claimed / problem.scale[:, None]).max())
     if not share <= bound * (1 + 1e-9):
-        return None, f"claims a softness of {share:.1g} of W's diagonal, where {bound:.1g} is allowed: judged without"
-    return claimed, f"contacts made soft by {share:.1g} of W's diagonal"
+        return None, f"softness of {share:.1g} of W's diagonal is above the {bound:.1g} allowed: verified without it"
+    return claimed, f"verified with contacts regularised by {share:.1g} of W's diagonal"
 
 
 def _model_residual(problem: FrictionProblem, answer: Answer, info: SolverInfo, exact: float, softness: Array | None) -> float:
@@ -118,7 +114,7 @@ def _model_residual(problem: FrictionProblem, answer: Answer, info: SolverInfo, 
 
 
 def verify_lcp(lcp: LCP, answer: Answer, tol: float) -> Finding:
-    """The finding on an answer to a bare LCP; its rounding, FCLIB's error and the energy are not measured there."""
+    """The finding on an answer to a bare LCP, without rounding floor, FCLIB's error and energy defect."""
     claimed = answer.status is Status.SOLVED
     if answer.z is None or np.shape(answer.z) != (lcp.size,):
         return Finding(Verdict.WRONG if claimed else Verdict.UNSOLVED, "z is missing or of the wrong shape", *(np.inf,) * 5)
@@ -142,9 +138,9 @@ def _verdict(exact: float, model: float, floor: float, claimed: bool, tol: float
 
 def _reason(verdict: Verdict, exact: float, model: float, floor: float, tol: float) -> str:
     if verdict == Verdict.UNJUDGEABLE:
-        return f"rounding alone may make a residual of {floor:.2g}, and {tol:g} was asked for"
+        return f"rounding alone may cause a residual of {floor:.2g}, above the tolerance {tol:g}"
     if verdict in (Verdict.NEAR_MISS, Verdict.WRONG):
         nearest = min(exact, model)
         of = "" if nearest == exact else " of its model"
-        return f"claims a residual{of} within {tol:g}, has {nearest:.2g}, {nearest / tol:.2g} times that"
+        return f"claimed solved within {tol:g}; the residual{of} is {nearest:.2g}, {nearest / tol:.2g} times that"
     return ""

@@ -1,4 +1,4 @@
-"""What a solver hands back, made plain: numbers of our own that nobody else holds, or what is wrong with them, by name."""
+"""Checking what a solver returns: a copy as plain arrays and numbers, or an error that names the malformed field."""
 
 import math
 import operator
@@ -9,18 +9,18 @@ import numpy as np
 from frictionbench.problems.check import Array
 from frictionbench.solvers import Answer, Status
 
-LONGEST = 500  # characters of a solver's own words
+LONGEST = 500  # characters of a solver's own message: a few lines of a table's reason
 
 
 class AnswerError(ValueError):
-    """What came back is no Answer as solvers.interface describes it; the message names the field. claimed: it says SOLVED."""
+    """A malformed answer (see solvers.interface); the message names the field. claimed: whether its status is SOLVED."""
 
     def __init__(self, complaint: str, claimed: bool) -> None:
         super().__init__(complaint)
         self.claimed = claimed
 
 
-def plain(given: Any) -> Answer:
+def checked_copy(given: Any) -> Answer:
     """A copy of an answer. Errors: AnswerError."""
     if not isinstance(given, Answer):
         raise AnswerError(f"the solver returned {_kind(given)}, not an Answer", claimed=True)
@@ -38,8 +38,8 @@ def plain(given: Any) -> Answer:
     )
 
 
-def alike(one: Answer, other: Answer) -> bool:
-    """Whether two plain answers are the same to the last bit, their work included."""
+def identical(one: Answer, other: Answer) -> bool:
+    """Whether two checked answers are the same to the last bit, work counters included."""
     return _bits(one) == _bits(other)
 
 

@@ -1,8 +1,8 @@
-"""Problems for the cells: recorded along a simulation that verified reference answers step, labelled and stored by their hash.
+"""The problems of the cells: recorded along a simulation with verified reference answers, labelled, and stored by their hash.
 
-A recorded problem has starts too, the same for every solver that takes one: `warm`, the impulses of the problem of the same
-phase before it, and `shuffled`, those of one drawn from the whole motion; both carried over contact by contact. The first guess
-that a file of FCLIB's holds, what its recorder began with, is `warm` too, where it is more than zeros.
+A recorded problem also has starts, the same for every solver that takes one: `warm`, the impulses of the previous problem of
+the same phase, and `shuffled`, those of a problem drawn from the whole motion; both transferred contact by contact. An initial
+guess in a file of FCLIB's is `warm` as well, unless it is zero.
 """
 
 import json
@@ -34,13 +34,13 @@ from frictionbench.problems.simulate import first_problem, simulate
 from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, SHUFFLED, WARM, first_phase
 from frictionbench.results.files import replaced, subfolder, write_text
 
-MOST_PERTURBED = 30  # contacts; larger problems would take too long for what their sensitivity says
-MOST_COUNTED = 6  # contacts; the modes to enumerate grow like 4^contacts
-Entry = dict[str, Any]
+MOST_PERTURBED = 30  # contacts: the sensitivity takes several solves for each, too long for larger problems
+MOST_COUNTED = 6  # contacts: the number of modes to enumerate grows like 4^contacts
+Record = dict[str, Any]  # the facts of a stored problem: PROBLEM_FACTS, its starts and its own terms
 
 
-class Met(NamedTuple):
-    """A problem as it was met, the contacts it is about, its answer, and who answered those before it."""
+class Collected(NamedTuple):
+    """A problem with its step and phase, its contacts, its answer, and the solvers of the reference answers before it."""
 
     step: int
     phase: str
@@ -50,34 +50,34 @@ class Met(NamedTuple):
     reference: str = ""
 
 
-def collect(folder: Path, source: Source) -> list[Entry]:
-    """The source's problems, stored under folder/problems, as plain rows of facts; stored once, then read.
+def collect(folder: Path, source: Source) -> list[Record]:
+    """The records of the source's problems, which are stored under folder/problems; read where they were stored before.
 
-    Errors: InputError with the reason where it yields none.
+    Errors: InputError with the reason where the source yields no problem.
     """
     store = subfolder(folder, "problems")
     listed = store / f"{source.key}.json"
     if listed.exists():
         return json.loads(listed.read_text(encoding="utf-8"))
-    entries: dict[str, Entry] = {}
+    records: dict[str, Record] = {}
     for found, starts in _recorded(source) if source.file else _chosen(source):
         problem = found if isinstance(found, LCP) else found.problem
         name = problem.hash
-        if name not in entries:
+        if name not in records:
             with replaced(store / f"{name}.npz") as file:
                 save(problem, file)
-            told = lcp_facts(source, found) if isinstance(found, LCP) else facts(source, found)
-            entries[name] = told | {"starts": [COLD, *starts], **_own_terms(source)}
+            known = lcp_facts(source, found) if isinstance(found, LCP) else facts(source, found)
+            records[name] = known | {"starts": [COLD, *starts], **_own_terms(source)}
             if starts:
-                with replaced(_starts_of(folder, name, origin(entries[name]))) as file:
+                with replaced(_starts_file(folder, name, origin(records[name]))) as file:
                     np.savez(file, **starts)  # type: ignore[arg-type]
-    write_text(listed, json.dumps(list(entries.values())))
-    return list(entries.values())
+    write_text(listed, json.dumps(list(records.values())))
+    return list(records.values())
 
 
-def _own_terms(source: Source) -> Entry:
-    """What the source asks for in place of the plan's tolerances and limit."""
-    terms: Entry = {"repeats": source.repeats}
+def _own_terms(source: Source) -> Record:
+    """The source's own repeats, tolerances and limit, in place of the plan's."""
+    terms: Record = {"repeats": source.repeats}
     if source.tolerances:
         terms["tolerances"] = list(source.tolerances)
     if source.time_limit is not None:
@@ -98,43 +98,44 @@ def stored_friction(folder: Path, problem: str) -> FrictionProblem:
     return found
 
 
-def stored_start(folder: Path, problem: str, home: str, start: str) -> Array | None:
-    """The impulses (nc, d) to start from, those of the motion that the problem is from; None for a cold start."""
+def stored_start(folder: Path, problem: str, source_origin: str, start: str) -> Array | None:
+    """The impulses (nc, d) to start from, of the motion that the problem comes from; None for a cold start."""
     if start == COLD:
         return None
-    path = _starts_of(folder, problem, home)
+    path = _starts_file(folder, problem, source_origin)
     try:
         with np.load(path, allow_pickle=False) as starts:
             return starts[start]
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-        raise InputError(f"{path}: no usable start {start} ({error})") from None
+        raise InputError(f"{path}: the start {start} cannot be read ({error})") from None
 
 
-def _starts_of(folder: Path, problem: str, home: str) -> Path:
-    return folder / "problems" / f"{problem}.{sha256(home.encode()).hexdigest()[:8]}.starts.npz"
+def _starts_file(folder: Path, problem: str, source_origin: str) -> Path:
+    return folder / "problems" / f"{problem}.{sha256(source_origin.encode()).hexdigest()[:8]}.starts.npz"
 
 
-def _recorded(source: Source) -> list[tuple[Met | LCP, dict[str, Array]]]:
-    """The problem in the source's file, and the guess that it offers to start from."""
+def _recorded(source: Source) -> list[tuple[Collected | LCP, dict[str, Array]]]:
+    """The problem in the source's file, and its initial guess as a start."""
     problem, guesses = read_recording(Path(source.file))
     if isinstance(problem, LCP):
         return [(problem, {})]
-    return [(Met(0, first_phase(DEFAULT_SCHEME), problem), {WARM: guesses[0]} if guesses and guesses[0].any() else {})]
+    return [(Collected(0, first_phase(DEFAULT_SCHEME), problem), {WARM: guesses[0]} if guesses and guesses[0].any() else {})]
 
 
-def _chosen(source: Source) -> list[tuple[Met, dict[str, Array]]]:
+def _chosen(source: Source) -> list[tuple[Collected, dict[str, Array]]]:
     """The source's problems, each with its starts by name."""
     if source.scene in instances():
-        return [(Met(0, first_phase(DEFAULT_SCHEME), make_instance(source.scene, **source.parameters)), {})]
+        return [(Collected(0, first_phase(DEFAULT_SCHEME), make_instance(source.scene, **source.parameters)), {})]
     stage = scene(source.scene, **source.parameters)
     if source.pick == 0:
-        return [(Met(0, first_phase(source.scheme), first_problem_of(stage, source.scheme)), {})]
-    met, ended = _motion(stage, source.steps)
-    if not met:
+        return [(Collected(0, first_phase(source.scheme), first_problem_of(stage, source.scheme)), {})]
+    found, ended = _motion(stage, source.steps)
+    if not found:
         raise InputError(f"scene: {source.scene} yields no problem{': ' if ended else ''}{ended}")
-    chosen = np.unique(np.linspace(0, len(met) - 1, min(source.pick, len(met))).astype(int))
-    told = f"{met[-1].reference}; the motion ended after step {met[-1].step}: {ended}" if ended else met[-1].reference
-    return [(met[i]._replace(reference=told), _starts(met, int(i))) for i in chosen]
+    chosen = np.unique(np.linspace(0, len(found) - 1, min(source.pick, len(found))).astype(int))
+    last = found[-1]
+    reference = f"{last.reference}; the motion ended after step {last.step}: {ended}" if ended else last.reference
+    return [(found[i]._replace(reference=reference), _starts(found, int(i))) for i in chosen]
 
 
 def first_problem_of(stage: Scene, scheme: str) -> FrictionProblem:
@@ -142,45 +143,47 @@ def first_problem_of(stage: Scene, scheme: str) -> FrictionProblem:
     return stage.problem() if scheme == DEFAULT_SCHEME else first_problem(stage, SCHEMES[scheme])
 
 
-def _motion(stage: Scene, steps: int | None) -> tuple[list[Met], str]:
-    """The problems of a motion that are worth solving, and why it ended before its time, if it did."""
-    reference, met = Reference(), []
+def _motion(stage: Scene, steps: int | None) -> tuple[list[Collected], str]:
+    """The problems of a motion that zero does not solve, and why the motion ended early, if it did."""
+    reference, found = Reference(), []
     try:
         for index, step in enumerate(simulate(stage, reference, steps=steps)):
-            met += [
-                Met(index, solved.phase, solved.problem, step.contacts, solved.impulse, str(reference))
+            found += [
+                Collected(index, solved.phase, solved.problem, step.contacts, solved.impulse, str(reference))
                 for solved in step.solved
-                if _worth_solving(solved.problem)
+                if _needs_impulses(solved.problem)
             ]
     except NoReference as finding:
-        return met, str(finding)
-    return met, ""
+        return found, str(finding)
+    return found, ""
 
 
-def _worth_solving(problem: FrictionProblem) -> bool:
+def _needs_impulses(problem: FrictionProblem) -> bool:
     return residual(problem, np.zeros((problem.contacts, problem.dimension))) > 0
 
 
-def _starts(met: list[Met], i: int) -> dict[str, Array]:
-    before = [j for j in range(i) if met[j].phase == met[i].phase]
-    others = [j for j in range(len(met)) if j != i and met[j].phase == met[i].phase]
+def _starts(found: list[Collected], i: int) -> dict[str, Array]:
+    before = [j for j in range(i) if found[j].phase == found[i].phase]
+    others = [j for j in range(len(found)) if j != i and found[j].phase == found[i].phase]
     starts = {}
     if before:
-        starts[WARM] = _carried(met[before[-1]], met[i])
+        starts[WARM] = _transferred(found[before[-1]], found[i])
     if others:
-        starts[SHUFFLED] = _carried(met[int(np.random.default_rng(i).choice(others))], met[i])
+        starts[SHUFFLED] = _transferred(found[int(np.random.default_rng(i).choice(others))], found[i])
     return starts
 
 
-def _carried(known: Met, wanted: Met) -> Array:
-    """The impulses known, at the contacts wanted; zero at those that were not there."""
+def _transferred(known: Collected, wanted: Collected) -> Array:
+    """The known impulses at the wanted contacts; zero at contacts that were not there."""
     assert known.contacts is not None
     assert wanted.contacts is not None
     assert known.impulse is not None
-    there = {tuple(feature): impulse for feature, impulse in zip(known.contacts.feature.tolist(), known.impulse, strict=True)}
-    nothing = np.zeros(wanted.problem.dimension)
-    carried = [there.get(tuple(feature), nothing) for feature in wanted.contacts.feature.tolist()]
-    return np.array(carried).reshape(wanted.problem.contacts, wanted.problem.dimension)
+    impulses = {
+        tuple(feature): impulse for feature, impulse in zip(known.contacts.feature.tolist(), known.impulse, strict=True)
+    }
+    zero = np.zeros(wanted.problem.dimension)
+    transferred = [impulses.get(tuple(feature), zero) for feature in wanted.contacts.feature.tolist()]
+    return np.array(transferred).reshape(wanted.problem.contacts, wanted.problem.dimension)
 
 
 def _solution_set(problem: FrictionProblem) -> dict[str, Any]:
@@ -191,18 +194,18 @@ def _solution_set(problem: FrictionProblem) -> dict[str, Any]:
     return {"solutions": found["solutions"], "outcomes": found["velocity_count"]}
 
 
-def facts(source: Source, met: Met) -> Entry:
-    """What a row says of a problem: harness.cells.rows.PROBLEM_FACTS."""
-    problem = met.problem
+def facts(source: Source, collected: Collected) -> Record:
+    """The columns of a row that describe a problem: harness.cells.rows.PROBLEM_FACTS."""
+    problem = collected.problem
     found = labels(problem)
     counted = _solution_set(problem)
     return {
         "problem": problem.hash,
         "scene": source.scene,
         "parameters": json.dumps(source.parameters, sort_keys=True),
-        "step": met.step,
-        "phase": met.phase,
-        "reference": met.reference,
+        "step": collected.step,
+        "phase": collected.phase,
+        "reference": collected.reference,
         "contacts": problem.contacts,
         "dimension": problem.dimension,
         "velocities": len(problem.free_velocity),
@@ -223,15 +226,15 @@ def facts(source: Source, met: Met) -> Entry:
     }
 
 
-def lcp_facts(source: Source, lcp: LCP) -> Entry:
-    """What a row says of a bare LCP, which has no contacts."""
-    known: Entry = {"problem": lcp.hash, "scene": source.scene, "parameters": json.dumps(source.parameters, sort_keys=True)}
+def lcp_facts(source: Source, lcp: LCP) -> Record:
+    """The columns of a row that describe a bare LCP, which has no contacts."""
+    known: Record = {"problem": lcp.hash, "scene": source.scene, "parameters": json.dumps(source.parameters, sort_keys=True)}
     known |= {"step": 0, "phase": "lcp", "reference": "", "size": lcp.size, "trivial": bool((lcp.q >= 0).all())}
     return dict.fromkeys(PROBLEM_FACTS) | known
 
 
 def _existence(problem: FrictionProblem, pointedness: float, solutions: str | None) -> str:
-    """Why a solution is known to exist: by theory, else by counting; "none" where counting finds none, "" if unknown."""
+    """Why a solution is known to exist: by theory, else by counting; "none" if counting finds none, "" if unknown."""
     known = existence(problem, pointedness <= POINTED)
     return known or ("" if solutions is None else "none" if solutions == "none" else "counted")
 

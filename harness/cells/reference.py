@@ -1,7 +1,7 @@
-"""Reference answers, of which recorded problems, starts, motions and a problem's response are made. None is believed.
+"""Reference answers, with which problems, starts, motions and sensitivities are computed. Each is verified.
 
-Solvers are asked in turn, each answer is verified like any other, and the first that holds is taken. Where none does there is
-no reference, and what was to be made of it ends there, with the reason.
+Solvers are tried in turn, each answer is verified like any other, and the first that is solved is used. Where none is, there
+is no reference answer, and the motion or sensitivity ends there with the reason.
 """
 
 from collections import Counter
@@ -14,34 +14,35 @@ from frictionbench.problems.check import Array
 from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers import available, solve
 
-ASKED, ACCEPTED = 1e-10, 1e-8  # residuals: asked of the solver, and the most that is taken
+TOL, ACCEPTED = 1e-10, 1e-8  # residuals: the tolerance given to solvers; the largest accepted, the tightest of most suites
+# By dimension, in the order tried: an exact method first, then methods of other kinds, which fail on other problems.
 ORDER = {2: ("lemke", "path_search", "interior_point"), 3: ("hybrid", "nsgs", "interior_point")}
 
 
 class NoReference(Exception):  # noqa: N818  # a finding about the problem, which ends what it was for
-    """No solver's answer holds; the message says how far each was off."""
+    """No solver's answer is solved; the message gives the residual of each."""
 
 
 class Reference:
-    """A way to solve friction problems; str() says who answered how many of them."""
+    """Solves friction problems; str() gives the solvers used and how often."""
 
     def __init__(self) -> None:
         self._answered: Counter[str] = Counter()
 
     def __call__(self, problem: FrictionProblem) -> Array:
         """The impulses (nc, d). Errors: NoReference."""
-        missed = []
+        failed = []
         for name in ORDER[problem.dimension]:
             try:
-                finding = verify(problem, answer := solve(problem, name, tol=ASKED), available()[name], ACCEPTED)
-            except Exception as error:  # another may answer
-                missed.append(f"{name}: {type(error).__name__}")
+                finding = verify(problem, answer := solve(problem, name, tol=TOL), available()[name], ACCEPTED)
+            except Exception as error:  # the next may solve it
+                failed.append(f"{name}: {type(error).__name__}")
                 continue
             if finding.verdict == Verdict.SOLVED:
                 self._answered[name] += 1
                 return np.asarray(answer.impulse, dtype=float)
-            missed.append(f"{name}: {finding.residual:.1e}")
-        raise NoReference(f"no reference answer within {ACCEPTED:g} ({', '.join(missed)})")
+            failed.append(f"{name}: {finding.residual:.1e}")
+        raise NoReference(f"no reference answer within {ACCEPTED:g} ({', '.join(failed)})")
 
     def __str__(self) -> str:
         counts = self._answered.most_common()

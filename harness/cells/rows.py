@@ -1,4 +1,4 @@
-"""The part of a row that is known before a cell runs, so that a cell that is killed leaves a row too."""
+"""The part of a row that is known before a cell runs, so that a cell that is killed has a row as well."""
 
 import json
 
@@ -16,9 +16,9 @@ PROBLEM_FACTS = (
 )
 
 
-def solve_row(cell: SolveCell, entry: Row, limit: float, plugins: tuple[Plugin, ...] = ()) -> Row:
-    """The solve cell, the facts of its problem and of its solver."""
-    known = {name: entry[name] for name in PROBLEM_FACTS}
+def solve_row(cell: SolveCell, record: Row, limit: float, plugins: tuple[Plugin, ...] = ()) -> Row:
+    """The columns of the solve cell, of its problem and of its solver."""
+    known = {name: record[name] for name in PROBLEM_FACTS}
     return (
         known
         | _solver_row(cell.variant, plugins)
@@ -26,15 +26,15 @@ def solve_row(cell: SolveCell, entry: Row, limit: float, plugins: tuple[Plugin, 
     )
 
 
-def nothing(source: Source, reason: str) -> Row:
-    """The facts of a source that yields no problem, for a row that says so of each of its planned cells."""
+def no_problem(source: Source, reason: str) -> Row:
+    """The record of a source that yields no problem, with the reason, for the rows of its planned cells."""
     parameters = json.dumps(source.parameters, sort_keys=True)
     known = {"problem": "", "scene": source.scene, "parameters": parameters, "step": None, "phase": "", "reference": ""}
     return dict.fromkeys(PROBLEM_FACTS) | known | {"starts": [COLD], "reason": reason}
 
 
 def simulation_row(cell: SimulationCell, limit: float, plugins: tuple[Plugin, ...] = ()) -> Row:
-    """The simulation cell and the facts of its solver."""
+    """The columns of the simulation cell and of its solver."""
     facts = {
         "key": cell.key,
         "scene": cell.scene,
@@ -49,12 +49,12 @@ def simulation_row(cell: SimulationCell, limit: float, plugins: tuple[Plugin, ..
 
 
 def _solver_row(variant: str, plugins: tuple[Plugin, ...]) -> Row:
-    told = next((plugin.solvers[variant] for plugin in plugins if variant in plugin.solvers), None)
-    return {"variant": variant, "host": machine.host(), **(told or solver_facts(variant))}
+    described = next((plugin.solvers[variant] for plugin in plugins if variant in plugin.solvers), None)
+    return {"variant": variant, "host": machine.host(), **(described or solver_facts(variant))}
 
 
 def solver_facts(variant: str) -> Row:
-    """What a row says of a solver, of our own or of a plug-in that is loaded."""
+    """The columns of a row that describe a solver, our own or one of a loaded plug-in."""
     info, _ = find(variant)
     return {
         "solver": info.name,

@@ -1,14 +1,13 @@
-"""A scene in closed loop: the solver's own answers move the bodies, and each answer is verified as it comes.
+"""A scene in closed loop: the solver's answers move the bodies, and each answer is verified.
 
-After a failed step, one that is not solved, the motion goes on as simulators do, in one of three ways:
+After a failed step, one whose verdict is not `solved`, the motion continues in one of three ways, as in simulators:
 
     answer        the answer moves the bodies as it is
     velocity      the step is skipped, and the bodies keep their velocities
     relaxation    the convex relaxation's answer moves them
 
-An answer that is no answer (wrong shape, not finite) moves nothing: the contacts are then left without impulses. A motion
-whose energy is no longer finite, or a million times the scene's, is broken off as diverged; a scheme whose equations have no
-solution ends it too.
+A malformed answer (of the wrong shape, or not finite) is replaced by zero impulses. The motion ends as diverged when its energy
+is not finite or a million times the scene's; it also ends when the scheme's equations have no solution.
 """
 
 from collections import Counter
@@ -31,12 +30,12 @@ from frictionbench.results.conventions import KEEP_VELOCITY, RELAX
 from frictionbench.results.verdicts import RANK, Verdict
 from frictionbench.solvers import Solver, SolverInfo, solve
 
-DIVERGED = 1e6
-FALLBACK = "relaxation_ip"
+DIVERGED = 1e6  # of the scene's energy: no inaccurate but stable motion gains nearly as much
+FALLBACK = "relaxation_ip"  # the convex relaxation's solver for `relaxation` above
 
 
 class _ClosedLoop:
-    """The solver as a scheme calls it; keeps what was found on the way."""
+    """The solver as a scheme calls it; collects verdicts, residuals and times of its answers."""
 
     def __init__(self, info: SolverInfo, solver: Solver, cell: SimulationCell) -> None:
         self._info, self._solver, self._tol, self._after = info, solver, cell.tol, cell.after
@@ -45,16 +44,16 @@ class _ClosedLoop:
         self.worst_residual = self.worst_defect = self.solver_time = self.overhead = 0.0
 
     def __call__(self, problem: FrictionProblem) -> Array:
-        verdict, impulse = self._answered(problem)
+        verdict, impulse = self._verified(problem)
         self.verdicts[verdict] += 1
         if verdict != Verdict.SOLVED and self._after == KEEP_VELOCITY:
-            raise _StepLost
+            raise _StepSkipped
         if verdict != Verdict.SOLVED and self._after == RELAX:
             return _usable(problem, solve(problem, FALLBACK, tol=self._tol).impulse)
         return impulse
 
-    def _answered(self, problem: FrictionProblem) -> tuple[Verdict, Array]:
-        """The verdict on the solver's answer, and the very impulses that were verified."""
+    def _verified(self, problem: FrictionProblem) -> tuple[Verdict, Array]:
+        """The verdict on the solver's answer, and the impulses that were verified."""
         given = duplicate(problem)
         self.most_contacts = max(self.most_contacts, problem.contacts)
         try:
@@ -73,63 +72,63 @@ class _ClosedLoop:
         return verdict, _usable(problem, call.answer.impulse)
 
     def verdict(self) -> tuple[Verdict, str]:
-        """The worst verdict of any problem, and how many have which."""
+        """The worst verdict on any problem, and the number of problems with each verdict other than solved."""
         worst = max(self.verdicts, key=RANK.__getitem__, default=Verdict.SOLVED)
-        missed = [f"{count} {verdict}" for verdict, count in sorted(self.verdicts.items()) if verdict != Verdict.SOLVED]
-        return worst, f"of {self.verdicts.total()} problems {', '.join(missed)}" if missed else ""
+        failed = [f"{count} {verdict}" for verdict, count in sorted(self.verdicts.items()) if verdict != Verdict.SOLVED]
+        return worst, f"of {self.verdicts.total()} problems {', '.join(failed)}" if failed else ""
 
 
-class _StepLost(Exception):  # noqa: N818  # a decision, not an error
-    """This step is not to be taken."""
+class _StepSkipped(Exception):  # noqa: N818  # control flow, not an error
+    """The step is skipped because its problem was not solved."""
 
 
-def _going_on(scheme: Scheme) -> Scheme:
-    """The scheme with lost steps taken at the velocity before."""
+def _skipping_failures(scheme: Scheme) -> Scheme:
+    """The scheme, with skipped steps taken at the velocity before them."""
 
     def advance(scene: Scene, now: Step, solve: Solve) -> Step:
         try:
             return scheme.advance(scene, now, solve)
-        except _StepLost:
+        except _StepSkipped:
             return Step(now.time + scene.step, now.q + scene.step * now.v, now.v, now.contacts)
 
     return Scheme(advance, scheme.lacks)
 
 
 def _usable(problem: FrictionProblem, impulse: Array) -> Array:
-    """The impulses (nc, d), or none where there are none to be used."""
-    nothing = np.zeros((problem.contacts, problem.dimension))
-    usable = np.shape(impulse) == nothing.shape and bool(np.isfinite(impulse).all())
-    return np.asarray(impulse, dtype=float) if usable else nothing
+    """The impulses (nc, d); zero where the answer is malformed."""
+    zero = np.zeros((problem.contacts, problem.dimension))
+    usable = np.shape(impulse) == zero.shape and bool(np.isfinite(impulse).all())
+    return np.asarray(impulse, dtype=float) if usable else zero
 
 
 def run_closed_loop(cell: SimulationCell, info: SolverInfo, solver: Solver) -> dict[str, Any]:
-    """The simulation's part of a row of results.schema.SIMULATIONS."""
+    """The columns of a simulation's row (results.schema.SIMULATIONS) that the simulation gives."""
     stage = scene(cell.scene, **cell.parameters)
     planned = stage.steps if cell.steps is None else cell.steps
     loop = _ClosedLoop(info, solver, cell)
-    times, energies, kinetic, penetrations, loose = [], [], [], [], 0
-    broken_off = ""
+    times, energies, kinetic, penetrations, contact_free = [], [], [], [], 0
+    ended = ""
     try:
-        for step in simulate(stage, loop, _going_on(SCHEMES[cell.scheme]), planned):
-            begun = perf_counter()
+        for step in simulate(stage, loop, _skipping_failures(SCHEMES[cell.scheme]), planned):
+            start_time = perf_counter()
             times.append(step.time)
-            loose += not len(step.contacts)
+            contact_free += not len(step.contacts)
             energies.append(stage.energy(step.q, step.v))
             kinetic.append(float(step.v @ (stage.mass @ step.v)) / 2)
             penetrations.append(penetration(stage, step.q))
-            loop.overhead += perf_counter() - begun
-            gained = energies[-1] - energies[0]  # where the potential's zero lies says nothing
+            loop.overhead += perf_counter() - start_time
+            gained = energies[-1] - energies[0]  # a difference, since the potential's zero is arbitrary
             if not np.isfinite(gained) or abs(gained) > DIVERGED * _scale(stage, energies[:-1], kinetic[:-1]):
-                broken_off = "the motion diverged"
+                ended = "the motion diverged"
                 break
-    except NoSolution as nothing:
-        broken_off = f"the scheme has no solution: {nothing}"
+    except NoSolution as finding:
+        ended = f"the scheme has no solution: {finding}"
     scale = _scale(stage, energies, kinetic)
     done = len(times) - 1
     verdict, reason = loop.verdict()
-    if broken_off:
+    if ended:
         verdict = Verdict.UNSOLVED if verdict == Verdict.SOLVED else verdict
-        reason = f"{broken_off} (after {done} steps)" + (f"; {reason}" if reason else "")
+        reason = f"{ended} (after {done} steps)" + (f"; {reason}" if reason else "")
     return {
         "verdict": verdict,
         "reason": reason,
@@ -145,8 +144,10 @@ def run_closed_loop(cell: SimulationCell, info: SolverInfo, solver: Solver) -> d
         "energy_drift": (energies[-1] - energies[0]) / scale,
         "energy_rise": max(0.0, float(np.max(np.diff(energies), initial=0.0))) / scale,
         "worst_penetration": max(penetrations),
-        "contact_free_steps": loose,
-        "solver_time": loop.solver_time if np.isfinite(loop.solver_time) else None,  # a call that never ran unloaded
+        "contact_free_steps": contact_free,
+        "solver_time": loop.solver_time
+        if np.isfinite(loop.solver_time)
+        else None,  # not finite where a call loaded something each time
         "overhead": loop.overhead,
         "times": times,
         "energies": energies,
@@ -155,12 +156,12 @@ def run_closed_loop(cell: SimulationCell, info: SolverInfo, solver: Solver) -> d
 
 
 def refusal(cell: SimulationCell, info: SolverInfo) -> str | None:
-    """Why this simulation is not for this solver or this scheme, or None."""
+    """Why the solver or the scheme cannot run this simulation, or None."""
     return info.missing or SCHEMES[cell.scheme].refuses(scene(cell.scene, **cell.parameters))
 
 
 def _scale(stage: Scene, energies: list[float], kinetic: list[float]) -> float:
-    """The largest kinetic energy plus the range of the potential, J; where nothing moves, what one step of fall gives."""
+    """The largest kinetic energy plus the range of the potential, J; at least the kinetic energy after one step of fall."""
     if not energies:
         return np.inf
     potential = np.array(energies) - np.array(kinetic)

@@ -1,31 +1,31 @@
-"""Timing of form, setup and solve, apart, on the same problem met afresh each time.
+"""Timing of form, setup and solve, separately, on the same problem without cached values each time.
 
 A call in which anything was compiled or loaded (numba compiling or reading its cache, Python importing a module) is never a
-sample: it is made again, and a solver of which no call is without has no times. The first call answers. Where it was short its
-times are not kept either, for it also warmed caches, and repeats follow until a budget is spent: at least three, at most
-fifteen. A long call is its own measurement. Garbage collection rests meanwhile. Times are raw, in seconds. Answers are copied
-as they come, so that each that was timed can be verified.
+sample: it is repeated, and a solver whose every call loads something has no times. The first call gives the answer. If it was
+short its times are discarded, because it also warmed caches, and repeats follow until a budget is spent: at least three, at
+most fifteen. A long call is its own sample. Garbage collection is disabled meanwhile. Times are raw, in seconds. Answers are
+copied when they are returned, so that each timed answer can be verified.
 """
 
 import gc
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from time import perf_counter  # held here: a solver may replace what `time` holds
+from time import perf_counter  # bound here: a solver may replace the attributes of `time`
 from typing import Any, NamedTuple
 
-from frictionbench.harness.cells.answers import alike, plain
+from frictionbench.harness.cells.answers import checked_copy, identical
 from frictionbench.harness.process import no_forked_child
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.solvers import Answer, Solver
 
-BUDGET = 0.1  # seconds of repeats a cell
-FEWEST, MOST = 3, 15
-LOADS = 5  # calls in a row that load something: so will the next
+BUDGET = 0.1  # seconds of repeats for a cell: suites have thousands
+FEWEST, MOST = 3, 15  # repeats: a median needs three, and more than fifteen change it little
+LOADS = 5  # successive calls that load something, after which the next is expected to as well
 
 
 class Call(NamedTuple):
-    """One call's answer; seconds in form, setup and solve; whether anything was compiled or loaded in it."""
+    """One call: its answer, the seconds in form, setup and solve, and whether anything was compiled or loaded."""
 
     answer: Answer
     times: tuple[float, float, float]
@@ -34,10 +34,10 @@ class Call(NamedTuple):
 
 @dataclass
 class Timing:
-    """Raw times of the kept repeats, in order; of the first call, unless it loaded something; and of all calls: in seconds.
+    """Raw times in seconds: form, setup and solve of each sample in order.
 
-    clock: the library's own of the kept repeats, where it has one.
-    answers: of the first call and of those that were kept, each that is unlike the others.
+    first: of the first call, None if it loaded something. spent: of all calls. clock: the samples' times by the library's own
+    clock, if it has one. answers: the distinct answers of the first call and of the samples.
     """
 
     form: list[float] = field(default_factory=list)
@@ -48,12 +48,12 @@ class Timing:
     spent: float = 0.0
     answers: list[Answer] = field(default_factory=list)
 
-    def note(self, answer: Answer) -> None:
-        if not any(alike(answer, known) for known in self.answers):
+    def add_answer(self, answer: Answer) -> None:
+        if not any(identical(answer, known) for known in self.answers):
             self.answers.append(answer)
 
-    def keep(self, call: Call) -> None:
-        self.note(call.answer)
+    def add_sample(self, call: Call) -> None:
+        self.add_answer(call.answer)
         if not call.loaded:
             for samples, seconds in zip((self.form, self.setup, self.solve), call.times, strict=True):
                 samples.append(seconds)
@@ -68,10 +68,10 @@ def time_solver(
     answered: Callable[[], None],
     most: int = MOST,
 ) -> Timing:
-    """The answers to the problem, and the times; answered() is called between the first and the repeats.
+    """The answers to the problem and their times; answered() is called between the first call and the repeats.
 
-    solve: the solver's, with the tolerance and the start. most: repeats at the most. Errors: AnswerError, and whatever the
-    solver raises.
+    solve: calls the solver with the tolerance and the start. most: the largest number of repeats.
+    Errors: AnswerError, and whatever the solver raises.
     """
     timing = Timing()
     enabled = gc.isenabled()
@@ -79,16 +79,16 @@ def time_solver(
     gc.disable()
     try:
         first = _timed(solver, problem, solve, timing)
-        timing.note(first.answer)
+        timing.add_answer(first.answer)
         timing.first = None if first.loaded else sum(first.times)
         answered()
         clean = first if not first.loaded else clean_call(lambda: _timed(solver, problem, solve, timing))
         seconds = sum(clean.times)
         if seconds > BUDGET:
-            timing.keep(clean)
+            timing.add_sample(clean)
         else:
             for _ in range(max(min(FEWEST, most), min(most, int(BUDGET / max(seconds, 1e-9))))):
-                timing.keep(clean_call(lambda: _timed(solver, problem, solve, timing)))
+                timing.add_sample(clean_call(lambda: _timed(solver, problem, solve, timing)))
     finally:
         if enabled:
             gc.enable()
@@ -96,7 +96,7 @@ def time_solver(
 
 
 def clean_call(call: Callable[[], Call]) -> Call:
-    """The first call in which nothing was compiled or loaded; the last one, if every one of LOADS loads something."""
+    """The first call in which nothing was compiled or loaded, or the last of LOADS calls if each loads something."""
     for _ in range(LOADS):
         made = call()
         if not made.loaded:
@@ -105,23 +105,23 @@ def clean_call(call: Callable[[], Call]) -> Call:
 
 
 def timed_call(solver: Solver, problem: FrictionProblem | LCP, solve: Callable[[Any], Answer]) -> Call:
-    """One call on the problem met afresh."""
+    """One call on the problem, without values cached by earlier calls."""
     from numba.core import event
 
-    met, modules = problem.fresh(), len(sys.modules)
+    fresh, modules = problem.fresh(), len(sys.modules)
     with (
-        event.install_recorder("numba:compiler_lock") as loads,
+        event.install_recorder("numba:compiler_lock") as loads,  # numba holds this lock to compile and to read its cache
         no_forked_child(),
-    ):  # held to compile and to read from the cache
+    ):
         start = perf_counter()
-        formed = solver.form(met)
+        formed = solver.form(fresh)
         written = perf_counter()
         prepared = solver.setup(formed)
         ready = perf_counter()
         answer = solve(prepared)
         end = perf_counter()
     return Call(
-        plain(answer), (written - start, ready - written, end - ready), bool(loads.buffer) or len(sys.modules) != modules
+        checked_copy(answer), (written - start, ready - written, end - ready), bool(loads.buffer) or len(sys.modules) != modules
     )
 
 

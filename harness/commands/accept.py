@@ -1,4 +1,4 @@
-"""`frictionbench accept`: what a run found becomes the baseline, as text."""
+"""`frictionbench accept`: write a run's verdicts and counters as the baseline, a text file."""
 
 from collections import Counter
 from pathlib import Path
@@ -10,18 +10,16 @@ from frictionbench.results.store import ResultsError
 
 
 def accept(folder: Path, path: Path | None) -> tuple[Comparison | None, str]:
-    """Make the run in folder the baseline at path; what changes against the one that was there, and what is accepted.
+    """Write the run in folder as the baseline at path; its comparison with the previous baseline, if any, and a summary.
 
-    path: baselines/SUITE.tsv where it is None.
-
-    Errors: ResultsError where the run is not finished, or the path holds something else.
+    path: baselines/SUITE.tsv if None. Errors: ResultsError where the run is not finished, or path is not a baseline.
     """
     if not store.read_manifest(folder).get("finished"):
-        raise ResultsError(f"{folder}: the run is not finished; the same command goes on where it stopped")
+        raise ResultsError(f"{folder}: the run is not finished; run the same command again to resume it")
     run, before = cells.read(folder), None
     path = path or Path("baselines") / f"{run.suite}.tsv"
     if path.exists():
-        baseline.read(path)  # nothing else is written over
+        baseline.read(path)  # refuses to overwrite a file that is not a baseline
         before = compare(path, folder, Limits(times=False))
     tolerances = " ".join(f"{tol:g}" for tol in run.tolerances)
     facts = {"suite": run.suite, "tolerances": tolerances, "code": run.code, "made": run.made}

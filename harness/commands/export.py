@@ -5,7 +5,7 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from frictionbench.harness.cells.collect import Entry, collect, stored_friction
+from frictionbench.harness.cells.collect import Record, collect, stored_friction
 from frictionbench.harness.plans.plan import Source
 from frictionbench.harness.plans.spec import parse
 from frictionbench.problems import InputError
@@ -14,29 +14,33 @@ from frictionbench.results import store
 
 
 def export(what: str, out: Path, pick: int = 0) -> Iterator[Path]:
-    """Write the problems and yield the files. Errors: InputError naming what is unknown or cannot be written."""
+    """Write the problems and yield the files. Errors: InputError naming the argument that is unknown or cannot be written."""
     if (Path(what) / "manifest.json").exists():
         store.read_manifest(Path(what))
-        entries = [
-            entry
+        records = [
+            record
             for listed in sorted((Path(what) / "problems").glob("source-*.json"))
-            for entry in json.loads(listed.read_text(encoding="utf-8"))
+            for record in json.loads(listed.read_text(encoding="utf-8"))
         ]
-        yield from _written(Path(what), entries, out)
+        yield from _written(Path(what), records, out)
     else:
         with tempfile.TemporaryDirectory() as folder:
-            entries = collect(Path(folder), Source(*parse("scene", what), pick=pick))
-            yield from _written(Path(folder), entries, out)
+            records = collect(Path(folder), Source(*parse("scene", what), pick=pick))
+            yield from _written(Path(folder), records, out)
 
 
-def _written(folder: Path, entries: list[Entry], out: Path) -> Iterator[Path]:
-    if len(entries) != 1 and out.suffix:
-        raise InputError(f"out: {len(entries)} problems need a folder, and {out} looks like a file")
-    for entry in entries:
-        problem = stored_friction(folder, entry["problem"])
-        path = out if out.suffix else out / f"{entry['scene']}-{entry['step']:05d}-{entry['contacts']}-{entry['problem']}.hdf5"
+def _written(folder: Path, records: list[Record], out: Path) -> Iterator[Path]:
+    if len(records) != 1 and out.suffix:
+        raise InputError(f"out: {len(records)} problems need a folder, and {out} has the suffix of a file")
+    for record in records:
+        problem = stored_friction(folder, record["problem"])
+        path = (
+            out if out.suffix else out / f"{record['scene']}-{record['step']:05d}-{record['contacts']}-{record['problem']}.hdf5"
+        )
         if path.exists():
-            raise InputError(f"out: {path} is there already; nothing was written over it")
+            raise InputError(f"out: {path} exists; it was not overwritten")
         path.parent.mkdir(parents=True, exist_ok=True)
-        fclib.write(problem, path, entry["scene"], f"frictionbench {entry['scene']} {entry['parameters']} step {entry['step']}")
+        fclib.write(
+            problem, path, record["scene"], f"frictionbench {record['scene']} {record['parameters']} step {record['step']}"
+        )
         yield path

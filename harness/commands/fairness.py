@@ -1,9 +1,9 @@
-"""docs/fairness.md, made from the registry: what is done to every solver that is not ours, in the words of its own file.
+"""docs/fairness.md, generated from the registry: how each outside solver is called, from the docstring of its file.
 
     python -m frictionbench.harness.commands.fairness > docs/fairness.md
 
-The docstring of an outside solver's file says what the page needs under the names of FIELDS, a colon after each; what the
-contract and the packages said of it, where everything was installed, stands in docs/outside.tsv (harness.commands.outcomes).
+The docstring of an outside solver's file has the page's facts under the names of FIELDS, with a colon after each. The results
+of the contract and the licences of the packages are in docs/outside.tsv (harness.commands.outcomes).
 """
 
 import csv
@@ -20,55 +20,57 @@ HEAD = """# Fairness
 
 Made from the registry by `python -m frictionbench.harness.commands.fairness`; a test compares the two.
 
-Every solver meets the same problems under the same clock, limit and verifier. Three times are measured apart: *form*, the
-problem written as what the method takes; *setup*, the method's or library's own; *solve*. Their sum counts. A library that
-keeps a clock of its own is shown with both. One thread, one core; loading and compiling are in no sample, in no limit. What a
-solver claims decides nothing: the residual is computed again from the impulses. `tol` is a bound of the residual of the
-solver's own model (problems.residual); each entry says how its own tolerances were set from it, with eps = tol as its scaled
-problem has it. Versions: `frictionbench list solvers`.
+Every solver is given the same problems and timed with the same clock, limit and verification. Three times are measured
+separately: *form*, writing the problem as the method takes it; *setup*, the method's or library's own; *solve*. Their sum is
+compared. For a library with a clock of its own both times are shown. Solvers run in one thread on one core; loading and
+compiling count neither as time nor towards the limit. Results are independently verified: the residual is computed from the
+impulses, whatever status the solver reports. `tol` bounds the residual of the solver's own model (problems.residual); each
+section states how the solver's own tolerances are set from it, with eps = tol in its scaled problem. Versions:
+`frictionbench list solvers`.
 
-The contract is `frictionbench check-solver NAME`: fifteen checks of form, honesty, edge cases and invariance. What each
-solver breaks, with the first complaint, is recorded in docs/outside.tsv by
-`python -m frictionbench.harness.commands.outcomes`, and so is what its package says of its licence. A solver of a relaxation or
-of soft contacts is held to its own model there.
+The contract is `frictionbench check-solver NAME`: fifteen checks of form, honesty, edge cases and invariance. The checks that
+each solver fails, with the first complaint, and the licences in its packages' metadata are recorded in docs/outside.tsv by
+`python -m frictionbench.harness.commands.outcomes`. A solver of a relaxation or of regularised contacts is checked against its
+own model.
 
-**To dispute an entry**: open an issue with a problem file (`frictionbench export`, or any that `frictionbench solve` reads) and
-what the entry should do with it, or a pull request for its file, which is under 80 lines; the figures are then made again.
+**To dispute a section**: open an issue with a problem file (`frictionbench export`, or any that `frictionbench solve` reads)
+and the result that the solver should give, or a pull request for its file, which is under 80 lines; the figures are then
+computed again.
 """
 
 
 def page() -> str:
-    """The page, with every outside solver in the order of their names, and ours in a table."""
+    """The page: a section for every outside solver in alphabetical order, and our solvers in a table."""
     known = sorted(available().items())
     ours = [
         f"| `{name}` | {info.model} | {_numbers(info.dimension)} | {'yes' if info.warm_start else 'no'} | {info.summary} |"
         for name, info in known
         if not info.needs and info.ours
     ]
-    told = outcomes()
+    results = outcomes()
     parts = [
         HEAD,
-        *(_entry(info, told) for _, info in known if info.needs and info.ours),
+        *(_section(info, results) for _, info in known if info.needs and info.ours),
     ]
     table = ["| solver | model | dimension | warm start | |", "|---|---|---|---|---|", *ours]
     return "\n".join([*parts, "## Ours (BSD-3-Clause)", "", *table, ""])
 
 
 def outcomes() -> dict[str, dict[str, str]]:
-    """The recorded table's line of each entry."""
+    """The recorded line of each variant."""
     with OUTCOMES.open(encoding="utf-8", newline="") as file:
-        return {line["entry"]: line for line in csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE)}
+        return {line["variant"]: line for line in csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE)}
 
 
 def facts(info: SolverInfo) -> dict[str, str]:
-    """What the file of a solver says under each of FIELDS."""
+    """The text under each of FIELDS in the docstring of a solver's file."""
     text = sys.modules[info.make.__module__].__doc__ or ""
     found = re.findall(rf"^({'|'.join(FIELDS)}): (.*?)(?=^\w+: |\Z|^$)", text, flags=re.MULTILINE | re.DOTALL)
     return {name: " ".join(words.split()) for name, words in found}
 
 
-def _entry(info: SolverInfo, told: dict[str, dict[str, str]]) -> str:
-    said = facts(info)
+def _section(info: SolverInfo, results: dict[str, dict[str, str]]) -> str:
+    stated = facts(info)
     models = sorted({find(spec)[0].model for spec in info.specs})
     dimensions = tuple(sorted({d for spec in info.specs for d in find(spec)[0].dimension}))
     needs = sorted({need for spec in info.specs for need in find(spec)[0].needs})
@@ -77,28 +79,28 @@ def _entry(info: SolverInfo, told: dict[str, dict[str, str]]) -> str:
         "",
         info.summary,
         "",
-        f"* Entries: {', '.join(f'`{spec}`' for spec in info.specs)}",
+        f"* Variants: {', '.join(f'`{spec}`' for spec in info.specs)}",
         f"* Needs: {', '.join(needs)}",
         f"* Model: {', '.join(models)}; dimension {_numbers(dimensions)}",
-        *(f"* {name}: {said[name]}" for name in FIELDS if name in said),
-        *_contract(info.specs, told),
+        *(f"* {name}: {stated[name]}" for name in FIELDS if name in stated),
+        *_contract(info.specs, results),
         "",
     ]
     return "\n".join(lines)
 
 
-def _contract(specs: tuple[str, ...], told: dict[str, dict[str, str]]) -> list[str]:
-    """What the packages and the contract said, entries of the same outcome together."""
-    known = [told[spec] for spec in specs if spec in told]
+def _contract(specs: tuple[str, ...], results: dict[str, dict[str, str]]) -> list[str]:
+    """The licences and the results of the contract, variants with the same result together."""
+    known = [results[spec] for spec in specs if spec in results]
     if not known:
         return []
     lines = [
-        f"* Its packages say of their licence: {_each(known, 'licences', '; ')}.",
+        f"* Licences in its packages' metadata: {_each(known, 'licences', '; ')}.",
         f"* Contract, {known[0]['day']}, with {_each(known, 'versions', ', ')}:",
     ]
     for broken, same in groupby(sorted(known, key=lambda line: line["broken"]), key=lambda line: line["broken"]):
-        names = ", ".join(f"`{line['entry']}`" for line in same)
-        lines.append(f"    * {names}: {'keeps all of it' if broken == 'none' else _told(broken)}")
+        names = ", ".join(f"`{line['variant']}`" for line in same)
+        lines.append(f"    * {names}: {'passes all checks' if broken == 'none' else _failures(broken)}")
     return lines
 
 
@@ -107,8 +109,8 @@ def _each(lines: list[dict[str, str]], column: str, between: str) -> str:
     return between.join(dict.fromkeys(part for line in lines for part in line[column].split(between)))
 
 
-def _told(broken: str) -> str:
-    return broken if broken.startswith("not here") else f"breaks {broken}"
+def _failures(broken: str) -> str:
+    return broken if broken.startswith("not here") else f"fails {broken}"
 
 
 def _numbers(values: tuple[int, ...]) -> str:

@@ -1,4 +1,4 @@
-"""The lists of `frictionbench list`: an entry a paragraph, which fits every terminal."""
+"""The lists of `frictionbench list`: a paragraph for each scene, solver or suite, wrapped to the terminal."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import fields
@@ -11,58 +11,58 @@ from frictionbench.problems.instances import instances
 from frictionbench.solvers import SolverInfo, available, find
 from frictionbench.solvers.plugins import distribution, installed
 
-Entry = tuple[str, list[str]]  # a name with what belongs beside it, and paragraphs
+Item = tuple[str, list[str]]  # a heading and its paragraphs
 SPACES = {2: "planar", 3: "spatial"}
 
 
 def show(what: str) -> None:
     """Print the scenes, solvers or suites."""
-    makers: dict[str, Callable[[], Iterator[Entry]]] = {"scenes": _scenes, "solvers": _solvers, "suites": _suites}
+    makers: dict[str, Callable[[], Iterator[Item]]] = {"scenes": _scenes, "solvers": _solvers, "suites": _suites}
     width = screen()
-    for head, told in makers[what]():
-        print(head)
-        for text in filter(None, told):
+    for heading, texts in makers[what]():
+        print(heading)
+        for text in filter(None, texts):
             print("\n".join(paragraph(text, width)))
 
 
-def _scenes() -> Iterator[Entry]:
+def _scenes() -> Iterator[Item]:
     listed: dict[str, Any] = {**scenes(), **instances()}
     for name, generator in listed.items():
         settings = ", ".join(f"{key}={_short(value)}" for key, value in generator.parameters.items())
         yield name, [generator.summary, f"settings: {settings}" if settings else ""]
 
 
-def _solvers() -> Iterator[Entry]:
+def _solvers() -> Iterator[Item]:
     for name, info in sorted(available().items()):
         facts = [info.family, info.model, " and ".join(SPACES[d] for d in info.dimension)]
         facts += ["takes a start"] * info.warm_start + ["portfolio"] * bool(info.members)
-        variants = f"variants: {', '.join(_told(spec) for spec in info.specs)}" if info.variants else ""
-        yield f"{name}  ({'; '.join([*facts, *_here(info)])})", [info.summary, _settings(info), variants]
-    for name, point in installed().items():  # whose code is not run for a list
-        yield f"{name}  ({distribution(point)})", [f"from outside: {point.value}"]
+        variants = f"variants: {', '.join(_with_reason(spec) for spec in info.specs)}" if info.variants else ""
+        yield f"{name}  ({'; '.join([*facts, *_libraries(info)])})", [info.summary, _settings(info), variants]
+    for name, point in installed().items():  # without importing their code
+        yield f"{name}  ({distribution(point)})", [f"installed plug-in: {point.value}"]
 
 
-def _here(info: SolverInfo) -> list[str]:
-    """The versions of the libraries that its variants need and have; where none has all, what is missing."""
+def _libraries(info: SolverInfo) -> list[str]:
+    """The versions of the libraries of its available variants; if none is available, what is missing."""
     found = [find(spec)[0] for spec in info.specs]
-    there = [library for fact in found if not fact.missing for library in fact.version.split(", ") if library]
-    if there or not any(fact.missing for fact in found):
-        return list(dict.fromkeys(there))
+    installed_versions = [library for fact in found if not fact.missing for library in fact.version.split(", ") if library]
+    if installed_versions or not any(fact.missing for fact in found):
+        return list(dict.fromkeys(installed_versions))
     return [f"not available: {found[0].missing}"]
 
 
-def _told(spec: str) -> str:
+def _with_reason(spec: str) -> str:
     missing = find(spec)[0].missing
     return f"{spec} ({missing})" if missing else spec
 
 
 def _settings(info: SolverInfo) -> str:
     made: Any = info.make()
-    settings = ", ".join(f"{entry.name}={_short(getattr(made, entry.name))}" for entry in fields(made))
+    settings = ", ".join(f"{each.name}={_short(getattr(made, each.name))}" for each in fields(made))
     return f"settings: {settings}" if settings else ""
 
 
-def _suites() -> Iterator[Entry]:
+def _suites() -> Iterator[Item]:
     for name, make in SUITES.items():
         plan = make()
         tolerances = ", ".join(f"{tol:g}" for tol in plan.tolerances)

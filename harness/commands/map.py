@@ -1,4 +1,4 @@
-"""A user's own failure map, as the command line writes it."""
+"""`frictionbench map`: the plan of one failure map."""
 
 from frictionbench.harness.plans.choose import tolerances
 from frictionbench.harness.plans.map_grid import axis, checked
@@ -25,14 +25,14 @@ def plan_map(
     scheme: str = DEFAULT_SCHEME,
     steps: int = 0,
 ) -> Plan:
-    """The plan of one map; steps > 0 makes it one in closed loop. Errors: InputError naming the field."""
+    """The plan of one map, of simulations where steps > 0. Errors: InputError naming the field."""
     name, settings = parse("scene", scene_spec)
     scene(name, **settings)
     if scheme not in SCHEMES:
         raise InputError(f"scheme: unknown scheme {scheme!r}; known are {', '.join(SCHEMES)}")
     across, upwards = axis("x", x, name), axis("y", y, name)
     if across.parameter == upwards.parameter:
-        raise InputError(f"y: {upwards.parameter} is on the other axis already")
+        raise InputError(f"y: {upwards.parameter} is already on the other axis; name another parameter")
     spec = Map(
         name=f"{name}_{across.parameter}_{upwards.parameter}",
         scene=name,

@@ -27,26 +27,30 @@ Listing = Annotated[
 ]
 Suite = Annotated[str, typer.Argument(metavar="SUITE", help="smoke, standard, ...: see `frictionbench list suites`.")]
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")]
-Row = Annotated[str, typer.Argument(metavar="ROW", help="The row's key, as tables and reports give it, or how it begins.")]
+Row = Annotated[str, typer.Argument(metavar="ROW", help="The row's key, as in tables and reports, or its beginning.")]
 Scenes = Annotated[
     list[str] | None,
-    typer.Option("--scene", metavar="SCENE", help="Only this scene, like stack or 'stack[blocks=5]'; repeat for more."),
+    typer.Option("--scene", metavar="SCENE", help="Only this scene, like stack or 'stack[blocks=5]'; may be repeated."),
 ]
 Solvers = Annotated[
     list[str] | None,
     typer.Option(
         "--solver",
         metavar="SOLVER",
-        help="Only this solver, like 'nsgs[relaxation=1.3]', a file that defines some, or an installed one; repeat for more.",
+        help="Only this solver, like 'nsgs[relaxation=1.3]', a file that defines some, or an installed one; may be repeated.",
     ),
 ]
 Trusted = Annotated[
     list[str] | None,
-    typer.Option("--solver", metavar="FILE|NAME", help="Solvers to trust; what a results folder names is not run."),
+    typer.Option(
+        "--solver", metavar="FILE|NAME", help="Outside solvers to trust; files named in a results folder are not run."
+    ),
 ]
-Tolerances = Annotated[str | None, typer.Option("--tol", metavar="T,T,...", help="Residuals to ask for, like 1e-4,1e-6,1e-8.")]
-Tolerance = Annotated[float, typer.Option("--tol", metavar="T", help="Residual to ask for.")]
-LIMIT = "Seconds for form, setup and solve together, enforced."
+Tolerances = Annotated[
+    str | None, typer.Option("--tol", metavar="T,T,...", help="Tolerances on the residual, like 1e-4,1e-6,1e-8.")
+]
+Tolerance = Annotated[float, typer.Option("--tol", metavar="T", help="Tolerance on the residual.")]
+LIMIT = "Limit in seconds for form, setup and solve together, enforced."
 Limit = Annotated[float, typer.Option("--time-limit", metavar="S", help=LIMIT)]
 SuitesLimit = Annotated[float | None, typer.Option("--time-limit", metavar="S", help=LIMIT)]
 Jobs = Annotated[
@@ -54,10 +58,10 @@ Jobs = Annotated[
     typer.Option("--jobs", metavar="N", min=1, help="Worker processes, one core each; all cores by default."),
 ]
 Data = Annotated[
-    list[str] | None, typer.Option("--data", metavar="DIR|fclib/FAMILY", help="Recorded problems to run; repeat for more.")
+    list[str] | None, typer.Option("--data", metavar="DIR|fclib/FAMILY", help="Recorded problems to run; may be repeated.")
 ]
 Cluster = Annotated[
     str | None,
     typer.Option("--cluster", metavar="ADDRESS", help="Run the cells on this dask scheduler, like tcp://127.0.0.1:8786."),
 ]
-Scheme = Annotated[str, typer.Option("--scheme", metavar="SCHEME", help="How time is stepped.")]
+Scheme = Annotated[str, typer.Option("--scheme", metavar="SCHEME", help="Time-stepping scheme.")]

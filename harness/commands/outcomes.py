@@ -1,10 +1,10 @@
-"""docs/outside.tsv: what the contract says of every outside solver that is here, and what its package says of its licence.
+"""docs/outside.tsv: the results of the contract for every installed outside solver, and the licences of its packages.
 
     python -m frictionbench.harness.commands.outcomes > docs/outside.tsv
 
-A line an entry: its name, what it needs with versions, the licences as the installed packages' metadata tell them, the day, and
-the checks that it breaks, each with the first complaint; "none" where it keeps them all, and the reason where it is not here.
-harness.commands.fairness puts the table into its page.
+One line per variant: its name, the versions of the libraries it needs, the licences in the packages' metadata, the day, and
+the checks that it fails, each with the first complaint; "none" if it passes all, and the reason if it is not installed. The
+table is part of the page that harness.commands.fairness generates.
 """
 
 import subprocess
@@ -20,43 +20,43 @@ from frictionbench.harness.contract.examine import Found, examine
 from frictionbench.harness.process import cores
 from frictionbench.solvers import available, find
 
-COLUMNS = ("entry", "versions", "licences", "day", "broken")
+COLUMNS = ("variant", "versions", "licences", "day", "broken")
 
 
 def lines(specs: list[str], jobs: int) -> Iterable[str]:
-    """The table, its head first."""
+    """The lines of the table, the header first."""
     yield "\t".join(COLUMNS)
-    here = [spec for spec in specs if not find(spec)[0].missing]
-    found = examine(here, jobs) if here else []
+    installed = [spec for spec in specs if not find(spec)[0].missing]
+    found = examine(installed, jobs) if installed else []
     for spec in specs:
         info, _ = find(spec)
         licences = "; ".join(f"{need}: {licence(need)}" for need in info.needs)
-        said = f"not here: {info.missing}" if info.missing else _broken([one for one in found if one.variant == spec])
-        yield "\t".join([spec, info.version, licences, f"{datetime.now(UTC):%Y-%m-%d}", said])
+        failed = f"not here: {info.missing}" if info.missing else _failed_checks([one for one in found if one.variant == spec])
+        yield "\t".join([spec, info.version, licences, f"{datetime.now(UTC):%Y-%m-%d}", failed])
 
 
 def licence(need: str) -> str:
-    """What an installed package says of its licence: its expression, its classifiers, or the first line of its text."""
+    """An installed package's licence by its metadata: its expression, its classifiers, or the first line of its text."""
     name, _, python = need.partition(">=")[0].partition("@")
     try:
-        told: Any = _elsewhere(name, python) if python else metadata(name)
+        facts: Any = _metadata_of(name, python) if python else metadata(name)
     except (PackageNotFoundError, OSError, subprocess.SubprocessError):
-        return "not told"
-    named = [name.split(" :: ")[-1] for name in told.get_all("Classifier") or [] if name.startswith("License ::")]
-    first = next(iter((told["License"] or "").strip().splitlines()), "")
-    return told["License-Expression"] or ", ".join(named) or first or "not told"
+        return "not stated"
+    named = [name.split(" :: ")[-1] for name in facts.get_all("Classifier") or [] if name.startswith("License ::")]
+    first = next(iter((facts["License"] or "").strip().splitlines()), "")
+    return facts["License-Expression"] or ", ".join(named) or first or "not stated"
 
 
-def _elsewhere(module: str, python: str) -> Message:
-    """The metadata of another Python's package."""
+def _metadata_of(module: str, python: str) -> Message:
+    """The metadata of a package of another Python."""
     script = f"import importlib.metadata as m; print(m.metadata({module.partition('.')[0]!r}))"
     done = subprocess.run([python, "-c", script], capture_output=True, text=True, check=True, timeout=60)
     return message_from_string(done.stdout)
 
 
-def _broken(found: list[Found]) -> str:
-    told = [f"{one.check.replace('_', ' ')} ({' '.join(one.complaints[0].split())})" for one in found if one.complaints]
-    return "; ".join(told) or "none"
+def _failed_checks(found: list[Found]) -> str:
+    failed = [f"{one.check.replace('_', ' ')} ({' '.join(one.complaints[0].split())})" for one in found if one.complaints]
+    return "; ".join(failed) or "none"
 
 
 if __name__ == "__main__":

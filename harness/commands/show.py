@@ -1,38 +1,39 @@
-"""`frictionbench show`: the motion of a scene, simulated here by a solver of ours; by one from outside in a worker."""
+"""`frictionbench show`: the motion of a scene, simulated in this process by our own solvers, in a worker by plug-ins."""
 
 import tempfile
 from dataclasses import replace
 from pathlib import Path
 
 from frictionbench.harness.cells import worker
-from frictionbench.harness.cells.record import record
+from frictionbench.harness.cells.motion import record_motion
+from frictionbench.harness.plans.plan import MEMORY_LIMIT
 from frictionbench.harness.plans.spec import parse
-from frictionbench.harness.workers.plugins import MEMORY, load_plugins
+from frictionbench.harness.workers.plugins import load_plugins
 from frictionbench.harness.workers.pool import Pool
 from frictionbench.harness.workers.task import Task
 from frictionbench.problems import InputError, scene
 from frictionbench.problems.schemes import SCHEMES
 from frictionbench.results.motion import Motion, read_motion
 
-LONGEST = 3600.0  # seconds
+LONGEST = 3600.0  # seconds for a plug-in to simulate a scene: whoever waits can stop it earlier
 
 
 def recorded(scene_spec: str, solver_spec: str, scheme: str, steps: int | None) -> Motion:
-    """The motion of a scene and by a solver as the command line names them. Errors: InputError naming the field."""
+    """The motion of a scene by a solver, both as named on the command line. Errors: InputError naming the field."""
     if scheme not in SCHEMES:
         raise InputError(f"scheme: unknown scheme {scheme!r}; known are {', '.join(SCHEMES)}")
     name, settings = parse("scene", scene_spec)
     stage = scene(name, **settings)
     variants, plugins = load_plugins([solver_spec])
     if len(variants) != 1:
-        raise InputError(f"solver: {solver_spec} stands for {len(variants)} solvers; name one")
+        raise InputError(f"solver: {solver_spec} defines {len(variants)} solvers; name one of them")
     (variant,) = variants
     if not plugins:
-        return record(stage, variant, scheme, steps)
-    with tempfile.TemporaryDirectory() as scratch, Pool(Path(scratch), 1, plugins, MEMORY) as pool:
+        return record_motion(stage, variant, scheme, steps)
+    with tempfile.TemporaryDirectory() as scratch, Pool(Path(scratch), 1, plugins, MEMORY_LIMIT) as pool:
         call = (name, settings, variant, scheme, steps, LONGEST)
         (outcome,) = pool.run([Task(variant, worker.run_show, call, LONGEST, plugins[0].source)])
         if outcome.failure:
-            told = outcome.reason.startswith(("solver: ", "scheme: "))
-            raise InputError(outcome.reason if told else f"solver: {variant}: {outcome.reason}")
+            names_field = outcome.reason.startswith(("solver: ", "scheme: "))
+            raise InputError(outcome.reason if names_field else f"solver: {variant}: {outcome.reason}")
         return replace(read_motion(Path(scratch) / worker.SHOWN), scene=stage.name, solver=variant)

@@ -1,4 +1,4 @@
-"""The problem of one failing row made small: see harness.shrink."""
+"""`frictionbench shrink`: reduce the problem of one failing row (harness.shrink)."""
 
 from math import inf
 from pathlib import Path
@@ -13,19 +13,19 @@ from frictionbench.results.verdicts import Verdict
 
 
 def shrink(folder: Path, key: str, named: list[str]) -> tuple[Path, FrictionProblem, int]:
-    """Shrink the problem of a failing solve row into folder/shrunk; the file, the problem, and how many trials it took.
+    """Shrink the problem of a failing solve row into folder/shrunk; the file, the problem, and the number of trials.
 
-    named: solvers from outside, which the user trusts. Errors: as store.find_row's, and InputError where it did not
-    fail, or its solver is in none of them and not ours.
+    named: outside solvers that the user trusts. Errors: as of store.find_row, and InputError where the row did not fail, or its
+    solver is neither ours nor among the named.
     """
     settings = store.read_manifest(folder)["settings"]
     _, row = store.find_row(folder, key, ["solves"])
     key = row["key"]
     if row["verdict"] in (Verdict.SOLVED, Verdict.SKIPPED):
-        raise InputError(f"row: {key} is {row['verdict']}; there is no failure to keep")
+        raise InputError(f"row: {key} is {row['verdict']}; only failing rows can be shrunk")
     ((_, found),) = shrink_rows(folder, [row], trusted(row, settings, named), settings["memory_limit"], 1, inf)
     if not found.file:
-        raise InputError(f"row: {key} does not fail again from a cold start; it is not shrunk")
+        raise InputError(f"row: {key} does not fail again from a cold start; it was not shrunk")
     path = folder / FOLDER / found.file
     small = load(path)
     assert isinstance(small, FrictionProblem)

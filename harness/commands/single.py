@@ -1,4 +1,7 @@
-"""One problem with every solver, and one cell again: both in isolated workers, both verified like any run."""
+"""`frictionbench solve` and `frictionbench rerun`: one problem with every solver, and one cell again.
+
+Both run in isolated workers and are verified like any run.
+"""
 
 import json
 import tempfile
@@ -7,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from frictionbench.harness.cells import worker
-from frictionbench.harness.cells.collect import Entry, collect
+from frictionbench.harness.cells.collect import Record, collect
 from frictionbench.harness.cells.rows import PROBLEM_FACTS
 from frictionbench.harness.commands.table import columns, paragraph, screen
 from frictionbench.harness.commands.trusted import trusted
@@ -28,21 +31,21 @@ from frictionbench.solvers.plugins import installed
 
 
 def solve_one(problem: str, solver_specs: list[str], tol: float, time_limit: float, jobs: int) -> None:
-    """Put solvers (all, if none are named) to one problem, print a table, the best first, and say which to use.
+    """Solve one problem with solvers (all if none are named), and print a table with the best first and a recommendation.
 
     Errors: InputError naming the field.
     """
-    variants, plugins, broken = (*load_plugins(solver_specs), []) if solver_specs else everyone()
+    variants, plugins, unusable = (*load_plugins(solver_specs), []) if solver_specs else all_variants()
     plan = Plan("solve", (), variants, (tol,), time_limit=time_limit, plugins=plugins)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        entry = _stage(problem, folder)
-        told = f"an LCP of {entry['size']} unknowns"
-        if entry["contacts"] is not None:
-            told = f"{entry['contacts']} contact{'s' * (entry['contacts'] != 1)}, L{told.removeprefix('an L')}"
+        record = _collect(problem, folder)
+        size = f"LCP of {record['size']} unknowns"
+        if record["contacts"] is not None:
+            size = f"{record['contacts']} contact{'s' * (record['contacts'] != 1)}, {size}"
         tasks = [
-            Task(cell.variant, worker.run_solve, (cell, entry, time_limit), time_limit, plan.owner(cell.variant))
-            for cell in plan.solve_cells([entry])
+            Task(cell.variant, worker.run_solve, (cell, record, time_limit), time_limit, plan.owner(cell.variant))
+            for cell in plan.solve_cells([record])
         ]
         rows: list[Row] = []
         with Pool(folder, jobs, plugins, plan.memory_limit) as pool, Progress().stage("solvers", len(tasks), 0) as stage:
@@ -50,27 +53,27 @@ def solve_one(problem: str, solver_specs: list[str], tol: float, time_limit: flo
                 rows.append(row_of(outcome, plugins))
                 stage.finished(outcome.task)
     rows.sort(key=lambda row: (RANK[row["verdict"]], _seconds(row), row["variant"]))
-    applied = [row for row in rows if row["verdict"] != Verdict.SKIPPED or solver_specs]
-    _show(f"{problem}: {told}, tolerance {tol:g}", {str(place): row for place, row in enumerate(applied, start=1)})
-    if left_out := [row["variant"] for row in rows if row not in applied]:
-        print("\n".join(paragraph(f"not for this problem: {', '.join(left_out)}", screen(), "")))
-    for complaint in broken:
+    applicable = [row for row in rows if row["verdict"] != Verdict.SKIPPED or solver_specs]
+    _show(f"{problem}: {size}, tolerance {tol:g}", {str(rank): row for rank, row in enumerate(applicable, start=1)})
+    if left_out := [row["variant"] for row in rows if row not in applicable]:
+        print("\n".join(paragraph(f"not applicable to this problem: {', '.join(left_out)}", screen(), "")))
+    for complaint in unusable:
         print("\n".join(paragraph(complaint, screen(), "")))
     print("\n".join(paragraph(advice(rows), screen(), "")))
 
 
 def advice(rows: list[Row]) -> str:
-    """Which solver to use, of rows with the best first."""
+    """Which solver to use, from rows with the best first."""
     best = rows[0]
     if best["verdict"] == Verdict.SOLVED:
         others = sum(row["verdict"] == Verdict.SOLVED for row in rows) - 1
-        told = f"; {others} more solve{'s' * (others == 1)} it, too" if others else ""
-        return f"use {best['variant']}: solved in {_time(_seconds(best))}{told}"
+        more = f"; {others} other{'s' * (others != 1)} solve{'s' * (others == 1)} it as well" if others else ""
+        return f"use {best['variant']}: solved in {_time(_seconds(best))}{more}"
     answered = [row for row in rows if row.get("residual") is not None]
     if not answered:
-        return "no solver gave an answer"
+        return "no solver returned an answer"
     nearest = min(answered, key=lambda row: row["residual"])
-    return f"none solves it; the nearest is {nearest['variant']}, with a residual of {nearest['residual']:.1e}"
+    return f"no solver solves it; the smallest residual is {nearest['residual']:.1e}, by {nearest['variant']}"
 
 
 def _seconds(row: Row) -> float:
@@ -78,31 +81,31 @@ def _seconds(row: Row) -> float:
     return sum(filter(None, times)) if times[2] is not None else np.inf
 
 
-def everyone() -> tuple[tuple[str, ...], tuple[Plugin, ...], list[str]]:
-    """All solvers and their variants, of the outside ones those that are here, and those of installed distributions; what is
-    said of the installed ones that cannot be used."""
+def all_variants() -> tuple[tuple[str, ...], tuple[Plugin, ...], list[str]]:
+    """The variants of all available solvers, those of installed plug-ins included; the plug-ins; and a line for each installed
+    plug-in that cannot be used."""
     variants = [spec for _, info in sorted(available().items()) for spec in info.specs if not find(spec)[0].missing]
     plugins: list[Plugin] = []
-    broken = []
+    unusable = []
     for name in installed():
         try:
-            named, made = load_plugins([name])
+            named, loaded = load_plugins([name])
         except InputError as complaint:
-            broken.append(f"left out: {complaint}")
+            unusable.append(f"left out: {complaint}")
         else:
             variants += named
-            plugins += made
-    return tuple(variants), tuple(plugins), broken
+            plugins += loaded
+    return tuple(variants), tuple(plugins), unusable
 
 
 def rerun_row(folder: Path, key: str, named: list[str]) -> tuple[Row, Row]:
-    """Run the cell of a row again; the row and the new one. named: solvers from outside, which the user trusts.
+    """Run the cell of a row again; the row and the new one. named: outside solvers that the user trusts.
 
-    Errors: as store.find_row's, and InputError where it has no problem, or its solver is in none of them and not ours.
+    Errors: as of store.find_row, and InputError where the row has no problem, or its solver is neither ours nor among named.
     """
     settings = store.read_manifest(folder)["settings"]
     table, row = store.find_row(folder, key)
-    row = dict.fromkeys(column.name for column in TABLES[table]) | row  # a shard keeps no nulls
+    row = dict.fromkeys(column.name for column in TABLES[table]) | row  # shards leave out nulls
     if table == "solves" and not row["problem"]:
         raise InputError(f"row: {row['key']} has no problem to run again: {row['reason']}")
     plugins = trusted(row, settings, named)
@@ -116,13 +119,13 @@ def rerun_row(folder: Path, key: str, named: list[str]) -> tuple[Row, Row]:
 
 
 def show_rerun(folder: Path, key: str, named: list[str]) -> None:
-    """Run the cell of a row again and print both rows. Errors: as rerun_row."""
+    """Run the cell of a row again and print both rows. Errors: as of rerun_row."""
     row, again = rerun_row(folder, key, named)
     _show(f"{row['key']}: {row['scene']} {row['parameters']}, tolerance {row['tol']:g}", {"row": row, "again": again})
 
 
-def _stage(problem: str, folder: Path) -> Entry:
-    """The problem of a file or of an instance, or a scene's first, stored under folder."""
+def _collect(problem: str, folder: Path) -> Record:
+    """The record of a problem, stored under folder: of a file, of an instance, or the first of a scene."""
     path = Path(problem)
     named = path.is_file() or Path(problem.partition("[")[0]).suffix
     return collect(folder, Source(path.name, file=str(path.absolute())) if named else Source(*parse("scene", problem)))[0]
@@ -131,24 +134,24 @@ def _stage(problem: str, folder: Path) -> Entry:
 def _task_again(row: Row, table: str, plugins: tuple[Plugin, ...]) -> Task:
     limit, owner = row["time_limit"], row["variant"] if plugins else ""
     if table == "solves":
-        entry = {name: row[name] for name in PROBLEM_FACTS}
+        record = {name: row[name] for name in PROBLEM_FACTS}
         cell = SolveCell(row["problem"], origin(row), row["variant"], row["tol"], row["start"])
-        return Task(row["variant"], worker.run_solve, (cell, entry, limit), limit, owner)
+        return Task(row["variant"], worker.run_solve, (cell, record, limit), limit, owner)
     facts = json.loads(row["parameters"]), row["variant"], row["tol"], row["scheme"], row["steps"], row["after_failure"]
     simulation = SimulationCell(row["scene"], *facts)
     return Task(row["variant"], worker.run_simulation, (simulation, limit), limit, owner)
 
 
 def _show(title: str, rows: dict[str, Row]) -> None:
-    """Print a row each behind its name, and below what there is to remark."""
+    """Print a table of rows, each after its label, and the rows' reasons below."""
     lines, remarks = [], []
-    for place, row in rows.items():
+    for label, row in rows.items():
         times = [_time(row.get(name)) for name in ("form_time", "setup_time", "solve_time")]
         work = ", ".join(f"{key} {value}" for key, value in json.loads(row.get("work") or "{}").items())
-        told = (row["verdict"], _number(row.get("residual")), _time(_seconds(row)), _number(row.get("model_residual")))
-        lines.append((place, row["variant"], *told, *times, (row.get("status") or "").lower(), work))
+        results = (row["verdict"], _number(row.get("residual")), _time(_seconds(row)), _number(row.get("model_residual")))
+        lines.append((label, row["variant"], *results, *times, (row.get("status") or "").lower(), work))
         if row.get("reason"):
-            remarks.append(f"{place} {row['variant']}: {row['reason']}")
+            remarks.append(f"{label} {row['variant']}: {row['reason']}")
     header = ("", "solver", "verdict", "residual", "time", "of its model", "form", "setup", "solve", "claims", "work")
     width = screen()
     print(title, *columns(header, lines, width, ("work", "claims", "of its model", "form", "setup", "solve")), sep="\n")

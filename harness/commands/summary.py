@@ -1,4 +1,4 @@
-"""Where a run goes, and what is said at its end: counts of verdicts, the folder, what to do next."""
+"""The default folder of a run, and the summary at its end: counts of verdicts, the folder, the next commands."""
 
 import json
 from hashlib import sha256
@@ -12,11 +12,11 @@ from frictionbench.harness.plans.suites import SUITES
 from frictionbench.results.store import read_table
 from frictionbench.results.verdicts import Verdict
 
-MOST, LONGEST = 6, 160  # reasons told, and letters of one
+MOST, LONGEST = 6, 160  # reasons shown and characters of each: two lines of a terminal at most
 
 
 def folder_for(plan: Plan) -> Path:
-    """Where a plan's results go by default: a suite's own folder, and another for every other choice of settings."""
+    """The default folder of a plan's results: the suite's, or one named by a hash of the settings where they differ from it."""
     runs = Path("runs")
     if plan.suite in SUITES and plan.settings() == SUITES[plan.suite]().settings():
         return runs / plan.suite
@@ -25,13 +25,13 @@ def folder_for(plan: Plan) -> Path:
 
 
 def summary(folder: Path) -> str:
-    """The verdicts of a finished run, a line a solver, the folder, and the commands that go on from here."""
+    """The verdicts of a finished run, one line per solver, its folder, and the command that makes the report."""
     rows = read_table(folder, "solves")
     real = rows[~rows["trivial"].eq(True)]
     lines = [_counted("cells of problems that are not trivial", real)]
     if trivial := len(rows) - len(real):
-        lines.append(f"of trivial problems (no active friction, or nothing to solve), in no headline: {trivial} more")
-    lines += [_counted("simulations, scenes moved in closed loop", read_table(folder, "simulations")), _reasons(rows)]
+        lines.append(f"cells of trivial problems (no active friction, or nothing to solve), excluded from rankings: {trivial}")
+    lines += [_counted("simulations, scenes in closed loop", read_table(folder, "simulations")), _reasons(rows)]
     lines.append(f"results: {folder}\nreport:  frictionbench report {folder}")
     return "\n\n".join(filter(None, lines))
 
@@ -46,9 +46,9 @@ def _counted(what: str, rows: pd.DataFrame) -> str:
 
 
 def _reasons(rows: pd.DataFrame) -> str:
-    """Why cells were skipped or crashed, the most frequent first."""
-    lost = rows[rows["verdict"].isin([Verdict.SKIPPED, Verdict.CRASHED]) & rows["reason"].notna()]
-    counts = lost.groupby(["variant", "verdict", "reason"]).size().sort_values(ascending=False, kind="stable")
-    told = [f"{count} × {variant} {verdict}: {reason}"[:LONGEST] for (variant, verdict, reason), count in counts.items()]
-    more = [f"... and {len(told) - MOST} more reasons, in the report"] if len(told) > MOST else []
-    return "\n".join([*told[:MOST], *more])
+    """Why cells were skipped or crashed, the most frequent reasons first."""
+    failed = rows[rows["verdict"].isin([Verdict.SKIPPED, Verdict.CRASHED]) & rows["reason"].notna()]
+    counts = failed.groupby(["variant", "verdict", "reason"]).size().sort_values(ascending=False, kind="stable")
+    lines = [f"{count} × {variant} {verdict}: {reason}"[:LONGEST] for (variant, verdict, reason), count in counts.items()]
+    more = [f"... and {len(lines) - MOST} more reasons, in the report"] if len(lines) > MOST else []
+    return "\n".join([*lines[:MOST], *more])

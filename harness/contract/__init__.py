@@ -1,4 +1,4 @@
-"""The contract between the suite and a solver, as checks that say what is wrong and what to do: `frictionbench check-solver`.
+"""The contract of a solver as checks that report what is wrong and how to correct it: `frictionbench check-solver`.
 
-One file a group of checks, each a function that yields its complaints; harness.contract.check has what they share.
+One file for each group of checks, each check a function that yields complaints; harness.contract.check has what they share.
 """

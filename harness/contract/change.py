@@ -1,4 +1,4 @@
-"""A problem changed in a way under which its velocities are known to be the same, or to be multiplied."""
+"""Changes of a problem under which its velocities stay the same or are multiplied by a known factor."""
 
 from typing import Any
 
@@ -11,7 +11,7 @@ from frictionbench.problems.check import Array
 
 
 def changed(problem: FrictionProblem, **fields: Any) -> FrictionProblem:
-    """The problem with other fields."""
+    """The problem with some fields replaced."""
     names = ("mass", "normal", "tangent", "friction", "free_velocity", "bias", "friction_bias", "joints", "joint_bias")
     return FrictionProblem(**{name: getattr(problem, name) for name in (*names, "dimension")} | fields)
 
@@ -21,7 +21,7 @@ def with_friction(problem: FrictionProblem, friction: Array) -> FrictionProblem:
 
 
 def permuted(problem: FrictionProblem, order: NDArray[np.intp]) -> FrictionProblem:
-    """The contacts in another order, which may name one twice."""
+    """The contacts in another order, which may repeat contacts."""
     rows = (order[:, None] * (problem.dimension - 1) + np.arange(problem.dimension - 1)).ravel()
     by_contact = {name: getattr(problem, name)[order] for name in ("friction", "bias", "friction_bias")}
     return changed(problem, normal=problem.normal[order], tangent=problem.tangent[rows], **by_contact)
@@ -33,19 +33,19 @@ def duplicated(problem: FrictionProblem) -> FrictionProblem:
 
 
 def mirrored(problem: FrictionProblem) -> FrictionProblem:
-    """The first tangent of every contact the other way round."""
+    """The first tangent of every contact reversed."""
     sign = np.where(np.arange(problem.tangent.shape[0]) % (problem.dimension - 1) == 0, -1.0, 1.0)
     return changed(problem, tangent=sparse.diags_array(sign) @ problem.tangent)
 
 
 def rotated(problem: FrictionProblem, angle: Array) -> FrictionProblem:
-    """The tangents of contact i turned by angle[i], in space."""
+    """The tangents of contact i of a spatial problem rotated by angle[i]."""
     turns = [[[np.cos(a), np.sin(a)], [-np.sin(a), np.cos(a)]] for a in angle]
     return changed(problem, tangent=sparse.block_diag(turns, format="csr") @ problem.tangent)
 
 
 def in_units(problem: FrictionProblem, mass: float, velocity: float) -> FrictionProblem:
-    """In units in which masses are `mass` and velocities `velocity` times as large."""
+    """In units in which the values of masses are `mass` and those of velocities `velocity` times as large."""
     return changed(
         problem,
         mass=mass * problem.mass,

@@ -1,10 +1,10 @@
-"""What the checks of the contract share: the solver under examination, the problems it takes, the words of a finding.
+"""What the checks of the contract share: the solver under test, the problems it is given, tests of a finding.
 
     @check("Give impulses of shape (contacts, dimension), normal first.")
     def shape(subject: Subject) -> Iterator[str]:
-        yield "..."          # a complaint; none where all is well
+        yield "..."          # a complaint; none if the check passes
 
-The string is what to do about it.
+The argument is the advice that is shown with complaints.
 """
 
 from collections.abc import Callable, Iterator
@@ -20,30 +20,30 @@ from frictionbench.problems.instances import make_instance
 from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers import Answer, Solver, SolverInfo
 
-TOL = 1e-6
+TOL = 1e-6  # a tolerance that first-order methods and soft contacts reach as well
 Complaints = Iterator[str]
 
 
 class Subject(NamedTuple):
-    """The solver under examination."""
+    """The solver under test."""
 
     info: SolverInfo
     solver: Solver
 
     def takes(self, *problems: FrictionProblem) -> list[FrictionProblem]:
-        """Those of the problems that the solver does not refuse."""
+        """The problems that the solver does not refuse."""
         return [problem for problem in problems if not self.info.refuses(problem)]
 
     def solve(
         self, problem: FrictionProblem, tol: float = TOL, limit: int | None = None, start: Array | None = None
     ) -> tuple[Answer, Finding]:
-        """Its answer to a copy of the problem, and what it is worth."""
+        """Its answer to a copy of the problem, and the finding on it."""
         answer = self.solver.solve(self.solver.prepare(duplicate(problem)), tol, limit, start)
         return answer, verify(problem, answer, self.info, tol)
 
 
 class Check(NamedTuple):
-    """A check: its name, what it finds, and what to do about it."""
+    """A check: its name, the advice shown with complaints, and the function that yields them."""
 
     name: str
     advice: str
@@ -54,27 +54,27 @@ CHECKS: dict[str, Check] = {}
 
 
 def check(advice: str) -> Callable[[Callable[[Subject], Complaints]], Callable[[Subject], Complaints]]:
-    """List a check under its function's name."""
+    """Register a check under its function's name."""
 
-    def listed(complaints: Callable[[Subject], Complaints]) -> Callable[[Subject], Complaints]:
+    def register(complaints: Callable[[Subject], Complaints]) -> Callable[[Subject], Complaints]:
         CHECKS[complaints.__name__] = Check(complaints.__name__, advice, complaints)
         return complaints
 
-    return listed
+    return register
 
 
-def well(finding: Finding) -> bool:
+def is_solved(finding: Finding) -> bool:
     """Whether the solver's own model is solved."""
     return finding.verdict in (Verdict.SOLVED, Verdict.RELAXED)
 
 
-def lie(finding: Finding) -> bool:
-    """Whether a claim is off by more than a difference of norms."""
+def is_false_claim(finding: Finding) -> bool:
+    """Whether the solver claims a solution whose residual is far above the tolerance."""
     return finding.verdict == Verdict.WRONG
 
 
 def ordinary() -> list[FrictionProblem]:
-    """Small problems with an answer that most methods reach, in the plane and in space."""
+    """Small planar and spatial problems that most methods solve."""
     return [
         scene("stack", blocks=1, push=1.0).problem(),
         scene("pyramid", rows=2, friction=0.2).problem(),
@@ -85,7 +85,7 @@ def ordinary() -> list[FrictionProblem]:
 
 
 def contact(dimension: int, friction: float = 0.5, speed: float = 1.0, falling: float = 1.0) -> FrictionProblem:
-    """A point of 2 kg that slides on the ground at `speed` and would fall into it at `falling`, both in m/s."""
+    """A point mass of 2 kg on the ground with tangential velocity `speed` and downward velocity `falling`, both in m/s."""
     rows, free = np.eye(dimension), np.zeros(dimension)
     free[:2] = -falling, speed
     return FrictionProblem(

@@ -1,4 +1,4 @@
-"""Every check on a solver, each in a worker of its own right: one that hangs or dies is a complaint like any other."""
+"""All checks on a solver, each a task of its own: a check that hangs or crashes counts as a complaint."""
 
 import tempfile
 from collections.abc import Iterable
@@ -16,11 +16,11 @@ from frictionbench.problems import InputError
 from frictionbench.solvers import Solver, SolverInfo, available, find
 
 GROUPS = (form, hard, honesty, invariance)  # each lists its checks
-LIMIT = 20.0  # s, of one check: some forty small problems
+LIMIT = 20.0  # seconds for one check, which solves some forty small problems
 
 
 class Found(NamedTuple):
-    """What a check has to say of a variant."""
+    """The complaints of a check about a variant."""
 
     variant: str
     check: str
@@ -28,7 +28,7 @@ class Found(NamedTuple):
 
 
 def examine(specs: list[str], jobs: int) -> list[Found]:
-    """Every check on every variant that the specs name, FILE or NAME. Errors: InputError naming the solver or the file."""
+    """Run all checks on every variant of the specs, files or names. Errors: InputError naming the solver or the file."""
     named = [variant for spec in specs for variant in (available()[spec].specs if spec in available() else (spec,))]
     variants, plugins = load_plugins(named)
     plan = Plan("check-solver", (), variants, (1e-8,), plugins=plugins)
@@ -41,17 +41,17 @@ def examine(specs: list[str], jobs: int) -> list[Found]:
         for check in CHECKS
     ]
     with tempfile.TemporaryDirectory() as folder, Pool(Path(folder), jobs, plugins, plan.memory_limit) as pool:
-        said = {outcome.task.arguments[:2]: outcome for outcome in pool.run(tasks)}
+        outcomes = {outcome.task.arguments[:2]: outcome for outcome in pool.run(tasks)}
     return [
         Found(variant, check, [outcome.reason] if outcome.failure else outcome.value)
         for variant in variants
         for check in CHECKS
-        if (outcome := said[variant, check])
+        if (outcome := outcomes[variant, check])
     ]
 
 
-def told(found: Iterable[Found]) -> str:
-    """The findings as text: a line a check that is kept, what is wrong and what to do where one is not."""
+def format_findings(found: Iterable[Found]) -> str:
+    """The findings as text: a line for each check, with the advice and the complaints if it failed."""
     lines, last = [], ""
     for one in found:
         if one.variant != last:
@@ -59,9 +59,9 @@ def told(found: Iterable[Found]) -> str:
             last = one.variant
         name = one.check.replace("_", " ")
         if not one.complaints:
-            lines.append(f"  kept    {name}")
+            lines.append(f"  passed  {name}")
             continue
-        lines.append(f"  broken  {name}: {CHECKS[one.check].advice}")
+        lines.append(f"  failed  {name}: {CHECKS[one.check].advice}")
         lines += [f"            {complaint}" for complaint in one.complaints]
     return "\n".join(lines)
 

@@ -1,20 +1,20 @@
-"""The form of an answer: what is given is left alone, what comes back is what was asked for, also of next to nothing."""
+"""Checks of form: the input is not changed, the answer has the documented shape, also for no contact and for one."""
 
 import numpy as np
 
 from frictionbench.harness.contract.change import permuted
-from frictionbench.harness.contract.check import TOL, Complaints, Subject, check, contact, ordinary, well
+from frictionbench.harness.contract.check import TOL, Complaints, Subject, check, contact, is_solved, ordinary
 from frictionbench.problems.copies import duplicate, same
 from frictionbench.solvers import Status
 
 
-@check("Copy what you change: arrays of the problem belong to the caller.")
+@check("Copy arrays before changing them: those of the problem belong to the caller.")
 def leaves_its_input_alone(subject: Subject) -> Complaints:
     for problem in subject.takes(*ordinary()):
         given = duplicate(problem)
         subject.solver.solve(subject.solver.prepare(given), TOL, None)
         if not same(problem, given):
-            yield f"the problem of {problem.contacts} contacts is another one afterwards"
+            yield f"the problem of {problem.contacts} contacts was changed by the call"
 
 
 @check("Return Answer(impulse, status, work): impulses (contacts, dimension) of floats, normal first; counts of whole numbers.")
@@ -23,16 +23,16 @@ def answers_in_form(subject: Subject) -> Complaints:
         answer, _ = subject.solve(problem)
         expected = (problem.contacts, problem.dimension)
         if not isinstance(answer.status, Status):
-            yield f"the status is {answer.status!r}, no Status"
+            yield f"the status is {answer.status!r}, not a Status"
         if np.shape(answer.impulse) != expected:
             yield f"the impulse has shape {np.shape(answer.impulse)}, not {expected}"
         elif answer.status is Status.SOLVED and not np.isfinite(answer.impulse).all():
-            yield "claims an impulse that is not finite"
+            yield "status SOLVED with an impulse that is not finite"
         if bad := {name: count for name, count in answer.work.items() if not isinstance(count, int) or count < 0}:
-            yield f"counts of work are no whole numbers: {bad}"
+            yield f"counts of work are not whole numbers of at least 0: {bad}"
 
 
-@check("Return impulses of shape (0, dimension) at once where there is no contact.")
+@check("Return impulses of shape (0, dimension) where there is no contact.")
 def takes_no_contact(subject: Subject) -> Complaints:
     for d in (2, 3):
         for problem in subject.takes(permuted(contact(d), np.zeros(0, dtype=int))):
@@ -41,12 +41,12 @@ def takes_no_contact(subject: Subject) -> Complaints:
                 yield f"of dimension {d}: {answer.status.name}, impulse of shape {answer.impulse.shape}"
 
 
-@check("A single contact slides, sticks or opens; each has an answer in closed form to compare with.")
+@check("A single contact slides, sticks or opens; compare with the solution in closed form.")
 def solves_one_contact(subject: Subject) -> Complaints:
     cases = {"slides": (1.0, 1.0), "sticks": (0.1, 1.0), "opens": (1.0, -1.0)}
     for d in (2, 3):
         for name, (speed, falling) in cases.items():
             for problem in subject.takes(contact(d, speed=speed, falling=falling)):
                 _, finding = subject.solve(problem)
-                if not well(finding):
-                    yield f"of dimension {d}, which {name}: {finding.verdict}, residual {finding.model_residual:.1e}"
+                if not is_solved(finding):
+                    yield f"a contact of dimension {d} that {name}: {finding.verdict}, residual {finding.model_residual:.1e}"

@@ -1,14 +1,14 @@
-"""Honesty: claims that hold, the same answer twice, a limit that is kept, a start that does no harm."""
+"""Checks of honesty: the status is true, results are reproducible, work limits hold, and starts do no harm."""
 
 import numpy as np
 
-from frictionbench.harness.contract.check import Complaints, Subject, check, lie, ordinary, well
+from frictionbench.harness.contract.check import Complaints, Subject, check, is_false_claim, is_solved, ordinary
 from frictionbench.problems import scene
 from frictionbench.problems.instances import make_instance
 from frictionbench.solvers import Status
 
 
-@check("Compute the residual of what you return (problems.residual) before you say SOLVED.")
+@check("Compute the residual of the answer (problems.residual) before returning SOLVED.")
 def honest_claims(subject: Subject) -> Complaints:
     planar = (make_instance("random", seed=seed, contacts=8) for seed in range(6))
     spatial = (make_instance("random_bodies", seed=seed, contacts=8) for seed in range(6))
@@ -16,11 +16,11 @@ def honest_claims(subject: Subject) -> Complaints:
     for problem in subject.takes(*planar, *spatial, *rough):
         for tol in (1e-4, 1e-8):
             _, finding = subject.solve(problem, tol)
-            if lie(finding):
+            if is_false_claim(finding):
                 yield f"{problem.contacts} contacts of dimension {problem.dimension}: {finding.reason}"
 
 
-@check("Seed what is random, and start every solve afresh: a benchmark asks the same thing many times.")
+@check("Seed random numbers, and keep no state between solves: a benchmark solves the same problem many times.")
 def same_answer_twice(subject: Subject) -> Complaints:
     for problem in subject.takes(*ordinary()):
         (first, _), (second, _) = (subject.solve(problem) for _ in range(2))
@@ -30,25 +30,25 @@ def same_answer_twice(subject: Subject) -> Complaints:
             yield f"{problem.contacts} contacts: work {first.work}, then {second.work}"
 
 
-@check("Stop after `limit` units of your work, and say WORK_LIMIT where that was too few.")
+@check("Stop after `limit` units of work, and return WORK_LIMIT if that was too few.")
 def keeps_its_limit(subject: Subject) -> Complaints:
     for problem in subject.takes(scene("stack", blocks=10, push=1.0).problem(), make_instance("cubes", boxes=5, push=1.0)):
         answer, finding = subject.solve(problem, 1e-10, limit=1)
-        if lie(finding):
+        if is_false_claim(finding):
             yield f"with a limit of 1: {finding.reason}"
         if answer.status is not Status.SOLVED and (most := max(answer.work.values(), default=0)) > 100:
             yield f"with a limit of 1 it counts {most} units of work"
 
 
-@check("Use a start as a guess alone: check it, and fall back on none.")
+@check("Use a start only as an initial guess: check it, and solve without it if it does not help.")
 def warm_start_does_no_harm(subject: Subject) -> Complaints:
     if not subject.info.warm_start:
         return
     for problem in subject.takes(*ordinary()):
         cold, finding = subject.solve(problem)
-        if not well(finding):
+        if not is_solved(finding):
             continue
         for name, start in (("its own answer", cold.impulse), ("zero", 0 * cold.impulse), ("nonsense", 1e3 + 0 * cold.impulse)):
             _, found = subject.solve(problem, start=np.ascontiguousarray(start))
-            if not well(found):
+            if not is_solved(found):
                 yield f"{problem.contacts} contacts, from {name}: {found.verdict}, residual {found.model_residual:.1e}"

@@ -1,11 +1,11 @@
-"""The maps of the suite `maps`: where in the space of physical parameters theory, problems and methods change."""
+"""The maps of the suite `maps`: how existence, solutions and verdicts depend on the physical parameters of scenes."""
 
 import math
 
 from frictionbench.results.map_spec import Axis, Map
 
-GAPS = "stewart_trinkle"
-FORCES = "acceleration"
+GAPS = "stewart_trinkle"  # the scheme whose contacts keep their gaps
+FORCES = "acceleration"  # the scheme whose unknowns are forces
 
 
 def _friction(low: float, high: float, count: int = 8) -> Axis:
@@ -25,7 +25,7 @@ ROD = (
         parameters={"step": 1e-4},
         thresholds=("p",),
         title="Painlevé's rod, impulses",
-        note="Where p < 0 sliding is no solution: the tip sticks by an impulse. There is one solution everywhere.",
+        note="Where p < 0 sliding is not a solution: the tip sticks by an impulse. The solution is unique everywhere.",
     ),
     Map(
         name="painleve_rod_lifting",
@@ -35,7 +35,7 @@ ROD = (
         parameters={"lift": 0.002, "step": 1e-4},
         thresholds=("p",),
         title="Painlevé's rod whose tip lifts",
-        note="Where p < 0 there are three solutions: open, stick and slide. Which of them a method finds is its own affair.",
+        note="Where p < 0 there are three solutions: open, stick and slide. A method may find any of them.",
     ),
     Map(
         name="painleve_rod_forces",
@@ -46,8 +46,8 @@ ROD = (
         scheme=FORCES,
         thresholds=("p",),
         title="Painlevé's rod, forces",
-        note="The rod slides on a swift belt, so that a bounded force is a sliding contact; where p < 0 there is none, and the "
-        "answer, sticking to the belt, is a force without bound.",
+        note="The rod slides on a fast belt, so that a bounded force means sliding. Where p < 0 no bounded force is a "
+        "solution, and the answer, sticking to the belt, is an unbounded force.",
     ),
 )
 CORNERS = (
@@ -58,8 +58,8 @@ CORNERS = (
         y=_friction(0.3, 3.9, 10),
         thresholds=("P0", "p"),
         title="Sliding block on two corners",
-        note="The LCP's matrix is P0 up to friction times height over width = 1, which is where the sliding block tips over: "
-        "from there on its rear corner opens.",
+        note="The LCP's matrix is P0 up to friction times height over width = 1, where the sliding block tips over: beyond, "
+        "its rear corner opens.",
     ),
     Map(
         name="two_corner_block",
@@ -69,7 +69,8 @@ CORNERS = (
         parameters={"velocity": 0.97, "fall": -0.18, "spin": -0.16},
         thresholds=("P0", "p"),
         title="Block thrown onto two corners",
-        note="Where the matrix is P0 the solution is unique. Beyond, some velocities have three, and this is one of them.",
+        note="Where the matrix is P0 the solution is unique. Beyond, there are three for some velocities, of which this is "
+        "one.",
     ),
     Map(
         name="jam",
@@ -80,8 +81,8 @@ CORNERS = (
         scheme=GAPS,
         thresholds=("gaps", "pointed"),
         title="Disc between two walls, gaps to overlaps",
-        note="The normals cancel. With a gap there is a solution; an overlap asks for a speed away from both walls at once, "
-        "and there is none, though one too small to be seen in the residual is let pass.",
+        note="The normals are opposite. With a gap there is a solution; an overlap requires velocities away from both walls "
+        "at once, which is impossible, but an overlap too small to show in the residual passes as solved.",
     ),
     Map(
         name="wedge",
@@ -90,7 +91,7 @@ CORNERS = (
         y=_friction(0.1, 2.5, 9),
         thresholds=("pointed",),
         title="Disc in a wedge",
-        note="Where friction >= tan(angle) the walls can press against each other through the disc without bound.",
+        note="Where friction >= tan(angle) the walls can press on the disc with unbounded impulses.",
     ),
     Map(
         name="penetration",
@@ -100,8 +101,8 @@ CORNERS = (
         scheme=GAPS,
         thresholds=("gaps", "pointed"),
         title="Disc sunk into a wedge",
-        note="An overlap asks for a speed out of the wall. While the cone is pointed there is a solution; beyond, counting all "
-        "solutions says whether there is one.",
+        note="An overlap requires a velocity away from the wall. While the cone is pointed there is a solution; beyond, "
+        "existence is decided by enumerating all solutions.",
     ),
     Map(
         name="redundant_table",
@@ -110,7 +111,7 @@ CORNERS = (
         y=_friction(0.1, 1.5),
         parameters={"speed": 1.0},
         title="Table on many legs",
-        note="Only the resultant is determined.",
+        note="Only the resultant of the impulses is unique.",
     ),
     Map(
         name="slider_crank",
@@ -120,7 +121,7 @@ CORNERS = (
         parameters={"clearance": 0.0},
         thresholds=("pointed",),
         title="Slider–crank without clearance",
-        note="A chain of hinges ends between two guides whose normals cancel.",
+        note="A chain of hinges ends between two guides with opposite normals.",
     ),
 )
 PILES = (
@@ -131,7 +132,7 @@ PILES = (
         y=_friction(0.05, 1.1),
         parameters={"push": 1.0},
         title="Stack, the lowest box pushed",
-        note="Hyperstatic: two contacts an interface, of which any share is right.",
+        note="Hyperstatic: the two contacts of an interface may share its impulse in any way.",
     ),
     Map(
         name="stack_mass_ratio",
@@ -140,7 +141,7 @@ PILES = (
         y=Axis("mass_ratio", 1e-6, 1e6, 9, "log"),
         parameters={"push": 1.0},
         title="Stack of unlike masses",
-        note="The topmost box has so many times the mass of the lowest.",
+        note="The mass of the top box relative to that of the lowest.",
     ),
     Map(
         name="stack_jitter",
@@ -149,7 +150,7 @@ PILES = (
         y=Axis("jitter", 1e-12, 1e-2, 7, "zero"),
         parameters={"push": 1.0},
         title="Stack of nearly equal boxes",
-        note="From exact ties, at 0, to near ties and none.",
+        note="From exact ties, at 0, over near ties to none.",
     ),
     Map(
         name="pyramid",
@@ -158,7 +159,7 @@ PILES = (
         y=_friction(0.05, 1.1),
         parameters={"push": 1.0},
         title="Pyramid, the topmost box pushed",
-        note="Boxes that rest on two.",
+        note="Every box rests on two.",
     ),
     Map(
         name="wall",
@@ -167,7 +168,7 @@ PILES = (
         y=_friction(0.05, 1.1),
         parameters={"push": 1.0, "columns": 4},
         title="Brick wall, the lowest left brick pushed",
-        note="Flush on all sides: every contact is a tie, and more contacts than freedoms.",
+        note="Bricks flush on all sides: every contact is a tie, and there are more contacts than degrees of freedom.",
     ),
     Map(
         name="arch",
@@ -176,7 +177,7 @@ PILES = (
         y=_friction(0.05, 1.1),
         parameters={"push": 0.1},
         title="Arch, its middle stone pushed",
-        note="Stones that interlock.",
+        note="Interlocking stones.",
     ),
     Map(
         name="sheared_stack",
@@ -185,7 +186,7 @@ PILES = (
         y=_friction(0.05, 1.1),
         parameters={"blocks": 15},
         title="Sheared stack of 15 boxes",
-        note="The higher the faster.",
+        note="Velocity grows with height.",
     ),
     Map(
         name="pushed_pyramid",
@@ -194,7 +195,7 @@ PILES = (
         y=_friction(0.05, 1.1),
         parameters={"rows": 7, "push": 1.0},
         title="Sheared pyramid of seven rows, its top pushed",
-        note="Here an interior point is trapped, and the path's folds have to be followed.",
+        note="Interior point methods may stall here, and path-following methods meet folds of the path.",
     ),
 )
 UNITS = tuple(
@@ -206,7 +207,7 @@ UNITS = tuple(
         parameters=parameters,
         constant=True,
         title=f"Units of mass and length: {title}",
-        note="The same problem in other numbers, powers of two from 1e-12 to 1e12, so that not even round-off differs: nothing "
+        note="The same problem in other units, powers of two from 1e-12 to 1e12, so that not even rounding differs: nothing "
         "may change.",
     )
     for name, title, parameters in (
@@ -226,7 +227,7 @@ LOOPS = tuple(
         steps=30,
         levels=0,
         title=f"Step size in closed loop: {title}",
-        note="As many as 30 steps of each size.",
+        note="At most 30 steps of each size.",
     )
     for name, title, low, high, parameters in (
         ("bowl", "bead in a bowl", 0.0, 0.9, {}),

@@ -1,4 +1,4 @@
-"""A plan from a suite's name and the command line's choices."""
+"""The plan for a suite's name and the command line's choices."""
 
 from dataclasses import replace
 
@@ -21,7 +21,10 @@ def choose(
     plugins: tuple[Plugin, ...] = (),
     data: tuple[str, ...] = (),
 ) -> Plan:
-    """The suite's plan, narrowed or widened by what is given. Errors: InputError naming the field."""
+    """The suite's plan with what is given in place of its own scenes, solvers and settings.
+
+    Errors: InputError naming the field.
+    """
     if suite not in SUITES:
         raise InputError(f"suite: unknown suite {suite!r}; known are {', '.join(SUITES)}")
     plan = with_data(SUITES[suite](), list(data))
@@ -46,8 +49,8 @@ def choose(
 
 
 def _chosen(plan: Plan, spec: str) -> tuple[list[Source], list[Source], list[Map]]:
-    """Sources, simulations and maps: the suite's own of this name; the scene as given where it has settings or is not in the
-    suite."""
+    """Sources, simulations and maps: those of the suite with this name, or new ones where the spec has settings or the suite
+    has none of this name."""
     name, settings = parse("scene", spec)
     own = [source for source in plan.sources if source.scene == name]
     mapped = [spec for spec in plan.maps if name in (spec.scene, spec.name)]

@@ -1,4 +1,4 @@
-"""Maps as work: the problems at their places, the places that refinement adds, and a map as the command line writes it.
+"""The grid of a failure map: its axes from the command line, the problems at its points, and the points of its refinement.
 
 friction=.1:3:30               30 values from .1 to 3, both ends among them
 mass_ratio=log:1e-6:1e6:13     13 values, a constant factor apart
@@ -8,23 +8,24 @@ overlap=both:1e-12:1e-1:13     -1e-1 ... -1e-12, 0, 1e-12 ... 1e-1
 
 import json
 from collections.abc import Iterable, Mapping
+from typing import get_args
 
 from frictionbench.harness.plans.plan import Plan, SimulationCell, Source
 from frictionbench.problems import InputError, scene, scenes
 from frictionbench.results.conventions import first_phase
-from frictionbench.results.map_spec import Axis, GridPoint, Map
+from frictionbench.results.map_spec import Axis, GridPoint, Map, Scale
 from frictionbench.results.store import Row
 
-SCALES = ("linear", "log", "zero", "both")
-MOST_LINES = 200
-REPEATS = 2  # a map's second layer tells times to a factor; a table of times needs more
-Verdicts = dict[str, dict[str, str]]  # by where a problem comes from (see `home`), then by variant
+SCALES = get_args(Scale)
+MOST_LINES = 200  # along an axis: finer than a map can show
+REPEATS = 2  # timed solves: a map shows times by colour, to a factor
+Verdicts = dict[str, dict[str, str]]  # by `location`, then by variant
 
 
 def axis(field: str, text: str, name: str) -> Axis:
-    """An axis of the scene of that name, from its text. Errors: InputError naming the field."""
-    parameter, _, told = text.partition("=")
-    *scale, low, high, count = told.split(":") if told.count(":") in (2, 3) else ("", "", "", "", "")
+    """The axis of a scene's parameter that a text describes. Errors: InputError naming the field."""
+    parameter, _, values = text.partition("=")
+    *scale, low, high, count = values.split(":") if values.count(":") in (2, 3) else ("", "", "", "", "")
     try:
         found = Axis(parameter.strip(), float(low), float(high), int(count), *scale)  # type: ignore[arg-type]
     except ValueError:
@@ -42,24 +43,24 @@ def axis(field: str, text: str, name: str) -> Axis:
 
 
 def checked(spec: Map) -> Map:
-    """The map, if the scene can be made in its corners. Errors: InputError naming the parameter."""
-    for place in ((0.0, 0.0), (0.0, spec.y.count - 1.0), (spec.x.count - 1.0, 0.0), (spec.x.count - 1.0, spec.y.count - 1.0)):
-        scene(spec.scene, **spec.at(place))
+    """The map, if the scene exists at its corners. Errors: InputError naming the parameter."""
+    for point in ((0.0, 0.0), (0.0, spec.y.count - 1.0), (spec.x.count - 1.0, 0.0), (spec.x.count - 1.0, spec.y.count - 1.0)):
+        scene(spec.scene, **spec.at(point))
     return spec
 
 
-def sources(spec: Map, places: Iterable[GridPoint]) -> list[Source]:
-    """The problems at these places; none for a map in closed loop."""
+def sources(spec: Map, points: Iterable[GridPoint]) -> list[Source]:
+    """The problems at these grid points; none for a map of simulations."""
     if spec.steps:
         return []
-    return [Source(spec.scene, spec.at(place), scheme=spec.scheme, repeats=REPEATS) for place in places]
+    return [Source(spec.scene, spec.at(point), scheme=spec.scheme, repeats=REPEATS) for point in points]
 
 
-def simulation_cells(spec: Map, places: Iterable[GridPoint], plan: Plan) -> list[SimulationCell]:
-    """The simulations at these places, no longer than the scene's own duration; none for a map of first problems."""
+def simulation_cells(spec: Map, points: Iterable[GridPoint], plan: Plan) -> list[SimulationCell]:
+    """The simulations at these grid points, no longer than the scene's duration; none for a map of first problems."""
     cells = []
-    for place in places if spec.steps else ():
-        parameters = spec.at(place)
+    for point in points if spec.steps else ():
+        parameters = spec.at(point)
         steps = min(spec.steps, scene(spec.scene, **parameters).steps)
         cells += [
             SimulationCell(spec.scene, parameters, variant, plan.simulation_tol, spec.scheme, steps)
@@ -69,42 +70,42 @@ def simulation_cells(spec: Map, places: Iterable[GridPoint], plan: Plan) -> list
 
 
 def verdicts(rows: Iterable[Row]) -> Verdicts:
-    """The verdicts of rows of either table."""
+    """The verdicts in rows of either table."""
     found: Verdicts = {}
     for row in rows:
-        told = row["scheme"] if "scheme" in row else row.get("phase")
-        found.setdefault(home(row["scene"], row["parameters"], str(told)), {})[row["variant"]] = row["verdict"]
+        kind = row["scheme"] if "scheme" in row else row.get("phase")
+        found.setdefault(location(row["scene"], row["parameters"], str(kind)), {})[row["variant"]] = row["verdict"]
     return found
 
 
 def finer(spec: Map, known: set[GridPoint], level: int, found: Verdicts) -> list[GridPoint]:
-    """New places between known ones of the level before whose verdicts differ, those with the most changes first."""
+    """At most spec.most new grid points between neighbours whose verdicts differ, those with the most differences first."""
     step = 0.5**level
-    told = {place: _verdicts_at(spec, place, found) for place in known}
+    verdicts_at = {point: _verdicts_at(spec, point, found) for point in known}
     gain: dict[GridPoint, int] = {}
-    for (i, j), own in told.items():
+    for (i, j), own in verdicts_at.items():
         for di, dj in ((1, 0), (0, 1), (1, 1), (1, -1)):
             neighbour = (i + 2 * di * step, j + 2 * dj * step)
-            other = told.get(neighbour, own)
+            other = verdicts_at.get(neighbour, own)
             changes = sum(other.get(variant) != verdict for variant, verdict in own.items())
             between = (i + di * step, j + dj * step)
             if changes and between not in known:
                 gain[between] = max(gain.get(between, 0), changes)
-    seen = {json.dumps(spec.at(place), sort_keys=True) for place in known}
+    seen = {json.dumps(spec.at(point), sort_keys=True) for point in known}
     new: list[GridPoint] = []
-    for place in sorted(gain, key=lambda place: (-gain[place], place)):
-        where = json.dumps(spec.at(place), sort_keys=True)
-        if where not in seen and len(new) < spec.most:
-            seen.add(where)
-            new.append(place)
+    for point in sorted(gain, key=lambda point: (-gain[point], point)):
+        parameters = json.dumps(spec.at(point), sort_keys=True)
+        if parameters not in seen and len(new) < spec.most:
+            seen.add(parameters)
+            new.append(point)
     return new
 
 
-def _verdicts_at(spec: Map, place: GridPoint, found: Verdicts) -> Mapping[str, str]:
-    told = spec.scheme if spec.steps else first_phase(spec.scheme)
-    return found.get(home(spec.scene, json.dumps(spec.at(place), sort_keys=True), told), {})
+def _verdicts_at(spec: Map, point: GridPoint, found: Verdicts) -> Mapping[str, str]:
+    kind = spec.scheme if spec.steps else first_phase(spec.scheme)
+    return found.get(location(spec.scene, json.dumps(spec.at(point), sort_keys=True), kind), {})
 
 
-def home(scene_name: str, parameters: str, told: str) -> str:
-    """Where a row's problem or simulation comes from."""
-    return f"{scene_name} {parameters} {told}"
+def location(scene_name: str, parameters: str, kind: str) -> str:
+    """The scene and parameters of a row, with the problem's phase or the simulation's scheme."""
+    return f"{scene_name} {parameters} {kind}"

@@ -1,14 +1,15 @@
-"""The suite that puts every outside solver beside our own."""
+"""The suite that compares every outside solver with our own."""
 
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.solvers import available
 
+# The fastest of our methods for each kind of problem, and simple ones as a reference.
 OURS = ("hybrid", "lemke", "path_search", "interior_point", "nsgs", "nncg", "apgd_coulomb", "relaxation_ip", "apgd")
 
 
 def peers() -> Plan:
-    """Our solvers beside those a user would pick instead, in the plane and in space, in under fifteen minutes on two cores."""
-    still = (
+    """Our solvers compared with outside libraries, on planar and spatial problems, in under fifteen minutes on two cores."""
+    at_rest = (
         *(Source("stack", {"blocks": n, "friction": mu, "push": 1.0}) for n in (1, 5, 10, 25, 50) for mu in (0.05, 0.8)),
         *(Source("pyramid", {"rows": rows, "friction": 0.2, "push": 1.0}) for rows in (3, 5, 7)),
         *(Source("random", {"seed": seed, "contacts": n}) for seed, n in ((0, 5), (1, 20))),
@@ -24,7 +25,7 @@ def peers() -> Plan:
     )
     return Plan(
         suite="peers",
-        sources=(*still, *large, *heavy, *replayed, *spatial),
+        sources=(*at_rest, *large, *heavy, *replayed, *spatial),
         solvers=(*OURS, *(spec for _, info in sorted(available().items()) if info.needs for spec in info.specs)),
         tolerances=(1e-4, 1e-8),
         time_limit=1.0,

@@ -1,7 +1,7 @@
-"""A plan: where the problems come from, which solvers meet them, at which tolerances and limits.
+"""Plans: the sources of problems, the solvers, tolerances, starts and limits of a run.
 
-A source yields problems (a scene's steps, recorded along a simulation with a reference solver; an instance; a file); a cell is
-one unit of work with one row in the results. Cells are plain values: they travel to workers, and their keys make resuming work.
+A source yields problems: steps of a scene, recorded along a simulation with reference answers; an instance; a file. A cell is
+one unit of work with one row in the results. Cells are plain values that are sent to workers; a run resumes by their keys.
 """
 
 import json
@@ -15,16 +15,19 @@ from frictionbench.problems.instances import instances
 from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, KEEP_ANSWER
 from frictionbench.results.map_spec import Map
 
-MOST_SHOWN = 100  # steps
+MOST_SHOWN = 100  # steps of a motion that is recorded only for the report's animation
+MEMORY_LIMIT = (
+    4 * 2**30
+)  # bytes that a worker may allocate: far above what the suites need, and small enough for one worker per core
 
 
 @dataclass(frozen=True)
 class Source:
-    """Problems of one scene. pick: how many, spread over its motion; 0 for the first step's alone, met without a solver, as
-    the scheme has it. repeats: how often a short solve is timed, the usual where None.
+    """Problems of one scene, an instance, or a problem in a file.
 
-    Of an instance (problems.instances) `scene` is the name, of a problem in a file that of the set it belongs to. tolerances,
-    time_limit: in place of the plan's.
+    scene: the name of the scene or instance (problems.instances), or of the set that a file belongs to. pick: the number of
+    problems, spread over the motion; 0 for the first problem of the scheme, which needs no solver. repeats: how often a short
+    solve is timed, None for the default (harness.cells.timing). tolerances, time_limit: in place of the plan's.
     """
 
     scene: str
@@ -43,7 +46,7 @@ class Source:
 
     @property
     def moves(self) -> bool:
-        """Whether there is a scene behind it that moves."""
+        """Whether it is a scene, which can be simulated."""
         return not self.file and self.scene not in instances()
 
 
@@ -51,8 +54,8 @@ class Source:
 class SolveCell:
     """One problem, one solver, one tolerance.
 
-    problem: the content hash under which it is stored. origin: where it comes from; the key is made of that, for the last bits
-    of a recorded problem, and so its hash, may differ between machines.
+    problem: the content hash under which it is stored. origin: see `origin`; the key is computed from the origin, because the
+    last bits of a recorded problem, and with them its hash, may differ between machines.
     """
 
     problem: str
@@ -70,7 +73,7 @@ class SolveCell:
 
 @dataclass(frozen=True)
 class SimulationCell:
-    """One scene in closed loop with one solver. after: how it continues after a failed step, see harness.cells.simulation."""
+    """One scene in closed loop with one solver. after: what moves the bodies after a failed step (harness.cells.simulation)."""
 
     scene: str
     parameters: dict[str, Any]
@@ -92,7 +95,10 @@ Cell = SolveCell | SimulationCell
 
 @dataclass(frozen=True)
 class Plugin:
-    """Solvers from outside this repository: where from (see solvers.plugins), its content's hash, by variant what rows say."""
+    """Solvers from outside this repository.
+
+    source: see solvers.plugins. content: the hash of its content. solvers: by variant, the columns that describe it.
+    """
 
     source: str
     content: str
@@ -101,7 +107,7 @@ class Plugin:
 
 @dataclass(frozen=True)
 class Plan:
-    """What a run does. Times in seconds, memory in bytes; the first tolerance of a simulation is its only one.
+    """What a run does; times in seconds, memory in bytes. Simulations have one tolerance, simulation_tol.
 
     map_sources, map_simulations: the problems and simulations at the maps' grid points so far (harness.run_maps). They are not
     settings, because they follow from the maps and from the rows found.
@@ -120,31 +126,31 @@ class Plan:
     simulation_tol: float = 1e-8
     time_limit: float = 10.0
     simulation_limit: float = 60.0
-    memory_limit: int = 4 * 2**30
+    memory_limit: int = MEMORY_LIMIT
     plugins: tuple[Plugin, ...] = ()
     map_sources: tuple[Source, ...] = ()
     map_simulations: tuple[SimulationCell, ...] = ()
 
     def __post_init__(self) -> None:
-        _check(bool(self.solvers), "solver", "none given")
-        _check(bool(self.tolerances), "tol", "none given")
+        _check(bool(self.solvers), "solver", "none is given")
+        _check(bool(self.tolerances), "tol", "none is given")
         _check(all(0 < tol < 1 for tol in self.tolerances), "tol", "must lie between 0 and 1")
         _check(0 < self.time_limit < float("inf"), "time-limit", "must be positive")
 
     def settings(self) -> dict[str, Any]:
-        """The plan as plain values, for the manifest: two runs with the same settings do the same cells."""
-        told = json.loads(json.dumps(asdict(self)))
-        return {name: value for name, value in told.items() if name not in ("map_sources", "map_simulations")}
+        """The plan as plain values, for the manifest: two runs with the same settings have the same cells."""
+        values = json.loads(json.dumps(asdict(self)))
+        return {name: value for name, value in values.items() if name not in ("map_sources", "map_simulations")}
 
-    def solve_cells(self, entries: Iterable[dict[str, Any]]) -> list[SolveCell]:
-        """Every problem with every solver, start that it has, and tolerance, the loosest first."""
+    def solve_cells(self, records: Iterable[dict[str, Any]]) -> list[SolveCell]:
+        """The cells of every problem with every solver, available start and tolerance, the loosest first."""
         return [
-            SolveCell(entry["problem"], origin(entry), variant, tol, start)
-            for entry in entries
+            SolveCell(record["problem"], origin(record), variant, tol, start)
+            for record in records
             for variant in self.solvers
             for start in self.starts
-            if start in entry["starts"]
-            for tol in sorted(entry.get("tolerances") or self.tolerances, reverse=True)
+            if start in record["starts"]
+            for tol in sorted(record.get("tolerances") or self.tolerances, reverse=True)
         ]
 
     def simulation_cells(self) -> list[SimulationCell]:
@@ -160,16 +166,16 @@ class Plan:
         return [*simulated, *self.map_simulations]
 
     def owner(self, variant: str) -> str:
-        """The solver from outside this repository that a variant is of, with its source; empty for our own."""
+        """The source and name of the outside solver that a variant belongs to; empty for our own."""
         return next((f"{p.source} {p.solvers[variant]['solver']}" for p in self.plugins if variant in p.solvers), "")
 
     @property
     def polygons(self) -> bool:
-        """Whether polygons in place of the friction cone are compared."""
+        """Whether solvers with polygons in place of the friction cone are among them."""
         return any("facets=" in variant for variant in self.solvers)
 
     def shown(self) -> list[Source]:
-        """What to record for the eye: every simulation, and a short motion of each scene that none simulates."""
+        """The motions to record for the report: every simulation, and a short motion of each other scene."""
         simulated = {simulation.scene for simulation in self.simulations}
         others: dict[str, Source] = {}
         for source in self.sources:
@@ -178,9 +184,9 @@ class Plan:
         return [*self.simulations, *others.values()]
 
 
-def origin(entry: dict[str, Any]) -> str:
-    """Where a problem comes from: scene, parameters, step and phase."""
-    return f"{entry['scene']} {entry['parameters']} {entry['step']} {entry['phase']}"
+def origin(record: dict[str, Any]) -> str:
+    """The origin of a problem: scene, parameters, step and phase."""
+    return f"{record['scene']} {record['parameters']} {record['step']} {record['phase']}"
 
 
 def _check(condition: bool, field: str, complaint: str) -> None:
@@ -189,6 +195,6 @@ def _check(condition: bool, field: str, complaint: str) -> None:
 
 
 def _key(kind: str, value: Source | SolveCell | SimulationCell) -> str:
-    """A hash of what makes the value what it is; going on with the answer after a failure is not told, as ever."""
-    told = {name: part for name, part in asdict(value).items() if (name, part) != ("after", KEEP_ANSWER)}
-    return kind + "-" + sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()[:16]
+    """A hash of the value's fields, without the default of `after`, which older runs did not have."""
+    fields = {name: part for name, part in asdict(value).items() if (name, part) != ("after", KEEP_ANSWER)}
+    return kind + "-" + sha256(json.dumps(fields, sort_keys=True).encode()).hexdigest()[:16]

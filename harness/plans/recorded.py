@@ -1,7 +1,7 @@
-"""Plans for problems that others recorded, and for spatial ones of our own: every solver that takes them.
+"""Plans for problems recorded by others, and for spatial instances: every solver that accepts them.
 
-Where recorded problems lie is said on the command line: `--data DIR`, or `--data fclib/Capsules` for a family that
-`frictionbench fetch` has brought.
+The command line gives the location of recorded problems: `--data DIR`, or `--data fclib/Capsules` for a family that
+`frictionbench fetch` has downloaded.
 """
 
 from dataclasses import replace
@@ -14,7 +14,7 @@ from frictionbench.problems import InputError
 from frictionbench.problems.recorded import collection
 from frictionbench.results.conventions import COLD, WARM
 
-FORMATS = (".hdf5", ".h5", ".dat", ".npz")
+FORMATS = (".hdf5", ".h5", ".dat", ".npz")  # suffixes of files that problems.recorded reads
 
 # Accuracy and time limit of Acary, Brémond and Huber 2018, family by family of the collection.
 ABH2018 = {
@@ -35,13 +35,13 @@ ABH2018 = {
 
 
 def recorded() -> Plan:
-    """Recorded problems, of a folder or a fetched family (--data DIR|fclib/FAMILY), with every solver that takes them."""
+    """Recorded problems, of a folder or a fetched family (--data DIR|fclib/FAMILY), with every solver that accepts them."""
     return Plan(
         suite="recorded",
         sources=(),
         solvers=(*EXACT, *OTHERS, "relaxation_ip", *RELAXED),
         tolerances=LADDER,
-        starts=(COLD, WARM),  # warm: where a file holds a guess
+        starts=(COLD, WARM),  # warm: from the initial guess of a file that has one
         time_limit=10.0,
     )
 
@@ -52,14 +52,16 @@ def abh2018() -> Plan:
 
 
 def spatial() -> Plan:
-    """Spatial problems of one step, from one contact to a thousand, with every solver that takes them."""
+    """Spatial problems of one step, from one contact to a thousand, with every solver that accepts them."""
     boxes = [{"boxes": n, "friction": mu, "push": push} for n in (1, 3, 10, 30, 100) for mu, push in ((0.5, 0.0), (0.2, 1.0))]
     heavy = [{"boxes": 10, "push": 1.0, "mass_ratio": ratio} for ratio in (1e2, 1e4)]
     piles = [{"levels": n, "friction": mu, "noise": 0.03} for n in (2, 4, 6) for mu in (0.2, 0.7)]
-    piles += [{"levels": n, "friction": 0.5} for n in (4, 5, 6)]  # at rest, between what slides and what sticks: the hardest
+    piles += [
+        {"levels": n, "friction": 0.5} for n in (4, 5, 6)
+    ]  # between friction at which it slides and at which it sticks: the hardest
     packings = [{"spheres": n, "friction": mu, "fraction": 0.64} for n in (10, 50, 250) for mu in (0.1, 0.7)]
-    loose = [{"contacts": n, "seed": seed} for n in (2, 10, 50, 300) for seed in (0, 1)]
-    odd = [
+    scattered = [{"contacts": n, "seed": seed} for n in (2, 10, 50, 300) for seed in (0, 1)]
+    extreme = [
         {"contacts": 40, "seed": seed, name: value}
         for seed in (0, 1)
         for name, value in (("friction", 1e3), ("mass_ratio", 1e6))
@@ -68,7 +70,7 @@ def spatial() -> Plan:
         "cubes": [*boxes, *heavy],
         "sphere_pyramid": piles,
         "packed_spheres": packings,
-        "random_bodies": [*loose, *odd],
+        "random_bodies": [*scattered, *extreme],
     }
     return Plan(
         suite="spatial",
@@ -79,30 +81,30 @@ def spatial() -> Plan:
     )
 
 
-def with_data(plan: Plan, places: list[str]) -> Plan:
-    """The plan with the recorded problems of these places. Errors: InputError naming `data` or the family."""
+def with_data(plan: Plan, locations: list[str]) -> Plan:
+    """The plan with the recorded problems at these locations. Errors: InputError naming `data` or the family."""
     of_the_paper = plan.suite == abh2018().suite
-    if of_the_paper and not places:
-        places = [f"fclib/{family}" for family in collection.fetched() if family in ABH2018]
-    if not places and plan.suite in (recorded().suite, abh2018().suite):
+    if of_the_paper and not locations:
+        locations = [f"fclib/{family}" for family in collection.fetched() if family in ABH2018]
+    if not locations and plan.suite in (recorded().suite, abh2018().suite):
         raise InputError(
             f"data: {plan.suite} needs --data DIR, or --data fclib/FAMILY after `frictionbench fetch fclib/FAMILY`"
         )
-    found = [source for place in places for source in _sources(place, of_the_paper)]
+    found = [source for location in locations for source in _sources(location, of_the_paper)]
     return replace(plan, sources=(*plan.sources, *found))
 
 
-def _sources(place: str, of_the_paper: bool) -> list[Source]:
-    if place.startswith("fclib/"):
-        family = collection.family(place)
+def _sources(location: str, of_the_paper: bool) -> list[Source]:
+    if location.startswith("fclib/"):
+        family = collection.family(location)
         folder = collection.folder(family)
         accuracy, limit = ABH2018.get(family, (None, None)) if of_the_paper else (None, None)
         own: dict[str, Any] = {} if accuracy is None else {"tolerances": (accuracy,), "time_limit": limit}
     else:
-        folder, own = Path(place).absolute(), {}
+        folder, own = Path(location).absolute(), {}
         family = folder.name
     files = sorted(path for path in folder.rglob("*") if path.suffix in FORMATS and path.is_file())
     if not files:
-        hint = f"; fetch it with `frictionbench fetch {place}`" if place.startswith("fclib/") else ""
-        raise InputError(f"data: no problems in {place}{hint}")
+        hint = f"; fetch it with `frictionbench fetch {location}`" if location.startswith("fclib/") else ""
+        raise InputError(f"data: no problems in {location}{hint}")
     return [Source(family, {"file": str(path.relative_to(folder))}, file=str(path), **own) for path in files]

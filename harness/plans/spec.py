@@ -1,4 +1,4 @@
-"""A scene's settings, as the command line takes them: `stack[blocks=5,friction=0.5]`."""
+"""Parsing a scene with settings, as written on the command line: `stack[blocks=5,friction=0.5]`."""
 
 import json
 from typing import Any
@@ -8,7 +8,7 @@ from frictionbench.problems.spec import split
 
 
 def parse(field: str, text: str) -> tuple[str, dict[str, Any]]:
-    """The name and its settings; numbers and true/false are read as such, the rest as text.
+    """The name and its settings; numbers, true and false become values, anything else stays text.
 
     Errors: InputError naming the field.
     """

@@ -8,9 +8,12 @@ from frictionbench.harness.plans.recorded import abh2018, recorded, spatial
 from frictionbench.problems.schemes import SCHEMES
 from frictionbench.results.conventions import COLD, KEEP_ANSWER, KEEP_VELOCITY, RELAX, SHUFFLED, WARM
 
-MAPPED = (*EXACT, *(name for name in OTHERS if name not in ("apgd", "admm")))
+MAPPED = (
+    *EXACT,
+    *(name for name in OTHERS if name not in ("apgd", "admm")),
+)  # of the exact law; these two solve the relaxation
 MAPPED_RELAXED = ("relaxation_ip", "apgd", "admm", *RELAXED[:3])
-FAILING = (  # simulations whose steps some methods fail
+FAILING = (  # simulations in which some methods fail to solve steps
     Source("stack", {"blocks": 5, "mass_ratio": 1e3, "push": 1.0}, steps=60),
     Source("three_blocks", {}, steps=200),
     Source("multiple_collisions", {}, steps=200),
@@ -19,7 +22,7 @@ EXAMPLES = tuple(f"example_{i}" for i in range(1, 8))
 
 
 def smoke() -> Plan:
-    """A look at everything in under a minute: a few small problems, two short simulations."""
+    """A short check of everything, in under a minute: a few small problems and a short simulation."""
     return Plan(
         suite="smoke",
         sources=(
@@ -40,9 +43,9 @@ def smoke() -> Plan:
 
 
 def standard() -> Plan:
-    """A first comparison: the usual solvers on sliding, stacked, ill-conditioned and random problems, in under five minutes on
+    """A first comparison: the main solvers on sliding, stacked, ill-conditioned and random problems, in under five minutes on
     two cores."""
-    talk = (
+    sliding = (
         Source("long_bar", {"friction": 0.05}, pick=5),
         Source("long_bar", {"friction": 0.2}, pick=5),
         Source("two_blocks", {"friction": 0.02}, pick=4),
@@ -51,7 +54,7 @@ def standard() -> Plan:
         Source("multiple_collisions", {}, pick=5),
         Source("several_blocks", {}, pick=5),
     )
-    still = tuple(
+    at_rest = tuple(
         Source(name, {size: n, "friction": mu})
         for name, size, numbers in (
             ("stack", "blocks", (1, 2, 5, 10, 20, 50)),
@@ -69,10 +72,10 @@ def standard() -> Plan:
         *(Source("redundant_table", {"speed": 1.0}, pick=2), Source("slider_crank", {}, pick=3, steps=200)),
     )
     random = tuple(Source("random", {"seed": seed, "contacts": n}) for n in (3, 10, 30) for seed in range(4))
-    simulations = (*talk, Source("stack", {"blocks": 5}, steps=50), Source("pyramid", {"rows": 3}, steps=50))
+    simulations = (*sliding, Source("stack", {"blocks": 5}, steps=50), Source("pyramid", {"rows": 3}, steps=50))
     return Plan(
         suite="standard",
-        sources=(*talk, *still, *heavy, *rods, *corners, *single, *random),
+        sources=(*sliding, *at_rest, *heavy, *rods, *corners, *single, *random),
         solvers=(*EXACT, *RELAXED),
         tolerances=LADDER,
         simulations=simulations,
@@ -83,7 +86,7 @@ def standard() -> Plan:
 
 
 def seeds() -> Plan:
-    """The talk's seven examples, the rod and the jam, with every solver and every scheme that applies: about a quarter hour."""
+    """The seven examples, the rod and the jam, with every solver and every applicable scheme: about a quarter of an hour."""
     scenes = (*EXAMPLES, "painleve_rod", "jam")
     solvers = (*EXACT, *RELAXED, *OTHERS)
     return Plan(
@@ -100,7 +103,7 @@ def seeds() -> Plan:
 
 
 def replay() -> Plan:
-    """Recorded motions, every step solved cold, warm from the step before, and warm in shuffled order."""
+    """Recorded motions, with each problem solved from zero, from the previous answer, and from the answer of another step."""
     return Plan(
         suite="replay",
         sources=tuple(Source(name, pick=20, steps=150) for name in EXAMPLES),
@@ -112,7 +115,7 @@ def replay() -> Plan:
 
 
 def scaling() -> Plan:
-    """Time against size: stacks, pyramids and walls of 1 to 1000 boxes, three frictions, mass ratios to 1e6."""
+    """Time against size: stacks, pyramids and walls of 1 to 1000 boxes, three friction coefficients, mass ratios up to 1e6."""
     sizes = {
         "stack": [{"blocks": n} for n in (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)],
         "pyramid": [{"rows": n} for n in (4, 9, 13, 31, 44)],
@@ -135,7 +138,7 @@ def scaling() -> Plan:
 
 
 def maps() -> Plan:
-    """Failure maps: where in the space of parameters each method fails, in under twenty minutes on two cores."""
+    """Failure maps: for which parameters each method fails, in under twenty minutes on two cores."""
     return Plan(
         suite="maps",
         sources=(),

@@ -1,12 +1,12 @@
-"""The same tasks on a dask cluster: a cell a task, isolated on its worker as it would be here, its row sent back.
+"""Running tasks on a dask cluster: one cell per task, isolated on its dask worker as on this machine.
 
-A dask worker needs the very code of this project that the main process runs:
+A dask worker must run the same code of this project as the main process:
 
     dask scheduler --host 127.0.0.1 --port 8786
     dask worker tcp://127.0.0.1:8786 --nthreads 1        (as many as there are cores)
     frictionbench run standard --cluster tcp://127.0.0.1:8786
 
-A task whose dask worker dies goes to another one. Rows carry the host that timed them.
+A task whose dask worker ends goes to another one. Rows hold the name of the host that timed them.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -26,15 +26,15 @@ from frictionbench.results.store import ResultsError
 from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers.plugins import is_file
 
-AHEAD = 4  # tasks handed out per worker, so that none waits for the network
-ANSWERING = 10.0  # seconds a scheduler has to answer
+AHEAD = 4  # tasks submitted per worker: enough that none waits for the network, few enough to be balanced at the end
+ANSWERING = 10.0  # seconds for a scheduler to answer: one that is reachable needs far less
 Files = dict[str, bytes]
 Settings = tuple[tuple[tuple[Plugin, Files], ...], int]
-_pools: dict[tuple[Any, ...], Pool] = {}  # of a dask worker, by plug-ins' content and bound on memory
+_pools: dict[tuple[Any, ...], Pool] = {}  # of a dask worker process, by the plug-ins' content and the memory limit
 
 
 class Cluster:
-    """Stands in for harness.workers.pool.Pool; use as a context manager. Errors: InputError naming `cluster`."""
+    """Runs tasks like harness.workers.pool.Pool; use as a context manager. Errors: InputError naming `cluster`."""
 
     def __init__(self, address: str, folder: Path, plugins: tuple[Plugin, ...], memory_limit: int) -> None:
         try:
@@ -46,11 +46,13 @@ class Cluster:
         except (OSError, ValueError) as error:
             raise InputError(f"cluster: no scheduler answers at {address} ({error})") from None
         self._folder = folder
-        self._settings = tuple((plugin, _sent(plugin)) for plugin in plugins), memory_limit
+        self._settings = tuple((plugin, _files_of(plugin)) for plugin in plugins), memory_limit
         codes = self._client.run(machine.content)
         if not codes or set(codes.values()) != {machine.content()}:
             self._client.close()
-            raise InputError(f"cluster: workers {codes or 'are missing; none'} run this code, {machine.content()}")
+            raise InputError(
+                f"cluster: {f'its workers run {codes}' if codes else 'it has no workers'}; they must run {machine.content()}"
+            )
 
     def __enter__(self) -> "Cluster":
         return self
@@ -61,9 +63,9 @@ class Cluster:
     def run(
         self, tasks: Iterable[Task], started: Callable[[Task], None] = lambda task: None, _: object = None
     ) -> Iterator[Outcome]:
-        """Every task's outcome as it comes; started is called when a task is handed out. Who compiles is not known here.
+        """The outcomes of the tasks as they arrive. started is called when a task is submitted; compilation is not reported.
 
-        Errors: ResultsError where the scheduler dies.
+        Errors: ResultsError where the scheduler ends.
         """
         from distributed import as_completed
 
@@ -84,26 +86,28 @@ class Cluster:
                 error = future.exception()
                 outcome = future.result() if error is None else None
             except (CancelledError, OSError):
-                raise ResultsError("cluster: its scheduler is gone; the same command goes on where it stopped") from None
+                raise ResultsError(
+                    "cluster: lost the connection to its scheduler; run the same command again to resume"
+                ) from None
             yield outcome or Outcome(task, failure=Verdict.CRASHED, reason=f"on the cluster: {error}"[:500])
             if (following := next(queue, None)) is not None:
                 completed.add(submit(following))
 
     def _files(self, task: Task) -> Files:
-        """What the task reads: its problem, and its starts where it has any."""
+        """The files that the task reads: its problem, and its starts if it has any."""
         cell = task.arguments[0]
         if not isinstance(cell, SolveCell):
             return {}
         return {path.name: path.read_bytes() for path in (self._folder / "problems").glob(f"{cell.problem}*.npz")}
 
 
-def _sent(plugin: Plugin) -> Files:
-    """The plug-in's file; nothing of an installed distribution, which must be there, of the same content."""
+def _files_of(plugin: Plugin) -> Files:
+    """The plug-in's file; none for an installed distribution, which the dask worker must have with the same content."""
     return {Path(plugin.source).name: Path(plugin.source).read_bytes()} if is_file(plugin.source) else {}
 
 
 def _isolated(task: Task, files: Files, settings: Settings) -> Outcome:
-    """Run a task on a dask worker in a process of its own, which is kept for the next task."""
+    """Run a task on a dask worker in a pool of one process, which is reused for the next task."""
     sent, memory_limit = settings
     folder = _scratch()
     _write(folder / "problems", files)

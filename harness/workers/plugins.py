@@ -1,23 +1,21 @@
-"""Plug-ins made known: each is imported in a worker of its own, which tells what it defines; never in this process."""
+"""Loading plug-ins: each is imported in a worker of its own, which reports what it defines, and never in this process."""
 
 import tempfile
 from pathlib import Path
 
 from frictionbench.harness.cells import worker
-from frictionbench.harness.plans.plan import Plugin
+from frictionbench.harness.plans.plan import MEMORY_LIMIT, Plugin
 from frictionbench.harness.workers.pool import Pool
 from frictionbench.harness.workers.task import Task
 from frictionbench.problems import InputError
 from frictionbench.problems.spec import split
 from frictionbench.solvers import find, plugins
 
-MEMORY = 4 * 2**30  # bytes
-
 
 def load_plugins(specs: list[str], wanted: tuple[str, ...] = ()) -> tuple[tuple[str, ...], tuple[Plugin, ...]]:
     """The variants that the command line names, and the plug-ins among them; a file stands for all the solvers it defines.
 
-    wanted: more variants, which bring no code of their own: they must be ours, or in what specs bring.
+    wanted: further variants; each must be ours or defined by one of the specs, because it loads no code.
     Errors: InputError naming the solver, or the file and its line.
     """
     files = [str(Path(spec).absolute()) for spec in specs if plugins.is_file(spec)]
@@ -25,27 +23,27 @@ def load_plugins(specs: list[str], wanted: tuple[str, ...] = ()) -> tuple[tuple[
     heads = {split("solver", spec)[0] for spec in named}
     sources = list(dict.fromkeys([*files, *(name for name in plugins.installed() if name in heads)])) if specs else []
     named += wanted
-    made = tuple(_asked(sources, named)) if sources else ()
+    loaded = tuple(_load(sources, named)) if sources else ()
     for spec in named:
-        if not any(spec in plugin.solvers for plugin in made):
+        if not any(spec in plugin.solvers for plugin in loaded):
             find(spec)
-    variants = [variant for plugin in made for variant in plugin.solvers] + named
+    variants = [variant for plugin in loaded for variant in plugin.solvers] + named
     for variant in variants:
-        if sum(variant in plugin.solvers for plugin in made) > 1:
-            raise InputError(f"solver: {variant} is defined by two of them")
-    return tuple(dict.fromkeys(variants)), made
+        if sum(variant in plugin.solvers for plugin in loaded) > 1:
+            raise InputError(f"solver: {variant} is defined by two plug-ins; give one of them")
+    return tuple(dict.fromkeys(variants)), loaded
 
 
-def _asked(sources: list[str], named: list[str]) -> list[Plugin]:
+def _load(sources: list[str], named: list[str]) -> list[Plugin]:
     limit = worker.IMPORTING
     tasks = [Task(source, worker.describe_plugin, (source, named, limit), limit, owner=source) for source in sources]
     found = {}
-    with tempfile.TemporaryDirectory() as scratch, Pool(Path(scratch), 1, (), MEMORY) as pool:
+    with tempfile.TemporaryDirectory() as scratch, Pool(Path(scratch), 1, (), MEMORY_LIMIT) as pool:
         for outcome in pool.run(tasks):
             if outcome.failure:
-                told = outcome.reason.startswith("solver: ")
+                names_field = outcome.reason.startswith("solver: ")
                 raise InputError(
-                    outcome.reason if told else f"solver: {outcome.task.name} cannot be imported ({outcome.reason})"
+                    outcome.reason if names_field else f"solver: {outcome.task.name} cannot be imported ({outcome.reason})"
                 )
             found[outcome.task.name] = Plugin(**outcome.value)
     return [found[source] for source in sources]

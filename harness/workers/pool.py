@@ -1,8 +1,8 @@
-"""Tasks in worker processes that may die.
+"""Tasks in isolated worker processes.
 
-Each worker runs one task at a time on a core of its own. A task that kills its worker, hangs, or leaves processes behind
-affects no other: its supervisor (harness.workers.supervisor) ends it, and ends everything when this process ends. The death of
-a worker that was killed from outside, or whose supervisor was, says nothing about the solver: the task is begun again, TRIES
+Each worker runs one task at a time on a core of its own. A task that crashes its worker, hangs, or leaves processes running
+affects no other task: its supervisor (harness.workers.supervisor) ends it, and ends everything when this process ends. A
+worker killed from outside, or whose supervisor was killed, says nothing about the solver: the task is run again, up to TRIES
 times in all.
 """
 
@@ -22,16 +22,16 @@ from frictionbench.harness.workers.task import Outcome, Task
 from frictionbench.results.store import ResultsError
 from frictionbench.results.verdicts import Verdict
 
-TRIES = 3
+TRIES = 3  # one kill may be an accident, such as a machine short of memory for a moment; three in a row are not
 START = """import sys; sys.path.insert(0, sys.argv[1])
 from frictionbench.harness.workers.supervisor import serve; serve(int(sys.argv[2]))"""
 Settings = tuple[Path, tuple[Plugin, ...], int]
 
 
 class _Server:
-    """The process that forks the supervisors: started once, it ends with this process. It never looks into the current folder.
+    """The process that forks the supervisors: started once, it ends with this process and imports nothing from its folder.
 
-    Errors: ConnectionError where it ends before it says a word, ResultsError where it runs other code.
+    Errors: ConnectionError where it ends before it reports its code, ResultsError where it runs other code.
     """
 
     def __init__(self) -> None:
@@ -42,16 +42,18 @@ class _Server:
             command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, pass_fds=[far_end.fileno()], start_new_session=True
         )
         far_end.close()
-        with self._control.makefile("rb") as said:
-            theirs, ours = said.readline(2**16), machine.code()
+        with self._control.makefile("rb") as report:
+            theirs, ours = report.readline(2**16), machine.code()
         if not theirs or json.loads(theirs) != ours:
             self.close()
             if not theirs:
                 raise ConnectionError
-            raise ResultsError(f"workers: they run {theirs.decode().strip()}, not {json.dumps(ours)}")
+            raise ResultsError(
+                f"workers: they run other code, {theirs.decode().strip()}, than this process, {json.dumps(ours)}"
+            )
 
     def supervisor(self, settings: Settings) -> Connection:
-        """The line to a new supervisor. Errors: OSError where the server is gone."""
+        """The connection to a new supervisor. Errors: OSError where the server has ended."""
         near, far = socket.socketpair()
         with far:
             socket.send_fds(self._control, [b"k"], [far.fileno()])
@@ -60,7 +62,7 @@ class _Server:
         return channel
 
     def close(self) -> None:
-        """End the server and, by its hand, all that is below it."""
+        """End the server, which ends all its descendants."""
         self._control.close()
         self._process.wait()
 
@@ -69,88 +71,87 @@ _server: _Server | None = None
 
 
 def _supervisor(settings: Settings) -> Connection:
-    global _server  # noqa: PLW0603  # one a process: what workers need is imported once
-    for _ in range(TRIES):  # it may be killed at any moment, as it starts too
+    global _server  # noqa: PLW0603  # one per process: what workers need is imported once
+    for _ in range(TRIES):  # it may be killed at any moment, also while it starts
         with suppress(OSError):
             _server = _server or _Server()
             return _server.supervisor(settings)
         if _server is not None:
             _server.close()
             _server = None
-    raise ResultsError(f"workers: they do not start, tried {TRIES} times")
+    raise ResultsError(f"workers: the server did not start in {TRIES} attempts")
 
 
-class _Hand:
-    """One supervisor with its worker, the line to it, and the task it is at."""
+class _Slot:
+    """One supervisor with its worker: the connection to it, and the task that it runs."""
 
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
-        self.line = _supervisor(settings)
+        self.connection = _supervisor(settings)
         self.task: Task | None = None
         self._tries = 0
 
-    def give(self, task: Task) -> None:
+    def send(self, task: Task) -> None:
         self.task = task
         self._tries += 1
         try:
-            self.line.send(task)
+            self.connection.send(task)
         except OSError:
-            self._begin_again()
+            self._restart()
 
-    def take(self, compiling: Callable[[Task, bool], None]) -> Outcome | None:
-        """The outcome of the task; None where it was begun again, or is compiling, which is told."""
+    def receive(self, compiling: Callable[[Task, bool], None]) -> Outcome | None:
+        """The outcome of the task; None where it was restarted, or where the message was that it compiles or has compiled."""
         assert self.task is not None
         try:
-            said: dict[str, Any] = json.loads(self.line.recv_bytes())
-            said.pop("kept", None)  # its supervisor's business
+            message: dict[str, Any] = json.loads(self.connection.recv_bytes())
         except (EOFError, OSError):
             if self._tries < TRIES:
-                self._begin_again()
+                self._restart()
                 return None
-            self.line = _supervisor(self._settings)
-            said = {"failure": Verdict.CRASHED.name, "reason": f"its processes were killed {TRIES} times"}
-        if "compiling" in said:
-            compiling(self.task, bool(said["compiling"]))
+            self.connection = _supervisor(self._settings)
+            message = {"failure": Verdict.CRASHED.name, "reason": f"its processes were killed {TRIES} times"}
+        if "compiling" in message:
+            compiling(self.task, bool(message["compiling"]))
             return None
-        if said.pop("again", False) and self._tries < TRIES:
-            self.give(self.task)
+        if message.get("retry") and self._tries < TRIES:
+            self.send(self.task)
             return None
-        failure = Verdict[said["failure"]] if "failure" in said else None
-        outcome = Outcome(self.task, said.get("value"), failure, said.get("reason", ""))
+        failure = Verdict[message["failure"]] if "failure" in message else None
+        outcome = Outcome(self.task, message.get("value"), failure, message.get("reason", ""))
         self.task, self._tries = None, 0
         return outcome
 
-    def _begin_again(self) -> None:
+    def _restart(self) -> None:
         assert self.task is not None
-        self.line.close()
-        self.line = _supervisor(self._settings)
-        self.give(self.task)
+        self.connection.close()
+        self.connection = _supervisor(self._settings)
+        self.send(self.task)
 
-    def dismiss(self) -> None:
-        """Tell the supervisor to end, and wait until everything below it has."""
+    def close(self) -> None:
+        """Tell the supervisor to end, and wait until it and all its descendants have ended."""
         with suppress(OSError, EOFError):
-            self.line.send(None)
-            while self.line.poll(2 * process.PATIENCE):
-                self.line.recv_bytes()
-        self.line.close()
+            self.connection.send(None)
+            while self.connection.poll(2 * process.PATIENCE):
+                self.connection.recv_bytes()
+        self.connection.close()
 
 
 class Pool:
     """Workers for one run; use as a context manager.
 
-    Errors: InputError on a platform that cannot isolate them, ResultsError where they would not run this very code.
+    Errors: InputError on a platform that cannot isolate them, ResultsError where they run other code than this process.
     """
 
     def __init__(self, folder: Path, jobs: int, plugins: tuple[Plugin, ...], memory_limit: int) -> None:
         process.require_linux()
-        self._hands = [_Hand((folder.absolute(), plugins, memory_limit)) for _ in range(jobs)]
+        self._slots = [_Slot((folder.absolute(), plugins, memory_limit)) for _ in range(jobs)]
 
     def __enter__(self) -> "Pool":
         return self
 
     def __exit__(self, *_: object) -> None:
-        for hand in self._hands:
-            hand.dismiss()
+        for slot in self._slots:
+            slot.close()
 
     def run(
         self,
@@ -158,17 +159,17 @@ class Pool:
         started: Callable[[Task], None] = lambda task: None,
         compiling: Callable[[Task, bool], None] = lambda task, now: None,
     ) -> Iterator[Outcome]:
-        """Every task's outcome as it comes; started is called when a task is handed out, compiling when its worker begins to
-        compile and when it is done with that."""
+        """The outcomes of the tasks as they arrive. started is called when a task is sent to a worker, compiling when that
+        worker begins to compile and when it has finished compiling."""
         queue = iter(tasks)
         while True:
-            for hand in self._hands:
-                if hand.task is None and (task := next(queue, None)) is not None:
-                    hand.give(task)
+            for slot in self._slots:
+                if slot.task is None and (task := next(queue, None)) is not None:
+                    slot.send(task)
                     started(task)
-            busy = {hand.line: hand for hand in self._hands if hand.task is not None}
+            busy = {slot.connection: slot for slot in self._slots if slot.task is not None}
             if not busy:
                 return
-            for line in wait(list(busy)):
-                if (outcome := busy[line].take(compiling)) is not None:  # type: ignore[index]
+            for connection in wait(list(busy)):
+                if (outcome := busy[connection].receive(compiling)) is not None:  # type: ignore[index]
                     yield outcome

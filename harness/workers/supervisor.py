@@ -1,14 +1,14 @@
-"""Supervisors: processes that run none but our own code, each with one worker that may do anything.
+"""Supervisors: processes that run only this package's code, each with one worker, which also runs solvers.
 
     main  ─  server  ─┬─  supervisor  ─  worker  ─  whatever its solver starts
                       └─  supervisor  ─  worker
 
-The server imports what workers need, once, and forks a supervisor for every socket that the main process sends it. A supervisor
-forks its worker, hands it tasks, kills it past its deadline, and after each task ends whatever else lives below itself, but for
-libraries in child processes of our own (solvers.outside.children): it is the subreaper of all that its worker starts. Where
-its socket to the main process ends, because that process is done or was killed, a supervisor ends all below it and itself; a
-worker whose supervisor is killed is killed by the kernel. A worker that has run a solver from outside this repository
-(Task.owner) runs no other.
+The server imports what workers need once, and forks a supervisor for every socket that the main process sends it. A supervisor
+forks its worker, sends it tasks, and kills it at its deadline. It is the subreaper of all processes that its worker starts, and
+ends them after each task, except for the package's own helper processes (solvers.outside.children). When its socket to the
+main process closes, because that process has finished or was killed, a supervisor ends all its descendants and exits; the
+kernel kills a worker whose supervisor is killed. A worker that has run a solver from outside this repository (Task.owner)
+runs no other solver.
 """
 
 import json
@@ -33,19 +33,20 @@ from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers import plugins
 from frictionbench.solvers.outside.children.child import living
 
-LOOK = 0.25  # seconds between looks at a deadline, which the worker may have moved
+POLL = 0.25  # seconds between checks of a deadline, which the worker may have moved
+POLL_CLOSED = 0.01  # seconds between checks for the exit code of a worker that has closed its pipe: it is about to exit
 
 
 def serve(control_fd: int) -> None:
-    """Run the server: report whose code this is, then fork a supervisor for every socket that comes, until the last."""
-    _stand_apart()
+    """Run the server: report the code that it runs, then fork a supervisor for every socket received, until the last."""
+    _detach()
     process.adopt_orphans()
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # supervisors are not waited for
     supervisors: set[int] = set()
     with socket.socket(fileno=control_fd) as control:
         control.sendall(json.dumps(machine.code()).encode() + b"\n")
         for context in (cpu_target.typing_context, cpu_target.target_context):
-            context.refresh()  # what numba imports at its first kernel, here for all workers
+            context.refresh()  # imports what numba needs for its first kernel, once for all workers
         while True:
             _, fds, _, _ = socket.recv_fds(control, 1, 1)
             if not fds:
@@ -54,40 +55,40 @@ def serve(control_fd: int) -> None:
             pid = os.fork()
             if pid == 0:
                 control.close()
-                _live(keep, Connection(fds[0]))
+                _run_and_exit(supervise, Connection(fds[0]))
             os.close(fds[0])
             supervisors.add(pid)
     process.end_descendants()
 
 
-def keep(channel: Connection) -> None:
-    """A supervisor's life: tasks come through the channel, the replies of the worker go back."""
+def supervise(channel: Connection) -> None:
+    """Run a supervisor: receive tasks from the channel, and send the worker's replies back through it."""
     process.adopt_orphans()
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
     core = process.hold_core()
-    hand: _Worker | None = None
+    child: _Worker | None = None
     with suppress(EOFError, OSError):
         settings = channel.recv()
         while (task := channel.recv()) is not None:
-            if hand is None or not hand.may_run(task):
+            if child is None or not child.may_run(task):
                 process.end_descendants()
                 core = process.hold_core() if core is None else core
-                hand = _Worker(channel, core, settings)
-            reply, reusable = hand.run(task, channel)
-            if process.end_descendants(spare=_kept(hand, task, reply) if reusable else ()) or not reusable:
+                child = _Worker(channel, core, settings)
+            reply, reusable = child.run(task, channel)
+            if process.end_descendants(spare=_spared(child, task, reply) if reusable else ()) or not reusable:
                 process.end_descendants()
-                hand = None
+                child = None
             channel.send_bytes(reply)
     process.end_descendants()
 
 
-def _kept(hand: "_Worker", task: Task, reply: bytes) -> list[int]:
-    """What goes on living after a task: the worker, and where only our own code ran in it the libraries that it keeps ready."""
-    return [hand.pid, *([] if task.owner else json.loads(reply)["kept"])]
+def _spared(child: "_Worker", task: Task, reply: bytes) -> list[int]:
+    """The processes that are not ended after a task: the worker, and its helper processes where it ran only our own code."""
+    return [child.pid, *([] if task.owner else json.loads(reply)["helpers"])]
 
 
 class _Worker:
-    """The worker as its supervisor sees it."""
+    """A worker process, as seen by its supervisor."""
 
     def __init__(self, channel: Connection, core: int | None, settings: tuple[Any, ...]) -> None:
         self.deadline = Deadline()
@@ -101,7 +102,7 @@ class _Worker:
             self._tasks.close()
             os.close(self._replies)
             process.die_with_parent(supervisor)
-            _live(work, tasks, replies, self.deadline, core, settings)
+            _run_and_exit(work, tasks, replies, self.deadline, core, settings)
         tasks.close()
         os.close(replies)
 
@@ -109,43 +110,43 @@ class _Worker:
         os.close(self._replies)
 
     def may_run(self, task: Task) -> bool:
-        """Whether it is alive, and has run nothing from outside but what the task is about."""
-        silent = not wait([self._replies], timeout=0)  # what is said now answers nothing
+        """Whether it is alive, has run no outside solver but the task's own, and has sent nothing since its last reply."""
+        silent = not wait([self._replies], timeout=0)
         return self.owner in ("", task.owner) and silent and self._ended() is None
 
     def run(self, task: Task, channel: Connection) -> tuple[bytes, bool]:
-        """The reply to a task, a line, and whether the worker can go on. Errors: EOFError where the main process is gone."""
+        """The reply to a task, a line, and whether the worker can be reused. Errors: EOFError if the main process has ended."""
         self.owner = task.owner
         self.deadline.allow(OURS)
-        last = Deadline()  # whatever the worker does with its own
+        last = Deadline()  # holds even if the worker extends its own without end
         last.allow(3 * (task.limit + COMPILING) + OURS)
         with suppress(OSError):
             self._tasks.send(task)
-        reply, look, compiling = bytearray(), LOOK, False
+        reply, poll, compiling = bytearray(), POLL, False
         open_ends: list[Any] = [self._replies, channel]
         while len(reply) < LONGEST_REPLY:
             left = min(self.deadline.left, last.left)
             if left <= 0:
                 return _failure(Verdict.TIMEOUT, f"stopped at its limit of {task.limit:g} s"), False
-            ready = wait(open_ends, timeout=min(left, look))
-            if channel in ready:  # nothing is sent while a task runs: this is the end
+            ready = wait(open_ends, timeout=min(left, poll))
+            if channel in ready:  # nothing is sent while a task runs: it was closed
                 raise EOFError
             if self._replies in ready:
-                said = os.read(self._replies, 2**20)
-                reply += said
+                received = os.read(self._replies, 2**20)
+                reply += received
                 if reply.endswith(b"\n"):
-                    return _understood(bytes(reply))
-                if not said:  # closed: it is dying
-                    open_ends, look = [channel], 0.01
+                    return _checked(bytes(reply))
+                if not received:
+                    open_ends, poll = [channel], POLL_CLOSED
             if (ended := self._ended()) is not None:
-                return _obituary(ended), False
-            if not ready and self.deadline.compiling != compiling:  # for some time, not just reading its cache
+                return _exit_failure(ended), False
+            if not ready and self.deadline.compiling != compiling:  # a whole poll long: not just reading its cache
                 compiling = not compiling
                 channel.send_bytes(_reply(compiling=compiling))
-        return _failure(Verdict.CRASHED, f"the process sent more than {LONGEST_REPLY} bytes"), False
+        return _failure(Verdict.CRASHED, f"the worker's reply was longer than {LONGEST_REPLY} bytes"), False
 
     def _ended(self) -> int | None:
-        """Its exit code once it has ended, -s for signal s."""
+        """Its exit code if it has ended, -s for signal s."""
         try:
             pid, status = os.waitpid(self.pid, os.WNOHANG)
         except ChildProcessError:
@@ -154,10 +155,10 @@ class _Worker:
 
 
 def work(tasks: Connection, replies: int, deadline: Deadline, core: int | None, settings: tuple[Any, ...]) -> None:
-    """A worker's life: tasks come through one pipe, what they return goes back through another as a line of JSON."""
+    """Run a worker: receive tasks from one pipe, and write what they return to another, each as a line of JSON."""
     for number in (signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_DFL)
-    me, home = os.getpid(), os.getcwd()
+    pid, home = os.getpid(), os.getcwd()
     worker.start(deadline, core, *settings)
     while True:
         try:
@@ -167,11 +168,11 @@ def work(tasks: Connection, replies: int, deadline: Deadline, core: int | None, 
         deadline.allow(OURS)
         try:
             value = task.function(*task.arguments)
-            reply = _reply(value=value, kept=living())
+            reply = _reply(value=value, helpers=living())
         except Exception as error:
-            why = str(error) if isinstance(error, InputError) else plugins.describe_error(error)
-            reply = _failure(Verdict.CRASHED, why, kept=living())
-        if os.getpid() != me:  # a solver forked, and its child came back too
+            reason = str(error) if isinstance(error, InputError) else plugins.describe_error(error)
+            reply = _failure(Verdict.CRASHED, reason, helpers=living())
+        if os.getpid() != pid:  # a child that a solver forked, and that returned from the call as well
             os._exit(0)
         os.chdir(home)
         signal.pthread_sigmask(signal.SIG_SETMASK, ())
@@ -179,50 +180,50 @@ def work(tasks: Connection, replies: int, deadline: Deadline, core: int | None, 
             reply = reply[os.write(replies, reply) :]
 
 
-def _understood(line: bytes) -> tuple[bytes, bool]:
-    """A reply as it is sent on, and whether its worker can go on. Whatever runs there may have said it."""
+def _checked(line: bytes) -> tuple[bytes, bool]:
+    """The reply to send on, and whether its worker can be reused. A solver may have written anything to the pipe."""
     with suppress(ValueError, RecursionError):
-        said = json.loads(line) if line.count(b"\n") == 1 else None
+        reply = json.loads(line) if line.count(b"\n") == 1 else None
         if (
-            isinstance(said, dict)
-            and said.keys() <= {"value", "failure", "reason", "kept"}
-            and said.get("failure") in (None, Verdict.CRASHED.name)
+            isinstance(reply, dict)
+            and reply.keys() <= {"value", "failure", "reason", "helpers"}
+            and reply.get("failure") in (None, Verdict.CRASHED.name)
         ):
             return line, True
-    return _failure(Verdict.CRASHED, "the process sent what is no reply"), False
+    return _failure(Verdict.CRASHED, "the worker returned a malformed reply"), False
 
 
-def _obituary(code: int) -> bytes:
-    """SIGKILL comes from outside (a machine short of memory, an operator) and says nothing of the solver."""
+def _exit_failure(code: int) -> bytes:
+    """The reply for a worker that ended. SIGKILL comes from outside (out of memory, an operator), so the task is retried."""
     how = signal.Signals(-code).name if code < 0 else f"exit code {code}"
-    return _failure(Verdict.CRASHED, f"the process died: {how}", again=code == -signal.SIGKILL)
+    return _failure(Verdict.CRASHED, f"the process ended: {how}", retry=code == -signal.SIGKILL)
 
 
-def _failure(verdict: Verdict, reason: str, **said: Any) -> bytes:
-    return _reply(failure=verdict.name, reason=reason, **said)
+def _failure(verdict: Verdict, reason: str, **fields: Any) -> bytes:
+    return _reply(failure=verdict.name, reason=reason, **fields)
 
 
-def _reply(**said: Any) -> bytes:
-    return json.dumps(said).encode() + b"\n"
+def _reply(**fields: Any) -> bytes:
+    return json.dumps(fields).encode() + b"\n"
 
 
-def _live(life: Callable[..., None], *arguments: Any) -> None:
-    """Spend a forked process's life, and leave without the parent's exit handlers."""
+def _run_and_exit(main: Callable[..., None], *arguments: Any) -> None:
+    """Run the main function of a forked process, and exit without the parent's exit handlers."""
     code = 1
     try:
-        life(*arguments)
+        main(*arguments)
         code = 0
     finally:
         os._exit(code)
 
 
-def _stand_apart() -> None:
-    """Silent, and deaf to the keys and the terminal of the main process, whose end is seen by its socket."""
+def _detach() -> None:
+    """Ignore the terminal's signals and discard all output; the end of the main process is seen by its socket."""
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
-    nowhere = os.open(os.devnull, os.O_RDWR)
+    null = os.open(os.devnull, os.O_RDWR)
     for stream in (0, 1, 2):
-        os.dup2(nowhere, stream)
+        os.dup2(null, stream)
 
 
 if __name__ == "__main__":

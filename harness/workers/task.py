@@ -1,4 +1,4 @@
-"""What goes to a worker and what comes back."""
+"""What is sent to a worker and what it returns."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -6,14 +6,16 @@ from typing import Any
 
 from frictionbench.results.verdicts import Verdict
 
-LONGEST_REPLY = 256 * 2**20  # bytes
+LONGEST_REPLY = (
+    256 * 2**20
+)  # bytes: far above the longest row, a simulation's curves; a bound on the memory of the main process
 
 
 @dataclass(frozen=True)
 class Task:
     """A call of function(*arguments) in a worker, whose value is sent back as JSON.
 
-    name: for the screen. limit: seconds. owner: the solver from outside this repository that it runs, or empty.
+    name: shown in the progress bar. limit: seconds. owner: the solver from outside this repository that it runs, or empty.
     """
 
     name: str

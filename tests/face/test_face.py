@@ -100,7 +100,7 @@ def test_a_verdict_takes_one_call() -> None:
     assert good.floor == fb.residual_floor(problem, answer.impulse)
     bad = fb.verify(problem, fb.Answer(0.9 * answer.impulse, fb.Status.SOLVED), 1e-8)
     assert bad.verdict == fb.Verdict.WRONG
-    assert "claims a residual" in bad.reason
+    assert "claimed solved within" in bad.reason
     assert repr(bad).startswith("Finding(wrong, residual ")
     relaxed = fb.verify(problem, fb.solve(problem, "apgd"), 1e-4, solver="apgd")
     assert relaxed.model_residual <= 1e-4

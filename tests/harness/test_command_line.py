@@ -16,8 +16,9 @@ from frictionbench.harness.commands import listing
 from frictionbench.harness.commands.summary import folder_for, summary
 from frictionbench.harness.commands.table import columns
 from frictionbench.harness.plans.choose import choose
+from frictionbench.harness.plans.plan import MEMORY_LIMIT
 from frictionbench.harness.progress import Progress
-from frictionbench.harness.workers.plugins import MEMORY, load_plugins
+from frictionbench.harness.workers.plugins import load_plugins
 from frictionbench.harness.workers.pool import Pool
 from frictionbench.harness.workers.task import Task
 from frictionbench.results import store
@@ -158,7 +159,7 @@ def test_the_screen_shows_which_solver_is_compiled(tmp_path) -> None:
     call = ("stack", {}, "jitted", "anitescu_potra", 1, 60.0)
     task = Task("jitted", worker.run_show, call, 60.0, plugins[0].source)
     with (
-        Pool(tmp_path, 1, plugins, MEMORY) as pool,
+        Pool(tmp_path, 1, plugins, MEMORY_LIMIT) as pool,
         Progress(Console(file=screen, force_terminal=True, width=100)).stage("motions", 1, 0) as stage,
     ):
 

@@ -99,7 +99,7 @@ def test_what_unpacks_to_too_much_is_refused_unread(tmp_path, monkeypatch) -> No
     run(small_plan(simulations=()), folder, 1, quiet())
     path = next((folder / "problems").glob("*.npz"))
     monkeypatch.setattr(archive, "LARGEST", 100)
-    with pytest.raises(InputError, match="decompresses to"):
+    with pytest.raises(InputError, match="unpacks to"):
         own.load(path)
     monkeypatch.setattr(store, "LARGEST_TABLE", 100)
     with pytest.raises(ResultsError, match=r"solves\.parquet: decompresses to"):

@@ -12,7 +12,7 @@ from markupsafe import escape
 
 from frictionbench.harness.cells.simulation import run_closed_loop
 from frictionbench.harness.plans.atlas import ATLAS
-from frictionbench.harness.plans.map_grid import axis, finer, home
+from frictionbench.harness.plans.map_grid import axis, finer, location
 from frictionbench.harness.plans.plan import Plan, SimulationCell, Source
 from frictionbench.harness.plans.suites import MAPPED
 from frictionbench.harness.run import run
@@ -97,7 +97,7 @@ def test_a_map_is_refined_where_neighbours_differ() -> None:
     spec = Map("m", "stack", Axis("friction", 0.0, 0.3, 4), Axis("push", 0.0, 0.2, 3), most=3)
     verdict = {place: "solved" if place[0] < 2 else "unsolved" for place in spec.grid}
     found = {
-        home("stack", json.dumps(spec.at(place), sort_keys=True), first_phase(spec.scheme)): {
+        location("stack", json.dumps(spec.at(place), sort_keys=True), first_phase(spec.scheme)): {
             "lemke": verdict[place],
             "nsgs": "solved",
         }

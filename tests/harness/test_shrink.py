@@ -8,7 +8,7 @@ import pytest
 from frictionbench.harness.commands.shrink import shrink
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.run import run
-from frictionbench.harness.shrink import Search, smallest
+from frictionbench.harness.shrink import Search, reduction
 from frictionbench.harness.workers.plugins import load_plugins
 from frictionbench.problems import FrictionProblem, InputError, scene
 from frictionbench.problems.random_problem import random_problem
@@ -21,7 +21,7 @@ from tests.helpers.runs import quiet
 
 
 def test_the_smallest_failing_part_is_found() -> None:
-    search, kept, asked, fails = smallest(list(range(40))), list(range(40)), 0, None
+    search, kept, asked, fails = reduction(list(range(40))), list(range(40)), 0, None
     with suppress(StopIteration):
         while True:
             parts = search.send(fails)
@@ -29,14 +29,14 @@ def test_the_smallest_failing_part_is_found() -> None:
             kept = parts if fails else kept
     assert kept == [3, 17]
     assert 5 < asked < 80
-    assert list(smallest([5])) == []
+    assert list(reduction([5])) == []
 
 
 def test_a_part_whose_residual_is_hidden_by_rounding_does_not_count() -> None:
     search = Search({"verdict": "unsolved", "tol": 1e-6, "time_limit": 1.0}, random_problem(3, contacts=2), 10.0)
     for floor, kept in ((1e-12, [0, 1]), (9.4, [0, 1]), (1e-12, [0])):
-        search.hear({"verdict": "unsolved", "residual_floor": floor, "wall_time": 1e-3})
-        assert search.kept == kept
+        search.update({"verdict": "unsolved", "residual_floor": floor, "wall_time": 1e-3})
+        assert search.smallest == kept
 
 
 def test_contacts_and_bodies_are_removed() -> None:
@@ -68,7 +68,7 @@ def test_a_failing_row_is_shrunk_into_a_file(tmp_path) -> None:
     path, problem, _ = shrink(folder, rows.loc["lies", "key"], [str(BAD_SOLVERS)])
     assert (problem.contacts, len(problem.free_velocity)) == (1, 3)
     assert load(path).hash == problem.hash
-    with pytest.raises(InputError, match="there is no failure"):
+    with pytest.raises(InputError, match="only failing rows can be shrunk"):
         shrink(folder, rows.loc["lemke", "key"], [])
     with pytest.raises(ResultsError, match="no row has the key"):
         shrink(folder, "nonsense", [])

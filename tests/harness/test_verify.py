@@ -47,7 +47,7 @@ def test_a_claim_that_misses_by_little_is_missed(excess, status, verdict):
     assert finding.residual == pytest.approx(excess * 1e-4, rel=1e-7)
     assert finding.verdict == verdict
     if status is Status.SOLVED and excess > 1:
-        assert finding.reason == f"claims a residual within 0.0001, has {excess * 1e-4:.2g}, {excess:.2g} times that"
+        assert finding.reason == f"claimed solved within 0.0001; the residual is {excess * 1e-4:.2g}, {excess:.2g} times that"
 
 
 def test_a_librarys_word_is_told_where_it_did_not_succeed():
@@ -78,11 +78,11 @@ def test_a_relaxation_misses_by_its_own_residual():
 @pytest.mark.parametrize(
     ("share", "verdict", "said"),
     [
-        (1e-6, "relaxed", "contacts made soft by 1e-06 of W's diagonal"),
-        (2e-6, "wrong", "claims a softness of 2e-06 of W's diagonal, where 1e-06 is allowed: judged without"),
-        (1.0, "wrong", "where 1e-06 is allowed: judged without"),
-        (-0.5, "wrong", "none below 0: judged without"),
-        (np.nan, "wrong", "none below 0: judged without"),
+        (1e-6, "relaxed", "verified with contacts regularised by 1e-06 of W's diagonal"),
+        (2e-6, "wrong", "softness of 2e-06 of W's diagonal is above the 1e-06 allowed: verified without it"),
+        (1.0, "wrong", "is above the 1e-06 allowed: verified without it"),
+        (-0.5, "wrong", "numbers of at least 0: verified without it"),
+        (np.nan, "wrong", "numbers of at least 0: verified without it"),
     ],
 )
 def test_contacts_are_soft_within_bounds(share, verdict, said):
@@ -116,7 +116,7 @@ def test_garbage_that_rounds_to_nothing_is_unjudgeable():
     assert finding.floor > 1
     assert finding.verdict == "unjudgeable"
     assert "rounding alone" in finding.reason
-    assert "look: an energy defect" in finding.reason
+    assert "energy defect of" in finding.reason
     assert abs(finding.energy_defect) > 1e15
     assert verify(problem, claim(garbage, Status.STALLED), LEMKE, 1e-8).verdict == "unsolved"
 

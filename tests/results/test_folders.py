@@ -77,11 +77,11 @@ def test_a_row_that_is_lost_is_a_row_that_says_so(tmp_path, monkeypatch) -> None
     plan = Plan("test", (Source("stack", {"blocks": 1}),), ("lemke", "nsgs"), (1e-6,))
     write = ShardWriter.write
     monkeypatch.setattr(ShardWriter, "write", lambda self, row: None if row["solver"] == "nsgs" else write(self, row))
-    with pytest.raises(ResultsError, match="1 rows were lost"):
+    with pytest.raises(ResultsError, match="1 rows are missing and marked in the tables"):
         run(plan, tmp_path / "run", 1, quiet())
     rows = store.read_table(tmp_path / "run", "solves").set_index("solver")
     assert rows["verdict"].to_dict() == {"lemke": "solved", "nsgs": "crashed"}
-    assert "its row was lost" in rows.loc["nsgs", "reason"]
+    assert "its row is missing" in rows.loc["nsgs", "reason"]
     monkeypatch.undo()
     run(plan, tmp_path / "run", 1, quiet())
     assert set(store.read_table(tmp_path / "run", "solves")["verdict"]) == {"solved"}

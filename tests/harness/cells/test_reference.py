@@ -5,7 +5,7 @@ import pytest
 
 from frictionbench.harness.cells import reference
 from frictionbench.harness.cells.collect import collect, stored_start
-from frictionbench.harness.cells.record import record
+from frictionbench.harness.cells.motion import record_motion
 from frictionbench.harness.cells.reference import NoReference, Reference
 from frictionbench.harness.plans.plan import Source, origin
 from frictionbench.harness.run import run
@@ -50,7 +50,7 @@ def test_who_answered_stands_in_the_rows_and_shapes_nothing(tmp_path, liars):
     others = collect(tmp_path / "liars", MOTION)
     assert {entry["reference"] for entry in others} == {"path_search"}
     assert [entry["step"] for entry in others] == [entry["step"] for entry in honest]
-    assert record(scene("stopping_block"), Reference(), steps=3).solver == "path_search"
+    assert record_motion(scene("stopping_block"), Reference(), steps=3).solver == "path_search"
 
 
 def test_where_nobody_answers_the_motion_ends_with_the_reason(tmp_path, liars):
@@ -59,7 +59,7 @@ def test_where_nobody_answers_the_motion_ends_with_the_reason(tmp_path, liars):
         Reference()(block())
     with pytest.raises(InputError, match="stopping_block yields no problem: no reference answer"):
         collect(tmp_path, MOTION)
-    assert "no reference answer" in record(scene("stopping_block"), Reference(), steps=3).ended
+    assert "no reference answer" in record_motion(scene("stopping_block"), Reference(), steps=3).ended
 
 
 def test_a_motion_that_ends_early_says_so_in_its_rows(tmp_path, monkeypatch):
@@ -111,5 +111,5 @@ def test_equal_problems_of_two_sources_are_two_rows_with_their_own_starts(tmp_pa
     path = next((tmp_path / "starts" / "problems").glob(f"{first['problem']}.*.starts.npz"))
     assert stored_start(tmp_path / "starts", first["problem"], origin(first), "warm") is not None
     assert path.name.count(".") == 3
-    with pytest.raises(InputError, match="no usable start"):
+    with pytest.raises(InputError, match="the start warm cannot be read"):
         stored_start(tmp_path / "starts", first["problem"], "another motion", "warm")

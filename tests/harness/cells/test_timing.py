@@ -123,5 +123,5 @@ def test_a_solver_has_the_steps_it_leaves_out():
     own = with_all_steps(type("Overrides", (OneStep,), {"prepare": lambda self, problem: "own"}))()
     assert (own.form(1), own.prepare(1)) == (1, "own")
     Both.setup = lambda self, formed: formed
-    with pytest.raises(ValueError, match="Both has a prepare of its own"):
+    with pytest.raises(ValueError, match="Both defines prepare together with form or setup"):
         with_all_steps(Both)

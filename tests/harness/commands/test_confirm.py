@@ -54,7 +54,7 @@ def test_code_that_is_not_at_hand_is_told(seen, tmp_path, monkeypatch) -> None:
     for code, told in (("nowhere", "neither a folder nor a revision"), (str(tmp_path), "solvers/guest.py is not in")):
         with pytest.raises(InputError, match=f"code: .*{told}"):
             again(seen, code)
-    with pytest.raises(InputError, match="solver: guest is not ours"):
+    with pytest.raises(InputError, match="solver: guest is not part of frictionbench"):
         again(seen, None, ())
 
 
@@ -74,5 +74,5 @@ def test_code_from_before_the_one_package_is_refused(seen, tmp_path, monkeypatch
     monkeypatch.chdir(seen.current.parent)
     (tmp_path / "base").mkdir()
     (tmp_path / "base" / "frictionbench.py").touch()
-    with pytest.raises(InputError, match=r"code: .* is from before the code was one package, frictionbench"):
+    with pytest.raises(InputError, match=r"code: .* is older than the single package frictionbench and cannot be run"):
         again(seen, str(tmp_path / "base"))

@@ -40,7 +40,7 @@ def test_a_bare_lcp_is_solved_by_those_that_take_one(tmp_path, capsys) -> None:
     np.savez(tmp_path / "lcp.npz", M=[[2.0, 1.0], [1.0, 2.0]], q=[-5.0, -6.0])
     solve_one(str(tmp_path / "lcp.npz"), ["lemke", "nsgs"], 1e-8, 10.0, 1)
     told = capsys.readouterr().out
-    assert "an LCP of 2 unknowns" in told
+    assert "lcp.npz: LCP of 2 unknowns" in told
     assert "not bare LCPs" in told
     assert "use lemke: solved" in told
 
@@ -49,9 +49,9 @@ def test_the_advice_is_the_best_of_those_that_solve() -> None:
     solved = {"variant": "a", "verdict": "solved", "form_time": 1e-3, "setup_time": 0.0, "solve_time": 1e-3, "residual": 1e-9}
     near = {"variant": "b", "verdict": "unsolved", "residual": 1e-3}
     dead = {"variant": "c", "verdict": "timeout"}
-    assert advice([solved, solved, near]) == "use a: solved in 2.0 ms; 1 more solves it, too"
-    assert advice([near, dead]) == "none solves it; the nearest is b, with a residual of 1.0e-03"
-    assert advice([dead]) == "no solver gave an answer"
+    assert advice([solved, solved, near]) == "use a: solved in 2.0 ms; 1 other solves it as well"
+    assert advice([near, dead]) == "no solver solves it; the smallest residual is 1.0e-03, by b"
+    assert advice([dead]) == "no solver returned an answer"
 
 
 def test_a_folder_of_recorded_problems_is_run(tmp_path) -> None:
@@ -83,7 +83,7 @@ def test_scenes_and_instances_are_exported(tmp_path) -> None:
     several = list(export("stack[blocks=2,push=1]", tmp_path / "stack", pick=2))
     assert len(several) == 2
     assert all(read(path).contacts == 4 for path in several)
-    with pytest.raises(InputError, match=r"^out: .* is there already"):
+    with pytest.raises(InputError, match=r"^out: .* exists; it was not overwritten"):
         list(export("cubes[boxes=2,friction=0.3]", tmp_path / "cubes.hdf5"))
     with pytest.raises(InputError, match=r"^out: 2 problems need a folder"):
         list(export("stack[blocks=2,push=1]", tmp_path / "stack.hdf5", pick=2))

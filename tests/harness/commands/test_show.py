@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from frictionbench.harness.cells.record import keep, record
+from frictionbench.harness.cells.motion import record_motion, store_motion
 from frictionbench.harness.commands.show import recorded
 from frictionbench.harness.plans.plan import Source
 from frictionbench.problems import InputError, scene, scenes
@@ -56,7 +56,7 @@ class Outsider:
 )
 def test_a_recording_is_the_motion(name: str, scheme: str, steps: int) -> None:
     stage = scene(name)
-    motion = record(stage, "lemke", scheme, steps)
+    motion = record_motion(stage, "lemke", scheme, steps)
     taken = list(simulate(stage, lambda problem: solve(problem, "lemke", tol=1e-8).impulse, SCHEMES[scheme], steps))
     assert motion.ended == ""
     assert motion.times == pytest.approx([step.time for step in taken], abs=0)
@@ -73,7 +73,7 @@ def test_a_recording_is_the_motion(name: str, scheme: str, steps: int) -> None:
 @pytest.mark.parametrize("name", ["pyramid", "stack", "bowl", "jam", "incline"])
 def test_contacts_are_where_the_scene_finds_them(name: str) -> None:
     stage = scene(name)
-    (contacts, _), found = record(stage, "lemke", steps=1).contacts, stage.contacts(stage.q0)
+    (contacts, _), found = record_motion(stage, "lemke", steps=1).contacts, stage.contacts(stage.q0)
     down = (found.bodies >= 0).all(axis=1) & (found.direction[:, 1] < 0)
     upper = np.where(down[:, None], -found.direction, found.direction)
     wanted = np.hstack([found.point, upper])
@@ -84,7 +84,7 @@ def test_contacts_are_where_the_scene_finds_them(name: str) -> None:
 
 def test_impulses_obey_coulombs_law_and_carry_the_weight() -> None:
     stage = scene("stack", blocks=4)
-    motion = record(stage, "lemke", steps=5)
+    motion = record_motion(stage, "lemke", steps=5)
     for contacts in motion.contacts[:-1]:
         ground = contacts[:, 1] < stage.touch
         assert contacts[ground, 4].sum() / stage.step == pytest.approx(stage.weights[1::3].sum() * 9.81)
@@ -93,15 +93,15 @@ def test_impulses_obey_coulombs_law_and_carry_the_weight() -> None:
 
 
 def test_the_ledger_by_hand() -> None:
-    block = record(scene("stopping_block"), "lemke")
+    block = record_motion(scene("stopping_block"), "lemke")
     assert (block.friction[-1], block.normal[-1], block.defect[-1]) == pytest.approx((-1, 0, 0), abs=1e-12)  # 2 kg at 1 m/s
-    blocks = record(scene("two_blocks"), "lemke", steps=100)
+    blocks = record_motion(scene("two_blocks"), "lemke", steps=100)
     meeting = 3**2 - 2 * 0.02 * 9.81 * 2
     assert blocks.normal[-1] == pytest.approx(-(1 - 0.2**2) / 4 * meeting, rel=0.01)
     ball = scene("bouncing_ball")
-    fall = record(ball, "lemke", steps=20)
+    fall = record_motion(ball, "lemke", steps=20)
     assert fall.defect[-1] == pytest.approx(-20 * ball.weights[0] * (9.81 * ball.step) ** 2 / 2)
-    bounce = record(ball, "lemke", steps=500)
+    bounce = record_motion(ball, "lemke", steps=500)
     hit = np.sqrt(2 * 9.81)
     assert bounce.normal[-1] == pytest.approx(-(1 - 0.8**2) / 2 * ball.weights[0] * hit**2, rel=0.01)
 
@@ -127,21 +127,21 @@ def test_a_solver_from_outside_runs_in_a_process_of_its_own(tmp_path) -> None:
     plugin.write_text(OUTSIDER.format(trace=str(tmp_path / "trace")), encoding="utf-8")
     motion = recorded("stack[blocks=1]", str(plugin), "anitescu_potra", 5)
     assert (tmp_path / "trace").read_text() != str(os.getpid())
-    assert motion.ended.startswith("outsider gave no answer")
+    assert motion.ended.startswith("outsider returned no usable answer")
     assert (motion.scene, motion.solver) == ("stack", "outsider")
-    assert "outsider gave no answer" in write_animation(motion, tmp_path / "page.html").read_text()
+    assert "outsider returned no usable answer" in write_animation(motion, tmp_path / "page.html").read_text()
     assert "outsider" not in available()
 
 
 def test_a_motion_that_diverges_ends(monkeypatch) -> None:
-    monkeypatch.setattr("frictionbench.harness.cells.record.DIVERGED", 1e-2)  # the block loses its 1 J; its measure is 23 J
-    motion = record(scene("stopping_block"), "lemke")
+    monkeypatch.setattr("frictionbench.harness.cells.motion.DIVERGED", 1e-2)  # the block loses its 1 J; its measure is 23 J
+    motion = record_motion(scene("stopping_block"), "lemke")
     assert motion.ended == f"diverged in step {len(motion.times)}"
     assert 1 < len(motion.times) < 20
 
 
 def test_a_motion_survives_its_file(tmp_path) -> None:
-    motion = record(scene("slider_crank"), "lemke", steps=40)
+    motion = record_motion(scene("slider_crank"), "lemke", steps=40)
     write_motion(tmp_path / "m.json", motion)
     again = read_motion(tmp_path / "m.json")
     assert again.parameters == motion.parameters
@@ -153,7 +153,7 @@ def test_a_motion_survives_its_file(tmp_path) -> None:
 
 def test_files_that_are_no_motions_are_refused(tmp_path) -> None:
     path = tmp_path / "m.json"
-    write_motion(path, record(scene("jam"), "lemke", steps=2))
+    write_motion(path, record_motion(scene("jam"), "lemke", steps=2))
     good = json.loads(path.read_text())
     bad = [
         {"times": [0.0]},
@@ -199,7 +199,7 @@ class _Page(HTMLParser):
 
 def test_every_scene_has_a_page_that_stands_alone(tmp_path) -> None:
     for name in scenes():
-        page = _Page(write_animation(record(scene(name), "lemke", steps=3), tmp_path / f"{name}.html"))
+        page = _Page(write_animation(record_motion(scene(name), "lemke", steps=3), tmp_path / f"{name}.html"))
         assert page.references == []
         assert page.tags.count("script") == 2
         data = json.loads(page.scripts["application/json"])
@@ -209,7 +209,7 @@ def test_every_scene_has_a_page_that_stands_alone(tmp_path) -> None:
 
 
 def test_a_long_motion_is_thinned_and_keeps_its_impacts(tmp_path, monkeypatch) -> None:
-    motion = record(scene("bouncing_ball"), "lemke", steps=600)
+    motion = record_motion(scene("bouncing_ball"), "lemke", steps=600)
     monkeypatch.setattr(animation, "MOST_NUMBERS", 700)
     data = json.loads(_Page(write_animation(motion, tmp_path / "page.html")).scripts["application/json"])
     assert 40 < len(data["times"]) <= 70
@@ -221,7 +221,7 @@ EVIL = "</script><script>document.documentElement.dataset.error='got in'</script
 
 
 def evil_motion():
-    motion = record(scene("stack", blocks=2), "lemke", steps=25)
+    motion = record_motion(scene("stack", blocks=2), "lemke", steps=25)
     for name in ("scene", "solver", "scheme", "ended"):
         object.__setattr__(motion, name, EVIL)
     object.__setattr__(motion, "parameters", {EVIL: EVIL})
@@ -239,10 +239,10 @@ def test_strangers_text_stays_text(tmp_path) -> None:
 def test_the_report_links_to_the_motions_of_its_scenes(tmp_path) -> None:
     folder = write_folder(tmp_path, [solve_row("a", "p", scene="stack"), solve_row("a", "q")], [simulation_row("a")])
     source = Source("stack", {"blocks": 2}, steps=2)
-    keep(folder, source)
+    store_motion(folder, source)
     (made,) = (folder / "motion").iterdir()
     written = made.stat().st_mtime_ns
-    keep(folder, source)  # is there
+    store_motion(folder, source)  # is there
     assert made.stat().st_mtime_ns == written
     (folder / "motion" / "broken.json").write_text("{")
     page = _Page(write_report(folder))
@@ -256,9 +256,9 @@ def test_the_report_links_to_the_motions_of_its_scenes(tmp_path) -> None:
 @pytest.mark.parametrize("kind", ["three_blocks", "evil", "cut short"])
 def test_the_page_runs_in_a_browser(tmp_path, kind: str) -> None:
     motions = {
-        "three_blocks": lambda: record(scene("three_blocks"), "lemke", steps=100),
+        "three_blocks": lambda: record_motion(scene("three_blocks"), "lemke", steps=100),
         "evil": evil_motion,
-        "cut short": lambda: record(scene("painleve_rod"), "lemke", "acceleration"),
+        "cut short": lambda: record_motion(scene("painleve_rod"), "lemke", "acceleration"),
     }
     motion = motions[kind]()
     page = write_animation(motion, tmp_path / "page.html")
@@ -294,7 +294,7 @@ setTimeout(() => {
 
 @in_browser
 def test_keys_slider_and_button_move_the_picture(tmp_path) -> None:
-    page = write_animation(record(scene("three_blocks"), "lemke", steps=100), tmp_path / "page.html")
+    page = write_animation(record_motion(scene("three_blocks"), "lemke", steps=100), tmp_path / "page.html")
     script = _Page(page).scripts[""]
     ours, allowed = (b64encode(sha256(text.encode()).digest()).decode() for text in (script, script + HANDS))
     page.write_text(page.read_text().replace(script, script + HANDS).replace(ours, allowed))

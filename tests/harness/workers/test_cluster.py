@@ -95,7 +95,7 @@ def test_a_cluster_that_loses_a_worker_finds_the_same_and_one_without_scheduler_
         run(small_plan(), tmp_path / "there", 1, killer, cluster=address)
         assert killer.left < 0
         assert worker.wait(timeout=10) == -signal.SIGKILL
-        with pytest.raises(ResultsError, match="cluster: its scheduler is gone; the same command goes on"):
+        with pytest.raises(ResultsError, match="cluster: lost the connection to its scheduler; run the same command again"):
             run(small_plan(), tmp_path / "lost", 1, KillAfter(scheduler, cells=2), cluster=address)
     assert verdicts(tmp_path / "there") == verdicts(tmp_path / "here")
 

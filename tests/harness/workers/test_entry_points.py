@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from frictionbench.harness.commands.single import everyone
+from frictionbench.harness.commands.single import all_variants
 from frictionbench.harness.workers import pool
 from frictionbench.harness.workers.plugins import load_plugins
 from frictionbench.problems import InputError
@@ -55,7 +55,10 @@ def test_the_solver_of_an_installed_distribution_is_listed_solves_and_runs(distr
     again = frictionbench(*run)
     assert (again.returncode, "settings.plugins" in again.stderr) == (2, True)
     told = frictionbench("rerun", str(tmp_path / "run"), rows["key"][0])
-    assert (told.returncode, "guest[factor=2] is not ours; the run had it from 'guest'" in told.stderr) == (2, True)
+    assert (told.returncode, "guest[factor=2] is not part of frictionbench; the run loaded it from 'guest'" in told.stderr) == (
+        2,
+        True,
+    )
 
 
 def test_it_is_code_from_outside_held_to_the_contract(distribution) -> None:
@@ -64,7 +67,7 @@ def test_it_is_code_from_outside_held_to_the_contract(distribution) -> None:
     assert made.solvers.keys() == {"guest"}
     assert made.content == plugins.content("guest")
     checked = frictionbench("check-solver", "guest")
-    assert checked.stdout.startswith("guest\n  kept"), checked.stderr
+    assert checked.stdout.startswith("guest\n  passed"), checked.stderr
 
 
 def test_one_that_cannot_be_used_is_named(distribution) -> None:
@@ -80,7 +83,7 @@ def test_one_that_cannot_be_used_is_named(distribution) -> None:
     with pytest.raises(InputError, match=r"guest is declared by made-up 1\.2 and by twin"):
         load_plugins(["guest"])
     assert load_plugins(["nsgs"]) == (("nsgs",), ())
-    variants, plugins, complaints = everyone()  # for a bare `solve`, which goes on without them
+    variants, plugins, complaints = all_variants()  # for a bare `solve`, which goes on without them
     assert "nsgs" in variants
     assert plugins == ()
     assert [complaint.split()[:3] for complaint in complaints] == [["left", "out:", "solver:"]] * 2

@@ -79,7 +79,7 @@ def test_the_current_folder_is_not_imported_from(saboteurs_folder) -> None:
 def test_a_worker_of_other_code_is_refused(monkeypatch, tmp_path) -> None:
     monkeypatch.setattr(pool, "_server", None)
     monkeypatch.setattr(machine, "code", lambda: {"package": str(machine.PACKAGE.parent), "content": "another"})
-    with pytest.raises(ResultsError, match=r"workers: they run .*, not .*another"):
+    with pytest.raises(ResultsError, match=r"workers: they run other code, .*, than this process, .*another"):
         Pool(tmp_path, 1, (), 2**30)
 
 
@@ -158,7 +158,7 @@ def test_a_run_that_is_ended_leaves_no_process_whatever_its_solver_does(tmp_path
         assert begun.returncode == -number
     else:
         assert begun.returncode == 128 + number
-        assert f"broken off by {number.name}; the same command goes on" in told
+        assert f"interrupted by {number.name}; run the same command again to resume" in told
     assert store.read_manifest(tmp_path / "run")["settings"]["time_limit"] == 300.0
 
 

@@ -45,7 +45,7 @@ def test_a_plugin_is_imported_in_workers_alone(tmp_path) -> None:
     [
         ("raise ValueError('no licence')", r"ValueError: no licence \(at guest.py:6"),
         ("import sys; sys.exit(4)", r"SystemExit: 4 \(at guest.py:6"),
-        ("import os; os._exit(0)", "the process died: exit code 0"),
+        ("import os; os._exit(0)", "the process ended: exit code 0"),
         ("def broken(:", r"SyntaxError.*line 6"),
         ("while True: pass", "stopped at its limit"),
     ],
@@ -86,7 +86,7 @@ def test_an_edited_plugin_does_not_resume_the_run_of_the_old_one(tmp_path) -> No
         run(plan_of(plugin), tmp_path / "run", 1, quiet())
     run(plan, tmp_path / "other", 1, quiet())  # edited while the run was under way
     (row,) = store.read_table(tmp_path / "other", "solves").to_dict("records")
-    assert "was changed since the run began" in row["reason"]
+    assert "was changed since the run began; begin another run" in row["reason"]
 
 
 def test_two_files_of_one_name_are_two(tmp_path) -> None:
@@ -96,7 +96,7 @@ def test_two_files_of_one_name_are_two(tmp_path) -> None:
     variants, plugins = load_plugins([str(one), str(other)])
     assert variants == ("guest", "visitor")
     assert len({plugin.content for plugin in plugins}) == 2
-    with pytest.raises(InputError, match="guest is defined by two"):
+    with pytest.raises(InputError, match="guest is defined by two plug-ins; give one of them"):
         load_plugins([str(one), str(write(tmp_path / "other" / "guest.py"))])
 
 
@@ -109,7 +109,7 @@ def test_rerun_and_shrink_run_no_file_that_only_the_folder_names(tmp_path) -> No
     assert (row["verdict"], "SIGABRT" in row["reason"]) == ("crashed", True)
     trace.unlink()
     for command in (rerun_row, shrink):
-        with pytest.raises(InputError, match=rf"guest is not ours; the run had it from '{plugin}'"):
+        with pytest.raises(InputError, match=rf"guest is not part of frictionbench; the run loaded it from '{plugin}'"):
             command(folder, row["key"], [])
     assert not trace.exists()
     _, again = rerun_row(folder, row["key"], [str(plugin)])

@@ -1,9 +1,9 @@
-"""The motion of a scene as plain arrays (results.motion), with the impulses at its contacts and the ledger of its energy.
+"""The motion of a scene as plain arrays (results.motion), with the impulses at its contacts and its energy balance.
 
 A step takes v to v+ in one or more phases, each M (v+ - v) = p + J'r + F'lam, with p the external impulse, so that with the
 middle velocity w = (v + v+)/2 the kinetic energy changes by exactly
 
-    p'w + r'J w + lam'F w:      external force, contacts (tangential and normal apart), hinges.
+    p'w + r'J w + lam'F w:      external force, contacts (tangential and normal separately), hinges.
 """
 
 from functools import partial
@@ -25,32 +25,34 @@ from frictionbench.results.conventions import DEFAULT_SCHEME
 from frictionbench.results.motion import Motion, Outline, write_motion
 from frictionbench.solvers import solve
 
-TOLERANCE = 1e-8
+TOLERANCE = 1e-8  # as in the suites' simulations
 
 
-def keep(folder: Path, source: Source) -> None:
-    """Leave the source's motion by verified reference answers in folder/motion, unless it is there."""
+def store_motion(folder: Path, source: Source) -> None:
+    """Write the source's motion by verified reference answers to folder/motion, unless it has been written."""
     path = folder / "motion" / f"{source.scene}-{source.key.removeprefix('source-')}.json"
     if not path.exists():
-        write_motion(path, record(scene(source.scene, **source.parameters), Reference(), steps=source.steps))
+        write_motion(path, record_motion(scene(source.scene, **source.parameters), Reference(), steps=source.steps))
 
 
-def record(stage: Scene, solver: str | Reference, scheme: str = DEFAULT_SCHEME, steps: int | None = None) -> Motion:
-    """The motion of a scene with a solver, or with reference answers, up to where the scheme has no solution, the solver no
-    answer, or the energy diverges. Errors: InputError where the solver cannot be used or the scheme refuses the
-    scene."""
+def record_motion(stage: Scene, solver: str | Reference, scheme: str = DEFAULT_SCHEME, steps: int | None = None) -> Motion:
+    """The motion of a scene with a solver, or with reference answers. It ends early where the scheme has no solution, the
+    solver gives no usable answer, or the energy diverges.
+
+    Errors: InputError where the solver cannot be used or the scheme refuses the scene.
+    """
     taken: list[Step] = []
     answer = solver if isinstance(solver, Reference) else partial(_usable, solver=solver)
     ended, start = "", stage.energy(stage.q0, stage.v0)
     try:
         for step in simulate(stage, answer, SCHEMES[scheme], steps):
-            if not abs(stage.energy(step.q, step.v) - start) <= DIVERGED * _measure(stage):
+            if not abs(stage.energy(step.q, step.v) - start) <= DIVERGED * _energy_scale(stage):
                 ended = f"diverged in step {len(taken)}"
                 break
             taken.append(step)
     except (NoSolution, NoReference, _NoAnswer) as finding:
         ended = str(finding)
-    parts = [_account(stage, before, after) for before, after in pairwise(taken)]
+    parts = [_balance(stage, before, after) for before, after in pairwise(taken)]
     work = np.cumsum([np.zeros(3), *(work for _, work, _ in parts)], axis=0)
     return Motion(
         scene=stage.name,
@@ -83,40 +85,40 @@ def _usable(problem: FrictionProblem, solver: str) -> Array:
     answer = solve(problem, solver, tol=TOLERANCE)
     impulse = np.asarray(answer.impulse, dtype=float)
     if impulse.shape != (problem.contacts, problem.dimension) or not np.isfinite(impulse).all():
-        raise _NoAnswer(f"{solver} gave no answer: {answer.detail or answer.status.value}")
+        raise _NoAnswer(f"{solver} returned no usable answer: {answer.detail or answer.status.value}")
     return impulse
 
 
-def _measure(stage: Scene) -> float:
-    """The scene's energy, J: kinetic at the start, and what lifts its bodies by the size of one of them."""
+def _energy_scale(stage: Scene) -> float:
+    """A scale of the scene's energy, J: the initial kinetic energy, and the work that lifts its bodies by the size of one."""
     force = stage.force(stage.q0, stage.v0, 0.0)
     return float(stage.v0 @ (stage.weights * stage.v0) / 2 + np.abs(force).sum() * stage.geometry.reach)
 
 
-def _account(stage: Scene, before: Step, after: Step) -> tuple[Array, Array, float]:
+def _balance(stage: Scene, before: Step, after: Step) -> tuple[Array, Array, float]:
     """A step's contacts (nc, 6) as in results.motion, the work (3,) of friction, normal impulses and hinges, and the largest
     residual of its answers."""
     nv, v, work, worst = len(before.v), before.v, np.zeros(3), 0.0
-    met, compressed = [np.zeros((0, 6))], np.zeros(0)
+    contacts, compressed = [np.zeros((0, 6))], np.zeros(0)
     for phase, problem, impulse in after.solved:
-        J, whole = problem.jacobian[:, :nv], impulse.copy()  # a scheme may add velocities of its own behind the scene's
+        J, total = problem.jacobian[:, :nv], impulse.copy()  # a scheme may append velocities of its own to the scene's
         after_phase = problem.velocity(impulse)[:nv]
-        held = stage.weights * (after_phase - problem.free_velocity[:nv]) - J.T @ impulse.ravel()
-        if phase == "decompression":  # its problem starts from what compression returns
-            whole[:, 0] += stage.restitution * compressed
+        hinge_impulse = stage.weights * (after_phase - problem.free_velocity[:nv]) - J.T @ impulse.ravel()
+        if phase == "decompression":  # its problem begins after the impulse that compression returns
+            total[:, 0] += stage.restitution * compressed
         middle = (v + after_phase) / 2
-        normal, tangential = (whole * (J @ middle).reshape(-1, 2)).sum(axis=0)
-        work += tangential, normal, held @ middle
+        normal, tangential = (total * (J @ middle).reshape(-1, 2)).sum(axis=0)
+        work += tangential, normal, hinge_impulse @ middle
         worst = max(worst, residual(problem, impulse))
-        met.append(np.column_stack([_places(problem, before.q), whole]))
+        contacts.append(np.column_stack([_places(problem, before.q), total]))
         v, compressed = after_phase, impulse[:, 0].clip(min=0)
-    return _merged(np.vstack(met)), work, worst
+    return _merged(np.vstack(contacts)), work, worst
 
 
 def _places(problem: FrictionProblem, q: Array) -> Array:
-    """Each contact's point and unit normal (nc, 4), towards the body that is pushed; of two, the upper one.
+    """Each contact's point and unit normal (nc, 4), directed to the body that is pushed; of two bodies, the upper one.
 
-    They are in the contact's rows for that body, (e, a x e) for the normal e and for e turned by -90 degrees, a the arm.
+    They follow from the contact's rows for that body: (e, a x e) for the normal e and for e turned by -90 degrees, with arm a.
     """
     shape = (problem.contacts, len(q) // 3, 3)
     N, T = (rows[:, : len(q)].toarray().reshape(shape) for rows in (problem.normal, problem.tangent))
@@ -128,8 +130,10 @@ def _places(problem: FrictionProblem, q: Array) -> Array:
 
 
 def _merged(contacts: Array) -> Array:
-    """The phases' contacts of one step, the impulses at one place added up: phases find the same contact at the same place
-    to the last bit, for they look at the same positions."""
+    """The contacts of all phases of a step, with the impulses at one place summed.
+
+    Phases detect contacts at the same positions, so that a contact's place is the same to the last bit.
+    """
     place, which = np.unique(contacts[:, :4], axis=0, return_inverse=True)
     impulse = np.zeros((len(place), 2))
     np.add.at(impulse, which.reshape(-1), contacts[:, 4:])
@@ -137,7 +141,7 @@ def _merged(contacts: Array) -> Array:
 
 
 def _outlines(stage: Scene) -> tuple[Outline, ...]:
-    """All shapes; a body without any is drawn as the rod through its pins."""
+    """The outlines of all shapes; a body without shapes is drawn as the rod through its hinges."""
     shapes = [(i, shape) for i, body in enumerate(stage.bodies) for shape in body.shapes]
     drawn = [Outline(i, s.corners, s.radius, s.endless) for i, s in [*shapes, *((-1, s) for s in stage.obstacles)]]
     pins = _pins(stage)
@@ -148,6 +152,6 @@ def _outlines(stage: Scene) -> tuple[Outline, ...]:
 
 
 def _pins(stage: Scene) -> Array:
-    """(pins, 3): each hinge's bodies and its place in their frames."""
+    """(pins, 3): for each hinge and each of its bodies, the body and the hinge's place in its frame."""
     ends = [(i, *point) for hinge in stage.hinges for i, point in zip(hinge.bodies, hinge.points, strict=True)]
     return np.array(ends, dtype=float).reshape(-1, 3)
