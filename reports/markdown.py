@@ -1,5 +1,7 @@
-"""A run's figures as Markdown: which solver for what, who is exact and who claims falsely, times by size, and whose own clock
-says otherwise. `make peers` writes it, and docs/peers.md keeps one."""
+"""The figures of a run as Markdown: which solver to choose, reliability, times by size, and times measured by the libraries.
+
+`make peers` writes it, and docs/peers.md contains an example.
+"""
 
 from pathlib import Path
 
@@ -15,7 +17,7 @@ BANDS = ((0, 4), (4, 20), (20, 100), (100, np.inf))  # contacts
 
 
 def write_markdown(folder: Path, run: Run) -> Path:
-    """Write DIR/report.md; its path."""
+    """Write DIR/report.md; return its path."""
     parts = [
         _head(run),
         _which(run),
@@ -31,50 +33,50 @@ def write_markdown(folder: Path, run: Run) -> Path:
 
 
 def _head(run: Run) -> str:
-    told, machine = run.manifest.get("settings", {}), run.manifest.get("machine", {})
+    settings, machine = run.manifest.get("settings", {}), run.manifest.get("machine", {})
     problems = run.contested.drop_duplicates("problem_id")
     timed = run.rows["disturbed"].dropna()
-    shaken = f"; {timed.eq(True).mean():.0%} of the cells that ran waited for their core" if len(timed) else ""
+    disturbed = f"; {timed.eq(True).mean():.0%} of the cells that ran waited for their core" if len(timed) else ""
     return (
-        f"Suite {told.get('suite')}, finished {run.manifest.get('finished', 'never')}, {machine.get('processor')}, "
-        f"{machine.get('cores')} cores: {len(problems)} problems that are not trivial, "
-        f"{run.contested['label'].nunique()} labels, {told.get('time_limit')} s for form, setup and solve together{shaken}.\n"
+        f"Suite {settings.get('suite')}, finished {run.manifest.get('finished', 'never')}, {machine.get('processor')}, "
+        f"{machine.get('cores')} cores: {len(problems)} non-trivial problems, "
+        f"{run.contested['label'].nunique()} solvers, time limit {settings.get('time_limit')} s{disturbed}.\n"
     )
 
 
 def _which(run: Run) -> str:
-    """The fastest of all, and the fastest of the outside solvers, by kind of problem."""
+    """The fastest of all solvers and of the solvers from outside libraries, by kind of problem."""
     theirs = choice.choices(run, outside(run))
     rows = []
     for (kind, found), (_, other) in zip(choice.choices(run), theirs, strict=True):
-        best = [_said(found[target]) if target in found else "nobody" for target in run.ends]
+        best = [_describe(found[target]) if target in found else "none" for target in run.ends]
         peer = other.get(run.ends[-1])
-        rows.append([kind, *best, _said(peer) if peer else "nobody"])
+        rows.append([kind, *best, _describe(peer) if peer else "none"])
     heads = ["for", *(f"to {power(target)}" for target in run.ends), f"of the outside solvers, to {power(run.ends[-1])}"]
-    return _table("## Which solver, who is exact, who claims falsely", heads, rows)
+    return _table("## Which solver, and how reliable", heads, rows)
 
 
 def outside(run: Run) -> set[str]:
-    """The labels that rest on an outside library: their version is not this project's own."""
+    """The labels of solvers that use an outside library: those whose version is not that of this package."""
     ours = run.manifest.get("versions", {}).get("frictionbench")
     return set(run.rows.loc[run.rows["version"].fillna(ours) != ours, "label"])
 
 
-def _said(found: choice.Choice) -> str:
-    sure = "" if found.win_rate is None else f", sure {found.win_rate:.0%}"
-    lead = "" if found.lead is None else f", {found.lead:.1f} times ahead of {_name(str(found.next))}{sure}"
+def _describe(found: choice.Choice) -> str:
+    rate = "" if found.win_rate is None else f", wins {found.win_rate:.0%} of bootstrap samples"
+    lead = "" if found.lead is None else f", {found.lead:.1f} times ahead of {_name(str(found.next))}{rate}"
     return f"**{_name(found.label)}** {seconds(found.mean)}{lead} ({found.reached}/{found.problems})"
 
 
 def _exact(run: Run) -> str:
-    """Of each label the problems it met at the tightest tolerance, and how many it ended how."""
-    names = ["problems", "exact", "its own model", Verdict.NEAR_MISS, Verdict.WRONG, Verdict.TIMEOUT, Verdict.CRASHED]
+    """For each label the number of problems at the tightest tolerance, and how many ended with each result."""
+    names = ["problems", "exact", "own model", Verdict.NEAR_MISS, Verdict.WRONG, Verdict.TIMEOUT, Verdict.CRASHED]
     body = [[_name(one.label), *map(str, one[1:])] for one in reliabilities(run)]
-    return _table(f"## How each ended, at {power(run.contested['tol'].min())}", ["solver", "model", *names], body)
+    return _table(f"## Reliability at {power(run.contested['tol'].min())}", ["solver", "model", *names], body)
 
 
 def _times(run: Run, dimension: int) -> str:
-    """Median of form, setup and solve together where the solver's own model is solved at the tightest tolerance."""
+    """Medians of form, setup and solve over the problems whose own model is solved at the tightest tolerance, by size."""
     rows = run.contested
     rows = rows[(rows["dimension"] == dimension) & (rows["tol"] == rows["tol"].min()) & (rows["verdict"] != Verdict.SKIPPED)]
     if rows.empty:
@@ -93,12 +95,12 @@ def _times(run: Run, dimension: int) -> str:
         order.append((-done[own.index].sum(), own.loc[done[own.index], "time"].median()))
     body = [body[i] for i in sorted(range(len(body)), key=order.__getitem__)]
     where = "the plane" if dimension == 2 else "space"
-    title = f"## Times in {where}, ms: form + setup + solve (solved/problems, each its own model)"
+    title = f"## Times in {where}, ms: form + setup + solve (solved/problems, each solver by its own model)"
     return _table(title, ["solver", *_bands()], body)
 
 
 def _clocks(run: Run) -> str:
-    """Medians by size of those whose own clock tells another time, over the problems whose model they solve."""
+    """Medians by size for the solvers whose library measures a different time, over the problems whose model they solve."""
     apart = tables.clocks(run).query("apart")
     rows = run.contested[run.contested["clock_time"].notna() & (run.contested["tol"] == run.contested["tol"].min())]
     rows = rows[rows["answered"] & (rows[["residual", "model_residual"]].min(axis=1) <= rows["tol"])]
@@ -109,7 +111,7 @@ def _clocks(run: Run) -> str:
             times = own.loc[(own["contacts"] > low) & (own["contacts"] <= high), ["solve_time", "clock_time"]].median() * 1e3
             shown.append("–" if times.isna().any() else f"{times['solve_time']:.2g} / {times['clock_time']:.2g}")
         body.append([_name(str(label)), *shown, f"{ratio:.2g}"])
-    title = "## Whose own clock differs by more than a tenth: solve by the harness / by its own clock, ms"
+    title = "## Solve times measured by the benchmark / by the library, ms, where they differ by more than a tenth"
     return _table(title, ["solver", *_bands(), "ratio"], body) if body else ""
 
 

@@ -1,7 +1,7 @@
-"""A baseline: what a run found, as one sorted table of text that a person reviews in a diff.
+"""A baseline: the results of a run as one sorted table of text that a person can review in a diff.
 
-Lines of `# name: value` say what was run, by which code; then, tab-separated, a head and a line per cell. Residuals are kept
-to two digits. Times are kept to one: they tell whether a timeout may be a slower machine's, and are compared with nothing.
+Lines `# name: value` state what was run and by which code; then follow, separated by tabs, a header and a line per cell.
+Residuals have two digits. Times have one: they are used only to decide whether a timeout may be due to a slower machine.
 """
 
 from collections.abc import Iterable, Mapping
@@ -16,11 +16,11 @@ COLUMNS = (
     *("verdict", "residual", "work", "seconds", "limit"),
 )
 FACTS = ("schema", "suite", "tolerances", "code", "made")
-LARGEST = 64 * 2**20  # bytes
+LARGEST = 64 * 2**20  # bytes, a hundred times the baseline of the largest suite
 
 
 def write(path: Path, facts: Mapping[str, str], rows: Iterable[tuple[str, ...]]) -> None:
-    """Write a baseline whole or not at all. rows: the values of COLUMNS and the key, as text."""
+    """Write a baseline atomically. rows: the values of COLUMNS and the key, as text."""
     path.parent.mkdir(parents=True, exist_ok=True)
     facts = {"schema": str(VERSION), **facts}
     head = [f"# {name}: {_plain(facts[name])}" for name in FACTS]
@@ -29,10 +29,10 @@ def write(path: Path, facts: Mapping[str, str], rows: Iterable[tuple[str, ...]])
 
 
 def read(path: Path) -> tuple[dict[str, str], list[list[str]]]:
-    """The facts, and per cell the key and the values of COLUMNS. Errors: ResultsError naming the file and the line."""
+    """The facts, and for each cell the key and the values of COLUMNS. Errors: ResultsError naming the file and the line."""
     try:
         if path.stat().st_size > LARGEST:
-            raise ResultsError(f"{path}: larger than {LARGEST / 2**20:g} MiB")
+            raise ResultsError(f"{path}: larger than the limit of {LARGEST / 2**20:g} MiB")
         lines = path.read_text(encoding="utf-8").split("\n")
     except (OSError, UnicodeDecodeError) as error:
         raise ResultsError(f"{path}: cannot be read ({error})") from None
@@ -40,12 +40,13 @@ def read(path: Path) -> tuple[dict[str, str], list[list[str]]]:
     facts = {name.strip(): value.strip() for name, _, value in (line[1:].partition(":") for line in head)}
     table = [(i, line.split("\t")) for i, line in enumerate(lines[len(head) :], len(head) + 1) if line]
     if "suite" in facts and facts.get("schema", "1") != str(VERSION):
-        raise ResultsError(f"{path}: of schema {facts.get('schema', '1')}, this version reads {VERSION}; accept a new run")
+        version = facts.get("schema", "1")
+        raise ResultsError(f"{path}: has schema version {version}, but this program reads version {VERSION}; accept a new run")
     if not table or table[0][1] != [*COLUMNS, "key"] or not facts.keys() >= set(FACTS):
-        raise ResultsError(f"{path}: not a baseline (`frictionbench accept` writes them) and not a results folder")
+        raise ResultsError(f"{path}: neither a baseline, as written by `frictionbench accept`, nor a results folder")
     for i, cells in table[1:]:
         if len(cells) != len(COLUMNS) + 1:
-            raise ResultsError(f"{path}:{i}: {len(cells)} columns, not {len(COLUMNS) + 1}")
+            raise ResultsError(f"{path}:{i}: {len(cells)} columns, expected {len(COLUMNS) + 1}")
     return facts, [[cells[-1], *cells[:-1]] for _, cells in table[1:]]
 
 

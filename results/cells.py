@@ -1,10 +1,10 @@
-"""What a comparison knows of a run: a line per cell, read from a results folder or from a baseline's text.
+"""The data of a run that is compared: a row per cell, read from a results folder or from a baseline.
 
-Columns, by key: table, variant, scene (as the command line takes it), step, phase, start, tol, verdict, reason, residual, work
-(the counters as `name count, ...`), seconds, disturbed, limit.
+Columns, indexed by key: table, variant, scene (in the notation of the command line), step, phase, start, tol, verdict, reason,
+residual, work (the counters as `name count, ...`), seconds, disturbed, limit.
 
-seconds: form, setup and solve, the least of a process's repeats. What else runs on the machine only adds to a time, and adds
-nothing to some of many short repeats; a cell is disturbed where it waited for its core and had too few of them.
+seconds: form, setup and solve together, the minimum over the repeats of a process. Other load on the machine can only increase
+a time, and some of many short repeats are free of it; a cell counts as disturbed if it waited for its core and had few repeats.
 """
 
 import json
@@ -22,12 +22,12 @@ from frictionbench.results.verdicts import RANK, Verdict
 
 TEXTS = ("table", "variant", "scene", "step", "phase", "start", "verdict", "reason", "work")
 NUMBERS = ("tol", "residual", "seconds", "limit")
-ENOUGH = 5  # repeats, of which one is undisturbed
+ENOUGH = 5  # repeats, of which at least one is undisturbed as a rule
 
 
 @dataclass(frozen=True)
 class Cells:
-    """The cells of one run, and what it says of itself."""
+    """The cells of one run, and facts about it. sources: of solvers from plug-ins, by variant, a file or a name."""
 
     path: Path
     table: pd.DataFrame
@@ -36,7 +36,7 @@ class Cells:
     machine: dict[str, Any] = field(default_factory=dict)
     code: str = ""
     made: str = ""
-    sources: dict[str, str] = field(default_factory=dict)  # of the solvers from outside, by variant: a file or a name
+    sources: dict[str, str] = field(default_factory=dict)
 
     @property
     def measured(self) -> pd.DataFrame:
@@ -45,13 +45,13 @@ class Cells:
 
 
 def read(path: Path) -> Cells:
-    """The cells of a results folder, or of a baseline. Errors: ResultsError naming the file and what is wrong with it."""
+    """The cells of a results folder or a baseline. Errors: ResultsError naming the file and what is wrong with it."""
     found = _of_text(path) if path.is_file() else _of_folder(path)
     if unknown := set(found.table["verdict"]) - RANK.keys():
         raise ResultsError(f"{path}: unknown verdict {min(unknown)!r}")
     if found.table.index.has_duplicates:
         twice = found.table.index[found.table.index.duplicated()][0]
-        raise ResultsError(f"{path}: the key {twice!r} stands in two rows")
+        raise ResultsError(f"{path}: two rows have the key {twice!r}")
     return found
 
 
@@ -81,7 +81,7 @@ def _of_folder(folder: Path) -> Cells:
     rows = rows.assign(
         scene=[spec(*pair) for pair in zip(rows["scene"], rows["parameters"], strict=True)],
         step=["" if pd.isna(step) else str(int(step)) for step in rows["step"]],
-        work=[told(counts(text)) for text in rows["work"]],
+        work=[format_counts(counts(text)) for text in rows["work"]],
         limit=rows["time_limit"],
     )
     return Cells(
@@ -97,7 +97,7 @@ def _of_folder(folder: Path) -> Cells:
 
 
 def _repeats(*steps: Any) -> np.ndarray:
-    """Form, setup and solve of each repeat together; steps that were not all timed leave none."""
+    """Form, setup and solve of each repeat together; empty if the three do not have the same number of repeats."""
     times = [np.asarray([] if step is None else step, dtype=float) for step in steps]
     total = sum(times[1:], times[0]) if len({len(one) for one in times}) == 1 else np.empty(0)
     return total[np.isfinite(total)]
@@ -110,10 +110,10 @@ def _sources(plugins: Any) -> Iterator[tuple[str, str]]:
 
 
 def _typed(rows: pd.DataFrame) -> pd.DataFrame:
-    told = {name: rows[name].fillna("").astype(str) if name in rows else "" for name in TEXTS}
+    texts = {name: rows[name].fillna("").astype(str) if name in rows else "" for name in TEXTS}
     numbers = {name: pd.to_numeric(rows[name], errors="coerce").astype(float) for name in NUMBERS}
     disturbed = rows["disturbed"].fillna(False).astype(bool) if "disturbed" in rows else False
-    table = pd.DataFrame({"key": rows["key"].fillna("").astype(str), **told, **numbers, "disturbed": disturbed})
+    table = pd.DataFrame({"key": rows["key"].fillna("").astype(str), **texts, **numbers, "disturbed": disturbed})
     return table.assign(seconds=table["seconds"].where(table["seconds"] > 0)).set_index("key")
 
 
@@ -125,24 +125,24 @@ def _numbers(values: Any) -> tuple[float, ...]:
 
 
 def spec(scene: Any, parameters: Any) -> str:
-    """A scene with its parameters as the command line takes it: `stack[blocks=5]`."""
+    """A scene with its parameters in the notation of the command line: `stack[blocks=5]`."""
     settings = _object(parameters)
     given = ",".join(f"{name}={value}" for name, value in settings.items())
     return f"{scene}[{given}]" if given else str(scene)
 
 
 def counts(text: Any) -> dict[str, int]:
-    """The counters of a row; what is no count is left out."""
+    """The counters in a row's JSON; values other than counts are left out."""
     return {name: count for name, count in _object(text).items() if type(count) is int and count >= 0}
 
 
-def told(work: dict[str, int]) -> str:
-    """Counters as a line."""
+def format_counts(work: dict[str, int]) -> str:
+    """Counters as text: `name count, ...`."""
     return ", ".join(f"{name} {count}" for name, count in sorted(work.items()))
 
 
-def untold(line: str) -> dict[str, int]:
-    """The counters of a line."""
+def parse_counts(line: str) -> dict[str, int]:
+    """The counters in such a text."""
     parts = (part.rpartition(" ") for part in line.split(", "))
     return {name: int(count) for name, _, count in parts if count.isdecimal() and len(count) < 19}
 
@@ -156,5 +156,5 @@ def _object(text: Any) -> dict[str, Any]:
 
 
 def rounded(value: float, digits: int) -> str:
-    """A number to a few digits; nothing where there is none."""
+    """A number with so many significant digits; empty if it is not finite."""
     return f"{value:.{digits - 1}e}" if np.isfinite(value) else ""

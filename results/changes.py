@@ -1,9 +1,8 @@
-"""What differs between two runs, cell by cell and solver by solver.
+"""The differences between two runs, cell by cell and solver by solver.
 
-flips      a cell measured in both runs, at another verdict:
-           in the order of results.verdicts
-gone       a cell measured before and not now, unless its solver was skipped with a reason
-work       each deterministic counter, summed per solver over the cells that both runs solved
+flips      cells measured in both runs with different verdicts, ordered as in results.verdicts
+gone       cells measured before and not now, unless their solver was skipped with a reason
+work       deterministic counters that changed, summed per solver over the cells that both runs solved
 times      per solver, over the same cells: see results.times
 """
 
@@ -15,17 +14,17 @@ from dataclasses import dataclass, field
 import numpy as np
 import pandas as pd
 
-from frictionbench.results.cells import untold
+from frictionbench.results.cells import parse_counts
 from frictionbench.results.verdicts import RANK, Verdict
 
 GONE = "gone"
-MARGIN = 2.0  # by which a time may miss the limit and still be taken for one that a slower machine would not keep
-PACE = 10.0  # the largest ratio of two machines' speeds
+MARGIN = 2.0  # a time within this factor of the limit may exceed it on another day, by noise alone
+PACE = 10.0  # largest ratio of the speeds of two machines that is attributed to the machines
 
 
 @dataclass(frozen=True)
 class Finding(ABC):
-    """Something of a solver that changed. known: the reason for which it is acknowledged."""
+    """A change in the results of one solver. known: the reason why it is acknowledged, or empty."""
 
     variant: str
     known: str = field(default="", kw_only=True)
@@ -33,7 +32,7 @@ class Finding(ABC):
     @property
     @abstractmethod
     def name(self) -> str:
-        """What changed."""
+        """What changed, as text that identifies it among the solver's findings."""
 
     @property
     @abstractmethod
@@ -46,7 +45,7 @@ class Finding(ABC):
 
 @dataclass(frozen=True)
 class Flip(Finding):
-    """A cell at another verdict, or gone."""
+    """A cell whose verdict changed, or that is gone."""
 
     key: str
     table: str
@@ -74,7 +73,7 @@ class Flip(Finding):
 
 @dataclass(frozen=True)
 class Growth(Finding):
-    """A counter's sum over a solver's cells, changed. limit: how large a ratio is still no growth."""
+    """A change in the sum of a counter over a solver's cells. limit: the largest ratio that does not count as growth."""
 
     counter: str
     before: int
@@ -100,36 +99,37 @@ class Growth(Finding):
 
 
 def flips(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Flip]:
-    """Cells, the same in both tables, whose verdict changed; the worst falls first."""
+    """The cells whose verdict changed, the largest deteriorations first. Both tables have the same cells."""
     fall = (after["verdict"].map(RANK) - before["verdict"].map(RANK)).sort_values(ascending=False, kind="stable")
     for key in fall.index[fall != 0]:
         yield _flip(before.loc[key], after.loc[key])
 
 
 def gone(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Flip]:
-    """Cells measured before that are not measured now, for no reason given."""
+    """The cells that were measured before and not now, without a reason."""
     ran = after[after["verdict"] != Verdict.SKIPPED]
     explained = after[(after["verdict"] == Verdict.SKIPPED) & (after["reason"] != "")]
     absent_solvers = set(explained["variant"]) - set(ran["variant"])
-    lost = before[(before["verdict"] != Verdict.SKIPPED) & ~before.index.isin(ran.index) & ~before.index.isin(explained.index)]
-    for key, row in lost.iterrows():
+    accounted = before.index.isin(ran.index) | before.index.isin(explained.index)
+    for key, row in before[(before["verdict"] != Verdict.SKIPPED) & ~accounted].iterrows():
         if key in after.index or row["variant"] not in absent_solvers:
             yield _flip(row, None)
 
 
 def _flip(before: pd.Series, after: pd.Series | None) -> Flip:
-    place = str(before.name), before["table"], before["scene"], before["step"], before["tol"]
+    cell = str(before.name), before["table"], before["scene"], before["step"], before["tol"]
     if after is None:
-        return Flip(before["variant"], *place, before["verdict"], GONE, before["residual"], np.nan, "")
+        return Flip(before["variant"], *cell, before["verdict"], GONE, before["residual"], np.nan, "")
     residuals = before["residual"], after["residual"]
-    return Flip(after["variant"], *place, before["verdict"], after["verdict"], *residuals, after["reason"])
+    return Flip(after["variant"], *cell, before["verdict"], after["verdict"], *residuals, after["reason"])
 
 
-def by_the_clock(before: pd.DataFrame, after: pd.DataFrame, alike: bool) -> pd.Series:
-    """Of cells, the same in both tables, which are at another verdict for a timeout that only the machine's pace explains.
+def explained_by_speed(before: pd.DataFrame, after: pd.DataFrame, alike: bool) -> pd.Series:
+    """Which cells changed from or to a timeout that the speed of the machine alone may explain. The tables have equal cells.
 
-    The time that one run took, at the other's pace, comes within MARGIN of the limit. The pace of an unlike machine is what
-    the other cells show, up to PACE. A cell without a time, as one that crashed, is so explained between unlike machines only.
+    It may if the time in the other run, scaled to the speed of this one, is within MARGIN of the limit. Between different
+    machines the ratio of speeds is estimated from the other cells, up to PACE, and a cell without a time, such as one that
+    crashed, is explained too; between equal machines (alike) the ratio is one.
     """
     late, early = after["verdict"] == Verdict.TIMEOUT, before["verdict"] == Verdict.TIMEOUT
     ratio = (after["seconds"] / before["seconds"]).dropna()
@@ -141,12 +141,12 @@ def by_the_clock(before: pd.DataFrame, after: pd.DataFrame, alike: bool) -> pd.S
 
 
 def work(before: pd.DataFrame, after: pd.DataFrame, limit: float) -> Iterator[Growth]:
-    """Counters whose sum over a solver's cells, the same in both tables, changed."""
+    """The counters whose sum over a solver's cells changed. Both tables have the same cells."""
     same = settled(before, after)
     for variant, keys in same.groupby(same["variant"]).groups.items():
         sums: tuple[Counter[str], Counter[str]] = Counter(), Counter()
         for key in keys:
-            counts = [untold(cells["work"][key]) for cells in (before, after)]
+            counts = [parse_counts(cells["work"][key]) for cells in (before, after)]
             for name in counts[0].keys() & counts[1].keys():
                 sums[0][name] += counts[0][name]
                 sums[1][name] += counts[1][name]
@@ -156,5 +156,5 @@ def work(before: pd.DataFrame, after: pd.DataFrame, limit: float) -> Iterator[Gr
 
 
 def settled(before: pd.DataFrame, after: pd.DataFrame) -> pd.DataFrame:
-    """The cells with the same good verdict in both tables: only there is more work or time the price of the same answer."""
+    """The cells that both tables solve with the same verdict: only there are work and time comparable."""
     return after[(after["verdict"] == before["verdict"]) & after["verdict"].isin([Verdict.SOLVED, Verdict.RELAXED])]

@@ -1,9 +1,9 @@
-"""Two runs compared, as a gate for CI: verdicts first, deterministic work counters next, times last.
+"""Comparison of two runs, as a gate for CI: verdicts first, deterministic work counters next, times last.
 
-Verdicts and work compare across machines, and alert by themselves. Times alert only where processes of both codes ran in turn
-(results.times): two runs have one process each, of which nothing can be said but that it is worth a look. `confirm` takes what
-the alerting cells did when they ran again. Exit codes: 0 nothing worse, 1 a regression, 2 unusable input; a gate must not pass
-having measured nothing.
+Verdicts and work are comparable across machines and raise an alert by themselves. Times raise an alert only if processes of
+both codes ran alternately (results.times); two runs are one process each, which is not enough for a statistical statement.
+`confirm` takes into account the results of running the alerting cells again. Exit codes: 0 nothing worse, 1 a regression,
+2 unusable input, which includes two runs without a common cell.
 """
 
 from collections import Counter
@@ -23,7 +23,8 @@ from frictionbench.results.verdicts import Verdict
 
 
 class Limits(NamedTuple):
-    """Ratios of time and work up to which nothing is worse; the chance of error of an interval; whether times count."""
+    """The largest ratios of time and work that are not a regression, the error probability of intervals, and whether times are
+    compared. The defaults are above the repeatability of times and let work grow by rounding effects only."""
 
     slowdown: float = 1.10
     growth: float = 1.05
@@ -33,7 +34,10 @@ class Limits(NamedTuple):
 
 @dataclass(frozen=True)
 class Comparison:
-    """What differs in `current` from `baseline`, or why that cannot be said."""
+    """The differences of `current` from `baseline`, or in `unusable` the reason why the runs cannot be compared.
+
+    same, new, skipped: numbers of cells. untimed: why times were not compared. sources: see results.cells.
+    """
 
     baseline: Path
     current: Path
@@ -46,10 +50,10 @@ class Comparison:
     work: tuple[Growth, ...] = ()
     times: tuple[Time, ...] = ()
     notes: tuple[str, ...] = ()
-    untimed: str = ""  # why times were not compared
+    untimed: str = ""
     alpha: float = Limits().alpha
     benchmarks: bool = False
-    sources: dict[str, str] = field(default_factory=dict)  # see results.cells
+    sources: dict[str, str] = field(default_factory=dict)
 
     @property
     def findings(self) -> tuple[Finding, ...]:
@@ -57,7 +61,7 @@ class Comparison:
 
     @property
     def worse(self) -> list[Finding]:
-        """What is worse, or gone, and not acknowledged."""
+        """The findings that are worse, or gone, and not acknowledged."""
         return [found for found in self.findings if found.worse and not found.known]
 
     @property
@@ -66,11 +70,11 @@ class Comparison:
 
     @property
     def counts(self) -> dict[str, int]:
-        """How much of each: findings that are worse and better; cells that are the same, new, gone and skipped."""
-        lost = sum(not flip.known for flip in self.gone)
-        told = {"worse": len(self.worse) - lost, "better": len(self.better), "same": self.same, "new": self.new}
+        """The numbers of findings that are worse, better and known, and of cells that are the same, new, gone and skipped."""
+        gone = sum(not flip.known for flip in self.gone)
+        counts = {"worse": len(self.worse) - gone, "better": len(self.better), "same": self.same, "new": self.new}
         known = sum(found.worse and bool(found.known) for found in self.findings)
-        return told | {"gone": lost, "skipped": self.skipped} | ({"known": known} if known else {})
+        return counts | {"gone": gone, "skipped": self.skipped} | ({"known": known} if known else {})
 
     @property
     def exit_code(self) -> int:
@@ -79,9 +83,9 @@ class Comparison:
 
 
 def compare(baseline: Path, current: Path, limits: Limits = Limits()) -> Comparison:  # noqa: B008  # it is a value
-    """Compare two runs, either of which may be a baseline's text, or two results of pytest-benchmark.
+    """Compare two runs, either of which may be a baseline, or two results of pytest-benchmark.
 
-    Input that cannot be used is told of, not raised.
+    Input that cannot be compared is reported in `unusable`, not raised.
     """
     try:
         (old, *more_old), (new, *more_new) = _processes(baseline), _processes(current)
@@ -95,8 +99,8 @@ def compare(baseline: Path, current: Path, limits: Limits = Limits()) -> Compari
         return Comparison(baseline, current, unusable="no cell was measured in both runs")
     alike = bool(old.machine) and old.machine == new.machine
     if benchmarks.are(current) and not alike:
-        return Comparison(baseline, current, unusable="times of two machines do not compare")
-    flips, gone, work, clocked = _differences(old.table, new.table, alike, limits)
+        return Comparison(baseline, current, unusable="benchmark times of two different machines cannot be compared")
+    flips, gone, work, timeouts = _differences(old.table, new.table, alike, limits)
     pairs = zip([old, *more_old], [new, *more_new], strict=False)
     timed = times([(a.table, b.table) for a, b in pairs], limits.slowdown, limits.alpha) if alike and limits.times else []
     return Comparison(
@@ -109,8 +113,8 @@ def compare(baseline: Path, current: Path, limits: Limits = Limits()) -> Compari
         gone=gone,
         work=work,
         times=tuple(timed),
-        notes=tuple(_notes(old, new, clocked)),
-        untimed="" if alike or not limits.times else "the machines differ" if old.machine else "a baseline's text keeps none",
+        notes=tuple(_notes(old, new, timeouts)),
+        untimed="" if alike or not limits.times else "the machines differ" if old.machine else "a baseline does not store them",
         alpha=limits.alpha,
         benchmarks=benchmarks.are(current),
         sources=new.sources,
@@ -124,50 +128,51 @@ def _processes(path: Path) -> list[Cells]:
 def _differences(
     before: pd.DataFrame, after: pd.DataFrame, alike: bool, limits: Limits
 ) -> tuple[tuple[Flip, ...], tuple[Flip, ...], tuple[Growth, ...], int]:
-    """Flips, what is gone, work, and how many timeouts only the machine's pace explains."""
+    """Flips, gone cells, changes of work, and the number of changed timeouts that the speed of the machine may explain."""
     ran = [cells[cells["verdict"] != Verdict.SKIPPED] for cells in (before, after)]
     common = ran[0].index.intersection(ran[1].index)
     old, new = before.loc[common], after.loc[common]
-    clocked = changes.by_the_clock(old, new, alike)
-    flips = tuple(changes.flips(old[~clocked], new[~clocked]))
-    return flips, tuple(changes.gone(before, after)), tuple(changes.work(old, new, limits.growth)), int(clocked.sum())
+    by_speed = changes.explained_by_speed(old, new, alike)
+    flips = tuple(changes.flips(old[~by_speed], new[~by_speed]))
+    return flips, tuple(changes.gone(before, after)), tuple(changes.work(old, new, limits.growth)), int(by_speed.sum())
 
 
-def _notes(old: Cells, new: Cells, clocked: int) -> Iterator[str]:
-    if clocked:
-        yield f"Timeouts that the machine's pace may explain, at other verdicts, are no change: {clocked} cells."
+def _notes(old: Cells, new: Cells, timeouts: int) -> Iterator[str]:
+    if timeouts:
+        yield f"Changes from or to a timeout that the speed of the machine may explain are not counted: {timeouts} cells."
     if old.code and new.code and old.code != new.code:
         yield f"Code {old.code} before, {new.code} now."
 
 
 def suspects(comparison: Comparison, limits: Limits) -> list[Time]:
-    """Solvers that look slower by half of what the limit allows, and of which nothing is sure yet."""
+    """The times of one process each that are slower by more than half of what the limit allows, worth repeating in pairs."""
     return [time for time in comparison.times if not time.worse and time.n == 1 and time.ratio > (1 + limits.slowdown) / 2]
 
 
 def confirm(comparison: Comparison, pairs: Sequence[Pair], both: bool, limits: Limits) -> Comparison:
-    """What is left of the alerts when their cells ran again.
+    """The comparison with the alerts that remain after their cells ran again.
 
-    pairs: of the runs in turn, the cells of the baseline's code and of the current one's; the baseline's own where that code
-    is not at hand, and both is false. An alert stands that stands in more than half of the pairs; times have their intervals.
+    pairs: of the alternating runs, the cells of the baseline's code and of the current code; if the baseline's code is not
+    available, both is false and its recorded cells are used. An alert remains if it occurs in more than half of the pairs;
+    times are judged by their confidence intervals.
     """
     votes: Counter[tuple[str, str]] = Counter()
     record = read(comparison.baseline).table
     for ran, after in pairs:
-        before = pd.concat([ran, record[~record.index.isin(ran.index)]])  # what that code does not have any more is on record
+        before = pd.concat([ran, record[~record.index.isin(ran.index)]])  # cells that the old code lacks
         flips, gone, work, _ = _differences(before, after, both, limits)
         votes.update({_name(found) for found in (*flips, *gone, *work) if found.worse})
     alerts = [found for found in (*comparison.flips, *comparison.gone, *comparison.work) if found.worse]
-    fallen = {_name(found) for found in alerts if 2 * votes[_name(found)] <= len(pairs)}
-    why = "both codes do the same here" if both else "its cells ran again"
-    notes = [f"Not confirmed, {why}: {variant}, {name}." for variant, name in sorted(fallen)]
+    dismissed = {_name(found) for found in alerts if 2 * votes[_name(found)] <= len(pairs)}
+    why = "both codes give the same result here" if both else "the repeats give the result of the baseline"
+    notes = [f"Not confirmed, {why}: {variant}, {name}." for variant, name in sorted(dismissed)]
     timed = {time.variant: time for time in (times(pairs, limits.slowdown, limits.alpha) if both and limits.times else [])}
     return replace(
         comparison,
-        same=comparison.same + sum(_name(flip) in fallen for flip in comparison.flips),
-        flips=tuple(flip for flip in comparison.flips if _name(flip) not in fallen),
-        gone=tuple(flip for flip in comparison.gone if _name(flip) not in fallen),
-        work=tuple(growth for growth in comparison.work if _name(growth) not in fallen),
+        same=comparison.same + sum(_name(flip) in dismissed for flip in comparison.flips),
+        flips=tuple(flip for flip in comparison.flips if _name(flip) not in dismissed),
+        gone=tuple(flip for flip in comparison.gone if _name(flip) not in dismissed),
+        work=tuple(growth for growth in comparison.work if _name(growth) not in dismissed),
         times=tuple(({time.variant: time for time in comparison.times} | timed).values()),
         untimed="" if timed else comparison.untimed,
         notes=(*comparison.notes, *notes),

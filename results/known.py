@@ -1,11 +1,11 @@
-"""Changes for the worse that are acknowledged, each with its reason, so that a gate tells them and does not close.
+"""Acknowledged changes for the worse, each with a reason: a comparison reports them and does not fail because of them.
 
 [[known]]
 solver = "nsgs"
 change = "sweeps"           # verdict, gone, time, or the name of a work counter
-scene = "stack[blocks=5]"   # of a verdict or what is gone; all scenes where it is left out
-after = "unsolved"          # of a verdict
-ratio = 1.2                 # of a counter or a time: as far as this
+scene = "stack[blocks=5]"   # of a verdict or a cell that is gone; all scenes if left out
+after = "unsolved"          # the new verdict; any if left out
+ratio = 1.2                 # of a counter or a time: acknowledged up to this ratio
 reason = "a safer step"
 """
 
@@ -48,11 +48,11 @@ class Known:
 def read(path: Path) -> list[Known]:
     """The acknowledged changes of a TOML file. Errors: ResultsError naming the file, the entry and the field."""
     try:
-        told = tomllib.loads(path.read_text(encoding="utf-8"))
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError) as error:
         raise ResultsError(f"{path}: cannot be read ({error})") from None
-    entries = told.get("known")
-    if told.keys() - {"known"} or not isinstance(entries, list):
+    entries = content.get("known")
+    if content.keys() - {"known"} or not isinstance(entries, list):
         raise ResultsError(f"{path}: must hold [[known]] tables and nothing else")
     return [_entry(path, i, entry) for i, entry in enumerate(entries, 1)]
 
@@ -63,19 +63,19 @@ def _entry(path: Path, number: int, entry: Any) -> Known:
         raise ResultsError(f"{where}: not a table")
     for name, value in entry.items():
         if name not in FIELDS:
-            raise ResultsError(f"{where}: unknown field {name!r}; it has {', '.join(FIELDS)}")
+            raise ResultsError(f"{where}: unknown field {name!r}; the fields are {', '.join(FIELDS)}")
         if not isinstance(value, FIELDS[name]) or isinstance(value, bool):
             raise ResultsError(f"{where}: {name} cannot be {value!r}")
     for name in ("solver", "change", "reason"):
         if not entry.get(name):
             raise ResultsError(f"{where}: {name} is missing")
     if entry["change"] not in ("verdict", GONE) and not entry.get("ratio"):
-        raise ResultsError(f"{where}: ratio is missing: how much more of {entry['change']!r} is acknowledged")
+        raise ResultsError(f"{where}: ratio is missing; give the largest acknowledged ratio of {entry['change']!r}")
     return Known(**entry)
 
 
 def acknowledge(comparison: Comparison, known: Sequence[Known]) -> Comparison:
-    """The comparison with the reasons of what is known; a note for each entry that nothing meets any more."""
+    """The comparison with the reasons of acknowledged changes, and a note for each entry that no longer applies."""
     met: set[Known] = set()
 
     def marked(found: F) -> F:
@@ -85,13 +85,13 @@ def acknowledge(comparison: Comparison, known: Sequence[Known]) -> Comparison:
         met.add(entry)
         return replace(found, known=entry.reason)
 
-    told = replace(
+    acknowledged = replace(
         comparison,
         flips=tuple(map(marked, comparison.flips)),
         gone=tuple(map(marked, comparison.gone)),
         work=tuple(map(marked, comparison.work)),
         times=tuple(map(marked, comparison.times)),
     )
-    idle = [entry for entry in known if entry not in met]
-    notes = [f"No longer met, and can be taken out of the acknowledged changes: {one.solver}, {one.change}." for one in idle]
-    return replace(told, notes=(*comparison.notes, *notes))
+    unused = [entry for entry in known if entry not in met]
+    notes = [f"Acknowledged, but no longer found; delete the entry: {one.solver}, {one.change}." for one in unused]
+    return replace(acknowledged, notes=(*comparison.notes, *notes))

@@ -1,10 +1,10 @@
-"""Times of two codes compared over pairs of processes, one of each, that ran in turn.
+"""Comparison of the times of two codes over pairs of processes, one of each code, that ran alternately.
 
-Repeats of one process share its memory layout, its core and the minutes in which it ran: they are one sample (results.cells).
-A pair gives a solver one number, the mean over its cells of log(after / before); of n pairs the ratio is the Hodges-Lehmann
-estimate (1963) of their centre, its interval that of Wilcoxon's signed ranks (1945), exact, and p their two-sided test of no
-change. No model of the noise is needed, and a pair that other work on the machine spoiled counts for little. With one pair
-nothing can be said: the interval is (0, inf).
+Repeats within a process share its memory layout, its core and its period of time, so that they are one sample (results.cells).
+A pair gives one number per solver, the mean over its cells of log(after / before). From n pairs follow the ratio, as the
+Hodges-Lehmann estimate (1963) of the centre, its exact confidence interval by Wilcoxon's signed ranks (1945), and p, the
+two-sided test of no change. No model of the noise is needed, and outliers among the pairs have little influence. One pair gives
+no information on the variation: the interval is (0, inf).
 """
 
 from collections.abc import Sequence
@@ -19,9 +19,10 @@ from frictionbench.results.changes import Finding, settled
 
 @dataclass(frozen=True)
 class Time(Finding):
-    """A solver's time per cell in seconds, the median of n processes; the ratio with its interval; p; n pairs.
+    """The times of one solver in two codes.
 
-    limit: how large a ratio is still no slowdown.
+    before, after: time per cell, s, the median over n pairs of processes of the geometric mean over the cells. ratio: after /
+    before, with the confidence interval (low, high) and the p-value p. limit: the largest ratio that is not a slowdown.
     """
 
     before: float
@@ -36,7 +37,7 @@ class Time(Finding):
 
     @property
     def worse(self) -> bool:
-        """Slower by more than the limit, beyond chance."""
+        """Whether the whole interval is above the limit."""
         return self.low > self.limit
 
     @property
@@ -45,7 +46,7 @@ class Time(Finding):
 
     @property
     def significant(self) -> bool:
-        """Whether anything can be said: the interval leaves out 1."""
+        """Whether the interval excludes 1."""
         return not self.low <= 1 <= self.high
 
     @property
@@ -57,8 +58,8 @@ Pair = tuple[pd.DataFrame, pd.DataFrame]  # the cells of two processes
 
 
 def times(pairs: Sequence[Pair], limit: float, alpha: float) -> list[Time]:
-    """Each solver's, over the cells that both processes of a pair answered alike; disturbed ones count where there is nothing
-    else."""
+    """The times of each solver over the cells that both processes of a pair solved with the same verdict. Disturbed cells are
+    used only for solvers that have no others."""
     found = []
     logs = [_logs(*pair) for pair in pairs]
     for variant in sorted({name for log in logs for name in log["variant"]}):
@@ -83,10 +84,10 @@ def _logs(before: pd.DataFrame, after: pd.DataFrame) -> pd.DataFrame:
 
 
 def estimate(shifts: np.ndarray, alpha: float) -> tuple[float, float, float, float]:
-    """The ratio, its interval at confidence 1 - alpha, and p, of the logarithms of n independent ratios."""
+    """The ratio, its interval at confidence 1 - alpha and the p-value, from the logarithms of n independent ratios."""
     means = np.sort([(a + b) / 2 for a, b in combinations_with_replacement(shifts, 2)])
     chances = np.cumsum(signed_ranks(len(shifts)))
-    left = int(np.sum(chances <= alpha / 2))  # so many sums of ranks are too improbable, at either end
+    left = int(np.sum(chances <= alpha / 2))  # number of sums of ranks outside the interval at either end
     low, high = (means[left - 1], means[-left]) if left else (-np.inf, np.inf)
     lower = min(int(np.sum(means < 0)), int(np.sum(means > 0)))
     p = min(1.0, 2 * float(chances[lower])) if left else np.nan
@@ -94,7 +95,7 @@ def estimate(shifts: np.ndarray, alpha: float) -> tuple[float, float, float, flo
 
 
 def signed_ranks(n: int) -> np.ndarray:
-    """The probability of each sum 0 ... n (n + 1) / 2 of the ranks of those of n differences that are above zero."""
+    """The probabilities of the sums 0 ... n (n + 1) / 2 of the ranks of the positive ones among n differences."""
     counts = np.ones(1)
     for rank in range(1, n + 1):
         longer = np.zeros(len(counts) + rank)
@@ -105,5 +106,5 @@ def signed_ranks(n: int) -> np.ndarray:
 
 
 def overall(found: Sequence[Time]) -> float:
-    """The geometric mean of the solvers' ratios; nan where there are none."""
+    """The geometric mean of the solvers' ratios; nan if there are none."""
     return float(np.exp(np.mean([np.log(time.ratio) for time in found]))) if found else np.nan

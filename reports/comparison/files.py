@@ -1,10 +1,9 @@
-"""A comparison as files for machines, written side by side into one folder.
+"""A comparison as files for other programs, written into one folder.
 
-comparison.md      what the terminal shows
-comparison.json    all of it, as data
-benchmark.json     figures of the current run alone, each the smaller the better (github-action-benchmark's form
-                   customSmallerIsBetter)
-junit.xml          a suite per solver; a case per cell, counter and time (JUnit)
+comparison.md      the text shown in the terminal
+comparison.json    all results as data
+benchmark.json     figures of the current run, smaller is better (github-action-benchmark's format customSmallerIsBetter)
+junit.xml          a test suite per solver with a test case per cell, counter and time (JUnit)
 """
 
 import json
@@ -18,18 +17,18 @@ import numpy as np
 import pandas as pd
 
 from frictionbench.reports.comparison.markdown import again, change, markdown
-from frictionbench.results.cells import read, untold
+from frictionbench.results.cells import parse_counts, read
 from frictionbench.results.changes import Finding, Flip, Growth
 from frictionbench.results.compare import Comparison
 from frictionbench.results.files import replaced, write_text
 from frictionbench.results.times import Time
 from frictionbench.results.verdicts import Verdict
 
-UNPRINTED = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # what XML 1.0 cannot hold
+UNPRINTED = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # characters that XML 1.0 excludes
 
 
 def write_files(comparison: Comparison, folder: Path) -> None:
-    """Write all of them. Errors: OSError, ResultsError naming the file."""
+    """Write the files. Errors: OSError, ResultsError naming the file."""
     folder.mkdir(parents=True, exist_ok=True)
     write_text(folder / "comparison.md", markdown(comparison))
     write_text(folder / "comparison.json", _text(data(comparison)))
@@ -41,24 +40,24 @@ def write_files(comparison: Comparison, folder: Path) -> None:
 
 def data(comparison: Comparison) -> dict[str, Any]:
     """The comparison as plain values."""
-    plain = {label.name: getattr(comparison, label.name) for label in fields(comparison)}
+    plain = {field.name: getattr(comparison, field.name) for field in fields(comparison)}
     plain |= {name: [_finding(comparison, one) for one in plain[name]] for name in ("flips", "gone", "work", "times")}
     return {"exit_code": comparison.exit_code, "counts": comparison.counts, **plain}
 
 
 def _finding(comparison: Comparison, found: Finding) -> dict[str, Any]:
-    told = vars(found) | {"worse": found.worse}
-    return told | ({"again": again(comparison, found)} if isinstance(found, Flip) else {})
+    values = vars(found) | {"worse": found.worse}
+    return values | ({"again": again(comparison, found)} if isinstance(found, Flip) else {})
 
 
 def figures(comparison: Comparison, cells: pd.DataFrame) -> list[dict[str, Any]]:
-    """Of each solver: cells without the answer to its model, each counter, the mean time; of a benchmark its time."""
+    """For each solver the number of cells not solved, sums of counters and the geometric mean time."""
     found = []
     for variant, own in cells.groupby("variant") if len(cells) else ():
         ran = own[own["verdict"] != Verdict.SKIPPED]
         good = ran["verdict"].isin([Verdict.SOLVED, Verdict.RELAXED])
         found.append({"name": f"{variant}: not solved", "unit": "cells", "value": int((~good).sum())})
-        counters = pd.DataFrame([untold(line) for line in ran["work"]]).sum()
+        counters = pd.DataFrame([parse_counts(line) for line in ran["work"]]).sum()
         found += [{"name": f"{variant}: {name}", "unit": name, "value": int(count)} for name, count in counters.items()]
         if np.isfinite(mean := np.exp(np.log(ran.loc[good, "seconds"].dropna()).mean())):
             found.append({"name": f"{variant}: time", "unit": "µs", "value": 1e6 * mean})
@@ -68,7 +67,7 @@ def figures(comparison: Comparison, cells: pd.DataFrame) -> list[dict[str, Any]]
 
 
 def junit(comparison: Comparison, cells: pd.DataFrame) -> ElementTree.Element:
-    """The comparison as JUnit's XML; what is known and worse passes."""
+    """The comparison as JUnit's XML. An acknowledged change passes."""
     root = ElementTree.Element("testsuites", name="frictionbench compare")
     worse = {(found.variant, getattr(found, "key", found.name)): found for found in comparison.worse}
     suites: dict[str, ElementTree.Element] = {}
@@ -117,7 +116,7 @@ def _text(value: Any) -> str:
 
 
 def _finite(value: Any) -> Any:
-    """JSON has no infinity."""
+    """The value without infinite numbers, which JSON does not have."""
     if isinstance(value, dict):
         return {name: _finite(part) for name, part in value.items()}
     if isinstance(value, list | tuple):

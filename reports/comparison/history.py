@@ -1,4 +1,4 @@
-"""Runs over time: of each solver a line per run, its verdicts, work and time over the cells that all of the runs measured."""
+"""Runs over time: for each solver a line per run with verdicts, work and time over the cells that all of the runs measured."""
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
@@ -10,15 +10,15 @@ from rich.table import Table
 from rich.text import Text
 
 from frictionbench.reports.drawing.text import seconds
-from frictionbench.results.cells import read, told, untold
+from frictionbench.results.cells import format_counts, parse_counts, read
 from frictionbench.results.store import ResultsError
 from frictionbench.results.verdicts import Verdict
 
 
 def history(paths: Iterable[Path]) -> Table:
-    """The runs, the oldest first; baselines' texts may be among them.
+    """A table of the runs, results folders or baselines, the oldest first.
 
-    Errors: ResultsError where one cannot be read, or no solver has a cell in all of them.
+    Errors: ResultsError if one cannot be read, or if no solver has a cell in all of them.
     """
     runs = sorted(map(read, paths), key=lambda run: run.made)
     table = Table(box=None, pad_edge=False, header_style="bold")
@@ -44,11 +44,11 @@ def _common(tables: Sequence[pd.DataFrame]) -> pd.Index:
 
 
 def _line(cells: pd.DataFrame, good: list[str]) -> list[str]:
-    """Cells; verdicts; counters summed and the geometric mean of the times, over the cells that are good in all runs."""
+    """The number of cells, the verdicts, and over the cells in `good` the sums of counters and the geometric mean time."""
     verdicts = ", ".join(f"{count} {verdict}" for verdict, count in Counter(cells["verdict"]).most_common())
     work: Counter[str] = Counter()
     for line in cells.loc[good, "work"]:
-        work.update(untold(line))
+        work.update(parse_counts(line))
     times = np.log(cells.loc[good, "seconds"])
     mean = float(np.exp(times.mean())) if len(good) else np.nan
-    return [str(len(cells)), verdicts, told(dict(work)), seconds(mean)]
+    return [str(len(cells)), verdicts, format_counts(dict(work)), seconds(mean)]

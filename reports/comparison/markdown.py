@@ -1,4 +1,4 @@
-"""A comparison as Markdown: the counts, what changed for each solver, the times. For a terminal and for a pull request."""
+"""A comparison as Markdown, for a terminal and for a pull request: counts, the changes of each solver, and times."""
 
 import os
 import shlex
@@ -13,8 +13,8 @@ from frictionbench.results.changes import GONE, Finding, Flip, Growth
 from frictionbench.results.compare import Comparison
 from frictionbench.results.times import Time, overall
 
-LISTED, FOLDED = 12, 100  # rows of a table that are shown, and folded below
-LONGEST = 60_000  # characters; a comment on GitHub holds 65 536
+LISTED, FOLDED = 12, 100  # rows of a table: shown at once, about a screen, and folded below it
+LONGEST = 60_000  # characters; a comment on GitHub may have 65 536
 
 
 def markdown(comparison: Comparison) -> str:
@@ -25,7 +25,9 @@ def markdown(comparison: Comparison) -> str:
     counts = " · ".join(f"{name} {count}" for name, count in comparison.counts.items())
     parts = [f"## {counts}", f"{runs}.", *map(_text, comparison.notes)]
     if comparison.untimed:
-        parts.append(f"Times are not compared: {comparison.untimed}. `--confirm --code` runs both codes here, in turn.")
+        parts.append(
+            f"Times are not compared: {comparison.untimed}. `--confirm --code` runs both codes alternately on this machine."
+        )
     for variant in solvers(comparison):
         own = [found for found in (*comparison.flips, *comparison.gone, *comparison.work) if found.variant == variant]
         if own:
@@ -33,25 +35,25 @@ def markdown(comparison: Comparison) -> str:
     if comparison.times:
         parts += ["### Times", *_times(comparison)]
     whole = list(takewhile(lambda size: size < LONGEST, accumulate(len(part) + 2 for part in parts)))
-    cut = [] if len(whole) == len(parts) else ["The page is too long and ends here; `--out` writes all of it as data."]
+    cut = [] if len(whole) == len(parts) else ["The text is too long and was cut here; `--out FOLDER` writes all results."]
     return "\n\n".join([*parts[: len(whole)], *cut]) + "\n"
 
 
 def summarise(comparison: Comparison) -> None:
-    """Append the page to the summary of a GitHub workflow's step, where it runs in one."""
+    """Append the comparison to the summary of a GitHub workflow's step, if the program runs in one."""
     if path := os.environ.get("GITHUB_STEP_SUMMARY"):
         with open(path, "a", encoding="utf-8") as summary:
             summary.write(markdown(comparison) + "\n")
 
 
 def solvers(comparison: Comparison) -> list[str]:
-    """Those of which anything is told, what is worse first."""
+    """The solvers with findings, those with a regression first."""
     worse = {found.variant for found in comparison.worse}
     return sorted({found.variant for found in comparison.findings}, key=lambda name: (name not in worse, name))
 
 
 def again(comparison: Comparison, flip: Flip) -> str:
-    """The command that runs a cell again."""
+    """The command that runs the cell again; empty if it is gone."""
     if flip.after == GONE:
         return ""
     source = comparison.sources.get(flip.variant, "")
@@ -73,21 +75,21 @@ def _changes(comparison: Comparison, own: Sequence[Finding]) -> Iterator[str]:
     flips = [found for found in own if isinstance(found, Flip)]
     work = [found for found in own if isinstance(found, Growth)]
     if flips:
-        told = any(flip.reason or flip.known for flip in flips)
-        heads = ["verdict", "scene", "step", "tolerance", "residual", "again", *(["remark"] if told else [])]
-        rows = [[*_flip(comparison, flip), *([_remark(flip)] if told else [])] for flip in flips]
+        remarks = any(flip.reason or flip.known for flip in flips)
+        heads = ["verdict", "scene", "step", "tolerance", "residual", "command", *(["remark"] if remarks else [])]
+        rows = [[*_flip(comparison, flip), *([_remark(flip)] if remarks else [])] for flip in flips]
         yield from _table(heads, rows)
     if work:
-        told = any(growth.known for growth in work)
-        heads = ["work", "before", "after", "ratio", "cells", *(["remark"] if told else [])]
-        yield from _table(heads, [[*_growth(growth), *([_remark(growth)] if told else [])] for growth in work])
+        remarks = any(growth.known for growth in work)
+        heads = ["work", "before", "after", "ratio", "cells", *(["remark"] if remarks else [])]
+        yield from _table(heads, [[*_growth(growth), *([_remark(growth)] if remarks else [])] for growth in work])
 
 
 def _flip(comparison: Comparison, flip: Flip) -> list[str]:
     residuals = [f"{value:.1e}" if np.isfinite(value) else "–" for value in (flip.residual_before, flip.residual_after)]
     command = again(comparison, flip)
-    place = [_code(flip.scene), flip.step or flip.table, f"{flip.tol:g}"]
-    return [_bold(change(flip), flip), *place, " → ".join(residuals), _code(command) if command else ""]
+    cell = [_code(flip.scene), flip.step or flip.table, f"{flip.tol:g}"]
+    return [_bold(change(flip), flip), *cell, " → ".join(residuals), _code(command) if command else ""]
 
 
 def _growth(growth: Growth) -> list[str]:
@@ -107,9 +109,11 @@ def _times(comparison: Comparison) -> Iterator[str]:
     mean = ["geometric mean", "", "", f"×{overall(comparison.times):.2f}", "", "", "", ""]
     yield from _table(heads, [_time(time) for time in order], mean)
     if any(time.n == 1 for time in comparison.times):
-        more = "two folders of files made in turn" if comparison.benchmarks else "`--confirm --code`, which runs both in turn,"
-        told = "`~`: nothing can be said of one process of each code (n = 1), whose repeats are not independent;"
-        yield f"{told} {more} can."
+        yield "`~`: not significant. One process per code (n = 1) gives no interval, because its repeats are not independent."
+        if comparison.benchmarks:
+            yield "Compare two folders with the files of several processes that ran alternately."
+        else:
+            yield "`--confirm --code` runs several processes of both codes alternately."
 
 
 def _time(time: Time) -> list[str]:
@@ -127,7 +131,7 @@ def _bold(text: str, found: Finding) -> str:
 
 
 def _table(heads: list[str], rows: list[list[str]], last: list[str] | None = None) -> Iterator[str]:
-    """A table; what is too long to be read at once is folded, its last row is not."""
+    """A table. Rows beyond LISTED are folded, except the last row."""
     head = [f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
     lines = [f"| {' | '.join(row)} |" for row in rows]
     ends = [f"| {' | '.join(last)} |"] if last else []
@@ -138,10 +142,10 @@ def _table(heads: list[str], rows: list[list[str]], last: list[str] | None = Non
 
 
 def _code(text: str) -> str:
-    """Text as Markdown code that stays in its cell whatever it holds."""
+    """Text as Markdown code that cannot leave its table cell."""
     return "`" + " ".join(text.split()).replace("`", "'").replace("|", "\\|") + "`"
 
 
 def _text(text: str) -> str:
-    """Text that is no markup."""
+    """Text with Markdown's table and HTML characters escaped."""
     return " ".join(text.split()).replace("|", "\\|").replace("<", "&lt;")

@@ -52,7 +52,7 @@ def test_a_baseline_is_one_sorted_table_and_compares_like_its_run(tmp_path):
 def test_what_is_no_baseline_is_not_written_over_and_told(tmp_path):
     made, path = run(tmp_path / "run"), tmp_path / "notes.tsv"
     path.write_text("my notes", encoding="utf-8")
-    with pytest.raises(ResultsError, match=r"notes\.tsv: not a baseline"):
+    with pytest.raises(ResultsError, match=r"notes\.tsv: neither a baseline"):
         accept(made, path)
     assert path.read_text(encoding="utf-8") == "my notes"
     accept(made, tmp_path / "good.tsv")
@@ -60,7 +60,7 @@ def test_what_is_no_baseline_is_not_written_over_and_told(tmp_path):
     for spoilt, told in (
         (text + "a\tb\n", r"spoilt\.tsv:13: 2 columns"),
         (text.replace("solved", "fine"), "unknown verdict 'fine'"),
-        (text.replace("# schema: 2\n", ""), "of schema 1, this version reads 2"),
+        (text.replace("# schema: 2\n", ""), "schema version 1, but this program reads version 2"),
     ):
         (tmp_path / "spoilt.tsv").write_text(spoilt, encoding="utf-8")
         with pytest.raises(ResultsError, match=told):
@@ -103,7 +103,7 @@ def test_what_is_acknowledged_with_a_reason_closes_no_gate(tmp_path):
     assert (result.exit_code, result.counts["known"]) == (0, 2)
     text = markdown(result)
     assert "`known: a safer \\| step`" in text
-    assert "No longer met, and can be taken out of the acknowledged changes: b, time." in text
+    assert "Acknowledged, but no longer found; delete the entry: b, time." in text
     further = known.acknowledge(compare(before, run(tmp_path / "further", 13, "crashed")), acknowledged)
     assert [found.after if isinstance(found, Flip) else found.name for found in further.worse] == ["crashed", "pivots"]
 
@@ -163,7 +163,8 @@ def test_results_of_pytest_benchmark_compare_too(tmp_path):
     several = compare(tmp_path / "before", tmp_path / "after")
     assert [(time.variant, time.n) for time in several.worse] == [("x", 8)]
     assert (
-        compare(old, benchmark(tmp_path / "there.json", {"x": 1.0}, "there")).unusable == "times of two machines do not compare"
+        compare(old, benchmark(tmp_path / "there.json", {"x": 1.0}, "there")).unusable
+        == "benchmark times of two different machines cannot be compared"
     )
     (tmp_path / "none.json").write_text("[]", encoding="utf-8")
     assert "not a result of pytest-benchmark" in compare(old, tmp_path / "none.json").unusable

@@ -69,7 +69,7 @@ def test_a_timeout_that_the_machine_may_explain_is_no_flip(runs, seconds, code, 
     before, after = rows(["solved"], **taken), [lost_row("a", "p0", "timeout")]
     result = runs([*others, *before], [*slower, *after], **manifest)
     assert result.exit_code == code
-    assert ("the machine's pace may explain, at other verdicts, are no change: 1 cells" in markdown(result)) is (code == 0)
+    assert ("the speed of the machine may explain are not counted: 1 cells" in markdown(result)) is (code == 0)
     assert bool(runs([*slower, *after], [*others, *before], **manifest).better) is (code == 1)
 
 
@@ -223,7 +223,7 @@ def test_an_alert_that_does_not_come_again_falls(runs):
     assert confirm(seen, [(before, after)] * 3, both=False, limits=Limits()).worse == seen.worse
     fallen = confirm(seen, [(before, after), (before, before), (after, after)], both=False, limits=Limits())
     assert (fallen.exit_code, fallen.flips, fallen.work) == (0, (), ())
-    assert "Not confirmed, its cells ran again: a, pivots." in markdown(fallen)
+    assert "Not confirmed, the repeats give the result of the baseline: a, pivots." in markdown(fallen)
 
 
 def test_what_is_gone_with_its_code_stands(runs):
@@ -279,7 +279,7 @@ def test_a_page_fits_a_comment(runs):
     text = markdown(runs(before, after))
     assert text.startswith("## worse 650 ")
     assert "and 18 more." in text
-    assert text.endswith("The page is too long and ends here; `--out` writes all of it as data.\n")
+    assert text.endswith("The text is too long and was cut here; `--out FOLDER` writes all results.\n")
     assert 40_000 < len(text) < 65_536
 
 

@@ -46,7 +46,10 @@ def test_an_alert_is_run_with_both_codes_in_turn(seen, tmp_path, monkeypatch) ->
     monkeypatch.setattr(confirm, "_cells", lambda *_: cells.read(seen.current))  # as if both did what the current one does
     falls = again(seen, str(tmp_path / "base"))
     assert falls.exit_code == 0
-    assert all(note.startswith("Not confirmed, both codes do the same here: guest") for note in falls.notes[-len(seen.worse) :])
+    assert all(
+        note.startswith("Not confirmed, both codes give the same result here: guest")
+        for note in falls.notes[-len(seen.worse) :]
+    )
 
 
 def test_code_that_is_not_at_hand_is_told(seen, tmp_path, monkeypatch) -> None:
