@@ -1,11 +1,11 @@
-"""For a paper: figures at the widths of a two-column page, booktabs tables, captions and references, in DIR/paper/.
+"""Files for a paper: figures at the widths of a two-column page, booktabs tables, captions and references, in DIR/paper/.
 
     \\input{speed_accuracy.pgf}                    a figure in the paper's own fonts, or \\includegraphics{speed_accuracy}
     \\input{times}                                 a table that fits its width
     \\caption{\\benchcaption{speed_accuracy}}       from captions.tex
     \\bibliography{references}
 
-preview.tex is a document that shows all of them. From the same tables come the same files, byte for byte.
+preview.tex is a document that shows all of them. The same tables always give the same files, byte for byte.
 """
 
 from collections.abc import Callable, Collection, Sequence
@@ -31,12 +31,12 @@ from frictionbench.reports.run import PORTFOLIO, Run
 from frictionbench.results.files import ResultsError, subfolder, write_text
 from frictionbench.results.verdicts import Verdict
 
-FONT = 7  # points, in figures
-ON_PAGE_ONLY = ("Point at", "Bands, ")  # how sentences begin that are of the page alone
+FONT = 7  # points, in figures: the smallest size that journals accept
+ON_PAGE_ONLY = ("Point at", "Bands, ")  # the beginnings of sentences that apply to the page only
 
 
 def write_paper(folder: Path, run: Run, layout: Layout | None = None) -> Path:
-    """Write figures as PDF, SVG and, where LaTeX is installed, PGF; tables, captions and references; return DIR/paper."""
+    """Write figures as PDF, SVG and, if LaTeX is installed, PGF; tables, captions and references; return DIR/paper."""
     layout = layout or Layout()
     paper = subfolder(folder, "paper")
     escape = escaped if which("pdflatex") else None
@@ -45,7 +45,7 @@ def write_paper(folder: Path, run: Run, layout: Layout | None = None) -> Path:
         found = chart.panels(run)[chart.in_paper]
         caption = f"{chart.title}. {_plain(chart.caption)}".removeprefix(". ")
         if chart is profiles.CHART and len(run.looks) <= BANDS:
-            caption += " Bands: 95 % of the profiles of as many problems, drawn again with replacement."
+            caption += " Bands: 95 % bootstrap bands over the problems."
         for drawing in (one for one in found if isinstance(one, Drawing)):
             name = f"{chart.name}_{drawing.name}"
             write_text(paper / f"{name}.svg", in_file(drawing))
@@ -59,19 +59,19 @@ def write_paper(folder: Path, run: Run, layout: Layout | None = None) -> Path:
     made = {name: make(run, layout) for name, make in TABLES.items()}
     for name, table in made.items():
         write_text(paper / f"{name}.tex", table.text)
-    told = {name: CAPTIONS[name] for name in made} | {name: caption for name, caption, _ in floats}
-    write_text(paper / "captions.tex", _captions(told, _setting(run)))
+    captions = {name: CAPTIONS[name] for name in made} | {name: caption for name, caption, _ in floats}
+    write_text(paper / "captions.tex", _captions(captions, _setting(run)))
     write_text(paper / "references.bib", bibliography({*run.rows["solver"], *run.simulations["solver"]}))
     write_text(paper / "preview.tex", _preview(made, [(name, wide) for name, _, wide in floats], layout))
     return paper
 
 
 def chosen(run: Run, names: Collection[str]) -> Run:
-    """The run as if only the solvers named had been in it, by their names or their variants'.
+    """The run restricted to some solvers, given by name, variant or label.
 
-    Errors: ResultsError naming one that is not there.
+    Errors: ResultsError naming a solver that is not in the run.
     """
-    kept: set[str] = set()
+    selected: set[str] = set()
     for name in names:
         found = {
             str(label)
@@ -84,16 +84,16 @@ def chosen(run: Run, names: Collection[str]) -> Run:
         if not found:
             there = ", ".join(sorted({*run.rows["variant"], *run.simulations["variant"]}))
             raise ResultsError(f"solvers: {name} is not in this run; there are {there}")
-        kept |= found
+        selected |= found
     parts = {
-        name: table[table["label"].isin(kept)] if len(table) else table
+        name: table[table["label"].isin(selected)] if len(table) else table
         for name, table in (("rows", run.rows), ("simulations", run.simulations), ("map_simulations", run.map_simulations))
     }
     return replace(run, **parts)
 
 
 def _solvability(run: Run, layout: Layout) -> Table:
-    """Verdicts that nobody has are left out."""
+    """The counts of verdicts per solver, without verdicts that do not occur."""
     rows = tables.solvability(run)
     columns = ["cells", "claimed", *(name for name in Verdict if rows[name].any())]
     return booktabs(
@@ -143,23 +143,24 @@ TABLES: dict[str, Callable[[Run, Layout], Table]] = {
     "solvers": _solvers,
 }
 CAPTIONS = {
-    "solvability": "Verdicts of an independent verification, by solver; claimed: cells that the solver itself says are solved. "
+    "solvability": "Verdicts of an independent verification, by solver; claimed: cells that the solver reports as solved. "
     "Trivial problems are left out.",
-    "times": "Problems brought within a verified residual of each target, and the shifted geometric mean of the time to it, "
-    "misses charged at the time limit.",
-    "problems": "Problems by class; trivial: no active friction, or nothing to solve; unknowns of the friction LCP.",
+    "times": "Problems brought within a verified residual of each target, and the shifted geometric mean of the time, "
+    "problems not solved charged at the time limit.",
+    "problems": "Problems by class; trivial: no active friction, or the unconstrained motion is the solution; unknowns of the "
+    "friction LCP.",
     "solvers": "Solvers, the model that each solves, and references.",
 }
 
 
 def _plain(caption: str) -> str:
-    """A caption without markup, and without what only a page can do."""
+    """A caption without markup and without the sentences that apply to the page only."""
     sentences = Markup(caption).striptags().replace(". ", ".\n").splitlines()
     return " ".join(sentence for sentence in sentences if not sentence.startswith(ON_PAGE_ONLY))
 
 
 def _setting(run: Run) -> str:
-    """Where and on what the figures were made."""
+    """The suite and the machine of the run, in a sentence."""
     machine = run.manifest.get("machine")
     processor = f", one thread of {machine['processor']}" if isinstance(machine, dict) and "processor" in machine else ""
     problems = run.contested["problem_id"].nunique()

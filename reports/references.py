@@ -1,4 +1,4 @@
-"""The references of solvers, from references.bib beside this file, whose keywords name the solvers that an entry is for."""
+"""The references of solvers, from references.bib in this folder, in which keywords name the solvers of each entry."""
 
 import re
 from collections.abc import Collection
@@ -10,7 +10,7 @@ ALWAYS = "all"
 
 
 class Reference(NamedTuple):
-    """An entry of the bibliography: its key, whom it is for, and its text."""
+    """An entry of the bibliography: its key, the solvers that it belongs to, and its text."""
 
     key: str
     solvers: frozenset[str]
@@ -19,7 +19,7 @@ class Reference(NamedTuple):
 
 @cache
 def references() -> tuple[Reference, ...]:
-    """All of them, in the file's order."""
+    """All references, in the order of the file."""
     text = Path(__file__).with_name("references.bib").read_text(encoding="utf-8")
     found = []
     for entry in re.findall(r"^@\w+\{.*?^\}\n", text, flags=re.MULTILINE | re.DOTALL):
@@ -31,10 +31,10 @@ def references() -> tuple[Reference, ...]:
 
 
 def cited(solver: str) -> list[str]:
-    """The keys of a solver's references; none of one from outside."""
+    """The keys of a solver's references; none for a plug-in."""
     return [entry.key for entry in references() if solver in entry.solvers]
 
 
 def bibliography(solvers: Collection[str]) -> str:
-    """The entries of these solvers, and those that every paper needs."""
+    """The entries of these solvers, and those with the keyword ALWAYS."""
     return "\n".join(entry.text for entry in references() if entry.solvers & {ALWAYS, *solvers})

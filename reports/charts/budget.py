@@ -1,4 +1,4 @@
-"""Problems solved against time: what share of them is within the target after so long, each problem given that time alone."""
+"""Problems solved against time: the share of problems within the target if each problem is given the same time."""
 
 from functools import partial
 
@@ -17,7 +17,7 @@ from frictionbench.reports.run import Run
 
 
 def panels(run: Run) -> list[Panel]:
-    """A panel per target that somebody reaches."""
+    """A panel per target that some solver reaches."""
     return [
         Panel(f"within {power(target)}", partial(_draw, times=on_all(times), looks=run.looks))
         for target, times in run.times.items()
@@ -44,7 +44,7 @@ CHART = Chart(
     panels=panels,
     section="time",
     title="Solved against time",
-    caption="The share of all non-trivial problems that a solver brings within the target when each is given so much time: at "
-    "the time that a step may take, whatever others do.",
+    caption="The share of all non-trivial problems that a solver brings within the target when each is given that time, "
+    "for example the time available for a time step. Unlike a performance profile it does not depend on the other solvers.",
     in_paper=slice(None, None, 2),
 )

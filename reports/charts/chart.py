@@ -1,4 +1,4 @@
-"""What a chart is to the page and the paper, which both walk the list in reports.charts."""
+"""The description of a chart, which page and paper take from the list in reports.charts."""
 
 from collections.abc import Callable, Sequence
 from typing import Literal, NamedTuple
@@ -11,15 +11,18 @@ Section = Literal["solvability", "maps", "chart", "time", "energy"]  # of the pa
 
 
 class Chart(NamedTuple):
-    """One or more panels under a name, without which there is nothing to see and the chart is left out."""
+    """One or more panels under a name. A chart without panels is left out.
+
+    Drawings of maps are wide: each takes the width of the page and has its own file.
+    """
 
     name: str  # of its files
     panels: Callable[[Run], Sequence[Panel] | Sequence[Drawing]]
     section: Section
-    caption: str  # text, or markup of our own
-    title: str = ""  # none where the section's own will do
-    columns: int = 1  # of panels in the paper: one fills a column of text, several the width of the page
-    on_page: slice = slice(None)  # which of the panels the page shows
-    in_paper: slice = slice(None)  # which the paper shows
-    wide: bool = False  # drawings, each of which takes the page's width, and a file of its own
+    caption: str  # text, or trusted markup
+    title: str = ""  # empty if the heading of the section suffices
+    columns: int = 1  # of panels in the paper: one fills a column of text, several fill the width of the page
+    on_page: slice = slice(None)  # the panels shown on the page
+    in_paper: slice = slice(None)  # the panels shown in the paper
+    wide: bool = False
     folded: bool = False  # shown on demand

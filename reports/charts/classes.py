@@ -1,6 +1,6 @@
-"""Performance profiles by what makes a problem hard: its number of contacts, and the rank of W over its rows.
+"""Performance profiles by the properties that make a problem difficult: number of contacts, and rank of W over its rows.
 
-Rank deficiency, rather than lack of convexity, is what most methods suffer from (Acary, Brémond and Huber 2018).
+Rank deficiency is more difficult for most methods than lack of convexity (Acary, Brémond and Huber 2018).
 """
 
 from functools import partial
@@ -19,11 +19,11 @@ RANKS = {
     "rank 0.75 of the rows or more": (0.75, 1 - 1e-12),
     "rank below that": (0.0, 0.75 - 1e-12),
 }
-FEWEST = 2  # problems of a class
+FEWEST = 2  # problems of a class that has a panel
 
 
 def panels(run: Run) -> list[Panel]:
-    """A panel per class, where the problems of a run are of several."""
+    """A panel per class, if the problems of a run belong to several classes."""
     tried = [target for target in sorted(run.times) if len(run.times[target])]
     if not tried:
         return []
@@ -48,8 +48,8 @@ CHART = Chart(
     panels=panels,
     section="time",
     title="Performance profiles by size and by rank, within the tightest target",
-    caption="As above, for the problems of one class: the number of contacts, and the rank of W over its rows, which is "
-    "known of problems of up to 600 rows.",
+    caption="As above, for the problems of one class, by number of contacts and by the rank of W over its rows, which is "
+    "computed for up to 600 rows.",
     columns=2,
     folded=True,
 )

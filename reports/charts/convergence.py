@@ -1,6 +1,6 @@
-"""Residual against work: what a solver has when it is stopped after so many of its own iterations, on a few problems.
+"""Residual against work: the verified residual when a solver is stopped after a number of its iterations, on a few problems.
 
-Each point is an answer of a call of its own with that limit, outside all timing, verified like any other (results.convergence).
+Each point is the answer of a separate, untimed call with that limit (results.convergence).
 """
 
 from collections.abc import Iterable
@@ -15,11 +15,11 @@ from frictionbench.reports.drawing.text import scene_title
 from frictionbench.reports.run import Run
 from frictionbench.results.convergence import ConvergenceHistory
 
-ZERO, WORST = 1e-17, 1e3  # what the axis shows of a residual; beyond is drawn at the edge
+ZERO, WORST = 1e-17, 1e3  # the range of the residual axis; values beyond are drawn at its ends
 
 
 def panels(run: Run) -> list[Panel]:
-    """A panel per problem on which a solver was followed over two limits or more, all on the same axes."""
+    """A panel per problem with a history of two points or more, all with the same axes."""
     drawn = [history for history in run.histories if history.variant in run.looks and len(history.units) > 1]
     most = max((history.units[-1] for history in drawn), default=1)
     return [Panel(title, partial(_draw, histories=own, looks=run.looks, most=most)) for title, own in by_problem(drawn).items()]
@@ -56,8 +56,8 @@ CHART = Chart(
     panels=panels,
     section="chart",
     title="Residual against iterations",
-    caption="What a solver has when it is stopped after so many units of its own work: each point is the answer of a call of "
-    "its own, made apart from all timing, and verified. A unit is what the method counts, so that curves of unlike methods "
-    "show how they come down, and not who is faster. Portfolios are left out, and who does not solve the problem.",
+    caption="The verified residual of a solver that is stopped after a number of units of its own work; each point is the "
+    "answer of a separate, untimed call. A unit is what the method counts, so that curves of different methods show their rate "
+    "of convergence and not which one is faster. Portfolios and solvers that do not solve the problem are left out.",
     columns=2,
 )

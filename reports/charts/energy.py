@@ -1,4 +1,4 @@
-"""Energy over time in closed loop, relative to the scene's energy scale: a rise is energy from nowhere."""
+"""Energy over time in closed loop, relative to the scene's energy scale. A rise without external work is an error."""
 
 from functools import partial
 
@@ -12,8 +12,8 @@ from frictionbench.reports.drawing.style import ALARM, INK, Look, percent_axis
 from frictionbench.reports.drawing.text import scene_title
 from frictionbench.reports.run import Run
 
-POINTS = 200  # of a curve
-MOST = 24  # panels on the page
+POINTS = 200  # of a curve, finer than the panel's resolution
+MOST = 24  # panels on the page; more make it slow to load
 
 
 def panels(run: Run) -> list[Panel]:
@@ -66,8 +66,8 @@ CHART = Chart(
     name="energy",
     panels=panels,
     section="energy",
-    caption="Change of kinetic and potential energy since the start, relative to the scene's energy scale. Friction and "
-    "impacts take energy away: where no applied force gives any, a rise is an error of the scheme or the solver.",
+    caption="Change of kinetic plus potential energy since the start, relative to the scene's energy scale. Friction and "
+    "impacts dissipate energy: unless an applied force does work, a rise is an error of the scheme or the solver.",
     columns=3,
     on_page=slice(MOST),
 )

@@ -1,9 +1,8 @@
-"""Failure maps: for each solver a panel over two parameters of a scene, coloured by verdict; the problem has panels of its own.
+"""Failure maps: for each solver a panel over two parameters of a scene, coloured by verdict, and panels for the problem itself.
 
-What the problem is (how many solutions, how much it answers to a small change, how near to a change of mode, how ill-
-conditioned) is drawn beside what the solvers make of it, so that an ill-posed problem and an unstable solver look different.
-Thresholds are those that the run traced from the mechanics. Places are counted in grid lines, so that every scale is drawn
-alike.
+The panels for the problem (number of solutions, sensitivity, distance to a change of mode, condition) allow ill-posed problems
+and unstable solvers to be told apart. Dots are points on the thresholds that the run traced from the mechanics. The axes count
+grid lines, whatever the scale of the parameter.
 """
 
 import json
@@ -44,46 +43,51 @@ THRESHOLDS = {
     "pointed": ("pointed", "#0b5fa5"),
     "gaps": ("gap 0", "#8a5a00"),
 }
-WORST = "#5b0f14"  # of a scale, where the value is infinite
-SHADES = 16  # of a scale
+WORST = "#5b0f14"  # the colour of an infinite value on a scale
+SHADES = 16  # colours of a scale: more are indistinguishable, and cost an element each
 NOTHING: Mapping[str, str] = {}
 
 
 class Field(NamedTuple):
-    """One panel of a map: a title, its cells' colours, and what a reader sees who points at one."""
+    """One panel of a map: its title, and for each row a colour, empty for no tile, and a tooltip.
+
+    ground: a colour that most tiles have, drawn once.
+    """
 
     title: str
     rows: pd.DataFrame
-    colours: "pd.Series[Any]"  # empty where there is nothing to show
-    ground: str = ""  # a colour that most cells have, drawn once
+    colours: "pd.Series[Any]"
+    ground: str = ""
     tooltips: "pd.Series[Any] | None" = None
 
 
 def verdicts(run: Run) -> list[Drawing]:
-    """A drawing per map: what the problem is, and the verdicts of each solver that fails somewhere."""
+    """A drawing per map: the properties of the problem, and the verdicts of each solver that fails at some grid point."""
     drawings = []
     for cells in map_cells(run):
         fields = _verdicts(cells)
         shown = [field for field in fields.values() if set(field.colours) != {field.ground}]
         perfect = ", ".join(label for label, field in fields.items() if set(field.colours) == {field.ground})
-        note = f"Every place is solved by {perfect}." if perfect else ""
+        note = f"Every grid point is solved by {perfect}." if perfect else ""
         drawings.append(_drawing(run, cells, [*_problem(cells), *shown], note, VERDICT | SOLUTIONS))
     return drawings
 
 
 def types(run: Run) -> list[Drawing]:
-    """A drawing per map on which a solver finds more than one type of solution, and few enough contacts to tell."""
-    told = [cells for cells in map_cells(run) if "mode" in cells.rows and len(set(cells.rows["mode"].map(_type).dropna())) > 1]
-    return [_drawing(run, cells, *_alike(_types(cells)), TYPE) for cells in told]
+    """A drawing per map on which the solvers find more than one type of solution, as far as the column `mode` has it."""
+    several = [
+        cells for cells in map_cells(run) if "mode" in cells.rows and len(set(cells.rows["mode"].map(_type).dropna())) > 1
+    ]
+    return [_drawing(run, cells, *_alike(_types(cells)), TYPE) for cells in several]
 
 
 def times(run: Run) -> list[Drawing]:
-    """A drawing per map: each solver's time; in closed loop the drift of energy and the penetration."""
+    """A drawing per map: the time of each solver; in closed loop the drift of energy and the penetration."""
     return [_drawing(run, cells, *_alike(_loop(cells) if cells.spec.steps else _times(cells))) for cells in map_cells(run)]
 
 
 def work(run: Run) -> list[Drawing]:
-    """A drawing per map of first problems: each solver's count of work."""
+    """A drawing per map of first problems: the work of each solver."""
     return [_drawing(run, cells, *_alike(_work(cells))) for cells in map_cells(run) if not cells.spec.steps]
 
 
@@ -109,7 +113,7 @@ def _tiles(field: Field) -> list[Tile]:
 
 
 def _at(cells: Cells, rows: pd.DataFrame) -> "pd.Series[Any]":
-    """Where a cell is, in words."""
+    """The parameters of each cell as text."""
     x, y = cells.spec.x, cells.spec.y
     return rows.apply(lambda row: f"{x.parameter} {x.value(row['i']):.4g}, {y.parameter} {y.value(row['j']):.4g}", axis=1)
 
@@ -122,22 +126,20 @@ def _verdicts(cells: Cells) -> dict[str, Field]:
         known = rows[rows["known"]]
         share = f" {_share((known['verdict'] == Verdict.SOLVED).mean())}" if len(known) else ""
         residual = rows["worst_residual" if cells.spec.steps else "residual"]
-        told = _at(cells, rows) + ": " + rows["verdict"] + residual.map(lambda value: f", residual {value:.1e}")
-        told += rows["reason"].map(lambda reason: f"; {reason}" if reason else "") + " · " + rows["key"]
-        told = told.where(
-            rows["verdict"] != Verdict.RELAXED, ""
-        )  # a relaxation's model is solved as it should be: nothing failed
-        fields[label] = Field(label + share, rows, rows["verdict"].map(VERDICT).fillna(INK), VERDICT[Verdict.SOLVED], told)
+        tooltips = _at(cells, rows) + ": " + rows["verdict"] + residual.map(lambda value: f", residual {value:.1e}")
+        tooltips += rows["reason"].map(lambda reason: f"; {reason}" if reason else "") + " · " + rows["key"]
+        tooltips = tooltips.where(rows["verdict"] != Verdict.RELAXED, "")  # no failure: the model is solved
+        fields[label] = Field(label + share, rows, rows["verdict"].map(VERDICT).fillna(INK), VERDICT[Verdict.SOLVED], tooltips)
     return fields
 
 
 def _share(value: float) -> str:
-    """A share of less than one never rounds to one."""
+    """A share as per cent, rounded down so that less than all is never 100 %."""
     return f"{np.floor(1000 * value) / 10:g} %"
 
 
 def _problem(cells: Cells) -> list[Field]:
-    """What the problem is, as far as it changes over the map."""
+    """The properties of the problem that change over the map."""
     rows = cells.problems
     if cells.spec.steps:
         return []
@@ -155,7 +157,7 @@ def _solutions(row: "pd.Series[Any]") -> str:
 
 
 def _scale(title: str, rows: pd.DataFrame, values: "pd.Series[Any]", write: Callable[[float], str] = "{:.0e}".format) -> Field:
-    """Values on a logarithmic scale of colours, its ends in the title."""
+    """Values on a logarithmic scale of colours, with the ends of the scale in the title."""
     size = values.astype(float).abs()
     positive = size[np.isfinite(size) & (size > 0)]
     low, high = (positive.min(), positive.max()) if len(positive) else (1.0, 1.0)
@@ -182,7 +184,7 @@ def _types(cells: Cells) -> list[tuple[str, Field]]:
 
 
 def _alike(fields: Sequence[tuple[str, Field]]) -> tuple[list[Field], str]:
-    """One field for all labels whose fields have the same scale and colours, titled by them; and who is alike, in words."""
+    """One field for all labels whose fields are equal, with their names in the title; and a note that lists equal labels."""
     same: dict[tuple[Any, ...], list[tuple[str, Field]]] = {}
     for label, field in fields:
         colours = sorted(zip(field.rows["i"], field.rows["j"], field.colours, strict=True))
@@ -193,7 +195,7 @@ def _alike(fields: Sequence[tuple[str, Field]]) -> tuple[list[Field], str]:
         what = f": {field.title}" if field.title else ""
         found.append(field._replace(title=f"{label}{f' and {others} more' if others else ''}{what}"))
         if others:
-            words.append(f"{', '.join(name for name, _ in alike)} are alike{f' in {field.title}' if field.title else ''}")
+            words.append(f"{', '.join(name for name, _ in alike)} are equal{f' in {field.title}' if field.title else ''}")
     return found, "; ".join(words) + "." * bool(words)
 
 
@@ -208,7 +210,7 @@ def _work(cells: Cells) -> list[tuple[str, Field]]:
 
 
 def _count(work: str) -> float:
-    """All counters of a row together; not a number where there are none."""
+    """The sum of all counters of a row; nan if there are none."""
     try:
         counters = json.loads(work or "{}")
         return float(sum(counters.values())) if counters else np.nan
@@ -217,9 +219,13 @@ def _count(work: str) -> float:
 
 
 def _loop(cells: Cells) -> list[tuple[str, Field]]:
-    """What changes over the map."""
+    """The drift, penetration and contact-free steps of each label, as far as they change over the map."""
     fields = []
-    for title, column in (("drift", "energy_drift"), ("overlap, m", "worst_penetration"), ("free steps", "contact_free_steps")):
+    for title, column in (
+        ("drift", "energy_drift"),
+        ("overlap, m", "worst_penetration"),
+        ("contact-free", "contact_free_steps"),
+    ):
         for label in cells.labels:
             rows = cells.rows[cells.rows["label"] == label]
             values = rows[column].astype(float)
@@ -233,11 +239,11 @@ VERDICTS = Chart(
     panels=verdicts,
     section="maps",
     wide=True,
-    caption="A map a scene. First what the problem itself is: how many solutions it has, how much a small change of the data "
-    "changes the solution, how near the solution is to a change of mode, how ill-conditioned it is. Then a panel for each "
-    "solver that fails somewhere, with the share solved of the places where a solution is known. Small tiles are refinements "
-    "where neighbours' verdicts differ. Dots are thresholds of theory, traced from the mechanics without a solver. Point at a "
-    "failure to read its reason and its row's key.",
+    caption="One map per scene. The first panels show the problem itself: the number of its solutions, its sensitivity to a "
+    "small change of the data, the distance of the solution to a change of mode, and its condition. Then follows a panel for "
+    "each solver that fails somewhere, with the share solved of the grid points where a solution is known. Small tiles "
+    "are refinements between neighbours with different verdicts. Dots are analytical thresholds, traced from the mechanics "
+    "without a solver. Point at a failure to read its reason and the key of its row.",
 )
 TYPES = Chart(
     name="map_types",
@@ -245,7 +251,7 @@ TYPES = Chart(
     section="maps",
     wide=True,
     title="The type of solution found",
-    caption="What the answer makes of the contacts, where it is one: with several solutions, which of them.",
+    caption="The state of the contacts in each verified answer: where there are several solutions, which one was found.",
 )
 TIMES = Chart(
     name="map_times",
@@ -254,8 +260,8 @@ TIMES = Chart(
     wide=True,
     folded=True,
     title="Time over the maps",
-    caption="Form, setup and solve; darker is faster. In closed loop the drift of energy relative to the scene's own, the "
-    "deepest overlap, and the steps in which nothing touched.",
+    caption="Form, setup and solve together; darker is faster. In closed loop the drift of energy relative to the scene's "
+    "energy scale, the largest penetration, and the number of contact-free steps.",
 )
 WORK = Chart(
     name="map_work",
@@ -264,6 +270,6 @@ WORK = Chart(
     wide=True,
     folded=True,
     title="Work over the maps",
-    caption="What a method counts of its own (pivots, iterations, factorisations, sweeps), all counters together, free "
-    "of noise; to be compared within a panel only. Darker is less.",
+    caption="The sum of a method's deterministic counters (pivots, iterations, factorisations, sweeps). Only values within a "
+    "panel are comparable. Darker is less.",
 )

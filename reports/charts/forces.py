@@ -1,7 +1,7 @@
-"""The force at each contact of redundant supports, by solver: where W lacks rank, many distributions move the bodies alike.
+"""The impulse at each contact of redundant supports, by solver: if W is rank deficient, many distributions are solutions.
 
-A body on more supports than it needs is hyperstatic: one motion and one net impulse come of many shares of the single
-contacts. What is compared is never these shares; they show what a simulator that reads forces gets.
+A body on more supports than it needs is hyperstatic: the motion and the net impulse are unique, their distribution over the
+contacts is not. Distributions are not compared; the chart shows what a simulator that uses contact forces would obtain.
 """
 
 from functools import partial
@@ -16,11 +16,11 @@ from frictionbench.reports.drawing.style import Look
 from frictionbench.reports.run import Run
 from frictionbench.results.convergence import ConvergenceHistory
 
-EXACT = 1e-4  # residual
+EXACT = 1e-4  # residual below which an answer is drawn: an order of magnitude finer than the eye sees
 
 
 def panels(run: Run) -> list[Panel]:
-    """A panel per redundant problem of few contacts, with the answers that solve it, and not the relaxation alone."""
+    """A panel per redundant problem of few contacts, with the answers that solve the exact problem."""
     known = (history for history in run.histories if history.variant in run.looks and history.residuals)
     drawn = [history for history in known if history.redundant and history.impulse and history.residuals[-1] <= EXACT]
     return [Panel(title, partial(_draw, histories=own, looks=run.looks)) for title, own in by_problem(drawn).items()]
@@ -46,7 +46,7 @@ CHART = Chart(
     panels=panels,
     section="solvability",
     title="Force per contact on redundant supports",
-    caption="The normal impulses of exact answers. With more supports than a body needs, one motion comes of many "
-    "distributions of the load, and which of them is the solver's choice: none is more right, and none is compared by it.",
+    caption="The normal impulses of answers that solve the exact problem. On more supports than a body needs, many "
+    "distributions of the load give the same motion. Each solver returns one of them; all are correct, and none is preferred.",
     columns=2,
 )

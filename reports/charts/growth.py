@@ -1,7 +1,7 @@
 """Time against size: how an label's time to a target grows with the number of contacts, for scenes of several sizes.
 
-The exponent p of time ~ contacts^p is the slope of the least-squares line through the logarithms, over the sizes of which every
-problem was solved; +- is the slope's standard error.
+The exponent p of time ~ contacts^p is the slope of the least-squares line through the logarithms, over the sizes at which every
+problem was solved; ± gives the standard error of the slope.
 """
 
 from functools import partial
@@ -18,11 +18,11 @@ from frictionbench.reports.drawing.text import power
 from frictionbench.reports.run import Run
 
 TARGET = TARGETS[1]
-SIZES = 3  # fewer make no curve
+SIZES = 3  # the fewest sizes for which a slope has a standard error
 
 
 def panels(run: Run) -> list[Panel]:
-    """A panel per scene that comes in three sizes or more, with each label's exponent."""
+    """A panel per scene with SIZES sizes or more, with the exponent of each label."""
     problems = run.contested.groupby("problem_id").agg(scene=("scene", "first"), contacts=("contacts", "max"))
     times = run.times[TARGET if TARGET in run.times else run.ends[-1]].join(problems, on="problem_id")
     scenes = times.dropna(subset="contacts").groupby("scene", sort=False)
@@ -36,14 +36,14 @@ def panels(run: Run) -> list[Panel]:
 
 
 def _curves(times: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """Of each label by number of contacts: mean (s), and all: whether all problems of that size were solved."""
+    """For each label, by number of contacts: mean (s), and all: whether all problems of that size were solved."""
     groups = times.groupby(["label", "contacts"])
     table = pd.DataFrame({"mean": groups["charged"].agg(shifted_geometric_mean), "all": groups["reached"].all()})
     return {str(label): own.droplevel("label") for label, own in table.groupby("label")}
 
 
 def exponent(contacts: Array, time: Array) -> tuple[float, float]:
-    """The slope of log time over log contacts, and its standard error; nan of fewer than three sizes."""
+    """The slope of log time over log contacts and its standard error; nan for fewer than SIZES sizes."""
     x, y = np.log(contacts), np.log(time)
     if len(x) < SIZES:
         return np.nan, np.nan
@@ -54,7 +54,7 @@ def exponent(contacts: Array, time: Array) -> tuple[float, float]:
 
 
 def _exponents(curves: dict[str, pd.DataFrame]) -> dict[str, str]:
-    """Of the labels that solve enough sizes the exponents as text, the least first."""
+    """The exponents, as text, of the labels that solve enough sizes, the smallest first."""
     found = {}
     for label, curve in curves.items():
         own = curve[curve["all"] & (curve.index > 0)]
@@ -66,10 +66,10 @@ def _exponents(curves: dict[str, pd.DataFrame]) -> dict[str, str]:
 
 def _draw(ax: Axes, curves: dict[str, pd.DataFrame], looks: dict[str, Look], ends: tuple[float, float]) -> None:
     for label, curve in curves.items():
-        look, missed = looks[label], curve[~curve["all"]]
+        look, incomplete = looks[label], curve[~curve["all"]]
         ax.plot(curve.index, curve["mean"], color=look.colour, ls=look.dash, gid=look.tag)
         ax.plot(curve.index[curve["all"]], curve.loc[curve["all"], "mean"], look.marker, color=look.colour, gid=look.tag)
-        ax.plot(missed.index, missed["mean"], "x", color=look.colour, mew=1.4, gid=look.tag)
+        ax.plot(incomplete.index, incomplete["mean"], "x", color=look.colour, mew=1.4, gid=look.tag)
     sizes = sorted({size for curve in curves.values() for size in curve.index})
     shown = sizes[:1]
     for size in sizes[1:]:
@@ -87,6 +87,6 @@ CHART = Chart(
     panels=panels,
     section="time",
     title=f"Time against size, residual within {power(TARGET)} or the tightest target",
-    caption="Crosses: at least one problem of that size was missed and is charged at the time limit. Below each panel, how the "
-    "time grows with the number of contacts n, fitted to the sizes that were solved throughout, where these are three or more.",
+    caption="Crosses: at least one problem of that size was not solved and is charged at the time limit. Below each panel, the "
+    "growth of the time with the number of contacts n, fitted to the sizes solved completely, if these are three or more.",
 )

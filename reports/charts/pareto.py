@@ -1,8 +1,8 @@
-"""Speed against accuracy over all problems: a point for each label and tolerance, and the front that nobody is below.
+"""Speed against accuracy over all problems: a point for each label and tolerance, and their Pareto front.
 
-Time is the shifted geometric mean over the problems, misses charged at the time limit; accuracy the median of the verified
-residual, no answer counting as the worst. Only labels that ran on every problem of the chart are drawn, for a mean over
-fewer problems is another mean. The front joins the points for which no other is both faster and more accurate.
+Time is the shifted geometric mean over the problems, with problems not solved charged at the time limit; accuracy is the median
+of the verified residual, a missing answer counting as infinite. Only labels that ran on every problem are drawn, because means
+over different problems are not comparable. The front joins the points for which no other is both faster and more accurate.
 """
 
 from functools import partial
@@ -23,27 +23,27 @@ ZERO, WORST = 1e-17, 1e1  # where residuals of zero, and large or missing ones, 
 
 
 def panels(run: Run) -> list[Panel]:
-    """One panel, where somebody ran on all problems."""
+    """One panel, if some solver ran on all problems."""
     points = ladder(run)
     return [Panel("all problems", partial(_draw, points=points, looks=run.looks), size=WHOLE)] if len(points) else []
 
 
 def ladder(run: Run) -> pd.DataFrame:
-    """A row per label and tolerance that met every non-trivial problem: time (s) and residual."""
+    """A row per label and tolerance with an attempt on every non-trivial problem: time (s) and residual."""
     rows = run.contested
     rows = rows.assign(
         time=rows["time"].where(rows["answered"], rows["time_limit"]),
         residual=rows["residual"].where(rows["answered"], np.inf),
-        met=rows["problem_id"].where(rows["verdict"] != Verdict.SKIPPED),
+        ran=rows["problem_id"].where(rows["verdict"] != Verdict.SKIPPED),
     )
     groups = rows.groupby(["label", "tol"], sort=False)
-    points = groups.agg(time=("time", shifted_geometric_mean), residual=("residual", "median"), met=("met", "nunique"))
-    points = points[points["met"] == rows["problem_id"].nunique()].drop(columns="met").reset_index()
+    points = groups.agg(time=("time", shifted_geometric_mean), residual=("residual", "median"), ran=("ran", "nunique"))
+    points = points[points["ran"] == rows["problem_id"].nunique()].drop(columns="ran").reset_index()
     return points.assign(residual=points["residual"].clip(ZERO, WORST))
 
 
 def front(time: NDArray[np.float64], residual: NDArray[np.float64]) -> NDArray[np.intp]:
-    """The points for which no other is as fast and as accurate, from the fastest on."""
+    """The indices of the Pareto-optimal points, the fastest first."""
     order = np.lexsort((residual, time))
     best = np.minimum.accumulate(np.r_[np.inf, residual[order][:-1]])
     return order[residual[order] < best]
@@ -68,7 +68,7 @@ CHART = Chart(
     name="pareto",
     panels=panels,
     section="chart",
-    caption="All problems at once: the shifted geometric mean of the time (form, setup and solve) and the median verified "
-    "residual at each tolerance that was asked for, of the solvers that ran on every problem. Down and left is better; the "
-    "grey line is the front, the solvers that no other beats in both.",
+    caption="All problems together: the shifted geometric mean of the time (form, setup and solve) and the median verified "
+    "residual at each tolerance, for the solvers that ran on every problem. Lower and further left is better; the grey line is "
+    "the Pareto front, formed by the solvers for which no other is both faster and more accurate.",
 )

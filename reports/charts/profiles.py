@@ -1,7 +1,7 @@
-"""Performance profiles of Dolan and Moré (2002), with bootstrap bands: who is how often within tau times the fastest.
+"""Performance profiles of Dolan and Moré (2002) with bootstrap bands: the share of problems within tau times the least time.
 
-The band holds the middle 95 of 100 profiles of as many problems drawn again with replacement (reports.accuracy.band): where two
-bands overlap, other problems of the kind might have ranked the two the other way.
+The band contains 95 % of the profiles of bootstrap samples of the problems (reports.accuracy.band). Where the bands of two
+solvers overlap, a different choice of problems of the same kind may rank them the other way round.
 """
 
 from functools import partial
@@ -17,13 +17,13 @@ from frictionbench.reports.drawing.style import Look, log_ticks
 from frictionbench.reports.drawing.text import power
 from frictionbench.reports.run import Run
 
-FARTHEST = 1e3  # ratio to the fastest at the right edge
-POINTS = 61  # of a band
-STEPS = 160  # of a curve
+FARTHEST = 1e3  # ratio to the fastest at the right edge: three decades
+POINTS = 61  # of a band, 20 per decade
+STEPS = 160  # of a curve, finer than the resolution of a panel
 
 
 def panels(run: Run) -> list[Panel]:
-    """A panel per target that somebody tried for."""
+    """A panel per target that was attempted."""
     return [
         Panel(f"within {power(target)}", partial(draw, costs=ratios(times), looks=run.looks))
         for target, times in run.times.items()
@@ -34,7 +34,7 @@ def panels(run: Run) -> list[Panel]:
 def draw(
     ax: Axes, costs: dict[str, Array], looks: dict[str, Look], across: str = "time over the fastest solver's time"
 ) -> None:
-    """costs: of each label its cost over the least, of each problem, sorted; infinite where it missed."""
+    """Draw the profiles. costs: for each label its sorted ratios of cost to the least cost, see reports.accuracy.ratios."""
     at = np.geomspace(1, FARTHEST, POINTS)
     for label, ratio in costs.items():
         look, (reached, share) = looks[label], staircase(ratio[ratio <= FARTHEST], len(ratio))
@@ -51,7 +51,7 @@ def draw(
 
 
 def staircase(cost: Array, count: int) -> tuple[Array, Array]:
-    """The sorted costs with the share of `count` problems within each, thinned to STEPS: more are finer than a pixel."""
+    """The sorted costs with the share of `count` problems within each, thinned to STEPS."""
     keep = np.unique(np.linspace(0, len(cost) - 1, min(len(cost), STEPS)).astype(int))
     return cost[keep], (keep + 1) / count
 
@@ -61,9 +61,8 @@ CHART = Chart(
     panels=panels,
     section="time",
     title="Performance profiles",
-    caption="The share of all non-trivial problems, the same for everybody, brought within the target in at most so many "
-    "times the time of the fastest solver there. Left edge: how often a solver is the fastest; right edge: how often it gets "
-    "there at all. Bands, of the best few or of those chosen: 95 % of the profiles of as many problems, drawn again with "
-    "replacement.",
+    caption="The share of all non-trivial problems, the same for all solvers, brought within the target in at most the given "
+    "multiple of the fastest solver's time on the problem. Left edge: how often a solver is the fastest; right edge: how often "
+    "it reaches the target at all. Bands, of the best few or of those chosen: 95 % bootstrap bands over the problems.",
     in_paper=slice(None, None, len(TARGETS) - 1),  # the coarsest and the finest
 )

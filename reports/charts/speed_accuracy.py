@@ -1,8 +1,8 @@
-"""The speed-accuracy chart: verified residual against time, one panel a problem class.
+"""The speed-accuracy chart: verified residual against time, one panel per problem class.
 
-Dots are cells; a line joins an label's medians along its ladder of tolerances. A relaxation's solver cannot come below the
-error of its model, drawn as a floor; its residual on the model itself, which is the solver's own error, is dotted. A ring is
-a wrong claim. The strip on top counts the cells that gave no answer.
+Dots are cells; a line joins the medians of a solver at its tolerances. A solver of a relaxation cannot be more accurate than
+its model, whose error is a dashed line; its residual on the model itself is dotted. A ring is a wrong claim. The strip at the
+top counts the cells without an answer.
 """
 
 from functools import partial
@@ -23,22 +23,22 @@ from frictionbench.results.verdicts import Verdict
 ZERO = 1e-17  # where a residual of exactly zero is drawn
 WORST = 1e1  # where larger residuals are drawn
 STRIP = 2e3  # the strip above WORST
-TOLD = 5000  # cells of a run beyond which the page does not say what each dot is, for its own size
-CROWD = 1500  # dots beyond which they are drawn as an image
+MOST_TOOLTIPS = 5000  # cells of a run above which dots have no tooltips, which would make the page too large
+CROWD = 1500  # dots above which they are drawn as an image, for the same reason
 
 
 def panels(run: Run) -> list[Panel]:
-    """A panel per problem class, all on the same axes."""
+    """A panel per problem class, all with the same axes."""
     answers = run.contested[run.contested["answered"]]
     ends = (0.7 * answers["time"].min(), 1.4 * answers["time"].max()) if len(answers) else (1e-3, 1.0)
     lowest = min(1e-10, _shown(answers["residual"]).min()) if len(answers) else 1e-10
-    draw, told = partial(_draw, looks=run.looks, ends=ends, lowest=lowest), len(run.contested) <= TOLD
+    draw, few = partial(_draw, looks=run.looks, ends=ends, lowest=lowest), len(run.contested) <= MOST_TOOLTIPS
     classes = run.contested.groupby("problem_class", sort=False)
-    return [Panel(name, partial(draw, rows=group), _told(group, run.looks) if told else {}) for name, group in classes]
+    return [Panel(name, partial(draw, rows=group), _tooltips(group, run.looks) if few else {}) for name, group in classes]
 
 
-def _told(rows: pd.DataFrame, looks: dict[str, Look]) -> dict[str, list[str]]:
-    """What each dot is: who, on what, how well, how fast, and the key to run it again."""
+def _tooltips(rows: pd.DataFrame, looks: dict[str, Look]) -> dict[str, list[str]]:
+    """For each dot the solver, problem, accuracy and time, and the command that runs the cell again."""
     answers = rows[rows["answered"]]
     return {
         looks[str(label)].tag: [
@@ -75,7 +75,7 @@ def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look], ends: tuple[floa
     ax.grid(axis="y", lw=0.4, alpha=0.3)
     ax.set_xlabel("time, form, setup and solve")
     ax.set_ylabel("verified residual")
-    _misses(ax, rows, looks)
+    _no_answers(ax, rows, looks)
 
 
 def _shown(residual: pd.Series) -> pd.Series:
@@ -91,14 +91,14 @@ def _model_error(ax: Axes, answers: pd.DataFrame) -> None:
     ax.text(1.01, floor, "model\nerror", transform=ax.get_yaxis_transform(), va="center", fontsize="x-small", alpha=0.8)
 
 
-def _misses(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
-    lost = rows[~rows["answered"] & (rows["verdict"] != Verdict.SKIPPED)].groupby("label").size()
-    if lost.empty:
+def _no_answers(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
+    counts = rows[~rows["answered"] & (rows["verdict"] != Verdict.SKIPPED)].groupby("label").size()
+    if counts.empty:
         return
     ax.axhspan(WORST, STRIP, color=INK, alpha=0.07, lw=0)
     ax.text(0.01, 0.95, "no answer", transform=ax.transAxes, va="center", fontsize="x-small", alpha=0.8)
-    for i, (label, count) in enumerate(lost.items()):
-        x, colour = 0.25 + 0.75 * i / max(6, len(lost)), looks[str(label)].colour
+    for i, (label, count) in enumerate(counts.items()):
+        x, colour = 0.25 + 0.75 * i / max(6, len(counts)), looks[str(label)].colour
         ax.text(x, 0.95, f"×{count}", transform=ax.transAxes, va="center", fontsize="small", weight="bold", color=colour)
 
 
@@ -107,9 +107,9 @@ CHART = Chart(
     panels=panels,
     section="chart",
     caption=Markup(
-        "Lower is more accurate, further left is faster. Dots are cells; a line joins a solver's medians along its tolerances. "
-        "A dotted line with hollow markers is a relaxation's residual on its own model, the dashed line the error of that "
-        'model. <span class="alarm">Red rings</span> are wrong claims; the strip on top counts cells without an answer.'
+        "Lower is more accurate, left is faster. Dots are cells; a line joins the medians of a solver at its tolerances. "
+        "A dotted line with hollow markers is the residual of a relaxation on its own model, the dashed line the error of that "
+        'model. <span class="alarm">Red rings</span> are wrong claims; the strip at the top counts cells without an answer.'
     ),
     columns=3,
 )

@@ -1,8 +1,8 @@
-"""Is the problem ill-posed or the solver unstable? Backward error of every answer against the sensitivity of its problem.
+"""Ill-posed problem or unstable solver: the backward error of every answer against the sensitivity of its problem.
 
-The backward error is the smallest relative change of the data (q, mu) under which the answer is exact: of a stable solver it
-is small on any problem (Higham 2002, section 1.5). The sensitivity is how much more than q the solution changes: it is large
-for an ill-posed problem, whatever the solver. So an unstable solver is high on the left, an ill-posed problem at the right.
+The backward error is the smallest relative change of the data (q, mu) for which the answer is exact; a stable solver has a
+small one on any problem (Higham 2002, section 1.5). Sensitivity is the relative change of the solution over that of q; it is
+large for an ill-posed problem and any solver. Thus unstable solvers are at the upper left, ill-posed problems at the right.
 """
 
 from functools import partial
@@ -18,9 +18,9 @@ from frictionbench.reports.drawing.text import scene_title
 from frictionbench.reports.run import Run
 from frictionbench.results.verdicts import Verdict
 
-SENSITIVITY, ERROR = (1e-2, 1e8), (1e-17, 1e1)  # what the axes show; beyond is drawn at the edge
-ILL, UNSTABLE = 1e3, 1e-6  # where the corners begin
-TOLD = 4000  # answers beyond which the page does not say what each dot is, for its own size
+SENSITIVITY, ERROR = (1e-2, 1e8), (1e-17, 1e1)  # the ranges of the axes; values beyond are drawn at their ends
+ILL, UNSTABLE = 1e3, 1e-6  # dotted lines: a solution that loses three digits, an error far above rounding
+MOST_TOOLTIPS = 4000  # answers above which dots are drawn as an image without tooltips, to keep the page small
 
 
 def panels(run: Run) -> list[Panel]:
@@ -31,16 +31,16 @@ def panels(run: Run) -> list[Panel]:
     ]
     if rows.empty:
         return []
-    return [
-        Panel("all problems", partial(_draw, rows=rows, looks=run.looks), _told(rows, run) if len(rows) <= TOLD else {}, WHOLE)
-    ]
+    return [Panel("all problems", partial(_draw, rows=rows, looks=run.looks), _tooltips(rows, run), WHOLE)]
 
 
-def _told(rows: pd.DataFrame, run: Run) -> dict[str, list[str]]:
+def _tooltips(rows: pd.DataFrame, run: Run) -> dict[str, list[str]]:
+    if len(rows) > MOST_TOOLTIPS:
+        return {}
     columns = ["scene", "parameters", "step", "sensitivity", "backward_error", "residual", "verdict"]
     return {
         run.looks[str(label)].tag: [
-            f"{label}\n{scene_title(scene, parameters)}, step {step:.0f}\nresponse {sensitivity:.1e}, "
+            f"{label}\n{scene_title(scene, parameters)}, step {step:.0f}\nsensitivity {sensitivity:.1e}, "
             f"backward error {error:.1e}, residual {residual:.1e}: {verdict}"
             for scene, parameters, step, sensitivity, error, residual, verdict in own[columns].itertuples(index=False)
         ]
@@ -49,7 +49,7 @@ def _told(rows: pd.DataFrame, run: Run) -> dict[str, list[str]]:
 
 
 def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
-    crowded = len(rows) > TOLD
+    crowded = len(rows) > MOST_TOOLTIPS
     ax.axvline(ILL, color=INK, lw=0.6, ls=":")
     ax.axhline(UNSTABLE, color=INK, lw=0.6, ls=":")
     for label, own in rows.groupby("label"):
@@ -65,9 +65,9 @@ def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
             rasterized=crowded,
         )
         dots.set_gid(f"dots-{look.tag}")
-    lost = rows[rows["verdict"] != Verdict.SOLVED]
+    failed = rows[rows["verdict"] != Verdict.SOLVED]
     cross: Any = {"color": INK, "ms": 3, "mew": 0.5, "alpha": 0.6, "rasterized": crowded}
-    ax.plot(lost["sensitivity"].clip(*SENSITIVITY), lost["backward_error"].clip(*ERROR), "x", **cross)
+    ax.plot(failed["sensitivity"].clip(*SENSITIVITY), failed["backward_error"].clip(*ERROR), "x", **cross)
     corners = (
         (0.02, 0.97, "left", "unstable solver"),
         (0.98, 0.97, "right", "both"),
@@ -90,8 +90,9 @@ CHART = Chart(
     panels=panels,
     section="solvability",
     title="Ill-posed problem or unstable solver",
-    caption="A dot is an answer at the tightest tolerance; crossed where it is not solved. High: no nearby problem has this "
-    "answer, so the solver is to blame. Far to the right: a small change of the problem changes its solution a lot, so nobody "
-    "is. An answer that presses ever so little on a contact that opens is exact for no change of the data, and counts as high. "
-    "The sensitivity is known of small problems with a solution.",
+    caption="A dot is an answer at the tightest tolerance, with a cross if the problem is not solved. A large backward error "
+    "means that no near problem has this answer: the solver is unstable. Large sensitivity means that a small change of the "
+    "problem changes its solution much: the problem is ill-posed. An answer with an impulse on a contact that opens is not "
+    "exact for any change of the data and has a large backward error. The sensitivity is computed for small problems with a "
+    "solution.",
 )

@@ -1,8 +1,8 @@
-"""Performance profiles on work: like those on time, of deterministic counts, which no machine and no neighbour disturbs.
+"""Performance profiles of work: deterministic counters in place of time, which do not depend on the machine or its load.
 
-Of each problem an label's work is the count at the least time within the finest target (reports.accuracy); with one added,
-so that a problem solved without any has a ratio. Counts of different units are not compared, so each unit has a panel, with
-the labels that count it on every problem; what a portfolio's members counted is summed.
+The work of a solver on a problem is the counter at the least time within the finest target (reports.accuracy), plus one, so
+that the ratio to a problem solved without work is defined. Counters of different units are not compared: a unit has a panel
+with the solvers that count it on every problem. The counters of the members of a portfolio are summed.
 """
 
 import json
@@ -21,7 +21,7 @@ UNITS = ("pivots", "sweeps", "iterations", "factorisations")
 
 
 def panels(run: Run) -> list[Panel]:
-    """A panel per unit that two labels or more count."""
+    """A panel per unit that two or more labels count."""
     times = run.times[run.ends[-1]]
     counts = pd.DataFrame([counted(text) for text in times["work"]], index=times.index, columns=list(UNITS))
     found = []
@@ -35,13 +35,13 @@ def panels(run: Run) -> list[Panel]:
 
 
 def counted(text: object) -> dict[str, int]:
-    """The work in a row by unit: "lemke pivots" of a portfolio is pivots."""
+    """The work in a row by unit: the counter "lemke pivots" of a portfolio has the unit pivots."""
     try:
-        told = json.loads(text) if isinstance(text, str) else {}
+        counters = json.loads(text) if isinstance(text, str) else {}
     except (ValueError, RecursionError):
         return {}
     total: Counter[str] = Counter()
-    for name, count in told.items() if isinstance(told, dict) else ():
+    for name, count in counters.items() if isinstance(counters, dict) else ():
         unit = name.rsplit(" ", 1)[-1]
         if unit in UNITS and isinstance(count, int):
             total[unit] += count
@@ -53,7 +53,8 @@ CHART = Chart(
     panels=panels,
     section="time",
     title="Performance profiles on work, within the tightest target",
-    caption="As above, for deterministic counts in place of time: no machine changes them. A unit is the same work only for "
-    "methods of a kind; an iteration of one may cost ten of another's. A panel has those that count its unit on every problem.",
+    caption="As above, for deterministic counters in place of time, independent of the machine. A unit is the same work "
+    "only for similar methods; an iteration of one may cost as much as ten of another. Each panel shows the solvers that count "
+    "its unit on every problem.",
     columns=2,
 )

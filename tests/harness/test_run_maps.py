@@ -163,7 +163,7 @@ def test_the_page_shows_every_map(atlas) -> None:
     for name in ("painleve_rod", "sliding_block", "jam", "steps_painleve_rod"):
         assert escape(MAPS[name].title) in page
     assert "<title>overlap 0.1, friction" in page
-    assert "Every place is solved by hybrid*, lemke." in page
+    assert "Every grid point is solved by hybrid*, lemke." in page
     maps = [file for file in write_paper(atlas, read_run(atlas)).iterdir() if file.match("map_*.svg")]
     assert {"map_jam.svg", "map_times_steps_painleve_rod.svg", "map_work_jam.svg"} <= {file.name for file in maps}
     for file in maps:
