@@ -142,6 +142,7 @@ def test_the_solvers_folder_shows_the_methods() -> None:
     assert len(methods) <= 25
 
 
+@cache
 def checkers(module: ast.Module) -> set[str]:
     """The functions of a test's file that assert, or expect an error, themselves or through one another."""
     functions = {node.name: node for node in ast.walk(module) if isinstance(node, ast.FunctionDef)}
