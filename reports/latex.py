@@ -1,4 +1,4 @@
-"""LaTeX made of plain texts: nothing in a name is a command, and a table fits the width that it is made for."""
+"""Conversion of text and tables to LaTeX: no name is interpreted as a command, and a table fits the width of the page."""
 
 import re
 import unicodedata
@@ -10,10 +10,10 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.font_manager import findfont, get_font
 
-LARGEST, LEAST = 9.0, 6.5  # points: of a table's letters; below the least it takes the page's width
+LARGEST, LEAST = 9.0, 6.5  # points, font sizes of a table; one that would be smaller takes the width of the page
 BETWEEN = 0.8  # ems between columns
-_DESIGNED = (5.0, 6.0, 7.0, 8.0, 9.0, 10.0)  # points: the sizes of Computer Modern, and how much wider than the last's
-_WIDER = (1.361, 1.222, 1.139, 1.063, 1.028, 1.0)
+_DESIGNED = (5.0, 6.0, 7.0, 8.0, 9.0, 10.0)  # points, the design sizes of Computer Modern
+_WIDER = (1.361, 1.222, 1.139, 1.063, 1.028, 1.0)  # the relative width of their letters, in ems of the last
 _SPECIAL = str.maketrans({
     **{sign: "\\" + sign for sign in "&%$#_{}"},
     "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}",
@@ -25,9 +25,9 @@ _SPECIAL = str.maketrans({
 
 @dataclass(frozen=True)
 class Layout:
-    """The page that a figure or a table is made for.
+    """The page for figures and tables.
 
-    column: inches, the width of a column of text; page: of both with what is between. font: serif or sans, as the text's.
+    column: width of a column of text, inches; page: width of two columns with the gap, inches. font: serif or sans.
     """
 
     column: float = 3.35
@@ -41,14 +41,14 @@ class Layout:
 
 
 class Table(NamedTuple):
-    """A tabular, and whether it takes the page's width."""
+    """A tabular, and whether it takes the width of the page."""
 
     text: str
     wide: bool
 
 
 class Tex(NamedTuple):
-    """A cell in LaTeX of our own, and about what it looks like in print."""
+    """A cell given as LaTeX, and text of about the same width as its printed form."""
 
     code: str
     printed: str
@@ -58,7 +58,7 @@ Cell = str | Tex
 
 
 def escaped(text: str) -> str:
-    """The text as LaTeX prints it, in letters that every font has."""
+    """The text with LaTeX's special characters escaped, in ASCII, which every font has."""
     plain = "".join(c if c.isprintable() else "?" for c in text).translate(_SPECIAL)
     if plain.isascii():
         return plain
@@ -67,7 +67,7 @@ def escaped(text: str) -> str:
 
 
 def one_unit(times: Sequence[float]) -> tuple[str, list[str]]:
-    """The unit that suits the times, s, and the times in it, three digits each."""
+    """A unit suitable for the times, s, and the times in this unit with three digits."""
     known = [time for time in times if np.isfinite(time) and time > 0]
     middle = float(np.exp(np.mean(np.log(known)))) if known else 1.0
     scale, unit = next(((s, u) for s, u in ((1.0, "s"), (1e-3, "ms")) if middle >= s), (1e-6, "µs"))
@@ -81,9 +81,9 @@ def _digits(value: float) -> str:
 def booktabs(
     header: Sequence[str], body: Sequence[Sequence[Cell]], layout: Layout, groups: Sequence[tuple[str, int]] = ()
 ) -> Table:
-    """A tabular of plain texts: the first column to the left, the others to the right.
+    """A tabular with the first column aligned left and the others right.
 
-    groups: texts over so many columns each, one after the other, empty over those that have none.
+    groups: a line above the header, given as texts with the number of columns that each spans.
     """
     ems = sum(max(_ems(row[i], layout.font) for row in (header, *body)) for i in range(len(header)))
     ems += BETWEEN * (len(header) - 1)
@@ -115,7 +115,7 @@ def _rules(groups: Sequence[tuple[str, int]]) -> list[str]:
 
 
 def _size(ems: float, inches: float) -> float:
-    """The size of letters, points, at which so many ems of ten-point letters are no wider; small letters are drawn wider."""
+    """The largest font size, points, at which a line of so many ems fits; small fonts have relatively wider letters."""
     sizes = np.arange(3.0, LARGEST + 0.05, 0.1)
     drawn = sizes * np.interp(sizes, _DESIGNED, _WIDER)
     fitting = sizes[ems * drawn <= 72.27 * inches]
@@ -124,9 +124,9 @@ def _size(ems: float, inches: float) -> float:
 
 @cache
 def _ems(cell: Cell, font: str) -> float:
-    """The width of a text in Computer Modern, in ems, a little on the wide side."""
+    """The width of a text in Computer Modern, in ems, with a margin of 2 %."""
     text = cell.printed if isinstance(cell, Tex) else cell
     face = get_font(findfont("cmr10" if font == "serif" else "cmss10"))
     face.set_size(100.0, 72)
-    face.set_text(re.sub(r"[^A-Za-z0-9 .,]", "0", text), 0.0)  # signs that it may lack are no wider than a digit
+    face.set_text(re.sub(r"[^A-Za-z0-9 .,]", "0", text), 0.0)  # symbols that it may lack are at most as wide as a digit
     return 1.02 * face.get_width_height()[0] / 64 / 100

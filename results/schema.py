@@ -1,10 +1,11 @@
-"""The two tables a run leaves: every column's type, unit and meaning.
+"""The two tables of a run: type, unit and meaning of every column.
 
-    solves   a row per cell: one problem, one solver, one tolerance
-    simulations   a row per scene, scheme and solver run in closed loop
+    solves        a row per cell: one problem, solver, start and tolerance
+    simulations   a row per scene, scheme, solver and way to continue after a failed step, run in closed loop
 
-Lists hold raw repeats or curves. Text columns named `parameters` and `work` hold JSON objects. A number that was not
-measured is null. docs/columns.md is made from this file:
+Rows are in the order of the run's plan; while the run has not finished they are ordered by key. Lists hold single repeats or
+curves. The text columns `parameters` and `work` hold JSON objects. A number that was not measured is null. docs/columns.md is
+made from this file:
 
     python -m frictionbench.results.schema > docs/columns.md
 """
@@ -19,7 +20,7 @@ VERSION = 2  # of files and columns; folders and baselines of another version ar
 
 
 class Column(NamedTuple):
-    """One column of a table."""
+    """One column of a table. unit: SI, "1" for a ratio, empty for what has no unit."""
 
     name: str
     type: pa.DataType
@@ -31,30 +32,35 @@ _text, _real, _whole, _flag, _reals = pa.string(), pa.float64(), pa.int64(), pa.
 
 _CELL = (
     Column("key", _text, "", "identity of the cell; the same cell of another run has the same key"),
-    Column("scene", _text, "", "name of the scene, or of the set a recorded problem comes from"),
+    Column("scene", _text, "", "name of the scene, or of the collection that a recorded problem comes from"),
     Column("parameters", _text, "", "the scene's parameters, a JSON object"),
     Column("solver", _text, "", "name of the solver"),
-    Column("variant", _text, "", "name and settings, as the command line takes them"),
+    Column("variant", _text, "", "name and settings of the solver in the notation of the command line"),
     Column("family", _text, "", "family of methods"),
-    Column("model", _text, "", "what the solver solves: coulomb, lcp or relaxation"),
+    Column("model", _text, "", "the model that the solver solves: coulomb, lcp or relaxation"),
     Column("members", _text, "", "the solvers that a portfolio may run, separated by commas; empty for a single method"),
-    Column("version", _text, "", "version of the library the method comes from"),
-    Column("tol", _real, "1", "residual asked for"),
-    Column("time_limit", _real, "s", "limit on form, setup and solve together, enforced"),
-    Column("verdict", _text, "", "what the harness found: " + "; ".join(f"{each}: {each.meaning}" for each in Verdict)),
-    Column("reason", _text, "", "why, where the verdict needs one"),
+    Column("version", _text, "", "version of the library that implements the method"),
+    Column("tol", _real, "1", "tolerance on the residual, given to the solver"),
+    Column("time_limit", _real, "s", "enforced limit on form, setup and solve together"),
+    Column(
+        "verdict",
+        _text,
+        "",
+        "result of the independent verification: " + "; ".join(f"{each}: {each.meaning}" for each in Verdict),
+    ),
+    Column("reason", _text, "", "explanation of the verdict, where it needs one"),
     Column("host", _text, "", "machine that ran the cell"),
     Column("core", _whole, "", "processor core that ran the cell alone"),
-    Column("core_wait", _real, "s", "time the process was ready to run, within its calls, while its core ran something else"),
-    Column("disturbed", _flag, "", "no core of its own, or it waited for it for more than a fiftieth of the time"),
-    Column("load", _reals, "1", "the machine's load average, before and after"),
-    Column("clock", _reals, "Hz", "the core's clock frequency, before and after, where the machine tells"),
-    Column("wall_time", _real, "s", "the whole cell, verification and repeats included, loading and compiling not"),
+    Column("core_wait", _real, "s", "time during the calls in which the process was ready while its core ran another process"),
+    Column("disturbed", _flag, "", "the process had no core of its own, or waited for it for more than 1/50 of the time"),
+    Column("load", _reals, "1", "load average of the machine, before and after"),
+    Column("clock", _reals, "Hz", "clock frequency of the core, before and after, if available"),
+    Column("wall_time", _real, "s", "time of the whole cell with verification and repeats, without loading and compiling"),
     Column(
         "overhead",
         _real,
         "s",
-        "of it, the harness's own: all but form, setup and solve; of a simulation, verifying and recording",
+        "part of wall_time spent by the benchmark: all but form, setup and solve; in a simulation, verification and recording",
     ),
     Column("peak_memory", _real, "B", "largest resident memory of the process during the cell"),
 )
@@ -62,72 +68,82 @@ _CELL = (
 SOLVES = (
     *_CELL,
     Column("problem", _text, "", "content hash of the problem"),
-    Column("step", _whole, "", "time step the problem comes from"),
-    Column("phase", _text, "", "step, compression or decompression"),
-    Column("reference", _text, "", "whose verified answers moved the scene up to the problem, and why the motion ended early"),
+    Column("step", _whole, "", "number of the time step in which the problem occurs"),
+    Column("phase", _text, "", "step, compression or decompression, with the scheme unless it is the default"),
+    Column(
+        "reference", _text, "", "solvers whose verified answers moved the scene up to the problem; why the motion ended early"
+    ),
     Column("contacts", _whole, "", "number of contacts"),
     Column("dimension", _whole, "", "2 planar, 3 spatial"),
     Column("velocities", _whole, "", "number of velocities"),
     Column("size", _whole, "", "unknowns of the friction LCP"),
     Column("rank", _whole, "", "rank of the Delassus matrix W"),
-    Column("condition", _real, "1", "condition of W on its range"),
-    Column("redundancy", _whole, "", "rows of W less its rank"),
-    Column("pointedness", _real, "1", "0 where the friction cone is pointed; else the size of impulses that cancel"),
-    Column("p0_margin", _real, "1", "least (a - mu |b|)/a of a contact's block of W; below 0 that contact alone is not P0"),
+    Column("condition", _real, "1", "condition number of W on its range"),
+    Column("redundancy", _whole, "", "number of rows of W minus its rank"),
+    Column("pointedness", _real, "1", "0 if the friction cone is pointed; else the size of impulses in it that cancel"),
+    Column("p0_margin", _real, "1", "least (a - mu |b|)/a over the contacts' blocks of W; below 0 a contact alone is not P0"),
     Column("mass_ratio", _real, "1", "largest effective mass at a contact over the smallest"),
-    Column("asymmetry", _real, "1", "largest |W - W'| over the largest |W|, where W is what is known; 0 for mechanics"),
-    Column("indefiniteness", _real, "1", "most negative eigenvalue of W over the largest, as far as seen, where W is known"),
-    Column("trivial", _flag, "", "no active friction, or the unconstrained answer is the answer"),
+    Column("asymmetry", _real, "1", "largest |W - W'| over the largest |W| of a problem given by W; 0 for a mechanical one"),
+    Column(
+        "indefiniteness", _real, "1", "estimate of the most negative eigenvalue of W over the largest, for a problem given by W"
+    ),
+    Column("trivial", _flag, "", "no active friction, or the unconstrained motion is the solution"),
     Column("solutions", _text, "", "shape of the set of solutions: none, one, convex, isolated, not convex; null if too large"),
-    Column("outcomes", _whole, "", "distinct post-velocities among the solutions; null if too many to count"),
-    Column("existence", _text, "", "why a solution is known: gaps only, pointed cone, counted; none where counting finds none"),
-    Column("sensitivity", _real, "1", "change of the solution's velocities over a small change of q; large where ill-posed"),
-    Column("mode_distance", _real, "1", "of a solution from the next change of mode, as a relative velocity; 0 on a tie"),
-    Column("start", _text, "", "cold; warm from the problem before; shuffled, from another of the same motion"),
-    Column("status", _text, "", "what the solver says: the name of its status"),
-    Column("claimed", _flag, "", "the solver says it solved the problem"),
-    Column("residual", _real, "1", "verified residual of the exact problem, in relative contact velocity"),
-    Column("model_residual", _real, "1", "verified residual of the model the solver was given"),
-    Column("residual_floor", _real, "1", "bound of what rounding alone may change of the residual"),
+    Column("outcomes", _whole, "", "number of distinct velocities among the solutions; null if too many to count"),
+    Column(
+        "existence", _text, "", "why a solution exists: gaps, pointed (cone) or counted; none if the enumeration finds none"
+    ),
+    Column(
+        "sensitivity", _real, "1", "relative change of the solution's velocities over that of q; large for ill-posed problems"
+    ),
+    Column(
+        "mode_distance", _real, "1", "distance of a solution to the next change of mode, as a relative velocity; 0 on a tie"
+    ),
+    Column("start", _text, "", "cold (zero); warm, from the previous problem; shuffled, from another one of the same motion"),
+    Column("status", _text, "", "status that the solver reports"),
+    Column("claimed", _flag, "", "the solver reports that it solved the problem"),
+    Column("residual", _real, "1", "verified residual of the exact problem, as a relative contact velocity"),
+    Column("model_residual", _real, "1", "verified residual of the model that the solver was given"),
+    Column("residual_floor", _real, "1", "bound on the residual that rounding alone may cause"),
     Column("fclib_error", _real, "", "FCLIB's error, for comparison with published work"),
-    Column("signorini", _real, "1", "defect of 0 <= u_n _|_ r_n >= 0, in relative contact velocity"),
-    Column("dissipation", _real, "1", "defect of maximum dissipation: how far r_t is from what friction asks for"),
-    Column("ncp", _real, "1", "defect of the cone's complementarity: r in K, u + mu |u_t| e_n in K*, and their product"),
-    Column("backward_error", _real, "1", "smallest relative change of (q, mu) under which the answer is exact"),
-    Column("energy_defect", _real, "1", "defect of the energy ledger over the free kinetic energy"),
-    Column("mode", _text, "", "what the answer makes of each contact: o open, s sticking, l, r sliding; null if too many"),
-    Column("work", _text, "", "deterministic counts, a JSON object"),
-    Column("first_time", _real, "s", "form, setup and solve of the first call; null where it compiled or loaded something"),
-    Column("form_time", _real, "s", "median of form_times: the problem written as what the method takes"),
-    Column("setup_time", _real, "s", "median of setup_times: the method's or library's own preparation"),
-    Column("solve_time", _real, "s", "median of solve_times"),
-    Column("clock_time", _real, "s", "median of the library's own clock of its solve, where it keeps one"),
-    Column("form_times", _reals, "s", "every repeat, in order"),
-    Column("setup_times", _reals, "s", "every repeat, in order"),
-    Column("solve_times", _reals, "s", "every repeat, in order"),
+    Column("signorini", _real, "1", "defect of 0 <= u_n _|_ r_n >= 0, as a relative contact velocity"),
+    Column("dissipation", _real, "1", "defect of maximum dissipation: distance of r_t from the impulse of largest dissipation"),
+    Column("ncp", _real, "1", "defect of the cone complementarity: r in K, u + mu |u_t| e_n in K*, and their product"),
+    Column("backward_error", _real, "1", "smallest relative change of (q, mu) for which the answer is exact"),
+    Column("energy_defect", _real, "1", "defect of the energy balance over the kinetic energy of the free motion"),
+    Column("mode", _text, "", "state of each contact in the answer: o open, s sticking, l, r sliding; null if too many"),
+    Column("work", _text, "", "deterministic counters, a JSON object"),
+    Column("first_time", _real, "s", "form, setup and solve of the first call; null if something was compiled or loaded in it"),
+    Column("form_time", _real, "s", "median of form_times: writing the problem in the form that the method takes"),
+    Column("setup_time", _real, "s", "median of setup_times: preparation by the method or its library"),
+    Column("solve_time", _real, "s", "median of solve_times: the rest of the call"),
+    Column("clock_time", _real, "s", "median of the solve time measured by the library itself, if it does"),
+    Column("form_times", _reals, "s", "form time of every repeat, in order"),
+    Column("setup_times", _reals, "s", "setup time of every repeat, in order"),
+    Column("solve_times", _reals, "s", "solve time of every repeat, in order"),
 )
 
 SIMULATIONS = (
     *_CELL,
     Column("scheme", _text, "", "time-stepping scheme"),
-    Column("after_failure", _text, "", "what moves the bodies where the solver failed: its answer, velocity, relaxation"),
-    Column("step_size", _real, "s", "h"),
+    Column("after_failure", _text, "", "how the motion continues after a failed step: answer, velocity or relaxation"),
+    Column("step_size", _real, "s", "time step h"),
     Column("steps", _whole, "", "steps planned"),
     Column("steps_done", _whole, "", "steps taken"),
-    Column("problems", _whole, "", "friction problems met"),
-    Column("unsolved", _whole, "", "problems whose verified residual missed the tolerance"),
+    Column("problems", _whole, "", "number of friction problems"),
+    Column("unsolved", _whole, "", "number of problems whose verified residual exceeds the tolerance"),
     Column("most_contacts", _whole, "", "largest number of contacts in a problem"),
     Column("worst_residual", _real, "1", "largest verified residual"),
-    Column("worst_energy_defect", _real, "1", "largest defect of the energy ledger over the scene's energy scale"),
+    Column("worst_energy_defect", _real, "1", "largest defect of the energy balance over the scene's energy scale"),
     Column("energy_scale", _real, "J", "largest kinetic energy plus largest change of potential energy"),
-    Column("energy_drift", _real, "1", "energy at the end less energy at the start, over the energy scale"),
-    Column("energy_rise", _real, "1", "largest rise of energy in one step, over the energy scale"),
-    Column("worst_penetration", _real, "m", "deepest overlap of two bodies"),
-    Column("contact_free_steps", _whole, "", "steps without any contact"),
+    Column("energy_drift", _real, "1", "energy at the end minus energy at the start, over the energy scale"),
+    Column("energy_rise", _real, "1", "largest increase of energy in one step, over the energy scale"),
+    Column("worst_penetration", _real, "m", "largest penetration of two bodies"),
+    Column("contact_free_steps", _whole, "", "number of steps without any contact"),
     Column("solver_time", _real, "s", "form, setup and solve, summed over all problems"),
-    Column("times", _reals, "s", "time of each step's end"),
-    Column("energies", _reals, "J", "kinetic and potential energy at these times"),
-    Column("penetrations", _reals, "m", "deepest overlap at these times"),
+    Column("times", _reals, "s", "time at the end of each step"),
+    Column("energies", _reals, "J", "kinetic plus potential energy at these times"),
+    Column("penetrations", _reals, "m", "largest penetration at these times"),
 )
 
 TABLES = {"solves": SOLVES, "simulations": SIMULATIONS}
@@ -150,13 +166,13 @@ A run writes two tables, `solves.parquet` and `simulations.parquet`; `frictionbe
 
 ## solves
 
-A row per cell: one problem, one solver, one tolerance.
+A row per cell: one problem, solver, start and tolerance; in the order of the run's plan, or by key while it has not finished.
 
 {solves}
 
 ## simulations
 
-A row per scene, scheme and solver run in closed loop.
+A row per scene, scheme, solver and way to continue after a failed step, run in closed loop; in the same order.
 
 {simulations}
 """

@@ -4,7 +4,7 @@ from enum import StrEnum
 
 
 class Verdict(StrEnum):
-    """What the harness found of a cell. Members are in order from the best to the worst; a skipped cell was not measured."""
+    """The result of verifying a cell, with its meaning. The order is from the best to the worst, then SKIPPED: not measured."""
 
     meaning: str
 

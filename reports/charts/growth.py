@@ -1,4 +1,4 @@
-"""Time against size: how an label's time to a target grows with the number of contacts, for scenes of several sizes.
+"""Time against size: growth of the time to a target with the number of contacts, for scenes of several sizes.
 
 The exponent p of time ~ contacts^p is the slope of the least-squares line through the logarithms, over the sizes at which every
 problem was solved; ± gives the standard error of the slope.

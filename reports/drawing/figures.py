@@ -1,4 +1,4 @@
-"""Panels, and inline SVG made of them for a page."""
+"""Panels, and their conversion to inline SVG for the page."""
 
 import io
 import re
@@ -12,26 +12,29 @@ from matplotlib.figure import Figure
 from frictionbench.reports.drawing.style import INK, RC, Look
 
 PANEL = (3.9, 2.9)  # inches
-WHOLE = (5.0, 3.1)  # of a panel that stands alone
-IMAGE = 200  # dots an inch of what is drawn as an image
+WHOLE = (5.0, 3.1)  # inches, of a chart with one panel
+IMAGE = 200  # dots per inch of rasterised parts, twice the resolution of usual screens
 
 
 @dataclass(frozen=True)
 class Panel:
-    """One drawing on one pair of axes."""
+    """One drawing on one pair of axes.
+
+    dots: tooltips of the dots of each tag, in the order drawn. notes: text per label, shown below the panel. size: inches.
+    """
 
     title: str
     draw: Callable[[Axes], object]
-    dots: Mapping[str, Sequence[str]] = field(default_factory=dict)  # what the dots of each tag are, in the order drawn
+    dots: Mapping[str, Sequence[str]] = field(default_factory=dict)
     size: tuple[float, float] = PANEL
-    notes: Mapping[str, str] = field(default_factory=dict)  # of labels, for the panel's own legend
+    notes: Mapping[str, str] = field(default_factory=dict)
 
 
 def inline_svg(panel: Panel) -> str:
-    """The panel, without its title, as an SVG element whose ink is the page's own.
+    """The panel, without its title, as an SVG element in the text colour of the page.
 
-    The ids of groups are dropped, for a page holds many such elements; those of labels stay as data-label, data-dots or
-    data-band.
+    Ids of groups are removed, because they would be repeated on the page; those of labels become the attributes data-label,
+    data-dots and data-band.
     """
     with mpl.rc_context(RC):
         figure = Figure(figsize=panel.size, layout="constrained")
@@ -40,7 +43,7 @@ def inline_svg(panel: Panel) -> str:
 
 
 def swatch(look: Look) -> str:
-    """An label's line and marker as a small SVG element, for a legend on the page."""
+    """The line and marker of a label as a small SVG element, for the legend of the page."""
     with mpl.rc_context(RC):
         figure = Figure(figsize=(0.34, 0.17))
         ax = figure.add_axes((0, 0, 1, 1))
@@ -57,4 +60,4 @@ def _element(figure: Figure) -> str:
     svg = re.sub(r'<g id="(dots|band)-(label-[0-9a-f]+)"', r'<g data-\1="\2"', svg)
     svg = re.sub(r'<g id="(label-[0-9a-f]+)"', r'<g data-label="\1"', svg)
     svg = re.sub(r'<g id="[^"]*"', "<g", svg).replace(INK, "currentColor")
-    return re.sub(r'(?<= d=")[^"]*', lambda way: re.sub(r"(\.\d)\d+|\s*\n", r"\1", way[0]), svg)  # tenths of a point will do
+    return re.sub(r'(?<= d=")[^"]*', lambda way: re.sub(r"(\.\d)\d+|\s*\n", r"\1", way[0]), svg)  # tenths of a point suffice

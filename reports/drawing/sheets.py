@@ -1,6 +1,6 @@
-"""Sheets of panels as files for a paper: SVG and PDF, and PGF where LaTeX is at hand to measure its texts.
+"""Sheets of panels as files for a paper: SVG and PDF, and PGF if LaTeX is installed, which matplotlib needs to measure text.
 
-A PGF figure is set in the paper's own fonts and size. All are the same byte for byte from the same panels.
+A PGF figure is set in the fonts and size of the paper. The same panels always give the same files, byte for byte.
 """
 
 import shutil
@@ -19,7 +19,7 @@ from frictionbench.reports.drawing.style import RC, Look
 from frictionbench.reports.drawing.text import plain
 from frictionbench.results.files import replaced
 
-FAMILIES = {"serif": "STIXGeneral", "sans": "DejaVu Sans"}  # which matplotlib brings
+FAMILIES = {"serif": "STIXGeneral", "sans": "DejaVu Sans"}  # fonts that matplotlib includes
 _PGF = {"pgf.texsystem": "pdflatex", "pgf.rcfonts": False, "pgf.preamble": ""}
 BANDS = 3  # bootstrap bands in one panel; more would hide each other
 Escape = Callable[[str], str]
@@ -35,16 +35,16 @@ def save_sheet(
     family: str = "sans",
     escape: Escape | None = None,
 ) -> list[Path]:
-    """Save the panels on one sheet with a legend, as STEM.svg and STEM.pdf; as STEM.pgf, too, where there is an escape.
+    """Save the panels on one sheet with a legend as STEM.svg and STEM.pdf, and as STEM.pgf if `escape` is given.
 
-    size: of one panel, in inches; font: in points; escape: what makes LaTeX of a text.
+    size: of one panel, inches; font: points; escape: converts a text to LaTeX.
     """
     columns = max(1, min(columns, len(panels)))
     rows = -(-len(panels) // columns)
-    across = max(1, int(columns * size[0] / (0.2 * font)))  # a legend's label is some 13 letters wide
+    across = max(1, int(columns * size[0] / (0.2 * font)))  # an item of the legend is about 13 letters wide
     height = 0.02 * font * -(-len(looks) // across)
-    told = {"font.size": font, "lines.markersize": font / 2, "lines.linewidth": font / 8, "font.family": _family(family)}
-    with mpl.rc_context(RC | told | {f"font.{_family(family)}": [FAMILIES[family]]} | _PGF):
+    sizes = {"font.size": font, "lines.markersize": font / 2, "lines.linewidth": font / 8, "font.family": _family(family)}
+    with mpl.rc_context(RC | sizes | {f"font.{_family(family)}": [FAMILIES[family]]} | _PGF):
         figure = Figure(figsize=(columns * size[0], rows * size[1] + height), layout="constrained")
         grid = figure.subplots(rows, columns, squeeze=False).ravel()
         for ax, panel in zip(grid, panels, strict=False):
@@ -58,7 +58,7 @@ def save_sheet(
         handles = [Line2D([], [], **look.line) for look in looks.values()]
         figure.legend(handles, [plain(name) for name in looks], loc="outside lower center", ncols=across, handlelength=3)
         figure.draw_without_rendering()
-        figure.set_layout_engine("none")  # all is in its place
+        figure.set_layout_engine("none")  # keep the positions
         paths = [stem.with_suffix(f".{kind}") for kind in ("svg", "pdf")]
         for path in paths:
             date = "Date" if path.suffix == ".svg" else "CreationDate"
@@ -72,8 +72,8 @@ def _family(family: str) -> str:
 
 
 def _save_pgf(figure: Figure, stem: Path, escape: Escape) -> list[Path]:
-    """The figure as STEM.pgf with the images that it includes, STEM-img0.png and so on."""
-    figure.set_layout_engine("constrained")  # in other letters
+    """Save the figure as STEM.pgf with the images that it includes, STEM-img0.png and so on."""
+    figure.set_layout_engine("constrained")  # the font differs
     _escape_all(figure, escape)
     saved = []
     with tempfile.TemporaryDirectory() as scratch:
@@ -86,7 +86,7 @@ def _save_pgf(figure: Figure, stem: Path, escape: Escape) -> list[Path]:
 
 
 def _escape_all(figure: Figure, escape: Escape) -> None:
-    """Make LaTeX of all texts: matplotlib hands them on as they are. Ticks stay where they are, with labels made now."""
+    """Convert all texts to LaTeX, because matplotlib writes them unchanged. Ticks get fixed positions and labels."""
     figure.draw_without_rendering()
     for ax in figure.axes:
         for axis in (ax.xaxis, ax.yaxis):

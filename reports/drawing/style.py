@@ -1,4 +1,4 @@
-"""How every figure looks: one colour and marker per label wherever it is drawn, readable on light and dark pages."""
+"""The style of all figures: one colour and marker per label in every figure, readable on light and dark pages."""
 
 import re
 from collections.abc import Iterable
@@ -12,15 +12,15 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocato
 
 from frictionbench.reports.drawing.text import seconds
 
-INK = "#20242b"  # text and axes; a page replaces it by its own ink
+INK = "#20242b"  # text and axes; the page replaces it by its text colour
 ALARM = "#d62728"
-NARROW = 5.0  # the least ratio of the ends of an axis of times
-FLAT = 1e-9  # the least extent of an axis of shares: below it all is rounding
+NARROW = 5.0  # least ratio of the ends of a time axis, for two ticks or more
+FLAT = 1e-9  # least extent of an axis of shares; smaller differences are rounding errors
 RC: Any = {
     "font.size": 9.0,
     "font.family": "sans-serif",
     "text.color": INK,
-    "text.parse_math": False,  # names may come from a stranger's results
+    "text.parse_math": False,  # names may come from untrusted results
     "axes.edgecolor": INK,
     "axes.labelcolor": INK,
     "axes.spines.top": False,
@@ -47,7 +47,7 @@ _COLOURS = (
 )
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X", "p", "<", ">", "h")  # 11 and 12 are coprime
 _DASHES = ("-", "--", "-.", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)))
-# A solver's place in the cycles, fixed so that it looks the same in every report; others take theirs from their name.
+# The position of a solver in the cycles, fixed so that it looks the same in every report; others get theirs from a hash.
 _PLACES = (
     *("hybrid", "interior_point", "lemke", "path_search", "nsgs", "apgd_coulomb", "admm_coulomb", "relaxation_ip", "ccp"),
     *("ccp_cone", "apgd", "admm", "nncg", "staggered", "anitescu_hart", "fischer_newton", "minmap_newton", "murty", "dantzig"),
@@ -55,7 +55,7 @@ _PLACES = (
 
 
 class Look(NamedTuple):
-    """Colour, marker and dash of one label, the dash for what greyscale does not tell apart; tag: its name in drawings."""
+    """Colour, marker and dash of one label; dashes distinguish lines in greyscale. tag: the identifier in drawings."""
 
     colour: str
     marker: str
@@ -64,13 +64,13 @@ class Look(NamedTuple):
 
     @property
     def line(self) -> dict[str, Any]:
-        """How its lines are plotted."""
+        """Keyword arguments for plotting its lines."""
         return {"color": self.colour, "marker": self.marker, "ls": self.dash, "gid": self.tag}
 
 
 def looks(labels: Iterable[str]) -> dict[str, Look]:
-    """A look for each label from its name alone, so that it is the same in every figure of every report. Only where the names
-    of two strangers fall on one look does the later of them take the next."""
+    """A look for each label, which depends only on its name and is therefore the same in every report. If the looks of two
+    labels coincide, the later one gets the next look."""
     found: dict[str, Look] = {}
     for label in sorted(set(labels), key=lambda label: (_solver(label) not in _PLACES, label)):
         place, shift = _place(label)
@@ -85,7 +85,7 @@ def _solver(label: str) -> str:
 
 
 def _place(label: str) -> tuple[int, int]:
-    """The solver's place, which decides the colour, and how far its variant is from it in markers and dashes."""
+    """The solver's position, which determines the colour, and the shift of its variant in the cycles of markers and dashes."""
     solver = _solver(label)
     place = _PLACES.index(solver) if solver in _PLACES else len(_PLACES) + _number(solver)
     return place, _number(label) if label != solver else 0
@@ -101,7 +101,7 @@ def _number(text: str) -> int:
 
 
 def time_axis(ax: Axes, which: Literal["x", "y"]) -> None:
-    """A logarithmic axis of times, once all is drawn."""
+    """Make an axis a logarithmic axis of times, after everything is drawn."""
     axis = _logarithmic(ax, which)
     low, high = axis.get_view_interval()
     if high < NARROW * low:  # widened, for two ticks or more
@@ -114,7 +114,7 @@ def time_axis(ax: Axes, which: Literal["x", "y"]) -> None:
 
 
 def percent_axis(ax: Axes) -> None:
-    """An upright axis of shares as per cent, each tick with the digits that tell it from the next; once all is drawn."""
+    """Make the vertical axis one of per cent, with enough digits to distinguish the ticks, after everything is drawn."""
     low, high = ax.get_ylim()
     if not high - low > FLAT:
         low, high = (low + high - FLAT) / 2, (low + high + FLAT) / 2
@@ -134,7 +134,7 @@ def _scientific(value: float) -> str:
 
 
 def log_ticks(ax: Axes, which: Literal["x", "y"], labels: dict[float, str]) -> None:
-    """A logarithmic axis with ticks at the given values only."""
+    """Make an axis logarithmic, with ticks at the given values only."""
     _logarithmic(ax, which).set_ticks(list(labels), labels=list(labels.values()))
 
 

@@ -1,4 +1,4 @@
-"""How names and numbers are written, in figures, tables and pages alike."""
+"""The format of names and numbers in figures, tables and pages."""
 
 import json
 
@@ -6,7 +6,7 @@ import numpy as np
 
 
 def scene_title(scene: str, parameters: str) -> str:
-    """The scene with its parameters as the command line takes it: stack[blocks=10,friction=0.5]."""
+    """The scene with its parameters in the notation of the command line: stack[blocks=10,friction=0.5]."""
     try:
         values = json.loads(parameters or "{}")
     except (ValueError, RecursionError):
@@ -16,8 +16,8 @@ def scene_title(scene: str, parameters: str) -> str:
 
 
 def plain(text: str, longest: int = 48) -> str:
-    """Text a figure can hold: what the font or XML lacks replaced, cut to length, and no leading underscore, which hides
-    a legend's label."""
+    """Text for a figure: cut to length, characters that the font or XML lacks replaced, and a leading underscore, which would
+    hide a legend's item, preceded by a space."""
     latin = text.encode("latin-1", "replace").decode("latin-1")
     shown = "".join(c if c.isprintable() else "?" for c in latin)
     shown = shown if len(shown) <= longest else shown[: longest - 3] + "..."
@@ -25,7 +25,7 @@ def plain(text: str, longest: int = 48) -> str:
 
 
 def seconds(value: float) -> str:
-    """A time in s with a unit that suits it: 12 µs, 3.4 ms, 0.56 s."""
+    """A time, s, in a suitable unit: 12 µs, 3.4 ms, 0.56 s."""
     if not np.isfinite(value):
         return "–"
     for scale, unit in ((1e-6, "µs"), (1e-3, "ms")):
@@ -35,5 +35,5 @@ def seconds(value: float) -> str:
 
 
 def power(value: float) -> str:
-    """A power of ten as a reader of numbers writes it: 1e-8."""
+    """A power of ten: 1e-8."""
     return f"1e{round(np.log10(value))}" if value > 0 else "0"
