@@ -177,7 +177,7 @@ def test_without_a_core_of_its_own_a_row_is_marked_and_so_is_the_report(tmp_path
     assert len(row["load"]) == 2
     page = write_report(tmp_path).read_text(encoding="utf-8")
     assert "1 of 1 cells shared their core" in page
-    assert "no core left" in page
+    assert "1 of them because no core was left" in page
 
 
 def test_rows_of_a_disturbed_core_are_taken_again_if_asked(tmp_path) -> None:
