@@ -43,24 +43,24 @@ def reliabilities(run: Run) -> list[Reliability]:
 
 def sentences(run: Run) -> list[tuple[str, str]]:
     """Statements, each with the solvers that it holds for, as text with counts; those that hold for none are left out."""
-    everybody = reliabilities(run)
-    if not everybody:
+    found = reliabilities(run)
+    if not found:
         return []
     tol = power(float(run.contested["tol"].min()))
-    everywhere = [one for one in everybody if one.own == one.problems]
+    complete = [one for one in found if one.own == one.problems]
     claims: dict[str, tuple[list[Reliability], Callable[[Reliability], int] | None]] = {
-        f"Every problem solved to {tol}": ([one for one in everywhere if one.exact == one.problems], None),
+        f"Every problem solved to {tol}": ([one for one in complete if one.exact == one.problems], None),
         f"Every problem solved to {tol} with a polygonal cone in space": (
-            [one for one in everywhere if one.exact < one.problems and one.model == "lcp"],
+            [one for one in complete if one.exact < one.problems and one.model == "lcp"],
             None,
         ),
         "Wrong claims, with a residual above ten times the tolerance": (
-            [one for one in everybody if one.wrong],
+            [one for one in found if one.wrong],
             lambda one: one.wrong,
         ),
-        "Crashed": ([one for one in everybody if one.crashed], lambda one: one.crashed),
+        "Crashed": ([one for one in found if one.crashed], lambda one: one.crashed),
         f"Every problem solved to {tol} as a convex relaxation, whose friction law differs for sliding contacts": (
-            [one for one in everywhere if one.exact < one.problems and one.model != "lcp"],
+            [one for one in complete if one.exact < one.problems and one.model != "lcp"],
             None,
         ),
     }

@@ -189,14 +189,14 @@ def _alike(fields: Sequence[tuple[str, Field]]) -> tuple[list[Field], str]:
     for label, field in fields:
         colours = sorted(zip(field.rows["i"], field.rows["j"], field.colours, strict=True))
         same.setdefault((field.title, *colours), []).append((label, field))
-    found, words = [], []
+    found, notes = [], []
     for alike in same.values():
         (label, field), others = alike[0], len(alike) - 1
         what = f": {field.title}" if field.title else ""
         found.append(field._replace(title=f"{label}{f' and {others} more' if others else ''}{what}"))
         if others:
-            words.append(f"{', '.join(name for name, _ in alike)} are equal{f' in {field.title}' if field.title else ''}")
-    return found, "; ".join(words) + "." * bool(words)
+            notes.append(f"{', '.join(name for name, _ in alike)} are equal{f' in {field.title}' if field.title else ''}")
+    return found, "; ".join(notes) + "." * bool(notes)
 
 
 def _times(cells: Cells) -> list[tuple[str, Field]]:

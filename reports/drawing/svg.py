@@ -1,4 +1,4 @@
-"""Maps as SVG: on the page each panel is an element of its own, which flow like words; in a file the panels stand in rows."""
+"""Maps as SVG: on the page each panel is a separate element, so that lines break between panels; in a file they form rows."""
 
 from itertools import groupby
 
