@@ -1,4 +1,5 @@
-"""Failing problems reduced in size: DIR/shrunk/HASH.npz holds each of them, DIR/shrunk/index.json the result for each row."""
+"""Failing problems reduced in size, in DIR/shrunk: SOLVER-VERDICT-N-contacts-HASH.npz holds each of them, index.json the result
+for each row."""
 
 import json
 from collections.abc import Mapping
