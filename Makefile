@@ -18,7 +18,7 @@ TIMING ?= runs/timing-$(REVISION)
 QUICK := tests/problems --ignore=tests/problems/recorded --ignore=tests/problems/test_compiled.py \
 	$(addprefix tests/solvers/test_,interface.py every_solver.py lemke.py principal_pivoting.py nsgs.py) \
 	tests/facts/test_statics.py tests/facts/test_classics.py tests/harness/test_verify.py tests/results/test_schema.py \
-	tests/results/test_baselines.py tests/face tests/project/test_structure.py tests/project/test_documents.py
+	tests/results/test_baselines.py tests/api tests/project/test_structure.py tests/project/test_documents.py
 PYTEST = $(BIN)/python -m pytest --numprocesses=2 --dist=loadfile --no-loadscope-reorder
 
 .PHONY: bench quick test timing peers regress install clean

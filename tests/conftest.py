@@ -1,6 +1,6 @@
-"""One thread for every library, as in a worker: on cores that are shared, threads that wait for one another cost tenfold.
+"""Settings of all tests: every numerical library runs on one thread, as in the workers of a run.
 
-To be said before numpy is imported; numba cannot change its mind once its threads have started either.
+The environment variables must be set before numpy is imported and before numba starts its threads.
 """
 
 import os
@@ -13,8 +13,8 @@ for library in ("OMP", "OPENBLAS", "MKL", "NUMBA", "RAYON"):
 
 
 @pytest.fixture(scope="session", autouse=True)
-def _processes_end():
-    """The server of workers and the libraries in child processes, where tests have started any, end with them."""
+def _end_processes():
+    """End the worker server and the child processes of outside libraries that tests have started."""
     yield
     if (pool := sys.modules.get("frictionbench.harness.workers.pool")) and pool._server:
         pool._server.close()

@@ -10,7 +10,7 @@ from frictionbench.problems.analysis.polyhedra import Shape
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual
 from frictionbench.solvers import Status, solve
-from tests.helpers.places import DATA
+from tests.helpers.paths import DATA
 
 
 def jam(mu=0.5, bias=(0.0, 0.0)) -> FrictionProblem:

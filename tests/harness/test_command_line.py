@@ -23,7 +23,7 @@ from frictionbench.harness.workers.pool import Pool
 from frictionbench.harness.workers.task import Task
 from frictionbench.results import store
 from frictionbench.results.store import ResultsError, ShardWriter
-from tests.helpers.made_results import lost_row, simulation_row, solve_row, write_folder
+from tests.helpers.made_results import simulation_row, solve_row, unanswered_row, write_folder
 
 JITTED = """
 import numpy as np
@@ -109,8 +109,8 @@ def test_a_run_ends_with_its_verdicts_and_what_to_do_next(tmp_path) -> None:
         solve_row("a", "p"),
         solve_row("a", "q"),
         solve_row("b", "p"),
-        lost_row("b", "q", "timeout"),
-        lost_row("b", "s", "skipped"),
+        unanswered_row("b", "q", "timeout"),
+        unanswered_row("b", "s", "skipped"),
     ]
     write_folder(tmp_path, [*solves, solve_row("a", "r", trivial=True)], [simulation_row("a")])
     lines = summary(tmp_path).splitlines()

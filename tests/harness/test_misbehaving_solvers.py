@@ -1,7 +1,7 @@
-"""All misbehaving solvers (tests/helpers/bad_solvers.py) in one run with two good ones: each costs its own cells alone.
+"""A run of all misbehaving solvers (tests/helpers/bad_solvers.py) and two good ones: failures stay confined to their cells.
 
-Every planned row is there with the right verdict and reason, the good ones' verdicts, residuals and counters are those of a
-run without the bad ones, no process of the run is left, and no cell takes more than its limit and what starting over costs.
+Every planned row is present with the right verdict and reason, the good solvers' verdicts, residuals and counters equal those
+of a run without the bad ones, no process of the run is left, and no cell exceeds its limit by more than a restart takes.
 """
 
 import subprocess
@@ -16,7 +16,7 @@ from frictionbench.harness.run import run
 from frictionbench.harness.workers import pool
 from frictionbench.harness.workers.plugins import load_plugins
 from frictionbench.results import store
-from tests.helpers.places import BAD_SOLVERS, ROOT
+from tests.helpers.paths import BAD_SOLVERS, ROOT
 from tests.helpers.runs import quiet, small_plan, verdicts
 
 GOOD = ("lemke", "nsgs")
@@ -24,50 +24,50 @@ LIMIT = 1.0
 VERDICTS = {
     "segfault": ("crashed", "SIGSEGV"),
     "abort": ("crashed", "SIGABRT"),
-    "kills_itself": ("crashed", "SIGKILL"),
-    "exits": ("crashed", "exit code 0"),
+    "sends_sigkill": ("crashed", "SIGKILL"),
+    "calls_os_exit": ("crashed", "exit code 0"),
     "hangs": ("timeout", "limit of 1 s"),
-    "eats_memory": ("crashed", "MemoryError"),
-    "compiles": ("unsolved", "no further progress"),
-    "lies": ("wrong", "claimed solved within"),
-    "not_a_number": ("wrong", "not finite"),
+    "exhausts_memory": ("crashed", "MemoryError"),
+    "compiles_slowly": ("unsolved", "no further progress"),
+    "wrong_zero": ("wrong", "claimed solved within"),
+    "nan_impulse": ("wrong", "not finite"),
     "wrong_shape": ("wrong", "shape"),
-    "no_answer": ("wrong", "returned None, not an Answer"),
-    "changes_input": ("wrong", "changed its input"),
+    "returns_none": ("wrong", "returned None, not an Answer"),
+    "modifies_friction": ("wrong", "changed its input"),
     "raises": ("crashed", "no idea"),
-    "talks": ("wrong", "claimed solved within"),
-    "gives_up": ("unsolved", "no further progress"),
+    "prints": ("wrong", "claimed solved within"),
+    "reports_stalled": ("unsolved", "no further progress"),
     "blocks_signals": ("timeout", "limit of 1 s"),
     "replaces_alarm": ("timeout", "limit of 1 s"),
-    "hangs_at_once": ("timeout", "limit of 1 s"),
-    "hangs_later": ("timeout", "limit of 1 s"),
+    "hangs_in_warm_up": ("timeout", "limit of 1 s"),
+    "hangs_on_repeat": ("timeout", "limit of 1 s"),
     "slow_impulse": ("timeout", "limit of 1 s"),
     "forks": ("wrong", "claimed solved within"),
-    "leaves_a_child": ("wrong", "claimed solved within"),
-    "leaves_a_thread": ("wrong", "claimed solved within"),
-    "leaves_the_folder": ("wrong", "claimed solved within"),
-    "sets_clocks": ("solved", ""),
-    "spoils_others": ("wrong", "claimed solved within"),
-    "scales_mass": ("wrong", "changed its input"),
-    "remembers": ("unsolved", "it may reuse earlier results"),
-    "answers_once": ("wrong", "the repeats disagree ("),
-    "falls_silent": ("wrong", "returned None, not an Answer"),
+    "daemonises_child": ("wrong", "claimed solved within"),
+    "leaves_thread": ("wrong", "claimed solved within"),
+    "changes_directory": ("wrong", "claimed solved within"),
+    "freezes_clocks": ("solved", ""),
+    "patches_lemke": ("wrong", "claimed solved within"),
+    "modifies_mass": ("wrong", "changed its input"),
+    "caches_result": ("unsolved", "it may reuse earlier results"),
+    "zero_on_repeat": ("wrong", "the repeats disagree ("),
+    "none_on_repeat": ("wrong", "returned None, not an Answer"),
     "complex_impulse": ("wrong", "impulse is an array of complex128"),
     "text_impulse": ("wrong", "impulse is an array of <U"),
     "masked_impulse": ("wrong", "impulse is a masked array"),
     "text_status": ("wrong", "status is of type str, not a Status"),
-    "half_a_pivot": ("wrong", "work['pivots'] is of type float, not a whole number"),
-    "counts_in_numpy": ("solved", ""),
-    "talks_rubbish": ("solved", ""),
-    "leaves_politely": ("crashed", "SystemExit: 3"),
-    "shouts": ("crashed", "malformed reply"),
+    "fractional_work": ("wrong", "work['pivots'] is of type float, not a whole number"),
+    "numpy_integer_work": ("solved", ""),
+    "long_detail": ("solved", ""),
+    "calls_sys_exit": ("crashed", "SystemExit: 3"),
+    "writes_to_fds": ("crashed", "malformed reply"),
     "starts_programs": ("wrong", "claimed solved within"),
 }
 # Of a simulation of two steps, each of which is a problem met once.
 SIMULATED = {
-    **dict.fromkeys(("blocks_signals", "hangs_at_once"), "timeout"),
+    **dict.fromkeys(("blocks_signals", "hangs_in_warm_up"), "timeout"),
     "segfault": "crashed",
-    **dict.fromkeys(("no_answer", "changes_input", "scales_mass", "leaves_a_child"), "wrong"),
+    **dict.fromkeys(("returns_none", "modifies_friction", "modifies_mass", "daemonises_child"), "wrong"),
     **dict.fromkeys(GOOD, "solved"),
 }
 MARK = "FRICTIONBENCH_TEST_MARK"
@@ -89,7 +89,7 @@ def plan_of(variants, plugins):
 
 
 def marked(mark: str) -> list[psutil.Process]:
-    """The processes, wherever they went, below one that was started with a mark in its environment."""
+    """The running processes whose environment contains the mark, including detached ones."""
     found = []
     for process in psutil.process_iter():
         try:
@@ -102,7 +102,7 @@ def marked(mark: str) -> list[psutil.Process]:
 
 @pytest.fixture
 def own_server(monkeypatch, tmp_path):
-    """A server of this test's own, whose processes carry a mark."""
+    """A worker server of this test alone, whose processes carry a mark in their environment."""
     monkeypatch.setenv(MARK, str(tmp_path))
     monkeypatch.setattr(pool, "_server", None)
     yield lambda: [process for process in marked(str(tmp_path)) if process.parent() != psutil.Process()]
@@ -110,7 +110,7 @@ def own_server(monkeypatch, tmp_path):
     assert marked(str(tmp_path)) == []
 
 
-def test_all_that_misbehave_together_with_two_good_ones(own_server, tmp_path) -> None:
+def test_failures_stay_confined_to_their_cells(own_server, tmp_path) -> None:
     variants, plugins = load_plugins([str(BAD_SOLVERS), *GOOD])
     assert set(variants) == VERDICTS.keys() | set(GOOD)
     begun = time.monotonic()
@@ -124,8 +124,10 @@ def test_all_that_misbehave_together_with_two_good_ones(own_server, tmp_path) ->
     assert sorted(rows.index) == sorted(variants)
     assert rows.loc[list(VERDICTS), "verdict"].to_dict() == {name: verdict for name, (verdict, _) in VERDICTS.items()}
     reasons = rows["reason"].fillna("")
-    told = {name: reason for name, (_, reason) in VERDICTS.items() if name != "remembers" or not rows.loc[name, "disturbed"]}
-    assert {name: reasons[name] for name, reason in told.items() if reason not in reasons[name]} == {}
+    expected = {
+        name: reason for name, (_, reason) in VERDICTS.items() if name != "caches_result" or not rows.loc[name, "disturbed"]
+    }
+    assert {name: reasons[name] for name, reason in expected.items() if reason not in reasons[name]} == {}
     assert (rows["time_limit"] == LIMIT).all()
     simulations = store.read_table(tmp_path / "all", "simulations").set_index("solver")
     assert simulations["verdict"].to_dict() == SIMULATED
@@ -153,8 +155,8 @@ os.write(1, b"end")
 """
 
 
-def test_children_that_a_solver_forks_do_not_double_on_repeats() -> None:
-    """Each call is made by the worker alone: two processes a call come out of it, and one of them goes on."""
+def test_forked_children_do_not_repeat_solves() -> None:
+    """Only the worker repeats a solve; the processes forked in a timed call end after it."""
     done = subprocess.run([sys.executable, "-c", FORKING], capture_output=True, cwd=ROOT, check=True)
     assert done.stdout.count(b"end") == 1
     assert 2 * 3 <= done.stdout.count(b".") <= 2 * 8

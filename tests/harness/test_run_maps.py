@@ -36,7 +36,7 @@ from frictionbench.results.shrunk import read_shrunk
 from frictionbench.results.store import ResultsError
 from frictionbench.solvers import Status, find, solve
 from tests.helpers.command_line import frictionbench
-from tests.helpers.places import BAD_SOLVERS
+from tests.helpers.paths import BAD_SOLVERS
 from tests.helpers.runs import quiet
 
 MAPS = {spec.name: spec for spec in ATLAS}
@@ -269,7 +269,7 @@ def test_what_a_failed_step_does_afterwards(tmp_path) -> None:
             Source("two_corner_block", {"velocity": 0.0, "fall": 1.0}, steps=3),
             Source("stack", {"blocks": 2}, steps=3),
         ),
-        simulation_solvers=("gives_up", "lemke"),
+        simulation_solvers=("reports_stalled", "lemke"),
         after_failure=("answer", "velocity", "relaxation"),
         plugins=plugins,
     )
@@ -278,12 +278,14 @@ def test_what_a_failed_step_does_afterwards(tmp_path) -> None:
     assert len(simulations) == 2 * 2 * 3
     assert set(simulations["label"]) >= {"lemke", "lemke, else velocity", "lemke, else relaxation"}
     assert set(simulations.loc[simulations["variant"] == "lemke", "unsolved"]) == {0}
-    lost = simulations[(simulations["variant"] == "gives_up") & (simulations["scene"] == "stack")].set_index("after_failure")
-    assert (lost["unsolved"] == 3).all()
+    stalled = simulations[(simulations["variant"] == "reports_stalled") & (simulations["scene"] == "stack")].set_index(
+        "after_failure"
+    )
+    assert (stalled["unsolved"] == 3).all()
     # Without impulses the stack falls freely, at the velocity before it stands still, and the relaxation holds it.
     fallen = scene("stack").gravity[1] * scene("stack").step ** 2 * 6
-    assert lost.loc["answer", "worst_penetration"] == pytest.approx(-fallen)
-    assert abs(lost.loc[["velocity", "relaxation"], "worst_penetration"]).max() < 1e-9
+    assert stalled.loc["answer", "worst_penetration"] == pytest.approx(-fallen)
+    assert abs(stalled.loc[["velocity", "relaxation"], "worst_penetration"]).max() < 1e-9
     found = costs(read_run(tmp_path / "run"))
-    assert found["variant"].tolist() == ["lemke", *["gives_up"] * 3] * 2
+    assert found["variant"].tolist() == ["lemke", *["reports_stalled"] * 3] * 2
     assert set(found.loc[found["variant"] == "lemke", "unsolved"]) == {0}

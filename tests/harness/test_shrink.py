@@ -16,7 +16,7 @@ from frictionbench.problems.recorded.own import load
 from frictionbench.problems.reduce import keep_contacts
 from frictionbench.results import store
 from frictionbench.results.store import ResultsError
-from tests.helpers.places import BAD_SOLVERS
+from tests.helpers.paths import BAD_SOLVERS
 from tests.helpers.runs import quiet
 
 
@@ -58,14 +58,14 @@ def test_a_failing_row_is_shrunk_into_a_file(tmp_path) -> None:
     plan = Plan(
         suite="test",
         sources=(Source("stack", {"blocks": 4, "push": 1.0}),),
-        solvers=("lies", "lemke"),
+        solvers=("wrong_zero", "lemke"),
         tolerances=(1e-8,),
         plugins=plugins,
     )
     folder = tmp_path / "run"
     run(plan, folder, 1, quiet())
     rows = store.read_table(folder, "solves").set_index("solver")
-    path, problem, _ = shrink(folder, rows.loc["lies", "key"], [str(BAD_SOLVERS)])
+    path, problem, _ = shrink(folder, rows.loc["wrong_zero", "key"], [str(BAD_SOLVERS)])
     assert (problem.contacts, len(problem.free_velocity)) == (1, 3)
     assert load(path).hash == problem.hash
     with pytest.raises(InputError, match="only failing rows can be shrunk"):

@@ -1,4 +1,4 @@
-"""Solvers that misbehave, each in its own way; each must cost its own cells alone and leave the right rows."""
+"""Solvers that misbehave in different ways. A run must give their cells the right verdict and leave all others unaffected."""
 
 import ctypes
 import os
@@ -25,7 +25,7 @@ class Bad:
         return problem
 
     def solve(self, problem, tol, limit, start=None):
-        # The harness first warms every solver up on a single contact, where all of these behave.
+        # The harness first warms every solver up on a single contact, for which most of these answer correctly.
         return answer(problem) if problem.contacts == 1 else self.misbehave(problem)
 
 
@@ -45,17 +45,17 @@ class Abort(Bad):
         os.abort()
 
 
-@solver("kills_itself", family="bad", model="coulomb")
-class KillsItself(Bad):
+@solver("sends_sigkill", family="bad", model="coulomb")
+class SendsSigkill(Bad):
     """Sends SIGKILL to its own process."""
 
     def misbehave(self, problem):
         os.kill(os.getpid(), signal.SIGKILL)
 
 
-@solver("exits", family="bad", model="coulomb")
-class Exits(Bad):
-    """Leaves the process with a success code."""
+@solver("calls_os_exit", family="bad", model="coulomb")
+class CallsOsExit(Bad):
+    """Ends the process with exit code 0."""
 
     def misbehave(self, problem):
         os._exit(0)
@@ -71,21 +71,21 @@ def spin():
 
 @solver("hangs", family="bad", model="coulomb")
 class Hangs(Bad):
-    """Loops for ever in native code, deaf to SIGTERM."""
+    """Loops for ever in native code and ignores SIGTERM."""
 
     def misbehave(self, problem):
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
         spin()
 
 
-@solver("eats_memory", family="bad", model="coulomb")
-class EatsMemory(Bad):
-    """Asks for memory until there is none."""
+@solver("exhausts_memory", family="bad", model="coulomb")
+class ExhaustsMemory(Bad):
+    """Allocates memory until the limit is reached."""
 
     def misbehave(self, problem):
-        kept = []
+        arrays = []
         while True:
-            kept.append(np.empty(2**24))
+            arrays.append(np.empty(2**24))
 
 
 @cache
@@ -96,26 +96,26 @@ def slow_to_compile():
     return njit(space["slow"])
 
 
-@solver("compiles", family="bad", model="coulomb")
-class Compiles(Bad):
-    """Compiles longer than it may run, once, and then has no answer."""
+@solver("compiles_slowly", family="bad", model="coulomb")
+class CompilesSlowly(Bad):
+    """Compiles a kernel for longer than the time limit in its first call, and reports STALLED."""
 
     def misbehave(self, problem):
         slow_to_compile()(np.ones(3))
         return Answer(np.zeros((problem.contacts, 2)), Status.STALLED)
 
 
-@solver("lies", family="bad", model="coulomb")
-class Lies(Bad):
-    """Claims that zero is the answer."""
+@solver("wrong_zero", family="bad", model="coulomb")
+class WrongZero(Bad):
+    """Returns zero impulses with status SOLVED."""
 
     def misbehave(self, problem):
         return answer(problem)
 
 
-@solver("not_a_number", family="bad", model="coulomb")
-class NotANumber(Bad):
-    """Claims that NaN is the answer."""
+@solver("nan_impulse", family="bad", model="coulomb")
+class NanImpulse(Bad):
+    """Returns NaN impulses with status SOLVED."""
 
     def misbehave(self, problem):
         return answer(problem, np.full((problem.contacts, 2), np.nan))
@@ -123,23 +123,23 @@ class NotANumber(Bad):
 
 @solver("wrong_shape", family="bad", model="coulomb")
 class WrongShape(Bad):
-    """Answers for one contact too many."""
+    """Returns impulses for one contact too many."""
 
     def misbehave(self, problem):
         return answer(problem, np.zeros((problem.contacts + 1, 2)))
 
 
-@solver("no_answer", family="bad", model="coulomb")
-class NoAnswer(Bad):
+@solver("returns_none", family="bad", model="coulomb")
+class ReturnsNone(Bad):
     """Returns None."""
 
     def misbehave(self, problem):
         return None
 
 
-@solver("changes_input", family="bad", model="coulomb")
-class ChangesInput(Bad):
-    """Makes the ground frictionless, to have less to do."""
+@solver("modifies_friction", family="bad", model="coulomb")
+class ModifiesFriction(Bad):
+    """Sets the friction coefficients of its input to zero."""
 
     def misbehave(self, problem):
         problem.friction.setflags(write=True)
@@ -155,9 +155,9 @@ class Raises(Bad):
         raise RuntimeError("no idea")
 
 
-@solver("talks", family="bad", model="coulomb")
-class Talks(Bad):
-    """Prints megabytes, from Python and through the file descriptor."""
+@solver("prints", family="bad", model="coulomb")
+class Prints(Bad):
+    """Prints megabytes to standard output, from Python and through the file descriptor."""
 
     def misbehave(self, problem):
         for _ in range(50):
@@ -166,9 +166,9 @@ class Talks(Bad):
         return answer(problem)
 
 
-@solver("gives_up", family="bad", model="coulomb")
-class GivesUp(Bad):
-    """Says honestly that it has no answer."""
+@solver("reports_stalled", family="bad", model="coulomb")
+class ReportsStalled(Bad):
+    """Reports STALLED."""
 
     def misbehave(self, problem):
         return Answer(np.zeros((problem.contacts, 2)), Status.STALLED)
@@ -187,16 +187,16 @@ class BlocksSignals(Bad):
 
 @solver("replaces_alarm", family="bad", model="coulomb")
 class ReplacesAlarm(Bad):
-    """Has a handler of its own for SIGALRM, and sleeps for an hour."""
+    """Replaces the handler of SIGALRM and sleeps for an hour."""
 
     def misbehave(self, problem):
         signal.signal(signal.SIGALRM, lambda number, frame: None)
         time.sleep(3600)
 
 
-@solver("hangs_at_once", family="bad", model="coulomb")
-class HangsAtOnce(Bad):
-    """Loops for ever from the first call, which is the harness's own to warm it up."""
+@solver("hangs_in_warm_up", family="bad", model="coulomb")
+class HangsInWarmUp(Bad):
+    """Loops for ever in every call, from the warm-up on."""
 
     def solve(self, problem, tol, limit, start=None):
         spin()
@@ -204,16 +204,16 @@ class HangsAtOnce(Bad):
 
 @solver("forks", family="bad", model="coulomb")
 class Forks(Bad):
-    """Comes back twice: once in the process that called it, once in a child."""
+    """Forks and returns in both the parent and the child process."""
 
     def misbehave(self, problem):
         os.fork()
         return answer(problem)
 
 
-@solver("leaves_a_child", family="bad", model="coulomb")
-class LeavesAChild(Bad):
-    """Leaves a process behind that is nobody's child and keeps a core busy, and holds the worker's pipes open."""
+@solver("daemonises_child", family="bad", model="coulomb")
+class DaemonisesChild(Bad):
+    """Leaves an orphaned process in a session of its own, which loops for ever and holds the worker's pipes open."""
 
     def misbehave(self, problem):
         if os.fork() == 0:
@@ -224,45 +224,45 @@ class LeavesAChild(Bad):
         return answer(problem)
 
 
-@solver("leaves_a_thread", family="bad", model="coulomb")
-class LeavesAThread(Bad):
-    """Leaves a thread behind that never rests."""
+@solver("leaves_thread", family="bad", model="coulomb")
+class LeavesThread(Bad):
+    """Leaves a thread running that loops for ever."""
 
     def misbehave(self, problem):
         threading.Thread(target=lambda: all(iter(int, 1)), daemon=True).start()
         return answer(problem)
 
 
-@solver("leaves_the_folder", family="bad", model="coulomb")
-class LeavesTheFolder(Bad):
-    """Goes to another folder and stays there."""
+@solver("changes_directory", family="bad", model="coulomb")
+class ChangesDirectory(Bad):
+    """Changes the working directory."""
 
     def misbehave(self, problem):
         os.chdir("/")
         return answer(problem)
 
 
-@solver("sets_clocks", family="bad", model="coulomb")
-class SetsClocks(Bad):
-    """Lets all clocks stand still."""
+@solver("freezes_clocks", family="bad", model="coulomb")
+class FreezesClocks(Bad):
+    """Replaces the clocks of Python's time module by constants."""
 
     def misbehave(self, problem):
         time.perf_counter = time.monotonic = time.time = lambda: 0.0
         return solve(problem, "lemke")
 
 
-@solver("spoils_others", family="bad", model="coulomb")
-class SpoilsOthers(Bad):
-    """Makes lemke return nothing but zeros in this process."""
+@solver("patches_lemke", family="bad", model="coulomb")
+class PatchesLemke(Bad):
+    """Replaces the solve method of lemke in this process by one that returns None."""
 
     def misbehave(self, problem):
         frictionbench.solvers.lemke.Lemke.solve = lambda self, prepared, tol, limit, start=None: None
         return answer(problem)
 
 
-@solver("scales_mass", family="bad", model="coulomb")
-class ScalesMass(Bad):
-    """Makes all bodies light, which is not in the problem's hash, and answers that problem."""
+@solver("modifies_mass", family="bad", model="coulomb")
+class ModifiesMass(Bad):
+    """Multiplies the inverse mass matrix by 100, which does not enter the problem's hash, and solves the changed problem."""
 
     def misbehave(self, problem):
         problem.inverse_rows.value.setflags(write=True)
@@ -270,154 +270,154 @@ class ScalesMass(Bad):
         return Answer(solve(problem.fresh(), "lemke").impulse, Status.SOLVED)
 
 
-@solver("remembers", family="bad", model="coulomb")
-class Remembers(Bad):
-    """Thinks for long once, and then knows the answer, that there is none, by heart."""
+@solver("caches_result", family="bad", model="coulomb")
+class CachesResult(Bad):
+    """Takes 20 ms for the first problem of each size and returns at once afterwards, always STALLED."""
 
     def misbehave(self, problem):
-        if problem.contacts not in _known:
+        if problem.contacts not in _sizes_seen:
             end = time.perf_counter() + 0.02
             while time.perf_counter() < end:
                 pass
-            _known.add(problem.contacts)
+            _sizes_seen.add(problem.contacts)
         return Answer(np.zeros((problem.contacts, 2)), Status.STALLED)
 
 
-_known: set[int] = set()
+_sizes_seen: set[int] = set()
 
 
-@solver("answers_once", family="bad", model="coulomb")
-class AnswersOnce(Bad):
-    """Solves each problem once, and is quick with zeros whenever it meets it again."""
+@solver("zero_on_repeat", family="bad", model="coulomb")
+class ZeroOnRepeat(Bad):
+    """Solves each problem once, and returns zeros at once for repeats."""
 
     def misbehave(self, problem):
-        if problem.hash in _seen:
+        if problem.hash in _zero_repeats:
             return answer(problem)
-        _seen.add(problem.hash)
+        _zero_repeats.add(problem.hash)
         return solve(problem, "lemke")
 
 
-_seen: set[str] = set()
+_zero_repeats: set[str] = set()
 
 
-@solver("falls_silent", family="bad", model="coulomb")
-class FallsSilent(Bad):
-    """Solves each problem once, and returns nothing when it meets it again."""
+@solver("none_on_repeat", family="bad", model="coulomb")
+class NoneOnRepeat(Bad):
+    """Solves each problem once, and returns None for repeats."""
 
     def misbehave(self, problem):
-        if problem.hash in _told:
+        if problem.hash in _answered:
             return None
-        _told.add(problem.hash)
+        _answered.add(problem.hash)
         return solve(problem, "lemke")
 
 
-_told: set[str] = set()
+_answered: set[str] = set()
 
 
-@solver("hangs_later", family="bad", model="coulomb")
-class HangsLater(Bad):
-    """Solves each problem once, and hangs when it meets it again."""
+@solver("hangs_on_repeat", family="bad", model="coulomb")
+class HangsOnRepeat(Bad):
+    """Solves each problem once, and hangs on repeats."""
 
     def misbehave(self, problem):
-        if problem.hash in _met:
+        if problem.hash in _hang_repeats:
             spin()
-        _met.add(problem.hash)
+        _hang_repeats.add(problem.hash)
         return solve(problem, "lemke")
 
 
-_met: set[str] = set()
+_hang_repeats: set[str] = set()
 
 
-class Misshapen(Bad):
-    """Answers right, in a form that is none."""
+class ChangedAnswer(Bad):
+    """Base class: solves the problem and then changes the type of a field of the answer."""
 
     def misbehave(self, problem):
-        return self.misshape(solve(problem, "lemke"))
+        return self.change(solve(problem, "lemke"))
 
 
 @solver("complex_impulse", family="bad", model="coulomb")
-class ComplexImpulse(Misshapen):
-    """Answers with complex numbers."""
+class ComplexImpulse(ChangedAnswer):
+    """Returns complex impulses."""
 
-    def misshape(self, answer):
+    def change(self, answer):
         answer.impulse = answer.impulse + 0j
         return answer
 
 
 @solver("text_impulse", family="bad", model="coulomb")
-class TextImpulse(Misshapen):
-    """Answers with text."""
+class TextImpulse(ChangedAnswer):
+    """Returns impulses as strings."""
 
-    def misshape(self, answer):
+    def change(self, answer):
         answer.impulse = answer.impulse.astype(str)
         return answer
 
 
 @solver("masked_impulse", family="bad", model="coulomb")
-class MaskedImpulse(Misshapen):
-    """Answers with a masked array."""
+class MaskedImpulse(ChangedAnswer):
+    """Returns impulses as a masked array."""
 
-    def misshape(self, answer):
+    def change(self, answer):
         answer.impulse = np.ma.masked_greater(answer.impulse, 0)
         return answer
 
 
 @solver("slow_impulse", family="bad", model="coulomb")
-class SlowImpulse(Misshapen):
-    """Answers with what takes for ever to become an array."""
+class SlowImpulse(ChangedAnswer):
+    """Returns an object whose conversion to an array never ends."""
 
-    def misshape(self, answer):
+    def change(self, answer):
         answer.impulse = type("Slow", (), {"__array__": lambda self, *_, **__: spin()})()
         return answer
 
 
 @solver("text_status", family="bad", model="coulomb")
-class TextStatus(Misshapen):
-    """Says "solved" where a Status is wanted."""
+class TextStatus(ChangedAnswer):
+    """Returns the string "solved" instead of a Status."""
 
-    def misshape(self, answer):
+    def change(self, answer):
         answer.status = "solved"
         return answer
 
 
-@solver("half_a_pivot", family="bad", model="coulomb")
-class HalfAPivot(Misshapen):
-    """Counts in halves."""
+@solver("fractional_work", family="bad", model="coulomb")
+class FractionalWork(ChangedAnswer):
+    """Returns a work counter that is no integer."""
 
-    def misshape(self, answer):
+    def change(self, answer):
         answer.work = {"pivots": 0.5}
         return answer
 
 
-@solver("counts_in_numpy", family="good", model="coulomb")
-class CountsInNumpy(Misshapen):
-    """Counts in numpy's integers, which are whole numbers like others."""
+@solver("numpy_integer_work", family="good", model="coulomb")
+class NumpyIntegerWork(ChangedAnswer):
+    """Returns a work counter as a numpy integer, which is accepted."""
 
-    def misshape(self, answer):
+    def change(self, answer):
         answer.work = {"pivots": np.int64(7)}
         return answer
 
 
-@solver("talks_rubbish", family="good", model="coulomb")
-class TalksRubbish(Misshapen):
-    """Answers right, with ten megabytes of unprintable remarks."""
+@solver("long_detail", family="good", model="coulomb")
+class LongDetail(ChangedAnswer):
+    """Solves the problem and returns ten megabytes of unprintable characters as detail."""
 
-    def misshape(self, answer):
+    def change(self, answer):
         answer.detail = "\ud800\0" * 5_000_000
         return answer
 
 
-@solver("leaves_politely", family="bad", model="coulomb")
-class LeavesPolitely(Bad):
+@solver("calls_sys_exit", family="bad", model="coulomb")
+class CallsSysExit(Bad):
     """Calls sys.exit."""
 
     def misbehave(self, problem):
         sys.exit(3)
 
 
-@solver("shouts", family="bad", model="coulomb")
-class Shouts(Bad):
-    """Writes rubbish to everything that is open."""
+@solver("writes_to_fds", family="bad", model="coulomb")
+class WritesToFds(Bad):
+    """Writes random bytes to all open file descriptors."""
 
     def misbehave(self, problem):
         for number in map(int, os.listdir("/proc/self/fd")):
@@ -431,7 +431,7 @@ class Shouts(Bad):
 
 @solver("starts_programs", family="bad", model="coulomb")
 class StartsPrograms(Bad):
-    """Starts programs that outlive their cell, in a session of their own."""
+    """Starts programs in sessions of their own that run longer than the cell."""
 
     def misbehave(self, problem):
         for _ in range(3):

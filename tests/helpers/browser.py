@@ -1,4 +1,4 @@
-"""Headless Chromium, where it is there."""
+"""Run headless Chromium, if it is installed."""
 
 import shutil
 import subprocess
@@ -11,7 +11,7 @@ in_browser = pytest.mark.skipif(BROWSER is None, reason="needs the browser Chrom
 
 
 def browse(page: Path, *wanted: str, anchor: str = "") -> str:
-    """What headless Chromium puts out for the page."""
+    """Open a page in headless Chromium and return its standard output."""
     quiet = ("--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--hide-scrollbars")
     quiet += ("--disable-component-update", "--disable-sync", f"--user-data-dir={page.parent / 'profile'}")
     command = [str(BROWSER), "--headless", "--no-sandbox", *quiet, "--virtual-time-budget=3000", *wanted]

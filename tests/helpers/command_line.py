@@ -1,4 +1,4 @@
-"""The command line within this process, which has paid for its imports and has a server of workers already."""
+"""Run the command line inside the test process, which saves the import time and the start of a worker server."""
 
 import os
 import sys
@@ -19,7 +19,7 @@ class Done:
 
 
 def frictionbench(*arguments: str, cwd: Path | None = None) -> Done:
-    """What a command prints and ends with, from a folder, on a wide screen. Errors: whatever would be a traceback."""
+    """Run a command in a folder with 200 columns and return its exit code and output; unexpected exceptions propagate."""
     out, err, code = StringIO(), StringIO(), 0
     with (
         chdir(cwd or os.curdir),

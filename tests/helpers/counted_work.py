@@ -1,6 +1,6 @@
-"""Run in a process of its own without compilation: every solver's work beside calls of kernels counted from outside.
+"""Script that solves problems with every solver, uncompiled, and counts the calls of the kernels independently of the solvers.
 
-Prints JSON: [solver, its work, {kernel: calls}, solvers that ran under its name] for each case.
+Prints JSON: [solver, its work counters, {kernel: calls}, names of nested solvers] for each case.
 """
 
 import json
@@ -31,7 +31,7 @@ nested: set[str] = set()
 
 
 def count(module, name, label, amount):
-    """Count the calls of a kernel under whatever module knows it."""
+    """Replace a kernel in all modules that import it by one that counts its calls."""
     original = getattr(sys.modules[module], name)
 
     def counted(*arguments):
@@ -44,8 +44,8 @@ def count(module, name, label, amount):
                 setattr(known, key, counted)
 
 
-def watched(name, original):
-    """A solver's solve that remembers who runs under whose name."""
+def recorded(name, original):
+    """Wrap a solve method to record the solvers that run nested in another solver."""
 
     def solve(self, *arguments, **options):
         nested.update([name] if running else [])
@@ -80,7 +80,7 @@ if __name__ == "__main__":
         count(*kernel)
     originals = {name: info.make.solve for name, info in available().items()}  # before any is replaced: some are inherited
     for name, original in originals.items():
-        available()[name].make.solve = watched(name, original)
+        available()[name].make.solve = recorded(name, original)
     found = []
     for name, problem, tol, limit in cases():
         calls.clear()

@@ -1,4 +1,4 @@
-"""Sliding contacts at the level of forces and accelerations, where Painlevé's paradoxes live.
+"""Sliding contacts at the force and acceleration level, at which Painlevé's paradox occurs.
 
 While every contact slides with the velocity's sign s, friction is known from the normal force f >= 0, and the normal
 accelerations are linear in it:

@@ -1,4 +1,4 @@
-"""Parts of kernels as tests may call them."""
+"""Compiled wrappers of functions that the solvers' kernels call, so that tests can call them."""
 
 from frictionbench.problems.compiled import kernel
 from frictionbench.solvers.interior import alart_curnier, newton, planar_newton, point, spatial_newton

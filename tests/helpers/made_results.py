@@ -1,4 +1,4 @@
-"""Results folders made of a few rows by hand."""
+"""Results folders written from a few rows given by the test."""
 
 from pathlib import Path
 from typing import Any
@@ -29,8 +29,8 @@ def solve_row(variant: str, problem: str, tol: float = 1e-8, **given: Any) -> di
     return row
 
 
-def lost_row(variant: str, problem: str, verdict: str, tol: float = 1e-8, **given: Any) -> dict[str, Any]:
-    """A cell without an answer: timeout, crashed or skipped, with a reason."""
+def unanswered_row(variant: str, problem: str, verdict: str, tol: float = 1e-8, **given: Any) -> dict[str, Any]:
+    """The row of a cell without an answer: timeout, crashed or skipped, with a reason."""
     nothing = dict.fromkeys(("status", "claimed", "residual", "model_residual", "work"))
     nothing |= dict.fromkeys(("form_time", "setup_time", "solve_time", "solve_times"))
     return solve_row(variant, problem, tol, **nothing | {"verdict": verdict, "reason": "for a reason"} | given)

@@ -1,4 +1,4 @@
-"""A plug-in's file, with code of the test's own in it."""
+"""Write a plug-in file with code given by the test."""
 
 from pathlib import Path
 

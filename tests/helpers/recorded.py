@@ -1,19 +1,19 @@
-"""Where the problems of other projects lie, which are not part of this one, and files of each format that tests write."""
+"""Location of recorded problems from other projects, and writers of their file formats for tests."""
 
 import os
 from pathlib import Path
 
 import pytest
 
-BESIDE = Path(__file__).resolve().parents[3] / "shared" / "data"
-FOLDER = Path(os.environ.get("FRICTIONBENCH_RECORDED", BESIDE))
+DEFAULT_FOLDER = Path(__file__).resolve().parents[3] / "shared" / "data"
+FOLDER = Path(os.environ.get("FRICTIONBENCH_RECORDED", DEFAULT_FOLDER))
 
 
-def recorded(room: str, pattern: str = "*") -> list:
-    """The files of a room as parameters of a test, or one that skips it with the reason."""
-    files = sorted(path for path in (FOLDER / room).glob(pattern) if path.is_file())
+def recorded(folder: str, pattern: str = "*") -> list:
+    """The files of a subfolder as parameters of a test, or one that skips it with the reason."""
+    files = sorted(path for path in (FOLDER / folder).glob(pattern) if path.is_file())
     if not files:
-        reason = f"no recorded problems: FRICTIONBENCH_RECORDED names no folder with {room}/{pattern}"
+        reason = f"no recorded problems: FRICTIONBENCH_RECORDED names no folder with {folder}/{pattern}"
         return [pytest.param(None, marks=pytest.mark.skip(reason=reason))]
     return [pytest.param(path, id=path.name) for path in files]
 

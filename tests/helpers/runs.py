@@ -1,4 +1,4 @@
-"""Small runs that several tests make."""
+"""Plans and run summaries shared by several tests."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -28,7 +28,7 @@ def small_plan(**changes) -> Plan:
 
 
 def verdicts(folder: Path) -> dict[str, tuple]:
-    """What a run found, without times: by key, the verdict, residual and work."""
+    """Verdict, residual, work and energy drift of each row of a run, by key."""
     found = {}
     for table in ("solves", "simulations"):
         for row in store.read_table(folder, table).to_dict("records"):

@@ -10,7 +10,7 @@ import pytest
 
 from frictionbench.problems import compiled
 from frictionbench.problems.forms.cone import nearest
-from tests.helpers.places import ROOT
+from tests.helpers.paths import ROOT
 
 KERNEL = """
 from numba import njit

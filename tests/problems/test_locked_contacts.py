@@ -7,7 +7,7 @@ from frictionbench.harness.verify import verify
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.residual import residual
 from frictionbench.solvers import Answer, Status, available, solve
-from tests.helpers.places import DATA
+from tests.helpers.paths import DATA
 
 
 def held(seed, gap=1.0):

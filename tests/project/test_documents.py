@@ -11,7 +11,7 @@ from frictionbench.harness.cli import app
 from frictionbench.harness.workers import pool
 from frictionbench.problems.recorded import archive, fclib, siconos
 from frictionbench.results import store
-from tests.helpers.places import ROOT
+from tests.helpers.paths import ROOT
 
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
 FOLDERS = ("problems", "solvers", "harness", "results", "reports", "tests", "docs", "frictionbench")

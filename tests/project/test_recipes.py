@@ -12,7 +12,7 @@ from numba.core import config
 from numba.core.caching import _CacheLocator
 
 from frictionbench.problems.compiled import PACKAGE
-from tests.helpers.places import ROOT
+from tests.helpers.paths import ROOT
 
 RECIPES = dict(
     re.findall(r"^### (.+?)\n(.*?)(?=^### |\Z)", (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8"), re.M | re.S)

@@ -1,4 +1,4 @@
-"""Imports go one way between folders and subpackages, without cycles; every file is documented, and every test can fail."""
+"""Imports follow the declared layers without cycles, every module has a docstring, and every test asserts something."""
 
 import ast
 from collections.abc import Iterator
@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from tests.helpers.places import ROOT
+from tests.helpers.paths import ROOT
 
-ROAD = ("problems", "solvers", "harness", "results", "reports")
+LAYERS = ("problems", "solvers", "harness", "results", "reports")
 _MECHANISMS = ("harness.machine", "harness.process", "harness.deadline")
-# What each place (a folder, a subpackage or a file, by its dotted name) may import of ours, besides its own files.
+# What each layer (a folder, a subpackage or a module, by its dotted name) may import from this project besides its own modules.
 MAY_IMPORT = {
     "problems.compiled": set(),
     "problems.rows": {"problems.compiled"},
@@ -45,10 +45,10 @@ MAY_IMPORT = {
     "harness": {"problems", "solvers", "results", "harness"},
     "reports": {"results"},
 }
-FACE = sorted((ROOT / "frictionbench").glob("*.py"))  # the public face: it may import everything, and nothing imports it
+PUBLIC_MODULES = sorted((ROOT / "frictionbench").glob("*.py"))  # they may import all layers, and no layer imports them
 FILES = {
     ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path
-    for folder in ROAD
+    for folder in LAYERS
     for path in sorted((ROOT / folder).rglob("*.py"))
 }
 
@@ -59,7 +59,7 @@ def tree(path: Path) -> ast.Module:
 
 
 def imports(path: Path, *, at_once: bool = False) -> Iterator[tuple[str, str | None]]:
-    """Each import of a file: the module, and the name taken from it; at_once: only what the import of the file itself runs."""
+    """Yield each import of a file as (module, name); at_once: only those at module level."""
     for node in tree(path).body if at_once else ast.walk(tree(path)):
         if isinstance(node, ast.Import):
             yield from ((alias.name.removeprefix("frictionbench."), None) for alias in node.names)
@@ -70,36 +70,36 @@ def imports(path: Path, *, at_once: bool = False) -> Iterator[tuple[str, str | N
                 yield (f"{home}.{alias.name}", None) if f"{home}.{alias.name}" in FILES else (home, alias.name)
 
 
-def within(module: str, place: str) -> bool:
-    return module == place or module.startswith(place + ".")
+def within(module: str, layer: str) -> bool:
+    return module == layer or module.startswith(layer + ".")
 
 
-def the_place_of(module: str) -> str:
-    return max((place for place in MAY_IMPORT if within(module, place)), key=len)
+def layer_of(module: str) -> str:
+    return max((layer for layer in MAY_IMPORT if within(module, layer)), key=len)
 
 
 @pytest.mark.parametrize("module", FILES)
-def test_imports_go_one_way(module: str) -> None:
-    place = the_place_of(module)
-    ours = {target for target, _ in imports(FILES[module]) if target.split(".")[0] in ROAD}
-    refused = {
-        target for target in ours if not within(target, place) and not any(within(target, known) for known in MAY_IMPORT[place])
+def test_import_directions(module: str) -> None:
+    layer = layer_of(module)
+    ours = {target for target, _ in imports(FILES[module]) if target.split(".")[0] in LAYERS}
+    forbidden = {
+        target for target in ours if not within(target, layer) and not any(within(target, known) for known in MAY_IMPORT[layer])
     }
-    assert not refused, f"{module}, of {place}, may not import {refused}"
+    assert not forbidden, f"{module}, of {layer}, may not import {forbidden}"
 
 
 @pytest.mark.parametrize("module", FILES)
-def test_nothing_imports_the_face(module: str) -> None:
-    names = {"frictionbench", *(path.stem for path in FACE)}
+def test_public_modules_are_not_imported(module: str) -> None:
+    names = {"frictionbench", *(path.stem for path in PUBLIC_MODULES)}
     assert {target for target, _ in imports(FILES[module]) if target in names} == set()
 
 
-def test_the_face_borrows_no_private_name() -> None:
-    borrowed = [(path.name, name) for path in FACE for _, name in imports(path) if str(name).startswith("_")]
-    assert borrowed == []
+def test_public_modules_import_public_names_only() -> None:
+    imported = [(path.name, name) for path in PUBLIC_MODULES for _, name in imports(path) if str(name).startswith("_")]
+    assert imported == []
 
 
-def test_there_are_no_import_cycles() -> None:
+def test_no_import_cycles() -> None:
     # The __init__ of a folder imports what lies in it; importing a module of the folder does not count as importing the rest.
     known = {
         module: {target for target, _ in imports(path, at_once=True) if target in FILES and target != module}
@@ -108,26 +108,26 @@ def test_there_are_no_import_cycles() -> None:
     }
     try:
         TopologicalSorter(known).prepare()
-    except CycleError as circle:
-        pytest.fail(" -> ".join(circle.args[1]))
+    except CycleError as cycle:
+        pytest.fail(" -> ".join(cycle.args[1]))
 
 
-def test_private_names_are_used_in_their_own_file() -> None:
-    borrowed = [
+def test_private_names_are_not_imported() -> None:
+    imported = [
         f"{module} imports {name} from {target}"
         for module, path in FILES.items()
         for target, name in imports(path)
-        if name and name.startswith("_") and not name.startswith("__") and target.split(".")[0] in ROAD
+        if name and name.startswith("_") and not name.startswith("__") and target.split(".")[0] in LAYERS
     ]
-    assert borrowed == []
+    assert imported == []
 
 
 @pytest.mark.parametrize("module", FILES)
-def test_every_file_has_a_docstring(module: str) -> None:
+def test_module_docstrings(module: str) -> None:
     assert ast.get_docstring(tree(FILES[module]))
 
 
-def test_the_solvers_folder_shows_the_methods() -> None:
+def test_solver_modules_register_solvers() -> None:
     others = ("__init__", "interface", "needs", "plugins")
     methods = [path.stem for path in (ROOT / "solvers").glob("*.py") if path.stem not in others]
     decorated = [
@@ -144,7 +144,7 @@ def test_the_solvers_folder_shows_the_methods() -> None:
 
 @cache
 def checkers(module: ast.Module) -> set[str]:
-    """The functions of a test's file that assert, or expect an error, themselves or through one another."""
+    """The functions of a test module that assert or expect an error, directly or through other functions of the module."""
     functions = {node.name: node for node in ast.walk(module) if isinstance(node, ast.FunctionDef)}
     found: set[str] = set()
     while more := {name for name, node in functions.items() if name not in found and asserts(node, found)}:
@@ -153,7 +153,7 @@ def checkers(module: ast.Module) -> set[str]:
 
 
 def asserts(function: ast.AST, helpers: set[str]) -> bool:
-    """Whether a test can fail of its own accord: it asserts, expects an error, or calls a helper that does."""
+    """Whether a function asserts, expects an error, or calls a helper that does."""
     for node in ast.walk(function):
         if isinstance(node, ast.Assert):
             return True
@@ -168,7 +168,7 @@ def asserts(function: ast.AST, helpers: set[str]) -> bool:
 
 def test_every_test_asserts_something() -> None:
     shared = {name for path in (ROOT / "tests" / "helpers").glob("*.py") for name in checkers(tree(path))}
-    idle = [
+    without_assertion = [
         f"{path.name}::{node.name}"
         for path in (ROOT / "tests").rglob("test_*.py")
         if "benchmarks" not in path.parts
@@ -176,7 +176,7 @@ def test_every_test_asserts_something() -> None:
         if isinstance(node, ast.FunctionDef) and node.name.startswith("test")
         if not asserts(node, (checkers(tree(path)) | shared) - {node.name})
     ]
-    assert idle == []
+    assert without_assertion == []
 
 
 @pytest.mark.parametrize(
@@ -188,5 +188,5 @@ def test_every_test_asserts_something() -> None:
         ("def test(): checked = f()", False),
     ],
 )
-def test_a_call_with_check_in_its_name_asserts_nothing(text: str, can_fail: bool) -> None:
+def test_asserts(text: str, can_fail: bool) -> None:
     assert asserts(ast.parse(text), set()) is can_fail

@@ -15,8 +15,8 @@ from frictionbench.reports.charts import CHARTS
 from frictionbench.reports.page import write_report
 from frictionbench.reports.run import read_run
 from tests.helpers.browser import browse, in_browser
-from tests.helpers.made_results import lost_row, simulation_row, solve_row, write_folder
-from tests.helpers.places import HELPERS
+from tests.helpers.made_results import simulation_row, solve_row, unanswered_row, write_folder
+from tests.helpers.paths import HELPERS
 
 WIDTHS = (400, 1400)
 AUDIT = (HELPERS / "page_audit.js").read_text(encoding="utf-8")
@@ -52,7 +52,10 @@ def folder_of(path: Path, solvers: int) -> Path:
         rises = [2.0, 2.0 + 10.0 ** -(1 + i), 2.0 + 10.0 ** -(1 + i)]
         simulations += [simulation_row(name), simulation_row(name, scene="rise", energies=rises, key=f"rise {name}")]
     rows[3] |= {"verdict": "wrong", "residual": 3.21e-3, "reason": "claims a residual within 1e-08, has 0.0032"}
-    rows += [lost_row("lemke", "x", "timeout", scene="a_long_name_of_a_scene"), lost_row("nsgs", "y", "skipped", scene="other")]
+    rows += [
+        unanswered_row("lemke", "x", "timeout", scene="a_long_name_of_a_scene"),
+        unanswered_row("nsgs", "y", "skipped", scene="other"),
+    ]
     return write_folder(path / f"run{solvers}", rows, simulations)
 
 

@@ -20,8 +20,8 @@ from frictionbench.reports.references import cited, references
 from frictionbench.reports.run import Run, read_run
 from frictionbench.results.files import ResultsError
 from frictionbench.solvers import available
-from tests.helpers.made_results import lost_row, simulation_row, solve_row, write_folder
-from tests.helpers.places import ROOT
+from tests.helpers.made_results import simulation_row, solve_row, unanswered_row, write_folder
+from tests.helpers.paths import ROOT
 
 EVIL = "_\\input{/etc/passwd}$x^{%&#~|<é–µ\x00\u202e漢"
 latex = pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed")
@@ -30,7 +30,7 @@ latex = pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is
 @pytest.fixture
 def run(tmp_path) -> Run:
     rows = [solve_row(name, p, tol) for name in ("lemke", "nsgs", "ccp[backend=osqp]") for p in "pqr" for tol in (1e-4, 1e-8)]
-    rows += [lost_row("siconos[method=global_friction_3d_admm]", p, "timeout") for p in "pqr"]
+    rows += [unanswered_row("siconos[method=global_friction_3d_admm]", p, "timeout") for p in "pqr"]
     rows += [solve_row(EVIL, p, solve_time=2.0) for p in "pqr"]
     for row in rows:
         row["solver"] = row["variant"].partition("[")[0]

@@ -38,7 +38,7 @@ from frictionbench.results.schema import SOLVES, arrow_schema
 from frictionbench.results.store import ResultsError
 from frictionbench.results.verdicts import Verdict
 from tests.helpers.browser import browse, in_browser
-from tests.helpers.made_results import lost_row, simulation_row, solve_row, write_folder
+from tests.helpers.made_results import simulation_row, solve_row, unanswered_row, write_folder
 
 
 @pytest.fixture(autouse=True)
@@ -90,8 +90,8 @@ def test_the_least_time_within_the_target_counts_whatever_was_asked_for():
         solve_row("a", "q", verdict="relaxed", residual=1e-3),
         solve_row("a", "q", verdict="unsolved", claimed=False, residual=float("inf")),
         solve_row("a", "q", verdict="timeout", residual=1e-12, solve_time=11.0),
-        lost_row("a", "q", "crashed"),
-        lost_row("a", "q", "skipped"),
+        unanswered_row("a", "q", "crashed"),
+        unanswered_row("a", "q", "skipped"),
     ],
     ids=lambda row: row["verdict"],
 )
@@ -110,7 +110,7 @@ def test_a_wrong_claim_is_paid_for_the_accuracy_it_has():
 
 
 def test_a_class_skipped_as_a_whole_has_no_figure():
-    rows = annotated(solve_row("a", "p"), lost_row("b", "p", "skipped"), lost_row("c", "p", "crashed"))
+    rows = annotated(solve_row("a", "p"), unanswered_row("b", "p", "skipped"), unanswered_row("c", "p", "crashed"))
     assert accuracy.times_to(rows, 1e-8)["label"].tolist() == ["a", "c"]
 
 
@@ -119,7 +119,7 @@ def test_whoever_is_skipped_on_a_class_gains_nothing_by_it(tmp_path):
     classes = [(scene, f"{scene}{i}") for scene in ("bar", "rod") for i in range(5)]
     slow = [solve_row("a", name, scene=scene, solve_time=30e-3) for scene, name in classes]
     quick = [
-        solve_row("b", name, scene=scene) if scene == "bar" else lost_row("b", name, "skipped", scene=scene)
+        solve_row("b", name, scene=scene) if scene == "bar" else unanswered_row("b", name, "skipped", scene=scene)
         for scene, name in classes
     ]
     warm = [solve_row("a", name, scene=scene, start="warm", key=f"warm {name}") for scene, name in classes[:3]]
@@ -150,7 +150,7 @@ def test_solvability_counts_every_verdict():
         solve_row("a", v, verdict=v, claimed=v != "unsolved")
         for v in ("solved", "relaxed", "near_miss", "unjudgeable", "wrong", "unsolved")
     ]
-    lost = [lost_row("a", v, v) for v in ("timeout", "crashed", "skipped")]
+    lost = [unanswered_row("a", v, v) for v in ("timeout", "crashed", "skipped")]
     row = tables.solvability(run_of(*answers, *lost)).iloc[0]
     assert (row["cells"], row["claimed"]) == (9, 5)
     assert all(row[verdict] == 1 for verdict in Verdict)
@@ -165,7 +165,7 @@ def test_small_and_large_problems_of_a_scene_are_apart():
     sizes = {"p": 8, "q": 99, "r": 100, "s": 1000}
     rows = annotated(
         *(solve_row("a", name, size=n, parameters=f'{{"blocks": {n}}}') for name, n in sizes.items()),
-        lost_row("b", "s", "skipped", size=None, parameters='{"blocks": 1000}'),
+        unanswered_row("b", "s", "skipped", size=None, parameters='{"blocks": 1000}'),
         solve_row("a", "t", scene="rod", size=5000),
     )
     classes = rows["problem_class"].tolist()
@@ -176,8 +176,8 @@ def test_profile_by_hand():
     rows = annotated(
         *(solve_row("a", name, form_time=0.0, setup_time=0.0, solve_time=t) for name, t in (("p", 1.0), ("q", 4.0))),
         *(solve_row("b", name, form_time=0.0, setup_time=0.0, solve_time=t) for name, t in (("p", 2.0), ("q", 1.0))),
-        *(lost_row(name, "r", "timeout") for name in "ab"),
-        lost_row("c", "p", "timeout"),
+        *(unanswered_row(name, "r", "timeout") for name in "ab"),
+        unanswered_row("c", "p", "timeout"),
     )
     ratios = accuracy.ratios(accuracy.times_to(rows, 1e-8))
     assert {name: ratio.tolist() for name, ratio in ratios.items()} == {"a": [1, 4, INF], "b": [1, 2, INF], "c": [INF] * 3}
@@ -243,8 +243,8 @@ RUN = [
     solve_row("lemke", "p0", residual=0.0, model_residual=0.0),
     solve_row("lemke", "p1", verdict="wrong", residual=0.3, key="cell with 'quotes'; and a blank"),
     solve_row("ccp", "p0", model="relaxation", verdict="relaxed", residual=1e-3, model_residual=1e-9),
-    lost_row("nsgs", "p9", "timeout", rank=2),
-    lost_row("path", "p0", "skipped"),
+    unanswered_row("nsgs", "p9", "timeout", rank=2),
+    unanswered_row("path", "p0", "skipped"),
 ]
 for _row in RUN[:-2]:
     _row |= {"sensitivity": 2.0, "backward_error": 1e-9, "work": '{"iterations": 3}'}
@@ -275,7 +275,9 @@ def test_a_portfolio_is_marked_wherever_it_is_named(tmp_path):
 
 
 def test_the_page_has_all_its_parts_and_stands_alone(tmp_path):
-    torn = lost_row("nsgs", "", "skipped", scene="Chain", parameters='{"file": "torn.dat"}', contacts=None, dimension=None)
+    torn = unanswered_row(
+        "nsgs", "", "skipped", scene="Chain", parameters='{"file": "torn.dat"}', contacts=None, dimension=None
+    )
     simulations = [simulation_row("nsgs"), simulation_row("ccp", energies=[2.0, 2.1, 2.3])]
     folder = write_folder(tmp_path / "run", [*RUN, torn], simulations)
     write_deviations(folder, [Deviation(0, 0.01, 1e-3, 0.0), Deviation(4, 0.01, 25e-3, 24e-3)])
@@ -301,7 +303,7 @@ def test_the_page_has_all_its_parts_and_stands_alone(tmp_path):
         ([], []),
         ([], [simulation_row("a", energies=[], times=[]), simulation_row("b", energies=None, times=None, energy_scale=None)]),
         ([solve_row("a", "p", trivial=True)], []),
-        ([lost_row("a", "p", "skipped", size=None, contacts=None, dimension=None, condition=None)], []),
+        ([unanswered_row("a", "p", "skipped", size=None, contacts=None, dimension=None, condition=None)], []),
         ([solve_row("a", "p", residual=float("inf"), verdict="unsolved")], []),
         ([solve_row("a", "p")], [simulation_row("a", energies=[1.0, float("inf"), float("nan")])]),
     ],
@@ -402,7 +404,7 @@ def test_times_of_two_hosts_never_meet() -> None:
 
 def test_the_harness_own_share_by_hand() -> None:
     rows = [solve_row("a", "p", wall_time=1.0, overhead=0.1), solve_row("b", "p", wall_time=3.0, overhead=0.3)]
-    lost = lost_row("c", "p", "timeout")
+    lost = unanswered_row("c", "p", "timeout")
     assert tables.overhead(run_of(*rows, lost)) == pytest.approx(0.1)
     assert tables.overhead(run_of(lost)) is None
 
@@ -417,7 +419,7 @@ def test_which_solver_by_hand():
 
     rows = [*entry("a", 1e-3, 1e-3, 1.0), *entry("b", 4e-3, 4e-3, 1e-2)]
     rows += entry("c", 1e-6, 1e-6, 1e-6)[:2]  # the fastest, but it did not run on every problem
-    rows += [lost_row("c", "p2", "skipped", contacts=50)]
+    rows += [unanswered_row("c", "p2", "skipped", contacts=50)]
     found = dict(choice.choices(run_of(*rows)))
     assert list(found) == ["all problems", "small: up to 10 contacts", "medium: 11 to 100 contacts"]
     assert {kind: best[1e-8].label for kind, best in found.items()} == {
@@ -446,7 +448,7 @@ def test_the_front_has_those_that_nobody_beats():
 
 
 def test_who_missed_a_problem_is_not_on_the_chart_of_all():
-    rows = [solve_row("a", "p"), solve_row("a", "q"), solve_row("b", "p"), lost_row("b", "q", "skipped")]
+    rows = [solve_row("a", "p"), solve_row("a", "q"), solve_row("b", "p"), unanswered_row("b", "q", "skipped")]
     assert pareto.ladder(run_of(*rows))["label"].tolist() == ["a"]
 
 
@@ -507,8 +509,8 @@ def test_recorded_problems_are_told_one_by_one(tmp_path) -> None:
     rows = [
         *(solve_row(name, "a", time_limit=1.0, solve_time=time, **chain) for name, time in (("slow", 0.5), ("fast", 0.1))),
         solve_row("poor", "a", residual=1e-3, **chain),
-        lost_row("left", "a", "skipped", **chain),
-        lost_row("slow", "", "skipped", **torn),
+        unanswered_row("left", "a", "skipped", **chain),
+        unanswered_row("slow", "", "skipped", **torn),
         solve_row("slow", "scene of ours"),
     ]
     run = read_run(write_folder(tmp_path / "run", rows))
@@ -523,7 +525,7 @@ def test_mean_profile_and_page_have_one_denominator():
     names = [(scene, f"{scene}{i}") for scene, n in (("bar", 6), ("rod", 4)) for i in range(n)]
     rows = [solve_row("a", name, scene=scene, solve_time=4e-3) for scene, name in names]
     rows += [
-        (solve_row if scene == "bar" else lost_row)("b", name, *(["skipped"] * (scene == "rod")), scene=scene)
+        (solve_row if scene == "bar" else unanswered_row)("b", name, *(["skipped"] * (scene == "rod")), scene=scene)
         for scene, name in names
     ]
     rows += [solve_row("a", name, scene=scene, start="warm", key=f"warm {name}") for scene, name in names[:3]]
@@ -540,7 +542,7 @@ def test_the_rank_with_misses_charged_more_by_hand():
     """a, fast, misses one of four; at the limit of 10 s it is the first, at ten limits the last."""
     quick = [solve_row("a", f"p{i}", solve_time=1e-5, form_time=0.0, setup_time=0.0) for i in range(3)]
     slow = [solve_row("b", f"p{i}", solve_time=7e-4, form_time=0.0, setup_time=0.0) for i in range(4)]
-    table = accuracy.by_charge(run_of(*quick, lost_row("a", "p3", "timeout"), *slow).times[1e-8]).set_index("label")
+    table = accuracy.by_charge(run_of(*quick, unanswered_row("a", "p3", "timeout"), *slow).times[1e-8]).set_index("label")
     assert table.loc["a", "failed"] == 1
     assert table.loc["a", "mean 10"] == pytest.approx(((2e-5) ** 3 * 100) ** 0.25 - 1e-5, rel=1e-6)
     assert table["rank 1"].to_dict() == {"a": 1, "b": 2}
@@ -651,7 +653,7 @@ def test_who_is_exact_and_who_claims_falsely_by_hand(tmp_path):
     rows += [solve_row("soft", problem, model="relaxation", residual=0.1, verdict="relaxed") for problem in "pq"]
     rows += [solve_row("liar", "p", version="lib 2"), solve_row("liar", "q", version="lib 2", residual=0.1, verdict="wrong")]
     rows[-1] |= {"model_residual": 0.1}
-    rows += [solve_row("weak", "p"), lost_row("weak", "q", "crashed")]
+    rows += [solve_row("weak", "p"), unanswered_row("weak", "q", "crashed")]
     folder = write_folder(tmp_path / "run", [{"version": "ours"} | row for row in rows], versions={"frictionbench": "ours"})
     run = read_run(folder)
     assert [(one.label, one.exact, one.own, one.wrong, one.crashed) for one in reliabilities(run)] == [

@@ -14,8 +14,8 @@ from frictionbench.results.changes import Flip
 from frictionbench.results.compare import compare
 from frictionbench.results.store import ResultsError
 from tests.helpers.command_line import frictionbench
-from tests.helpers.made_results import lost_row, simulation_row, solve_row, write_folder
-from tests.helpers.places import ROOT
+from tests.helpers.made_results import simulation_row, solve_row, unanswered_row, write_folder
+from tests.helpers.paths import ROOT
 
 SMOKE = ROOT / "results" / "baselines" / "smoke.tsv"
 
@@ -24,7 +24,7 @@ def run(folder, pivots=10, verdict="solved", **manifest):
     solved = [solve_row("a", f"p{i}", work=json.dumps({"pivots": pivots, "restarts": 0})) for i in range(3)]
     return write_folder(
         folder,
-        [*solved, solve_row("b", "p", verdict=verdict), lost_row("c", "p", "skipped")],
+        [*solved, solve_row("b", "p", verdict=verdict), unanswered_row("c", "p", "skipped")],
         [simulation_row("a")],
         **manifest,
     )

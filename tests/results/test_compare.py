@@ -15,7 +15,7 @@ from frictionbench.results import cells
 from frictionbench.results.changes import Flip
 from frictionbench.results.compare import Limits, compare, confirm, suspects
 from frictionbench.results.times import estimate
-from tests.helpers.made_results import MACHINE, SETTINGS, lost_row, simulation_row, solve_row, write_folder
+from tests.helpers.made_results import MACHINE, SETTINGS, simulation_row, solve_row, unanswered_row, write_folder
 
 ELSEWHERE = {"machine": MACHINE | {"host": "there"}}
 
@@ -66,7 +66,7 @@ def test_a_timeout_that_the_machine_may_explain_is_no_flip(runs, seconds, code, 
     pace = 1.5 if manifest else 1.0  # of a slower machine, as the others show it
     others = [solve_row("b", f"p{i}") for i in range(9)]
     slower = [solve_row("b", f"p{i}", solve_time=pace * 2e-3) for i in range(9)]
-    before, after = rows(["solved"], **taken), [lost_row("a", "p0", "timeout")]
+    before, after = rows(["solved"], **taken), [unanswered_row("a", "p0", "timeout")]
     result = runs([*others, *before], [*slower, *after], **manifest)
     assert result.exit_code == code
     assert ("the speed of the machine may explain are not counted: 1 cells" in markdown(result)) is (code == 0)
@@ -75,9 +75,9 @@ def test_a_timeout_that_the_machine_may_explain_is_no_flip(runs, seconds, code, 
 
 @pytest.mark.parametrize(("manifest", "code"), [({}, 1), (ELSEWHERE, 0)])
 def test_a_timeout_beside_a_crash_is_the_machines_only_elsewhere(runs, manifest, code):
-    assert runs(rows(["solved", "timeout"]), [*rows(["solved"]), lost_row("a", "p1", "crashed")]).exit_code == 1
-    before = [*rows(["solved"]), lost_row("a", "p1", "timeout")]
-    assert runs(before, [*rows(["solved"]), lost_row("a", "p1", "crashed")], **manifest).exit_code == code
+    assert runs(rows(["solved", "timeout"]), [*rows(["solved"]), unanswered_row("a", "p1", "crashed")]).exit_code == 1
+    before = [*rows(["solved"]), unanswered_row("a", "p1", "timeout")]
+    assert runs(before, [*rows(["solved"]), unanswered_row("a", "p1", "crashed")], **manifest).exit_code == code
 
 
 def test_a_better_verdict_is_told_of_and_passes(runs):
@@ -96,13 +96,13 @@ def test_a_missing_cell_is_gone(runs):
 @pytest.mark.parametrize(("reason", "code"), [("not installed", 0), ("", 1)])
 def test_a_skip_is_excused_by_a_reason(runs, reason, code):
     kept = solve_row("b", "p0")
-    assert runs([kept, solve_row("a", "p0")], [kept, lost_row("a", "p0", "skipped", reason=reason)]).exit_code == code
+    assert runs([kept, solve_row("a", "p0")], [kept, unanswered_row("a", "p0", "skipped", reason=reason)]).exit_code == code
 
 
 def test_a_solver_skipped_as_a_whole_excuses_its_cells(runs):
     kept = solve_row("b", "p0")
     result = runs(
-        [kept, solve_row("a", "p0"), solve_row("a", "p1")], [kept, lost_row("a", "p0", "skipped"), solve_row("b", "p3")]
+        [kept, solve_row("a", "p0"), solve_row("a", "p1")], [kept, unanswered_row("a", "p0", "skipped"), solve_row("b", "p3")]
     )
     assert (result.exit_code, result.counts["skipped"], result.counts["new"]) == (0, 2, 1)
 
@@ -112,7 +112,7 @@ def test_nothing_measured_in_both_is_unusable(runs):
 
 
 def test_all_skipped_is_unusable(runs):
-    result = runs(rows(["solved"]), [lost_row("a", "p0", "skipped")])
+    result = runs(rows(["solved"]), [unanswered_row("a", "p0", "skipped")])
     assert (result.exit_code, result.unusable) == (2, "no cell was measured in both runs")
 
 
@@ -286,9 +286,9 @@ def test_a_page_fits_a_comment(runs):
 def test_the_files_say_what_the_page_says(runs, tmp_path, monkeypatch):
     before, after = (
         rows(["solved", "solved", "unsolved"]),
-        [*rows(["solved"]), lost_row("a", "p1", "crashed", reason="ill\x00")],
+        [*rows(["solved"]), unanswered_row("a", "p1", "crashed", reason="ill\x00")],
     )
-    result = runs(before, [*after, lost_row("a", "p2", "skipped", reason="absent")])
+    result = runs(before, [*after, unanswered_row("a", "p2", "skipped", reason="absent")])
     write_files(result, tmp_path / "out")
     told = json.loads((tmp_path / "out" / "comparison.json").read_text(encoding="utf-8"))
     assert told["counts"] == {"worse": 1, "better": 0, "same": 1, "new": 0, "gone": 0, "skipped": 1}

@@ -1,7 +1,7 @@
 """The documentation of the columns is what the schema says."""
 
 from frictionbench.results.schema import TABLES, VERSION, describe
-from tests.helpers.places import ROOT
+from tests.helpers.paths import ROOT
 
 
 def test_the_page_of_columns_is_made_from_the_schema() -> None:

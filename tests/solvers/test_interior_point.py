@@ -23,7 +23,7 @@ from frictionbench.solvers.interior.predictor_corrector import Best, new_workspa
 from frictionbench.solvers.interior.system import build_system, new_work, space_of
 from tests.helpers.friction_problems import block, nothing, spatial
 from tests.helpers.kernels import direction, evaluate_point, linearise, longest, new_point, to_geodesics
-from tests.helpers.places import DATA
+from tests.helpers.paths import DATA
 from tests.helpers.recorded import FOLDER as RECORDED
 
 METHODS = ("interior_point", "interior_point[shortcut=false]")

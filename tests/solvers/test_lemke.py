@@ -9,7 +9,7 @@ from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual
 from frictionbench.solvers.interface import Status, solve
 from frictionbench.solvers.lemke import Lemke
-from tests.helpers.places import DATA
+from tests.helpers.paths import DATA
 
 FALSE_RAYS = [(name, i) for name, count in (("bar", 11), ("blocks", 4)) for i in range(count)]
 

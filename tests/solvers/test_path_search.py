@@ -24,7 +24,7 @@ from frictionbench.solvers.pivots.natural import MARGIN, natural_residual, natur
 from frictionbench.solvers.pivots.newton_path import is_ray
 from frictionbench.solvers.pivots.scaling import scaling
 from tests.helpers.friction_problems import block, nothing, spatial, with_joints
-from tests.helpers.places import DATA
+from tests.helpers.paths import DATA
 
 FALSE_RAYS = [(name, i) for name, count in (("bar", 11), ("blocks", 4)) for i in range(count)]
 LITERATURE = {

@@ -9,7 +9,7 @@ from collections import defaultdict
 import pytest
 
 from frictionbench.solvers import available
-from tests.helpers.places import HELPERS, ROOT
+from tests.helpers.paths import HELPERS, ROOT
 
 # What each unit of a solver's work should be in calls of kernels; a check of the residual is a product.
 UNITS = {

@@ -24,7 +24,7 @@ from frictionbench.reports.run import read_run
 from frictionbench.results.store import read_table
 from frictionbench.solvers import solve
 from tests.helpers.friction_problems import spatial
-from tests.helpers.places import DATA
+from tests.helpers.paths import DATA
 
 
 def test_a_file_is_solved_and_ranked(tmp_path, capsys) -> None:

@@ -27,7 +27,7 @@ from frictionbench.results.store import ResultsError
 from frictionbench.solvers import available, solve
 from tests.helpers.browser import browse, in_browser
 from tests.helpers.made_results import simulation_row, solve_row, write_folder
-from tests.helpers.places import BAD_SOLVERS
+from tests.helpers.paths import BAD_SOLVERS
 
 OUTSIDER = """
 import os

@@ -34,9 +34,9 @@ from frictionbench.solvers.outside.children.child import Child, DiedError, child
 from frictionbench.solvers.outside.scaled_delassus import scaled_delassus
 from frictionbench.solvers.outside.siconos import PYTHON
 from tests.helpers.friction_problems import block, nothing, spatial, with_joints
-from tests.helpers.places import HELPERS, ROOT
+from tests.helpers.paths import HELPERS, ROOT
 
-PEERS = HELPERS / "standin_peers.py"
+FAKE_LIBRARIES = HELPERS / "fake_libraries.py"
 SPECS = [spec for name, info in sorted(available().items()) if info.needs and name != "path" for spec in info.specs]
 EASY = {
     "nothing": nothing(),
@@ -174,16 +174,16 @@ def first_problem(spec: str) -> FrictionProblem:
 
 
 def test_what_is_missing_is_said() -> None:
-    plugins.load(str(PEERS))
+    plugins.load(str(FAKE_LIBRARIES))
     missing = "no-such-distribution, no.such.module@/usr/bin/python3 not installed"
-    assert find("nowhere")[0].missing == missing
+    assert find("missing_library")[0].missing == missing
     with pytest.raises(InputError, match="not installed"):
-        solve(block(), "nowhere")
+        solve(block(), "missing_library")
     assert installed_version("numpy") == np.__version__
 
 
 def test_a_child_that_dies_is_replaced() -> None:
-    child = Child(str(HELPERS / "standin_child.py"), os.sys.executable)
+    child = Child(str(HELPERS / "fake_library_child.py"), os.sys.executable)
     child.store("what", do="")
     assert child.stored == "what"
     for how, named in (("abort", "SIGABRT"), ("exit", "exit code 0")):
@@ -196,18 +196,18 @@ def test_a_child_that_dies_is_replaced() -> None:
 
 def test_a_peer_that_misbehaves_has_its_row_and_leaves_no_process(tmp_path) -> None:
     expected = {
-        "peer[does=abort]": ("crashed", "SIGABRT"),
-        "peer[does=exit]": ("crashed", "exit code 0"),
-        "peer[does=hang]": ("timeout", "limit of 2 s"),
-        "peer[does=leak]": ("crashed", ""),
-        "peer[does=print]": ("wrong", "claims"),
-        "peer[does=child]": ("wrong", "claims"),
-        "peer[does=slow]": ("wrong", "claims"),
-        "peer[does=big]": ("wrong", "claims"),
-        "nowhere": ("skipped", "not installed"),
+        "fake_library[does=abort]": ("crashed", "SIGABRT"),
+        "fake_library[does=exit]": ("crashed", "exit code 0"),
+        "fake_library[does=hang]": ("timeout", "limit of 2 s"),
+        "fake_library[does=leak]": ("crashed", ""),
+        "fake_library[does=print]": ("wrong", "claims"),
+        "fake_library[does=child]": ("wrong", "claims"),
+        "fake_library[does=slow]": ("wrong", "claims"),
+        "fake_library[does=big]": ("wrong", "claims"),
+        "missing_library": ("skipped", "not installed"),
         "lemke": ("solved", ""),
     }
-    _, files = load_plugins([str(PEERS), *expected])
+    _, files = load_plugins([str(FAKE_LIBRARIES), *expected])
     plan = Plan(
         suite="test",
         sources=(Source("stack", {"blocks": 2, "push": 1.0}),),
@@ -222,13 +222,13 @@ def test_a_peer_that_misbehaves_has_its_row_and_leaves_no_process(tmp_path) -> N
     for spec, (verdict, reason) in expected.items():
         assert rows.loc[spec, "verdict"] == verdict, (spec, rows.loc[spec, "reason"])
         assert reason in (rows.loc[spec, "reason"] or ""), spec
-    assert rows.loc["peer[does=print]", "clock_time"] == 1e-3, "the library's own clock"
+    assert rows.loc["fake_library[does=print]", "clock_time"] == 1e-3, "the library's own clock"
     memory = rows["peak_memory"]
-    assert memory["peer[does=big]"] - memory["peer[does=slow]"] > 2**26, "a child's memory counts"
+    assert memory["fake_library[does=big]"] - memory["fake_library[does=slow]"] > 2**26, "a child's memory counts"
     left = [
         process.pid
         for process in psutil.process_iter(["cmdline"])
-        if any("standin_child" in part or "orphan of a stand-in" in part for part in process.info["cmdline"] or [])
+        if any("fake_library_child" in part or "orphan of a fake library" in part for part in process.info["cmdline"] or [])
     ]
     assert left == []
 

@@ -3,7 +3,7 @@
 import shutil
 
 from frictionbench.problems.compiled import state
-from tests.helpers.places import ROOT
+from tests.helpers.paths import ROOT
 
 
 def test_an_edit_of_the_vector_instructions_gives_the_kernels_another_cache(tmp_path) -> None:

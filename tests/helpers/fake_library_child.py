@@ -1,4 +1,4 @@
-"""A library in a child process that misbehaves as it is told, for tests/helpers/standin_peers.py."""
+"""The child process of a fake library, which misbehaves as the message asks; used by tests/helpers/fake_libraries.py."""
 
 import os
 import subprocess
@@ -18,11 +18,11 @@ def answer(do, n=0):
         while True:
             np.linalg.svd(np.random.default_rng(0).standard_normal((2000, 2000)))  # seconds each, in native code
     if do == "leak":
-        kept = []
+        arrays = []
         while True:
-            kept.append(np.empty(2**24))
+            arrays.append(np.empty(2**24))
     if do == "child":
-        subprocess.Popen([sys.executable, "-c", "import time; time.sleep(1000)", "orphan of a stand-in"])
+        subprocess.Popen([sys.executable, "-c", "import time; time.sleep(1000)", "orphan of a fake library"])
     if do == "print":
         print("x" * 10_000_000)
         os.write(1, b"y" * 10_000_000)

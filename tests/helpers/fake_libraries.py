@@ -1,4 +1,4 @@
-"""Stand-ins for outside libraries in a child process; each must cost its cell and leave the right row, and no process."""
+"""Fake outside libraries in a child process that misbehave: a run must record the right verdict and leave no process."""
 
 from pathlib import Path
 
@@ -6,13 +6,13 @@ from frictionbench.problems.check import require
 from frictionbench.solvers import Answer, Status, solver
 from frictionbench.solvers.outside.children.child import child
 
-SCRIPT = str(Path(__file__).with_name("standin_child.py"))
+SCRIPT = str(Path(__file__).with_name("fake_library_child.py"))
 KINDS = ("abort", "exit", "hang", "leak", "child", "print", "slow", "big")
 
 
-@solver("peer", family="bad", model="coulomb", variants=tuple(f"does={kind}" for kind in KINDS))
-class Peer:
-    """A library that misbehaves on more than one contact."""
+@solver("fake_library", family="bad", model="coulomb", variants=tuple(f"does={kind}" for kind in KINDS))
+class FakeLibrary:
+    """A fake library that misbehaves in the given way on problems of more than one contact."""
 
     does: str = "slow"
 
@@ -25,6 +25,6 @@ class Peer:
         return Answer(impulse, Status.SOLVED, clock=found["clock"])
 
 
-@solver("nowhere", family="bad", model="coulomb", needs=("no-such-distribution", "no.such.module@/usr/bin/python3"))
-class Nowhere:
-    """Needs what nobody has."""
+@solver("missing_library", family="bad", model="coulomb", needs=("no-such-distribution", "no.such.module@/usr/bin/python3"))
+class MissingLibrary:
+    """Needs a distribution and a module that do not exist."""

@@ -17,7 +17,7 @@ from frictionbench.results.files import ResultsError
 from frictionbench.results.schema import TABLES
 from frictionbench.solvers import interface
 from tests.helpers.made_results import simulation_row, solve_row, write_folder
-from tests.helpers.places import ROOT
+from tests.helpers.paths import ROOT
 
 CALLED = [name for name in fb.__all__ if name not in ("plot", "__version__", "InputError", "Verdict")]
 
