@@ -109,7 +109,7 @@ def report(
     font: Annotated[
         Literal["serif", "sans"], typer.Option("--font", metavar="serif|sans", help="For the paper: its typeface.")
     ] = "serif",
-    markdown: Annotated[bool, typer.Option("--markdown", help="Also write the run's figures as Markdown.")] = False,
+    markdown: Annotated[bool, typer.Option("--markdown", help="Also write the report's tables as Markdown.")] = False,
 ) -> None:
     """Make the HTML report of a results folder."""
     from frictionbench.reports.page import write_report
@@ -128,7 +128,7 @@ def report(
     if markdown:
         from frictionbench.reports.markdown import write_markdown
 
-        typer.echo(f"figures: {write_markdown(folder, run)}")
+        typer.echo(f"markdown: {write_markdown(folder, run)}")
 
 
 @app.command()
@@ -347,7 +347,7 @@ def check_solver(
 
     found = examine(solver, _jobs(jobs))
     typer.echo(format_findings(found))
-    raise typer.Exit(int(any(one.complaints for one in found)))
+    raise typer.Exit(int(any(one.violations for one in found)))
 
 
 @app.command()

@@ -14,7 +14,7 @@ from pathlib import Path
 from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.collect import stored_friction
 from frictionbench.harness.cells.rows import no_problem
-from frictionbench.harness.plans.plan import Plugin, SolveCell, Source
+from frictionbench.harness.plans.plan import Plugin, SolveCell, Source, owner
 from frictionbench.harness.run import row_of
 from frictionbench.harness.workers.pool import Pool
 from frictionbench.harness.workers.task import Task
@@ -110,8 +110,9 @@ def _trial(search: Search, scratch: Path, plugins: tuple[Plugin, ...]) -> Task:
     save(problem, scratch / "problems" / f"{problem.hash}.npz")
     record = no_problem(Source(row["scene"]), "") | {"repeats": 1}
     cell = SolveCell(problem.hash, f"shrink {search.trials}", row["variant"], row["tol"], COLD)
-    owner = row["variant"] if any(row["variant"] in plugin.solvers for plugin in plugins) else ""
-    return Task(row["variant"], worker.run_solve, (cell, record, row["time_limit"]), row["time_limit"], owner)
+    return Task(
+        row["variant"], worker.run_solve, (cell, record, row["time_limit"]), row["time_limit"], owner(row["variant"], plugins)
+    )
 
 
 def _written(folder: Path, search: Search) -> Shrunk:

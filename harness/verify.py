@@ -61,8 +61,8 @@ def verify(problem: FrictionProblem, answer: Answer, info: SolverInfo, tol: floa
     """The finding on an answer to a friction problem."""
     claimed = answer.status is Status.SOLVED
     impulse = np.asarray(answer.impulse, dtype=float)
-    if complaint := _complaint(problem, impulse):
-        return Finding(Verdict.WRONG if claimed else Verdict.UNSOLVED, complaint, *(np.inf,) * 5)
+    if reason := _malformed(problem, impulse):
+        return Finding(Verdict.WRONG if claimed else Verdict.UNSOLVED, reason, *(np.inf,) * 5)
     exact, floor = residual(problem, impulse), residual_floor(problem, impulse)
     softness, soft = _softness(problem, answer, info, tol)
     model = _model_residual(problem, answer, info, exact, softness)
@@ -81,7 +81,8 @@ def verify(problem: FrictionProblem, answer: Answer, info: SolverInfo, tol: floa
     return Finding(verdict, "; ".join(filter(None, reasons)), exact, model, floor, fclib_error(problem, impulse), defect)
 
 
-def _complaint(problem: FrictionProblem, impulse: Array) -> str | None:
+def _malformed(problem: FrictionProblem, impulse: Array) -> str | None:
+    """What is wrong with the shape or the values of an impulse, or None."""
     expected = (problem.contacts, problem.dimension)
     if impulse.shape != expected:
         return f"the impulse has shape {impulse.shape}, not {expected}"

@@ -16,10 +16,10 @@ class InputError(ValueError):
     """A field of a problem, scene or setting that cannot be used; the message begins with the field's name."""
 
 
-def require(condition: bool, field: str, complaint: str) -> None:
+def require(condition: bool, field: str, reason: str) -> None:
     """Raise InputError for `field` unless the condition holds."""
     if not condition:
-        raise InputError(f"{field}: {complaint}")
+        raise InputError(f"{field}: {reason}")
 
 
 def vector(field: str, value: Any, length: int | None = None) -> Array:

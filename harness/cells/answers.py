@@ -15,8 +15,8 @@ LONGEST = 500  # characters of a solver's own message: a few lines of a table's 
 class AnswerError(ValueError):
     """A malformed answer (see solvers.interface); the message names the field. claimed: whether its status is SOLVED."""
 
-    def __init__(self, complaint: str, claimed: bool) -> None:
-        super().__init__(complaint)
+    def __init__(self, reason: str, claimed: bool) -> None:
+        super().__init__(reason)
         self.claimed = claimed
 
 

@@ -106,8 +106,8 @@ def stored_start(folder: Path, problem: str, source_origin: str, start: str) -> 
     try:
         with np.load(path, allow_pickle=False) as starts:
             return starts[start]
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-        raise InputError(f"{path}: the start {start} cannot be read ({error})") from None
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+        raise InputError(f"{path}: the start {start} cannot be read: the file is missing or damaged") from None
 
 
 def _starts_file(folder: Path, problem: str, source_origin: str) -> Path:

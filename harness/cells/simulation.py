@@ -58,9 +58,9 @@ class _ClosedLoop:
         self.most_contacts = max(self.most_contacts, problem.contacts)
         try:
             call = clean_call(lambda: timed_call(self._solver, given, lambda ready: self._solver.solve(ready, self._tol, None)))
-        except AnswerError as complaint:
+        except AnswerError as error:
             self.worst_residual = np.inf
-            return Verdict.WRONG if complaint.claimed else Verdict.UNSOLVED, np.zeros((problem.contacts, problem.dimension))
+            return Verdict.WRONG if error.claimed else Verdict.UNSOLVED, np.zeros((problem.contacts, problem.dimension))
         answered = perf_counter()
         self.solver_time += np.nan if call.loaded else sum(call.times)
         finding = verify(problem, call.answer, self._info, self._tol)

@@ -95,9 +95,9 @@ def run_solve(cell: SolveCell, record: Record, limit: float) -> Row:
     try:
         with process.watch_core() as core:
             timing = _timed(solver, given, cell, limit, record.get("repeats") or MOST)
-    except AnswerError as complaint:
-        verdict = Verdict.WRONG if complaint.claimed else Verdict.UNSOLVED
-        return _done(start_time, row | {"verdict": verdict, "reason": str(complaint), "claimed": complaint.claimed})
+    except AnswerError as error:
+        verdict = Verdict.WRONG if error.claimed else Verdict.UNSOLVED
+        return _done(start_time, row | {"verdict": verdict, "reason": str(error), "claimed": error.claimed})
     except BaseException as error:  # whatever a solver raises, also SystemExit, is a finding of its row
         return _done(start_time, row | {"verdict": Verdict.CRASHED, "reason": plugins.describe_error(error)})
     row["peak_memory"] = process.peak_memory()
@@ -127,13 +127,13 @@ def run_simulation(cell: SimulationCell, limit: float) -> Row:
     )
 
 
-def run_check(variant: str, check: str, complaints: Callable[[SolverInfo, Solver, str], list[str]], limit: float) -> list[str]:
-    """The complaints of a check of the contract (harness.contract) about a solver."""
+def run_check(variant: str, check: str, violations: Callable[[SolverInfo, Solver, str], list[str]], limit: float) -> list[str]:
+    """The violations of a check of the contract (harness.contract) about a solver."""
     info, solver = _solver(variant)
     for dimension in info.dimension:
         _warm_up(variant, dimension, False, limit)
     with _worker.deadline.within(limit), process.no_forked_child():
-        return complaints(info, solver, check)
+        return violations(info, solver, check)
 
 
 def run_history(name: str, variant: str, tol: float, limit: float) -> dict[str, Any]:

@@ -10,6 +10,7 @@ import csv
 import re
 import sys
 from itertools import groupby
+from operator import itemgetter
 
 from frictionbench.harness.machine import PACKAGE
 from frictionbench.solvers import SolverInfo, available, find
@@ -28,10 +29,10 @@ impulses, whatever status the solver reports. `tol` bounds the residual of the s
 section states how the solver's own tolerances are set from it, with eps = tol in its scaled problem. Versions:
 `frictionbench list solvers`.
 
-The contract is `frictionbench check-solver NAME`: fifteen checks of form, honesty, edge cases and invariance. The checks that
-each solver fails, with the first complaint, and the licences in its packages' metadata are recorded in docs/outside.tsv by
-`python -m frictionbench.harness.commands.outcomes`. A solver of a relaxation or of regularised contacts is checked against its
-own model.
+The contract is `frictionbench check-solver NAME`: fifteen checks of the answer's format and status, degenerate problems and
+invariance. The checks that each solver fails, with the first violation, and the licences in its packages' metadata are recorded
+in docs/outside.tsv by `python -m frictionbench.harness.commands.outcomes`. A solver of a relaxation or of regularised contacts
+is checked against its own model.
 
 **To dispute a section**: open an issue with a problem file (`frictionbench export`, or any that `frictionbench solve` reads)
 and the result that the solver should give, or a pull request for its file, which is under 80 lines; the figures are then
@@ -96,11 +97,11 @@ def _contract(specs: tuple[str, ...], results: dict[str, dict[str, str]]) -> lis
         return []
     lines = [
         f"* Licences in its packages' metadata: {_each(known, 'licences', '; ')}.",
-        f"* Contract, {known[0]['day']}, with {_each(known, 'versions', ', ')}:",
+        f"* Contract, {known[0]['date']}, with {_each(known, 'versions', ', ')}:",
     ]
-    for broken, same in groupby(sorted(known, key=lambda line: line["broken"]), key=lambda line: line["broken"]):
+    for failed, same in groupby(sorted(known, key=itemgetter("failed_checks")), key=itemgetter("failed_checks")):
         names = ", ".join(f"`{line['variant']}`" for line in same)
-        lines.append(f"    * {names}: {'passes all checks' if broken == 'none' else _failures(broken)}")
+        lines.append(f"    * {names}: {'passes all checks' if failed == 'none' else _failures(failed)}")
     return lines
 
 
@@ -109,8 +110,8 @@ def _each(lines: list[dict[str, str]], column: str, between: str) -> str:
     return between.join(dict.fromkeys(part for line in lines for part in line[column].split(between)))
 
 
-def _failures(broken: str) -> str:
-    return broken if broken.startswith("not here") else f"fails {broken}"
+def _failures(failed: str) -> str:
+    return failed if failed.endswith("not installed") else f"fails {failed}"
 
 
 def _numbers(values: tuple[int, ...]) -> str:

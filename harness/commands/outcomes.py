@@ -2,8 +2,8 @@
 
     python -m frictionbench.harness.commands.outcomes > docs/outside.tsv
 
-One line per variant: its name, the versions of the libraries it needs, the licences in the packages' metadata, the day, and
-the checks that it fails, each with the first complaint; "none" if it passes all, and the reason if it is not installed. The
+One line per variant: its name, the versions of the libraries it needs, the licences in the packages' metadata, the date, and
+the checks that it fails, each with the first violation; "none" if it passes all, and the reason if it is not installed. The
 table is part of the page that harness.commands.fairness generates.
 """
 
@@ -20,7 +20,7 @@ from frictionbench.harness.contract.examine import Found, examine
 from frictionbench.harness.process import cores
 from frictionbench.solvers import available, find
 
-COLUMNS = ("variant", "versions", "licences", "day", "broken")
+COLUMNS = ("variant", "versions", "licences", "date", "failed_checks")
 
 
 def lines(specs: list[str], jobs: int) -> Iterable[str]:
@@ -31,7 +31,7 @@ def lines(specs: list[str], jobs: int) -> Iterable[str]:
     for spec in specs:
         info, _ = find(spec)
         licences = "; ".join(f"{need}: {licence(need)}" for need in info.needs)
-        failed = f"not here: {info.missing}" if info.missing else _failed_checks([one for one in found if one.variant == spec])
+        failed = info.missing or _failed_checks([one for one in found if one.variant == spec])
         yield "\t".join([spec, info.version, licences, f"{datetime.now(UTC):%Y-%m-%d}", failed])
 
 
@@ -55,7 +55,7 @@ def _metadata_of(module: str, python: str) -> Message:
 
 
 def _failed_checks(found: list[Found]) -> str:
-    failed = [f"{one.check.replace('_', ' ')} ({' '.join(one.complaints[0].split())})" for one in found if one.complaints]
+    failed = [f"{one.check.replace('_', ' ')} ({' '.join(one.violations[0].split())})" for one in found if one.violations]
     return "; ".join(failed) or "none"
 
 

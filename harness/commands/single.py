@@ -14,7 +14,7 @@ from frictionbench.harness.cells.collect import Record, collect
 from frictionbench.harness.cells.rows import PROBLEM_FACTS
 from frictionbench.harness.commands.table import columns, paragraph, screen
 from frictionbench.harness.commands.trusted import trusted
-from frictionbench.harness.plans.plan import Plan, Plugin, SimulationCell, SolveCell, Source, origin
+from frictionbench.harness.plans.plan import Plan, Plugin, SimulationCell, SolveCell, Source, origin, owner
 from frictionbench.harness.plans.spec import parse
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import row_of
@@ -55,10 +55,10 @@ def solve_one(problem: str, solver_specs: list[str], tol: float, time_limit: flo
     rows.sort(key=lambda row: (RANK[row["verdict"]], _seconds(row), row["variant"]))
     applicable = [row for row in rows if row["verdict"] != Verdict.SKIPPED or solver_specs]
     _show(f"{problem}: {size}, tolerance {tol:g}", {str(rank): row for rank, row in enumerate(applicable, start=1)})
-    if left_out := [row["variant"] for row in rows if row not in applicable]:
-        print("\n".join(paragraph(f"not applicable to this problem: {', '.join(left_out)}", screen(), "")))
-    for complaint in unusable:
-        print("\n".join(paragraph(complaint, screen(), "")))
+    if refused := [row["variant"] for row in rows if row not in applicable]:
+        print("\n".join(paragraph(f"not applicable to this problem: {', '.join(refused)}", screen(), "")))
+    for reason in unusable:
+        print("\n".join(paragraph(reason, screen(), "")))
     print("\n".join(paragraph(advice(rows), screen(), "")))
 
 
@@ -90,8 +90,8 @@ def all_variants() -> tuple[tuple[str, ...], tuple[Plugin, ...], list[str]]:
     for name in installed():
         try:
             named, loaded = load_plugins([name])
-        except InputError as complaint:
-            unusable.append(f"left out: {complaint}")
+        except InputError as error:
+            unusable.append(f"skipped: {error}")
         else:
             variants += named
             plugins += loaded
@@ -121,7 +121,7 @@ def rerun_row(folder: Path, key: str, named: list[str]) -> tuple[Row, Row]:
 def show_rerun(folder: Path, key: str, named: list[str]) -> None:
     """Run the cell of a row again and print both rows. Errors: as of rerun_row."""
     row, again = rerun_row(folder, key, named)
-    _show(f"{row['key']}: {row['scene']} {row['parameters']}, tolerance {row['tol']:g}", {"row": row, "again": again})
+    _show(f"{row['key']}: {row['scene']} {row['parameters']}, tolerance {row['tol']:g}", {"stored": row, "rerun": again})
 
 
 def _collect(problem: str, folder: Path) -> Record:
@@ -132,14 +132,14 @@ def _collect(problem: str, folder: Path) -> Record:
 
 
 def _task_again(row: Row, table: str, plugins: tuple[Plugin, ...]) -> Task:
-    limit, owner = row["time_limit"], row["variant"] if plugins else ""
+    limit, outside = row["time_limit"], owner(row["variant"], plugins)
     if table == "solves":
         record = {name: row[name] for name in PROBLEM_FACTS}
         cell = SolveCell(row["problem"], origin(row), row["variant"], row["tol"], row["start"])
-        return Task(row["variant"], worker.run_solve, (cell, record, limit), limit, owner)
+        return Task(row["variant"], worker.run_solve, (cell, record, limit), limit, outside)
     facts = json.loads(row["parameters"]), row["variant"], row["tol"], row["scheme"], row["steps"], row["after_failure"]
     simulation = SimulationCell(row["scene"], *facts)
-    return Task(row["variant"], worker.run_simulation, (simulation, limit), limit, owner)
+    return Task(row["variant"], worker.run_simulation, (simulation, limit), limit, outside)
 
 
 def _show(title: str, rows: dict[str, Row]) -> None:
@@ -152,9 +152,9 @@ def _show(title: str, rows: dict[str, Row]) -> None:
         lines.append((label, row["variant"], *results, *times, (row.get("status") or "").lower(), work))
         if row.get("reason"):
             remarks.append(f"{label} {row['variant']}: {row['reason']}")
-    header = ("", "solver", "verdict", "residual", "time", "of its model", "form", "setup", "solve", "claims", "work")
+    header = ("", "solver", "verdict", "residual", "time", "model residual", "form", "setup", "solve", "status", "work")
     width = screen()
-    print(title, *columns(header, lines, width, ("work", "claims", "of its model", "form", "setup", "solve")), sep="\n")
+    print(title, *columns(header, lines, width, ("work", "status", "model residual", "form", "setup", "solve")), sep="\n")
     for remark in remarks:
         print("\n".join(paragraph(remark, width, "  ")))
 

@@ -36,4 +36,4 @@ def _origin(variant: str, settings: dict[str, Any]) -> str:
     for plugin in plugins if isinstance(plugins, list) else []:
         if isinstance(plugin, dict) and variant in (plugin.get("solvers") or ()):
             return f"the run loaded it from {plugin.get('source')!r} ({str(plugin.get('content'))[:12]})"
-    return "the manifest does not say from which file"
+    return "the manifest does not name the file"

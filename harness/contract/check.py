@@ -2,9 +2,9 @@
 
     @check("Give impulses of shape (contacts, dimension), normal first.")
     def shape(subject: Subject) -> Iterator[str]:
-        yield "..."          # a complaint; none if the check passes
+        yield "..."          # a violation; none if the check passes
 
-The argument is the advice that is shown with complaints.
+The argument is the advice that is shown with violations.
 """
 
 from collections.abc import Callable, Iterator
@@ -21,7 +21,7 @@ from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers import Answer, Solver, SolverInfo
 
 TOL = 1e-6  # a tolerance that first-order methods and soft contacts reach as well
-Complaints = Iterator[str]
+Violations = Iterator[str]
 
 
 class Subject(NamedTuple):
@@ -43,22 +43,22 @@ class Subject(NamedTuple):
 
 
 class Check(NamedTuple):
-    """A check: its name, the advice shown with complaints, and the function that yields them."""
+    """A check: its name, the advice shown with violations, and the function that yields them."""
 
     name: str
     advice: str
-    complaints: Callable[[Subject], Complaints]
+    violations: Callable[[Subject], Violations]
 
 
 CHECKS: dict[str, Check] = {}
 
 
-def check(advice: str) -> Callable[[Callable[[Subject], Complaints]], Callable[[Subject], Complaints]]:
+def check(advice: str) -> Callable[[Callable[[Subject], Violations]], Callable[[Subject], Violations]]:
     """Register a check under its function's name."""
 
-    def register(complaints: Callable[[Subject], Complaints]) -> Callable[[Subject], Complaints]:
-        CHECKS[complaints.__name__] = Check(complaints.__name__, advice, complaints)
-        return complaints
+    def register(violations: Callable[[Subject], Violations]) -> Callable[[Subject], Violations]:
+        CHECKS[violations.__name__] = Check(violations.__name__, advice, violations)
+        return violations
 
     return register
 

@@ -1,4 +1,4 @@
-"""All checks on a solver, each a task of its own: a check that hangs or crashes counts as a complaint."""
+"""All checks on a solver, each a task of its own: a check that hangs or crashes counts as a violation."""
 
 import tempfile
 from collections.abc import Iterable
@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from frictionbench.harness.cells import worker
-from frictionbench.harness.contract import form, hard, honesty, invariance
+from frictionbench.harness.contract import answer_format, degenerate, invariance, status
 from frictionbench.harness.contract.check import CHECKS, Subject
 from frictionbench.harness.plans.plan import Plan
 from frictionbench.harness.workers.plugins import load_plugins
@@ -15,16 +15,16 @@ from frictionbench.harness.workers.task import Task
 from frictionbench.problems import InputError
 from frictionbench.solvers import Solver, SolverInfo, available, find
 
-GROUPS = (form, hard, honesty, invariance)  # each lists its checks
+GROUPS = (answer_format, degenerate, status, invariance)  # each lists its checks
 LIMIT = 20.0  # seconds for one check, which solves some forty small problems
 
 
 class Found(NamedTuple):
-    """The complaints of a check about a variant."""
+    """The violations of a check about a variant."""
 
     variant: str
     check: str
-    complaints: list[str]
+    violations: list[str]
 
 
 def examine(specs: list[str], jobs: int) -> list[Found]:
@@ -36,7 +36,7 @@ def examine(specs: list[str], jobs: int) -> list[Found]:
         if not plan.owner(variant) and (missing := find(variant)[0].missing):
             raise InputError(f"solver: {variant}: {missing}")
     tasks = [
-        Task(f"{check} {variant}", worker.run_check, (variant, check, _complaints, LIMIT), LIMIT, plan.owner(variant))
+        Task(f"{check} {variant}", worker.run_check, (variant, check, _violations, LIMIT), LIMIT, plan.owner(variant))
         for variant in variants
         for check in CHECKS
     ]
@@ -51,21 +51,21 @@ def examine(specs: list[str], jobs: int) -> list[Found]:
 
 
 def format_findings(found: Iterable[Found]) -> str:
-    """The findings as text: a line for each check, with the advice and the complaints if it failed."""
+    """The findings as text: a line for each check, with the advice and the violations if it failed."""
     lines, last = [], ""
     for one in found:
         if one.variant != last:
             lines.append(f"{one.variant}")
             last = one.variant
         name = one.check.replace("_", " ")
-        if not one.complaints:
+        if not one.violations:
             lines.append(f"  passed  {name}")
             continue
         lines.append(f"  failed  {name}: {CHECKS[one.check].advice}")
-        lines += [f"            {complaint}" for complaint in one.complaints]
+        lines += [f"            {violation}" for violation in one.violations]
     return "\n".join(lines)
 
 
-def _complaints(info: SolverInfo, solver: Solver, check: str) -> list[str]:
-    """What one check finds; at most five complaints."""
-    return [complaint for complaint, _ in zip(CHECKS[check].complaints(Subject(info, solver)), range(5), strict=False)]
+def _violations(info: SolverInfo, solver: Solver, check: str) -> list[str]:
+    """What one check finds; at most five violations."""
+    return [violation for violation, _ in zip(CHECKS[check].violations(Subject(info, solver)), range(5), strict=False)]

@@ -166,8 +166,8 @@ class Plan:
         return [*simulated, *self.map_simulations]
 
     def owner(self, variant: str) -> str:
-        """The source and name of the outside solver that a variant belongs to; empty for our own."""
-        return next((f"{p.source} {p.solvers[variant]['solver']}" for p in self.plugins if variant in p.solvers), "")
+        """The owner of a variant among the plan's plug-ins."""
+        return owner(variant, self.plugins)
 
     @property
     def polygons(self) -> bool:
@@ -184,14 +184,19 @@ class Plan:
         return [*self.simulations, *others.values()]
 
 
+def owner(variant: str, plugins: tuple[Plugin, ...]) -> str:
+    """The source and name of the outside solver that a variant belongs to; empty for our own."""
+    return next((f"{plugin.source} {plugin.solvers[variant]['solver']}" for plugin in plugins if variant in plugin.solvers), "")
+
+
 def origin(record: dict[str, Any]) -> str:
     """The origin of a problem: scene, parameters, step and phase."""
     return f"{record['scene']} {record['parameters']} {record['step']} {record['phase']}"
 
 
-def _check(condition: bool, field: str, complaint: str) -> None:
+def _check(condition: bool, field: str, reason: str) -> None:
     if not condition:
-        raise InputError(f"{field}: {complaint}")
+        raise InputError(f"{field}: {reason}")
 
 
 def _key(kind: str, value: Source | SolveCell | SimulationCell) -> str:

@@ -184,7 +184,7 @@ def enumerate_solutions(
         if all(is_solution(x * x_unit) for piece in pieces for x in samples(piece)):
             break
     else:
-        raise ArithmeticError("census: the problem is too badly conditioned to tell its solutions apart")
+        raise ArithmeticError("census: the problem is too ill-conditioned to separate its solutions")
     images = maximal((_image(piece, y) for piece in pieces), is_subset)
     found, witness = shape(pieces, lambda x: is_solution(x * x_unit))
     found_y, _ = shape(images, lambda y: any(contains(image, y) for image in images))

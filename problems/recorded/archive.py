@@ -1,6 +1,6 @@
 """The arrays of an .npz file, if they are plain numbers and not too large.
 
-An archive is refused by its headers, before anything is unpacked: pickled objects, text, more than LARGEST bytes.
+An archive is refused by its headers, before anything is unpacked: pickled objects, text, more than MAX_BYTES bytes.
 """
 
 import zipfile
@@ -12,7 +12,7 @@ from numpy.lib import format as npy
 
 from frictionbench.problems.check import Array, InputError, require
 
-LARGEST = 4 * 2**30  # bytes unpacked; a larger archive is refused without unpacking it
+MAX_BYTES = 4 * 2**30  # bytes unpacked; a larger archive is refused without unpacking it
 
 
 def read_arrays(path: Path) -> dict[str, Array]:
@@ -20,11 +20,11 @@ def read_arrays(path: Path) -> dict[str, Array]:
     try:
         with zipfile.ZipFile(path) as archive:
             names = {entry.filename.removesuffix(".npy"): entry for entry in archive.infolist()}
-            left = LARGEST
+            left = MAX_BYTES
             for name, entry in names.items():
                 with archive.open(entry) as stream:
                     left -= _claimed(name, stream)
-                require(left >= 0, name, f"unpacks to more than {LARGEST / 2**30:g} GiB")
+                require(left >= 0, name, f"unpacks to more than {MAX_BYTES / 2**30:g} GiB")
             arrays = {}
             for name, entry in names.items():
                 with archive.open(entry) as stream:
@@ -34,16 +34,8 @@ def read_arrays(path: Path) -> dict[str, Array]:
         raise InputError(f"{path}: no such file") from None
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
-    except (
-        OSError,
-        ValueError,
-        EOFError,
-        zipfile.BadZipFile,
-        zipfile.LargeZipFile,
-        RuntimeError,
-        NotImplementedError,
-    ) as error:
-        raise InputError(f"{path}: not a problem file ({error})") from None
+    except (OSError, ValueError, EOFError, zipfile.BadZipFile, zipfile.LargeZipFile, RuntimeError, NotImplementedError):
+        raise InputError(f"{path}: not a problem file, or damaged") from None
 
 
 def _claimed(name: str, stream: IO[bytes]) -> int:

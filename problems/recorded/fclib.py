@@ -27,9 +27,9 @@ from frictionbench.problems.check import Array, InputError, require
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.recorded.forms import from_global, from_local
 
-LARGEST = 2**29  # bytes of all arrays of a file; larger ones are refused
+MAX_BYTES = 2**29  # bytes of all arrays of a file; larger ones are refused
 NO_PLUGINS = {"HDF5_PLUGIN_PRELOAD": "::"}  # no filter plugins, which are code that a file can cause to be loaded
-LONGEST = 120.0  # seconds after which reading a file is aborted
+MAX_SECONDS = 120.0  # seconds after which reading a file is aborted
 OURS = "frictionbench/free_velocity"
 
 Arrays = dict[str, Array]
@@ -66,11 +66,11 @@ def read(path: Path) -> Recording:
 def _unpack(path: Path) -> Arrays:
     """All arrays of the file by their paths, read in another process: see hdf5_child."""
     child = Path(__file__).with_name("hdf5_child.py")
-    command = [sys.executable, "-P", str(child), str(path.resolve()), str(LARGEST)]
+    command = [sys.executable, "-P", str(child), str(path.resolve()), str(MAX_BYTES)]
     try:
-        done = subprocess.run(command, capture_output=True, timeout=LONGEST, check=False, env=os.environ | NO_PLUGINS)
+        done = subprocess.run(command, capture_output=True, timeout=MAX_SECONDS, check=False, env=os.environ | NO_PLUGINS)
     except subprocess.TimeoutExpired:
-        raise InputError(f"HDF5: reading was aborted after {LONGEST:g} s") from None
+        raise InputError(f"HDF5: reading was aborted after {MAX_SECONDS:g} s") from None
     if done.returncode == 2:
         raise InputError(done.stderr.decode(errors="replace"))
     require(done.returncode == 0, "HDF5", "the library crashed while reading the file")
@@ -128,7 +128,7 @@ def _matrix(arrays: Arrays, field: str) -> sparse.csr_array:
         require(index[name].dtype.kind in "iu", f"{field}/{name}", "expected integers")
     i, p = index["i"].astype(np.int64), index["p"].astype(np.int64)
     for name, size in (("m", m), ("n", n)):
-        require(0 <= size <= LARGEST // 8, f"{field}/{name}", f"{size} is out of range")
+        require(0 <= size <= MAX_BYTES // 8, f"{field}/{name}", f"{size} is out of range")
     if nz >= 0:
         for name, value in (("i", i), ("p", p), ("x", x)):
             require(len(value) >= nz, f"{field}/{name}", f"expected {nz} entries, got {len(value)}")
@@ -140,7 +140,7 @@ def _matrix(arrays: Arrays, field: str) -> sparse.csr_array:
     require(len(p) == lines + 1, f"{field}/p", f"expected {lines + 1} entries, got {len(p)}")
     require(p[0] == 0 and bool((np.diff(p) >= 0).all()), f"{field}/p", "must rise from 0")
     count = int(p[-1])
-    require(count <= min(len(i), len(x)), f"{field}/p", f"speaks of {count} entries, i has {len(i)} and x {len(x)}")
+    require(count <= min(len(i), len(x)), f"{field}/p", f"states {count} entries, i has {len(i)} and x {len(x)}")
     _within(f"{field}/i", i[:count], across)
     return sparse.csr_array((sparse.csc_array if nz == -1 else sparse.csr_array)((x[:count], i[:count], p), shape=(m, n)))
 

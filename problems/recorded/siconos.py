@@ -29,7 +29,7 @@ from frictionbench.problems.forms.lcp import LCP
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.recorded.forms import from_global
 
-LARGEST = 2**29  # bytes of text; a larger file is refused without reading it
+MAX_BYTES = 2**29  # bytes of text; a larger file is refused without reading it
 CHUNK = 2**20
 Index = NDArray[np.int64]
 
@@ -92,7 +92,7 @@ def _words(file: TextIO) -> Iterator[str]:
 def read(path: Path) -> FrictionProblem | LCP:
     """The problem in a text file. Errors: InputError naming the field."""
     size = path.stat().st_size
-    require(size <= LARGEST, "text", f"more than {LARGEST // 2**20} MiB")
+    require(size <= MAX_BYTES, "text", f"more than {MAX_BYTES // 2**20} MiB")
     with path.open(encoding="ascii", errors="replace") as file:
         head = list(islice(_words(file), 7))
         file.seek(0)

@@ -25,7 +25,7 @@ LOSS = 1e-9  # relative defect after refinement above which the inverse is compu
 def ratio_test(x: Array, a: Array, blocking: Flags, least: float, slack: float) -> int:
     """The pair whose basic variable blocks x - t a >= 0 first, z0 if possible; the largest pivot among near ties; -1 on a ray.
 
-    watched (n+1,): which variables block. least: the smallest entry of a that counts. slack: how far below zero a variable
+    blocking (n+1,): which variables block. least: the smallest entry of a that counts. slack: how far below zero a variable
     may go for the sake of a larger pivot.
     """
     n = len(x) - 1
@@ -79,7 +79,7 @@ def follow_lemke_path(
     """Follow Lemke's path from a complementary basis in which z0 lets every basic variable rise, and return how it ended.
 
     x (n+1,): the values of the basic variables, updated. a (n+1,): at the end of a ray its direction (z, z0).
-    watched (n+1,): the variables to keep nonnegative. slack: how far near ties may reach. work: counts of pivots and
+    blocking (n+1,): the variables to keep nonnegative. slack: how far near ties may reach. work: counts of pivots and
     inversions, updated.
     """
     n = len(q)

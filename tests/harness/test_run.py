@@ -12,10 +12,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from frictionbench.harness.cells import worker
+from frictionbench.harness.cells.rows import no_problem
 from frictionbench.harness.commands.single import rerun_row
 from frictionbench.harness.plans.choose import choose
-from frictionbench.harness.plans.plan import Source
-from frictionbench.harness.run import run
+from frictionbench.harness.plans.plan import SolveCell, Source
+from frictionbench.harness.run import row_of, run
+from frictionbench.harness.workers.task import Outcome, Task
 from frictionbench.problems import InputError
 from frictionbench.problems.recorded import archive, own
 from frictionbench.results import store
@@ -98,7 +101,7 @@ def test_what_unpacks_to_too_much_is_refused_unread(tmp_path, monkeypatch) -> No
     folder = tmp_path / "run"
     run(small_plan(simulations=()), folder, 1, quiet())
     path = next((folder / "problems").glob("*.npz"))
-    monkeypatch.setattr(archive, "LARGEST", 100)
+    monkeypatch.setattr(archive, "MAX_BYTES", 100)
     with pytest.raises(InputError, match="unpacks to"):
         own.load(path)
     monkeypatch.setattr(store, "LARGEST_TABLE", 100)
@@ -159,6 +162,15 @@ def test_a_cell_is_rerun_from_its_row_bit_for_bit(tmp_path) -> None:
     assert shown.returncode == 0, shown.stderr
     assert shown.stdout.count(row["variant"]) == 2
     assert "no row has the key" in frictionbench("rerun", str(folder), "nonsense").stderr
+
+
+@pytest.mark.parametrize("verdict", [["solved"], {"solved": 1}, None, "certainly"])
+def test_a_reply_without_a_verdict_is_a_crashed_row(verdict) -> None:
+    source = Source("stack", {"blocks": 2})
+    cell = SolveCell("abc", "origin", "lemke", 1e-6)
+    task = Task("lemke", worker.run_solve, (cell, no_problem(source, "") | {"repeats": 1}, 1.0), 1.0)
+    row = row_of(Outcome(task, {"verdict": verdict}), ())
+    assert (row["verdict"], row["reason"]) == ("crashed", "the worker returned a malformed row")
 
 
 def test_solve_puts_every_solver_to_one_problem() -> None:

@@ -68,7 +68,7 @@ def test_the_limits_of_the_security_page_are_those_of_the_code() -> None:
     text = " ".join((ROOT / "SECURITY.md").read_text(encoding="utf-8").split())
     assert (store.LARGEST_TABLE, store.LARGEST_MANIFEST) == (2**30, 8 * 2**20)
     assert "unpack to more than 1 GiB; so are manifests above 8 MiB" in text
-    assert (archive.LARGEST, fclib.LARGEST, siconos.LARGEST, fclib.LONGEST) == (4 * 2**30, 2**29, 2**29, 120.0)
+    assert (archive.MAX_BYTES, fclib.MAX_BYTES, siconos.MAX_BYTES, fclib.MAX_SECONDS) == (4 * 2**30, 2**29, 2**29, 120.0)
     assert "(4 GiB for `.npz`, 512 MiB for HDF5 and text)" in text
     assert "ended after 120 s" in text
     assert (deadline.COMPILING, deadline.OURS, pool.TRIES) == (600.0, 600.0, 3)

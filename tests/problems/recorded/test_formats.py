@@ -283,11 +283,11 @@ def test_cut_and_scrambled_hdf5_files_are_read_or_refused(tmp_path) -> None:
 def test_the_library_that_dies_or_hangs_is_named(tmp_path, monkeypatch) -> None:
     path = tmp_path / "p.hdf5"
     fclib.write(known_by_W(SPATIAL), path)
-    monkeypatch.setattr(fclib, "LONGEST", 1e-3)
+    monkeypatch.setattr(fclib, "MAX_SECONDS", 1e-3)
     with pytest.raises(InputError, match="reading was aborted after"):
         read(path)
     monkeypatch.undo()
-    monkeypatch.setattr(fclib, "LARGEST", -(2**26))  # too little memory to live in
+    monkeypatch.setattr(fclib, "MAX_BYTES", -(2**26))  # too little memory to live in
     with pytest.raises(InputError, match=r"p\.hdf5: "):
         read(path)
 

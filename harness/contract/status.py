@@ -1,15 +1,15 @@
-"""Checks of honesty: the status is true, results are reproducible, work limits hold, and starts do no harm."""
+"""Checks of the status: it is correct, results are reproducible, work limits hold, and starts do no harm."""
 
 import numpy as np
 
-from frictionbench.harness.contract.check import Complaints, Subject, check, is_false_claim, is_solved, ordinary
+from frictionbench.harness.contract.check import Subject, Violations, check, is_false_claim, is_solved, ordinary
 from frictionbench.problems import scene
 from frictionbench.problems.instances import make_instance
 from frictionbench.solvers import Status
 
 
 @check("Compute the residual of the answer (problems.residual) before returning SOLVED.")
-def honest_claims(subject: Subject) -> Complaints:
+def correct_status(subject: Subject) -> Violations:
     planar = (make_instance("random", seed=seed, contacts=8) for seed in range(6))
     spatial = (make_instance("random_bodies", seed=seed, contacts=8) for seed in range(6))
     rough = (scene("stack", blocks=4, push=1.0, mass_ratio=1e4).problem(), scene("painleve_rod").problem())
@@ -21,7 +21,7 @@ def honest_claims(subject: Subject) -> Complaints:
 
 
 @check("Seed random numbers, and keep no state between solves: a benchmark solves the same problem many times.")
-def same_answer_twice(subject: Subject) -> Complaints:
+def deterministic(subject: Subject) -> Violations:
     for problem in subject.takes(*ordinary()):
         (first, _), (second, _) = (subject.solve(problem) for _ in range(2))
         if not np.array_equal(first.impulse, second.impulse, equal_nan=True):
@@ -31,7 +31,7 @@ def same_answer_twice(subject: Subject) -> Complaints:
 
 
 @check("Stop after `limit` units of work, and return WORK_LIMIT if that was too few.")
-def keeps_its_limit(subject: Subject) -> Complaints:
+def work_limit(subject: Subject) -> Violations:
     for problem in subject.takes(scene("stack", blocks=10, push=1.0).problem(), make_instance("cubes", boxes=5, push=1.0)):
         answer, finding = subject.solve(problem, 1e-10, limit=1)
         if is_false_claim(finding):
@@ -41,7 +41,7 @@ def keeps_its_limit(subject: Subject) -> Complaints:
 
 
 @check("Use a start only as an initial guess: check it, and solve without it if it does not help.")
-def warm_start_does_no_harm(subject: Subject) -> Complaints:
+def warm_start(subject: Subject) -> Violations:
     if not subject.info.warm_start:
         return
     for problem in subject.takes(*ordinary()):

@@ -1,15 +1,15 @@
-"""Checks of form: the input is not changed, the answer has the documented shape, also for no contact and for one."""
+"""Checks of the answer's format: the input is not changed, the answer has the documented shape, also for 0 or 1 contact."""
 
 import numpy as np
 
 from frictionbench.harness.contract.change import permuted
-from frictionbench.harness.contract.check import TOL, Complaints, Subject, check, contact, is_solved, ordinary
+from frictionbench.harness.contract.check import TOL, Subject, Violations, check, contact, is_solved, ordinary
 from frictionbench.problems.copies import duplicate, same
 from frictionbench.solvers import Status
 
 
 @check("Copy arrays before changing them: those of the problem belong to the caller.")
-def leaves_its_input_alone(subject: Subject) -> Complaints:
+def input_unchanged(subject: Subject) -> Violations:
     for problem in subject.takes(*ordinary()):
         given = duplicate(problem)
         subject.solver.solve(subject.solver.prepare(given), TOL, None)
@@ -18,7 +18,7 @@ def leaves_its_input_alone(subject: Subject) -> Complaints:
 
 
 @check("Return Answer(impulse, status, work): impulses (contacts, dimension) of floats, normal first; counts of whole numbers.")
-def answers_in_form(subject: Subject) -> Complaints:
+def answer_format(subject: Subject) -> Violations:
     for problem in subject.takes(*ordinary()):
         answer, _ = subject.solve(problem)
         expected = (problem.contacts, problem.dimension)
@@ -33,7 +33,7 @@ def answers_in_form(subject: Subject) -> Complaints:
 
 
 @check("Return impulses of shape (0, dimension) where there is no contact.")
-def takes_no_contact(subject: Subject) -> Complaints:
+def no_contacts(subject: Subject) -> Violations:
     for d in (2, 3):
         for problem in subject.takes(permuted(contact(d), np.zeros(0, dtype=int))):
             answer, _ = subject.solve(problem)
@@ -42,7 +42,7 @@ def takes_no_contact(subject: Subject) -> Complaints:
 
 
 @check("A single contact slides, sticks or opens; compare with the solution in closed form.")
-def solves_one_contact(subject: Subject) -> Complaints:
+def single_contact(subject: Subject) -> Violations:
     cases = {"slides": (1.0, 1.0), "sticks": (0.1, 1.0), "opens": (1.0, -1.0)}
     for d in (2, 3):
         for name, (speed, falling) in cases.items():

@@ -3,13 +3,13 @@
 import numpy as np
 
 from frictionbench.harness.contract.change import duplicated, with_friction
-from frictionbench.harness.contract.check import Complaints, Subject, check, is_false_claim, is_solved, ordinary
+from frictionbench.harness.contract.check import Subject, Violations, check, is_false_claim, is_solved, ordinary
 from frictionbench.problems import scene
 from frictionbench.problems.instances import make_instance
 
 
 @check("W is singular here and impulses are not unique: regularise, or solve for velocities, and verify the residual.")
-def redundant_contacts(subject: Subject) -> Complaints:
+def redundant_contacts(subject: Subject) -> Violations:
     problems = (
         scene("redundant_table", legs=6, speed=1.0).problem(),
         scene("stack", blocks=5).problem(),
@@ -22,7 +22,7 @@ def redundant_contacts(subject: Subject) -> Complaints:
 
 
 @check("Two copies of a contact may share its impulse in any way; its velocity stays the same.")
-def duplicated_contacts(subject: Subject) -> Complaints:
+def duplicated_contacts(subject: Subject) -> Violations:
     for problem in subject.takes(*ordinary()):
         twice = duplicated(problem)
         _, finding = subject.solve(twice)
@@ -31,7 +31,7 @@ def duplicated_contacts(subject: Subject) -> Complaints:
 
 
 @check("Without friction tangential impulses vanish and the problem is a convex QP: do not divide by mu.")
-def frictionless(subject: Subject) -> Complaints:
+def frictionless(subject: Subject) -> Violations:
     for problem in subject.takes(*(with_friction(each, np.zeros(each.contacts)) for each in ordinary())):
         answer, finding = subject.solve(problem)
         if is_false_claim(finding) or not np.isfinite(answer.impulse).all():
