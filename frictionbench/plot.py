@@ -25,7 +25,7 @@ from matplotlib.lines import Line2D
 
 from frictionbench.reports.charts import CHARTS
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.sheets import BANDS
+from frictionbench.reports.drawing.sheets import BANDS, remove_bands
 from frictionbench.reports.drawing.style import RC
 from frictionbench.reports.drawing.text import plain
 from frictionbench.reports.run import Run
@@ -114,7 +114,6 @@ def _legend(ax: Axes, run: Run, panel: Panel) -> None:
     drawn = {str(artist.get_gid()) for artist in ax.findobj()}
     named = {name: look for name, look in run.looks.items() if {look.tag, f"dots-{look.tag}"} & drawn}
     if len(named) > BANDS:
-        for band in ax.findobj(lambda artist: str(artist.get_gid()).startswith("band-")):
-            band.remove()
+        remove_bands(ax)
     labels = [f"{plain(name)} {panel.notes.get(name, '')}".strip() for name in named]
     ax.legend([Line2D([], [], **look.line) for look in named.values()], labels, fontsize="small", frameon=False)

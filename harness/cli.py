@@ -415,7 +415,7 @@ def main() -> Any:
         app()
     except (ValueError, OSError) as error:
         from frictionbench.problems import InputError
-        from frictionbench.results.store import ResultsError
+        from frictionbench.results.files import ResultsError
 
         if not isinstance(error, InputError | ResultsError | OSError):
             raise

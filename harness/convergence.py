@@ -16,7 +16,7 @@ from frictionbench.harness.workers.pool import Pool
 from frictionbench.harness.workers.task import Task
 from frictionbench.results import store
 from frictionbench.results.convergence import NAME, ConvergenceHistory, write_histories
-from frictionbench.results.verdicts import Verdict
+from frictionbench.results.verdicts import ACCEPTED
 
 LARGE, REDUNDANT = 4, 2  # problems of each kind; each is a panel of the report's figure, which stays legible with few
 MOST = 64  # contacts: a history takes some twenty-five solves, too long for larger problems
@@ -32,7 +32,7 @@ def record_histories(plan: Plan, folder: Path, records: Iterable[Record], pool: 
     solved = {
         (row.get("problem"), row.get("variant"))
         for row in store.rows(folder, "solves")
-        if row.get("tol") == tol and row.get("verdict") in (Verdict.SOLVED, Verdict.RELAXED) and not row.get("members")
+        if row.get("tol") == tol and row.get("verdict") in ACCEPTED and not row.get("members")
     }
     tasks = [
         Task(f"convergence history of {variant}", worker.run_history, (name, variant, tol, LIMIT), LIMIT, plan.owner(variant))

@@ -22,8 +22,9 @@ from frictionbench.harness.workers.cluster import Cluster
 from frictionbench.harness.workers.pool import Pool
 from frictionbench.harness.workers.task import Outcome, Task
 from frictionbench.results import store
+from frictionbench.results.files import ResultsError
 from frictionbench.results.schema import TABLES
-from frictionbench.results.store import ResultsError, Row, ShardWriter
+from frictionbench.results.store import Row, ShardWriter
 from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers import find
 

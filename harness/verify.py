@@ -33,7 +33,7 @@ from frictionbench.problems.residual import (
     residual_floor,
 )
 from frictionbench.problems.simulate import ledger_defect
-from frictionbench.results.verdicts import Verdict
+from frictionbench.results.verdicts import ACCEPTED, Verdict
 from frictionbench.solvers import Answer, SolverInfo, Status
 
 NEAR = 10.0  # times the tolerance: a residual below may be due to another norm in the solver's own stopping test
@@ -67,7 +67,7 @@ def verify(problem: FrictionProblem, answer: Answer, info: SolverInfo, tol: floa
     softness, soft = _softness(problem, answer, info, tol)
     model = _model_residual(problem, answer, info, exact, softness)
     verdict = _verdict(exact, model, floor, claimed, tol)
-    accepted = claimed and verdict in (Verdict.SOLVED, Verdict.RELAXED)
+    accepted = claimed and verdict in ACCEPTED
     defect = ledger_defect(problem, impulse)
     reasons = [
         _reason(verdict, exact, model, floor, tol),

@@ -20,7 +20,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from frictionbench.results.verdicts import Verdict
+from frictionbench.results.verdicts import measured
 
 TARGETS = (1e-4, 1e-6, 1e-8)
 Array = NDArray[np.float64]
@@ -51,7 +51,7 @@ def times_to(rows: pd.DataFrame, target: float) -> pd.DataFrame:
     pair = ["problem_id", "label"]
     within = rows[rows["answered"] & (rows["residual"] <= target)]
     best = within.sort_values("time", kind="stable").drop_duplicates(pair).set_index(pair)
-    ran = rows.assign(ran=rows["verdict"] != Verdict.SKIPPED)
+    ran = rows.assign(ran=measured(rows))
     ran = ran[ran.groupby(["problem_class", "label"])["ran"].transform("any")]
     known = {name: (name, "first") for name in ("problem_class", "start", "host")}
     times = ran.groupby(pair, sort=False).agg(**known, limit=("time_limit", "max"))

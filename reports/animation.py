@@ -12,8 +12,8 @@ from urllib.parse import quote
 
 import numpy as np
 
-from frictionbench.reports.drawing.text import scene_title
 from frictionbench.reports.templates import as_json, environment, script
+from frictionbench.results.cells import scene_title
 from frictionbench.results.files import ResultsError, subfolder, write_text
 from frictionbench.results.motion import Array, Motion, Outline, plain, read_motion
 

@@ -11,7 +11,7 @@ from frictionbench.reports import choice, tables
 from frictionbench.reports.drawing.text import power, seconds
 from frictionbench.reports.reliability import reliabilities, sentences
 from frictionbench.reports.run import Run
-from frictionbench.results.verdicts import Verdict
+from frictionbench.results.verdicts import Verdict, measured
 
 BANDS = ((0, 4), (4, 20), (20, 100), (100, np.inf))  # contacts
 
@@ -77,22 +77,20 @@ def _exact(run: Run) -> str:
 
 def _times(run: Run, dimension: int) -> str:
     """Medians of form, setup and solve over the problems whose own model is solved at the tightest tolerance, by size."""
-    rows = run.contested
-    rows = rows[(rows["dimension"] == dimension) & (rows["tol"] == rows["tol"].min()) & (rows["verdict"] != Verdict.SKIPPED)]
+    rows = run.tightest[(run.tightest["dimension"] == dimension) & measured(run.tightest)]
     if rows.empty:
         return ""
-    done = rows["answered"] & (rows[["residual", "model_residual"]].min(axis=1) <= rows["tol"])
     body, order = [], []
     for label, own in rows.groupby("label", sort=False):
         cells = []
         for low, high in BANDS:
             band = (own["contacts"] > low) & (own["contacts"] <= high)
-            good = own[band & done[own.index]]
+            good = own[band & own["own_solved"]]
             parts = [good[f"{step}_time"].median() for step in ("form", "setup", "solve")]
             shown = " + ".join(f"{1e3 * part:.2g}" for part in parts)
             cells.append(f"{shown} ({len(good)}/{band.sum()})" if len(good) else f"– (0/{band.sum()})")
         body.append([_name(str(label)), *cells])
-        order.append((-done[own.index].sum(), own.loc[done[own.index], "time"].median()))
+        order.append((-own["own_solved"].sum(), own.loc[own["own_solved"], "time"].median()))
     body = [body[i] for i in sorted(range(len(body)), key=order.__getitem__)]
     where = "the plane" if dimension == 2 else "space"
     title = f"## Times in {where}, ms: form + setup + solve (solved/problems, each solver by its own model)"
@@ -102,8 +100,7 @@ def _times(run: Run, dimension: int) -> str:
 def _clocks(run: Run) -> str:
     """Medians by size for the solvers whose library measures a different time, over the problems whose model they solve."""
     apart = tables.clocks(run).query("apart")
-    rows = run.contested[run.contested["clock_time"].notna() & (run.contested["tol"] == run.contested["tol"].min())]
-    rows = rows[rows["answered"] & (rows[["residual", "model_residual"]].min(axis=1) <= rows["tol"])]
+    rows = run.tightest[run.tightest["clock_time"].notna() & run.tightest["own_solved"]]
     body = []
     for label, ratio in zip(apart["label"], apart["ratio"], strict=True):
         own, shown = rows[rows["label"] == label], []

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from frictionbench.reports.run import Run
-from frictionbench.results.verdicts import Verdict
+from frictionbench.results.verdicts import measured
 
 NOTICED = 1e-12  # asymmetry and indefiniteness of W above the rounding errors of its assembly
 
@@ -47,7 +47,7 @@ def _recorded(family: str, file: str, rows: pd.DataFrame) -> Recorded:
     if first["problem"] == "":
         return Recorded(family, file, None, None, None, None, "", tol, {}, 0, str(first["reason"]))
     done = rows[rows["answered"] & (rows["residual"] <= tol)]
-    tried = rows.loc[rows["verdict"] != Verdict.SKIPPED, "label"].nunique()
+    tried = rows.loc[measured(rows), "label"].nunique()
     contacts, dimension, unknowns = (None if pd.isna(first[n]) else int(first[n]) for n in ("contacts", "dimension", "size"))
     rows_of_w = (contacts or 0) * (dimension or 0)
     ratio = first["rank"] / rows_of_w if rows_of_w and np.isfinite(first["rank"] or np.nan) else None

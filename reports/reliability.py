@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from frictionbench.reports.drawing.text import power
 from frictionbench.reports.run import Run
-from frictionbench.results.verdicts import Verdict
+from frictionbench.results.verdicts import Verdict, measured
 
 
 class Reliability(NamedTuple):
@@ -29,15 +29,15 @@ class Reliability(NamedTuple):
 
 def reliabilities(run: Run) -> list[Reliability]:
     """One per label, the most often exact first."""
-    rows = run.contested[(run.contested["tol"] == run.contested["tol"].min()) & (run.contested["verdict"] != Verdict.SKIPPED)]
+    rows = run.tightest[measured(run.tightest)]
     found = []
     for label, own in rows.groupby("label", sort=False):
-        exact, model = own["residual"] <= own["tol"], own[["residual", "model_residual"]].min(axis=1) <= own["tol"]
+        solved = own["residual"] <= own["tol"], own["own_solved"]
         ended = [
             int((own["verdict"] == verdict).sum())
             for verdict in (Verdict.NEAR_MISS, Verdict.WRONG, Verdict.TIMEOUT, Verdict.CRASHED)
         ]
-        found.append(Reliability(str(label), own["model"].iloc[0], len(own), int(exact.sum()), int(model.sum()), *ended))
+        found.append(Reliability(str(label), own["model"].iloc[0], len(own), *(int(one.sum()) for one in solved), *ended))
     return sorted(found, key=lambda one: (-one.exact, -one.own))
 
 

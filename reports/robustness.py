@@ -13,7 +13,7 @@ from frictionbench.reports.run import Run
 from frictionbench.results.map_rows import at_grid_points, failed_rows
 from frictionbench.results.map_spec import Map, maps_of
 from frictionbench.results.shrunk import Shrunk
-from frictionbench.results.verdicts import Verdict
+from frictionbench.results.verdicts import Verdict, measured
 
 NOT_REDUCED = Shrunk("", 0, 0, whole=False)
 
@@ -28,7 +28,7 @@ class Cells:
     @property
     def labels(self) -> list[str]:
         """The labels of the solvers that ran, in the order of the plan."""
-        ran = self.rows.loc[self.rows["verdict"] != Verdict.SKIPPED, "label"]
+        ran = self.rows.loc[measured(self.rows), "label"]
         return list(dict.fromkeys(ran))
 
     @property
@@ -49,12 +49,12 @@ def robustness(maps: list[Cells]) -> pd.DataFrame:
     `known` the same over the grid points of all maps; in `all` the share among all grid points."""
     columns: dict[str, Any] = {}
     for cells in maps:
-        known = cells.rows[cells.rows["known"] & (cells.rows["verdict"] != Verdict.SKIPPED)]
+        known = cells.rows[cells.rows["known"] & measured(cells.rows)]
         columns[cells.spec.name] = (known["verdict"] == Verdict.SOLVED).groupby(known["label"]).mean()
     if not columns:
         return pd.DataFrame()
     rows = pd.concat([cells.rows[["label", "verdict", "known"]] for cells in maps], ignore_index=True)
-    rows = rows[rows["verdict"] != Verdict.SKIPPED]
+    rows = rows[measured(rows)]
     solved = rows["verdict"] == Verdict.SOLVED
     table = pd.DataFrame(columns)
     table["all"] = solved.groupby(rows["label"]).mean()

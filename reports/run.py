@@ -8,6 +8,7 @@ Columns added to the solves table:
     problem_class   the scene, with its range of sizes if the scene occurs in several
     time            form, setup and solve together, s
     answered        whether there is an answer that was verified and timed
+    own_solved      whether it solves the exact problem or the solver's own model to the tolerance
 
 Trivial problems are excluded from rankings: `Run.contested` leaves them out.
 """
@@ -29,7 +30,7 @@ from frictionbench.results.map_spec import GridPoint, maps_of, read_thresholds
 from frictionbench.results.polygon import Deviation, read_deviations
 from frictionbench.results.shrunk import Shrunk, read_shrunk
 from frictionbench.results.store import read_manifest, read_table
-from frictionbench.results.verdicts import Verdict
+from frictionbench.results.verdicts import Verdict, measured
 
 BANDS = (100, 1000)  # unknowns of the friction LCP: dense methods are faster below, sparse ones above
 PORTFOLIO = "*"
@@ -60,11 +61,16 @@ class Run:
         """The rows of non-trivial friction problems, without those of sources that yielded no problem and of bare LCPs."""
         return self.rows[~self.rows["trivial"] & (self.rows["problem"] != "") & self.rows["contacts"].notna()]
 
+    @property
+    def tightest(self) -> pd.DataFrame:
+        """The rows of `contested` at the tightest tolerance."""
+        return self.contested[self.contested["tol"] == self.contested["tol"].min()]
+
     @cached_property
     def looks(self) -> dict[str, Look]:
         """The look of every label that ran."""
         tables = (self.rows, self.simulations)
-        return looks(label for table in tables for label in table.loc[table["verdict"] != Verdict.SKIPPED, "label"])
+        return looks(label for table in tables for label in table.loc[measured(table), "label"])
 
     @cached_property
     def portfolios(self) -> dict[str, str]:
@@ -108,7 +114,7 @@ def read_run(folder: Path) -> Run:
 
 
 def annotate(solves: pd.DataFrame) -> pd.DataFrame:
-    """A copy of the solves table with the columns label, problem_id, problem_class, time and answered."""
+    """A copy of the solves table with the columns label, problem_id, problem_class, time, answered and own_solved."""
     rows = solves.reset_index(drop=True)
     texts = ["scene", "parameters", "solver", "variant", "model", "verdict", "reason"]
     texts += ["phase", "problem", "start", "key", "host"]
@@ -123,6 +129,7 @@ def annotate(solves: pd.DataFrame) -> pd.DataFrame:
     rows["problem_class"] = _classes(rows)
     rows["time"] = rows["form_time"].fillna(0.0) + rows["setup_time"].fillna(0.0) + rows["solve_time"]
     rows["answered"] = ~rows["verdict"].isin(NO_ANSWER) & np.isfinite(rows["residual"]) & np.isfinite(rows["time"])
+    rows["own_solved"] = rows["answered"] & (rows[["residual", "model_residual"]].min(axis=1) <= rows["tol"])
     return rows
 
 

@@ -3,7 +3,7 @@
 import json
 from typing import Any, NamedTuple
 
-from frictionbench.reports.drawing.text import scene_title
+from frictionbench.results.cells import scene_title
 from frictionbench.results.conventions import DEFAULT_SCHEME
 
 LONG = 160  # characters, two lines of the page, above which a setting is folded

@@ -7,7 +7,7 @@ import pandas as pd
 
 from frictionbench.reports.accuracy import ALL
 from frictionbench.reports.run import Run
-from frictionbench.results.verdicts import Verdict
+from frictionbench.results.verdicts import Verdict, measured
 
 MOST_FAILURES = 12  # kinds of failure listed for one solver, the most frequent ones
 LONGEST = 6000  # characters of a description, three times the longest in this package; a plug-in's may be of any length
@@ -78,7 +78,7 @@ def _flowing(paragraph: str) -> str:
 
 def _failures(run: Run) -> pd.DataFrame:
     """A row per label, class and verdict other than solved and skipped, see Failure, the most frequent first."""
-    ran = run.contested[run.contested["verdict"] != Verdict.SKIPPED]
+    ran = run.contested[measured(run.contested)]
     of = ran.groupby(["label", "problem_class"]).size().rename("of")
     failed = ran[ran["verdict"] != Verdict.SOLVED].sort_values(["contacts", "tol"], kind="stable")
     columns = ["contacts", "residual", "reason", "key"]

@@ -1,14 +1,13 @@
 """The report's tables: which solver solves which problems, and how fast."""
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import pandas as pd
 
 from frictionbench.reports.accuracy import ALL
 from frictionbench.reports.run import Run
-from frictionbench.results.verdicts import Verdict
+from frictionbench.results.verdicts import Verdict, measured
 
-NEARLY = 0.9  # share of the best solver's number of problems that counts as nearly as many
 APART = 0.1  # relative difference of a library's own clock from solve_time that is larger than the overhead of a call
 
 
@@ -40,7 +39,7 @@ def by_class(run: Run) -> pd.DataFrame:
     rows = run.contested
     answers = rows.assign(
         solved=rows["verdict"] == Verdict.SOLVED,
-        ran=rows["verdict"] != Verdict.SKIPPED,
+        ran=measured(rows),
         residual=rows["residual"].where(rows["answered"]),
         model_residual=rows["model_residual"].where(rows["answered"]),
     )
@@ -99,25 +98,6 @@ def race(summaries: dict[float, pd.DataFrame], problem_class: str = ALL) -> list
     """The labels of a class, best at the finest target first, each with its row at each target."""
     own = {target: best_first(table, problem_class) for target, table in summaries.items()}
     return [(label, [table.loc[label].to_dict() for table in own.values()]) for label in own[min(own)].index]
-
-
-class Leaders(NamedTuple):
-    """Rows of a summary: the solver that reaches the target most often (the fastest of `equals` solvers), and the fastest of
-    those that reach it on nearly as many problems."""
-
-    most_often: pd.Series
-    equals: int
-    fastest: pd.Series
-
-
-def leaders(summary: pd.DataFrame) -> Leaders | None:
-    """The leaders over all problems; None if no solver reaches the target."""
-    overall = summary[(summary["problem_class"] == ALL) & (summary["reached"] > 0)].sort_values("mean", kind="stable")
-    if overall.empty:
-        return None
-    most = overall["reached"].max()
-    equals, nearly = overall[overall["reached"] == most], overall[overall["reached"] >= NEARLY * most]
-    return Leaders(equals.iloc[0], len(equals), nearly.iloc[0])
 
 
 def gaps(run: Run) -> int:

@@ -14,13 +14,14 @@ from frictionbench.reports.charts import CHARTS
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.sheets import BANDS
-from frictionbench.reports.drawing.text import power, scene_title, seconds
 from frictionbench.reports.drawing.tiles import Drawing
+from frictionbench.reports.headline import MUCH_FORM, headline
 from frictionbench.reports.recorded import Recorded, recorded_problems
 from frictionbench.reports.reliability import sentences
 from frictionbench.reports.run import Run
 from frictionbench.reports.settings import Setting, settings, workers_on_all_cores
 from frictionbench.reports.sheets import Sheet, sheets
+from frictionbench.results.cells import scene_title
 from frictionbench.results.shrunk import FOLDER
 
 MOST_CLAIMS = 200  # wrong claims listed on the page; more make it slow to load
@@ -28,7 +29,6 @@ MOST_SIMULATIONS = 300  # simulations of a scene listed on the page, for the sam
 FEW = 8  # curves that a reader can tell apart in one figure
 
 CURVES = ["times", "energies", "penetrations", "load", "clock"]  # columns that no table shows
-MUCH_FORM = 0.2  # share of form in the time, above which the formulation by this suite may decide the rank
 
 Records = list[dict[str, Any]]
 Race = list[tuple[str, Records]]  # labels, each with its row of the summary at each target
@@ -183,37 +183,6 @@ def _setup(manifest: dict[str, Any]) -> str:
         if isinstance(values, dict):
             parts += [f"{name} {values[name]}"[:80] for name in names if name in values]
     return " · ".join(parts)
-
-
-def headline(run: Run) -> list[str]:
-    """Two sentences: which solver reaches the finest target most often, and which one reaches the coarsest fastest."""
-    found = {target: tables.leaders(table) for target, table in run.summaries.items()}
-    finest, coarsest = min(found), max(found)
-    if not (best := found[finest]):
-        lines = [f"No solver reaches a verified residual of {power(finest)} on any non-trivial problem."]
-    else:
-        first, equals = best.most_often, best.equals
-        on = f"on {first['reached']} of {first['problems']} non-trivial problems"
-        if equals > 1:
-            tie = f"{equals} solvers reach a verified residual of {power(finest)} equally often, {on}; the fastest of them is"
-            lines = [f"{tie} {first['label']}, with a mean of {seconds(first['mean'])}{_form(first)}."]
-        else:
-            alone = f"{first['label']} reaches a verified residual of {power(finest)} most often: {on}"
-            lines = [f"{alone}, with a mean of {seconds(first['mean'])}{_form(first)}."]
-    if best := found[coarsest]:
-        fastest = best.fastest
-        lines.append(
-            f"For {power(coarsest)}, {fastest['label']} is the fastest of the solvers that reach it on nearly as many problems "
-            f"as the best: on {fastest['reached']} of {fastest['problems']}, with a mean of {seconds(fastest['mean'])}"
-            f"{_form(fastest)}."
-        )
-    return lines
-
-
-def _form(row: pd.Series) -> str:
-    """The share of form in a solver's time, marked where it is large."""
-    much = ", more than a fifth" if row["written"] > MUCH_FORM else ""
-    return f" (share of form, the formulation of the problem: {100 * row['written']:.0f} %{much})"
 
 
 def _families(run: Run) -> dict[str, str]:

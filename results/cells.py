@@ -17,8 +17,9 @@ import numpy as np
 import pandas as pd
 
 from frictionbench.results import baseline
-from frictionbench.results.store import ResultsError, read_manifest, read_table
-from frictionbench.results.verdicts import RANK, Verdict
+from frictionbench.results.files import ResultsError
+from frictionbench.results.store import read_manifest, read_table
+from frictionbench.results.verdicts import RANK, measured
 
 TEXTS = ("table", "variant", "scene", "step", "phase", "start", "verdict", "reason", "work")
 NUMBERS = ("tol", "residual", "seconds", "limit")
@@ -41,7 +42,7 @@ class Cells:
     @property
     def measured(self) -> pd.DataFrame:
         """The cells that were run."""
-        return self.table[self.table["verdict"] != Verdict.SKIPPED]
+        return self.table[measured(self.table)]
 
 
 def read(path: Path) -> Cells:
@@ -79,7 +80,7 @@ def _of_folder(folder: Path) -> Cells:
     )
     rows = pd.concat([part for part in parts if len(part)] or parts[:1], ignore_index=True)
     rows = rows.assign(
-        scene=[spec(*pair) for pair in zip(rows["scene"], rows["parameters"], strict=True)],
+        scene=[scene_title(*pair) for pair in zip(rows["scene"], rows["parameters"], strict=True)],
         step=["" if pd.isna(step) else str(int(step)) for step in rows["step"]],
         work=[format_counts(counts(text)) for text in rows["work"]],
         limit=rows["time_limit"],
@@ -124,7 +125,7 @@ def _numbers(values: Any) -> tuple[float, ...]:
         return ()
 
 
-def spec(scene: Any, parameters: Any) -> str:
+def scene_title(scene: Any, parameters: Any) -> str:
     """A scene with its parameters in the notation of the command line: `stack[blocks=5]`."""
     settings = _object(parameters)
     given = ",".join(f"{name}={value}" for name, value in settings.items())

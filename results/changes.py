@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from frictionbench.results.cells import parse_counts
-from frictionbench.results.verdicts import RANK, Verdict
+from frictionbench.results.verdicts import ACCEPTED, RANK, Verdict, measured
 
 GONE = "gone"
 MARGIN = 2.0  # a time within this factor of the limit may exceed it on another day, by noise alone
@@ -107,11 +107,11 @@ def flips(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Flip]:
 
 def gone(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Flip]:
     """The cells that were measured before and not now, without a reason."""
-    ran = after[after["verdict"] != Verdict.SKIPPED]
+    ran = after[measured(after)]
     explained = after[(after["verdict"] == Verdict.SKIPPED) & (after["reason"] != "")]
     absent_solvers = set(explained["variant"]) - set(ran["variant"])
     accounted = before.index.isin(ran.index) | before.index.isin(explained.index)
-    for key, row in before[(before["verdict"] != Verdict.SKIPPED) & ~accounted].iterrows():
+    for key, row in before[measured(before) & ~accounted].iterrows():
         if key in after.index or row["variant"] not in absent_solvers:
             yield _flip(row, None)
 
@@ -157,4 +157,4 @@ def work(before: pd.DataFrame, after: pd.DataFrame, limit: float) -> Iterator[Gr
 
 def settled(before: pd.DataFrame, after: pd.DataFrame) -> pd.DataFrame:
     """The cells that both tables solve with the same verdict: only there are work and time comparable."""
-    return after[(after["verdict"] == before["verdict"]) & after["verdict"].isin([Verdict.SOLVED, Verdict.RELAXED])]
+    return after[(after["verdict"] == before["verdict"]) & after["verdict"].isin(ACCEPTED)]

@@ -17,9 +17,9 @@ import pandas as pd
 from frictionbench.results import benchmarks, changes
 from frictionbench.results.cells import Cells, read
 from frictionbench.results.changes import Finding, Flip, Growth
-from frictionbench.results.store import ResultsError
+from frictionbench.results.files import ResultsError
 from frictionbench.results.times import Pair, Time, times
-from frictionbench.results.verdicts import Verdict
+from frictionbench.results.verdicts import measured
 
 
 class Limits(NamedTuple):
@@ -129,7 +129,7 @@ def _differences(
     before: pd.DataFrame, after: pd.DataFrame, alike: bool, limits: Limits
 ) -> tuple[tuple[Flip, ...], tuple[Flip, ...], tuple[Growth, ...], int]:
     """Flips, gone cells, changes of work, and the number of changed timeouts that the speed of the machine may explain."""
-    ran = [cells[cells["verdict"] != Verdict.SKIPPED] for cells in (before, after)]
+    ran = [cells[measured(cells)] for cells in (before, after)]
     common = ran[0].index.intersection(ran[1].index)
     old, new = before.loc[common], after.loc[common]
     by_speed = changes.explained_by_speed(old, new, alike)

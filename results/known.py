@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 
 from frictionbench.results.changes import GONE, Finding, Flip, Growth
 from frictionbench.results.compare import Comparison
-from frictionbench.results.store import ResultsError
+from frictionbench.results.files import ResultsError
 from frictionbench.results.times import Time
 
 F = TypeVar("F", Flip, Growth, Time)

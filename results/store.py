@@ -27,12 +27,10 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from frictionbench.results import files
-from frictionbench.results.files import replaced, subfolder, write_text
+from frictionbench.results.files import ResultsError, replaced, subfolder, write_text
 from frictionbench.results.schema import VERSION, arrow_schema
 
 Row = dict[str, Any]
-ResultsError = files.ResultsError
 # Limits on input: far above what the largest suite writes, and small enough for a machine with 4 GiB of memory.
 LARGEST_LINE = 64 * 2**20  # bytes; a longer line is not a row of a run
 LARGEST_TABLE = 2**30  # bytes after decompression

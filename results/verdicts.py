@@ -1,6 +1,10 @@
 """The verdicts on a cell, in one order from the best to the worst."""
 
 from enum import StrEnum
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 class Verdict(StrEnum):
@@ -26,3 +30,9 @@ class Verdict(StrEnum):
 
 
 RANK: dict[str, int] = {verdict: rank for rank, verdict in enumerate(Verdict)}  # 0 is the best
+ACCEPTED = (Verdict.SOLVED, Verdict.RELAXED)  # the exact problem or the solver's own model is solved
+
+
+def measured(rows: "pd.DataFrame") -> "pd.Series[bool]":
+    """Which rows of a table belong to cells that were run."""
+    return rows["verdict"] != Verdict.SKIPPED

@@ -6,7 +6,7 @@ from pathlib import Path
 from frictionbench.results import baseline, cells, store
 from frictionbench.results.cells import Cells, rounded
 from frictionbench.results.compare import Comparison, Limits, compare
-from frictionbench.results.store import ResultsError
+from frictionbench.results.files import ResultsError
 
 
 def accept(folder: Path, path: Path | None) -> tuple[Comparison | None, str]:

@@ -21,7 +21,7 @@ from frictionbench.harness.plans.suites import SUITES
 from frictionbench.problems import InputError
 from frictionbench.results import cells, store
 from frictionbench.results.compare import Comparison, Limits, confirm, suspects
-from frictionbench.results.store import ResultsError
+from frictionbench.results.files import ResultsError
 from frictionbench.results.times import Pair
 from frictionbench.solvers import plugins
 
@@ -80,8 +80,8 @@ def _options(settings: dict[str, Any]) -> list[str]:
         suite, sources = settings["suite"], settings["sources"]
         if suite not in SUITES or any(source["file"] for source in sources):
             raise InputError(f"confirm: the problems of {suite} come from files; its cells cannot be run again")
-        own = {cells.spec(source.scene, json.dumps(source.parameters)) for source in SUITES[suite]().sources}
-        specs = [(source["scene"], cells.spec(source["scene"], json.dumps(source["parameters"]))) for source in sources]
+        own = {cells.scene_title(source.scene, json.dumps(source.parameters)) for source in SUITES[suite]().sources}
+        specs = [(source["scene"], cells.scene_title(source["scene"], json.dumps(source["parameters"]))) for source in sources]
         chosen = dict.fromkeys(scene if spec in own else spec for scene, spec in specs)
         limits = ["--tol", ",".join(map(repr, settings["tolerances"])), "--time-limit", repr(settings["time_limit"])]
     except (KeyError, TypeError):

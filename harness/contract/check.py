@@ -17,7 +17,7 @@ from frictionbench.problems import FrictionProblem, scene
 from frictionbench.problems.check import Array
 from frictionbench.problems.copies import duplicate
 from frictionbench.problems.instances import make_instance
-from frictionbench.results.verdicts import Verdict
+from frictionbench.results.verdicts import ACCEPTED, Verdict
 from frictionbench.solvers import Answer, Solver, SolverInfo
 
 TOL = 1e-6  # a tolerance that first-order methods and soft contacts reach as well
@@ -65,7 +65,7 @@ def check(advice: str) -> Callable[[Callable[[Subject], Violations]], Callable[[
 
 def is_solved(finding: Finding) -> bool:
     """Whether the solver's own model is solved."""
-    return finding.verdict in (Verdict.SOLVED, Verdict.RELAXED)
+    return finding.verdict in ACCEPTED
 
 
 def is_false_claim(finding: Finding) -> bool:

@@ -22,7 +22,7 @@ from frictionbench.harness.plans.plan import Plugin, SolveCell
 from frictionbench.harness.workers.pool import Pool
 from frictionbench.harness.workers.task import Outcome, Task
 from frictionbench.problems import InputError
-from frictionbench.results.store import ResultsError
+from frictionbench.results.files import ResultsError
 from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers.plugins import is_file
 

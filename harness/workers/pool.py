@@ -19,7 +19,7 @@ from typing import Any
 from frictionbench.harness import machine, process
 from frictionbench.harness.plans.plan import Plugin
 from frictionbench.harness.workers.task import Outcome, Task
-from frictionbench.results.store import ResultsError
+from frictionbench.results.files import ResultsError
 from frictionbench.results.verdicts import Verdict
 
 TRIES = 3  # one kill may be an accident, such as a machine short of memory for a moment; three in a row are not

@@ -5,13 +5,12 @@ from functools import partial
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.ticker import PercentFormatter
 
 from frictionbench.reports.accuracy import on_all
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.charts.profiles import staircase
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.style import Look, time_axis
+from frictionbench.reports.drawing.style import GRID, Look, share_axis, time_axis
 from frictionbench.reports.drawing.text import power
 from frictionbench.reports.run import Run
 
@@ -31,12 +30,10 @@ def _draw(ax: Axes, times: pd.DataFrame, looks: dict[str, Look]) -> None:
         spent, share = staircase(np.sort(own.loc[own["reached"], "charged"].to_numpy()), len(own))
         if len(spent):
             ax.step([*spent, longest], [*share, share[-1]], where="post", **looks[str(label)].line, markevery=(0.1, 0.15))
-    ax.set_ylim(0, 1.03)
-    ax.yaxis.set_major_formatter(PercentFormatter(1))
-    ax.grid(lw=0.4, alpha=0.3)
+    share_axis(ax)
+    ax.grid(**GRID)
     time_axis(ax, "x")
     ax.set_xlabel("time for each problem")
-    ax.set_ylabel("share of the problems")
 
 
 CHART = Chart(

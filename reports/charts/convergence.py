@@ -10,12 +10,12 @@ from matplotlib.axes import Axes
 
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.style import Look, log_ticks
-from frictionbench.reports.drawing.text import scene_title
+from frictionbench.reports.drawing.style import GRID, ZERO, Look, log_ticks, residual_axis
 from frictionbench.reports.run import Run
+from frictionbench.results.cells import scene_title
 from frictionbench.results.convergence import ConvergenceHistory
 
-ZERO, WORST = 1e-17, 1e3  # the range of the residual axis; values beyond are drawn at its ends
+WORST = 1e3  # residuals of iterations that diverge are drawn here if they are larger
 
 
 def panels(run: Run) -> list[Panel]:
@@ -43,10 +43,10 @@ def _draw(ax: Axes, histories: list[ConvergenceHistory], looks: dict[str, Look],
         ax.plot(history.units, residuals, **looks[history.variant].line, markevery=(0.05, 0.2))
     decades = range(len(str(most)))
     log_ticks(ax, "x", {10.0**k: f"{10**k}" for k in decades})
-    log_ticks(ax, "y", {10.0**k: f"1e{k}" for k in range(0, -13, -4)} | {ZERO: "0"})
+    residual_axis(ax)
     ax.set_xlim(0.9, 1.1 * max(most, 10))
     ax.set_ylim(ZERO / 3, WORST * 3)
-    ax.grid(lw=0.4, alpha=0.3)
+    ax.grid(**GRID)
     ax.set_xlabel("sweeps, iterations or pivots allowed")
     ax.set_ylabel("verified residual")
 

@@ -8,9 +8,9 @@ from matplotlib.axes import Axes
 
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.style import ALARM, INK, Look, percent_axis
-from frictionbench.reports.drawing.text import scene_title
+from frictionbench.reports.drawing.style import ALARM, GRID, INK, Look, percent_axis
 from frictionbench.reports.run import Run
+from frictionbench.results.cells import scene_title
 
 POINTS = 200  # of a curve, finer than the panel's resolution
 MOST = 24  # panels on the page; more make it slow to load
@@ -57,7 +57,7 @@ def _draw(ax: Axes, simulations: pd.DataFrame, looks: dict[str, Look]) -> None:
         ax.set_ylim(bottom, top)
         ax.text(0.02, 0.95, "energy gained", transform=ax.transAxes, va="center", fontsize="x-small", alpha=0.8)
     percent_axis(ax)
-    ax.grid(lw=0.4, alpha=0.3)
+    ax.grid(**GRID)
     ax.set_xlabel("time in s")
     ax.set_ylabel("change of energy")
 

@@ -5,7 +5,6 @@ and unstable solvers to be told apart. Dots are points on the thresholds that th
 grid lines, whatever the scale of the parameter.
 """
 
-import json
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -21,6 +20,7 @@ from frictionbench.reports.drawing.text import seconds
 from frictionbench.reports.drawing.tiles import Drawing, Grid, Tile
 from frictionbench.reports.robustness import Cells, map_cells
 from frictionbench.reports.run import Run
+from frictionbench.results.cells import counts
 from frictionbench.results.map_spec import Axis
 from frictionbench.results.verdicts import Verdict
 
@@ -211,11 +211,8 @@ def _work(cells: Cells) -> list[tuple[str, Field]]:
 
 def _count(work: str) -> float:
     """The sum of all counters of a row; nan if there are none."""
-    try:
-        counters = json.loads(work or "{}")
-        return float(sum(counters.values())) if counters else np.nan
-    except (ValueError, TypeError, AttributeError, RecursionError):
-        return np.nan
+    found = counts(work)
+    return float(sum(found.values())) if found else np.nan
 
 
 def _loop(cells: Cells) -> list[tuple[str, Field]]:

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.charts.convergence import by_problem
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.style import Look
+from frictionbench.reports.drawing.style import GRID, Look
 from frictionbench.reports.run import Run
 from frictionbench.results.convergence import ConvergenceHistory
 
@@ -36,7 +36,7 @@ def _draw(ax: Axes, histories: list[ConvergenceHistory], looks: dict[str, Look])
     ax.set_xlim(0.5, histories[0].contacts + 0.5)
     largest = max(contact[0] for history in histories for contact in history.impulse)
     ax.set_ylim(0, 1.1 * largest if largest > 0 else 1.0)
-    ax.grid(axis="y", lw=0.4, alpha=0.3)
+    ax.grid(axis="y", **GRID)
     ax.set_xlabel("contact")
     ax.set_ylabel("normal impulse in N s")
 

@@ -15,11 +15,9 @@ from numpy.typing import NDArray
 from frictionbench.reports.accuracy import shifted_geometric_mean
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import WHOLE, Panel
-from frictionbench.reports.drawing.style import INK, Look, log_ticks, time_axis
+from frictionbench.reports.drawing.style import GRID, INK, WORST, ZERO, Look, residual_axis, time_axis
 from frictionbench.reports.run import Run
-from frictionbench.results.verdicts import Verdict
-
-ZERO, WORST = 1e-17, 1e1  # where residuals of zero, and large or missing ones, are drawn
+from frictionbench.results.verdicts import measured
 
 
 def panels(run: Run) -> list[Panel]:
@@ -34,7 +32,7 @@ def ladder(run: Run) -> pd.DataFrame:
     rows = rows.assign(
         time=rows["time"].where(rows["answered"], rows["time_limit"]),
         residual=rows["residual"].where(rows["answered"], np.inf),
-        ran=rows["problem_id"].where(rows["verdict"] != Verdict.SKIPPED),
+        ran=rows["problem_id"].where(measured(rows)),
     )
     groups = rows.groupby(["label", "tol"], sort=False)
     points = groups.agg(time=("time", shifted_geometric_mean), residual=("residual", "median"), ran=("ran", "nunique"))
@@ -56,10 +54,8 @@ def _draw(ax: Axes, points: pd.DataFrame, looks: dict[str, Look]) -> None:
     best = points.iloc[front(points["time"].to_numpy(), points["residual"].to_numpy())]
     ax.step(best["time"], best["residual"], where="post", color=INK, lw=3, alpha=0.15, zorder=0)
     time_axis(ax, "x")
-    lowest = min(1e-8, points["residual"].min())
-    ticks = {10.0**k: f"1e{k}" for k in range(0, -17, -4) if 10.0**k >= lowest}
-    log_ticks(ax, "y", ticks | {ZERO: "0"} if lowest <= ZERO else ticks)
-    ax.grid(lw=0.4, alpha=0.3)
+    residual_axis(ax, min(1e-8, points["residual"].min()))
+    ax.grid(**GRID)
     ax.set_xlabel("time, shifted geometric mean")
     ax.set_ylabel("median verified residual")
 

@@ -8,12 +8,11 @@ from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import PercentFormatter
 
 from frictionbench.reports.accuracy import TARGETS, Array, band, ratios
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.style import Look, log_ticks
+from frictionbench.reports.drawing.style import GRID, Look, log_ticks, share_axis
 from frictionbench.reports.drawing.text import power
 from frictionbench.reports.run import Run
 
@@ -43,11 +42,9 @@ def draw(
         ax.fill_between(at, *band(ratio, at), color=look.colour, alpha=0.13, lw=0, gid=f"band-{look.tag}")
     log_ticks(ax, "x", {10.0**k: f"{10**k}" for k in range(4)})
     ax.set_xlim(1, FARTHEST)
-    ax.set_ylim(0, 1.03)
-    ax.yaxis.set_major_formatter(PercentFormatter(1))
-    ax.grid(lw=0.4, alpha=0.3)
+    share_axis(ax)
+    ax.grid(**GRID)
     ax.set_xlabel(across)
-    ax.set_ylabel("share of the problems")
 
 
 def staircase(cost: Array, count: int) -> tuple[Array, Array]:

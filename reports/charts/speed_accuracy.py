@@ -15,13 +15,12 @@ from matplotlib.axes import Axes
 
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.style import ALARM, INK, Look, log_ticks, time_axis
-from frictionbench.reports.drawing.text import scene_title, seconds
+from frictionbench.reports.drawing.style import ALARM, GRID, INK, WORST, ZERO, Look, residual_axis, time_axis
+from frictionbench.reports.drawing.text import seconds
 from frictionbench.reports.run import Run
-from frictionbench.results.verdicts import Verdict
+from frictionbench.results.cells import scene_title
+from frictionbench.results.verdicts import Verdict, measured
 
-ZERO = 1e-17  # where a residual of exactly zero is drawn
-WORST = 1e1  # where larger residuals are drawn
 STRIP = 2e3  # the strip above WORST
 MOST_TOOLTIPS = 5000  # cells of a run above which dots have no tooltips, which would make the page too large
 CROWD = 1500  # dots above which they are drawn as an image, for the same reason
@@ -69,10 +68,9 @@ def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look], ends: tuple[floa
     ax.set_xlim(ends)
     time_axis(ax, "x")
     bottom = 10.0 ** np.floor(np.log10(lowest))
-    ticks = {10.0**k: f"1e{k}" for k in range(0, -13, -4) if 10.0**k >= bottom}
-    log_ticks(ax, "y", ticks | {ZERO: "0"} if lowest <= ZERO else ticks)
+    residual_axis(ax, bottom)
     ax.set_ylim(bottom / 3, STRIP)
-    ax.grid(axis="y", lw=0.4, alpha=0.3)
+    ax.grid(axis="y", **GRID)
     ax.set_xlabel("time, form, setup and solve")
     ax.set_ylabel("verified residual")
     _no_answers(ax, rows, looks)
@@ -92,7 +90,7 @@ def _model_error(ax: Axes, answers: pd.DataFrame) -> None:
 
 
 def _no_answers(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
-    counts = rows[~rows["answered"] & (rows["verdict"] != Verdict.SKIPPED)].groupby("label").size()
+    counts = rows[~rows["answered"] & measured(rows)].groupby("label").size()
     if counts.empty:
         return
     ax.axhspan(WORST, STRIP, color=INK, alpha=0.07, lw=0)

@@ -13,22 +13,20 @@ from matplotlib.axes import Axes
 
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import WHOLE, Panel
-from frictionbench.reports.drawing.style import INK, Look, log_ticks
-from frictionbench.reports.drawing.text import scene_title
+from frictionbench.reports.drawing.style import GRID, INK, WORST, ZERO, Look, log_ticks, residual_axis
 from frictionbench.reports.run import Run
+from frictionbench.results.cells import scene_title
 from frictionbench.results.verdicts import Verdict
 
-SENSITIVITY, ERROR = (1e-2, 1e8), (1e-17, 1e1)  # the ranges of the axes; values beyond are drawn at their ends
+SENSITIVITY = 1e-2, 1e8  # the range of the axis; values beyond are drawn at its ends
 ILL, UNSTABLE = 1e3, 1e-6  # dotted lines: a solution that loses three digits, an error far above rounding
 MOST_TOOLTIPS = 4000  # answers above which dots are drawn as an image without tooltips, to keep the page small
 
 
 def panels(run: Run) -> list[Panel]:
     """One panel: the answers at the tightest tolerance to problems whose sensitivity is known."""
-    rows = run.contested
-    rows = rows[
-        rows["answered"] & rows["sensitivity"].notna() & rows["backward_error"].notna() & (rows["tol"] == rows["tol"].min())
-    ]
+    rows = run.tightest
+    rows = rows[rows["answered"] & rows["sensitivity"].notna() & rows["backward_error"].notna()]
     if rows.empty:
         return []
     return [Panel("all problems", partial(_draw, rows=rows, looks=run.looks), _tooltips(rows, run), WHOLE)]
@@ -56,7 +54,7 @@ def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
         look = looks[str(label)]
         dots = ax.scatter(
             own["sensitivity"].clip(*SENSITIVITY),
-            own["backward_error"].clip(*ERROR),
+            own["backward_error"].clip(ZERO, WORST),
             s=9,
             lw=0,
             color=look.colour,
@@ -67,7 +65,7 @@ def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
         dots.set_gid(f"dots-{look.tag}")
     failed = rows[rows["verdict"] != Verdict.SOLVED]
     cross: Any = {"color": INK, "ms": 3, "mew": 0.5, "alpha": 0.6, "rasterized": crowded}
-    ax.plot(failed["sensitivity"].clip(*SENSITIVITY), failed["backward_error"].clip(*ERROR), "x", **cross)
+    ax.plot(failed["sensitivity"].clip(*SENSITIVITY), failed["backward_error"].clip(ZERO, WORST), "x", **cross)
     corners = (
         (0.02, 0.97, "left", "unstable solver"),
         (0.98, 0.97, "right", "both"),
@@ -77,10 +75,10 @@ def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
         height = "top" if y > 0.5 else "bottom"
         ax.text(x, y, text, transform=ax.transAxes, ha=side, va=height, fontsize="x-small", alpha=0.8)
     log_ticks(ax, "x", {10.0**k: f"1e{k}" for k in range(-2, 7, 2)} | {SENSITIVITY[1]: "∞"})
-    log_ticks(ax, "y", {10.0**k: f"1e{k}" for k in range(0, -13, -4)} | {ERROR[0]: "0"})
+    residual_axis(ax)
     ax.set_xlim(SENSITIVITY[0] / 2, SENSITIVITY[1] * 2)
-    ax.set_ylim(ERROR[0] / 3, ERROR[1] * 30)
-    ax.grid(lw=0.4, alpha=0.3)
+    ax.set_ylim(ZERO / 3, WORST * 30)
+    ax.grid(**GRID)
     ax.set_xlabel("sensitivity of the problem")
     ax.set_ylabel("backward error of the answer")
 

@@ -5,7 +5,6 @@ that the ratio to a problem solved without work is defined. Counters of differen
 with the solvers that count it on every problem. The counters of the members of a portfolio are summed.
 """
 
-import json
 from collections import Counter
 from functools import partial
 
@@ -16,6 +15,7 @@ from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.charts.profiles import draw
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.run import Run
+from frictionbench.results.cells import counts
 
 UNITS = ("pivots", "sweeps", "iterations", "factorisations")
 
@@ -23,11 +23,11 @@ UNITS = ("pivots", "sweeps", "iterations", "factorisations")
 def panels(run: Run) -> list[Panel]:
     """A panel per unit that two or more labels count."""
     times = run.times[run.ends[-1]]
-    counts = pd.DataFrame([counted(text) for text in times["work"]], index=times.index, columns=list(UNITS))
+    units = pd.DataFrame([counted(text) for text in times["work"]], index=times.index, columns=list(UNITS))
     found = []
     for unit in UNITS:
-        counting = (counts[unit].notna() | ~times["reached"]).groupby(times["label"]).transform("all")
-        own = times.assign(work=counts[unit].fillna(0.0) + 1.0)[counting]
+        counting = (units[unit].notna() | ~times["reached"]).groupby(times["label"]).transform("all")
+        own = times.assign(work=units[unit].fillna(0.0) + 1.0)[counting]
         if len(set(own.loc[own["reached"], "label"])) > 1:
             across = f"{unit} over the fewest of any solver"
             found.append(Panel(unit, partial(draw, costs=ratios(own, "work"), looks=run.looks, across=across)))
@@ -36,14 +36,10 @@ def panels(run: Run) -> list[Panel]:
 
 def counted(text: object) -> dict[str, int]:
     """The work in a row by unit: the counter "lemke pivots" of a portfolio has the unit pivots."""
-    try:
-        counters = json.loads(text) if isinstance(text, str) else {}
-    except (ValueError, RecursionError):
-        return {}
     total: Counter[str] = Counter()
-    for name, count in counters.items() if isinstance(counters, dict) else ():
+    for name, count in counts(text).items():
         unit = name.rsplit(" ", 1)[-1]
-        if unit in UNITS and isinstance(count, int):
+        if unit in UNITS:
             total[unit] += count
     return dict(total)
 

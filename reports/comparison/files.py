@@ -22,7 +22,7 @@ from frictionbench.results.changes import Finding, Flip, Growth
 from frictionbench.results.compare import Comparison
 from frictionbench.results.files import replaced, write_text
 from frictionbench.results.times import Time
-from frictionbench.results.verdicts import Verdict
+from frictionbench.results.verdicts import ACCEPTED, Verdict, measured
 
 UNPRINTED = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # characters that XML 1.0 excludes
 
@@ -54,8 +54,8 @@ def figures(comparison: Comparison, cells: pd.DataFrame) -> list[dict[str, Any]]
     """For each solver the number of cells not solved, sums of counters and the geometric mean time."""
     found = []
     for variant, own in cells.groupby("variant") if len(cells) else ():
-        ran = own[own["verdict"] != Verdict.SKIPPED]
-        good = ran["verdict"].isin([Verdict.SOLVED, Verdict.RELAXED])
+        ran = own[measured(own)]
+        good = ran["verdict"].isin(ACCEPTED)
         found.append({"name": f"{variant}: not solved", "unit": "cells", "value": int((~good).sum())})
         counters = pd.DataFrame([parse_counts(line) for line in ran["work"]]).sum()
         found += [{"name": f"{variant}: {name}", "unit": name, "value": int(count)} for name, count in counters.items()]

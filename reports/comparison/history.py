@@ -11,8 +11,8 @@ from rich.text import Text
 
 from frictionbench.reports.drawing.text import seconds
 from frictionbench.results.cells import format_counts, parse_counts, read
-from frictionbench.results.store import ResultsError
-from frictionbench.results.verdicts import Verdict
+from frictionbench.results.files import ResultsError
+from frictionbench.results.verdicts import ACCEPTED
 
 
 def history(paths: Iterable[Path]) -> Table:
@@ -27,7 +27,7 @@ def history(paths: Iterable[Path]) -> Table:
     measured = [run.measured for run in runs]
     for variant in sorted(set(measured[0]["variant"])):
         common = _common([cells[cells["variant"] == variant] for cells in measured])
-        good = [key for key in common if all(cells["verdict"][key] in (Verdict.SOLVED, Verdict.RELAXED) for cells in measured)]
+        good = [key for key in common if all(cells["verdict"][key] in ACCEPTED for cells in measured)]
         for i, (run, cells) in enumerate(zip(runs, measured, strict=True)) if len(common) else ():
             first = Text("" if i else variant)
             table.add_row(first, Text(str(run.path)), run.made[:10], Text(run.code), *_line(cells.loc[common], good))

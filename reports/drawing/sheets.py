@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import matplotlib as mpl
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
@@ -51,8 +52,7 @@ def save_sheet(
             panel.draw(ax)
             ax.set_title(plain(panel.title))
             if len(looks) > BANDS:
-                for band in ax.findobj(lambda artist: (artist.get_gid() or "").startswith("band-")):
-                    band.remove()
+                remove_bands(ax)
         for ax in grid[len(panels) :]:
             ax.axis("off")
         handles = [Line2D([], [], **look.line) for look in looks.values()]
@@ -65,6 +65,12 @@ def save_sheet(
             with replaced(path) as file:
                 figure.savefig(file, dpi=IMAGE, metadata={date: None})
         return paths + (_save_pgf(figure, stem, escape) if escape else [])
+
+
+def remove_bands(ax: Axes) -> None:
+    """Remove the bootstrap bands."""
+    for band in ax.findobj(lambda artist: str(artist.get_gid()).startswith("band-")):
+        band.remove()
 
 
 def _family(family: str) -> str:

@@ -8,13 +8,15 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator, PercentFormatter
 
 from frictionbench.reports.drawing.text import seconds
 
 INK = "#20242b"  # text and axes; the page replaces it by its text colour
 ALARM = "#d62728"
 NARROW = 5.0  # least ratio of the ends of a time axis, for two ticks or more
+ZERO, WORST = 1e-17, 1e1  # where residuals of zero, and large or missing ones, are drawn
+GRID: Any = {"lw": 0.4, "alpha": 0.3}  # of the lines of a grid
 FLAT = 1e-9  # least extent of an axis of shares; smaller differences are rounding errors
 RC: Any = {
     "font.size": 9.0,
@@ -131,6 +133,19 @@ def percent_axis(ax: Axes) -> None:
 def _scientific(value: float) -> str:
     digits, exponent = f"{value:.1e}".split("e")
     return f"{float(digits):g}e{int(exponent)}" if value else "0"
+
+
+def share_axis(ax: Axes) -> None:
+    """Make the vertical axis one of the share of the problems, from none to all."""
+    ax.set_ylim(0, 1.03)
+    ax.yaxis.set_major_formatter(PercentFormatter(1))
+    ax.set_ylabel("share of the problems")
+
+
+def residual_axis(ax: Axes, lowest: float = ZERO) -> None:
+    """Make the vertical axis one of residuals, with a tick every four decades down to `lowest`; ZERO is labelled 0."""
+    ticks = {10.0**k: f"1e{k}" for k in range(0, -13, -4) if 10.0**k >= lowest}
+    log_ticks(ax, "y", ticks | {ZERO: "0"} if lowest <= ZERO else ticks)
 
 
 def log_ticks(ax: Axes, which: Literal["x", "y"], labels: dict[float, str]) -> None:

@@ -1,18 +1,6 @@
 """The format of names and numbers in figures, tables and pages."""
 
-import json
-
 import numpy as np
-
-
-def scene_title(scene: str, parameters: str) -> str:
-    """The scene with its parameters in the notation of the command line: stack[blocks=10,friction=0.5]."""
-    try:
-        values = json.loads(parameters or "{}")
-    except (ValueError, RecursionError):
-        values = {}
-    shown = ",".join(f"{key}={value}" for key, value in values.items()) if isinstance(values, dict) else ""
-    return f"{scene}[{shown}]" if shown else scene
 
 
 def plain(text: str, longest: int = 48) -> str:

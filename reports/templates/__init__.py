@@ -14,8 +14,9 @@ from markupsafe import Markup
 from frictionbench.reports.drawing.figures import Panel, inline_svg, swatch
 from frictionbench.reports.drawing.style import Look
 from frictionbench.reports.drawing.svg import on_page
-from frictionbench.reports.drawing.text import power, scene_title, seconds
+from frictionbench.reports.drawing.text import power, seconds
 from frictionbench.reports.drawing.tiles import Drawing
+from frictionbench.results.cells import scene_title
 from frictionbench.results.verdicts import Verdict
 
 

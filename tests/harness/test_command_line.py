@@ -22,7 +22,8 @@ from frictionbench.harness.workers.plugins import load_plugins
 from frictionbench.harness.workers.pool import Pool
 from frictionbench.harness.workers.task import Task
 from frictionbench.results import store
-from frictionbench.results.store import ResultsError, ShardWriter
+from frictionbench.results.files import ResultsError
+from frictionbench.results.store import ShardWriter
 from tests.helpers.made_results import simulation_row, solve_row, unanswered_row, write_folder
 
 JITTED = """

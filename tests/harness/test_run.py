@@ -22,7 +22,7 @@ from frictionbench.harness.workers.task import Outcome, Task
 from frictionbench.problems import InputError
 from frictionbench.problems.recorded import archive, own
 from frictionbench.results import store
-from frictionbench.results.store import ResultsError
+from frictionbench.results.files import ResultsError
 from tests.helpers.command_line import frictionbench
 from tests.helpers.runs import quiet, small_plan, verdicts
 

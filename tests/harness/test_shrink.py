@@ -15,7 +15,7 @@ from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.recorded.own import load
 from frictionbench.problems.reduce import keep_contacts
 from frictionbench.results import store
-from frictionbench.results.store import ResultsError
+from frictionbench.results.files import ResultsError
 from tests.helpers.paths import BAD_SOLVERS
 from tests.helpers.runs import quiet
 

@@ -22,6 +22,7 @@ from frictionbench.reports.drawing import style
 from frictionbench.reports.drawing.sheets import save_sheet
 from frictionbench.reports.drawing.style import looks
 from frictionbench.reports.drawing.text import plain, seconds
+from frictionbench.reports.headline import leaders
 from frictionbench.reports.markdown import write_markdown
 from frictionbench.reports.page import write_report
 from frictionbench.reports.paper import write_paper
@@ -33,9 +34,9 @@ from frictionbench.reports.sheets import sheets
 from frictionbench.reports.tables import problem_classes
 from frictionbench.reports.templates import script
 from frictionbench.results.convergence import ConvergenceHistory, write_histories
+from frictionbench.results.files import ResultsError
 from frictionbench.results.polygon import Deviation, write_deviations
 from frictionbench.results.schema import SOLVES, arrow_schema
-from frictionbench.results.store import ResultsError
 from frictionbench.results.verdicts import Verdict
 from tests.helpers.browser import browse, in_browser
 from tests.helpers.made_results import simulation_row, solve_row, unanswered_row, write_folder
@@ -130,7 +131,7 @@ def test_whoever_is_skipped_on_a_class_gains_nothing_by_it(tmp_path):
     assert table.loc[(accuracy.ALL, "b"), "mean"] > table.loc[(accuracy.ALL, "a"), "mean"]
     assert table.loc[(accuracy.ALL, "a, warm"), ["reached", "problems"]].tolist() == [3, 3]
     assert ("rod", "b") not in table.index
-    assert tables.leaders(run.summaries[1e-8]).fastest["label"] == "a"
+    assert leaders(run.summaries[1e-8]).fastest["label"] == "a"
     assert np.isfinite(accuracy.ratios(run.times[1e-8])["b"]).tolist() == [True] * 5 + [False] * 5
     folder = write_folder(tmp_path / "run", [*slow, *quick, *warm])
     assert "b & 5/10 &" in (write_paper(folder, read_run(folder)) / "times.tex").read_text()
@@ -186,10 +187,10 @@ def test_profile_by_hand():
 def test_leaders_are_the_most_frequent_and_the_fastest_of_nearly_as_frequent():
     cells = [("sure", 10, 1.0), ("quick", 9, 0.1), ("rash", 8, 0.01)]
     table = pd.DataFrame(cells, columns=["label", "reached", "mean"]).assign(problem_class=accuracy.ALL)
-    found = tables.leaders(table)
+    found = leaders(table)
     assert found is not None
     assert (found.most_often["label"], found.equals, found.fastest["label"]) == ("sure", 1, "quick")
-    assert tables.leaders(table.assign(reached=0)) is None
+    assert leaders(table.assign(reached=0)) is None
 
 
 def test_an_unfinished_run_has_gaps():

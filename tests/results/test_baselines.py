@@ -12,7 +12,7 @@ from frictionbench.reports.comparison.markdown import markdown
 from frictionbench.results import cells, known
 from frictionbench.results.changes import Flip
 from frictionbench.results.compare import compare
-from frictionbench.results.store import ResultsError
+from frictionbench.results.files import ResultsError
 from tests.helpers.command_line import frictionbench
 from tests.helpers.made_results import simulation_row, solve_row, unanswered_row, write_folder
 from tests.helpers.paths import ROOT

@@ -20,8 +20,9 @@ from frictionbench.problems.recorded import own
 from frictionbench.reports.page import write_report
 from frictionbench.results import files, store
 from frictionbench.results.compare import compare
+from frictionbench.results.files import ResultsError
 from frictionbench.results.schema import arrow_schema
-from frictionbench.results.store import ResultsError, ShardWriter
+from frictionbench.results.store import ShardWriter
 from tests.helpers.command_line import frictionbench
 from tests.helpers.made_results import solve_row, write_folder
 from tests.helpers.runs import quiet, small_plan

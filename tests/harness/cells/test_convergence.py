@@ -14,7 +14,7 @@ from frictionbench.reports.charts import forces
 from frictionbench.reports.page import write_report
 from frictionbench.reports.run import read_run
 from frictionbench.results.convergence import NAME, ConvergenceHistory, read_histories, write_histories
-from frictionbench.results.store import ResultsError
+from frictionbench.results.files import ResultsError
 from frictionbench.solvers import Answer, Status, find
 from tests.helpers.made_results import solve_row, write_folder
 from tests.helpers.runs import quiet, small_plan

@@ -22,8 +22,8 @@ from frictionbench.problems.simulate import simulate
 from frictionbench.reports import animation
 from frictionbench.reports.animation import write_animation, write_animations
 from frictionbench.reports.page import write_report
+from frictionbench.results.files import ResultsError
 from frictionbench.results.motion import read_motion, write_motion
-from frictionbench.results.store import ResultsError
 from frictionbench.solvers import available, solve
 from tests.helpers.browser import browse, in_browser
 from tests.helpers.made_results import simulation_row, solve_row, write_folder

@@ -15,7 +15,7 @@ from frictionbench.harness.progress import Progress, Stage
 from frictionbench.harness.run import run
 from frictionbench.harness.workers import cluster
 from frictionbench.problems import InputError
-from frictionbench.results.store import ResultsError
+from frictionbench.results.files import ResultsError
 from tests.helpers.runs import quiet, small_plan, verdicts
 
 

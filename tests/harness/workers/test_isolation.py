@@ -22,7 +22,7 @@ from frictionbench.problems import InputError
 from frictionbench.reports.page import write_report
 from frictionbench.reports.settings import workers_on_all_cores
 from frictionbench.results import store
-from frictionbench.results.store import ResultsError
+from frictionbench.results.files import ResultsError
 from tests.helpers.runs import quiet
 
 MARK = "FRICTIONBENCH_TEST_MARK"

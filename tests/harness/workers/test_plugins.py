@@ -16,7 +16,7 @@ from frictionbench.harness.run import run
 from frictionbench.harness.workers.plugins import load_plugins
 from frictionbench.problems import InputError
 from frictionbench.results import store
-from frictionbench.results.store import ResultsError
+from frictionbench.results.files import ResultsError
 from tests.helpers.plugin import write
 from tests.helpers.runs import quiet
 
