@@ -30,7 +30,7 @@ def run(tmp_path, monkeypatch) -> Path:
     return write_folder(tmp_path / "run", rows, [simulation_row("lemke")])
 
 
-def test_every_name_is_listed_found_and_typed() -> None:
+def test_public_names_are_listed_and_typed() -> None:
     assert dir(fb) == sorted(fb.__all__)
     imported = {
         alias.asname or alias.name
@@ -44,14 +44,14 @@ def test_every_name_is_listed_found_and_typed() -> None:
         _ = fb.nothing
 
 
-def test_importing_the_package_alone_loads_no_library() -> None:
+def test_import_loads_no_library() -> None:
     code = "import sys, frictionbench; print([name for name in ('numpy', 'numba', 'pandas') if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
 
 
 @pytest.mark.parametrize("name", CALLED)
-def test_every_name_is_documented_with_an_example(name, run) -> None:
+def test_public_names_have_examples(name, run) -> None:
     text = inspect.getdoc(getattr(fb, name)) or ""
     assert ">>> " in text, f"the docstring of {name} has no example"
     if callable(getattr(fb, name)) and name not in ("scenes", "instances", "available", "Answer", "Status", "residual_floor"):
@@ -60,7 +60,7 @@ def test_every_name_is_documented_with_an_example(name, run) -> None:
 
 
 @pytest.mark.parametrize("module", [fb, files, plot, tables, verification], ids=lambda module: module.__name__)
-def test_the_examples_of_the_face_run(module, run) -> None:
+def test_public_examples_run(module, run) -> None:
     assert_examples_run(module, module.__name__)
 
 
@@ -79,7 +79,7 @@ def assert_examples_run(what, name: str) -> None:
     assert not printed, "".join(printed)
 
 
-def test_what_is_saved_is_loaded(tmp_path) -> None:
+def test_save_and_load(tmp_path) -> None:
     problem, lcp = fb.scene("stack", blocks=2).problem(), fb.LCP(np.eye(2), [-1.0, 1.0])
     for what, name in ((problem, "a.npz"), (problem, "a.hdf5"), (lcp, "b.npz")):
         fb.save(what, tmp_path / name)
@@ -91,7 +91,7 @@ def test_what_is_saved_is_loaded(tmp_path) -> None:
         fb.load(tmp_path / "nowhere.npz")
 
 
-def test_a_verdict_takes_one_call() -> None:
+def test_verify_answer() -> None:
     problem = fb.scene("stack", blocks=2, push=1.0).problem()
     answer = fb.solve(problem, "lemke")
     good = fb.verify(problem, answer, 1e-8)

@@ -13,7 +13,7 @@ def by(spec):
 
 
 @pytest.mark.parametrize("step", [0.02, 0.005])
-def test_a_ball_without_spin_rolls_at_five_sevenths(step) -> None:
+def test_ball_rolls_at_five_sevenths(step) -> None:
     end = 2 * SPEED / (7 * MU * GRAVITY)
     path = roll(by("interior_point"), (SPEED, 0.0), friction=MU, step=step, steps=int(end / step) + 5)
     slides = np.linalg.norm(path.slip, axis=1) > 1e-6
@@ -22,13 +22,13 @@ def test_a_ball_without_spin_rolls_at_five_sevenths(step) -> None:
     assert path.time[slides][-1] == pytest.approx(end, abs=step)
 
 
-def test_a_ball_with_side_spin_runs_a_parabola_to_first_order() -> None:
+def test_side_spin_gives_parabola() -> None:
     coarse, fine = apart(*slide(by("interior_point"), 0.02)), apart(*slide(by("interior_point"), 0.005))
     assert coarse < 0.01
     assert fine == pytest.approx(coarse / 4, rel=0.2)
 
 
-def test_a_polygon_bends_the_path_the_more_the_fewer_facets_it_has() -> None:
+def test_path_error_decreases_with_facets() -> None:
     cone, _ = slide(by("interior_point"), 0.02)
     four, eight, many = (apart(slide(by(f"lemke[facets={k}]"), 0.02)[0], cone) for k in (4, 8, 64))
     assert four > 2 * eight > 10 * many

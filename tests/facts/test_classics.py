@@ -60,7 +60,7 @@ def test_all_solutions(name) -> None:
 
 
 @pytest.mark.parametrize("name", ISOLATED)
-def test_lemke_returns_one_of_them_or_a_ray(name) -> None:
+def test_lemke_returns_a_solution_or_ray(name) -> None:
     """Rays where there is no solution, and on the bimatrix game, where every positive covering vector leads to one."""
     lcp, known = ISOLATED[name]
     answer = solve(lcp, "lemke", tol=1e-10)
@@ -72,7 +72,7 @@ def test_lemke_returns_one_of_them_or_a_ray(name) -> None:
         assert any(answer.z == pytest.approx(z, abs=1e-9) for z in known)
 
 
-def test_three_isolated_solutions_in_a_line_are_not_a_segment() -> None:
+def test_three_collinear_isolated_solutions() -> None:
     """(1, 0), (1/2, 1/2), (0, 1): the midpoint of the outer two is a solution, those of neighbours are not."""
     found = lcp_census(LCP([[1, 1], [1, 1]], [-1, -1]))
     assert (found.shape, found.count, found.velocity_count) == (Shape.CONVEX, None, 1)
@@ -82,7 +82,7 @@ def test_three_isolated_solutions_in_a_line_are_not_a_segment() -> None:
 
 
 @pytest.mark.parametrize("n", [2, 5, 8, 10])
-def test_murtys_family_takes_two_to_the_n_pivots(n) -> None:
+def test_murty_pivot_count(n) -> None:
     lcp = murty(n)
     assert lcp.q[:2] == pytest.approx([-(2.0**n), -(2.0**n) - 2.0 ** (n - 1)])
     z = np.zeros(n)
@@ -97,7 +97,7 @@ def test_murtys_family_takes_two_to_the_n_pivots(n) -> None:
 
 
 @pytest.mark.parametrize("n", [2, 5, 8])
-def test_fathis_family_has_one_solution_and_falls_to_scaling(n) -> None:
+def test_fathi_scaling(n) -> None:
     """z = e_1. With d = 1 Lemke's method takes 2^n pivots; once M has a unit diagonal the same d is harmless."""
     lcp = fathi(n)
     found = lcp_census(lcp)
@@ -109,7 +109,7 @@ def test_fathis_family_has_one_solution_and_falls_to_scaling(n) -> None:
     assert answer.work["pivots"] <= n
 
 
-def test_kostrevas_ties_are_broken() -> None:
+def test_kostreva_cycling_example() -> None:
     """A P-matrix on which ties broken by the least index cycle for ever."""
     answer = solve(KOSTREVA, "lemke[restarts=0]", tol=1e-10)
     assert answer.status is Status.SOLVED
@@ -128,7 +128,7 @@ def test_handbook_10_2_9(level) -> None:
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_p_matrices_have_one_solution_for_every_q(seed) -> None:
+def test_p_matrix_uniqueness(seed) -> None:
     """Samelson, Thrall and Wesler 1958; here row diagonally dominant ones."""
     random = np.random.default_rng(seed)
     M = random.uniform(-1, 1, (6, 6))
@@ -140,7 +140,7 @@ def test_p_matrices_have_one_solution_for_every_q(seed) -> None:
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_positive_semidefinite_ones_have_a_convex_set(seed) -> None:
+def test_positive_semidefinite_convexity(seed) -> None:
     """... and one w where M is symmetric; rank 2 of 5, q in its range so that there is a solution."""
     random = np.random.default_rng(seed)
     A = random.standard_normal((5, 2))

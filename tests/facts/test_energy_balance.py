@@ -59,7 +59,7 @@ def designed(seed) -> tuple[FrictionProblem, np.ndarray]:
 
 
 @pytest.mark.parametrize("seed", range(30))
-def test_ledger_of_designed_solutions(seed) -> None:
+def test_energy_balance_of_constructed_solutions(seed) -> None:
     problem, r = designed(seed)
     assert residual(problem, r) <= 1e-12
     size = kinetic(problem, problem.free_velocity) + abs(law(problem, r))
@@ -68,7 +68,7 @@ def test_ledger_of_designed_solutions(seed) -> None:
 
 
 @pytest.mark.parametrize("seed", range(30))
-def test_ledger_of_lemkes_answers_and_passivity(seed) -> None:
+def test_energy_balance_and_passivity_of_lemke(seed) -> None:
     """b >= 0: contacts take energy and give none."""
     problem = random_problem(seed, contacts=1 + seed % 12)
     answer = solve(problem, "lemke", tol=1e-12)
@@ -80,7 +80,7 @@ def test_ledger_of_lemkes_answers_and_passivity(seed) -> None:
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_the_ledger_of_any_impulse_is_out_by_its_defect(seed) -> None:
+def test_energy_balance_of_arbitrary_impulses(seed) -> None:
     """ledger_defect is what is wanting, also for an answer that is no solution."""
     problem, r = designed(seed)
     wrong = r * 1.1
@@ -102,7 +102,7 @@ def test_penetration_injects_energy() -> None:
     assert law(problem, r) == pytest.approx(m * speed**2 - m * speed**2 / 2)
 
 
-def test_friction_dissipates_the_most_it_can() -> None:
+def test_maximum_dissipation() -> None:
     """v+'D_i beta_i is the least over {beta >= 0, e'beta <= mu c + b_f}, here in Lemke's answers."""
     sliding = 0
     for seed in range(30):

@@ -38,13 +38,13 @@ def impulse_level(angle, mu, spin, h=1e-4, speed=-1.0) -> FrictionProblem:
 STEEP = np.arctan(2.0)
 
 
-def test_p_is_the_normal_acceleration_per_normal_force() -> None:
+def test_p_is_normal_acceleration_per_force() -> None:
     for angle in (0.3, STEEP, 1.4):
         for mu in (0.2, 1.5):
             assert force_level(angle, mu, 0.0).dense == pytest.approx(np.array([[p(angle, mu)]]))
 
 
-def test_the_paradox_needs_mu_of_four_thirds() -> None:
+def test_minimal_friction_of_paradox() -> None:
     """p < 0 is possible iff mu > (4 + t^2)/(3 t), t = tan(angle), which is least at t = 2."""
     t = np.tan(np.linspace(0.01, 1.56, 4000))
     threshold = (4 + t**2) / (3 * t)
@@ -83,7 +83,7 @@ def test_the_four_regimes(mu, spin, next_, forces, modes) -> None:
 
 
 @pytest.mark.parametrize(("angle", "mu", "spin"), [(STEEP, 1.6, 0.0), (1.0, 1.6, 0.0), (STEEP, 2.0, 5.0)])
-def test_the_stick_takes_an_impulse_that_does_not_vanish_with_the_step(angle, mu, spin) -> None:
+def test_sticking_impulse_is_independent_of_step(angle, mu, spin) -> None:
     """r_n = 3/4 m sin cos |v_t|, r_t = 1/4 m (1 + 3 cos^2) |v_t|, losing m (1 + 3 cos^2) v_t^2/8 of energy."""
     assert p(angle, mu) < 0
     problem = impulse_level(angle, mu, spin, h=1e-9)
@@ -95,7 +95,7 @@ def test_the_stick_takes_an_impulse_that_does_not_vanish_with_the_step(angle, mu
     assert loss == pytest.approx((1 + 3 * c * c) / 8, abs=1e-6)
 
 
-def test_the_scenes_first_step_has_one_solution() -> None:
+def test_first_step_is_unique() -> None:
     problem = scene("painleve_rod").problem()
     assert problem.q == pytest.approx([-0.0981, -1])
     found = census(problem)
@@ -106,7 +106,7 @@ def test_the_scenes_first_step_has_one_solution() -> None:
 
 
 @pytest.mark.parametrize(("spec", "letter"), [("lemke", "o"), ("nsgs", "o"), ("ccp", "s")])
-def test_which_of_the_three_a_solver_returns(spec, letter) -> None:
+def test_solution_returned_by_each_solver(spec, letter) -> None:
     """From r = 0 all but one row of the LCP are right, and Lemke's path mends it by the sliding speed alone: the rod opens,
     as under Gauss-Seidel, for which r = 0 is a fixed point. The relaxation has one answer and that is the stick."""
     for problem in (impulse_level(STEEP, 1.6, 5.0), impulse_level(1.2, 3.0, 4.0, h=1e-2)):

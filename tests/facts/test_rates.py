@@ -17,7 +17,7 @@ def mean_rate(history, first, last) -> float:
 
 
 @pytest.mark.parametrize(("a", "b", "g"), [(1, 0.9, 1), (2, -1.5, 1.3)])
-def test_staggering_a_sticking_contact_contracts_by_b_squared_over_ag(a, b, g) -> None:
+def test_staggering_rate_of_sticking_contact(a, b, g) -> None:
     problem = contact(a, b, g, 5.0, [-1, -0.2 * np.sign(b)])
     assert [piece.mode for piece in census(problem).pieces] == ["s"]
     history = solve(problem, "staggered", tol=1e-12).history
@@ -25,7 +25,7 @@ def test_staggering_a_sticking_contact_contracts_by_b_squared_over_ag(a, b, g) -
 
 
 @pytest.mark.parametrize("mu", [0.5, 0.9, 1.5])
-def test_anitescu_and_harts_fixed_point_for_a_particle_contracts_by_mu_squared(mu) -> None:
+def test_anitescu_hart_rate_of_particle(mu) -> None:
     """... over 1 + mu^2, so for every mu."""
     problem = contact(1, 0, 1, mu, [-1, 10])
     assert [piece.mode for piece in census(problem).pieces] == ["r"]

@@ -20,7 +20,7 @@ def relaxed(problem, tol=1e-10) -> np.ndarray:
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_without_friction_it_is_exact(seed) -> None:
+def test_exact_without_friction(seed) -> None:
     problem = random_problem(seed, contacts=8, friction=0.0)
     assert residual(problem, relaxed(problem)) <= 1e-9
     exact = solve(problem, "lemke", tol=1e-10)
@@ -28,13 +28,13 @@ def test_without_friction_it_is_exact(seed) -> None:
 
 
 @pytest.mark.parametrize("problem", [scene("stack", blocks=n).problem() for n in (1, 4)] + [scene("pyramid", rows=3).problem()])
-def test_where_no_contact_slides_it_is_exact(problem) -> None:
+def test_exact_without_sliding(problem) -> None:
     exact = solve(problem, "lemke", tol=1e-10).impulse
     assert np.abs(problem.contact_velocity(exact)[:, 1]).max() <= 1e-10
     assert residual(problem, relaxed(problem)) <= 1e-9
 
 
-def test_where_every_contact_sticks_in_it_it_is_exact_and_where_one_slides_it_is_not() -> None:
+def test_exact_iff_all_contacts_stick() -> None:
     stuck, sliding = 0, 0
     for seed in range(40):
         problem = random_problem(seed, contacts=3, friction=0.8)
@@ -65,7 +65,7 @@ def test_impact_of_a_sliding_block(mu) -> None:
     assert problem.contact_velocity(exact) == pytest.approx(np.array([[0, v - mu * G * h]]))
 
 
-def test_the_hop_does_not_vanish_with_the_step() -> None:
+def test_hop_height_is_independent_of_step() -> None:
     """It rises to about (mu v/(1 + mu^2))^2/(2 g), 9.9 mm at mu = .6 and v = 1."""
     rise = [
         block(speed=1.0, friction=0.6, h=h).contact_velocity(relaxed(block(speed=1.0, friction=0.6, h=h)))[0, 0] ** 2 / (2 * G)
@@ -76,7 +76,7 @@ def test_the_hop_does_not_vanish_with_the_step() -> None:
     assert rise[1] == pytest.approx(rise[-1], rel=2e-4)
 
 
-def test_at_a_gap_of_h_mu_v_it_slides_exactly_as_coulomb_does() -> None:
+def test_exact_sliding_at_gap_h_mu_v() -> None:
     """Smooth sliding: the block rides at the gap h mu |v_t|, where the relaxation's bias mends its own error."""
     mu, m, h, v = 0.6, 2.0, 0.01, 1.0
     u_t = v - mu * G * h
@@ -89,7 +89,7 @@ def test_at_a_gap_of_h_mu_v_it_slides_exactly_as_coulomb_does() -> None:
 
 
 @pytest.mark.parametrize(("facets", "percent"), [(4, 29), (8, 7.6), (16, 1.9)])
-def test_polygons_lose_one_minus_cos_pi_over_k_of_the_friction(facets, percent) -> None:
+def test_polygon_friction_deficit(facets, percent) -> None:
     """A particle sliding half-way between two of the polygon's corners; along a corner nothing is lost."""
     mu, deficits = 0.5, {}
     for name, angle in (("between", np.pi / facets), ("along", 2 * np.pi / facets)):

@@ -54,7 +54,7 @@ def gain(base, before, after) -> float:
 
 
 @pytest.mark.parametrize(("e", "share"), [(0.8, (0.005, 0.05)), (1.0, (0.08, 0.25))])
-def test_newtons_law_gains_energy_in_some_impacts(e, share) -> None:
+def test_newton_restitution_can_gain_energy(e, share) -> None:
     """Here in about 2 % and 15 % of 400, up to more than double; where e = 0 in none."""
     gains = np.array([gain(base, v, newton(base, v, e)) for base, v in map(single, range(400))])
     assert share[0] < np.mean(gains > 1e-9) < share[1]
@@ -63,7 +63,7 @@ def test_newtons_law_gains_energy_in_some_impacts(e, share) -> None:
 
 
 @pytest.mark.parametrize("e", [0.3, 0.8, 1.0])
-def test_poissons_law_with_the_total_cone_loses_what_the_bound_says(e) -> None:
+def test_poisson_energy_bound_with_total_cone(e) -> None:
     """E+ <= E- - (1 - e^2)/2 |p_c|^2 in M^-1, for any number of contacts with one e."""
     draws = [single(seed) for seed in range(60)]
     draws += [(base, base.free_velocity) for base in (random_problem(seed, contacts=2 + seed % 6) for seed in range(60))]
@@ -77,6 +77,6 @@ def test_poissons_law_with_the_total_cone_loses_what_the_bound_says(e) -> None:
     assert lost > 50 or e == 1
 
 
-def test_the_cone_of_the_second_impulse_alone_can_gain_energy() -> None:
+def test_second_impulse_cone_can_gain_energy() -> None:
     gains = [gain(base, v, poisson(base, v, 0.8, total_cone=False)[0]) for base, v in map(single, range(200))]
     assert max(gains) > 0.5

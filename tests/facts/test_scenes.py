@@ -47,7 +47,7 @@ def two_blocks(friction: float, step: float) -> dict[str, float]:
     return dict(zip(("slow", "fast", "short", "far"), np.abs(np.subtract(found, right)), strict=True))
 
 
-def test_two_blocks_as_the_closed_form_says() -> None:
+def test_two_blocks_closed_form() -> None:
     """Examples 3 and 4: errors of the size h times what moves, so within 2 mu g h of speed and 2 V h of travel."""
     for friction in (0.02, 0.1):
         error = two_blocks(friction, 0.01)
@@ -55,7 +55,7 @@ def test_two_blocks_as_the_closed_form_says() -> None:
         assert max(error["short"], error["far"]) <= 2 * 3.0 * 0.01
 
 
-def test_two_blocks_errors_shrink_like_the_step() -> None:
+def test_two_blocks_first_order() -> None:
     steps = [0.02, 0.01, 0.005]
     travel = [two_blocks(0.1, h)["short"] + two_blocks(0.1, h)["far"] for h in steps]
     slope = np.polyfit(np.log(steps), np.log(travel), 1)[0]
@@ -74,7 +74,7 @@ def test_stopping_block(step: float) -> None:
     assert states[-1].q[0] - speed**2 / (2 * mu * G) == pytest.approx(-speed * step / 2, abs=1e-10)
 
 
-def test_painleve_rod_sticks_where_no_force_can_hold_it() -> None:
+def test_painleve_rod_sticks_for_negative_p() -> None:
     problem = scene("painleve_rod").problem()
     assert problem.q == pytest.approx([-0.0981, -1], abs=1e-12)
     cos, sin, mu = 1 / np.sqrt(5), 2 / np.sqrt(5), 1.5
@@ -107,7 +107,7 @@ def test_long_bar(friction: float, slides: bool) -> None:
         assert final.v == pytest.approx(np.zeros(3), abs=1e-6)
 
 
-def test_three_blocks_lower_one_is_carried_off() -> None:
+def test_three_blocks_lower_block_moves() -> None:
     *_, final = simulate(scene("example_6"), lemke)
     first, lower, upper = final.q.reshape(3, 3)
     assert lower[0] > 3
@@ -132,9 +132,7 @@ RUNS = [(name, *run) for runs in (EXAMPLES, BOUNCING, OTHERS) for name, run in r
 
 
 @pytest.mark.parametrize(("name", "parameters", "steps"), RUNS)
-def test_energy_never_rises_and_every_answer_obeys_the_ledger(
-    name: str, parameters: dict[str, float], steps: int | None
-) -> None:
+def test_energy_balance_of_all_scenes(name: str, parameters: dict[str, float], steps: int | None) -> None:
     """Contacts give no energy: each step's is at most that before, to round-off; with restitution an impact loses at least
     (1 - e^2)/2 |p|^2 in the metric of M^-1, p the compression impulse. Lemke's method solves every step."""
     made = scene(name, **parameters)
@@ -164,7 +162,7 @@ def test_energy_never_rises_and_every_answer_obeys_the_ledger(
     ("name", "parameters"),
     [("incline", {}), ("pendulum", {}), ("bowl", {}), ("redundant_table", {"speed": 6.0}), ("stopping_block", {"speed": 9.0})],
 )
-def test_halving_the_step_halves_the_error(name: str, parameters: dict[str, float]) -> None:
+def test_first_order_convergence(name: str, parameters: dict[str, float]) -> None:
     """Where the motion is regular the end state moves by O(h)."""
     end = [last(name, **parameters, step=h, duration=0.64).q for h in (0.02, 0.01, 0.005)]
     first, second = np.abs(end[0] - end[1]).max(), np.abs(end[1] - end[2]).max()
@@ -172,7 +170,7 @@ def test_halving_the_step_halves_the_error(name: str, parameters: dict[str, floa
 
 
 @pytest.mark.parametrize("angle", [0.1, 0.5, 1.0])
-def test_incline_holds_or_lets_go(angle: float) -> None:
+def test_incline_threshold(angle: float) -> None:
     held = last("incline", steps=30, angle=angle, friction=np.tan(angle) * 1.001)
     assert held.v == pytest.approx(np.zeros(3), abs=1e-9)
     mu = np.tan(angle) * 0.8
@@ -197,7 +195,7 @@ def test_housner_block(slenderness: float) -> None:
             assert problem.velocity(r)[2] == pytest.approx(-ratio, rel=1e-5)
 
 
-def test_rocking_block_rocks_lower_and_lower() -> None:
+def test_rocking_block_amplitudes() -> None:
     """Each time it passes upright it has lost its share: the largest tilts fall by the impacts' ratio of energies, to O(h)."""
     made = scene("rocking_block", slenderness=0.2, tilt=0.08, step=0.003, duration=2.6)
     tilt = np.array([now.q[2] for now in simulate(made, lemke)])
@@ -210,14 +208,14 @@ def test_rocking_block_rocks_lower_and_lower() -> None:
 
 
 @pytest.mark.parametrize("angle", [0.3, 0.8])
-def test_wedge_stops_a_disc_and_locks_from_the_walls_angle_on(angle: float) -> None:
+def test_wedge_locking_threshold(angle: float) -> None:
     for factor, locks in ((0.95, False), (1.05, True)):
         problem = scene("wedge", angle=angle, friction=factor * np.tan(angle)).problem()
         assert problem.velocity(lemke(problem)) == pytest.approx(np.zeros(3), abs=1e-9)
         assert bool(pointedness(problem) > 1e-6) is locks
 
 
-def test_jam_has_an_arc_of_solutions_that_is_not_convex() -> None:
+def test_jam_solution_arc() -> None:
     made = scene("jam", friction=0.5)
     problem = made.problem()
     V = 1.0 - G * made.step
@@ -237,7 +235,7 @@ def test_jam_has_an_arc_of_solutions_that_is_not_convex() -> None:
 
 
 @pytest.mark.parametrize("legs", [2, 4, 7])
-def test_redundant_table_by_its_resultant(legs: int) -> None:
+def test_redundant_table_resultant(legs: int) -> None:
     made = scene("redundant_table", legs=legs)
     problem = made.problem()
     assert problem.contacts == legs
@@ -249,7 +247,7 @@ def test_redundant_table_by_its_resultant(legs: int) -> None:
     assert sliding.v[0] == pytest.approx(3 - 0.4 * G * 0.2)
 
 
-def test_block_tips_over_where_friction_times_aspect_exceeds_one() -> None:
+def test_tipping_threshold() -> None:
     for aspect, mu in ((0.5, 1.9), (2.0, 0.45)):
         assert last("two_corner_block", steps=1, aspect=aspect, friction=mu).v[2] == pytest.approx(0, abs=1e-12)
     for aspect, mu in ((0.5, 2.1), (2.0, 0.55)):
@@ -258,7 +256,7 @@ def test_block_tips_over_where_friction_times_aspect_exceeds_one() -> None:
 
 @pytest.mark.parametrize("friction", [1.4, 2.0, 3.0])
 @pytest.mark.parametrize("speed", [-0.5, -3.0])
-def test_painleve_rod_sticks_or_lifts_before_it_gets_where_forces_fail(friction: float, speed: float) -> None:
+def test_painleve_rod_avoids_negative_p(friction: float, speed: float) -> None:
     """Let go at 85 degrees, where p > 0, it never slides into p < 0."""
     made = scene("painleve_rod", angle=np.radians(85), friction=friction, tip_velocity=speed, step=0.002)
     for now in simulate(made, lemke):
@@ -273,7 +271,7 @@ def test_painleve_rod_sticks_or_lifts_before_it_gets_where_forces_fail(friction:
         pytest.fail("it slid to the end")
 
 
-def test_pendulum_swings_in_time_and_drifts_by_the_order_of_the_step() -> None:
+def test_pendulum_period_and_drift() -> None:
     small = scene("pendulum", angle=0.02, step=0.004, duration=2.4)
     angle = np.array([now.q[2] + np.pi / 2 for now in simulate(small, lemke)])
     falls = np.flatnonzero((angle[:-1] > 0) & (angle[1:] <= 0))
@@ -288,7 +286,7 @@ def test_pendulum_swings_in_time_and_drifts_by_the_order_of_the_step() -> None:
     assert np.log2(np.divide(loss[:-1], loss[1:])) == pytest.approx(np.ones(2), abs=0.3)
 
 
-def test_slider_rattles_in_its_guides_and_the_crank_turns_on() -> None:
+def test_slider_crank_motion() -> None:
     made = scene("slider_crank", tilt=0.01)
     assert made.joints(made.q0)[1] @ made.v0 == pytest.approx(np.zeros(6), abs=1e-12)
     states = list(simulate(made, lemke))

@@ -57,7 +57,7 @@ def test_stopping_distance(name: str, error: float) -> None:
 
 
 @pytest.mark.parametrize("h", [0.02, 0.005])
-def test_stopping_distance_of_the_relaxation(h: float) -> None:
+def test_relaxation_stopping_distance(h: float) -> None:
     """On gaps, which begin at h mu v0 so that nothing hops: off by (mu^2 - 1/2) v0 h, to higher order."""
     speed = 1.0
     mu = speed / (G * 0.5)
@@ -90,7 +90,7 @@ def test_orders_of_drift(name: str, order: int, parameters: dict[str, float]) ->
 
 
 @pytest.mark.parametrize(("name", "order"), [("anitescu_potra", 1), ("stewart_trinkle", 2), ("paoli_schatzman", 2)])
-def test_orders_of_a_hinges_drift(name: str, order: int) -> None:
+def test_orders_of_hinge_drift(name: str, order: int) -> None:
     found = []
     for h in (0.02, 0.01):
         made = scene("pendulum", step=h)
@@ -100,7 +100,7 @@ def test_orders_of_a_hinges_drift(name: str, order: int) -> None:
 
 @pytest.mark.parametrize("name", BOUNCING)
 @pytest.mark.parametrize("e", [0.7, 1.0])
-def test_ball_keeps_its_restitution(name: str, e: float) -> None:
+def test_ball_restitution(name: str, e: float) -> None:
     """Apexes H e^(2k), to O(h): an impact that came after the gap had slowed the ball down would lose e altogether."""
     h = 0.004
     fall = np.sqrt(2 / G)
@@ -112,7 +112,7 @@ def test_ball_keeps_its_restitution(name: str, e: float) -> None:
 
 
 @pytest.mark.parametrize("name", BOUNCING)
-def test_ball_comes_to_rest_when_its_bounces_have_added_up(name: str) -> None:
+def test_ball_rest_time(name: str) -> None:
     e, h = 0.5, 0.004
     rest = np.sqrt(2 / G) * (1 + e) / (1 - e)
     run = list(states(scene("bouncing_ball", restitution=e, step=h, duration=1.2 * rest), name))
@@ -122,7 +122,7 @@ def test_ball_comes_to_rest_when_its_bounces_have_added_up(name: str) -> None:
 
 @pytest.mark.parametrize("number", range(1, 8))
 @pytest.mark.parametrize("e", [0.0, 1.0])
-def test_a_gap_feeds_in_no_more_energy_than_the_ledger_says(number: int, e: float) -> None:
+def test_energy_balance_of_gaps(number: int, e: float) -> None:
     """On gaps energy rises by at most -b.r_n, which is the push out of overlaps; a gap that is left takes energy."""
     made = scene(f"example_{number}", restitution=e)
     first = energy = made.energy(made.q0, made.v0)
@@ -143,7 +143,7 @@ def poked(random: np.random.Generator) -> tuple[FrictionProblem, Array]:
 
 
 @pytest.mark.parametrize(("e", "least", "most"), [(0.8, 0.002, 0.08), (1.0, 0.1, 0.3)])
-def test_newtons_restitution_can_gain_energy(e: float, least: float, most: float) -> None:
+def test_newton_restitution_can_gain_energy(e: float, least: float, most: float) -> None:
     """In a few of a hundred impacts with e = .8, in about a fifth with e = 1; the exact share depends on what is drawn."""
     random = np.random.default_rng(0)
     gains = 0
@@ -163,7 +163,7 @@ def test_newtons_restitution_can_gain_energy(e: float, least: float, most: float
 
 
 @pytest.mark.parametrize("e", [0.3, 0.8, 1.0])
-def test_poissons_restitution_never_gains_energy(e: float) -> None:
+def test_poisson_restitution_never_gains_energy(e: float) -> None:
     """E+ <= E- - (1 - e^2)/2 |p|^2 in the metric of M^-1, p the compression impulse, for one and two contacts."""
     random = np.random.default_rng(1)
     for trial in range(100):
@@ -179,7 +179,7 @@ def test_poissons_restitution_never_gains_energy(e: float) -> None:
         assert kinetic[1] <= kinetic[0] - (1 - e**2) / 2 * (p @ (p / made.weights)) + 1e-9 * kinetic[0]
 
 
-def test_forces_alone_cannot_stop_painleves_rod() -> None:
+def test_force_scheme_fails_on_painleve_rod() -> None:
     made = scene("painleve_rod")
     with pytest.raises(NoSolution, match=r"no bounded force .* sliding at \(.*, at t = 0 s"):
         list(states(made, "acceleration"))
@@ -200,7 +200,7 @@ def test_forces_on_a_sliding_rod(friction: float, spin: float) -> None:
         assert first.solved[-1].impulse[0] / h == pytest.approx([-K / p, -friction * K / p], rel=1e-4)
 
 
-def test_forces_on_a_sliding_block_are_those_of_the_force_level() -> None:
+def test_sliding_block_forces_equal_force_level() -> None:
     made = scene("two_corner_block", aspect=2.0, friction=0.3, velocity=3.0)
     contacts = made.contacts(made.q0)
     lcp = force_level_lcp(
@@ -217,13 +217,13 @@ def test_forces_on_a_sliding_block_are_those_of_the_force_level() -> None:
     assert first.solved[-1].impulse[:, 0] / made.step == pytest.approx(forces, rel=1e-6)
 
 
-def test_a_rod_that_spins_fast_enough_lifts_without_force() -> None:
+def test_fast_rod_lifts_without_force() -> None:
     """p < 0 < K: forces have two solutions, open and closed; the scheme opens."""
     *_, first = states(scene("painleve_rod", spin=4.0, tip_velocity=-3.0), "acceleration", 1)
     assert first.solved[-1].problem.contacts == 0
 
 
-def test_walls_that_stand_too_close_leave_gaps_without_solution() -> None:
+def test_narrow_walls_have_no_gap_solution() -> None:
     """Both gaps ask for more room than there is: Lemke's method ends on a ray. Velocities do not mind."""
     made = scene("jam", overlap=0.002)
     seen: list[solvers.Status] = []
@@ -238,7 +238,7 @@ def test_walls_that_stand_too_close_leave_gaps_without_solution() -> None:
     assert seen == [solvers.Status.RAY, solvers.Status.SOLVED]
 
 
-def test_relaxation_makes_a_sliding_block_hop() -> None:
+def test_relaxation_hop_height() -> None:
     """(mu v/(1 + mu^2))^2/(2 g) high at any step, 9.9 mm here; Coulomb's block stays down."""
     mu, speed = 0.6, 1.0
     hop = (mu * speed / (1 + mu**2)) ** 2 / (2 * G)
@@ -255,7 +255,7 @@ def test_relaxation_makes_a_sliding_block_hop() -> None:
         assert max(now.q[1] for now in simulate(made, lemke, steps=20)) == pytest.approx(0.5, abs=1e-9)
 
 
-def test_relaxation_lifts_a_block_that_starts_to_slide_smoothly() -> None:
+def test_relaxation_gap_of_sliding_block() -> None:
     """With gaps it rides at h mu |v_t|, which vanishes with the step."""
     top = []
     for h in (0.02, 0.01):

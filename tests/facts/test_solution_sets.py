@@ -69,7 +69,7 @@ def on_arc(t, mu) -> np.ndarray:
 
 
 @pytest.mark.parametrize("mu", [0.1, 0.5, 2.0])
-def test_the_jams_solutions_are_an_arc_and_then_a_ray_and_not_convex(mu) -> None:
+def test_jam_solutions_are_arc_and_ray(mu) -> None:
     problem = jam(mu)
     for t in np.linspace(0, 1, 5):
         assert residual(problem, on_arc(t, mu)) <= 1e-15
@@ -91,7 +91,7 @@ def test_the_jams_solutions_are_an_arc_and_then_a_ray_and_not_convex(mu) -> None
     assert found.velocity_count is None
 
 
-def test_half_way_between_two_of_the_jams_solutions_complementarity_fails_by_a_quarter() -> None:
+def test_jam_midpoint_violates_complementarity() -> None:
     """z = (c, beta+, beta-, lambda): the start of the arc and a point of the ray; lambda (mu c - e'beta) = 1/2 * 1/2 there."""
     mu = 0.5
     lcp = jam(mu).lcp()
@@ -105,7 +105,7 @@ def test_half_way_between_two_of_the_jams_solutions_complementarity_fails_by_a_q
     assert np.max(z * w) == pytest.approx(0.25)
 
 
-def test_overlap_at_both_walls_has_no_solution_and_at_one_has() -> None:
+def test_jam_overlap_solvability() -> None:
     for bias, solvable in (((-0.1, -0.1), False), ((-0.1, 0.1), True), ((0.1, 0.1), True)):
         problem = jam(bias=bias)
         assert (census(problem).shape is not Shape.NONE) is solvable
@@ -114,7 +114,7 @@ def test_overlap_at_both_walls_has_no_solution_and_at_one_has() -> None:
         assert (residual(problem, answer.impulse) <= 1e-10) is solvable
 
 
-def test_penetration_is_solvable_where_the_cone_is_pointed() -> None:
+def test_pointed_cone_is_solvable() -> None:
     """A ray of Lemke's method needs N c + D beta = 0 with c != 0, so where the friction cone is pointed it solves these random
     problems with negative bias. Some of the others have no solution, and one that has may still end on a ray."""
     seen = {True: 0, False: 0}
@@ -149,7 +149,7 @@ def test_one_contact_with_three_solutions() -> None:
 
 
 @pytest.mark.parametrize(("mu", "least", "most"), [(1.5, 0, 0), (2.0, 0.01, 0.04), (3.0, 0.04, 0.09)])
-def test_share_of_a_blocks_impacts_with_three_outcomes(mu, least, most) -> None:
+def test_fraction_of_impacts_with_three_solutions(mu, least, most) -> None:
     """Square block, normally distributed v*: none of 1000 for mu <= 1.5, about 2 % for mu = 2 and 6 % for mu = 3."""
     draws = np.random.default_rng(1).standard_normal((1000, 3))
     counts = np.array([census(two_corner_block(mu, v)).velocity_count for v in draws])
@@ -158,7 +158,7 @@ def test_share_of_a_blocks_impacts_with_three_outcomes(mu, least, most) -> None:
 
 
 @pytest.mark.parametrize("mu", [0.1, 0.9])
-def test_hyperstatic_impulses_are_many_and_the_velocity_one(mu) -> None:
+def test_hyperstatic_velocity_is_unique(mu) -> None:
     found = census(two_corner_block(mu, [0.0, -1.0, 0.0]))
     assert (found.shape, found.velocity_shape) == (Shape.CONVEX, Shape.ONE)
     (piece,) = found.pieces
@@ -170,7 +170,7 @@ def test_hyperstatic_impulses_are_many_and_the_velocity_one(mu) -> None:
 
 @pytest.mark.parametrize("angle", [0.3, 1.0])
 @pytest.mark.parametrize("factor", [0.5, 0.99, 1.0, 1.01, 3.0])
-def test_a_wedge_holds_any_impulse_iff_mu_is_tan_of_its_angle_or_more(angle, factor) -> None:
+def test_wedge_impulses_are_unbounded_above_threshold(angle, factor) -> None:
     """... and the velocity is unique, zero, all the same."""
     found = census(wedge(angle, np.tan(angle) * factor))
     assert any(len(piece.rays) for piece in found.pieces) is (factor >= 1)
@@ -178,7 +178,7 @@ def test_a_wedge_holds_any_impulse_iff_mu_is_tan_of_its_angle_or_more(angle, fac
     assert found.velocities[0].vertices == pytest.approx(np.zeros((1, 4)), abs=1e-10)
 
 
-def test_a_stack_has_many_impulses_and_one_velocity() -> None:
+def test_stack_velocity_is_unique() -> None:
     found = census(scene("stack", blocks=3).problem())
     assert (found.shape, found.velocity_shape) == (Shape.CONVEX, Shape.ONE)
     assert found.pieces[0].dimension == 3

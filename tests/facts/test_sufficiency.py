@@ -72,7 +72,7 @@ def test_never_row_sufficient(seed) -> None:
 
 
 @pytest.mark.parametrize("mu", [0.1, 2.0])
-def test_not_column_sufficient_where_the_cone_is_not_pointed(mu) -> None:
+def test_not_column_sufficient_without_pointed_cone(mu) -> None:
     """A particle between two walls: N c = 0 for c = (1, 1), and z = (c, 0, -1) has z o Qz = (0, 0, -mu c)."""
     jam = FrictionProblem(
         mass=np.eye(2),
@@ -88,7 +88,7 @@ def test_not_column_sufficient_where_the_cone_is_not_pointed(mu) -> None:
 
 @pytest.mark.parametrize("factor", [0.2, 0.9, 1.1, 3.0])
 @pytest.mark.parametrize("seed", range(3))
-def test_one_contact_is_column_sufficient_iff_p0_iff_a_exceeds_mu_b(seed, factor) -> None:
+def test_one_contact_column_sufficiency(seed, factor) -> None:
     a, b, g = random_contact(seed)
     Q = one_contact(a, b, g, factor * a / abs(b))
     assert is_column_sufficient(Q) is (factor < 1)
@@ -126,6 +126,6 @@ def test_copositive_but_not_copositive_plus() -> None:
 
 @pytest.mark.parametrize(("H", "w"), [(1.0, 1.0), (2.0, 1.0), (1.0, 3.0)])
 @pytest.mark.parametrize("factor", [0.2, 0.97, 1.03, 4.0])
-def test_two_corner_block_is_p0_iff_it_slides_before_it_topples(H, w, factor) -> None:
+def test_two_corner_block_p0_threshold(H, w, factor) -> None:
     """The threshold is mu H / w = 1."""
     assert is_p0(two_corner_block(factor * w / H, H, w)) is (factor < 1)

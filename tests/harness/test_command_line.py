@@ -48,7 +48,7 @@ def output_of(*arguments: str) -> str:
     return CliRunner().invoke(app, arguments).output
 
 
-def test_help_keeps_brackets_and_fits_its_lines() -> None:
+def test_help_text() -> None:
     assert "'stack[blocks=5]'" in output_of("solve", "--help")
     assert "nsgs[relaxation=1.3]" in output_of("run", "--help").replace("\n", "")
     listed = output_of("--help").partition("Commands:")[2].splitlines()
@@ -75,13 +75,13 @@ def test_the_version_is_printed() -> None:
         (("list", "everything"), "scenes|solvers|suites"),
     ],
 )
-def test_an_error_names_the_option_whose_value_cannot_be_used(arguments, option) -> None:
+def test_invalid_option_values_are_named(arguments, option) -> None:
     done = CliRunner().invoke(app, arguments)
     assert done.exit_code == 2
     assert f"Invalid value for '{option}': " in done.output.splitlines()[-1]
 
 
-def test_a_table_leaves_out_what_does_not_fit_and_never_cuts(capsys) -> None:
+def test_narrow_tables_omit_columns(capsys) -> None:
     header, row = ("solver", "time", "empty", "work"), ("nsgs[relaxation=1.3]", "3 ms", "", "pivots 12, restarts 0")
     (wide_head, wide), (_, narrow) = (columns(header, [row], width, ("work",)) for width in (None, 30))
     assert wide.split() == " ".join(row).split()
@@ -89,7 +89,7 @@ def test_a_table_leaves_out_what_does_not_fit_and_never_cuts(capsys) -> None:
     assert narrow == "nsgs[relaxation=1.3]  3 ms"
 
 
-def test_lists_show_the_settings(capsys) -> None:
+def test_lists_show_settings(capsys) -> None:
     listing.show("solvers")
     listed = capsys.readouterr().out
     assert "settings: restarts=8, facets=8" in listed
@@ -98,14 +98,14 @@ def test_lists_show_the_settings(capsys) -> None:
     assert "every solver" not in capsys.readouterr().out.partition("seeds")[0]
 
 
-def test_other_settings_have_another_folder_by_default() -> None:
+def test_default_folder_depends_on_settings() -> None:
     whole, same, other = (choose("smoke", [], (), tol, None) for tol in (None, "1e-4,1e-8", "1e-6"))
     assert str(folder_for(whole)) == str(folder_for(same)) == "runs/smoke"
     assert str(folder_for(other)).startswith("runs/smoke-")
     assert folder_for(other) == folder_for(choose("smoke", [], (), "1e-6", None))
 
 
-def test_a_run_ends_with_its_verdicts_and_what_to_do_next(tmp_path) -> None:
+def test_run_summary(tmp_path) -> None:
     solves = [
         solve_row("a", "p"),
         solve_row("a", "q"),
@@ -125,7 +125,7 @@ def test_a_run_ends_with_its_verdicts_and_what_to_do_next(tmp_path) -> None:
     assert lines[-1].endswith(f"frictionbench report {tmp_path}")
 
 
-def test_a_key_may_be_abbreviated(tmp_path) -> None:
+def test_abbreviated_keys(tmp_path) -> None:
     for table, keys in (("solves", ("solve-12ab", "solve-12cd", "solve-12")), ("simulations", ("simulation-77",))):
         with ShardWriter(tmp_path, table, "test") as writer:
             for key in keys:
@@ -139,7 +139,7 @@ def test_a_key_may_be_abbreviated(tmp_path) -> None:
 
 
 @pytest.mark.parametrize("command", ["solve stack", "run smoke --out run"])
-def test_an_interrupted_command_names_the_signal_and_the_folder_to_continue(tmp_path, command) -> None:
+def test_interruption_message(tmp_path, command) -> None:
     code = "import os, signal; from frictionbench.harness.workers import pool; begin = pool.Pool.__init__\n"
     code += "pool.Pool.__init__ = lambda *given: (begin(*given), os.kill(os.getpid(), signal.SIGINT))[0]\n"
     code += "from frictionbench.harness.cli import main; main()"
@@ -153,7 +153,7 @@ def test_an_interrupted_command_names_the_signal_and_the_folder_to_continue(tmp_
         assert store.read_manifest(tmp_path / "run")["settings"]["suite"] == "smoke"  # the same command continues it
 
 
-def test_the_screen_shows_which_solver_is_compiled(tmp_path) -> None:
+def test_progress_shows_compilation(tmp_path) -> None:
     plugin, heard, screen = tmp_path / "jitted.py", [], StringIO()
     plugin.write_text(JITTED, encoding="utf-8")
     _, plugins = load_plugins([str(plugin)])

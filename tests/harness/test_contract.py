@@ -69,23 +69,23 @@ SPOILT = {
 }
 
 
-def test_each_check_has_its_spoiler() -> None:
+def test_each_check_has_a_failing_solver() -> None:
     assert SPOILT.keys() == CHECKS.keys()
     assert len(GROUPS) == 4
 
 
 @pytest.mark.parametrize("name", CHECKS)
-def test_a_good_solver_keeps_the_contract(name) -> None:
+def test_good_solver_passes(name) -> None:
     assert list(CHECKS[name].violations(Subject(*find(GOOD)))) == []
 
 
 @pytest.mark.parametrize("name", CHECKS)
-def test_a_spoiled_one_is_told_what_is_wrong(name) -> None:
+def test_failing_solver_is_reported(name) -> None:
     subject = Subject(find(GOOD)[0], Spoiled(SPOILT[name]))
     assert list(CHECKS[name].violations(subject))
 
 
-def test_a_solver_that_dies_or_hangs_is_told_so(tmp_path: Path) -> None:
+def test_crashing_solver_is_reported(tmp_path: Path) -> None:
     file = tmp_path / "two.py"
     file.write_text(
         '"""Two solvers."""\nimport os\nimport numpy as np\nfrom frictionbench.solvers import Answer, Status, solver\n\n'

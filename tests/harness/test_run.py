@@ -27,7 +27,7 @@ from tests.helpers.command_line import frictionbench
 from tests.helpers.runs import quiet, small_plan, verdicts
 
 
-def test_a_run_leaves_every_row_once_and_resumes(tmp_path) -> None:
+def test_run_writes_every_row_once_and_resumes(tmp_path) -> None:
     folder = tmp_path / "run"
     run(small_plan(), folder, 1, quiet())
     whole = verdicts(folder)
@@ -44,7 +44,7 @@ def test_a_run_leaves_every_row_once_and_resumes(tmp_path) -> None:
     assert set(manifest["problems"]) == set(store.read_table(folder, "solves")["problem"])
 
 
-def test_an_unlike_run_is_refused_and_nothing_is_lost(tmp_path) -> None:
+def test_different_plan_is_refused(tmp_path) -> None:
     folder = tmp_path / "run"
     run(small_plan(simulations=()), folder, 1, quiet())
     before = verdicts(folder)
@@ -81,14 +81,14 @@ def test_an_unlike_run_is_refused_and_nothing_is_lost(tmp_path) -> None:
         (("rerun", "no_such_folder", "key"), "no such results folder"),
     ],
 )
-def test_unusable_input_is_named_in_one_line(tmp_path, arguments, complaint) -> None:
+def test_unusable_input_is_reported_in_one_line(tmp_path, arguments, complaint) -> None:
     done = frictionbench(*arguments, cwd=tmp_path)
     assert done.returncode == 2
     assert complaint in done.stderr + done.stdout
     assert list(tmp_path.iterdir()) == []
 
 
-def test_unreadable_results_are_named(tmp_path) -> None:
+def test_unreadable_results_are_reported(tmp_path) -> None:
     (tmp_path / "manifest.json").write_text("{torn", encoding="utf-8")
     with pytest.raises(ResultsError, match=r"manifest\.json: cannot be read"):
         store.read_manifest(tmp_path)
@@ -97,7 +97,7 @@ def test_unreadable_results_are_named(tmp_path) -> None:
         store.read_table(tmp_path, "solves")
 
 
-def test_what_unpacks_to_too_much_is_refused_unread(tmp_path, monkeypatch) -> None:
+def test_decompression_limit(tmp_path, monkeypatch) -> None:
     folder = tmp_path / "run"
     run(small_plan(simulations=()), folder, 1, quiet())
     path = next((folder / "problems").glob("*.npz"))
@@ -121,7 +121,7 @@ def written(folder: Path) -> set[tuple[Path, int, int]]:
     return found
 
 
-def test_a_run_killed_again_and_again_resumes_to_the_same_table(tmp_path) -> None:
+def test_repeatedly_killed_run_resumes(tmp_path) -> None:
     """Kill -9 of the whole process group after it wrote some files, whatever it is doing then; then the same command again.
 
     How far it got is told by its folder, not by the clock: a run spends most of its time starting.
@@ -149,7 +149,7 @@ def test_a_run_killed_again_and_again_resumes_to_the_same_table(tmp_path) -> Non
     assert len(verdicts(tmp_path / "whole")) == 3 * 2 * 2
 
 
-def test_a_cell_is_rerun_from_its_row_bit_for_bit(tmp_path) -> None:
+def test_rerun_is_bitwise_equal(tmp_path) -> None:
     folder = tmp_path / "run"
     run(small_plan(), folder, 1, quiet())
     same = ("verdict", "status", "residual", "work", "backward_error", "problems", "worst_residual", "energies")
@@ -173,14 +173,14 @@ def test_a_reply_without_a_verdict_is_a_crashed_row(verdict) -> None:
     assert (row["verdict"], row["reason"]) == ("crashed", "the worker returned a malformed row")
 
 
-def test_solve_puts_every_solver_to_one_problem() -> None:
+def test_solve_runs_every_solver() -> None:
     done = frictionbench("solve", "stack[blocks=2,push=1]", "--solver", "lemke", "--solver", "nsgs")
     assert done.returncode == 0, done.stderr
     assert "lemke" in done.stdout
     assert "solved" in done.stdout
 
 
-def test_choices_narrow_a_suite() -> None:
+def test_options_restrict_a_suite() -> None:
     plan = choose("smoke", ["stack[blocks=3]"], ("nsgs[relaxation=1.2]",), "1e-3,1e-5", 3.0)
     assert plan.sources == (Source("stack", {"blocks": 3}, 6),)
     assert plan.solvers == plan.simulation_solvers == ("nsgs[relaxation=1.2]",)
@@ -188,7 +188,7 @@ def test_choices_narrow_a_suite() -> None:
     assert plan.time_limit == 3.0
 
 
-def test_recorded_problems_are_replayed_cold_warm_and_shuffled(tmp_path) -> None:
+def test_replayed_starts(tmp_path) -> None:
     plan = small_plan(
         sources=(Source("stopping_block", {}, pick=3, steps=6),),
         starts=("cold", "warm", "shuffled"),

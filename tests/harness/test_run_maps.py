@@ -76,7 +76,7 @@ def cells(folder: Path, name: str, entry: str = "lemke") -> pd.DataFrame:
     return rows.assign(**{name: told.map(lambda values, name=name: values[name]) for name in axes})
 
 
-def test_an_axis_says_where_its_values_lie() -> None:
+def test_axis_values() -> None:
     values = {
         "friction=0:3:4": [0, 1, 2, 3],
         "mass_ratio=log:1e-2:1e2:5": [0.01, 0.1, 1, 10, 100],
@@ -93,7 +93,7 @@ def test_an_axis_says_where_its_values_lie() -> None:
             axis("x", text, "stack")
 
 
-def test_a_map_is_refined_where_neighbours_differ() -> None:
+def test_refinement() -> None:
     spec = Map("m", "stack", Axis("friction", 0.0, 0.3, 4), Axis("push", 0.0, 0.2, 3), most=3)
     verdict = {place: "solved" if place[0] < 2 else "unsolved" for place in spec.grid}
     found = {
@@ -117,14 +117,14 @@ def test_a_map_is_refined_where_neighbours_differ() -> None:
         ("wedge", "pointed", lambda angle, mu: np.tan(angle) - mu),
     ],
 )
-def test_thresholds_are_traced_where_theory_has_them(name, threshold, curve) -> None:
+def test_thresholds_agree_with_theory(name, threshold, curve) -> None:
     spec = small(name, 4, 4) if name != "jam" else small(name)
     places = crossings(spec, THRESHOLDS[threshold])
     assert len(places) >= 5
     assert max(abs(curve(spec.x.value(i), spec.y.value(j))) for i, j in places) < 0.05
 
 
-def test_the_rod_sticks_where_sliding_has_no_solution(atlas) -> None:
+def test_rod_map_sticks_without_sliding_solution(atlas) -> None:
     rows = cells(atlas, "painleve_rod")
     p = 1 + 3 * np.cos(rows["angle"]) ** 2 - 3 * rows["friction"] * np.sin(rows["angle"]) * np.cos(rows["angle"])
     clear = p.abs() > 0.05
@@ -134,7 +134,7 @@ def test_the_rod_sticks_where_sliding_has_no_solution(atlas) -> None:
     assert (rows["outcomes"] == 1).all()
 
 
-def test_the_block_tips_over_where_its_matrix_is_no_longer_P0(atlas) -> None:
+def test_block_map_tips_beyond_p0(atlas) -> None:
     rows = cells(atlas, "sliding_block")
     beyond = rows["friction"] * rows["aspect"] > 1
     assert 5 < beyond.sum() < len(rows) - 5
@@ -142,7 +142,7 @@ def test_the_block_tips_over_where_its_matrix_is_no_longer_P0(atlas) -> None:
     assert {mode.count("o") for mode in rows.loc[beyond, "mode"]} == {1}
 
 
-def test_an_overlap_on_both_sides_has_no_solution(atlas) -> None:
+def test_overlap_map_has_no_solution(atlas) -> None:
     rows = cells(atlas, "jam", "hybrid")
     assert set(rows["overlap"]) == {-0.1, -1e-12, 0.0, 1e-12, 0.1}
     assert set(rows.loc[rows["overlap"] <= 0, "verdict"]) == {"solved"}
@@ -150,14 +150,14 @@ def test_an_overlap_on_both_sides_has_no_solution(atlas) -> None:
     assert set(rows.loc[rows["overlap"] == 0.1, "existence"]) == {"none"}
 
 
-def test_robustness_counts_what_is_known_to_have_a_solution(atlas) -> None:
+def test_robustness_counts_solvable_cells(atlas) -> None:
     table = robustness(map_cells(read_run(atlas))).set_index("label")
     assert table.loc["hybrid*", "known"] == table.loc["hybrid*", "jam"] == 1.0
     assert table.loc["hybrid*", "all"] < 1.0
     assert table.loc["relaxation_ip", "painleve_rod"] < 0.9
 
 
-def test_the_page_shows_every_map(atlas) -> None:
+def test_page_shows_every_map(atlas) -> None:
     page = (atlas / "report.html").read_text(encoding="utf-8")
     assert "Where methods fail" in page
     for name in ("painleve_rod", "sliding_block", "jam", "steps_painleve_rod"):
@@ -170,7 +170,7 @@ def test_the_page_shows_every_map(atlas) -> None:
         assert ElementTree.parse(file).getroot().tag.endswith("svg")
 
 
-def test_a_map_is_drawn_in_few_words_and_names_are_no_markup() -> None:
+def test_map_markup_is_compact_and_escaped() -> None:
     row = [Tile(i, 0, 1.0, "red") for i in range(5)]
     grid = Grid(("a", "0", "1", 5), ("b", "0", "1", 2), {})
     drawn = svg.markup(panel("<b>&", [*row, Tile(1.5, 0, 0.5, "blue", "<i>")], grid, "green"))
@@ -180,7 +180,7 @@ def test_a_map_is_drawn_in_few_words_and_names_are_no_markup() -> None:
     assert "&lt;b&gt;&amp;" in drawn
 
 
-def test_a_map_goes_on_where_it_stopped(atlas) -> None:
+def test_map_resumes(atlas) -> None:
     before = store.stored_keys(atlas, "solves")
     rows = map_cells(read_run(atlas))[1].rows
     assert {0.5, 1.0} == set(rows["tile"])
@@ -192,7 +192,7 @@ def test_a_map_goes_on_where_it_stopped(atlas) -> None:
     assert store.stored_keys(atlas, "solves") == before
 
 
-def test_the_smallest_failure_of_each_solver_is_made_small_by_itself(tmp_path) -> None:
+def test_smallest_failures_are_shrunk(tmp_path) -> None:
     spec = Map("m", "stack", Axis("blocks", 2, 3, 2, whole=True), Axis("mass_ratio", 1.0, 1e6, 2, "log"), {"push": 1.0})
     made = plan(replace(spec, levels=0), solvers=("hybrid", "nsgs"))
     run_maps(made, tmp_path / "run", 2, quiet())
@@ -214,7 +214,7 @@ def test_the_smallest_failure_of_each_solver_is_made_small_by_itself(tmp_path) -
         write_report(tmp_path / "run")
 
 
-def test_units_change_nothing(tmp_path) -> None:
+def test_unit_invariance(tmp_path) -> None:
     maps = [small(name, 2, 2, levels=0) for name in MAPS if name.startswith("units_")]
     run_maps(plan(*maps, solvers=MAPPED), tmp_path / "run", 2, quiet())
     for part in map_cells(read_run(tmp_path / "run")):
@@ -225,7 +225,7 @@ def test_units_change_nothing(tmp_path) -> None:
             assert len(set(rows["work"])) == 1, (part.spec.name, entry)
 
 
-def test_a_scene_in_other_units_is_the_same_problem() -> None:
+def test_scene_unit_invariance() -> None:
     usual, other = scene("arch"), scene("arch", mass_unit=1e3, length_unit=1e-3)
     a, b = usual.problem(), other.problem()
     assert np.allclose(b.W.toarray() * 1e3, a.W.toarray())
@@ -235,7 +235,7 @@ def test_a_scene_in_other_units_is_the_same_problem() -> None:
         scene("arch", mass_unit=0)
 
 
-def test_a_map_of_ones_own_is_a_line(tmp_path) -> None:
+def test_custom_map(tmp_path) -> None:
     command = ["map", "wedge[speed=2]", "--x", "angle=.2:1:2", "--y", "friction=log:.1:1:2", "--out", str(tmp_path / "run")]
     done = frictionbench(*command, "--solver", "lemke", "--solver", "apgd", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
@@ -252,13 +252,13 @@ def test_a_map_of_ones_own_is_a_line(tmp_path) -> None:
         assert complaint in done.stderr
 
 
-def test_a_motion_that_has_hardly_begun_has_not_diverged() -> None:
+def test_first_steps_are_not_divergence() -> None:
     cell = SimulationCell("bowl", {"step": 1e-4}, "lemke", 1e-8, "stewart_trinkle", steps=3)
     row = run_closed_loop(cell, *find("lemke"))
     assert (row["verdict"], row["reason"], row["steps_done"]) == ("solved", "", 3)
 
 
-def test_what_a_failed_step_does_afterwards(tmp_path) -> None:
+def test_after_failure_policies(tmp_path) -> None:
     _, plugins = load_plugins([str(BAD_SOLVERS)])
     made = Plan(
         suite="test",

@@ -20,7 +20,7 @@ from tests.helpers.paths import BAD_SOLVERS
 from tests.helpers.runs import quiet
 
 
-def test_the_smallest_failing_part_is_found() -> None:
+def test_reduction_finds_minimum() -> None:
     search, kept, asked, fails = reduction(list(range(40))), list(range(40)), 0, None
     with suppress(StopIteration):
         while True:
@@ -32,7 +32,7 @@ def test_the_smallest_failing_part_is_found() -> None:
     assert list(reduction([5])) == []
 
 
-def test_a_part_whose_residual_is_hidden_by_rounding_does_not_count() -> None:
+def test_parts_below_rounding_floor_are_ignored() -> None:
     search = Search({"verdict": "unsolved", "tol": 1e-6, "time_limit": 1.0}, random_problem(3, contacts=2), 10.0)
     for floor, kept in ((1e-12, [0, 1]), (9.4, [0, 1]), (1e-12, [0])):
         search.update({"verdict": "unsolved", "residual_floor": floor, "wall_time": 1e-3})
@@ -53,7 +53,7 @@ def test_contacts_and_bodies_are_removed() -> None:
     assert keep_contacts(problem, []).contacts == 0
 
 
-def test_a_failing_row_is_shrunk_into_a_file(tmp_path) -> None:
+def test_shrink_writes_a_file(tmp_path) -> None:
     _, plugins = load_plugins([str(BAD_SOLVERS)])
     plan = Plan(
         suite="test",

@@ -41,7 +41,7 @@ def off_by(problem, size):
         (1.5, Status.STALLED, "unsolved"),
     ],
 )
-def test_a_claim_that_misses_by_little_is_missed(excess, status, verdict):
+def test_claim_within_a_factor_of_ten_is_near_miss(excess, status, verdict):
     problem = random_problem(3, contacts=4, friction=0.3)
     finding = verify(problem, claim(off_by(problem, excess * 1e-4), status), LEMKE, 1e-4)
     assert finding.residual == pytest.approx(excess * 1e-4, rel=1e-7)
@@ -50,7 +50,7 @@ def test_a_claim_that_misses_by_little_is_missed(excess, status, verdict):
         assert finding.reason == f"claimed solved within 0.0001; the residual is {excess * 1e-4:.2g}, {excess:.2g} times that"
 
 
-def test_a_librarys_word_is_told_where_it_did_not_succeed():
+def test_library_detail_is_reported_on_failure():
     problem, library = block(), replace(LEMKE, needs=("library",))
     right, nothing = solve(problem, "lemke").impulse, np.zeros((1, 2))
     for impulse, status, who, told in (
@@ -63,7 +63,7 @@ def test_a_librarys_word_is_told_where_it_did_not_succeed():
     assert verify(problem, Answer(nothing, Status.SOLVED, detail="fine"), library, 1e-8).reason.endswith("; fine")
 
 
-def test_a_relaxation_misses_by_its_own_residual():
+def test_relaxation_verdict_uses_model_residual():
     problem = random_problem(3, contacts=4, friction=1.0)
     r = solve(problem, "relaxation_ip", tol=1e-12).impulse
     moved = r * (1 + 2e-5)
@@ -85,7 +85,7 @@ def test_a_relaxation_misses_by_its_own_residual():
         (np.nan, "wrong", "numbers of at least 0: verified without it"),
     ],
 )
-def test_contacts_are_soft_within_bounds(share, verdict, said):
+def test_regularised_contacts(share, verdict, said):
     """r (1 + share) = r_hard solves the block's problem with R = share s, whatever share is."""
     problem = block(speed=0.0, friction=0.0)
     soft = replace(RELAXATION, model="regularised")
@@ -109,7 +109,7 @@ def opposed() -> FrictionProblem:
     )
 
 
-def test_garbage_that_rounds_to_nothing_is_unjudgeable():
+def test_large_impulses_are_unjudgeable():
     problem, garbage = opposed(), [[1e17, 3e16], [1e17, -3e16]]
     finding = verify(problem, claim(garbage), LEMKE, 1e-8)
     assert finding.residual <= 1e-8  # by rounding alone: the energy it makes says otherwise
@@ -121,7 +121,7 @@ def test_garbage_that_rounds_to_nothing_is_unjudgeable():
     assert verify(problem, claim(garbage, Status.STALLED), LEMKE, 1e-8).verdict == "unsolved"
 
 
-def test_an_honest_answer_of_large_impulses_is_judged():
+def test_moderate_internal_impulses_are_judged():
     problem, squeeze = opposed(), 1e4 * np.array([[1.0, -0.25], [1.0, -0.25]])
     squeeze[0, 0] += 1.0
     finding = verify(problem, claim(squeeze), LEMKE, 1e-8)
@@ -132,7 +132,7 @@ def test_an_honest_answer_of_large_impulses_is_judged():
     assert "look" not in verify(problem, held, LEMKE, 1e-12).reason
 
 
-def test_a_slip_magnified_by_friction_is_in_the_floor():
+def test_floor_includes_friction_times_slip():
     assert residual_floor(block(friction=1e6), np.zeros((1, 2))) > 1e5 * residual_floor(block(friction=0.1), np.zeros((1, 2)))
     problem = block(friction=1e6)
     stuck = solve(problem, "lemke").impulse
@@ -174,7 +174,7 @@ def exact_residual(problem, impulse):
 
 @pytest.mark.parametrize("seed", range(40))
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_rounding_stays_below_the_floor(seed, dimension):
+def test_rounding_is_below_floor(seed, dimension):
     random = np.random.default_rng(seed)
     friction = 10 ** random.uniform(-3, 6)
     if dimension == 2:
@@ -187,7 +187,7 @@ def test_rounding_stays_below_the_floor(seed, dimension):
         assert abs(found - exact_residual(problem, size * answer)) <= floor
 
 
-def test_a_bare_lcp_is_judged_alike():
+def test_bare_lcp_verdicts():
     lcp = LCP(np.eye(2), [-1.0, -1.0])
     answer = Answer(np.zeros((0, 0)), Status.SOLVED, z=np.array([1.0, 1.0 + 3e-8]))
     assert verify_lcp(lcp, answer, 1e-8).verdict == "near_miss"

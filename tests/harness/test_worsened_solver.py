@@ -70,12 +70,12 @@ def against(rows: dict[str, list[store.Row]], fault: str, folder: Path) -> Compa
         ("crash", "| **solved → crashed** | `stack[blocks=1]` |"),
     ],
 )
-def test_a_worsened_solver_is_caught(rows, tmp_path, fault, line) -> None:
+def test_worsened_solver_is_detected(rows, tmp_path, fault, line) -> None:
     result = against(rows, fault, tmp_path)
     assert result.exit_code == 1
     assert line in markdown(result)
     assert {found.variant for found in result.worse} == {"jacobi"}
 
 
-def test_an_unchanged_one_is_not(rows, tmp_path) -> None:
+def test_unchanged_solver_passes(rows, tmp_path) -> None:
     assert against(rows, "none", tmp_path).exit_code == 0

@@ -49,7 +49,7 @@ def call(package: Path, **environment: str) -> tuple[int, Path]:
     return int(value), Path(folder.strip())
 
 
-def test_an_edit_of_a_called_kernel_is_seen(package) -> None:
+def test_edited_callee_is_recompiled(package) -> None:
     first = call(package, NUMBA_CACHE_DIR="")
     write_inner(package, 2)
     second = call(package, NUMBA_CACHE_DIR="")
@@ -60,18 +60,18 @@ def test_an_edit_of_a_called_kernel_is_seen(package) -> None:
     assert call(package, NUMBA_CACHE_DIR="") == first
 
 
-def test_a_file_without_kernels_changes_nothing(package) -> None:
+def test_file_without_kernels_does_not_change_cache(package) -> None:
     before = compiled.state(package)
     (package / "solvers" / "plain.py").write_text("x = 1\n")
     assert compiled.state(package) == before
 
 
-def test_the_user_says_where(package) -> None:
+def test_cache_folder_setting(package) -> None:
     _, folder = call(package, NUMBA_CACHE_DIR=str(package / "mine"))
     assert folder.parent == package / "mine"
 
 
-def test_without_a_cache_folder_the_temporary_one_serves(package) -> None:
+def test_temporary_cache_folder(package) -> None:
     (package / "cache").write_text("no folder can be made here")
     (package / "tmp").mkdir()
     value, folder = call(package, NUMBA_CACHE_DIR="", TMPDIR=str(package / "tmp"))
@@ -80,6 +80,6 @@ def test_without_a_cache_folder_the_temporary_one_serves(package) -> None:
     assert folder.parent.stat().st_mode & 0o077 == 0
 
 
-def test_a_part_called_from_python_says_what_it_is() -> None:
+def test_intrinsic_called_from_python() -> None:
     with pytest.raises(TypeError, match="nearest can only be called from a compiled kernel"):
         nearest(-1.0, 1.0, 0.5, 0.0)

@@ -47,7 +47,7 @@ BAD = {
 
 
 @pytest.mark.parametrize(("name", "value"), [(name, value) for name, values in BAD.items() for value in values])
-def test_a_bad_field_is_named(name, value) -> None:
+def test_bad_field(name, value) -> None:
     # A wrong length makes other fields' shapes wrong too; the message begins with the field that it is about.
     blamed = {"friction": "normal|friction|bias|tangent", "free_velocity": "mass|free_velocity"}.get(name, name)
     with pytest.raises(InputError, match=rf"^({blamed}): "):
@@ -64,7 +64,7 @@ def test_a_bad_field_is_named(name, value) -> None:
         (np.eye(2), [1.0, 1.0], [-0.5], 2, "friction"),
     ],
 )
-def test_a_bad_delassus_field_is_named(W, q, friction, d, name) -> None:
+def test_bad_delassus_field(W, q, friction, d, name) -> None:
     with pytest.raises(InputError, match=f"^{name}: "):
         FrictionProblem.from_delassus(W, q, friction, d)
 
@@ -72,12 +72,12 @@ def test_a_bad_delassus_field_is_named(W, q, friction, d, name) -> None:
 @pytest.mark.parametrize(
     ("M", "q", "name"), [(np.eye(2), [np.nan, 1], "q"), (np.eye(3), [1, 1], "M"), (np.eye(2), [[1, 1]], "q")]
 )
-def test_a_bad_lcp_field_is_named(M, q, name) -> None:
+def test_bad_lcp_field(M, q, name) -> None:
     with pytest.raises(InputError, match=f"^{name}: "):
         LCP(M, q)
 
 
-def test_no_contact_is_a_valid_problem() -> None:
+def test_no_contact() -> None:
     empty = np.zeros((0, 2))
     problem = FrictionProblem(**fields(normal=empty, tangent=empty, friction=[], bias=[]))
     assert problem.lcp().size == 0
@@ -111,7 +111,7 @@ def jointed(seed: int, redundant: bool) -> FrictionProblem:
 
 @pytest.mark.parametrize("redundant", [False, True])
 @pytest.mark.parametrize("seed", range(3))
-def test_velocity_solves_the_full_equations_of_motion(seed, redundant) -> None:
+def test_velocity_solves_equations_of_motion(seed, redundant) -> None:
     """Against the bordered system [M F'; F 0], which shares nothing with the elimination."""
     problem = jointed(seed, redundant)
     r = np.random.default_rng(seed + 100).standard_normal((6, 2))
@@ -126,7 +126,7 @@ def test_velocity_solves_the_full_equations_of_motion(seed, redundant) -> None:
     assert np.allclose(problem.scale, problem.W.diagonal().reshape(-1, 2).mean(axis=1), rtol=1e-9)
 
 
-def test_a_coupled_mass_matrix_is_inverted() -> None:
+def test_coupled_mass_matrix() -> None:
     random = np.random.default_rng(1)
     blocks = [
         a @ a.T + np.eye(len(a)) for a in (random.standard_normal((3, 3)), random.standard_normal((2, 2)), np.ones((1, 1)))
@@ -137,7 +137,7 @@ def test_a_coupled_mass_matrix_is_inverted() -> None:
     assert np.allclose(problem.inverse_mass @ np.arange(6.0), splu(mass).solve(np.arange(6.0)))
 
 
-def test_the_lcp_is_the_talks_matrix() -> None:
+def test_lcp_matrix_by_hand() -> None:
     problem = random_problem(0, contacts=3, bodies=2)
     lcp = problem.lcp()
     Minv = np.linalg.inv(problem.mass.toarray())
@@ -152,7 +152,7 @@ def test_the_lcp_is_the_talks_matrix() -> None:
     assert np.array_equal(lcp.impulse(z), [[0, 3 - 4], [1, 5 - 6], [2, 7 - 8]])
 
 
-def test_a_known_answer_has_residual_zero() -> None:
+def test_residual_of_known_solution() -> None:
     """The stopping block: r_n takes the fall, r_t = -mu r_n, u_t = 1 - .5 * .1 (m = 2)."""
     problem = FrictionProblem(**fields())
     r = np.array([[0.2, -0.1]])
@@ -165,7 +165,7 @@ def test_a_known_answer_has_residual_zero() -> None:
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_the_residual_is_its_formula(seed) -> None:
+def test_residual_formula(seed) -> None:
     """The loop over contacts against the formula for all of them at once."""
     random = np.random.default_rng(seed)
     for problem in (random_problem(seed, contacts=6), spatial(seed, contacts=4, friction_bias=bool(seed % 2))):
@@ -194,7 +194,7 @@ def same_up_to_roundoff(a: float, b: float) -> bool:
 
 @settings(max_examples=40, deadline=None)
 @given(seed=st.integers(0, 10**6), kilogram=st.floats(1e-3, 1e3), metre=st.floats(1e-3, 1e3))
-def test_the_residual_ignores_units_order_and_mirror(seed, kilogram, metre) -> None:
+def test_residual_invariance(seed, kilogram, metre) -> None:
     problem = random_problem(seed, contacts=4, bodies=3)
     random = np.random.default_rng(seed)
     r = random.standard_normal((4, 2))
@@ -212,7 +212,7 @@ def test_the_residual_ignores_units_order_and_mirror(seed, kilogram, metre) -> N
     assert same_up_to_roundoff(residual(changed, r[order] * [1, -1] * kilogram * metre), before)
 
 
-def test_the_residual_ignores_the_tangent_frame_in_space() -> None:
+def test_residual_tangent_frame_invariance() -> None:
     random = np.random.default_rng(3)
     J = random.standard_normal((6, 6))
     angle = 0.7
@@ -228,7 +228,7 @@ def test_the_residual_ignores_the_tangent_frame_in_space() -> None:
 @given(
     seed=st.integers(0, 10**6), d=st.sampled_from([2, 3]), mu=st.sampled_from([0.0, 0.3, 5.0]), b=st.sampled_from([0.0, 0.4])
 )
-def test_the_projection_is_the_nearest_point(seed, d, mu, b) -> None:
+def test_cone_projection(seed, d, mu, b) -> None:
     """x - p is normal to the set at p: no point of the set lies nearer in the direction of x."""
     random = np.random.default_rng(seed)
     x = random.standard_normal((1, d)) * 3
@@ -262,7 +262,7 @@ def known_by_W(seed: int = 0, contacts: int = 4) -> FrictionProblem:
     return FrictionProblem.from_delassus(base.W, base.q, base.friction, 3, np.full(contacts, 0.1))
 
 
-def test_a_problem_known_by_W_is_copied_and_changed_like_any_other() -> None:
+def test_delassus_problem_copies() -> None:
     problem = known_by_W()
     problem.normal  # noqa: B018  # what was derived belongs to this problem, not to its copies
     for same in (copy(problem), deepcopy(problem), problem.replace(), problem.fresh(), pickle.loads(pickle.dumps(problem))):
@@ -274,7 +274,7 @@ def test_a_problem_known_by_W_is_copied_and_changed_like_any_other() -> None:
     assert np.allclose(problem.replace(W=2 * problem.W).normal.toarray(), np.sqrt(2) * problem.normal.toarray())
 
 
-def test_the_velocities_of_a_problem_known_by_W_are_those_of_its_root() -> None:
+def test_delassus_problem_velocities() -> None:
     problem = known_by_W()
     r = np.random.default_rng(1).standard_normal((4, 3))
     assert np.allclose((problem.jacobian @ problem.jacobian.T).toarray(), problem.W.toarray(), atol=1e-12)
@@ -284,7 +284,7 @@ def test_the_velocities_of_a_problem_known_by_W_are_those_of_its_root() -> None:
     assert np.array_equal(problem.tangent.toarray(), problem.jacobian.toarray()[~rows])
 
 
-def test_W_is_not_taken_apart_where_nobody_asks_for_velocities(monkeypatch) -> None:
+def test_W_is_factorised_lazily(monkeypatch) -> None:
     def refuse(*_):
         raise AssertionError("W was taken apart")
 
@@ -310,7 +310,7 @@ def test_slight_indefiniteness_is_accepted(negative, accepted) -> None:
             FrictionProblem.from_delassus(W, np.ones(300), np.ones(100), 3)
 
 
-def test_a_damaged_file_is_named(tmp_path) -> None:
+def test_damaged_file(tmp_path) -> None:
     path = tmp_path / "p.npz"
     with pytest.raises(InputError, match=r"p\.npz: no such file"):
         load(path)
@@ -325,7 +325,7 @@ def test_a_damaged_file_is_named(tmp_path) -> None:
         load(path)
 
 
-def test_a_problem_is_shown_in_one_line() -> None:
+def test_repr_of_problem() -> None:
     problem = jointed(0, redundant=True)
     assert repr(problem) == "FrictionProblem(6 contacts, planar, 9 velocities, 3 joint rows)"
     assert repr(FrictionProblem(**fields())) == "FrictionProblem(1 contact, planar, 2 velocities)"

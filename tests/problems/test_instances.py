@@ -14,7 +14,7 @@ SMALL = {"packed_spheres": {"spheres": 12}, "sphere_pyramid": {"levels": 3}, "cu
 
 
 @pytest.mark.parametrize("name", SPATIAL)
-def test_bodies_that_move_as_one_do_not_move_at_their_contacts(name) -> None:
+def test_rigid_translation(name) -> None:
     """A translation of all of them: no contact between two of them feels it, and one with the ground feels it all."""
     problem = make_instance(name, **SMALL.get(name, {}))
     together = np.tile([0.3, -0.5, 0.7, 0, 0, 0], len(problem.free_velocity) // 6)
@@ -45,7 +45,7 @@ def test_a_stack_of_cubes_carries_its_weight() -> None:
 
 
 @pytest.mark.parametrize("fraction", [0.35, 0.64])
-def test_packed_spheres_touch_as_tightly_as_they_are_packed(fraction) -> None:
+def test_sphere_packing_gaps(fraction) -> None:
     problem = make_instance("packed_spheres", spheres=40, fraction=fraction)
     felt = np.abs(problem.normal.toarray().reshape(problem.contacts, 40, 6)[:, :, :3]).sum(axis=2) > 1e-9
     between = np.sum(felt.sum(axis=1) == 2)
@@ -53,7 +53,7 @@ def test_packed_spheres_touch_as_tightly_as_they_are_packed(fraction) -> None:
     assert residual(problem, solve(problem, "hybrid").impulse) <= 1e-8
 
 
-def test_instances_are_the_same_again_and_differ_by_seed() -> None:
+def test_instances_are_deterministic() -> None:
     for name in instances():
         again = make_instance(name, **SMALL.get(name, {}))
         assert make_instance(name, **SMALL.get(name, {})).hash == again.hash
@@ -61,7 +61,7 @@ def test_instances_are_the_same_again_and_differ_by_seed() -> None:
             assert make_instance(name, **SMALL.get(name, {}) | {"seed": 1}).hash != again.hash
 
 
-def test_a_part_of_a_spatial_problem_is_the_same_whether_known_by_its_mechanics_or_by_W() -> None:
+def test_spatial_subproblems() -> None:
     problem = make_instance("cubes", boxes=3, push=1.0)
     known = FrictionProblem.from_delassus(problem.W, problem.q, problem.friction, 3)
     part, known_part = (keep_contacts(one, [4, 5, 6]) for one in (problem, known))
@@ -86,6 +86,6 @@ def test_a_part_of_a_spatial_problem_is_the_same_whether_known_by_its_mechanics_
         ("random", {"contacts": 0}, "contacts"),
     ],
 )
-def test_a_bad_parameter_is_named(name, parameters, field) -> None:
+def test_bad_parameter(name, parameters, field) -> None:
     with pytest.raises(InputError, match=rf"^{field}: "):
         make_instance(name, **parameters)

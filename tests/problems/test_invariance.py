@@ -90,7 +90,7 @@ def in_other_units(problem, speed, work, random):
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_units_do_not_count(seed):
+def test_unit_invariance(seed):
     problem, answers = met(seed)
     random = np.random.default_rng(seed)
     for speed, work in ((1.0, 1e9), (1e3, 1.0), (10 ** random.uniform(-4, 4), 10 ** random.uniform(-9, 9))):
@@ -100,7 +100,7 @@ def test_units_do_not_count(seed):
 
 
 @pytest.mark.parametrize("seed", SEEDS[1::2])
-def test_units_do_not_count_for_the_polygon(seed):
+def test_polygon_unit_invariance(seed):
     problem, _ = met(seed)
     lcp = problem.lcp()
     answer = solve(problem, "lemke", tol=1e-8)
@@ -120,7 +120,7 @@ def test_units_do_not_count_for_the_polygon(seed):
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_the_order_of_contacts_does_not_count(seed):
+def test_contact_order_invariance(seed):
     problem, answers = met(seed)
     d, order = problem.dimension, np.random.default_rng(seed).permutation(problem.contacts)
     tangents = (order[:, None] * (d - 1) + np.arange(d - 1)).ravel()
@@ -131,7 +131,7 @@ def test_the_order_of_contacts_does_not_count(seed):
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_frames_and_mirrors_do_not_count(seed):
+def test_frame_invariance(seed):
     """Each contact's tangents turned by an angle of its own, and some of them mirrored; in the plane mirrored alone."""
     problem, answers = met(seed)
     random = np.random.default_rng(seed)
@@ -147,7 +147,7 @@ def test_frames_and_mirrors_do_not_count(seed):
 
 
 @pytest.mark.parametrize("seed", [seed for seed in SEEDS if seed % 6 != 3])  # without friction biases
-def test_a_contact_met_twice_changes_no_solution(seed):
+def test_duplicated_contact_invariance(seed):
     """The impulse of the second one is any part of the first one's; what is no solution stays as far from one."""
     problem, (best, off, garbage) = met(seed)
     d, i = problem.dimension, seed % problem.contacts
@@ -164,7 +164,7 @@ def test_a_contact_met_twice_changes_no_solution(seed):
         assert residual(other, alone) >= residual(problem, r) * (1 - 1e-9) - residual_floor(problem, r)
 
 
-def test_random_answers_are_seen_as_what_they_are():
+def test_random_answers_cover_three_verdicts():
     """The answers above are of three kinds, so that equal verdicts mean something."""
     lemke = available()["lemke"]
     kinds = [[verify(met(seed)[0], Answer(r, Status.SOLVED), lemke, 1e-5).verdict for r in met(seed)[1]] for seed in SEEDS]

@@ -17,13 +17,13 @@ from tests.helpers.friction_problems import block, nothing, spatial
     [random_problem(1, contacts=5), spatial(2, friction_bias=True), make_instance("cubes", boxes=2, push=1.0)],
     ids=["planar", "biased", "cubes"],
 )
-def test_a_solution_has_none(problem) -> None:
+def test_zero_at_solution(problem) -> None:
     found = defects(problem, solve(problem, "interior_point", tol=1e-13).impulse)
     assert max(found) <= 1e-11
     assert max(defects(problem, 1.1 * solve(problem, "interior_point").impulse)) > 1e-3
 
 
-def test_each_is_about_its_own_part() -> None:
+def test_single_violations() -> None:
     """A block of 2 kg sliding at 1 m/s: r = (.1962, -.0981) by hand. No friction at all, or half a weight."""
     problem = block(speed=1.0, friction=0.5, mass=2.0)
     right = np.array([[0.1962, -0.0981]])
@@ -38,14 +38,14 @@ def test_each_is_about_its_own_part() -> None:
     assert defects(problem, np.array([[-0.1, 0.0]])).ncp > 0.05  # pulls
 
 
-def test_the_relaxation_separates_what_slides() -> None:
+def test_separation_of_relaxation() -> None:
     problem = block(speed=1.0)
     found = defects(problem, solve(problem, "relaxation_ip", tol=1e-12).impulse)
     assert found.signorini > 0.01
     assert found.dissipation < 1e-8
 
 
-def test_units_do_not_matter_and_nonsense_is_infinite() -> None:
+def test_unit_invariance_and_infinite_values() -> None:
     problem, r = random_problem(4, contacts=4), np.random.default_rng(0).standard_normal((4, 2))
     heavy = problem.replace(mass=1000 * problem.mass, free_velocity=3 * problem.free_velocity, bias=3 * problem.bias)
     assert defects(heavy, 3000 * r) == pytest.approx(defects(problem, r), rel=1e-9)
@@ -54,7 +54,7 @@ def test_units_do_not_matter_and_nonsense_is_infinite() -> None:
     assert defects(nothing(), np.zeros((0, 2))) == (0, 0, 0)
 
 
-def test_the_first_two_bound_the_residual() -> None:
+def test_defects_bound_residual() -> None:
     """Coulomb's law is Signorini's and the dissipation's together: where both are small, so is the residual."""
     for seed in range(20):
         problem: FrictionProblem = spatial(seed, contacts=4, friction=0.5)

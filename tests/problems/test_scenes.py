@@ -14,7 +14,7 @@ SMALL = {"stack": {"blocks": 4}, "wall": {"rows": 3, "columns": 3}, "pyramid": {
 
 
 @pytest.mark.parametrize("name", scenes())
-def test_every_scene_describes_itself(name: str) -> None:
+def test_scene_descriptions(name: str) -> None:
     info = scenes()[name]
     assert info.summary.endswith(".")
     made = scene(name)
@@ -26,18 +26,18 @@ def test_every_scene_describes_itself(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", scenes())
-def test_bodies_start_clear_of_each_other(name: str) -> None:
+def test_no_initial_overlap(name: str) -> None:
     made = scene(name)
     assert made.contacts(made.q0, 0.0).gap.min(initial=0.0) >= -made.touch
 
 
 @pytest.mark.parametrize("name", scenes())
-def test_scenes_travel_between_processes(name: str) -> None:
+def test_scenes_are_picklable(name: str) -> None:
     made = scene(name)
     assert pickle.loads(pickle.dumps(made)).problem().hash == made.problem().hash
 
 
-def test_unknown_names_and_values_are_refused_by_name() -> None:
+def test_unknown_names_and_values() -> None:
     with pytest.raises(InputError, match=r"^scene: unknown scene 'heap'; known are .*stack"):
         scene("heap")
     with pytest.raises(InputError, match=r"^brick: the scene stack has no such parameter; it has blocks, "):
@@ -99,7 +99,7 @@ def test_bodies_on_a_hinge_do_not_collide() -> None:
 
 
 @pytest.mark.parametrize("name", ["pendulum", "slider_crank"])
-def test_hinges_jacobian_is_their_gradient(name: str) -> None:
+def test_hinge_jacobian(name: str) -> None:
     made = scene(name)
     theta, F = made.joints(made.q0)
     assert theta == pytest.approx(np.zeros(len(theta)), abs=1e-15)
@@ -111,7 +111,7 @@ def test_hinges_jacobian_is_their_gradient(name: str) -> None:
         assert made.joints(q)[1].toarray()[:, k] == pytest.approx(slope, abs=1e-8)
 
 
-def test_talk_examples_carry_the_talks_numbers() -> None:
+def test_parameters_of_talk_examples() -> None:
     given = {
         1: (0.05, 0.6),
         2: (0.2, 0.6),
@@ -147,7 +147,7 @@ def test_mass_ratio_is_top_to_bottom() -> None:
     assert mass == pytest.approx([1, 10, 100, 1000])
 
 
-def test_large_stack_stays_sparse() -> None:
+def test_large_stack_is_sparse() -> None:
     problem = scene("stack", blocks=1000).problem()
     assert problem.contacts == 2000
     assert problem.jacobian.nnz <= 6 * 4000
@@ -156,7 +156,7 @@ def test_large_stack_stays_sparse() -> None:
 
 @pytest.mark.parametrize("name", ["stack", "wall", "pyramid", "two_blocks"])
 @pytest.mark.parametrize("shift", [0.1, -3.3, 1e3])
-def test_a_scene_moved_along_the_ground_is_the_same_problem(name: str, shift: float) -> None:
+def test_translation_invariance(name: str, shift: float) -> None:
     made = scene(name, **SMALL.get(name, {}))
     moved = Scene(
         bodies=made.bodies, obstacles=(half_plane(),), friction=0.5, q0=made.q0 + np.tile([shift, 0, 0], len(made.bodies))
@@ -183,7 +183,7 @@ def test_energy() -> None:
     assert made.energy(np.zeros(6), np.array([3.0, 4, 0, 0, 0, 6])) == pytest.approx(12.5 + 36 / 12)
 
 
-def test_a_scene_is_shown_in_one_line() -> None:
+def test_repr_of_scene() -> None:
     made = scene("stack", blocks=10)
     assert repr(made) == f"Scene(stack: 10 bodies, mu = {made.friction:g}, {made.steps} steps of {made.step:g} s)"
     assert "stack" in made._repr_html_()

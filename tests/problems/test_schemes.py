@@ -57,7 +57,7 @@ def test_phases_of_a_step() -> None:
 
 
 @pytest.mark.parametrize("e", [0.2, 0.9, 1.0])
-def test_a_ball_returns_e_times_its_speed(e: float) -> None:
+def test_poisson_restitution_of_ball(e: float) -> None:
     step = last(ball(speed=-2.0, e=e), 1)
     assert step.v[1] == pytest.approx(2 * e - 9.81 * 0.01)
     compression, decompression, _ = step.solved
@@ -65,7 +65,7 @@ def test_a_ball_returns_e_times_its_speed(e: float) -> None:
     assert decompression.impulse[0, 0] == pytest.approx(0, abs=1e-12)
 
 
-def test_decompression_keeps_the_friction_of_the_returned_impulse() -> None:
+def test_decompression_friction() -> None:
     """A spinning disc that hits the ground: in each phase it gains speed mu times the normal impulse, until it rolls."""
     made = ball(speed=-1.0, e=0.5, friction=0.1)
     made = Scene(**{**made.__dict__, "v0": np.array([0, -1.0, -100.0])})
@@ -77,7 +77,7 @@ def test_decompression_keeps_the_friction_of_the_returned_impulse() -> None:
     assert decompression.impulse[0, 1] == pytest.approx(0.1 * 0.5 * mass)
 
 
-def test_a_block_enters_the_ground_by_less_than_a_step_of_its_speed() -> None:
+def test_penetration_bound() -> None:
     made = ball(height=0.515, speed=-2.0)
     deepest = max(penetration(made, step.q) for step in simulate(made, lemke, steps=50))
     assert 0 < deepest < 0.01 * (2.0 + 9.81 * 0.02)
@@ -94,7 +94,7 @@ def test_simulate_covers_the_duration() -> None:
 @pytest.mark.parametrize(
     ("name", "parameters"), [("stack", {"blocks": 6}), ("wall", {"rows": 3, "columns": 3}), ("pyramid", {"rows": 3})]
 )
-def test_what_rests_stays_at_rest(name: str, parameters: dict[str, int]) -> None:
+def test_rest_is_preserved(name: str, parameters: dict[str, int]) -> None:
     made = scene(name, **parameters)
     step = last(made, steps=40)
     assert step.q == pytest.approx(made.q0, abs=1e-9)
@@ -105,7 +105,7 @@ def test_what_rests_stays_at_rest(name: str, parameters: dict[str, int]) -> None
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_ledger_defect_is_what_the_identity_leaves(seed: int) -> None:
+def test_energy_defect_formula(seed: int) -> None:
     """For any impulses, right or wrong, T(v) - T(v*) + |J'r|^2/2 + b.r_n + sum lambda (mu r_n + b_f) is the defect."""
     random = np.random.default_rng(seed)
     made = scene("pyramid", rows=3)
@@ -121,7 +121,7 @@ def test_ledger_defect_is_what_the_identity_leaves(seed: int) -> None:
     assert ledger_defect(problem, r) == pytest.approx(kinetic[0] - law, abs=1e-10)
 
 
-def test_moving_a_scene_along_changes_nothing() -> None:
+def test_translation_invariance() -> None:
     made = scene("two_blocks", step=0.02, speed=4.0)
     shift = np.array([0.0, 7.3, 0, 0, 7.3, 0])
     table = tuple(Shape(s.corners + np.array([0, 7.3])) for s in made.obstacles)
@@ -130,7 +130,7 @@ def test_moving_a_scene_along_changes_nothing() -> None:
         assert there.q - shift == pytest.approx(here.q, abs=1e-8)
 
 
-def test_mirrored_scene_moves_mirrored() -> None:
+def test_mirror_invariance() -> None:
     def tilted(sign: float) -> Scene:
         return Scene(
             bodies=(rigid_box(1, 2),),
@@ -150,7 +150,7 @@ SMALL = {"stack": {"blocks": 3}, "wall": {"rows": 2, "columns": 2}, "pyramid": {
 
 
 @pytest.mark.parametrize("name", scenes())
-def test_every_scheme_steps_every_scene_or_says_why_not(name: str) -> None:
+def test_every_scheme_on_every_scene(name: str) -> None:
     refused, unsolved = set(), set()
     made = scene(name, **SMALL.get(name, {}))
     for label, scheme in SCHEMES.items():
@@ -171,7 +171,7 @@ def test_every_scheme_steps_every_scene_or_says_why_not(name: str) -> None:
     assert unsolved == ({"acceleration"} if name == "painleve_rod" else set())
 
 
-def test_what_a_scheme_refuses_is_said_in_words() -> None:
+def test_unsupported_scenes_are_explained() -> None:
     made = scene("example_5")
     assert SCHEMES["lotstedt"].refuses(made) == "it has no law of restitution"
     assert SCHEMES["paoli_schatzman"].refuses(made) == "it has no law of friction"
@@ -181,21 +181,21 @@ def test_what_a_scheme_refuses_is_said_in_words() -> None:
 
 @pytest.mark.parametrize("name", [name for name in SCHEMES if name != "paoli_schatzman"])
 @pytest.mark.parametrize("example", ["stack", "pyramid"])
-def test_what_rests_stays_at_rest_in_every_scheme(name: str, example: str) -> None:
+def test_rest_is_preserved_by_every_scheme(name: str, example: str) -> None:
     made = scene(example, **SMALL[example])
     *_, end = simulate(made, lemke, SCHEMES[name], steps=20)
     assert end.q == pytest.approx(made.q0, abs=1e-8)
     assert end.v == pytest.approx(made.v0, abs=1e-8)
 
 
-def test_gaps_stop_a_ball_where_it_touches() -> None:
+def test_gap_scheme_stops_ball_at_contact() -> None:
     run = list(simulate(ball(height=0.515, speed=-2.0), lemke, SCHEMES["stewart_trinkle"], steps=20))
     assert max(penetration(ball(), step.q) for step in run) < 1e-12
     assert run[1].q[1] == pytest.approx(0.5)
     assert run[-1].q[1] == pytest.approx(0.5)
 
 
-def test_gaps_hold_a_hinge_together() -> None:
+def test_gap_scheme_hinge() -> None:
     made = scene("pendulum")
     pulled = Step(0.0, made.q0 + np.array([1e-3, 0, 0]), made.v0, made.contacts(made.q0))
     for name in ("stewart_trinkle", "paoli_schatzman"):
@@ -205,7 +205,7 @@ def test_gaps_hold_a_hinge_together() -> None:
     assert made.joints(left.q)[0] == pytest.approx([1e-3, 0], abs=2e-4)
 
 
-def test_friction_of_the_step_before() -> None:
+def test_friction_from_previous_step() -> None:
     """Without a step before there is none; then it is limited by that step's normal impulse."""
     made = scene("stopping_block", friction=0.5)
     run = list(simulate(made, lemke, SCHEMES["lotstedt"], steps=3))
@@ -216,7 +216,7 @@ def test_friction_of_the_step_before() -> None:
 
 
 @pytest.mark.parametrize("name", ["stewart_trinkle", "acceleration"])
-def test_mirrored_scene_moves_mirrored_in_other_schemes(name: str) -> None:
+def test_mirror_invariance_of_other_schemes(name: str) -> None:
     right, left = scene("incline", angle=0.4, speed=1.0), scene("incline", angle=0.4, speed=1.0)
     mirror = np.array([-1, 1, -1])
     left = Scene(**{**left.__dict__, "q0": left.q0 * mirror, "v0": left.v0 * mirror, "obstacles": (half_plane(slope=-0.4),)})
@@ -225,7 +225,7 @@ def test_mirrored_scene_moves_mirrored_in_other_schemes(name: str) -> None:
     assert b.q * mirror == pytest.approx(a.q, abs=1e-9)
 
 
-def test_no_verdict_on_the_scheme_from_a_wrong_answer() -> None:
+def test_wrong_answer_does_not_judge_scheme() -> None:
     """A belt that stops where the law does not ask for it says nothing about forces."""
     made = scene("painleve_rod", friction=0.2, tip_velocity=-3.0)
 

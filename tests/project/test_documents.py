@@ -24,7 +24,7 @@ def ids(path: Path) -> str:
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=ids)
-def test_every_link_leads_somewhere(document: Path) -> None:
+def test_links_exist(document: Path) -> None:
     text = document.read_text(encoding="utf-8")
     headings = {
         "#" + re.sub(r"[^\w -]", "", line.lstrip("# ").lower()).replace(" ", "-")
@@ -36,13 +36,13 @@ def test_every_link_leads_somewhere(document: Path) -> None:
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=ids)
-def test_every_file_that_is_named_is_there(document: Path) -> None:
+def test_named_files_exist(document: Path) -> None:
     named = re.findall(rf"`((?:{'|'.join(FOLDERS)})/[\w/.]*)`", document.read_text(encoding="utf-8"))
     assert [name for name in named if not (ROOT / name).exists() and not EXAMPLES.search(name)] == []
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=ids)
-def test_every_command_and_option_is_there(document: Path) -> None:
+def test_commands_and_options_exist(document: Path) -> None:
     lines = re.findall(r"^    frictionbench ([a-z][\w-]*)([^#\n]*)", document.read_text(encoding="utf-8"), flags=re.MULTILINE)
     for command, rest in lines:
         known = CliRunner().invoke(app, [command, "--help"])
@@ -50,12 +50,12 @@ def test_every_command_and_option_is_there(document: Path) -> None:
         assert [option for option in re.findall(r"--[\w-]+", rest) if option not in known.output] == []
 
 
-def test_the_readme_shows_the_main_commands() -> None:
+def test_readme_shows_main_commands() -> None:
     shown = set(re.findall(r"^    frictionbench ([\w-]+)", (ROOT / "README.md").read_text(encoding="utf-8"), re.MULTILINE))
     assert shown >= {"list", "run", "report", "compare", "accept", "solve", "map", "shrink"}
 
 
-def test_the_architecture_lists_every_subpackage() -> None:
+def test_architecture_lists_subpackages() -> None:
     text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
     for folder in FOLDERS[:5]:
         row = next(line for line in text.splitlines() if line.startswith(f"| `{folder}/` |"))
@@ -64,7 +64,7 @@ def test_the_architecture_lists_every_subpackage() -> None:
         assert listed - {"baselines"} == there, folder
 
 
-def test_the_limits_of_the_security_page_are_those_of_the_code() -> None:
+def test_security_limits() -> None:
     text = " ".join((ROOT / "SECURITY.md").read_text(encoding="utf-8").split())
     assert (store.LARGEST_TABLE, store.LARGEST_MANIFEST) == (2**30, 8 * 2**20)
     assert "unpack to more than 1 GiB; so are manifests above 8 MiB" in text

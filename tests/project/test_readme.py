@@ -19,7 +19,7 @@ def newcomer(tmp_path) -> Path:
     return tmp_path
 
 
-def test_the_plug_in_is_short_keeps_the_contract_and_solves(newcomer) -> None:
+def test_readme_plugin(newcomer) -> None:
     assert len([line for line in (newcomer / "mine.py").read_text().splitlines() if line]) <= 15
     checked = frictionbench("check-solver", "mine.py", cwd=newcomer)
     assert (checked.returncode, "broken" in checked.stdout) == (0, False), checked.stdout
@@ -27,7 +27,7 @@ def test_the_plug_in_is_short_keeps_the_contract_and_solves(newcomer) -> None:
     assert re.search(r"1  mine +solved", solved.stdout), solved.stdout + solved.stderr
 
 
-def test_a_problem_written_by_the_user_is_solved(newcomer, monkeypatch) -> None:
+def test_readme_problem(newcomer, monkeypatch) -> None:
     monkeypatch.chdir(newcomer)
     for block in BLOCKS:
         if "@solver" not in block:

@@ -88,12 +88,12 @@ def printed(source) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("name", RECIPES)
-def test_the_recipe_works(name, printed) -> None:
+def test_recipe(name, printed) -> None:
     for word in SHOWS[name]:
         assert word in printed[name]
 
 
-def test_the_chart_is_on_the_page_and_in_the_paper(source, printed) -> None:
+def test_recipe_chart_is_drawn(source, printed) -> None:
     run = source / "runs" / "brick"
     assert "Cells solved, trivial problems left out." in (run / "report.html").read_text(encoding="utf-8")
     assert (run / "paper" / "solved.pdf").exists()

@@ -88,7 +88,7 @@ def frictionbench(environment: Path, *commands: list[str]) -> list[str]:
     return done.stdout.split("\0")[:-1]
 
 
-def test_one_name_is_installed(installed) -> None:
+def test_one_top_level_package(installed) -> None:
     (site,) = installed.glob("lib/python*/site-packages")
     ours = {path.name for path in site.iterdir()} - {"dependencies.pth"}
     assert {name for name in ours if not name.endswith(".dist-info")} == {"frictionbench"}
@@ -97,7 +97,7 @@ def test_one_name_is_installed(installed) -> None:
     assert (site / "frictionbench" / "py.typed").is_file()
 
 
-def test_an_install_works_from_elsewhere_without_a_home(installed) -> None:
+def test_install_works_without_home(installed) -> None:
     baseline = next(installed.glob("lib/python*/site-packages/frictionbench/results/baselines/smoke.tsv"))
     assert "lemke\tsolve\t" in baseline.read_text(encoding="utf-8")
     results, mine = installed.parent / "results of mine", installed.parent / "baselines" / "mine.tsv"
@@ -116,7 +116,7 @@ def test_an_install_works_from_elsewhere_without_a_home(installed) -> None:
     assert next(results.glob("*.html")).stat().st_size > 5 * 10**4
 
 
-def test_kernels_are_kept_in_the_temporary_folder_where_nothing_else_can_be_written(installed) -> None:
+def test_kernel_cache_in_temporary_folder(installed) -> None:
     done = python(installed, "import frictionbench as fb; print(len(fb.scene('stack').problem().friction))")
     assert done.returncode == 0, done.stderr
     assert list((installed.parent / "else where").rglob("*.nbi"))

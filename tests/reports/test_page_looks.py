@@ -78,7 +78,7 @@ def audited(report: Path, *wanted: str) -> list[dict]:
 
 @in_browser
 @pytest.mark.parametrize(("solvers", "dark"), [(3, False), (30, True)])
-def test_no_text_overlaps_at_any_width(tmp_path, solvers, dark):
+def test_no_text_overlaps(tmp_path, solvers, dark):
     folder = folder_of(tmp_path, solvers)
     found = audited(write_report(folder), *["--blink-settings=preferredColorScheme=0"] * dark)
     assert {view["width"]: view["faults"] for view in found} == {width: [] for width in WIDTHS}
@@ -88,7 +88,7 @@ def test_no_text_overlaps_at_any_width(tmp_path, solvers, dark):
 
 
 @in_browser
-def test_the_audit_sees_what_overlaps_and_what_is_too_wide(tmp_path):
+def test_audit_detects_overlap_and_overflow(tmp_path):
     report = write_report(write_folder(tmp_path / "run", [solve_row("a", "p")]))
     text = '<text x="9" y="20">one</text><text x="12" y="20">two</text><text x="190" y="20">three is far too long</text>'
     bad = f'<svg width="200" height="40">{text}</svg><img src="nowhere.png"><div style="width: 1500px">wide</div>'

@@ -37,7 +37,7 @@ def run(tmp_path) -> Run:
     return read_run(write_folder(tmp_path / "run", rows, [simulation_row("lemke")], machine={"processor": EVIL}))
 
 
-def test_tables_have_a_unit_a_column_and_the_width_of_one_or_both(run, tmp_path, monkeypatch) -> None:
+def test_table_units_and_widths(run, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr("frictionbench.reports.paper.CHARTS", ())
     paper = write_paper(tmp_path, run)
     times, verdicts = ((paper / f"{name}.tex").read_text() for name in ("times", "solvability"))
@@ -51,14 +51,14 @@ def test_tables_have_a_unit_a_column_and_the_width_of_one_or_both(run, tmp_path,
     assert booktabs(["a", "b"], [["x" * 60, "y" * 60]], Layout()).wide is True
 
 
-def test_nothing_in_a_name_is_a_command() -> None:
+def test_latex_escaping() -> None:
     assert escaped("a_b 100 %") == r"a\_b 100 \%"
     assert escaped("nsgs[x=1] 3 µs") == r"nsgs{[}x=1{]} 3 \textmu{}s"
     assert escaped("\\input{x} $^~") == r"\textbackslash{}input\{x\} \$\textasciicircum{}\textasciitilde{}"
     assert escaped("é漢\x00") == "e??"
 
 
-def test_a_paper_may_have_some_of_the_solvers(run) -> None:
+def test_chosen_solvers(run) -> None:
     few = chosen(run, ["lemke", "ccp"])
     assert set(few.looks) == {"lemke", "ccp[backend=osqp]"}
     assert few.looks["lemke"][:3] == run.looks["lemke"][:3]
@@ -68,7 +68,7 @@ def test_a_paper_may_have_some_of_the_solvers(run) -> None:
     assert split_names("a, b[x=1,y=2],c") == ["a", "b[x=1,y=2]", "c"]
 
 
-def test_widths_are_read_with_their_units() -> None:
+def test_widths_with_units() -> None:
     assert [parse_length(text) for text in ("85mm", "8.5cm", "3.35in", "3.35")] == pytest.approx(
         [85 / 25.4, 85 / 25.4, 3.35, 3.35]
     )
@@ -86,7 +86,7 @@ def test_every_solver_has_its_references() -> None:  # but for the plug-ins that
     assert len(keys) == len(set(keys)) == (ROOT / "reports/references.bib").read_text().count("\n@")
 
 
-def test_a_few_have_bands_and_many_have_none(run, tmp_path) -> None:
+def test_bands_of_few_solvers(run, tmp_path) -> None:
     """Bands of many entries would hide each other."""
     few = chosen(run, ["lemke", "nsgs"])
     for drawn, banded in ((run, False), (few, True)):
@@ -94,7 +94,7 @@ def test_a_few_have_bands_and_many_have_none(run, tmp_path) -> None:
         assert ("band-" in sheet.read_text()) is banded
 
 
-def test_a_map_is_drawn_with_every_shape_at_its_place(tmp_path) -> None:
+def test_map_drawing(tmp_path) -> None:
     """Ground, tiles, dots and texts, each with its colour and at its place, as PDF, twice the same."""
     grid = tiles.Grid(("friction", "0", "1", 4), ("mass", "1", "9", 4), {"#112233": [(0, 0), (3, 3)]})
     wrong = [
@@ -119,7 +119,7 @@ def test_a_map_is_drawn_with_every_shape_at_its_place(tmp_path) -> None:
 
 
 @latex
-def test_a_document_takes_all_of_it(run, tmp_path, monkeypatch) -> None:
+def test_document_compiles(run, tmp_path, monkeypatch) -> None:
     """Figures as PGF in the document's own fonts, no table too wide, no reference undefined; twice the same bytes."""
     monkeypatch.setattr("frictionbench.reports.paper.CHARTS", (pareto.CHART, profiles.CHART))
     papers = [write_paper(tmp_path / name, run, Layout(3.2, "sans")) for name in ("a", "b") if not (tmp_path / name).mkdir()]

@@ -73,7 +73,7 @@ def test_shifted_geometric_mean_by_hand():
     assert np.isnan(accuracy.shifted_geometric_mean(pd.Series([], dtype=float)))
 
 
-def test_the_least_time_within_the_target_counts_whatever_was_asked_for():
+def test_least_time_within_target():
     rows = annotated(
         solve_row("a", "p", 1e-4, residual=5e-5, form_time=0.0, setup_time=0.0, solve_time=1.0),
         solve_row("a", "p", 1e-6, residual=9e-9, form_time=0.2, setup_time=0.3, solve_time=1.5),
@@ -96,7 +96,7 @@ def test_the_least_time_within_the_target_counts_whatever_was_asked_for():
     ],
     ids=lambda row: row["verdict"],
 )
-def test_a_miss_is_charged_at_the_limit(miss):
+def test_unsolved_is_charged_at_limit(miss):
     rows = annotated(solve_row("a", "p", form_time=0.0, setup_time=0.0, solve_time=0.1), miss)
     summary = by_label(accuracy.summary(accuracy.times_to(rows, 1e-8))).loc["a"]
     assert (summary["problems"], summary["reached"], summary["share"]) == (2, 1, 0.5)
@@ -104,18 +104,18 @@ def test_a_miss_is_charged_at_the_limit(miss):
     assert summary["solve"] == 0.1
 
 
-def test_a_wrong_claim_is_paid_for_the_accuracy_it_has():
+def test_wrong_claim_counts_at_its_accuracy():
     rows = annotated(solve_row("a", "p", 1e-8, verdict="wrong", residual=1e-5))
     assert accuracy.times_to(rows, 1e-4)["reached"].tolist() == [True]
     assert accuracy.times_to(rows, 1e-6)["reached"].tolist() == [False]
 
 
-def test_a_class_skipped_as_a_whole_has_no_figure():
+def test_skipped_class_has_no_value():
     rows = annotated(solve_row("a", "p"), unanswered_row("b", "p", "skipped"), unanswered_row("c", "p", "crashed"))
     assert accuracy.times_to(rows, 1e-8)["label"].tolist() == ["a", "c"]
 
 
-def test_whoever_is_skipped_on_a_class_gains_nothing_by_it(tmp_path):
+def test_skipped_classes_are_charged(tmp_path):
     """Two classes of five: b, fast and skipped on the second, is charged there; a warm start is met by warm starts alone."""
     classes = [(scene, f"{scene}{i}") for scene in ("bar", "rod") for i in range(5)]
     slow = [solve_row("a", name, scene=scene, solve_time=30e-3) for scene, name in classes]
@@ -138,7 +138,7 @@ def test_whoever_is_skipped_on_a_class_gains_nothing_by_it(tmp_path):
     assert "a reaches a verified residual of 1e-8 most often: on 10 of 10" in _Page(write_report(folder)).text
 
 
-def test_trivial_problems_enter_no_headline_and_are_counted_apart():
+def test_trivial_problems_are_excluded():
     run = run_of(solve_row("a", "p"), solve_row("a", "q", trivial=True), solve_row("a", "r", verdict="wrong", trivial=True))
     assert run.summaries[1e-8]["problems"].tolist() == [1, 1]
     row = tables.solvability(run).iloc[0]
@@ -157,12 +157,12 @@ def test_solvability_counts_every_verdict():
     assert all(row[verdict] == 1 for verdict in Verdict)
 
 
-def test_warm_and_cold_are_apart():
+def test_warm_and_cold_are_separate():
     rows = annotated(solve_row("a", "p"), solve_row("a", "p", start="warm", solve_time=1e-4))
     assert sorted(accuracy.times_to(rows, 1e-8)["label"]) == ["a", "a, warm"]
 
 
-def test_small_and_large_problems_of_a_scene_are_apart():
+def test_sizes_of_a_scene_are_separate():
     sizes = {"p": 8, "q": 99, "r": 100, "s": 1000}
     rows = annotated(
         *(solve_row("a", name, size=n, parameters=f'{{"blocks": {n}}}') for name, n in sizes.items()),
@@ -184,7 +184,7 @@ def test_profile_by_hand():
     assert {name: ratio.tolist() for name, ratio in ratios.items()} == {"a": [1, 4, INF], "b": [1, 2, INF], "c": [INF] * 3}
 
 
-def test_leaders_are_the_most_frequent_and_the_fastest_of_nearly_as_frequent():
+def test_leaders():
     cells = [("sure", 10, 1.0), ("quick", 9, 0.1), ("rash", 8, 0.01)]
     table = pd.DataFrame(cells, columns=["label", "reached", "mean"]).assign(problem_class=accuracy.ALL)
     found = leaders(table)
@@ -251,7 +251,7 @@ for _row in RUN[:-2]:
     _row |= {"sensitivity": 2.0, "backward_error": 1e-9, "work": '{"iterations": 3}'}
 
 
-def test_a_large_share_of_form_is_marked(tmp_path):
+def test_large_form_time_is_marked(tmp_path):
     few = [solve_row("a", "p", form_time=0.5e-3, setup_time=1e-3, solve_time=2e-3)]
     much = [solve_row("a", "p", form_time=1e-3, setup_time=0.0, solve_time=1e-3)]
     shares = [by_label(accuracy.summary(accuracy.times_to(annotated(*rows), 1e-8))).loc["a", "written"] for rows in (few, much)]
@@ -262,7 +262,7 @@ def test_a_large_share_of_form_is_marked(tmp_path):
     assert "50 %, more than a fifth)" in _Page(write_report(write_folder(tmp_path / "much", much))).text
 
 
-def test_a_portfolio_is_marked_wherever_it_is_named(tmp_path):
+def test_portfolios_are_marked(tmp_path):
     rows = [solve_row("mixture", "p", members="lemke, nsgs", solve_time=1e-3), solve_row("nsgs", "p")]
     folder = write_folder(tmp_path / "run", rows, [simulation_row("mixture", members="lemke, nsgs")])
     page, run = _Page(write_report(folder)), read_run(folder)
@@ -275,7 +275,7 @@ def test_a_portfolio_is_marked_wherever_it_is_named(tmp_path):
     assert r"mixture* &" in (write_paper(folder, read_run(folder)) / "times.tex").read_text()
 
 
-def test_the_page_has_all_its_parts_and_stands_alone(tmp_path):
+def test_page_is_complete_and_self_contained(tmp_path):
     torn = unanswered_row(
         "nsgs", "", "skipped", scene="Chain", parameters='{"file": "torn.dat"}', contacts=None, dimension=None
     )
@@ -310,7 +310,7 @@ def test_the_page_has_all_its_parts_and_stands_alone(tmp_path):
     ],
     ids=["nothing", "simulations alone", "trivial", "skipped", "no residual", "one solver"],
 )
-def test_a_partial_run_makes_a_page(tmp_path, solves, simulations):
+def test_partial_run_page(tmp_path, solves, simulations):
     write_folder(tmp_path, solves, simulations)
     (tmp_path / "manifest.json").write_text('{"schema": 2, "settings": {}}')
     page = _Page(write_report(tmp_path))
@@ -319,7 +319,7 @@ def test_a_partial_run_makes_a_page(tmp_path, solves, simulations):
     assert write_paper(tmp_path, read_run(tmp_path)).is_dir()
 
 
-def test_strangers_text_stays_text(tmp_path):
+def test_untrusted_text_is_escaped(tmp_path):
     evil = '_<script>alert(1)</script>$x^{" onload="alert(1)"&\x00\x1b\u202e&#60; {{ 7 * 7 }}'
     texts = [column.name for column in SOLVES if str(column.type) == "string"]
     row = solve_row("a", "p") | dict.fromkeys(texts, evil) | {"verdict": "wrong", "start": "warm"}
@@ -339,25 +339,25 @@ def test_strangers_text_stays_text(tmp_path):
     assert "&lt;script&gt;" in sheet
 
 
-def test_a_folder_that_is_none_is_refused(tmp_path):
+def test_missing_folder_is_refused(tmp_path):
     with pytest.raises(ResultsError, match=r"manifest\.json"):
         write_report(tmp_path)
 
 
-def test_the_same_tables_make_the_same_figures(tmp_path):
+def test_figures_are_deterministic(tmp_path):
     runs = {name: run_of(*RUN) for name in "ab"}
     sheets = [save_sheet(speed_accuracy.panels(run), run.looks, tmp_path / name) for name, run in runs.items()]
     for first, second in zip(*sheets, strict=True):
         assert first.read_bytes() == second.read_bytes()
 
 
-def test_an_entry_looks_the_same_whatever_the_order():
+def test_style_is_independent_of_order():
     names = [f"solver {i}" for i in range(30)]
     assert looks(names) == looks(reversed(names))
     assert len(set(looks(names).values())) == 30
 
 
-def test_every_chart_is_on_the_page_and_in_the_paper(tmp_path):
+def test_charts_on_page_and_in_paper(tmp_path):
     folder = write_folder(tmp_path, RUN, [simulation_row("nsgs")])
     write_histories(
         folder, [ConvergenceHistory("bar", "{}", 0, "nsgs", 2, True, [1, 2], [1.0, 1e-9], [[1.0, 0.0], [2.0, 0.0]])]
@@ -397,13 +397,13 @@ def test_plain_text_for_figures():
     assert len(plain("x" * 1000)) == 48
 
 
-def test_times_of_two_hosts_never_meet() -> None:
+def test_hosts_are_separate() -> None:
     two = annotated(solve_row("lemke", "p", host="left"), solve_row("lemke", "q", host="right"))
     assert two["label"].tolist() == ["lemke on left", "lemke on right"]
     assert annotated(solve_row("lemke", "p", start="warm"))["label"].tolist() == ["lemke, warm"]
 
 
-def test_the_harness_own_share_by_hand() -> None:
+def test_overhead_by_hand() -> None:
     rows = [solve_row("a", "p", wall_time=1.0, overhead=0.1), solve_row("b", "p", wall_time=3.0, overhead=0.3)]
     lost = unanswered_row("c", "p", "timeout")
     assert tables.overhead(run_of(*rows, lost)) == pytest.approx(0.1)
@@ -434,7 +434,7 @@ def test_which_solver_by_hand():
     assert small.lead == pytest.approx((2e-3 + 1e-5 - 1e-5) / (1.001e-3), rel=1e-12)
 
 
-def test_certainty_comes_from_the_problems():
+def test_win_rate_interval():
     times = {"a": (1e-3, 3e-3), "b": (2e-3, 2e-3)}
     even = [solve_row(name, f"p{i}", solve_time=own[i % 2]) for name, own in times.items() for i in range(20)]
     clear = [solve_row(name, f"p{i}", solve_time=own[0]) for name, own in times.items() for i in range(20)]
@@ -443,17 +443,17 @@ def test_certainty_comes_from_the_problems():
     assert clear_rate == 1.0
 
 
-def test_the_front_has_those_that_nobody_beats():
+def test_pareto_front():
     time, residual = np.array([1.0, 2.0, 3.0, 2.0]), np.array([1e-2, 1e-6, 1e-6, 1e-8])
     assert pareto.front(time, residual).tolist() == [0, 3]
 
 
-def test_who_missed_a_problem_is_not_on_the_chart_of_all():
+def test_pareto_requires_all_problems():
     rows = [solve_row("a", "p"), solve_row("a", "q"), solve_row("b", "p"), unanswered_row("b", "q", "skipped")]
     assert pareto.ladder(run_of(*rows))["label"].tolist() == ["a"]
 
 
-def test_a_solver_looks_the_same_in_every_report():
+def test_style_is_equal_in_every_report():
     assert looks(["lemke", "nsgs"])["nsgs"] == looks(["nsgs", "somebody"])["nsgs"]
     assert looks(["x", "y"])["y"] == looks(["y"])["y"]
     family = looks(["ccp[backend=osqp]", "ccp[backend=clarabel]"])
@@ -483,7 +483,7 @@ document.documentElement.dataset.seen = seen.join(" ");
 
 
 @in_browser
-def test_solvers_are_chosen_tables_sorted_and_dots_told(tmp_path):
+def test_page_controls(tmp_path):
     families = ("odd", "even")
     rows = [solve_row(f"s{i}", f"p{k}", solve_time=1e-3 * (i + 1), family=families[i % 2]) for i in range(12) for k in (0, 1)]
     path = write_report(write_folder(tmp_path / "run", [*rows, *(solve_row("s0", f"p{k}") for k in range(2, 9))]))
@@ -495,7 +495,7 @@ def test_solvers_are_chosen_tables_sorted_and_dots_told(tmp_path):
     assert f'data-seen="{wanted}"' in opening
 
 
-def test_profiles_by_size_and_rank_where_problems_are_of_several_classes(tmp_path) -> None:
+def test_profiles_by_size_and_rank(tmp_path) -> None:
     sizes = {"a": (3, 6), "b": (10, 18), "c": (50, 50), "d": (100, 200), "e": (500, 700)}  # contacts and rank of W, planar
     rows = [solve_row("nsgs", name, contacts=nc, rank=rank, scene=name) for name, (nc, rank) in sizes.items()]
     titles = [panel.title for panel in classes.panels(read_run(write_folder(tmp_path / "several", rows)))]
@@ -504,7 +504,7 @@ def test_profiles_by_size_and_rank_where_problems_are_of_several_classes(tmp_pat
     assert classes.panels(read_run(write_folder(tmp_path / "one", rows[:2]))) == []
 
 
-def test_recorded_problems_are_told_one_by_one(tmp_path) -> None:
+def test_recorded_problems_are_listed(tmp_path) -> None:
     chain = {"scene": "Chain", "parameters": '{"file": "a.hdf5"}', "dimension": 3, "contacts": 4, "rank": 9, "asymmetry": 1e-3}
     torn = {"scene": "Chain", "parameters": '{"file": "torn.dat"}', "contacts": None, "dimension": None, "trivial": None}
     rows = [
@@ -521,7 +521,7 @@ def test_recorded_problems_are_told_one_by_one(tmp_path) -> None:
     assert (broken.file, broken.reason) == ("torn.dat", "for a reason")
 
 
-def test_mean_profile_and_page_have_one_denominator():
+def test_common_denominator():
     """Ten problems, four of them of a class that b is skipped on; warm starts are judged by the three that have one."""
     names = [(scene, f"{scene}{i}") for scene, n in (("bar", 6), ("rod", 4)) for i in range(n)]
     rows = [solve_row("a", name, scene=scene, solve_time=4e-3) for scene, name in names]
@@ -539,7 +539,7 @@ def test_mean_profile_and_page_have_one_denominator():
     assert (part["label"], part["entered"], part["of"], part["rank"], part["others"], part["best"]) == ("b", 6, 10, 1, 2, "b")
 
 
-def test_the_rank_with_misses_charged_more_by_hand():
+def test_rank_with_larger_penalty_by_hand():
     """a, fast, misses one of four; at the limit of 10 s it is the first, at ten limits the last."""
     quick = [solve_row("a", f"p{i}", solve_time=1e-5, form_time=0.0, setup_time=0.0) for i in range(3)]
     slow = [solve_row("b", f"p{i}", solve_time=7e-4, form_time=0.0, setup_time=0.0) for i in range(4)]
@@ -550,7 +550,7 @@ def test_the_rank_with_misses_charged_more_by_hand():
     assert table["rank 10"].to_dict() == {"a": 2, "b": 1}
 
 
-def test_a_band_holds_its_profile_and_narrows_with_problems():
+def test_bands_contain_profile_and_narrow():
     at = np.array([1.0, 2.0, 4.0])
     few, many = (np.sort(np.r_[np.ones(n // 2), np.full(n // 2, 3.0)]) for n in (10, 1000))
     for ratio in (few, many):
@@ -560,14 +560,14 @@ def test_a_band_holds_its_profile_and_narrows_with_problems():
     assert np.ptp(accuracy.band(many, at), axis=0)[0] < 0.2 * np.ptp(accuracy.band(few, at), axis=0)[0]
 
 
-def test_classes_of_one_scene_stand_together_by_size(tmp_path) -> None:
+def test_classes_are_ordered_by_scene_and_size(tmp_path) -> None:
     large = {"parameters": '{"blocks": 500}', "size": 4000}
     rows = [solve_row("a", "p", **large), solve_row("a", "q", scene="wall"), solve_row("a", "r", size=8)]
     names = problem_classes(read_run(write_folder(tmp_path, rows)))["problem_class"]
     assert names.tolist() == ["bar, n < 100", "bar, n from 1000", "wall"]
 
 
-def test_work_is_compared_by_unit_among_those_who_count_it():
+def test_work_by_unit():
     work = {"a": '{"pivots": 4}', "b": '{"pivots": 9}', "c": '{"sweeps": 3}', "d*": '{"a pivots": 4}'}
     rows = [solve_row(name, f"p{i}", work=text) for name, text in work.items() for i in range(2)]
     rows[-1]["work"] = '{"c sweeps": 7}'  # on one of its problems it counts something else
@@ -577,7 +577,7 @@ def test_work_is_compared_by_unit_among_those_who_count_it():
     assert work_chart.counted('{"lemke pivots": 3, "pivots": 2, "restarts": 9}') == {"pivots": 5}
 
 
-def test_the_exponent_of_growth_by_hand():
+def test_growth_exponent_by_hand():
     sizes = np.array([10.0, 20.0, 50.0, 100.0])
     assert growth.exponent(sizes, 3e-6 * sizes**1.5) == pytest.approx((1.5, 0.0), abs=1e-12)
     slope, error = growth.exponent(sizes, 3e-6 * sizes**1.5 * np.array([1.1, 0.9, 1.1, 0.9]))
@@ -586,7 +586,7 @@ def test_the_exponent_of_growth_by_hand():
 
 
 @pytest.mark.parametrize("ends", [(0.0, 1e-9), (-0.6, 0.0), (-1e-17, 3e-17), (-0.0123, 0.0004), (0.0, 0.0), (-3e-8, 2e-7)])
-def test_an_axis_of_shares_has_ticks_that_differ(ends):
+def test_fraction_axis_ticks_differ(ends):
     ax = Figure().subplots()
     ax.set_ylim(*ends) if ends[0] < ends[1] else ax.plot([0, 1], [0, 0])
     style.percent_axis(ax)
@@ -595,7 +595,7 @@ def test_an_axis_of_shares_has_ticks_that_differ(ends):
 
 
 @pytest.mark.parametrize("ends", [(1e-6, 1.1e-6), (1e-4, 9e-4), (2e-5, 3e-2), (1e-6, 10.0)])
-def test_an_axis_of_times_has_ticks_that_differ(ends):
+def test_time_axis_ticks_differ(ends):
     ax = Figure().subplots()
     ax.plot(ends, [0, 1])
     style.time_axis(ax, "x")
@@ -604,7 +604,7 @@ def test_an_axis_of_times_has_ticks_that_differ(ends):
     assert len(texts) == len(set(texts)) >= 2
 
 
-def test_a_sheet_says_what_a_solver_is_and_where_it_failed(tmp_path):
+def test_solver_sheet(tmp_path):
     rows = [solve_row("a", f"p{i}", contacts=i + 2, family="some") for i in range(4)]
     for row, verdict in zip(rows[1:], ("unsolved", "unsolved", "wrong"), strict=True):
         row |= {"verdict": verdict, "residual": 2.4e-3, "reason": "so it says"}
@@ -622,7 +622,7 @@ def test_a_sheet_says_what_a_solver_is_and_where_it_failed(tmp_path):
         assert text in page
 
 
-def test_the_run_is_told_as_a_list_that_can_be_pasted():
+def test_run_settings_list():
     sources = [{"scene": "stack", "parameters": {"blocks": 2, "friction": 0.5}, "pick": 3, "scheme": "anitescu_potra"}] * 9
     told = dict(settings({"settings": {"sources": sources, "time_limit": 2.0, "memory_limit": 2**32}, "started": "now"}))
     assert told["settings"][0] == ("sources", ", ".join(["stack[blocks=2,friction=0.5], 3 steps of its motion"] * 9), 9)
@@ -630,7 +630,7 @@ def test_the_run_is_told_as_a_list_that_can_be_pasted():
     assert told["run"] == [("started", "now", 0)]
 
 
-def test_a_page_says_why_an_unfinished_run_does_not_compare(tmp_path):
+def test_unfinished_run_explains_missing_comparison(tmp_path):
     folder = write_folder(tmp_path / "run", [solve_row("a", "p"), solve_row("a", "q"), solve_row("b", "p")])
     assert "Partial: 1 pairs" in _Page(write_report(folder)).text
     (folder / "manifest.json").write_text('{"schema": 2, "settings": {}}', encoding="utf-8")
@@ -639,7 +639,7 @@ def test_a_page_says_why_an_unfinished_run_does_not_compare(tmp_path):
     assert "Partial" not in text
 
 
-def test_a_librarys_own_clock_is_shown_beside_ours(tmp_path):
+def test_library_clock_is_shown(tmp_path):
     rows = [solve_row("a", f"p{i}", clock_time=1.9e-3) for i in range(3)]
     rows += [solve_row("b", f"p{i}", clock_time=1e-3) for i in range(3)]
     table = tables.clocks(run_of(*rows)).set_index("label")
@@ -648,7 +648,7 @@ def test_a_librarys_own_clock_is_shown_beside_ours(tmp_path):
     assert "Times measured by the libraries" in _Page(write_report(write_folder(tmp_path / "run", rows))).text
 
 
-def test_who_is_exact_and_who_claims_falsely_by_hand(tmp_path):
+def test_accuracy_by_hand(tmp_path):
     """Two problems: one entry solves both, one its own model alone, one lies once, one dies once; the library's own is told."""
     rows = [solve_row(name, problem, version="ours") for name in "ab" for problem in "pq"]
     rows += [solve_row("soft", problem, model="relaxation", residual=0.1, verdict="relaxed") for problem in "pq"]
@@ -677,7 +677,7 @@ def test_who_is_exact_and_who_claims_falsely_by_hand(tmp_path):
     assert "Wrong claims, with a residual above ten times the tolerance" in write_report(folder).read_text(encoding="utf-8")
 
 
-def test_nobody_misses_what_nobody_asked_for(tmp_path) -> None:
+def test_untested_targets_are_not_missed(tmp_path) -> None:
     asked = [solve_row(name, problem, 1e-6, residual=1e-7) for name in ("a", "b") for problem in ("p", "q")]
     run = read_run(write_folder(tmp_path / "asked", asked))
     assert list(run.times) == [1e-4, 1e-6]

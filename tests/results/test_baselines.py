@@ -30,7 +30,7 @@ def run(folder, pivots=10, verdict="solved", **manifest):
     )
 
 
-def test_a_baseline_is_one_sorted_table_and_compares_like_its_run(tmp_path):
+def test_baseline_equals_its_run(tmp_path):
     made, path = run(tmp_path / "run"), tmp_path / "baselines" / "made.tsv"
     before, told = accept(made, path)
     assert (before, told) == (None, f"accepted: {path}, 6 cells: 5 solved, 1 skipped")
@@ -49,7 +49,7 @@ def test_a_baseline_is_one_sorted_table_and_compares_like_its_run(tmp_path):
     assert compare(path, tmp_path / "after").exit_code == 0
 
 
-def test_what_is_no_baseline_is_not_written_over_and_told(tmp_path):
+def test_other_files_are_not_overwritten(tmp_path):
     made, path = run(tmp_path / "run"), tmp_path / "notes.tsv"
     path.write_text("my notes", encoding="utf-8")
     with pytest.raises(ResultsError, match=r"notes\.tsv: neither a baseline"):
@@ -69,7 +69,7 @@ def test_what_is_no_baseline_is_not_written_over_and_told(tmp_path):
         accept(run(tmp_path / "broken", finished=""), tmp_path / "other.tsv")
 
 
-def test_the_committed_baseline_is_of_smoke():
+def test_committed_baseline():
     smoke = cells.read(SMOKE)
     assert (smoke.suite, smoke.tolerances) == ("smoke", (1e-8, 1e-4))
     assert {"lemke", "nsgs", "interior_point"} <= set(smoke.measured["variant"])
@@ -96,7 +96,7 @@ reason = "gone by"
 """
 
 
-def test_what_is_acknowledged_with_a_reason_closes_no_gate(tmp_path):
+def test_acknowledged_changes_pass(tmp_path):
     (tmp_path / "known.toml").write_text(KNOWN, encoding="utf-8")
     acknowledged, before = known.read(tmp_path / "known.toml"), run(tmp_path / "before")
     result = known.acknowledge(compare(before, run(tmp_path / "after", 12, "wrong")), acknowledged)
@@ -119,19 +119,19 @@ def test_what_is_acknowledged_with_a_reason_closes_no_gate(tmp_path):
         ("[[", "cannot be read"),
     ],
 )
-def test_acknowledged_changes_that_cannot_be_read_are_told(tmp_path, text, told):
+def test_unreadable_acknowledged_changes(tmp_path, text, told):
     (tmp_path / "known.toml").write_text(text, encoding="utf-8")
     with pytest.raises(ResultsError, match=told):
         known.read(tmp_path / "known.toml")
 
 
-def test_a_program_reads_runs_over_time_unfolded(tmp_path):
+def test_history_for_programs(tmp_path):
     first, far = run(tmp_path / "first"), run(tmp_path.joinpath(*["a_long_name_of_a_folder"] * 8))
     printed = frictionbench("history", str(first), str(far)).stdout
     assert any(str(far) in line and "pivots 30" in line for line in printed.splitlines())
 
 
-def test_runs_over_time_are_told_on_the_same_cells(tmp_path):
+def test_history_uses_common_cells(tmp_path):
     first = run(tmp_path / "first", finished="2026-01-02T00:00")
     second = run(tmp_path / "second", 20, "wrong", finished="2026-01-01T00:00")
     accept(first, tmp_path / "made.tsv")
@@ -152,7 +152,7 @@ def benchmark(path, medians, node="here"):
     return path
 
 
-def test_results_of_pytest_benchmark_compare_too(tmp_path):
+def test_pytest_benchmark_results(tmp_path):
     old, new = benchmark(tmp_path / "old.json", {"x": 1.0, "y": 1.0}), benchmark(tmp_path / "new.json", {"x": 2.0, "z": 1.0})
     result = compare(old, new)
     assert (result.exit_code, result.counts["new"], result.counts["gone"]) == (1, 1, 1)

@@ -61,7 +61,7 @@ def test_verdicts_are_ordered(runs, better, worse):
 
 @pytest.mark.parametrize(("seconds", "code"), [(0.02, 1), (6.0, 0)])  # of a limit of 10 s
 @pytest.mark.parametrize("manifest", [{}, ELSEWHERE])
-def test_a_timeout_that_the_machine_may_explain_is_no_flip(runs, seconds, code, manifest):
+def test_timeouts_explained_by_machine(runs, seconds, code, manifest):
     taken = {"solve_time": seconds}
     pace = 1.5 if manifest else 1.0  # of a slower machine, as the others show it
     others = [solve_row("b", f"p{i}") for i in range(9)]
@@ -74,32 +74,32 @@ def test_a_timeout_that_the_machine_may_explain_is_no_flip(runs, seconds, code, 
 
 
 @pytest.mark.parametrize(("manifest", "code"), [({}, 1), (ELSEWHERE, 0)])
-def test_a_timeout_beside_a_crash_is_the_machines_only_elsewhere(runs, manifest, code):
+def test_timeout_to_crash(runs, manifest, code):
     assert runs(rows(["solved", "timeout"]), [*rows(["solved"]), unanswered_row("a", "p1", "crashed")]).exit_code == 1
     before = [*rows(["solved"]), unanswered_row("a", "p1", "timeout")]
     assert runs(before, [*rows(["solved"]), unanswered_row("a", "p1", "crashed")], **manifest).exit_code == code
 
 
-def test_a_better_verdict_is_told_of_and_passes(runs):
+def test_better_verdict_passes(runs):
     result = runs(rows(["wrong", "solved"]), rows(["solved", "solved"]))
     assert result.exit_code == 0
     assert told(result.better) == ["a-p0-1e-08 wrong → solved"]
     assert "| wrong → solved | `bar[friction=0.2]` | 0 | 1e-08 |" in markdown(result)
 
 
-def test_a_missing_cell_is_gone(runs):
+def test_missing_cell_fails(runs):
     result = runs(rows(["solved", "solved"]), rows(["solved"]))
     assert (result.exit_code, result.counts["gone"], result.counts["worse"]) == (1, 1, 0)
     assert told(result.worse) == ["a-p1-1e-08 solved → gone"]
 
 
 @pytest.mark.parametrize(("reason", "code"), [("not installed", 0), ("", 1)])
-def test_a_skip_is_excused_by_a_reason(runs, reason, code):
+def test_skip_requires_reason(runs, reason, code):
     kept = solve_row("b", "p0")
     assert runs([kept, solve_row("a", "p0")], [kept, unanswered_row("a", "p0", "skipped", reason=reason)]).exit_code == code
 
 
-def test_a_solver_skipped_as_a_whole_excuses_its_cells(runs):
+def test_skipped_solver_passes(runs):
     kept = solve_row("b", "p0")
     result = runs(
         [kept, solve_row("a", "p0"), solve_row("a", "p1")], [kept, unanswered_row("a", "p0", "skipped"), solve_row("b", "p3")]
@@ -107,7 +107,7 @@ def test_a_solver_skipped_as_a_whole_excuses_its_cells(runs):
     assert (result.exit_code, result.counts["skipped"], result.counts["new"]) == (0, 2, 1)
 
 
-def test_nothing_measured_in_both_is_unusable(runs):
+def test_no_common_cells_is_unusable(runs):
     assert runs(rows(["solved"]), [solve_row("a", "other")]).exit_code == 2
 
 
@@ -121,19 +121,19 @@ def test_empty_tables_are_unusable(runs):
 
 
 @pytest.mark.parametrize(("name", "other"), [("suite", "another"), ("tolerances", [1e-3])])
-def test_unlike_runs_are_unusable(runs, name, other):
+def test_different_settings_are_unusable(runs, name, other):
     result = runs(rows(["solved"]), rows(["solved"]), settings=SETTINGS | {name: other})
     assert result.exit_code == 2
     assert name in markdown(result)
 
 
-def test_a_folder_that_is_none_is_unusable(tmp_path):
+def test_missing_folder_is_unusable(tmp_path):
     result = compare(tmp_path, tmp_path / "absent")
     assert result.exit_code == 2
     assert "manifest.json" in markdown(result)
 
 
-def test_an_unknown_verdict_is_unusable(runs):
+def test_unknown_verdict_is_unusable(runs):
     assert "unknown verdict 'fine'" in runs(rows(["solved"]), rows(["fine"])).unusable
 
 
@@ -142,24 +142,24 @@ def pivots(counts, **given):
 
 
 @pytest.mark.parametrize(("after", "code"), [((50, 55), 0), ((50, 60), 1), ((45, 45), 0), ((20, 20), 0)])
-def test_work_may_grow_by_a_twentieth_in_sum(runs, after, code):
+def test_work_growth_limit(runs, after, code):
     assert runs(pivots((40, 60)), pivots(after)).exit_code == code
     assert runs(pivots((40, 60)), pivots(after), Limits(growth=1.2)).exit_code == 0
 
 
-def test_grown_work_tells_the_sums(runs):
+def test_work_growth_report(runs):
     before, after = ([solve_row("a", "p", work=json.dumps({"pivots": n, "restarts": r}))] for n, r in ((10, 0), (12, 3)))
     result = runs(before, after)
     assert told(result.worse) == ["pivots", "restarts"]
     assert "| **pivots** | 10 | 12 | ×1.20 | 1 |\n| **restarts** | 0 | 3 |  | 1 |" in markdown(result)
 
 
-def test_work_counts_only_where_both_runs_solved(runs):
+def test_work_of_commonly_solved_cells(runs):
     assert runs(pivots([10], verdict="unsolved"), pivots([90], verdict="unsolved")).exit_code == 0
 
 
 @pytest.mark.parametrize("text", ['{"pivots": "many"}', "[1]", "{", '{"pivots": NaN}', '{"pivots": true}'])
-def test_work_that_is_no_count_is_left_out(runs, text):
+def test_invalid_work_is_ignored(runs, text):
     assert runs(rows(["solved"], work=text), rows(["solved"], work=text)).exit_code == 0
 
 
@@ -170,7 +170,7 @@ def timed(solve, factors=(1.0,) * 4):
     return [*own, *(solve_row("b", f"p{i}", **given, solve_time=1e-3 * factor) for i, factor in enumerate(factors))]
 
 
-def test_of_one_process_each_nothing_is_said(runs):
+def test_single_pair_is_not_significant(runs):
     result = runs(timed(1e-3), timed(9e-3))
     assert (result.exit_code, [time.n for time in result.times]) == (0, [1, 1])
     assert [time.variant for time in suspects(result, Limits())] == ["a"]
@@ -183,7 +183,7 @@ def test_of_one_process_each_nothing_is_said(runs):
     ("solve", "worse", "better"),
     [(1.0e-3, 0, 0), (1.1e-3, 0, 0), (1.6e-3, 1, 0), (0.5e-3, 0, 1)],  # with 1 ms to set up: ratios 1, 1.05, 1.3, 0.75
 )
-def test_pairs_of_processes_tell_a_slowdown_through_noise(runs, tmp_path, solve, worse, better):
+def test_slowdown_is_detected_through_noise(runs, tmp_path, solve, worse, better):
     noise = np.random.default_rng(0)
     seen = runs(timed(1e-3), timed(solve))
 
@@ -201,7 +201,7 @@ def test_pairs_of_processes_tell_a_slowdown_through_noise(runs, tmp_path, solve,
     assert confirm(seen, pairs, both=False, limits=Limits()).times == seen.times
 
 
-def test_what_waited_for_its_core_counts_where_it_is_all_there_is_or_has_repeats(runs):
+def test_disturbed_times(runs):
     def waited(slow, fast):
         times = {"form_times": [5e-4] * (slow + fast), "setup_times": [5e-4] * (slow + fast)}
         return times | {"solve_times": [9e-3] * slow + [2e-3] * fast, "disturbed": True}
@@ -216,7 +216,7 @@ def test_what_waited_for_its_core_counts_where_it_is_all_there_is_or_has_repeats
         assert (time.cells, time.ratio) == (cells_and_ratio[0], pytest.approx(cells_and_ratio[1]))
 
 
-def test_an_alert_that_does_not_come_again_falls(runs):
+def test_unconfirmed_alert_is_dropped(runs):
     seen = runs([*rows(["solved"]), *pivots([10, 10])][1:], [*rows(["wrong"]), *pivots([10, 20])][1:])
     assert seen.exit_code == 1
     before, after = (cells.read(path).table for path in (seen.baseline, seen.current))
@@ -226,7 +226,7 @@ def test_an_alert_that_does_not_come_again_falls(runs):
     assert "Not confirmed, the repeats give the result of the baseline: a, pivots." in markdown(fallen)
 
 
-def test_what_is_gone_with_its_code_stands(runs):
+def test_missing_cells_with_removed_code(runs):
     seen = runs([*rows(["solved"]), solve_row("b", "p0")], rows(["solved"]))
     before, after = (cells.read(path).table for path in (seen.baseline, seen.current))
     without = before[before["variant"] != "b"]
@@ -234,14 +234,14 @@ def test_what_is_gone_with_its_code_stands(runs):
     assert confirm(seen, [(without, before)] * 3, both=True, limits=Limits()).exit_code == 0
 
 
-def test_times_of_unlike_machines_are_not_compared(runs):
+def test_times_of_different_machines(runs):
     result = runs(timed(1e-3), timed(9e-3), **ELSEWHERE)
     assert (result.exit_code, result.times) == (0, ())
     assert "Times are not compared: the machines differ" in markdown(result)
 
 
 @pytest.mark.parametrize("n", [3, 6, 8, 11])
-def test_the_interval_is_wilcoxons(n):
+def test_interval_equals_wilcoxon(n):
     shifts = np.random.default_rng(n).normal(0.3, 0.5, n)
     ratio, low, high, p = estimate(shifts, 0.05)
     if n < 6:  # 2 of 2^n signs are more than one in twenty
@@ -254,14 +254,14 @@ def test_the_interval_is_wilcoxons(n):
     assert wilcoxon(shifts - np.log(high) + 1e-9, method="exact").pvalue > 0.05
 
 
-def test_simulations_count_too(tmp_path):
+def test_simulations_are_compared(tmp_path):
     solves = rows(["solved"])
     before = write_folder(tmp_path / "before", solves, [simulation_row("a")])
     after = write_folder(tmp_path / "after", solves, [simulation_row("a", verdict="unsolved")])
     assert told(compare(before, after).worse) == ["simulation-a solved → unsolved"]
 
 
-def test_markdown_folds_what_is_long_and_keeps_strangers_text_in_its_cell(runs):
+def test_markdown_folding_and_escaping(runs):
     evil = "a|b`<script>\n# c"
     before, after = ([solve_row(evil, f"p{i}", verdict=v) for i in range(25)] for v in ("solved", "wrong"))
     text = markdown(runs(before, after))
@@ -272,7 +272,7 @@ def test_markdown_folds_what_is_long_and_keeps_strangers_text_in_its_cell(runs):
     assert "\n# c" not in text
 
 
-def test_a_page_fits_a_comment(runs):
+def test_markdown_length_limit(runs):
     before, after = (
         [solve_row(f"s{n}", f"p{i}", verdict=v) for n in range(5) for i in range(130)] for v in ("solved", "wrong")
     )
@@ -283,7 +283,7 @@ def test_a_page_fits_a_comment(runs):
     assert 40_000 < len(text) < 65_536
 
 
-def test_the_files_say_what_the_page_says(runs, tmp_path, monkeypatch):
+def test_comparison_files(runs, tmp_path, monkeypatch):
     before, after = (
         rows(["solved", "solved", "unsolved"]),
         [*rows(["solved"]), unanswered_row("a", "p1", "crashed", reason="ill\x00")],

@@ -31,7 +31,7 @@ SCHEMA = arrow_schema("solves")
 
 
 @pytest.mark.parametrize("name", ["motion", "shards", "problems", "paper", "shrunk"])
-def test_nothing_is_written_through_a_link_to_a_folder(tmp_path, name) -> None:
+def test_folder_links_are_not_followed(tmp_path, name) -> None:
     (tmp_path / "elsewhere").mkdir()
     (tmp_path / "run").mkdir()
     (tmp_path / "run" / name).symlink_to(tmp_path / "elsewhere")
@@ -39,7 +39,7 @@ def test_nothing_is_written_through_a_link_to_a_folder(tmp_path, name) -> None:
         files.subfolder(tmp_path / "run", name)
 
 
-def test_a_report_replaces_a_link_and_does_not_follow_it(tmp_path) -> None:
+def test_report_replaces_links(tmp_path) -> None:
     precious = tmp_path / "precious"
     precious.write_text("mine", encoding="utf-8")
     folder = write_folder(tmp_path / "run", [solve_row("a", "p")])
@@ -57,7 +57,7 @@ def test_a_report_replaces_a_link_and_does_not_follow_it(tmp_path) -> None:
         ShardWriter(folder, "solves", "1")
 
 
-def test_what_a_table_cannot_hold_costs_nothing_but_itself(tmp_path) -> None:
+def test_unrepresentable_values_are_dropped(tmp_path) -> None:
     strange = solve_row("a", "p", reason="\ud800" + "x" * 10**6, residual="small", contacts=2**70, solve_times=[None])
     with ShardWriter(tmp_path, "solves", "1") as writer:
         writer.write(strange | {"no such column": 1})
@@ -74,7 +74,7 @@ def test_what_a_table_cannot_hold_costs_nothing_but_itself(tmp_path) -> None:
     assert rows.loc["b-p-1e-08", "verdict"] == "solved"
 
 
-def test_a_row_that_is_lost_is_a_row_that_says_so(tmp_path, monkeypatch) -> None:
+def test_missing_row_is_marked(tmp_path, monkeypatch) -> None:
     plan = Plan("test", (Source("stack", {"blocks": 1}),), ("lemke", "nsgs"), (1e-6,))
     write = ShardWriter.write
     monkeypatch.setattr(ShardWriter, "write", lambda self, row: None if row["solver"] == "nsgs" else write(self, row))
@@ -88,7 +88,7 @@ def test_a_row_that_is_lost_is_a_row_that_says_so(tmp_path, monkeypatch) -> None
     assert set(store.read_table(tmp_path / "run", "solves")["verdict"]) == {"solved"}
 
 
-def test_ten_times_the_rows_need_no_more_memory(tmp_path, monkeypatch) -> None:
+def test_merge_memory_is_bounded(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(store, "BATCH", 50)
 
     def peak(rows: int) -> int:
@@ -116,7 +116,7 @@ def test_ten_times_the_rows_need_no_more_memory(tmp_path, monkeypatch) -> None:
         (lambda table: _with_text(table, 10**6, 100), "GiB; the limit is"),
     ],
 )
-def test_a_table_that_is_too_much_is_refused(tmp_path, monkeypatch, spoil: Callable[[pa.Table], pa.Table], told) -> None:
+def test_invalid_tables_are_refused(tmp_path, monkeypatch, spoil: Callable[[pa.Table], pa.Table], told) -> None:
     monkeypatch.setattr(store, "LARGEST_TABLE", 2**26)
     folder = write_folder(tmp_path, [solve_row("a", "p")])
     table = pq.read_table(folder / "solves.parquet")
@@ -135,7 +135,7 @@ def _with_text(table: pa.Table, length: int, rows: int) -> pa.Table:
 @pytest.mark.parametrize(
     "text", ["[" * 10**6, '{"settings": {"suite": "\\ud800"}}', '{"settings": 1}', '{"settings": {"a": ' + "9" * 5000]
 )
-def test_a_manifest_that_is_none_is_told(tmp_path, text) -> None:
+def test_invalid_manifest(tmp_path, text) -> None:
     (tmp_path / "manifest.json").write_text(text, encoding="utf-8")
     with pytest.raises(ResultsError, match=r"manifest\.json: "):
         store.read_manifest(tmp_path)
@@ -171,7 +171,7 @@ def complaints(*reads: Callable[[], object]) -> list[str]:
 
 
 @pytest.mark.parametrize("kind", ["problem.npz", "solves.parquet", "manifest.json"])
-def test_mutated_files_are_used_or_told_in_one_line(tmp_path, kind) -> None:
+def test_mutated_files(tmp_path, kind) -> None:
     random = np.random.default_rng(12)
     folder = write_folder(tmp_path / "run", [solve_row("a", "p"), solve_row("b", "p")])
     own.save(scene("stack", blocks=2).problem(), folder / "problem.npz")
@@ -188,7 +188,7 @@ def test_mutated_files_are_used_or_told_in_one_line(tmp_path, kind) -> None:
 
 
 @pytest.mark.parametrize(("room", "unwritten"), [(2000, "manifest.json"), (5000, "solves.parquet")])
-def test_a_disk_that_is_full_is_named_and_the_run_goes_on_where_there_is_room(tmp_path, room, unwritten) -> None:
+def test_full_disk(tmp_path, room, unwritten) -> None:
     """A disk with room for files of so many bytes."""
     command = ["run", "smoke", "--jobs", "1", "--scene", "stack", "--solver", "nsgs", "--out", str(tmp_path / "run")]
     full = "from resource import RLIMIT_FSIZE, setrlimit; from frictionbench.harness.cli import main; "
@@ -202,7 +202,7 @@ def test_a_disk_that_is_full_is_named_and_the_run_goes_on_where_there_is_room(tm
 
 
 @pytest.mark.parametrize("place", ["", "shards"])
-def test_a_folder_that_cannot_be_written_is_named(tmp_path, place) -> None:
+def test_unwritable_folder(tmp_path, place) -> None:
     folder, plan = tmp_path / "run", small_plan(simulations=())
     if place:
         open_folder(plan, folder)
@@ -211,7 +211,7 @@ def test_a_folder_that_cannot_be_written_is_named(tmp_path, place) -> None:
         run(plan, folder, 1, quiet())
 
 
-def test_a_source_that_cannot_keep_its_problems_is_rows_with_the_reason_until_it_can(tmp_path) -> None:
+def test_unwritable_problems_folder(tmp_path) -> None:
     folder, plan = tmp_path / "run", small_plan(simulations=())
     open_folder(plan, folder)
     (folder / "problems").touch()
@@ -225,7 +225,7 @@ def test_a_source_that_cannot_keep_its_problems_is_rows_with_the_reason_until_it
     assert (len(again), set(again["verdict"])) == (len(rows), {"solved"})
 
 
-def test_a_folder_of_another_schema_is_refused(tmp_path) -> None:
+def test_other_schema_is_refused(tmp_path) -> None:
     folder = write_folder(tmp_path / "run", [solve_row("a", "p")])
     manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
     for schema in (1, 3, "2", None):

@@ -4,12 +4,12 @@ from frictionbench.results.schema import TABLES, VERSION, describe
 from tests.helpers.paths import ROOT
 
 
-def test_the_page_of_columns_is_made_from_the_schema() -> None:
+def test_page_of_columns_is_generated() -> None:
     written = (ROOT / "docs" / "columns.md").read_text(encoding="utf-8")
     assert written == describe(), "python -m frictionbench.results.schema > docs/columns.md"
 
 
-def test_the_page_has_every_column_and_the_version() -> None:
+def test_page_of_columns_is_complete() -> None:
     page = describe()
     assert f"Schema version {VERSION};" in page
     rows = [line.split(" | ") for line in page.splitlines() if line.startswith("| `")]

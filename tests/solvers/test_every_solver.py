@@ -40,7 +40,7 @@ def own_residual(name: str, problem: FrictionProblem, answer: Answer) -> float:
     return residual(problem, answer.impulse)
 
 
-def test_every_solver_is_listed_with_its_facts() -> None:
+def test_solver_facts() -> None:
     defining = {Path(sys.modules[info.make.__module__].__file__) for info in available().values()}
     methods = set(Path(solvers.__file__).parent.glob("*.py")) - {Path(solvers.__file__)}
     assert {path.name for path in methods - defining} == {"interface.py", "needs.py", "plugins.py"}
@@ -79,7 +79,7 @@ def test_a_spatial_problem_is_solved(name) -> None:
 
 
 @pytest.mark.parametrize("name", [name for name in SOLVERS if find(name)[0].warm_start and 2 in find(name)[0].dimension])
-def test_a_warm_start_does_no_harm(name) -> None:
+def test_warm_start_is_harmless(name) -> None:
     problem = PLANAR["stack"]
     right = solve(problem, "lemke").impulse
     for start in (right, right[::-1].copy(), np.zeros_like(right)):
@@ -90,19 +90,19 @@ def test_a_warm_start_does_no_harm(name) -> None:
 
 
 @pytest.mark.parametrize(("tol", "limit", "field"), [(0.0, None, "tol"), (np.nan, None, "tol"), (1e-8, 0, "limit")])
-def test_a_bad_setting_is_named(tol, limit, field) -> None:
+def test_bad_setting(tol, limit, field) -> None:
     with pytest.raises(InputError, match=f"^{field}: "):
         solve(block(), "lemke", tol=tol, limit=limit)
 
 
 @pytest.mark.parametrize("name", ["interior_point", "nsgs", "hybrid"])
-def test_a_tight_limit_is_kept_and_said(name) -> None:
+def test_work_limit_status(name) -> None:
     answer = solve(scene("stack", blocks=20, push=1.0).problem(), name, tol=1e-10, limit=1)
     assert answer.status is not Status.SOLVED or name == "hybrid"
 
 
 @pytest.mark.parametrize("limit", [None, 20])
-def test_the_portfolio_goes_on_where_gauss_seidel_is_slow(limit) -> None:
+def test_portfolio_continues_after_gauss_seidel(limit) -> None:
     answer = solve(spatial(103, contacts=64, nv=192, friction=3), "hybrid", limit=limit)
     assert answer.status is Status.SOLVED
     assert answer.detail == "interior_point"

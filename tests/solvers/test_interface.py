@@ -25,7 +25,7 @@ def test_a_start_is_checked(name, start):
         method.solve(method.prepare(problem), 1e-8, None, start)
 
 
-def test_a_good_start_is_taken_as_a_list():
+def test_start_as_list():
     assert np.array_equal(solve(block(), "nsgs", start=[[0, 0]]).impulse, solve(block(), "nsgs").impulse)
     with pytest.raises(InputError, match=r"^start: "):
         solve(LCP(np.eye(2), [-1.0, -1.0]), "lemke", start=np.zeros((2, 2)))
@@ -43,13 +43,13 @@ def test_a_tolerance_is_checked(tol):
         solve(block(), "nsgs", tol=tol)
 
 
-def test_a_problem_is_one():
+def test_problem_type_is_checked():
     with pytest.raises(InputError, match=r"^problem: "):
         solve(np.eye(2), "lemke")
 
 
 @pytest.mark.parametrize("problem", [block(), spatial(0), spatial(0, joints=2)], ids=["plane", "space", "joints"])
-def test_impulses_are_checked_before_loops_that_do_not_look(problem):
+def test_impulses_are_checked(problem):
     too_many = np.zeros((problem.contacts + 1000, problem.dimension))
     known_by_W = type(problem).from_delassus(problem.W, problem.q, problem.friction, problem.dimension)
     for one in (problem, known_by_W):
@@ -65,7 +65,7 @@ def test_impulses_are_checked_before_loops_that_do_not_look(problem):
             method(np.zeros(3))
 
 
-def test_a_stored_start_that_is_none_is_named(tmp_path):
+def test_invalid_stored_start(tmp_path):
     (tmp_path / "problems").mkdir()
     path = tmp_path / "problems" / "abc.e3b0c442.starts.npz"
     for content in (b"PK no archive", b""):
@@ -77,7 +77,7 @@ def test_a_stored_start_that_is_none_is_named(tmp_path):
         stored_start(tmp_path, "abc", "", "warm")
 
 
-def test_answers_and_properties_are_shown_in_one_line():
+def test_repr_of_answers_and_properties():
     answer = Answer(np.zeros((12, 2)), Status.SOLVED, {"pivots": 14}, z=np.zeros(48))
     assert repr(answer) == "Answer(SOLVED, impulse (12, 2), z (48,), pivots 14)"
     assert repr(Answer(np.zeros((0, 3)), Status.FAILED)) == "Answer(FAILED, impulse (0, 3))"

@@ -104,12 +104,12 @@ def test_a_tall_spatial_stack_takes_few_iterations() -> None:
 @pytest.mark.parametrize(
     ("contacts", "nv", "friction", "seed"), [(1, 6, 0.1, 23), (2, 6, 3, 14), (12, 18, 1, 0), (12, 18, 3, 21), (20, 60, 3, 12)]
 )
-def test_spatial_traps_are_left_along_the_path(contacts, nv, friction, seed) -> None:
+def test_spatial_stagnation_is_resolved_by_path(contacts, nv, friction, seed) -> None:
     """Where the predictor-corrector stops; the three in the middle from other starts, too."""
     assert_solved(spatial(seed, contacts=contacts, nv=nv, friction=friction), "interior_point")
 
 
-def test_a_relaxation_whose_first_start_leads_nowhere() -> None:
+def test_relaxation_restart() -> None:
     """One contact: its y and z commute at the start and lose it on the way; the products' vector part then stops every step."""
     assert_solved(spatial(13, contacts=1, nv=6, friction=1), "relaxation_ip")
 
@@ -133,7 +133,7 @@ def test_spatial_special_cases(spec) -> None:
         assert_solved(problem, spec)
 
 
-def test_a_sliding_contact_is_solved_to_the_last_digits() -> None:
+def test_sliding_contact_accuracy() -> None:
     """The cone's boundary: u_t opposes r_t, |r_t| = mu r_n, by hand for a point mass pushed across the ground."""
     problem = FrictionProblem(
         mass=2 * np.eye(3),
@@ -150,7 +150,7 @@ def test_a_sliding_contact_is_solved_to_the_last_digits() -> None:
 
 
 @pytest.mark.parametrize("spec", ["interior_point", "relaxation_ip"])
-def test_sticking_contacts_keep_their_rounding_out_of_the_slip(spec) -> None:
+def test_sticking_contact_rounding(spec) -> None:
     """A table on sixteen legs beside a mote that just opens, and is solved when slips are far below the rounding of W r."""
     legs = [(x, y) for x in np.linspace(-1, 1, 4) for y in np.linspace(-1, 1, 4)]
     normal, tangent = np.zeros((17, 9)), np.zeros((34, 9))
@@ -176,13 +176,13 @@ def test_a_tall_stack_takes_few_iterations() -> None:
 
 
 @pytest.mark.parametrize("seed", [19, 30, 76, 115, 190, 195, 222, 285, 286, 294])
-def test_traps_of_the_predictor_corrector_are_left_along_the_path(seed) -> None:
+def test_stagnation_is_resolved_by_path(seed) -> None:
     """Where x s stops at a fold of the central path, with the residual at 1e-2 to 1e-3."""
     assert_solved(random_problem(seed, 1 + seed % 50), "interior_point")
 
 
 @pytest.mark.parametrize("seed", [3235, 3247, 3426, 4443, 4496, 4722, 5770])
-def test_folds_of_the_path_that_ten_restarts_did_not_avoid(seed) -> None:
+def test_folds_of_central_path(seed) -> None:
     assert_solved(random_problem(seed, 1 + seed % 50), "interior_point[shortcut=false]")
 
 
@@ -196,7 +196,7 @@ def sheared(name, shear, friction, **size) -> FrictionProblem:
 
 @pytest.mark.parametrize("spec", METHODS)
 @pytest.mark.parametrize(("friction", "shear"), [(0.7, 1.0), (0.8, 1.0), (0.8, 10.0)])
-def test_sheared_pyramids_are_solved_from_where_sweeps_get(friction, shear, spec) -> None:
+def test_sheared_pyramids_from_gauss_seidel_start(friction, shear, spec) -> None:
     """Without a hint how the boxes are loaded, the central path from any start wound on for thousands of iterations."""
     assert_solved(sheared("pyramid", shear, friction, rows=20), spec, at_most=200)
 
@@ -207,7 +207,7 @@ def test_ten_thousand_sheared_boxes() -> None:
 
 
 @pytest.mark.parametrize("problem", [random_problem(5, 30), random_bodies(5, 60, 0.5), scene("stack", blocks=50).problem()])
-def test_a_start_near_the_solution_saves_iterations(problem) -> None:
+def test_near_start_saves_iterations(problem) -> None:
     cold = solve(problem, "interior_point")
     assert solve(problem, "interior_point", start=cold.impulse).work["iterations"] <= 2
     noise = np.random.default_rng(0).standard_normal(cold.impulse.shape)
@@ -218,7 +218,7 @@ def test_a_start_near_the_solution_saves_iterations(problem) -> None:
 
 @pytest.mark.parametrize("problem", [random_problem(5, 30), random_bodies(5, 60, 0.5)])
 @pytest.mark.parametrize("wrong", [-1.0, 1e12])
-def test_a_start_far_from_any_solution_does_no_harm(problem, wrong) -> None:
+def test_far_start_is_harmless(problem, wrong) -> None:
     start = np.full((problem.contacts, problem.dimension), wrong)
     answer = solve(problem, "interior_point", start=start)
     assert answer.status is Status.SOLVED
@@ -264,21 +264,21 @@ def test_joints_of_any_rank(spec) -> None:
 
 
 @pytest.mark.parametrize("spec", METHODS)
-def test_a_delassus_matrix_that_is_not_symmetric_is_solved_as_given(spec) -> None:
+def test_unsymmetric_delassus_matrix(spec) -> None:
     known = random_problem(5, 10)
     W = known.W.toarray()
     W += 1e-7 * np.abs(W).max() * np.random.default_rng(0).standard_normal(W.shape)
     assert_solved(FrictionProblem.from_delassus(W, known.q, known.friction, 2), spec, tol=1e-10)
 
 
-def test_a_mass_matrix_that_is_dense() -> None:
+def test_dense_mass_matrix() -> None:
     pyramid = scene("pyramid", rows=4).problem()
     root = np.random.default_rng(0).standard_normal(pyramid.mass.shape)
     assert_solved(changed(pyramid, mass=root @ root.T + np.eye(len(root))), "interior_point")
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_a_sliding_pyramid_of_spheres_is_solved_by_a_path_that_does_not_turn_back(seed) -> None:
+def test_sphere_pyramid_path_direction(seed) -> None:
     """225 contacts of which half slide or open: a path told its way by the last tangent goes back to its start."""
     problem = sphere_pyramid(seed, levels=5, friction=0.5)
     answer = solve(problem, "hybrid")
@@ -287,11 +287,11 @@ def test_a_sliding_pyramid_of_spheres_is_solved_by_a_path_that_does_not_turn_bac
 
 
 @pytest.mark.parametrize("seed", [1, 12])
-def test_large_friction_that_traps_all_but_paths(seed) -> None:
+def test_large_friction_needs_path(seed) -> None:
     assert_solved(random_bodies(seed, friction=1000.0), "interior_point")
 
 
-def test_the_answer_does_not_depend_on_units() -> None:
+def test_unit_invariance() -> None:
     problem = random_problem(7, 12)
     heavy = changed(problem, mass=problem.mass * 1e9)
     slow = changed(problem, free_velocity=problem.free_velocity * 1e-6, bias=problem.bias * 1e-6)
@@ -302,25 +302,25 @@ def test_the_answer_does_not_depend_on_units() -> None:
         assert np.allclose(velocity / unit, problem.velocity(expected.impulse), rtol=0, atol=1e-8)
 
 
-def test_an_impossible_tolerance_is_not_claimed() -> None:
+def test_unreachable_tolerance_is_not_claimed() -> None:
     answer = solve(random_problem(1, 30), "interior_point", tol=1e-300)
     assert answer.status in (Status.STALLED, Status.WORK_LIMIT)
     assert residual(random_problem(1, 30), answer.impulse) < 1e-12
 
 
-def test_rounding_below_the_tolerance_is_not_claimed_away() -> None:
+def test_hidden_rounding_is_not_claimed() -> None:
     """A jam in which internal impulses may grow to 1e8, where rounding hides a residual of 7e-8."""
     assert_solved(random_problem(414, 15, mass_ratio=1e4), "interior_point")
 
 
 @pytest.mark.parametrize("spec", [*METHODS, "relaxation_ip"])
-def test_the_limit_bounds_the_factorisations(spec) -> None:
+def test_limit_bounds_factorisations(spec) -> None:
     answer = solve(scene("stack", blocks=50).problem(), spec, limit=3)
     assert answer.status is Status.WORK_LIMIT
     assert answer.work["factorisations"] <= 3
 
 
-def test_relaxation_and_coulomb_differ_where_a_block_slides() -> None:
+def test_relaxation_differs_for_sliding_block() -> None:
     """AP: a sliding block keeps to the ground; the relaxation lifts it by mu u_t (FACTS, relaxation artefact)."""
     problem = block(speed=1.0, friction=0.5)
     exact = problem.contact_velocity(solve(problem, "interior_point", tol=1e-12).impulse)
@@ -341,7 +341,7 @@ def with_every_kind_of_contact(dimension, joints=0) -> FrictionProblem:
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize("relaxed", [False, True])
 @pytest.mark.parametrize(("joints", "accuracy"), [(0, 1e-9), (2, 1e-5)])
-def test_a_full_newton_step_meets_its_target_and_removes_the_defect(joints, accuracy, relaxed, dimension) -> None:
+def test_newton_step_removes_defect(joints, accuracy, relaxed, dimension) -> None:
     """Joints are soft, so they are met in two or three steps."""
     system = build_system(with_every_kind_of_contact(dimension, joints), relaxed)
     space = space_of(system)
@@ -370,7 +370,7 @@ def test_a_full_newton_step_meets_its_target_and_removes_the_defect(joints, accu
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_the_residual_inside_is_the_residual_of_the_project(dimension) -> None:
+def test_internal_residual_equals_residual(dimension) -> None:
     problem = with_every_kind_of_contact(dimension)
     for relaxed, measure in ((False, residual), (True, relaxation_residual)):
         system = build_system(problem, relaxed)
@@ -385,7 +385,7 @@ def test_the_residual_inside_is_the_residual_of_the_project(dimension) -> None:
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_a_centred_point_keeps_the_distance_it_is_asked_for(dimension) -> None:
+def test_centred_point_products(dimension) -> None:
     """x ∘ s = g^2 in units of velocity; and around a solution, as g goes to 0, the solution and no defect."""
     problem = with_every_kind_of_contact(dimension)
     system, r = build_system(problem), solve(problem, "hybrid", tol=1e-13).impulse
@@ -405,7 +405,7 @@ def test_a_centred_point_keeps_the_distance_it_is_asked_for(dimension) -> None:
     assert np.allclose(work.impulse * system.impulse, r, rtol=0, atol=1e-10)
 
 
-def test_the_longest_step_stops_at_the_first_zero() -> None:
+def test_longest_step_planar() -> None:
     system, space = build_system(random_problem(0, 3)), None
     point, step = start_point(system, 1.0, 1.0), new_point(system)
     assert longest(system, space, point, step, 1.0) == 1.0
@@ -415,7 +415,7 @@ def test_the_longest_step_stops_at_the_first_zero() -> None:
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_the_longest_step_ends_on_the_cone(seed) -> None:
+def test_longest_step_spatial(seed) -> None:
     random = np.random.default_rng(seed)
     for _ in range(200):
         a, step = random.standard_normal((2, 3))
@@ -443,7 +443,7 @@ def quadratic(a, b):
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_a_step_is_measured_by_what_makes_it_of_the_identity(dimension) -> None:
+def test_scaled_step_norm(dimension) -> None:
     system = build_system(with_every_kind_of_contact(dimension, joints=1))
     point, step = start_point(system, 1.0, 2.0), new_point(system)
     random = np.random.default_rng(0)
@@ -478,7 +478,7 @@ def from_lcp(M, q) -> FrictionProblem:
 
 @pytest.mark.parametrize("spec", METHODS)
 @pytest.mark.parametrize(("name", "instances"), [("bar", 11), ("blocks", 4)])
-def test_recorded_steps_on_which_lemke_ends_on_a_false_ray(name, instances, spec) -> None:
+def test_recorded_false_ray_steps(name, instances, spec) -> None:
     with np.load(DATA / f"false_rays_{name}.npz") as data:
         for k in range(instances):
             assert_solved(from_lcp(data[f"M{k}"], data[f"q{k}"]), spec)
@@ -504,7 +504,7 @@ def test_recorded_step_near_a_jam(spec) -> None:
         assert_solved(FrictionProblem(mass=data["M"], normal=N, tangent=T, friction=mu, free_velocity=v, bias=b), spec)
 
 
-def test_sparse_joints_keep_a_chain_sparse() -> None:
+def test_chain_joints_are_sparse() -> None:
     nv = 40
     rows = sparse.diags_array([np.ones(nv - 1), -np.ones(nv - 1)], offsets=[0, 1], shape=(nv - 1, nv))
     normal = sparse.csr_array(([1.0], ([0], [0])), shape=(1, nv))
@@ -516,7 +516,7 @@ def test_sparse_joints_keep_a_chain_sparse() -> None:
     assert_solved(problem, "interior_point")
 
 
-def test_what_a_path_leaves_near_an_answer_is_polished() -> None:
+def test_polishing() -> None:
     problem = sphere_pyramid(0, levels=3, friction=0.5)
     prepared = find("interior_point")[1].prepare(problem)
     right = solve(problem, "interior_point", tol=1e-12).impulse
@@ -538,7 +538,7 @@ def test_what_a_path_leaves_near_an_answer_is_polished() -> None:
 
 
 @pytest.mark.parametrize("steps", [1, 5, 20, 40])
-def test_a_path_keeps_all_equations_but_the_products_exact(steps) -> None:
+def test_path_defect_is_proportional(steps) -> None:
     """The defect of a point of the path is that of its start, times the same t for all contacts, corrected or foretold."""
     system = build_system(sphere_pyramid(0, levels=3, friction=0.5))
     point, first, defect, workspace = start_point(system, 1.5, 5.0), new_point(system), new_point(system), new_workspace(system)
@@ -552,7 +552,7 @@ def test_a_path_keeps_all_equations_but_the_products_exact(steps) -> None:
 
 
 @pytest.mark.parametrize("friction", [0.7, 1.0])
-def test_a_pyramid_of_spheres_that_only_traps_the_exact_method_is_solved_by_its_relaxation(friction) -> None:
+def test_sphere_pyramid_solved_by_relaxation(friction) -> None:
     problem = sphere_pyramid(0, levels=5, friction=friction)
     answer = solve(problem, "interior_point")
     assert residual(problem, answer.impulse) <= 1e-8
@@ -564,10 +564,10 @@ def test_a_pyramid_of_spheres_that_only_traps_the_exact_method_is_solved_by_its_
     ("seed", "levels", "friction", "noise"),
     [(0, 4, 0.5, 0.0), (2, 4, 0.5, 0.0), (1, 5, 0.5, 0.0), (1, 5, 1.0, 0.03), (0, 6, 0.5, 0.0), (2, 6, 0.7, 0.03)],
 )
-def test_a_sliding_pyramid_of_spheres_is_solved_by_paths(seed, levels, friction, noise) -> None:
+def test_sphere_pyramid_solved_by_paths(seed, levels, friction, noise) -> None:
     assert_solved(sphere_pyramid(seed, levels=levels, friction=friction, noise=noise), "interior_point", at_most=5000)
 
 
 @pytest.mark.parametrize("seed", [0, 5, 19, 26, 38])
-def test_friction_without_end_is_solved_by_paths(seed) -> None:
+def test_unbounded_friction_solved_by_paths(seed) -> None:
     assert_solved(random_bodies(seed, contacts=40, friction=1000.0), "interior_point")

@@ -126,7 +126,7 @@ def test_reports_a_ray_where_there_is_no_solution(M, q):
     assert solve(LCP(M, q), "lemke").status is Status.RAY
 
 
-def test_bimatrix_game_ends_on_a_ray_for_every_covering_vector():
+def test_bimatrix_game_ends_on_ray():
     """Floudas and Pardalos, 10.2.4: M >= 0 with a zero diagonal. There are solutions, but no path to one from z = 0."""
     A, B, none = np.array([[10, 20], [30, 15]]), np.array([[10, 20], [30, 15]]), np.zeros((2, 2))
     lcp = LCP(np.block([[none, A], [B, none]]), -np.ones(4))
@@ -135,7 +135,7 @@ def test_bimatrix_game_ends_on_a_ray_for_every_covering_vector():
     assert solve(lcp, "lemke[restarts=0]").work["pivots"] == 1
 
 
-def test_jam_with_overlap_on_both_walls_ends_on_a_ray_and_with_overlap_on_one_does_not():
+def test_jam_overlap_rays():
     """A particle between two walls, b = (-.1, -.1) and (-.1, +.1)."""
 
     def between_walls(bias):
@@ -230,7 +230,7 @@ def test_spatial_contacts_on_a_polygonal_cone():
     np.testing.assert_allclose(answer.impulse, [[1, -0.5, 0]], atol=1e-14)  # the corner nearest to the sliding direction
 
 
-def test_no_contact_and_nothing_to_do():
+def test_no_contact_and_nonnegative_q():
     none = FrictionProblem(
         mass=np.eye(2), normal=np.zeros((0, 2)), tangent=np.zeros((0, 2)), friction=[], free_velocity=[1, 1], bias=[]
     )
@@ -243,14 +243,14 @@ def test_no_contact_and_nothing_to_do():
     assert not answer.z.any()
 
 
-def test_scale_of_units_does_not_change_the_path():
+def test_path_is_unit_invariant():
     lcp = random_problem(11, 20).lcp()
     first, second = solve(LCP(lcp.M, lcp.q), "lemke"), solve(LCP(lcp.M / 1024, lcp.q * 64), "lemke")
     assert first.work == second.work
     np.testing.assert_allclose(second.z, first.z * 65536, rtol=1e-12, atol=1e-12)
 
 
-def test_a_large_pyramid_of_exact_ties_takes_no_detour():
+def test_large_pyramid_pivot_count():
     """Perturbations of equal differences between neighbours once made the path through this one cycle."""
     problem = pyramid(14, push=1.0)
     answer = solve(problem, "lemke")
@@ -259,7 +259,7 @@ def test_a_large_pyramid_of_exact_ties_takes_no_detour():
 
 
 @pytest.mark.parametrize("friction", [0.05, 0.8])
-def test_a_basis_is_not_left_for_round_off(friction):
+def test_resting_stack_pivot_count(friction):
     """A resting stack of 50 boxes takes one pivot a contact and one for z0; round-off in the last basis once cost 49 more."""
     problem = stack(50, friction)
     answer = solve(problem, "lemke")
@@ -281,7 +281,7 @@ def test_warm_start_from_the_answer_saves_pivots(problem):
     assert warm.work["pivots"] < cold.work["pivots"] / 2
 
 
-def test_warm_start_from_nonsense_still_solves():
+def test_arbitrary_warm_start():
     problem = stack(10, push=1.0)
     start = np.random.default_rng(0).standard_normal((20, 2))
     assert_solved(problem, solve(problem, "lemke", start=start))

@@ -35,7 +35,7 @@ def least_minor(M) -> float:
     return min(np.linalg.det(M[np.ix_(s, s)]) for k in range(1, n + 1) for s in combinations(range(n), k))
 
 
-def test_one_contact_is_p0_exactly_where_a_is_at_least_mu_b() -> None:
+def test_one_contact_p0_threshold() -> None:
     random = np.random.default_rng(0)
     problems = [contact(random) for _ in range(200)]
     p0 = [least_minor(p.lcp().dense) >= -1e-9 for p in problems]
@@ -53,7 +53,7 @@ def test_fischer_solves_every_contact_that_is_p0(spec) -> None:
 
 
 @pytest.mark.parametrize("spec", ["fischer_newton", "fischer_newton[regularisation=0]"])
-def test_beyond_p0_fischer_may_end_in_a_minimum_that_is_no_solution(spec) -> None:
+def test_fischer_local_minimum_beyond_p0(spec) -> None:
     problem = FrictionProblem.from_delassus([[0.4, 0.34], [0.34, 5.05]], [-1.2, 0.7], [3.9], 2)
     assert index(problem) < 0
     answer = solve(problem, spec)
@@ -64,7 +64,7 @@ def test_beyond_p0_fischer_may_end_in_a_minimum_that_is_no_solution(spec) -> Non
 
 
 @pytest.mark.parametrize("a", [1.1, 2.0, 10.0])
-def test_the_plain_min_map_cycles_on_a_p_matrix_and_the_line_search_leaves_the_cycle(a) -> None:
+def test_line_search_avoids_min_map_cycle(a) -> None:
     M, q = np.array([[1, 0, a], [a, 1, 0], [0, a, 1]]), np.ones(3)
     assert least_minor(M) > 0
     start = np.array([-1.0, 0, 0])
@@ -79,7 +79,7 @@ def test_the_plain_min_map_cycles_on_a_p_matrix_and_the_line_search_leaves_the_c
     assert searching.best == pytest.approx(np.zeros(3), abs=1e-9)
 
 
-def test_even_one_p0_contact_makes_the_plain_min_map_cycle() -> None:
+def test_min_map_cycles_on_p0_contact() -> None:
     problem = FrictionProblem.from_delassus([[0.983, 0.768], [0.768, 2.206]], [-0.106, -1.186], [0.238], 2)
     assert index(problem) > 0
     plain = solve(problem, "minmap_newton[globalised=false]")
@@ -89,7 +89,7 @@ def test_even_one_p0_contact_makes_the_plain_min_map_cycle() -> None:
 
 
 @pytest.mark.parametrize("spec", [*BOTH, "minmap_newton[globalised=false]", "fischer_newton[regularisation=0]"])
-def test_what_is_claimed_is_true_and_failures_are_owned_up_to(spec) -> None:
+def test_claims_are_correct(spec) -> None:
     for seed in range(60):
         problem = random_problem(seed, contacts=1 + seed % 30)
         answer = solve(problem, spec)
@@ -105,7 +105,7 @@ def test_most_random_problems_are_solved(spec, least) -> None:
     assert solved(spec) >= least
 
 
-def test_redundant_contacts_need_the_regularisation() -> None:
+def test_regularisation_for_redundant_contacts() -> None:
     assert solved("fischer_newton[regularisation=0]") < solved("fischer_newton") - 15
 
 
@@ -165,7 +165,7 @@ def test_fischer_converges_quadratically_to_a_regular_solution() -> None:
     assert (history[near + 1] < 100 * history[near] ** 2).all()
 
 
-def test_the_fischer_function_keeps_its_digits() -> None:
+def test_fischer_function_accuracy() -> None:
     assert fischer(np.array([1.0, 3.0, -2.0, 0.0]), np.array([1e-20, 4.0, 0.0, 0.0])) == pytest.approx(
         [-1e-20, -2.0, 4.0, 0.0], rel=1e-15, abs=1e-300
     )
@@ -184,7 +184,7 @@ def test_the_gradient_of_the_merit() -> None:
     assert A * phi + (B * phi) @ M == pytest.approx(expected, rel=1e-6, abs=1e-7)
 
 
-def test_at_a_kink_the_jacobian_is_that_of_a_direction() -> None:
+def test_jacobian_at_kink() -> None:
     random, n = np.random.default_rng(5), 5
     M, y, q = random.standard_normal((n, n)), random.standard_normal(n), np.zeros(n)
     y[:2] = 0

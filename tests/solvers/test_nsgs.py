@@ -40,13 +40,13 @@ def test_one_spatial_contact_is_solved_exactly(bias) -> None:
 
 
 @pytest.mark.parametrize("start", [[0.0, 0.0], [0.1, 0.15], [0.283, 0.394]])
-def test_of_three_solutions_the_open_one_is_taken(start) -> None:
+def test_open_solution_is_chosen(start) -> None:
     W, q = np.array([[8 / 5, -6 / 5], [-6 / 5, 17 / 5]]), np.array([1 / 50, -1])
     u = W @ start + q
     assert planar_contact(*u, *start, W, 1.5, 0.0) == (0.0, 0.0)
 
 
-def test_a_planar_contact_is_a_spatial_one_with_a_frictionless_direction() -> None:
+def test_planar_contact_equals_spatial_contact() -> None:
     random = np.random.default_rng(2)
     for _ in range(100):
         root = random.standard_normal((2, 2))
@@ -59,7 +59,7 @@ def test_a_planar_contact_is_a_spatial_one_with_a_frictionless_direction() -> No
 
 
 @pytest.mark.parametrize("problem", [random_problem(4), spatial(4), spatial(5, joints=2, friction_bias=True)])
-def test_the_packed_form_is_the_problem(problem) -> None:
+def test_packed_form(problem) -> None:
     form, r = contact_form(problem), np.random.default_rng(0).standard_normal((problem.contacts, problem.dimension))
     x, u = np.empty_like(form.rest), np.empty_like(r)
     state(form, r, x)
@@ -95,7 +95,7 @@ def test_short_stacks_are_solved(blocks, push) -> None:
     assert residual(problem, answer.impulse) <= 1e-8
 
 
-def test_a_claim_is_never_wrong() -> None:
+def test_claims_are_correct() -> None:
     solved = 0
     for seed in range(60):
         problem = random_problem(seed, contacts=(2, 10, 30)[seed % 3])
@@ -115,7 +115,7 @@ def test_spatial_problems_with_joints_and_friction_bias(seed) -> None:
     assert residual(problem, answer.impulse) <= 1e-8
 
 
-def test_planar_joints_are_kept() -> None:
+def test_planar_joints() -> None:
     problem = scene("stack", blocks=3, push=0.5).problem()
     joints = np.zeros((1, 9))
     joints[0, [3, 6]] = 1, -1  # the two upper blocks move sideways together
@@ -125,7 +125,7 @@ def test_planar_joints_are_kept() -> None:
     assert joints @ problem.velocity(answer.impulse) == pytest.approx(0.0, abs=1e-12)
 
 
-def test_both_forms_sweep_alike() -> None:
+def test_both_forms_sweep_equally() -> None:
     problem = scene("stack", blocks=3, push=0.5).problem()
     by_delassus = FrictionProblem.from_delassus(problem.W, problem.q, problem.friction, 2)
     answers = [solve(form, "nsgs", limit=20) for form in (problem, by_delassus)]
@@ -133,7 +133,7 @@ def test_both_forms_sweep_alike() -> None:
     assert answers[0].work == answers[1].work == {"sweeps": 20, "checks": 3}
 
 
-def test_an_unsymmetric_delassus_matrix_is_taken_as_given() -> None:
+def test_unsymmetric_delassus_matrix() -> None:
     W = np.array([[1.0, 0.2], [0.2 + 1e-3, 1.0]])
     problem = FrictionProblem.from_delassus(W, [-1.0, -0.3], [0.5], 2)
     assert residual(problem, solve(problem, "nsgs", tol=1e-12).impulse) <= 1e-12
@@ -154,13 +154,13 @@ def test_no_contact(dimension) -> None:
     assert answer.impulse.shape == (0, dimension)
 
 
-def test_nothing_moves_nothing() -> None:
+def test_zero_velocity() -> None:
     answer = solve(block(speed=0.0, h=0.0), "nsgs")
     assert answer.status is Status.SOLVED
     assert not answer.impulse.any()
 
 
-def test_the_work_limit_is_obeyed_and_said() -> None:
+def test_work_limit_status() -> None:
     problem = scene("stack", blocks=5).problem()
     answer = solve(problem, "nsgs", limit=23)
     assert answer.status is Status.WORK_LIMIT
@@ -169,7 +169,7 @@ def test_the_work_limit_is_obeyed_and_said() -> None:
     assert answer.history[-1] == pytest.approx(residual(problem, answer.impulse), rel=1e-6)
 
 
-def test_a_cycle_is_said_to_stall() -> None:
+def test_cycle_is_stalled() -> None:
     answer = solve(random_problem(7, contacts=40), "nsgs")  # mu up to 4; the residual stays at .157
     assert answer.status is Status.STALLED
     assert answer.work["sweeps"] < LIMIT
@@ -183,6 +183,6 @@ def test_relaxation_reaches_the_same_velocities() -> None:
 
 
 @pytest.mark.parametrize("factor", ["0", "2", "-1", "nan"])
-def test_a_bad_relaxation_is_named(factor) -> None:
+def test_bad_relaxation(factor) -> None:
     with pytest.raises(InputError, match="relaxation"):
         find(f"nsgs[relaxation={factor}]")

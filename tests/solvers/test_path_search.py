@@ -101,7 +101,7 @@ def test_random_problems() -> None:
 
 
 @pytest.mark.parametrize("spec", ["path_search[crash=0]", "path_search[proximal=0.01]"])
-def test_random_problems_otherwise(spec) -> None:
+def test_random_problems_of_varied_size(spec) -> None:
     work = [assert_solved(random_problem(seed, contacts=1 + seed % 25), spec) for seed in range(300, 350)]
     proximal = sum(count["newton"] > 1 for count in work)
     assert proximal == 0 if "crash" in spec else proximal > 10
@@ -122,18 +122,18 @@ def test_extreme_mass_ratios(ratio) -> None:
         assert_solved(scene("stack", blocks=blocks, mass_ratio=ratio, push=0.1, friction=1.0).problem())
 
 
-def test_where_the_last_basis_is_ill_conditioned_the_path_knows_better() -> None:
+def test_ill_conditioned_last_basis() -> None:
     """Condition 1e10: the exact basic solution is 1e-4 off, the end of the path 1e-10."""
     assert_solved(scene("stack", blocks=25, mass_ratio=1e5, push=0.1, friction=0.5).problem())
 
 
-def test_a_path_that_round_off_keeps_just_short_of_its_end() -> None:
+def test_path_stopped_by_round_off() -> None:
     """23 contacts on 12 freedoms: t comes to 1 - 1e-14 and stays there while pivots go on in W's null space."""
     assert assert_solved(random_problem(772, contacts=23), "path_search[crash=0]")["restarts"] == 0
 
 
 @pytest.mark.parametrize(("name", "i"), FALSE_RAYS)
-def test_where_a_plain_tableau_reports_false_rays(name, i) -> None:
+def test_false_rays_of_plain_tableau(name, i) -> None:
     data = np.load(DATA / f"false_rays_{name}.npz")
     lcp = LCP(data[f"M{i}"], data[f"q{i}"])
     answer = solve(lcp, "path_search")
@@ -182,7 +182,7 @@ def test_work_is_deterministic_and_prepared_is_reusable() -> None:
     assert first.work["newton"] == 1
 
 
-def test_the_crash_shortens_the_path() -> None:
+def test_crash_start_shortens_path() -> None:
     problems = [random_problem(seed, contacts=30) for seed in range(20)]
     pivots = [sum(solve(p, spec).work["pivots"] for p in problems) for spec in ("path_search", "path_search[crash=0]")]
     assert pivots[0] < 0.95 * pivots[1]
@@ -246,7 +246,7 @@ def test_orientation_is_the_sign_of_the_determinant() -> None:
     assert all(sign == expected for sign, expected in signs)
 
 
-def test_a_ray_is_told_from_what_is_none() -> None:
+def test_ray_classification() -> None:
     columns, _ = random_columns(6, 6)
     assert not is_ray(columns, np.ones(6))
     assert not is_ray(columns, np.zeros(6))
@@ -255,7 +255,7 @@ def test_a_ray_is_told_from_what_is_none() -> None:
     assert is_ray(columns, np.array([0.0, 0.0, 0.0, 1.0]))  # the sliding speed lambda, which copositive-plus would forbid
 
 
-def test_the_natural_residual_knows_no_units() -> None:
+def test_natural_residual_unit_invariance() -> None:
     """Grams for kilograms change M, z and the LCP's residual by 1000; a millionfold mass ratio drowns no contact."""
     problem = random_problem(4, contacts=8, mass_ratio=1e6)
     small = FrictionProblem.from_delassus(1e-3 * problem.W, problem.q, problem.friction, 2)
@@ -270,7 +270,7 @@ def test_the_natural_residual_knows_no_units() -> None:
     assert measured[0] == pytest.approx(measured[1], rel=1e-9)
 
 
-def test_the_natural_residual_is_near_the_exact_one() -> None:
+def test_natural_residual_bounds() -> None:
     random = np.random.default_rng(0)
     for seed in range(60):
         problem = random_problem(seed, contacts=1 + seed % 10, mass_ratio=1e4)

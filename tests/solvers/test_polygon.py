@@ -24,7 +24,7 @@ def sliding():
 
 
 @pytest.mark.parametrize("name", LCP_SOLVERS)
-def test_the_polygons_error_is_the_models(name) -> None:
+def test_polygon_error_is_model_error(name) -> None:
     problem = sliding()
     spec = f"{name}[facets=12]"
     finding = verify(problem, solve(problem, spec, tol=1e-8), find(spec)[0], 1e-8)
@@ -34,7 +34,7 @@ def test_the_polygons_error_is_the_models(name) -> None:
     assert finding.residual > 1e-5
 
 
-def test_more_facets_come_nearer_to_the_cone() -> None:
+def test_error_decreases_with_facets() -> None:
     """The polygon's corner that is nearest to the direction of sliding is the farther from it the fewer there are."""
     problem = sliding()
     sizes = (4, 8, 16, 32, 64)
@@ -50,12 +50,12 @@ def test_facets_are_even_and_at_least_four(facets) -> None:
         solve(sliding(), f"lemke[facets={facets}]")
 
 
-def test_in_the_plane_facets_change_nothing() -> None:
+def test_facets_are_ignored_in_plane() -> None:
     problem = make_instance("random", seed=1, contacts=3)
     assert np.array_equal(solve(problem, "lemke[facets=16]").impulse, solve(problem, "lemke").impulse)
 
 
-def test_a_run_with_facets_leaves_what_polygons_make_of_a_ball(tmp_path) -> None:
+def test_run_writes_polygon_deviations(tmp_path) -> None:
     plan = choose("spatial", ["cubes[boxes=1]"], ("lemke[facets=16]",), "1e-8", 5.0)
     run(plan, tmp_path, 1, Progress())
     circle, *polygons = read_deviations(tmp_path)

@@ -49,7 +49,7 @@ def test_compress_keeps_every_entry_of_an_unsymmetric_matrix():
     assert np.array_equal(row, lcp.dense)
 
 
-def test_basis_stays_the_inverse_through_every_kind_of_pivot():
+def test_basis_update_after_pivots():
     """Random pivots: z for w, z for z, w for w, w for z; the transformed columns stay those of the basis matrix."""
     random = np.random.default_rng(5)
     n = 12
@@ -117,7 +117,7 @@ def test_solves_p_matrices(name):
         np.testing.assert_allclose(answer.z, z, atol=1e-12)
 
 
-def test_murty_takes_exponentially_many_pivots_on_fathis_mirror_of_his_family():
+def test_murty_exponential_pivot_count():
     """Murty 1988, chapter 6: upper triangular, 1 on the diagonal, 2 above, q = -1: 2^n - 1 principal pivots."""
     for n in (3, 6, 9):
         lcp = LCP(2 * np.triu(np.ones((n, n)), 1) + np.eye(n), -np.ones(n))
@@ -136,13 +136,13 @@ def test_dantzig_solves_frictionless_contact_of_any_rank():
 
 @pytest.mark.parametrize("name", PRINCIPAL)
 @pytest.mark.parametrize("mu", [0.2, 1.0, 5.0])
-def test_says_honestly_how_it_ended_on_friction_problems(name, mu):
+def test_status_on_friction_problems(name, mu):
     for seed in range(60):
         problem = random_problem(seed, contacts=1 + seed % 20, friction=mu)
         assert_honest(problem, solve(problem, name))
 
 
-def test_both_solve_most_of_the_weakly_frictional_problems():
+def test_success_rate_at_small_friction():
     """A floor under regressions, not a promise: with mu = .2 dantzig solves them all, murty those of full rank."""
     for name, least in (("dantzig", 40), ("murty", 15)):
         answers = [solve(random_problem(seed, contacts=1 + seed % 20, friction=0.2), name) for seed in range(40)]
@@ -150,13 +150,13 @@ def test_both_solve_most_of_the_weakly_frictional_problems():
 
 
 @pytest.mark.parametrize("name", PRINCIPAL)
-def test_no_answer_is_claimed_where_there_is_none(name):
+def test_infeasible_problem_is_not_claimed(name):
     for problem in (LCP([[0]], [-1]), LCP([[2, -1], [0, -2]], [-1, -2]), between_walls([-0.1, -0.1])):
         assert solve(problem, name).status is not Status.SOLVED
 
 
 @pytest.mark.parametrize("name", PRINCIPAL)
-def test_no_contact_nothing_to_do_and_no_pivots_left(name):
+def test_edge_cases(name):
     none = FrictionProblem(
         mass=np.eye(2), normal=np.zeros((0, 2)), tangent=np.zeros((0, 2)), friction=[], free_velocity=[1, 1], bias=[]
     )

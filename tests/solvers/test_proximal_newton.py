@@ -15,7 +15,7 @@ from tests.helpers.kernels import equations, newton_step
 
 @pytest.mark.parametrize("rho", [1e-3, 1.0])
 @pytest.mark.parametrize("seed", range(5))
-def test_a_newton_step_removes_the_equations_to_first_order(seed, rho) -> None:
+def test_newton_step_to_first_order(seed, rho) -> None:
     """At impulses of every kind: open, sticking and sliding contacts, with a friction bias."""
     problem = spatial(seed, contacts=12, nv=24, friction=0.7, friction_bias=True)
     system, random = build_system(problem), np.random.default_rng(seed)
@@ -46,7 +46,7 @@ def test_spatial_problems(seed, friction) -> None:
 
 
 @pytest.mark.parametrize("seed", [0, 11, 15])
-def test_large_friction_that_traps_the_predictor_corrector(seed) -> None:
+def test_large_friction(seed) -> None:
     problem = make_instance("random_bodies", seed=seed, friction=1000.0)
     assert solve(problem, "interior_point").work["relaxation_ip factorisations"] > 0  # asked where it is trapped
     assert residual(problem, solve(problem, "proximal_newton").impulse) <= 1e-8
@@ -59,13 +59,13 @@ def test_no_contact_and_only_w() -> None:
     assert residual(by_w, solve(by_w, "proximal_newton").impulse) <= 1e-8
 
 
-def test_a_start_at_the_solution_costs_nothing() -> None:
+def test_start_at_solution() -> None:
     problem = make_instance("random_bodies", contacts=20)
     right = solve(problem, "proximal_newton", tol=1e-12).impulse
     assert solve(problem, "proximal_newton", start=right).work["factorisations"] == 0
 
 
-def test_a_limit_is_kept_and_said() -> None:
+def test_work_limit_status() -> None:
     answer = solve(make_instance("sphere_pyramid", levels=3), "proximal_newton", limit=7)
     assert answer.status is Status.WORK_LIMIT
     assert answer.work["factorisations"] == 7

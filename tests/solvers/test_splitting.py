@@ -36,7 +36,7 @@ def test_stacks_are_solved(spec, blocks, push) -> None:
 
 
 @pytest.mark.parametrize("spec", ALL)
-def test_a_claim_is_never_wrong(spec) -> None:
+def test_claims_are_correct(spec) -> None:
     problems = [random_problem(seed, contacts=(2, 10, 30)[seed % 3]) for seed in range(24)]
     problems += [spatial(seed, contacts=6, friction_bias=seed % 2 == 0, joints=seed % 3) for seed in range(12)]
     solved = 0
@@ -51,14 +51,14 @@ def test_a_claim_is_never_wrong(spec) -> None:
 
 @pytest.mark.parametrize("spec", RELAXED)
 @pytest.mark.parametrize("problem", [random_problem(8, contacts=20), spatial(3, joints=1, friction_bias=True)])
-def test_the_relaxation_has_one_velocity(spec, problem) -> None:
+def test_relaxation_velocity_is_unique(spec, problem) -> None:
     reference = solve(problem, "ccp_cone[backend=scs]", tol=1e-9)
     answer = solve(problem, spec, tol=1e-9)
     assert problem.velocity(answer.impulse) == pytest.approx(problem.velocity(reference.impulse), abs=1e-6)
 
 
 @pytest.mark.parametrize("spec", ALL)
-def test_the_model_is_the_one_named(spec) -> None:
+def test_sliding_block_follows_its_model(spec) -> None:
     # A block that goes on sliding: Coulomb's keeps to the ground, the relaxation's lifts off at mu u_t.
     problem = block(speed=1.0, friction=0.6)
     u_n, u_t = problem.contact_velocity(solve(problem, spec, tol=1e-10).impulse)[0]
@@ -84,7 +84,7 @@ def test_a_start_at_the_solution_takes_no_work(spec) -> None:
 
 
 @pytest.mark.parametrize("spec", ALL)
-def test_the_work_limit_is_obeyed_and_said(spec) -> None:
+def test_work_limit_status(spec) -> None:
     problem = scene("stack", blocks=8, push=0.3).problem()
     answer = solve(problem, spec, limit=3)
     assert answer.status is Status.WORK_LIMIT
@@ -109,7 +109,7 @@ def test_velocities_and_impulses_give_the_same_answer(spec) -> None:
 
 
 @pytest.mark.parametrize("spec", ["nsgs", *ALL])
-def test_a_change_of_units_changes_nothing(spec) -> None:
+def test_unit_invariance(spec) -> None:
     # By powers of two, so that round-off too is the same.
     problem = scene("stack", blocks=3, push=0.25).problem()
     fields = {name: getattr(problem, name) for name in ("normal", "tangent", "friction", "dimension")}
@@ -122,7 +122,7 @@ def test_a_change_of_units_changes_nothing(spec) -> None:
 
 
 @pytest.mark.parametrize("spec", ["nsgs", *ALL])
-def test_a_contact_that_nothing_can_move(spec) -> None:
+def test_immovable_contact(spec) -> None:
     W = np.zeros((4, 4))
     W[2:, 2:] = [[1.0, 0.2], [0.2, 1.0]]
     problem = FrictionProblem.from_delassus(W, [0.5, 1.0, -1.0, 0.3], [0.5, 0.5], 2)
@@ -132,7 +132,7 @@ def test_a_contact_that_nothing_can_move(spec) -> None:
 
 
 @pytest.mark.parametrize("spec", ["nsgs", *ALL])
-def test_a_contact_named_twice(spec) -> None:
+def test_duplicated_contact(spec) -> None:
     W, q = np.array([[1.0, 0.2], [0.2, 1.0]]), np.array([-1.0, 0.8])
     once = FrictionProblem.from_delassus(W, q, [0.5], 2)
     twice = FrictionProblem.from_delassus(np.tile(W, (2, 2)), np.tile(q, 2), [0.5, 0.5], 2)
@@ -153,7 +153,7 @@ def test_joints_and_a_friction_bias(spec) -> None:
 
 
 @pytest.mark.parametrize(("a", "b", "g", "mu"), [(1.0, 0.97, 1.0, 0.75), (1.0, -0.5, 2.0, 0.8)])
-def test_staggering_a_sliding_contact_contracts_by_mu_b_over_a(a, b, g, mu) -> None:
+def test_staggering_rate_of_sliding_contact(a, b, g, mu) -> None:
     problem = one_contact(a, b, g, mu, [-1.0, 3.0])
     history = np.array(solve(problem, "staggered", tol=1e-12).history)
     assert residual(problem, solve(problem, "staggered", tol=1e-12).impulse) <= 1e-12
@@ -161,7 +161,7 @@ def test_staggering_a_sliding_contact_contracts_by_mu_b_over_a(a, b, g, mu) -> N
     assert rate == pytest.approx(mu * abs(b) / a, rel=0.02)
 
 
-def test_anitescu_and_harts_rate_for_a_sliding_contact(monkeypatch) -> None:
+def test_anitescu_hart_rate_of_sliding_contact(monkeypatch) -> None:
     a, b, g, mu = 1.0, -0.3, 1.0, 0.6
     monkeypatch.setattr(anitescu_hart, "INNER", 1e-3)
     problem = one_contact(a, b, g, mu, [-1.0, 3.0])
@@ -170,7 +170,7 @@ def test_anitescu_and_harts_rate_for_a_sliding_contact(monkeypatch) -> None:
     assert history[4:-1] / history[3:-2] == pytest.approx(expected, rel=0.02)
 
 
-def test_anitescu_and_hart_cycle_where_staggering_converges() -> None:
+def test_anitescu_hart_cycle() -> None:
     problem = one_contact(1.0, 0.97, 1.0, 0.75, [-1.0, 2.0])
     plain = solve(problem, "anitescu_hart")
     assert plain.status is Status.STALLED
@@ -187,13 +187,13 @@ def test_conjugate_directions_save_sweeps() -> None:
 
 
 @pytest.mark.parametrize("spec", ["apgd_coulomb", "admm_coulomb", "staggered"])
-def test_a_stack_on_which_sweeps_stall(spec) -> None:
+def test_stack_stalls(spec) -> None:
     problem = scene("stack", blocks=20).problem()
     assert solve(problem, "nsgs").status is not Status.SOLVED
     assert solve(problem, spec).status is Status.SOLVED
 
 
-def test_a_tall_pushed_stack_only_looks_stalled() -> None:
+def test_slow_stack_is_not_stalled() -> None:
     # The residual stays at 1.3e-8 for three thousand iterations before it falls on.
     problem = scene("stack", blocks=50, push=0.3).problem()
     answer = solve(problem, "apgd")
@@ -201,6 +201,6 @@ def test_a_tall_pushed_stack_only_looks_stalled() -> None:
     assert relaxation_residual(problem, answer.impulse) <= 1e-8
 
 
-def test_a_negative_memory_is_named() -> None:
+def test_negative_memory() -> None:
     with pytest.raises(InputError, match="memory"):
         find("anitescu_hart[memory=-1]")

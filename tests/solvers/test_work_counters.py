@@ -51,7 +51,7 @@ def test_every_unit_of_work_is_counted(counted):
     assert seen == UNITS.keys() | {"hybrid"}
 
 
-def test_only_portfolios_run_others(counted):
+def test_only_portfolios_nest_solvers(counted):
     ran = defaultdict(set)
     for name, _, _, nested in counted:
         ran[name.partition("[")[0]] |= set(nested)

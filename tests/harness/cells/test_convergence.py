@@ -26,7 +26,7 @@ def no_hurry(monkeypatch) -> None:
     monkeypatch.setattr(convergence, "BUDGET", 1e3)
 
 
-def test_a_course_comes_down_to_the_answer() -> None:
+def test_history_converges() -> None:
     problem = scene("stack", blocks=3).problem()
     _, solver = find("nsgs")
     units, residuals, impulse = convergence_history(problem, solver, 1e-8)
@@ -47,7 +47,7 @@ class Boaster:
         )
 
 
-def test_what_a_solver_believes_of_itself_is_not_in_its_course() -> None:
+def test_history_uses_verified_residuals() -> None:
     problem = scene("stack", blocks=1).problem()
     units, residuals, impulse = convergence_history(problem, Boaster(), 1e-8)
     assert units == [1, 2, 3]
@@ -55,7 +55,7 @@ def test_what_a_solver_believes_of_itself_is_not_in_its_course() -> None:
     assert residuals[0] > 1e-3
 
 
-def test_large_and_redundant_problems_are_chosen_and_no_trivial_ones() -> None:
+def test_chosen_problems() -> None:
     def entry(name, contacts, scene="stack", redundancy=0, trivial=False):
         return {"problem": name, "contacts": contacts, "scene": scene, "redundancy": redundancy, "trivial": trivial}
 
@@ -69,7 +69,7 @@ def test_large_and_redundant_problems_are_chosen_and_no_trivial_ones() -> None:
     assert [one["problem"] for one in chosen(entries)] == ["large", "a", "b", "c", "small"]
 
 
-def test_a_run_leaves_its_courses_and_the_page_shows_them(tmp_path) -> None:
+def test_run_writes_histories(tmp_path) -> None:
     folder = tmp_path / "run"
     run(small_plan(tolerances=(1e-8,)), folder, 1, quiet())
     found = read_histories(folder)
@@ -81,7 +81,7 @@ def test_a_run_leaves_its_courses_and_the_page_shows_them(tmp_path) -> None:
     assert ("Residual against iterations" in page) == bool(chart.panels(read_run(folder)))
 
 
-def test_forces_are_drawn_where_they_are_not_unique(tmp_path) -> None:
+def test_force_chart_of_redundant_problems(tmp_path) -> None:
     folder = write_folder(tmp_path / "run", [solve_row("a", "p"), solve_row("b", "p")])
     table = ("table", '{"legs": 3}', 0)
     shares = {"a": [[1.0, 0.0], [1.0, 0.0], [1.0, 0.0]], "b": [[1.5, 0.0], [0.0, 0.0], [1.5, 0.0]]}
@@ -94,7 +94,7 @@ def test_forces_are_drawn_where_they_are_not_unique(tmp_path) -> None:
 
 
 @pytest.mark.parametrize("text", ["{", "[1]", '[{"scene": "a"}]', "[[]]"])
-def test_a_file_of_courses_that_is_none_is_refused(tmp_path, text) -> None:
+def test_invalid_history_file_is_refused(tmp_path, text) -> None:
     (tmp_path / NAME).write_text(text, encoding="utf-8")
     with pytest.raises(ResultsError, match=r"convergence\.json: cannot be read"):
         read_histories(tmp_path)

@@ -35,7 +35,7 @@ def liars(monkeypatch):
     return lie
 
 
-def test_a_wrong_answer_falls_to_the_next(liars):
+def test_wrong_reference_falls_back(liars):
     liars("lemke")
     answer = Reference()
     assert answer(block())[0, 0] > 0
@@ -43,7 +43,7 @@ def test_a_wrong_answer_falls_to_the_next(liars):
     assert Reference()(spatial(0)).any()
 
 
-def test_who_answered_stands_in_the_rows_and_shapes_nothing(tmp_path, liars):
+def test_reference_solver_is_recorded(tmp_path, liars):
     honest = collect(tmp_path / "honest", MOTION)
     assert {entry["reference"] for entry in honest} == {"lemke"}
     liars("lemke")
@@ -53,7 +53,7 @@ def test_who_answered_stands_in_the_rows_and_shapes_nothing(tmp_path, liars):
     assert record_motion(scene("stopping_block"), Reference(), steps=3).solver == "path_search"
 
 
-def test_where_nobody_answers_the_motion_ends_with_the_reason(tmp_path, liars):
+def test_motion_ends_without_reference(tmp_path, liars):
     liars(*reference.ORDER[2])
     with pytest.raises(NoReference, match=r"within 1e-08 \(lemke: .*, path_search: .*, interior_point: "):
         Reference()(block())
@@ -62,7 +62,7 @@ def test_where_nobody_answers_the_motion_ends_with_the_reason(tmp_path, liars):
     assert "no reference answer" in record_motion(scene("stopping_block"), Reference(), steps=3).ended
 
 
-def test_a_motion_that_ends_early_says_so_in_its_rows(tmp_path, monkeypatch):
+def test_early_end_is_recorded(tmp_path, monkeypatch):
     honest, calls = reference.solve, []
 
     def tires(problem, name, **options):
@@ -84,7 +84,7 @@ def _home(source, met):
     return {"scene": source.scene, "parameters": "{}", "step": met.step, "phase": met.phase}
 
 
-def test_a_source_that_yields_nothing_is_rows_with_the_reason(tmp_path):
+def test_failed_source_gives_skipped_rows(tmp_path):
     nothing = Source("stopping_block", {}, pick=3, steps=0)
     plan = small_plan(sources=(nothing, Source("stack", {"blocks": 2, "push": 1.0})), simulations=(), tolerances=(1e-8,))
     run(plan, tmp_path / "run", 1, quiet())
@@ -97,7 +97,7 @@ def test_a_source_that_yields_nothing_is_rows_with_the_reason(tmp_path):
     assert set(full["verdict"]) == {"solved"}
 
 
-def test_equal_problems_of_two_sources_are_two_rows_with_their_own_starts(tmp_path):
+def test_equal_problems_of_two_sources(tmp_path):
     plan = small_plan(
         sources=(Source("stack", {"blocks": 2}), Source("stack", {"blocks": 2, "push": 0.0})),
         simulations=(),

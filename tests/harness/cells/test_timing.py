@@ -64,7 +64,7 @@ def timed(method):
     return timing.time_solver(method, block(), lambda ready: method.solve(ready, 1e-8, None), lambda: None)
 
 
-def test_the_three_steps_are_timed_apart(clock):
+def test_form_setup_and_solve_times(clock):
     found = timed(Late(clock))
     assert (found.form, found.setup, found.solve) == ([1.0], [2.0], [4.0])
     quick = timed(Late(clock, seconds=2.0**-10))
@@ -75,18 +75,18 @@ def test_the_three_steps_are_timed_apart(clock):
 @pytest.mark.parametrize("seconds", [2.0**-10, 1.0])
 @pytest.mark.parametrize("loads", [1, 3])
 @pytest.mark.parametrize("how", ["compile", "import"])
-def test_a_call_that_loads_anything_is_never_a_sample(clock, how, loads, seconds):
+def test_loading_calls_are_discarded(clock, how, loads, seconds):
     found = timed(Late(clock, loads, how, seconds))
     assert set(found.solve) == {4 * seconds}
     assert found.spent > loads * LOADING
 
 
-def test_a_solver_that_loads_in_every_call_has_no_times(clock):
+def test_no_times_if_every_call_loads(clock):
     found = timed(Late(clock, 10**6))
     assert (found.form, found.setup, found.solve) == ([], [], [])
 
 
-def test_a_simulation_counts_no_call_that_loads_anything(clock):
+def test_simulation_discards_loading_calls(clock):
     info = SolverInfo("late", "", "coulomb", (2,), False, False, (), (), (), (), Late)
     cell = SimulationCell("stopping_block", {}, "late", 1e-8, steps=3)
     found = simulation.run_closed_loop(cell, info, Late(clock, loads=2))
@@ -95,7 +95,7 @@ def test_a_simulation_counts_no_call_that_loads_anything(clock):
 
 
 @pytest.mark.parametrize("name", ["lemke", "path_search", "interior_point", "nsgs", "admm", "hybrid"])
-def test_prepare_is_setup_of_form(name):
+def test_prepare(name):
     _, method = find(name)
     problem = block()
     apart = method.solve(method.setup(method.form(problem.fresh())), 1e-8, None)
@@ -103,7 +103,7 @@ def test_prepare_is_setup_of_form(name):
     assert np.array_equal(apart.impulse, solve(problem, name).impulse)
 
 
-def test_a_solver_has_the_steps_it_leaves_out():
+def test_default_steps():
     class OneStep:
         def prepare(self, problem):
             return "prepared", problem

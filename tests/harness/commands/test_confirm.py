@@ -35,7 +35,7 @@ def again(seen: Comparison, code: str | None, named: tuple[str, ...] = ("solvers
     return confirm.confirmed(seen, UNTIMED, list(named), code, lambda line: None)
 
 
-def test_an_alert_is_run_with_both_codes_in_turn(seen, tmp_path, monkeypatch) -> None:
+def test_alerts_are_repeated_with_both_codes(seen, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(seen.current.parent)
     monkeypatch.setattr(confirm, "PAIRS_UNTIMED", 1)
     assert {flip.after for flip in seen.worse} == {"crashed"}
@@ -52,7 +52,7 @@ def test_an_alert_is_run_with_both_codes_in_turn(seen, tmp_path, monkeypatch) ->
     )
 
 
-def test_code_that_is_not_at_hand_is_told(seen, tmp_path, monkeypatch) -> None:
+def test_missing_code(seen, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(seen.current.parent)
     for code, told in (("nowhere", "neither a folder nor a revision"), (str(tmp_path), "solvers/guest.py is not in")):
         with pytest.raises(InputError, match=f"code: .*{told}"):
@@ -61,7 +61,7 @@ def test_code_that_is_not_at_hand_is_told(seen, tmp_path, monkeypatch) -> None:
         again(seen, None, ())
 
 
-def test_a_revision_is_unpacked_where_it_is_given(tmp_path, monkeypatch) -> None:
+def test_baseline_revision_is_unpacked(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     write(tmp_path / "solvers" / "guest.py", body="pass")
     for command in (("init", "-q"), ("add", "."), ("-c", "user.name=a", "-c", "user.email=a@b", "commit", "-qm", "first")):
@@ -73,7 +73,7 @@ def test_a_revision_is_unpacked_where_it_is_given(tmp_path, monkeypatch) -> None
     assert "raise" not in Path(moved).read_text(encoding="utf-8")
 
 
-def test_code_from_before_the_one_package_is_refused(seen, tmp_path, monkeypatch) -> None:
+def test_old_package_layout_is_refused(seen, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(seen.current.parent)
     (tmp_path / "base").mkdir()
     (tmp_path / "base" / "frictionbench.py").touch()

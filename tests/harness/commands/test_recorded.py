@@ -27,7 +27,7 @@ from tests.helpers.friction_problems import spatial
 from tests.helpers.paths import DATA
 
 
-def test_a_file_is_solved_and_ranked(tmp_path, capsys) -> None:
+def test_file_is_solved_and_ranked(tmp_path, capsys) -> None:
     fclib.write(spatial(0, contacts=3), tmp_path / "p.hdf5")
     solve_one(str(tmp_path / "p.hdf5"), ["nsgs", "interior_point", "ccp[backend=clarabel]"], 1e-8, 10.0, 1)
     told = capsys.readouterr().out
@@ -36,7 +36,7 @@ def test_a_file_is_solved_and_ranked(tmp_path, capsys) -> None:
     assert told.splitlines()[-2].split()[:2] == ["3", "ccp[backend=clarabel]:"]  # planar only: skipped, and so last
 
 
-def test_a_bare_lcp_is_solved_by_those_that_take_one(tmp_path, capsys) -> None:
+def test_bare_lcp_is_solved_by_lcp_solvers(tmp_path, capsys) -> None:
     np.savez(tmp_path / "lcp.npz", M=[[2.0, 1.0], [1.0, 2.0]], q=[-5.0, -6.0])
     solve_one(str(tmp_path / "lcp.npz"), ["lemke", "nsgs"], 1e-8, 10.0, 1)
     told = capsys.readouterr().out
@@ -45,7 +45,7 @@ def test_a_bare_lcp_is_solved_by_those_that_take_one(tmp_path, capsys) -> None:
     assert "use lemke: solved" in told
 
 
-def test_the_advice_is_the_best_of_those_that_solve() -> None:
+def test_advice() -> None:
     solved = {"variant": "a", "verdict": "solved", "form_time": 1e-3, "setup_time": 0.0, "solve_time": 1e-3, "residual": 1e-9}
     near = {"variant": "b", "verdict": "unsolved", "residual": 1e-3}
     dead = {"variant": "c", "verdict": "timeout"}
@@ -54,7 +54,7 @@ def test_the_advice_is_the_best_of_those_that_solve() -> None:
     assert advice([dead]) == "no solver returned an answer"
 
 
-def test_a_folder_of_recorded_problems_is_run(tmp_path) -> None:
+def test_run_of_recorded_folder(tmp_path) -> None:
     data, out = tmp_path / "set", tmp_path / "out"
     data.mkdir()
     for seed in (1, 2):
@@ -70,14 +70,14 @@ def test_a_folder_of_recorded_problems_is_run(tmp_path) -> None:
     assert {read(path).hash for path in files} == {random_problem(seed, contacts=4).hash for seed in (1, 2)}
 
 
-def test_a_source_may_have_tolerances_and_a_limit_of_its_own() -> None:
+def test_source_tolerances_and_limit() -> None:
     plan = choose("recorded", [], ("nsgs",), None, None, data=(str(DATA),))
     entry = {"scene": "s", "parameters": "{}", "step": 0, "phase": "step", "problem": "p", "starts": ["cold"]}
     assert [cell.tol for cell in plan.solve_cells([entry | {"tolerances": [1e-8]}])] == [1e-8]
     assert [cell.tol for cell in plan.solve_cells([entry])] == [1e-4, 1e-6, 1e-8]
 
 
-def test_scenes_and_instances_are_exported(tmp_path) -> None:
+def test_export(tmp_path) -> None:
     (path,) = export("cubes[boxes=2,friction=0.3]", tmp_path / "cubes.hdf5")
     assert read(path).hash == make_instance("cubes", boxes=2, friction=0.3).hash
     several = list(export("stack[blocks=2,push=1]", tmp_path / "stack", pick=2))
@@ -89,7 +89,7 @@ def test_scenes_and_instances_are_exported(tmp_path) -> None:
         list(export("stack[blocks=2,push=1]", tmp_path / "stack.hdf5", pick=2))
 
 
-def test_instances_are_sources_with_labels(tmp_path) -> None:
+def test_instance_labels(tmp_path) -> None:
     (entry,) = collect(tmp_path, Source("cubes", {"boxes": 2}))
     assert (entry["contacts"], entry["dimension"], entry["rank"], entry["redundancy"]) == (8, 3, 12, 12)
     assert entry["solutions"] is None
@@ -102,7 +102,7 @@ def test_instances_are_sources_with_labels(tmp_path) -> None:
         collect(tmp_path, Source("cubes", {"bricks": 2}))
 
 
-def test_a_spatial_row_is_run_again_and_made_small(tmp_path) -> None:
+def test_rerun_and_shrink_spatial_row(tmp_path) -> None:
     plan = choose("spatial", ["cubes[boxes=2,mass_ratio=1e6,push=1]"], ("nsgs[relaxation=0.01]",), "1e-8", 5.0)
     run(plan, tmp_path, 1, Progress())
     (key,) = read_table(tmp_path, "solves")["key"]
@@ -114,7 +114,7 @@ def test_a_spatial_row_is_run_again_and_made_small(tmp_path) -> None:
     assert (small.dimension, small.contacts < 8) == (3, True)
 
 
-def test_bare_lcps_of_a_folder_are_put_to_those_that_take_one(tmp_path) -> None:
+def test_run_of_bare_lcps(tmp_path) -> None:
     """Beside a friction problem, whose headlines they do not enter; their rows are run again like any."""
     data, out = tmp_path / "set", tmp_path / "out"
     data.mkdir()
@@ -142,7 +142,7 @@ def test_bare_lcps_of_a_folder_are_put_to_those_that_take_one(tmp_path) -> None:
         list(export(str(out), tmp_path / "again"))
 
 
-def test_the_guess_of_a_file_is_its_warm_start(tmp_path) -> None:
+def test_stored_guess_is_warm_start(tmp_path) -> None:
     data, out = tmp_path / "set", tmp_path / "out"
     data.mkdir()
     problem = random_problem(1, contacts=4)
@@ -160,7 +160,7 @@ def test_the_guess_of_a_file_is_its_warm_start(tmp_path) -> None:
     assert warm < cold
 
 
-def test_files_that_hold_no_friction_problem_leave_rows_that_say_why(tmp_path) -> None:
+def test_unreadable_files_give_skipped_rows(tmp_path) -> None:
     data, out = tmp_path / "set", tmp_path / "out"
     data.mkdir()
     np.savez(data / "lcp.npz", M=np.eye(2), q=np.ones(2))

@@ -54,7 +54,7 @@ class Outsider:
         ("stopping_block", "acceleration", 30),
     ],
 )
-def test_a_recording_is_the_motion(name: str, scheme: str, steps: int) -> None:
+def test_recording_equals_simulation(name: str, scheme: str, steps: int) -> None:
     stage = scene(name)
     motion = record_motion(stage, "lemke", scheme, steps)
     taken = list(simulate(stage, lambda problem: solve(problem, "lemke", tol=1e-8).impulse, SCHEMES[scheme], steps))
@@ -71,7 +71,7 @@ def test_a_recording_is_the_motion(name: str, scheme: str, steps: int) -> None:
 
 
 @pytest.mark.parametrize("name", ["pyramid", "stack", "bowl", "jam", "incline"])
-def test_contacts_are_where_the_scene_finds_them(name: str) -> None:
+def test_recorded_contacts_equal_scene_contacts(name: str) -> None:
     stage = scene(name)
     (contacts, _), found = record_motion(stage, "lemke", steps=1).contacts, stage.contacts(stage.q0)
     down = (found.bodies >= 0).all(axis=1) & (found.direction[:, 1] < 0)
@@ -82,7 +82,7 @@ def test_contacts_are_where_the_scene_finds_them(name: str) -> None:
     assert distance.min(axis=1).max() <= 1e-12
 
 
-def test_impulses_obey_coulombs_law_and_carry_the_weight() -> None:
+def test_recorded_impulses() -> None:
     stage = scene("stack", blocks=4)
     motion = record_motion(stage, "lemke", steps=5)
     for contacts in motion.contacts[:-1]:
@@ -92,7 +92,7 @@ def test_impulses_obey_coulombs_law_and_carry_the_weight() -> None:
     assert len(motion.contacts[-1]) == 0
 
 
-def test_the_ledger_by_hand() -> None:
+def test_energy_balance_by_hand() -> None:
     block = record_motion(scene("stopping_block"), "lemke")
     assert (block.friction[-1], block.normal[-1], block.defect[-1]) == pytest.approx((-1, 0, 0), abs=1e-12)  # 2 kg at 1 m/s
     blocks = record_motion(scene("two_blocks"), "lemke", steps=100)
@@ -106,7 +106,7 @@ def test_the_ledger_by_hand() -> None:
     assert bounce.normal[-1] == pytest.approx(-(1 - 0.8**2) / 2 * ball.weights[0] * hit**2, rel=0.01)
 
 
-def test_a_scheme_that_fails_or_refuses_says_so() -> None:
+def test_failing_scheme_is_reported() -> None:
     motion = recorded("painleve_rod", "lemke", "acceleration", None)
     assert "no bounded force" in motion.ended
     assert len(motion.times) == len(motion.contacts) == 1
@@ -121,7 +121,7 @@ def test_a_scheme_that_fails_or_refuses_says_so() -> None:
             recorded(*arguments)
 
 
-def test_a_solver_from_outside_runs_in_a_process_of_its_own(tmp_path) -> None:
+def test_plugin_runs_in_separate_process(tmp_path) -> None:
     """It has no answer, which ends the motion, and says what it likes of the scene's name, which names a file."""
     plugin = tmp_path / "outsider.py"
     plugin.write_text(OUTSIDER.format(trace=str(tmp_path / "trace")), encoding="utf-8")
@@ -133,14 +133,14 @@ def test_a_solver_from_outside_runs_in_a_process_of_its_own(tmp_path) -> None:
     assert "outsider" not in available()
 
 
-def test_a_motion_that_diverges_ends(monkeypatch) -> None:
+def test_diverging_motion_ends(monkeypatch) -> None:
     monkeypatch.setattr("frictionbench.harness.cells.motion.DIVERGED", 1e-2)  # the block loses its 1 J; its measure is 23 J
     motion = record_motion(scene("stopping_block"), "lemke")
     assert motion.ended == f"diverged in step {len(motion.times)}"
     assert 1 < len(motion.times) < 20
 
 
-def test_a_motion_survives_its_file(tmp_path) -> None:
+def test_motion_file_round_trip(tmp_path) -> None:
     motion = record_motion(scene("slider_crank"), "lemke", steps=40)
     write_motion(tmp_path / "m.json", motion)
     again = read_motion(tmp_path / "m.json")
@@ -151,7 +151,7 @@ def test_a_motion_survives_its_file(tmp_path) -> None:
     assert [o.body for o in again.outlines] == [2, -1, -1, 0, 1]
 
 
-def test_files_that_are_no_motions_are_refused(tmp_path) -> None:
+def test_invalid_motion_files_are_refused(tmp_path) -> None:
     path = tmp_path / "m.json"
     write_motion(path, record_motion(scene("jam"), "lemke", steps=2))
     good = json.loads(path.read_text())
@@ -197,7 +197,7 @@ class _Page(HTMLParser):
         self._script = None
 
 
-def test_every_scene_has_a_page_that_stands_alone(tmp_path) -> None:
+def test_every_scene_has_a_self_contained_page(tmp_path) -> None:
     for name in scenes():
         page = _Page(write_animation(record_motion(scene(name), "lemke", steps=3), tmp_path / f"{name}.html"))
         assert page.references == []
@@ -208,7 +208,7 @@ def test_every_scene_has_a_page_that_stands_alone(tmp_path) -> None:
         assert f"script-src 'sha256-{allowed}'" in (tmp_path / f"{name}.html").read_text()
 
 
-def test_a_long_motion_is_thinned_and_keeps_its_impacts(tmp_path, monkeypatch) -> None:
+def test_long_motion_is_thinned(tmp_path, monkeypatch) -> None:
     motion = record_motion(scene("bouncing_ball"), "lemke", steps=600)
     monkeypatch.setattr(animation, "MOST_NUMBERS", 700)
     data = json.loads(_Page(write_animation(motion, tmp_path / "page.html")).scripts["application/json"])
@@ -228,7 +228,7 @@ def evil_motion():
     return motion
 
 
-def test_strangers_text_stays_text(tmp_path) -> None:
+def test_untrusted_text_is_escaped(tmp_path) -> None:
     page = _Page(write_animation(evil_motion(), tmp_path / "page.html"))
     assert page.tags.count("script") == 2
     assert "b" not in page.tags
@@ -236,7 +236,7 @@ def test_strangers_text_stays_text(tmp_path) -> None:
     assert "<" not in page.scripts["application/json"]
 
 
-def test_the_report_links_to_the_motions_of_its_scenes(tmp_path) -> None:
+def test_report_links_to_motions(tmp_path) -> None:
     folder = write_folder(tmp_path, [solve_row("a", "p", scene="stack"), solve_row("a", "q")], [simulation_row("a")])
     source = Source("stack", {"blocks": 2}, steps=2)
     store_motion(folder, source)
@@ -254,7 +254,7 @@ def test_the_report_links_to_the_motions_of_its_scenes(tmp_path) -> None:
 
 @in_browser
 @pytest.mark.parametrize("kind", ["three_blocks", "evil", "cut short"])
-def test_the_page_runs_in_a_browser(tmp_path, kind: str) -> None:
+def test_page_runs_in_browser(tmp_path, kind: str) -> None:
     motions = {
         "three_blocks": lambda: record_motion(scene("three_blocks"), "lemke", steps=100),
         "evil": evil_motion,
@@ -293,7 +293,7 @@ setTimeout(() => {
 
 
 @in_browser
-def test_keys_slider_and_button_move_the_picture(tmp_path) -> None:
+def test_page_controls(tmp_path) -> None:
     page = write_animation(record_motion(scene("three_blocks"), "lemke", steps=100), tmp_path / "page.html")
     script = _Page(page).scripts[""]
     ours, allowed = (b64encode(sha256(text.encode()).digest()).decode() for text in (script, script + HANDS))

@@ -85,7 +85,7 @@ def wait_for_workers(address: str, count: int) -> None:
 
 
 @pytest.mark.filterwarnings("default")
-def test_a_cluster_that_loses_a_worker_finds_the_same_and_one_without_scheduler_is_told(tmp_path) -> None:
+def test_lost_worker_and_lost_scheduler(tmp_path) -> None:
     pytest.importorskip("distributed")
     run(small_plan(), tmp_path / "here", 1, quiet())
     (tmp_path / "scratch").mkdir()
@@ -101,7 +101,7 @@ def test_a_cluster_that_loses_a_worker_finds_the_same_and_one_without_scheduler_
 
 
 @pytest.mark.filterwarnings("default")
-def test_a_cluster_that_is_not_there_is_named(tmp_path, monkeypatch) -> None:
+def test_missing_cluster(tmp_path, monkeypatch) -> None:
     pytest.importorskip("distributed")
     monkeypatch.setattr(cluster, "ANSWERING", 0.5)
     with pytest.raises(InputError, match="cluster: no scheduler answers"):

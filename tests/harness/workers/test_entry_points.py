@@ -37,7 +37,7 @@ def distribution(tmp_path, monkeypatch) -> Path:
         pool._server.close()
 
 
-def test_the_solver_of_an_installed_distribution_is_listed_solves_and_runs(distribution, tmp_path) -> None:
+def test_installed_solver(distribution, tmp_path) -> None:
     listed = frictionbench("list", "solvers")
     assert "made-up 1.2" in next(line for line in listed.stdout.splitlines() if line.startswith("guest "))
     assert not (tmp_path / "trace").exists()
@@ -61,7 +61,7 @@ def test_the_solver_of_an_installed_distribution_is_listed_solves_and_runs(distr
     )
 
 
-def test_it_is_code_from_outside_held_to_the_contract(distribution) -> None:
+def test_installed_solver_is_treated_as_plugin(distribution) -> None:
     variants, (made,) = load_plugins(["nsgs", "guest"])
     assert variants == ("guest", "nsgs")
     assert made.solvers.keys() == {"guest"}
@@ -70,7 +70,7 @@ def test_it_is_code_from_outside_held_to_the_contract(distribution) -> None:
     assert checked.stdout.startswith("guest\n  passed"), checked.stderr
 
 
-def test_one_that_cannot_be_used_is_named(distribution) -> None:
+def test_unusable_entry_points(distribution) -> None:
     with pytest.raises(InputError, match=r"solver: made_up\.solvers of made-up 1\.2 defines no solver absent"):
         load_plugins(["absent"])
     (distribution / "made_up" / "solvers.py").write_text("\n1 / 0", encoding="utf-8")

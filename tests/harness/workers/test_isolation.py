@@ -69,21 +69,21 @@ def saboteurs_folder(tmp_path) -> Path:
     return tmp_path
 
 
-def test_the_current_folder_is_not_imported_from(saboteurs_folder) -> None:
+def test_current_folder_is_not_imported(saboteurs_folder) -> None:
     options = ("run", "smoke", "--scene", "stack", "--solver", "nsgs", "--tol", "1e-4", "--out", "run")
     done = frictionbench(*options, cwd=saboteurs_folder)
     assert done.returncode == 0, done.stderr
     assert set(store.read_table(saboteurs_folder / "run", "solves")["verdict"]) == {"solved"}
 
 
-def test_a_worker_of_other_code_is_refused(monkeypatch, tmp_path) -> None:
+def test_different_worker_code_is_refused(monkeypatch, tmp_path) -> None:
     monkeypatch.setattr(pool, "_server", None)
     monkeypatch.setattr(machine, "code", lambda: {"package": str(machine.PACKAGE.parent), "content": "another"})
     with pytest.raises(ResultsError, match=r"workers: they run other code, .*, than this process, .*another"):
         Pool(tmp_path, 1, (), 2**30)
 
 
-def test_a_platform_without_the_mechanisms_is_told_at_the_start(monkeypatch, tmp_path) -> None:
+def test_unsupported_platform(monkeypatch, tmp_path) -> None:
     monkeypatch.setattr(sys, "platform", "darwin")
     with pytest.raises(InputError, match=r"platform: darwin has no .* on Linux only"):
         Pool(tmp_path, 1, (), 2**30)
@@ -119,7 +119,7 @@ print(ended, len(naps) < process.PATIENCE / max(naps) / 2, process.descendants(o
 """
 
 
-def test_what_a_worker_leaves_is_ended_without_waiting_for_it_to_be_buried() -> None:
+def test_leftover_processes_are_killed() -> None:
     """The dead child stays, a zombie, with the worker that is spared; it takes the supervisor no patience."""
     done = subprocess.run(
         [sys.executable, "-c", SPARED], capture_output=True, text=True, check=True, cwd=machine.PACKAGE.parent
@@ -128,7 +128,7 @@ def test_what_a_worker_leaves_is_ended_without_waiting_for_it_to_be_buried() -> 
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGHUP])
-def test_a_run_that_is_ended_leaves_no_process_whatever_its_solver_does(tmp_path, number) -> None:
+def test_ended_run_leaves_no_process(tmp_path, number) -> None:
     plugin = tmp_path / "deaf.py"
     plugin.write_text(DEAF, encoding="utf-8")
     options = [
@@ -162,7 +162,7 @@ def test_a_run_that_is_ended_leaves_no_process_whatever_its_solver_does(tmp_path
     assert store.read_manifest(tmp_path / "run")["settings"]["time_limit"] == 300.0
 
 
-def test_without_a_core_of_its_own_a_row_is_marked_and_so_is_the_report(tmp_path) -> None:
+def test_shared_core_is_recorded(tmp_path) -> None:
     plan = Plan("test", (Source("stack", {"blocks": 1}),), ("nsgs",), (1e-4,))
     try:
         taken = [wait_until(lambda: process.hold_core() is not None, 300) for _ in process.cores()]  # others may hold them
@@ -180,7 +180,7 @@ def test_without_a_core_of_its_own_a_row_is_marked_and_so_is_the_report(tmp_path
     assert "1 of them because no core was left" in page
 
 
-def test_rows_of_a_disturbed_core_are_taken_again_if_asked(tmp_path) -> None:
+def test_disturbed_rows_are_repeated(tmp_path) -> None:
     plan = Plan("test", (Source("stack", {"blocks": 1}),), ("nsgs", "lemke"), (1e-4,))
     run(plan, tmp_path, 1, quiet())
     (shard,) = (tmp_path / "shards").glob("solves-*.jsonl")
@@ -195,7 +195,7 @@ def test_rows_of_a_disturbed_core_are_taken_again_if_asked(tmp_path) -> None:
     assert [again[row["key"]] for row in rows] == ["", "before"]
 
 
-def test_a_run_on_all_cores_says_so(tmp_path) -> None:
+def test_run_on_all_cores_is_reported(tmp_path) -> None:
     cores = len(process.cores())
     run(Plan("test", (Source("stack", {"blocks": 1}),), ("nsgs",), (1e-4,)), tmp_path, 1, quiet())
     manifest = store.read_manifest(tmp_path)
@@ -221,7 +221,7 @@ class Naps:
 """
 
 
-def test_a_run_outlives_its_server_its_keepers_and_its_workers(tmp_path) -> None:
+def test_run_survives_killed_processes(tmp_path) -> None:
     """The server is killed while it starts, all three once the two problems are there; the run is not, and misses no cell."""
     plugin = tmp_path / "naps.py"
     plugin.write_text(NAPS, encoding="utf-8")

@@ -27,7 +27,7 @@ def plan_of(plugin: Path, **changes) -> Plan:
     return Plan("test", (source,), variants, (1e-6,), plugins=plugins, time_limit=2.0, **changes)
 
 
-def test_a_plugin_is_imported_in_workers_alone(tmp_path) -> None:
+def test_plugin_is_imported_in_workers_only(tmp_path) -> None:
     trace, before = tmp_path / "trace", set(sys.modules)
     plugin = write(tmp_path / "guest.py", first=f"import os; open({str(trace)!r}, 'a').write(str(os.getpid()) + ' ')")
     variants, (made,) = load_plugins([str(plugin), "guest[factor=2.5]"])
@@ -50,14 +50,14 @@ def test_a_plugin_is_imported_in_workers_alone(tmp_path) -> None:
         ("while True: pass", "stopped at its limit"),
     ],
 )
-def test_a_plugin_that_cannot_be_imported_is_told_with_file_and_line(tmp_path, monkeypatch, first, told) -> None:
+def test_import_error_has_file_and_line(tmp_path, monkeypatch, first, told) -> None:
     plugin = write(tmp_path / "guest.py", first=first)
     monkeypatch.setattr("frictionbench.harness.cells.worker.IMPORTING", 2.0)
     with pytest.raises(InputError, match=rf"solver: .*guest\.py.*{told}"):
         load_plugins([str(plugin)])
 
 
-def test_a_plugin_that_fails_in_workers_alone_is_told_in_its_rows(tmp_path) -> None:
+def test_import_error_in_worker_is_recorded(tmp_path) -> None:
     once = tmp_path / "once"
     first = f"if Path({str(once)!r}).exists(): raise OSError('only once')\nPath({str(once)!r}).touch()"
     run(plan_of(write(tmp_path / "guest.py", first=first)), tmp_path / "run", 1, quiet())
@@ -66,7 +66,7 @@ def test_a_plugin_that_fails_in_workers_alone_is_told_in_its_rows(tmp_path) -> N
     assert "guest.py cannot be imported (OSError: only once (at guest.py:6" in row["reason"]
 
 
-def test_an_exception_keeps_its_file_line_and_frames(tmp_path) -> None:
+def test_exception_has_file_line_and_frames(tmp_path) -> None:
     first = "def deep(n):\n    return 1 / n"
     plugin = write(tmp_path / "guest.py", first=first, body="deep(0)")
     run(plan_of(plugin), tmp_path / "run", 1, quiet())
@@ -77,7 +77,7 @@ def test_an_exception_keeps_its_file_line_and_frames(tmp_path) -> None:
     assert again["reason"] == row["reason"]
 
 
-def test_an_edited_plugin_does_not_resume_the_run_of_the_old_one(tmp_path) -> None:
+def test_edited_plugin_is_refused(tmp_path) -> None:
     plugin = write(tmp_path / "guest.py")
     plan = plan_of(plugin)
     run(plan, tmp_path / "run", 1, quiet())
@@ -89,7 +89,7 @@ def test_an_edited_plugin_does_not_resume_the_run_of_the_old_one(tmp_path) -> No
     assert "was changed since the run began; begin another run" in row["reason"]
 
 
-def test_two_files_of_one_name_are_two(tmp_path) -> None:
+def test_files_of_equal_name(tmp_path) -> None:
     one, other = write(tmp_path / "one" / "guest.py"), tmp_path / "other" / "guest.py"
     write(other, body="return None")
     other.write_text(other.read_text(encoding="utf-8").replace('"guest"', '"visitor"'), encoding="utf-8")
@@ -100,7 +100,7 @@ def test_two_files_of_one_name_are_two(tmp_path) -> None:
         load_plugins([str(one), str(write(tmp_path / "other" / "guest.py"))])
 
 
-def test_rerun_and_shrink_run_no_file_that_only_the_folder_names(tmp_path) -> None:
+def test_rerun_and_shrink_require_plugin_argument(tmp_path) -> None:
     trace, folder = tmp_path / "trace", tmp_path / "run"
     body = "import os; os.abort() if problem.contacts > 1 else None"
     plugin = write(tmp_path / "guest.py", first=f"open({str(trace)!r}, 'a').close()", body=body)
@@ -118,7 +118,7 @@ def test_rerun_and_shrink_run_no_file_that_only_the_folder_names(tmp_path) -> No
     assert problem.contacts == 2
 
 
-def test_the_revision_is_that_of_our_own_repository(tmp_path, monkeypatch) -> None:
+def test_revision(tmp_path, monkeypatch) -> None:
     def git(*arguments: str) -> None:
         subprocess.run(["git", "-C", str(tmp_path), "-c", "user.name=a", "-c", "user.email=a@b", *arguments], check=True)
 

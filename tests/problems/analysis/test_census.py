@@ -65,7 +65,7 @@ def test_no_contact_has_one_empty_solution() -> None:
     assert found.pieces[0].vertices.shape == (1, 0)
 
 
-def test_without_friction_only_normals_count() -> None:
+def test_frictionless_supports() -> None:
     """Two frictionless supports and a third in their middle: one velocity, a segment of impulses."""
     problem = FrictionProblem(
         mass=np.eye(2),
@@ -85,7 +85,7 @@ def test_without_friction_only_normals_count() -> None:
     assert ends == [(0, 1, 0), (0.5, 0, 0.5)]
 
 
-def test_friction_at_hand_stops_a_contact_that_opens() -> None:
+def test_friction_bias_on_opening_contact() -> None:
     """A slow particle leaves the ground and yet is held along it by the friction bias; a fast one is slowed by all of it."""
     for speed, left, letter in ((0.1, 0.0, "S"), (1.0, 0.75, "R"), (-1.0, -0.75, "L")):
         problem = FrictionProblem(
@@ -117,7 +117,7 @@ def test_a_stack_at_rest_is_hyperstatic(blocks: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(40))
-def test_every_generator_is_a_solution_and_no_other_way_finds_more(seed: int) -> None:
+def test_agreement_with_lcp_census(seed: int) -> None:
     """The LCP's own census walks over 2^(4 nc) bases; its vertices are in the pieces, and those of the pieces among its."""
     problem = variant(seed)
     nc = problem.contacts
@@ -140,12 +140,12 @@ def test_every_generator_is_a_solution_and_no_other_way_finds_more(seed: int) ->
         assert (problem.bias < 0).any()
 
 
-def test_the_variants_meet_every_shape() -> None:
+def test_variants_cover_every_shape() -> None:
     assert {census(variant(seed)).shape for seed in range(80)} == set(Shape)
 
 
 @pytest.mark.parametrize("seed", range(0, 30, 3))
-def test_the_census_does_not_depend_on_units_order_or_frames(seed: int) -> None:
+def test_census_invariance(seed: int) -> None:
     problem = variant(seed)
     nc, nv = problem.contacts, len(problem.free_velocity)
     order, kilo = np.arange(nc)[::-1], 1e3
@@ -178,7 +178,7 @@ def test_a_block_on_rails() -> None:
     assert found.velocity_count is None
 
 
-def test_round_off_that_looks_like_solutions_is_found_out(monkeypatch) -> None:
+def test_round_off_vertices_are_rejected(monkeypatch) -> None:
     """Seven contacts on two bodies of very unlike mass: with the finest tie, vertices at 1e13 N s come of round-off alone."""
     problem = random_problem(1007, contacts=7, bodies=2, mass_ratio=10**5.3832828)
     found = census(problem)
@@ -199,7 +199,7 @@ def overheard(problem: FrictionProblem) -> Census:
         raise
 
 
-def test_what_is_too_large_or_spatial_is_refused() -> None:
+def test_unsupported_problems_are_refused() -> None:
     large = random_problem(0, contacts=9, friction=0.5)
     with pytest.raises(InputError, match="contacts: "):
         census(large)

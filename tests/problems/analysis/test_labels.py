@@ -23,7 +23,7 @@ def test_one_box() -> None:
 
 @pytest.mark.parametrize("blocks", [2, 10, 60])
 @pytest.mark.parametrize("mass_ratio", [1.0, 1e6])
-def test_a_stack_has_full_velocity_rank(blocks: int, mass_ratio: float) -> None:
+def test_stack_velocity_rank(blocks: int, mass_ratio: float) -> None:
     """4 rows per block and 3 freedoms, all of which the contacts move."""
     found = labels(scene("stack", blocks=blocks, mass_ratio=mass_ratio).problem())
     assert found.rank == 3 * blocks
@@ -52,7 +52,7 @@ def test_a_jam_is_not_pointed(friction: float) -> None:
 @pytest.mark.parametrize(
     ("angle", "friction", "pointed"), [(0.5, 0.5, True), (0.5, 0.6, False), (1.0, 1.5, True), (1.0, 1.6, False)]
 )
-def test_a_wedge_is_pointed_below_tan_of_its_angle(angle: float, friction: float, pointed: bool) -> None:
+def test_wedge_pointedness_threshold(angle: float, friction: float, pointed: bool) -> None:
     """Two planes that rise at +-angle from the vertical hold a particle's friction cones in balance from mu = tan(angle) on."""
     normal = np.array([[np.cos(angle), np.sin(angle)], [-np.cos(angle), np.sin(angle)]])
     tangent = np.column_stack([normal[:, 1], -normal[:, 0]])
@@ -62,7 +62,7 @@ def test_a_wedge_is_pointed_below_tan_of_its_angle(angle: float, friction: float
     assert (pointedness(problem) < 1e-7) is pointed
 
 
-def test_joints_take_up_momentum() -> None:
+def test_joint_momentum() -> None:
     """A contact on a body that a joint holds in place exchanges impulses with the joint."""
     bead = {
         "mass": np.eye(2),

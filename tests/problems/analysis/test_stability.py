@@ -15,12 +15,12 @@ def lemke(problem):
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_an_exact_answer_has_no_backward_error(seed) -> None:
+def test_exact_answer_has_zero_backward_error(seed) -> None:
     problem = random_problem(seed, contacts=8)
     assert backward_error(problem, lemke(problem)) < 1e-10
 
 
-def test_the_changed_data_make_the_answer_exact() -> None:
+def test_perturbed_data_make_answer_exact() -> None:
     """A sliding block pushed .1 % too hard: u_n = .001 of the fall, to be taken off q_n."""
     problem = block(speed=1.0)
     r = lemke(problem) * 1.001
@@ -31,20 +31,20 @@ def test_the_changed_data_make_the_answer_exact() -> None:
     assert backward_error(mended, r) < 1e-14
 
 
-def test_a_wrong_coefficient_of_friction_is_found() -> None:
+def test_friction_perturbation() -> None:
     """The answer for mu = .5 is exact for a mu that is 1/.51 - 1 smaller or larger than .51."""
     r = lemke(block(friction=0.5))
     assert backward_error(block(friction=0.51), r) == pytest.approx(0.01 / 0.51, rel=1e-9)
 
 
-def test_what_no_small_change_explains_is_large() -> None:
+def test_large_backward_error() -> None:
     problem = block()
     assert backward_error(problem, np.array([[0.0, 1.0]])) > 0.1
     assert backward_error(problem, np.array([[np.nan, 0.0]])) == np.inf
     assert backward_error(nothing(), np.zeros((0, 2))) == 0
 
 
-def test_sensitivity_tells_a_well_posed_from_an_ill_posed_instance() -> None:
+def test_sensitivity_of_well_and_ill_posed_instances() -> None:
     assert sensitivity(block(), lemke) < 2
     # This contact has three solutions where q_t = -1 and q_n > 0 is small, and one where q_n is large: at q_n = 0 it jumps.
     W = np.array([[1.6, -1.2], [-1.2, 3.4]])

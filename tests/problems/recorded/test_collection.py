@@ -64,7 +64,7 @@ def server(tmp_path, monkeypatch):
     served.stop()
 
 
-def test_a_family_is_fetched_once_and_used_without_a_network(server) -> None:
+def test_fetch_is_cached(server) -> None:
     assert collection.fetched() == []
     assert len(list(collection.fetch(FAMILY))) == 3
     assert collection.fetched() == [FAMILY]
@@ -78,7 +78,7 @@ def test_a_family_is_fetched_once_and_used_without_a_network(server) -> None:
     assert {(source.tolerances, source.time_limit) for source in of_the_paper.sources} == {((1e-8,), 50.0)}
 
 
-def test_a_broken_off_download_goes_on_where_it_stopped(server) -> None:
+def test_interrupted_download_resumes(server) -> None:
     missing = f"{FAMILY}/chain-1.hdf5"
     content = server.files.pop(missing)
     with pytest.raises(InputError, match=rf"^{missing}: 404"):
@@ -100,7 +100,7 @@ def test_a_broken_off_download_goes_on_where_it_stopped(server) -> None:
     ],
     ids=["changed", "cut", "longer", "empty"],
 )
-def test_a_file_that_is_not_the_registrys_is_refused_and_not_kept(server, spoil, complaint) -> None:
+def test_checksum_mismatch_is_refused(server, spoil, complaint) -> None:
     path = f"{FAMILY}/chain-0.hdf5"
     server.files[path] = spoil(server.files[path])
     with pytest.raises(InputError, match=rf"^{path}: .*{complaint}"):
@@ -108,7 +108,7 @@ def test_a_file_that_is_not_the_registrys_is_refused_and_not_kept(server, spoil,
     assert not (collection.cache_folder() / path).exists()
 
 
-def test_a_link_in_the_cache_is_not_written_through(server, tmp_path) -> None:
+def test_symbolic_links_are_not_followed(server, tmp_path) -> None:
     path = collection.cache_folder() / FAMILY / "chain-0.hdf5"
     path.parent.mkdir(parents=True)
     path.symlink_to(tmp_path / "victim")
@@ -117,7 +117,7 @@ def test_a_link_in_the_cache_is_not_written_through(server, tmp_path) -> None:
     assert not (tmp_path / "victim").exists()
 
 
-def test_families_are_named_by_their_last_part_or_in_full() -> None:
+def test_family_names() -> None:
     assert collection.family("fclib/Capsules") == "Local/siconos/Capsules"
     assert collection.family("fclib/global/siconos/capsules") == "Global/siconos/Capsules"
     assert collection.family("fclib/cubes_H8") in ABH2018
@@ -128,7 +128,7 @@ def test_families_are_named_by_their_last_part_or_in_full() -> None:
         assert all(len(entry.sha256) == 64 and entry.size > 0 and ".." not in entry.path for entry in entries)
 
 
-def test_data_that_is_not_there_is_named(server, tmp_path) -> None:
+def test_missing_data(server, tmp_path) -> None:
     for suite, data, complaint in (
         ("recorded", (), r"^data: recorded needs --data DIR"),
         ("recorded", (str(tmp_path / "nothing"),), r"^data: no problems in .*nothing"),

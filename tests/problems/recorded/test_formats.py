@@ -59,7 +59,7 @@ def test_siconos_text_of_an_lcp(tmp_path, write) -> None:
     assert found.hash == LCP(M, q).hash
 
 
-def test_an_lcp_and_a_friction_problem_of_two_rows_are_told_apart(tmp_path) -> None:
+def test_lcp_and_friction_problem_are_distinguished(tmp_path) -> None:
     W = sparse.csr_array([[2.0, 1.0], [1.0, 3.0]])
     for write in (dense, triplets, columns):
         lcp, friction = tmp_path / "lcp.dat", tmp_path / "friction.dat"
@@ -71,7 +71,7 @@ def test_an_lcp_and_a_friction_problem_of_two_rows_are_told_apart(tmp_path) -> N
 
 @BOTH
 @pytest.mark.parametrize("form", ["mechanical", "joints", "known by W"])
-def test_fclib_gives_back_what_was_written(tmp_path, problem, form) -> None:
+def test_fclib_round_trip(tmp_path, problem, form) -> None:
     nv = len(problem.free_velocity)
     problem = {
         "mechanical": problem,
@@ -121,7 +121,7 @@ def test_fclib_storages_and_joints_of_a_local_problem(tmp_path, problem, storage
 
 
 @BOTH
-def test_a_global_problem_without_a_symmetric_mass_or_with_tangential_offset_is_known_by_its_W(tmp_path, problem) -> None:
+def test_global_problem_reduced_to_W(tmp_path, problem) -> None:
     d, nv = problem.dimension, len(problem.free_velocity)
     M = sparse.csr_array(problem.mass + sparse.csr_array(([0.1], ([0], [1])), shape=(nv, nv)))
     H, w = sparse.csr_array(problem.jacobian.T), np.arange(problem.contacts * d) / 10
@@ -135,7 +135,7 @@ def test_a_global_problem_without_a_symmetric_mass_or_with_tangential_offset_is_
         assert np.allclose(found.q, H.T @ inverse @ f + offset, atol=1e-10)
 
 
-def test_contactbench_has_the_normal_last(tmp_path) -> None:
+def test_contactbench_axis_order(tmp_path) -> None:
     order = np.array([1, 2, 0, 4, 5, 3, 7, 8, 6])
     G = SPATIAL.W.toarray()[np.ix_(order, order)]
     np.savez(tmp_path / "p.npz", G=G, g=SPATIAL.q[order][:, None], mus=SPATIAL.friction, lam0=np.zeros((9, 1)))
@@ -158,7 +158,7 @@ def test_plain_arrays(tmp_path) -> None:
 
 
 @pytest.mark.parametrize("local", [True, False], ids=["local", "global"])
-def test_large_problems_stay_sparse(tmp_path, monkeypatch, local) -> None:
+def test_large_problems_are_sparse(tmp_path, monkeypatch, local) -> None:
     """2000 contacts; a dense matrix of their size would be asked of numpy's eigenvalues, or of toarray."""
 
     def refuse(*_, **__):
@@ -194,7 +194,7 @@ BLAMED = {  # where a wrong field shows in another, or has a name of its own
 
 
 @pytest.mark.parametrize(("field", "value"), [(field, value) for field, values in LOCAL.items() for value in values])
-def test_a_bad_fclib_field_is_named(tmp_path, field, value) -> None:
+def test_bad_fclib_field(tmp_path, field, value) -> None:
     path = tmp_path / "p.hdf5"
     fclib.write(known_by_W(SPATIAL), path)
     with h5py.File(path, "a") as file:
@@ -247,14 +247,14 @@ HOSTILE = ("external link", "soft link", "external storage", "virtual", "bomb", 
 
 
 @pytest.mark.parametrize("kind", [*HOSTILE, "never written"])
-def test_a_hostile_fclib_file_is_refused(tmp_path, kind) -> None:
+def test_malicious_fclib_file_is_refused(tmp_path, kind) -> None:
     hostile(tmp_path / "p.hdf5", kind)
     field = {"nested": "a/b/c", "crowd": "many"}.get(kind, "fclib_local/vectors/q")
     with pytest.raises(InputError, match=rf"p\.hdf5: {field}"):
         read(tmp_path / "p.hdf5")
 
 
-def test_groups_that_contain_themselves_end(tmp_path) -> None:
+def test_recursive_groups(tmp_path) -> None:
     path = tmp_path / "p.hdf5"
     fclib.write(known_by_W(SPATIAL), path)
     with h5py.File(path, "a") as file:
@@ -264,7 +264,7 @@ def test_groups_that_contain_themselves_end(tmp_path) -> None:
         read(path)
 
 
-def test_cut_and_scrambled_hdf5_files_are_read_or_refused(tmp_path) -> None:
+def test_damaged_hdf5_files(tmp_path) -> None:
     """Whatever the bytes: an answer or an InputError, though HDF5's library may die on them."""
     path, random = tmp_path / "p.hdf5", np.random.default_rng(0)
     fclib.write(known_by_W(SPATIAL), path)
@@ -280,7 +280,7 @@ def test_cut_and_scrambled_hdf5_files_are_read_or_refused(tmp_path) -> None:
             assert str(error).startswith(str(path))  # noqa: PT017  # either end is a pass
 
 
-def test_the_library_that_dies_or_hangs_is_named(tmp_path, monkeypatch) -> None:
+def test_crash_of_hdf5_library(tmp_path, monkeypatch) -> None:
     path = tmp_path / "p.hdf5"
     fclib.write(known_by_W(SPATIAL), path)
     monkeypatch.setattr(fclib, "MAX_SECONDS", 1e-3)
@@ -322,7 +322,7 @@ BAD_TEXT = {
 
 
 @pytest.mark.parametrize("name", BAD_TEXT)
-def test_a_bad_text_is_named(tmp_path, name) -> None:
+def test_bad_text(tmp_path, name) -> None:
     text, field = BAD_TEXT[name]
     path = tmp_path / "p.dat"
     path.write_text(text, encoding="ascii")
@@ -340,7 +340,7 @@ BAD_NPZ = {
 
 
 @pytest.mark.parametrize(("field", "value"), [(field, value) for field, values in BAD_NPZ.items() for value in values])
-def test_a_bad_array_is_named(tmp_path, field, value) -> None:
+def test_bad_array(tmp_path, field, value) -> None:
     path = tmp_path / "p.npz"
     np.savez(path, **GOOD_NPZ | {field.split("|", maxsplit=1)[0]: value})
     with pytest.raises(InputError, match=rf"p\.npz: ({field}): "):
@@ -360,13 +360,13 @@ def npz_claiming(path: Path, shape: str) -> None:
 @pytest.mark.parametrize(
     ("shape", "complaint"), [("(10**12,)", "q|not a problem"), ("(1000000000000,)", "q: unpacks"), ("(99,)", "p.npz")]
 )
-def test_an_archive_that_claims_more_than_it_holds_is_refused(tmp_path, shape, complaint) -> None:
+def test_oversized_archive_header_is_refused(tmp_path, shape, complaint) -> None:
     npz_claiming(tmp_path / "p.npz", shape)
     with pytest.raises(InputError, match=complaint):
         read(tmp_path / "p.npz")
 
 
-def test_other_files_are_named(tmp_path) -> None:
+def test_unknown_files(tmp_path) -> None:
     with pytest.raises(InputError, match=r"nothing\.npz: no such file"):
         read(tmp_path / "nothing.npz")
     with pytest.raises(InputError, match=str(tmp_path)):
@@ -390,7 +390,7 @@ def test_hybrid_solves_recorded_friction_problems(path) -> None:
 
 
 @pytest.mark.parametrize("path", recorded("reference"))
-def test_recorded_problems_are_those_that_others_solved(path) -> None:
+def test_reference_impulses_solve_recorded_problems(path) -> None:
     """The reference impulses, of other programs, solve the problem that is read: rows, signs and storage are as they meant."""
     name = path.name.removesuffix(".ref.npz").removeprefix("contactbench_")
     problem = read(next(p for p in (FOLDER / "friction").iterdir() if p.name in (name, name + ".npz")))
@@ -399,7 +399,7 @@ def test_recorded_problems_are_those_that_others_solved(path) -> None:
 
 
 @pytest.mark.parametrize("path", recorded("lcp", "*.dat"))
-def test_recorded_lcps_have_their_known_solutions(path) -> None:
+def test_recorded_lcp_solutions(path) -> None:
     lcp = read(path)
     assert isinstance(lcp, LCP)
     known = json.loads((FOLDER / "lcp" / "solutions.json").read_text(encoding="utf-8"))[path.name]
@@ -420,7 +420,7 @@ def test_recorded_lcps_have_their_known_solutions(path) -> None:
 
 
 @pytest.mark.parametrize("path", recorded("hard", "*.npz"))
-def test_hard_problems_are_read(path) -> None:
+def test_read_hard_problems(path) -> None:
     if path.name.startswith("false_rays"):
         pytest.skip("several LCPs in one file")
     problem = read(path)

@@ -16,7 +16,7 @@ ROUND = ["ccp_cone", "ccp_cone[backend=scs]"]
 
 @pytest.mark.parametrize("spec", PLANAR)
 @pytest.mark.parametrize("tol", [1e-4, 1e-7])
-def test_the_tolerance_is_kept(spec, tol) -> None:
+def test_tolerance_is_met(spec, tol) -> None:
     problems = [
         scene("stack", blocks=n, push=push, mass_ratio=ratio).problem() for n, push, ratio in ((1, 0, 1), (8, 0.3, 100))
     ]
@@ -59,12 +59,12 @@ def test_a_sliding_block_hops(spec) -> None:
 
 @pytest.mark.parametrize("spec", PLANAR)
 @pytest.mark.parametrize("problem", [block(speed=1.0, friction=0.0), block(speed=0.01), scene("stack", blocks=4).problem()])
-def test_without_sliding_or_friction_it_is_coulomb(spec, problem) -> None:
+def test_exact_without_sliding_or_friction(spec, problem) -> None:
     assert residual(problem, solve(problem, spec).impulse) <= 1e-8
 
 
 @pytest.mark.parametrize("spec", PLANAR)
-def test_friction_left_from_a_compression(spec) -> None:
+def test_friction_bias(spec) -> None:
     # The contact opens: the bias alone brakes the block.
     problem = block(speed=1.0, h=-0.01, friction=0.0, friction_bias=[0.3])
     answer = solve(problem, spec, tol=1e-9)
@@ -79,7 +79,7 @@ def test_no_contact(spec) -> None:
 
 
 @pytest.mark.parametrize("spec", PLANAR)
-def test_a_library_that_gives_up_has_failed(spec) -> None:
+def test_failed_library_status(spec) -> None:
     answer = solve(scene("stack", blocks=8, push=0.3).problem(), spec, limit=1)
     assert answer.status is Status.FAILED
     assert answer.detail
@@ -87,12 +87,12 @@ def test_a_library_that_gives_up_has_failed(spec) -> None:
 
 
 @pytest.mark.parametrize("spec", ["ccp", "ccp_cone"])
-def test_an_unknown_backend_is_named(spec) -> None:
+def test_unknown_backend(spec) -> None:
     with pytest.raises(InputError, match="backend: must be one of"):
         find(f"{spec}[backend=gurobi]")
 
 
-def test_iterations_are_counted_where_the_library_tells_them() -> None:
+def test_iteration_counts() -> None:
     problem = scene("stack", blocks=3).problem()
     for spec in ("ccp[backend=proxqp]", "ccp[backend=osqp]", "ccp_cone"):
         answers = [solve(problem, spec) for _ in range(2)]
@@ -100,7 +100,7 @@ def test_iterations_are_counted_where_the_library_tells_them() -> None:
         assert answers[0].work["iterations"] > 0
 
 
-def test_the_libraries_keep_quiet(capfd) -> None:
+def test_libraries_print_nothing(capfd) -> None:
     problem = scene("stack", blocks=3, push=0.3).problem()
     for spec in PLANAR:
         solve(problem, spec)

@@ -74,7 +74,7 @@ def own_residual(spec, problem, answer: Answer) -> float:
 
 @pytest.mark.parametrize("name", EASY)
 @pytest.mark.parametrize("spec", SPECS)
-def test_an_easy_problem_is_solved_by_those_that_are_here(spec, name) -> None:
+def test_installed_libraries_solve_easy_problems(spec, name) -> None:
     info, _ = find(spec)
     if info.missing:
         pytest.skip(info.missing)
@@ -95,7 +95,7 @@ def test_an_easy_problem_is_solved_by_those_that_are_here(spec, name) -> None:
         assert own_residual(spec, problem, first) <= 1e-5
 
 
-def test_pure_numbers_know_no_units() -> None:
+def test_scaled_problem_unit_invariance() -> None:
     problem = spatial(5)
     heavy = type(problem).from_delassus(problem.W / 1e6, problem.q / 10, problem.friction, 3)
     one, other = scaled_delassus(problem), scaled_delassus(heavy)
@@ -129,16 +129,16 @@ def test_every_adapter_is_short() -> None:
 
 
 @pytest.mark.parametrize("info", [info for info in available().values() if info.needs], ids=lambda info: info.name)
-def test_every_outside_solver_says_how_it_is_treated(info) -> None:
+def test_treatment_is_documented(info) -> None:
     assert facts(info).keys() == set(FIELDS)
 
 
-def test_the_fairness_page_is_the_registrys() -> None:
+def test_fairness_page_is_generated() -> None:
     written = (ROOT / "docs" / "fairness.md").read_text(encoding="utf-8")
     assert written == page(), "python -m frictionbench.harness.commands.fairness > docs/fairness.md"
 
 
-def test_the_contract_was_held_to_every_entry_that_could_be_had() -> None:
+def test_contract_results_are_complete() -> None:
     told = outcomes()
     assert set(told) == {spec for info in available().values() if info.needs for spec in info.specs}
     absent = {spec.partition("[")[0] for spec, line in told.items() if line["failed_checks"].endswith("not installed")}
@@ -154,7 +154,7 @@ FLAWS = [
 
 
 @pytest.mark.parametrize(("command", "name"), FLAWS)
-def test_the_command_of_a_flaw_shows_it(command, name) -> None:
+def test_flaw_commands(command, name) -> None:
     """It names a problem and solvers that there are; of none of them both claim and answer are good."""
     verb, what, *rest = shlex.split(command)
     specs = rest[1::2]
@@ -173,7 +173,7 @@ def first_problem(spec: str) -> FrictionProblem:
     return make_instance(name, **settings) if name in instances() else scene(name, **settings).problem()
 
 
-def test_what_is_missing_is_said() -> None:
+def test_missing_requirements() -> None:
     plugins.load(str(FAKE_LIBRARIES))
     missing = "no-such-distribution, no.such.module@/usr/bin/python3 not installed"
     assert find("missing_library")[0].missing == missing
@@ -182,7 +182,7 @@ def test_what_is_missing_is_said() -> None:
     assert installed_version("numpy") == np.__version__
 
 
-def test_a_child_that_dies_is_replaced() -> None:
+def test_crashed_child_is_restarted() -> None:
     child = Child(str(HELPERS / "fake_library_child.py"), os.sys.executable)
     child.store("what", do="")
     assert child.stored == "what"
@@ -194,7 +194,7 @@ def test_a_child_that_dies_is_replaced() -> None:
     child.end()
 
 
-def test_a_peer_that_misbehaves_has_its_row_and_leaves_no_process(tmp_path) -> None:
+def test_misbehaving_libraries(tmp_path) -> None:
     expected = {
         "fake_library[does=abort]": ("crashed", "SIGABRT"),
         "fake_library[does=exit]": ("crashed", "exit code 0"),
@@ -254,7 +254,7 @@ class FakeDart:
             return SimpleNamespace(succeeded=lambda: True, iterations=options.max_iterations, message=""), x
 
 
-def test_dart_is_handed_coulombs_law_in_the_plane(monkeypatch) -> None:
+def test_dart_input(monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "dartpy", FakeDart)
     problem, (info, dart) = scene("stack", blocks=1, push=1.0).problem(), find("dart[method=dantzig]")
     assert info.missing is None or info.missing == "dartpy>=7 not installed"

@@ -69,12 +69,12 @@ def test_solves_what_a_dense_solver_solves(name) -> None:
 
 @pytest.mark.parametrize("shift", [0.0, 3.0])
 @pytest.mark.parametrize("name", PATTERNS)
-def test_the_determinant_has_the_sign_that_a_dense_one_has(name, shift) -> None:
+def test_determinant_sign(name, shift) -> None:
     A, fronts, storage, swap, _ = factors(PATTERNS[name], shift)
     assert determinant_sign(fronts, storage, swap) == np.linalg.slogdet(A.toarray()).sign
 
 
-def test_no_variable_at_all() -> None:
+def test_no_variables() -> None:
     fronts, place = analysed(sparse.csr_array((3, 0)))
     assert len(fronts.pivots) == len(place) == fronts.start[-1] == 0
 
@@ -89,7 +89,7 @@ def test_every_variable_is_eliminated_once(name) -> None:
     assert np.all((fronts.parent == -1) | (fronts.parent > np.arange(len(fronts.parent))))
 
 
-def test_bodies_are_found_and_a_stack_has_no_fill() -> None:
+def test_stack_has_no_fill() -> None:
     fronts, _ = analysed(pattern("stack", blocks=50))
     assert set((fronts.pivots % 3).tolist()) == {0}
     assert np.diff(fronts.first).max() == 6  # a box and the one box left beside it
@@ -104,7 +104,7 @@ def test_a_pivot_of_zero_is_exchanged_within_its_front() -> None:
 
 
 @pytest.mark.parametrize("entry", [0.0, np.nan])
-def test_a_singular_matrix_gives_replaced_pivots_and_finite_factors(entry) -> None:
+def test_singular_matrix(entry) -> None:
     fronts, _ = analysed(sparse.csr_array([[1.0]]))
     storage, swap, x = np.array([entry]), np.zeros(1, dtype=np.int64), np.array([1.0])
     assert factorise(fronts, storage, swap, 1e-3) == 1
@@ -122,7 +122,7 @@ def test_every_pivot_of_a_matrix_of_zeros_is_replaced(n) -> None:
 
 
 @pytest.mark.parametrize("name", PATTERNS)
-def test_an_element_fits_into_the_front_it_is_added_to(name) -> None:
+def test_elements_fit_their_fronts(name) -> None:
     incidence = PATTERNS[name]
     fronts, place, home = analyse(incidence.indptr.astype(np.int64), incidence.indices.astype(np.int64), incidence.shape[1])
     for e in range(incidence.shape[0]):
@@ -131,7 +131,7 @@ def test_an_element_fits_into_the_front_it_is_added_to(name) -> None:
             assert set(member) <= set(fronts.variable[fronts.first[home[e]] : fronts.first[home[e] + 1]])
 
 
-def test_variables_of_the_same_elements_go_together() -> None:
+def test_equal_incidence_variables_share_front() -> None:
     start, member = np.array([0, 3, 5, 5]), np.array([0, 1, 4, 4, 2])
     group, groups = same_elements(start, member, 7)
     assert groups == 6
@@ -139,7 +139,7 @@ def test_variables_of_the_same_elements_go_together() -> None:
 
 
 @pytest.mark.parametrize(("rows", "entries"), [(8, 4581), (15, 29007), (40, 462933)])
-def test_fill_of_a_pyramid_is_that_of_multiple_minimum_degree(rows, entries) -> None:
+def test_pyramid_fill(rows, entries) -> None:
     """The entries of the fronts with SuperLU's ordering MMD_AT_PLUS_A."""
     fronts, _ = analysed(pattern("pyramid", rows=rows))
     assert fronts.start[-1] < 1.1 * entries

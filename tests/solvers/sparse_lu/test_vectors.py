@@ -6,7 +6,7 @@ from frictionbench.problems.compiled import state
 from tests.helpers.paths import ROOT
 
 
-def test_an_edit_of_the_vector_instructions_gives_the_kernels_another_cache(tmp_path) -> None:
+def test_vector_instructions_change_cache(tmp_path) -> None:
     copy = tmp_path / "solvers" / "sparse_lu" / "vectors.py"
     copy.parent.mkdir(parents=True)
     shutil.copy(ROOT / "solvers" / "sparse_lu" / "vectors.py", copy)
