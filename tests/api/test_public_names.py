@@ -1,4 +1,4 @@
-"""The names of `import frictionbench as fb`: complete, light, documented, with examples that run."""
+"""The public names of `import frictionbench as fb` are complete, documented and quick to import, and their examples run."""
 
 import ast
 import doctest

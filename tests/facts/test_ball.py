@@ -1,4 +1,4 @@
-"""The ball on a table: 5/7 of its speed, its parabola, and what a polygon makes of it."""
+"""A ball on a plane: final speed 5/7, parabolic path under side spin, and the error of polygonal friction cones."""
 
 import numpy as np
 import pytest

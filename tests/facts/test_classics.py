@@ -1,4 +1,4 @@
-"""Classic LCPs rebuilt from their formulas: all their solutions by the census, and what Lemke's method does on them."""
+"""Classic LCPs from the literature: all their solutions by the census, and the results of Lemke's method."""
 
 import numpy as np
 import pytest

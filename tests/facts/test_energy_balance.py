@@ -1,4 +1,4 @@
-"""The energy of one step: an exact identity for every solution, and what follows from it."""
+"""The energy balance of one step, an exact identity for every solution, and its consequences."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Painlevé's rod at the levels of forces and of impulses: which problems have no, one, two or three solutions."""
+"""Painlevé's rod at the force and impulse levels: which problems have no, one, two or three solutions."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The convex relaxation and the polygonal cone: where they are exact, and by how much they are not."""
+"""The convex relaxation and the polygonal cone: conditions under which they are exact, and the size of their errors."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What laws of restitution do to the energy of one impact: Newton's can raise it, Poisson's with the total cone never does."""
+"""Energy of one impact: Newton's restitution law can raise it, Poisson's law with the total cone never does."""
 
 import numpy as np
 import pytest

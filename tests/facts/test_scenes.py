@@ -1,4 +1,4 @@
-"""What mechanics says about the scenes: closed forms, and energy that never rises."""
+"""Simulated scenes agree with closed-form mechanics, and their energy never rises."""
 
 from functools import cache
 from itertools import pairwise

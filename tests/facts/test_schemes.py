@@ -1,4 +1,4 @@
-"""What is known about the schemes: stopping distances, drift, restitution, and where they have no solution."""
+"""Known properties of the time-stepping schemes: stopping distances, drift, restitution, and problems without solution."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""How many solutions a friction problem has, and what their set looks like: the talk's open problem on convexity (page 31)."""
+"""Number and shape of the solutions of friction problems; convexity of the set is the talk's open problem (page 31)."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Single steps whose answer statics or textbook mechanics gives."""
+"""Single steps whose solution is known from statics or textbook mechanics."""
 
 import numpy as np
 import pytest

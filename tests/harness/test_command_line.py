@@ -1,4 +1,4 @@
-"""Help, lists, tables, the end of a run, errors and interruptions, as printed to a terminal or a pipe."""
+"""Output of the command line on terminals and pipes: help, lists, tables, summaries, errors and interruptions."""
 
 import re
 import signal

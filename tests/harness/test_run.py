@@ -1,4 +1,4 @@
-"""Runs: every planned cell leaves a row with the right verdict, whatever its solver does; broken-off runs resume."""
+"""Runs write one row with the right verdict for every planned cell and resume after interruptions."""
 
 import json
 import os
@@ -124,7 +124,7 @@ def written(folder: Path) -> set[tuple[Path, int, int]]:
 def test_repeatedly_killed_run_resumes(tmp_path) -> None:
     """Kill -9 of the whole process group after it wrote some files, whatever it is doing then; then the same command again.
 
-    How far it got is told by its folder, not by the clock: a run spends most of its time starting.
+    Progress is measured by the files in the folder, since a run spends most of its time starting.
     """
     command = ["run", "smoke", "--scene", "stack", "--scene", "pyramid", "--solver", "lemke", "--solver", "nsgs", "--out"]
     python = [sys.executable, "-c", "from frictionbench.harness.cli import main; main()"]

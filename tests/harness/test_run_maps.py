@@ -1,4 +1,4 @@
-"""Failure maps: their axes and refinement, theory's thresholds out of verdicts and modes, units that change nothing."""
+"""Failure maps: axes, refinement, thresholds known from theory, and invariance under units."""
 
 import json
 from dataclasses import replace

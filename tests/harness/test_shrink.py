@@ -1,4 +1,4 @@
-"""Failing cells are made small, and stay failing."""
+"""Failing cells are reduced to smaller problems that still fail."""
 
 from contextlib import suppress
 

@@ -1,4 +1,4 @@
-"""What an answer is worth: near misses, what arithmetic cannot tell, and energy that no residual explains."""
+"""Verification of answers: near misses, rounding floors and energy defects."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""A solver made worse on purpose, run and verified like any other, is caught on the right line."""
+"""A solver with an injected fault is reported by the comparison on the right line."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Compiled kernels are kept apart for every state of the source, wherever there is room for them."""
+"""Compiled kernels are cached separately for every state of the source, in the first writable cache folder."""
 
 import os
 import shutil

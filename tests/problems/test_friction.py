@@ -1,4 +1,4 @@
-"""The friction problem: its fields are checked, its forms agree, its hash and residual mean what they say."""
+"""Friction problems: validation of fields, agreement of the forms, hash and residual."""
 
 import pickle
 from copy import copy, deepcopy

@@ -1,4 +1,4 @@
-"""Friction problems of one step: they are mechanics, they are the same again, and their parameters are checked."""
+"""Single-step instances: mechanical consistency, determinism and validation of parameters."""
 
 import numpy as np
 import pytest

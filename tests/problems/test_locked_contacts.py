@@ -1,4 +1,4 @@
-"""Contacts on bodies that joints hold fast: what is left of W there is round-off, and counts for nothing."""
+"""Contacts on bodies fixed by joints: the round-off left in W does not affect the results."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Scenes by name, their parameters, and the problems they make."""
+"""Scenes by name, their parameters, and the problems they generate."""
 
 import pickle
 

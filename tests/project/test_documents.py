@@ -1,4 +1,4 @@
-"""What the documents refer to is there: links, files, subpackages, commands and their options, and the constants they state."""
+"""Links, files, subpackages, commands, options and constants named in the documents exist."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The examples of the README, followed word for word in an empty folder."""
+"""The examples of the README run unchanged in an empty folder."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The recipes of CONTRIBUTING.md, followed word for word in a copy of the source."""
+"""The recipes of CONTRIBUTING.md work unchanged in a copy of the source."""
 
 import os
 import re
@@ -43,7 +43,7 @@ def source(tmp_path_factory) -> Path:
 
 
 def share_compiled(copy: Path) -> None:
-    """What numba has compiled for this source serves the copy, whose files are as old and as long."""
+    """Copy the compiled kernels of this source for use by the copy, whose files have equal times and sizes."""
     kept = Path(config.CACHE_DIR)
     for folder in {path.parent for path in copy.rglob("*.py")}:
         here, there = (

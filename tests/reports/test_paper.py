@@ -1,4 +1,4 @@
-"""What a paper takes from a run: figures, tables that fit, captions, references; the same bytes from the same tables."""
+"""Figures and tables for a paper: widths, captions, references, and reproducible bytes."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""The report's numbers on tables small enough to check by hand, and its page on folders of every kind."""
+"""The numbers of the report on tables small enough to check by hand, and its page for various folders."""
 
 import json
 import re
@@ -44,7 +44,7 @@ from tests.helpers.made_results import simulation_row, solve_row, unanswered_row
 
 @pytest.fixture(autouse=True)
 def no_latex(monkeypatch) -> None:
-    """PGF, which takes its time, has a test of its own (tests/reports/test_paper.py)."""
+    """Skip PGF output, which is slow and tested in tests/reports/test_paper.py."""
     monkeypatch.setattr("frictionbench.reports.paper.which", lambda name: None)
 
 
@@ -320,13 +320,13 @@ def test_partial_run_page(tmp_path, solves, simulations):
 
 
 def test_untrusted_text_is_escaped(tmp_path):
-    evil = '_<script>alert(1)</script>$x^{" onload="alert(1)"&\x00\x1b\u202e&#60; {{ 7 * 7 }}'
+    markup = '_<script>alert(1)</script>$x^{" onload="alert(1)"&\x00\x1b\u202e&#60; {{ 7 * 7 }}'
     texts = [column.name for column in SOLVES if str(column.type) == "string"]
-    row = solve_row("a", "p") | dict.fromkeys(texts, evil) | {"verdict": "wrong", "start": "warm"}
-    simulation = simulation_row("a") | dict.fromkeys(("scene", "parameters", "variant", "scheme", "reason", "key"), evil)
-    manifest = {"machine": {evil: evil}, evil: {evil: [evil]}}
+    row = solve_row("a", "p") | dict.fromkeys(texts, markup) | {"verdict": "wrong", "start": "warm"}
+    simulation = simulation_row("a") | dict.fromkeys(("scene", "parameters", "variant", "scheme", "reason", "key"), markup)
+    manifest = {"machine": {markup: markup}, markup: {markup: [markup]}}
     path = write_report(
-        write_folder(tmp_path, [row | {"parameters": evil}, row | {"key": "b", "scene": "c"}], [simulation], **manifest)
+        write_folder(tmp_path, [row | {"parameters": markup}, row | {"key": "b", "scene": "c"}], [simulation], **manifest)
     )
     page = _Page(path)
     assert_only_our_script_runs(path, page)
@@ -649,10 +649,13 @@ def test_library_clock_is_shown(tmp_path):
 
 
 def test_accuracy_by_hand(tmp_path):
-    """Two problems: one entry solves both, one its own model alone, one lies once, one dies once; the library's own is told."""
+    """Two problems: one solver solves both, one only its own model, one claims falsely once, one crashes once."""
     rows = [solve_row(name, problem, version="ours") for name in "ab" for problem in "pq"]
     rows += [solve_row("soft", problem, model="relaxation", residual=0.1, verdict="relaxed") for problem in "pq"]
-    rows += [solve_row("liar", "p", version="lib 2"), solve_row("liar", "q", version="lib 2", residual=0.1, verdict="wrong")]
+    rows += [
+        solve_row("false_claims", "p", version="lib 2"),
+        solve_row("false_claims", "q", version="lib 2", residual=0.1, verdict="wrong"),
+    ]
     rows[-1] |= {"model_residual": 0.1}
     rows += [solve_row("weak", "p"), unanswered_row("weak", "q", "crashed")]
     folder = write_folder(tmp_path / "run", [{"version": "ours"} | row for row in rows], versions={"frictionbench": "ours"})
@@ -660,20 +663,20 @@ def test_accuracy_by_hand(tmp_path):
     assert [(one.label, one.exact, one.own, one.wrong, one.crashed) for one in reliabilities(run)] == [
         ("a", 2, 2, 0, 0),
         ("b", 2, 2, 0, 0),
-        ("liar", 1, 1, 1, 0),
+        ("false_claims", 1, 1, 1, 0),
         ("weak", 1, 1, 0, 1),
         ("soft", 0, 2, 0, 0),
     ]
     assert dict(sentences(run)) == {
         "Every problem solved to 1e-8": "a, b",
         "Every problem solved to 1e-8 as a convex relaxation, whose friction law differs for sliding contacts": "soft",
-        "Wrong claims, with a residual above ten times the tolerance": "liar (1 of 2)",
+        "Wrong claims, with a residual above ten times the tolerance": "false_claims (1 of 2)",
         "Crashed": "weak (1 of 2)",
     }
     told = write_markdown(folder, read_run(folder)).read_text(encoding="utf-8")
     assert "**Crashed**: weak (1 of 2)." in told
     best = next(line for line in told.splitlines() if line.startswith("| all problems"))
-    assert "`liar`" in best.split("|")[-2], "the best of the outside solvers"
+    assert "`false_claims`" in best.split("|")[-2], "the best of the outside solvers"
     assert "Wrong claims, with a residual above ten times the tolerance" in write_report(folder).read_text(encoding="utf-8")
 
 

@@ -1,4 +1,4 @@
-"""Baselines as text, acknowledged changes, runs over time, results of pytest-benchmark."""
+"""Baselines as text, acknowledged changes, histories of runs, and results of pytest-benchmark."""
 
 import io
 import json

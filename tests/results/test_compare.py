@@ -1,4 +1,4 @@
-"""The gate: what counts as worse between two runs, and that it never passes having measured nothing."""
+"""Comparison of two runs: what counts as worse, and that a comparison without common measurements never passes."""
 
 import json
 from dataclasses import replace
@@ -39,7 +39,7 @@ def rows(verdicts, **given):
 
 
 def told(findings):
-    """Each finding in short."""
+    """Each finding as a short text."""
     return [f"{one.key} {one.before} → {one.after}" if isinstance(one, Flip) else one.name for one in findings]
 
 
@@ -262,8 +262,8 @@ def test_simulations_are_compared(tmp_path):
 
 
 def test_markdown_folding_and_escaping(runs):
-    evil = "a|b`<script>\n# c"
-    before, after = ([solve_row(evil, f"p{i}", verdict=v) for i in range(25)] for v in ("solved", "wrong"))
+    markup = "a|b`<script>\n# c"
+    before, after = ([solve_row(markup, f"p{i}", verdict=v) for i in range(25)] for v in ("solved", "wrong"))
     text = markdown(runs(before, after))
     head, folded = text.split("<details><summary>13 more</summary>")
     assert head.count("solved → wrong") == 12

@@ -1,4 +1,4 @@
-"""Results folders that were damaged, or made by an enemy: told in one line, never followed, never believed."""
+"""Damaged and malicious results folders are rejected with one-line errors."""
 
 import json
 import os
@@ -127,7 +127,7 @@ def test_invalid_tables_are_refused(tmp_path, monkeypatch, spoil: Callable[[pa.T
 
 
 def _with_text(table: pa.Table, length: int, rows: int) -> pa.Table:
-    """One long text in every row: a small file, for it stands there once."""
+    """The table with one long text in every row, which dictionary encoding stores once."""
     long = pa.concat_tables([table] * rows)
     return long.set_column(SCHEMA.names.index("reason"), "reason", pa.array(["x" * length]).take(pa.array([0] * rows)))
 
@@ -160,7 +160,7 @@ def mutated(content: bytes, random: np.random.Generator) -> bytes:
 
 
 def complaints(*reads: Callable[[], object]) -> list[str]:
-    """What reading tells of files that cannot be used; any other error is a failure."""
+    """The messages of ResultsError and InputError raised by the given reads; other errors propagate."""
     found = []
     for read in reads:
         try:
@@ -189,7 +189,7 @@ def test_mutated_files(tmp_path, kind) -> None:
 
 @pytest.mark.parametrize(("room", "unwritten"), [(2000, "manifest.json"), (5000, "solves.parquet")])
 def test_full_disk(tmp_path, room, unwritten) -> None:
-    """A disk with room for files of so many bytes."""
+    """The size of files is limited to the given number of bytes."""
     command = ["run", "smoke", "--jobs", "1", "--scene", "stack", "--solver", "nsgs", "--out", str(tmp_path / "run")]
     full = "from resource import RLIMIT_FSIZE, setrlimit; from frictionbench.harness.cli import main; "
     full += f"setrlimit(RLIMIT_FSIZE, ({room}, {room})); main()"

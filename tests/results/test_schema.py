@@ -1,4 +1,4 @@
-"""The documentation of the columns is what the schema says."""
+"""The documentation page of the columns is generated from the schema."""
 
 from frictionbench.results.schema import TABLES, VERSION, describe
 from tests.helpers.paths import ROOT

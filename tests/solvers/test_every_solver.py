@@ -1,4 +1,4 @@
-"""What every solver owes: a solution where it must find one, the same counts twice, an honest end, its input left alone."""
+"""Requirements on every solver: solved problems, reproducible counters, correct status, unmodified input."""
 
 import sys
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Nothing from outside reaches a compiled loop unchecked: limit, tol, start and impulses, each error naming its field."""
+"""Limit, tolerance, start and impulses are validated before compiled code runs, with errors that name the field."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Lemke's method: the literature's examples with their pivot counts, friction steps with exact ties, and honest failures."""
+"""Lemke's method: pivot counts from the literature, friction problems with exact ties, and rays."""
 
 import numpy as np
 import pytest

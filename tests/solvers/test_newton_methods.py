@@ -1,4 +1,4 @@
-"""Newton on Fischer-Burmeister and on the min-map: where they are guaranteed, where they fail, and that they say so."""
+"""Newton's method on Fischer-Burmeister and min-map equations: guaranteed cases, failures and their status."""
 
 from itertools import combinations
 

@@ -1,4 +1,4 @@
-"""Nonsmooth Gauss-Seidel and the exact solves at one contact that it is built on."""
+"""Nonsmooth Gauss-Seidel and the exact single-contact solves it uses."""
 
 import numpy as np
 import pytest

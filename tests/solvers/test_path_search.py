@@ -1,4 +1,4 @@
-"""Path search: the literature's LCPs, friction with exact ties and rank deficiency, honest failures; its basis and its path."""
+"""Path search: LCPs of the literature, exact ties, rank deficiency, status of failures; its basis and its path."""
 
 import numpy as np
 import pytest

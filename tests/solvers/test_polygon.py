@@ -1,4 +1,4 @@
-"""LCP solvers in space: the polygon's error is model error, told apart from the solver's, and shrinks with the facets."""
+"""LCP solvers in space: the polygon's model error is separate from the solver's and decreases with the facets."""
 
 from itertools import pairwise
 

@@ -1,4 +1,4 @@
-"""The basis of the pivoting methods, and Dantzig's and Murty's principal pivoting where they are guaranteed and where not."""
+"""The basis of the pivoting methods, and Dantzig's and Murty's methods in and outside their guaranteed cases."""
 
 import numpy as np
 import pytest

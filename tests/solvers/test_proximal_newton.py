@@ -1,4 +1,4 @@
-"""Proximal points in space: Newton's equations are exact, and what traps an interior point is solved."""
+"""Proximal Newton in space: the equations are exact, and problems on which interior points stagnate are solved."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The splitting methods beside Gauss-Seidel: what they claim holds, and they converge at the rates known for one contact."""
+"""The other splitting methods: their claims are correct and they converge at the rates known for one contact."""
 
 import numpy as np
 import pytest

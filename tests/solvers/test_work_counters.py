@@ -1,4 +1,4 @@
-"""Work counters against calls of the kernels, counted from outside, and nobody under another's name."""
+"""Work counters equal independent counts of kernel calls, and only portfolios run other solvers."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""How solvers get to their answers: followed outside the timed calls, every point verified, a few problems of a run."""
+"""Convergence histories: recorded outside the timed calls, verified at every point, for a few problems of a run."""
 
 import numpy as np
 import pytest
@@ -21,8 +21,8 @@ from tests.helpers.runs import quiet, small_plan
 
 
 @pytest.fixture(autouse=True)
-def no_hurry(monkeypatch) -> None:
-    """What is compiled in a first call, on a busy machine, takes longer than a history may."""
+def _large_budget(monkeypatch) -> None:
+    """Raise the time budget of a history, which compilation in a first call may exceed on a busy machine."""
     monkeypatch.setattr(convergence, "BUDGET", 1e3)
 
 
@@ -35,8 +35,8 @@ def test_history_converges() -> None:
     assert residuals[-1] == residual(problem, impulse)
 
 
-class Boaster:
-    """It says from the third unit on that it is done, and is not."""
+class FalseClaim:
+    """Falsely reports SOLVED from the third unit of work on."""
 
     def prepare(self, problem):
         return problem.contacts
@@ -49,7 +49,7 @@ class Boaster:
 
 def test_history_uses_verified_residuals() -> None:
     problem = scene("stack", blocks=1).problem()
-    units, residuals, impulse = convergence_history(problem, Boaster(), 1e-8)
+    units, residuals, impulse = convergence_history(problem, FalseClaim(), 1e-8)
     assert units == [1, 2, 3]
     assert residuals == [residual(problem, impulse)] * 3
     assert residuals[0] > 1e-3

@@ -1,4 +1,4 @@
-"""Reference answers are verified, whoever gives them; sources that yield nothing are rows; equal problems stay apart."""
+"""Reference answers are verified, failed sources give rows with a reason, and equal problems keep separate rows."""
 
 import numpy as np
 import pytest
@@ -19,8 +19,8 @@ MOTION = Source("stopping_block", {}, pick=3, steps=6)
 
 
 @pytest.fixture
-def liars(monkeypatch):
-    """Make some solvers claim that nothing needs an impulse."""
+def false_claims(monkeypatch):
+    """Make the given solvers return zero impulses with status SOLVED."""
 
     def lie(*names):
         honest = reference.solve
@@ -35,26 +35,26 @@ def liars(monkeypatch):
     return lie
 
 
-def test_wrong_reference_falls_back(liars):
-    liars("lemke")
+def test_wrong_reference_falls_back(false_claims):
+    false_claims("lemke")
     answer = Reference()
     assert answer(block())[0, 0] > 0
     assert str(answer) == "path_search"
     assert Reference()(spatial(0)).any()
 
 
-def test_reference_solver_is_recorded(tmp_path, liars):
+def test_reference_solver_is_recorded(tmp_path, false_claims):
     honest = collect(tmp_path / "honest", MOTION)
     assert {entry["reference"] for entry in honest} == {"lemke"}
-    liars("lemke")
-    others = collect(tmp_path / "liars", MOTION)
+    false_claims("lemke")
+    others = collect(tmp_path / "false_claims", MOTION)
     assert {entry["reference"] for entry in others} == {"path_search"}
     assert [entry["step"] for entry in others] == [entry["step"] for entry in honest]
     assert record_motion(scene("stopping_block"), Reference(), steps=3).solver == "path_search"
 
 
-def test_motion_ends_without_reference(tmp_path, liars):
-    liars(*reference.ORDER[2])
+def test_motion_ends_without_reference(tmp_path, false_claims):
+    false_claims(*reference.ORDER[2])
     with pytest.raises(NoReference, match=r"within 1e-08 \(lemke: .*, path_search: .*, interior_point: "):
         Reference()(block())
     with pytest.raises(InputError, match="stopping_block yields no problem: no reference answer"):

@@ -1,4 +1,4 @@
-"""Form, setup and solve timed apart, and no sample in which anything was compiled or loaded. The clock is the test's own."""
+"""Form, setup and solve are timed separately, without calls that compile or load code; the clock is simulated."""
 
 import sys
 from types import ModuleType

@@ -1,4 +1,4 @@
-"""`compare --confirm`: alerts run again, both codes in turn, before a gate closes."""
+"""`compare --confirm` repeats alerts with the old and the new code in turn before it fails."""
 
 import subprocess
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""solve, export and run on problems in files and on instances, through the command line's own functions."""
+"""The commands solve, export and run on problem files and instances."""
 
 import json
 

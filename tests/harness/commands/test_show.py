@@ -1,4 +1,4 @@
-"""Recorded motions agree with the scenes they are of, and their pages draw what is in them."""
+"""Recorded motions agree with their scenes, and their pages draw them completely."""
 
 import json
 import os

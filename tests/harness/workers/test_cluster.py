@@ -1,4 +1,4 @@
-"""The same plan on a dask cluster here, one of its two workers killed half-way, finds the same; a dead scheduler is told."""
+"""A run on a local dask cluster survives the loss of a worker and reports the loss of the scheduler."""
 
 import os
 import signal

@@ -1,4 +1,4 @@
-"""Solvers of installed distributions: found by their entry points, code from outside like a plug-in's file."""
+"""Solvers of installed distributions are found by their entry points and treated like plug-ins."""
 
 from pathlib import Path
 
@@ -19,7 +19,7 @@ POINTS = "[frictionbench.solvers]\nguest = made_up.solvers\nabsent = made_up.sol
 
 @pytest.fixture
 def distribution(tmp_path, monkeypatch) -> Path:
-    """Where a made-up distribution lies that is installed for this process and for those it starts."""
+    """Folder of a made-up distribution, importable in this process and in its children."""
     home = tmp_path / "site"
     information = home / "made_up-1.2.dist-info"
     information.mkdir(parents=True)

@@ -1,4 +1,4 @@
-"""Workers run our code and nobody else's, end with the run whatever runs in them, and do not spoil one another."""
+"""Workers run the code of this package only, end with their run, and do not affect one another."""
 
 import json
 import os
@@ -26,16 +26,16 @@ from frictionbench.results.files import ResultsError
 from tests.helpers.runs import quiet
 
 MARK = "FRICTIONBENCH_TEST_MARK"
-DEAF = """
+BLOCKS_SIGNALS = """
 import os
 import signal
 
 from frictionbench.solvers import solver
 
 
-@solver("deaf", family="bad", model="coulomb")
-class Deaf:
-    '''Hangs from the first call with all signals blocked, and so does its child, which is nobody\'s.'''
+@solver("blocks_signals", family="bad", model="coulomb")
+class BlocksSignals:
+    '''Hangs from the first call with all signals blocked, and so does its orphaned child process.'''
 
     def prepare(self, problem):
         signal.pthread_sigmask(signal.SIG_SETMASK, set(signal.Signals))
@@ -45,7 +45,7 @@ class Deaf:
         while True:
             pass
 """
-SABOTAGE = "raise RuntimeError('the code of the current folder was run')"
+RAISES = "raise RuntimeError('the code of the current folder was run')"
 
 
 def frictionbench(*arguments: str, **options) -> subprocess.CompletedProcess[str]:
@@ -61,19 +61,19 @@ def wait_until(condition: Callable[[], bool], seconds: float = 60.0) -> bool:
 
 
 @pytest.fixture
-def saboteurs_folder(tmp_path) -> Path:
+def shadowing_folder(tmp_path) -> Path:
     for package in ("problems", "solvers", "harness", "results", "reports"):
         (tmp_path / package).mkdir()
-        (tmp_path / package / "__init__.py").write_text(SABOTAGE, encoding="utf-8")
-    (tmp_path / "numpy.py").write_text(SABOTAGE, encoding="utf-8")
+        (tmp_path / package / "__init__.py").write_text(RAISES, encoding="utf-8")
+    (tmp_path / "numpy.py").write_text(RAISES, encoding="utf-8")
     return tmp_path
 
 
-def test_current_folder_is_not_imported(saboteurs_folder) -> None:
+def test_current_folder_is_not_imported(shadowing_folder) -> None:
     options = ("run", "smoke", "--scene", "stack", "--solver", "nsgs", "--tol", "1e-4", "--out", "run")
-    done = frictionbench(*options, cwd=saboteurs_folder)
+    done = frictionbench(*options, cwd=shadowing_folder)
     assert done.returncode == 0, done.stderr
-    assert set(store.read_table(saboteurs_folder / "run", "solves")["verdict"]) == {"solved"}
+    assert set(store.read_table(shadowing_folder / "run", "solves")["verdict"]) == {"solved"}
 
 
 def test_different_worker_code_is_refused(monkeypatch, tmp_path) -> None:
@@ -90,7 +90,7 @@ def test_unsupported_platform(monkeypatch, tmp_path) -> None:
 
 
 def marked(mark: str) -> list[int]:
-    """The processes, wherever they went, below one that was started with a mark in its environment."""
+    """The running processes whose environment contains the mark, including detached ones."""
     found = []
     for one in psutil.process_iter():
         try:
@@ -120,7 +120,7 @@ print(ended, len(naps) < process.PATIENCE / max(naps) / 2, process.descendants(o
 
 
 def test_leftover_processes_are_killed() -> None:
-    """The dead child stays, a zombie, with the worker that is spared; it takes the supervisor no patience."""
+    """An unreaped zombie child of a spared worker does not make the supervisor wait."""
     done = subprocess.run(
         [sys.executable, "-c", SPARED], capture_output=True, text=True, check=True, cwd=machine.PACKAGE.parent
     )
@@ -129,8 +129,8 @@ def test_leftover_processes_are_killed() -> None:
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGHUP])
 def test_ended_run_leaves_no_process(tmp_path, number) -> None:
-    plugin = tmp_path / "deaf.py"
-    plugin.write_text(DEAF, encoding="utf-8")
+    plugin = tmp_path / "blocks_signals.py"
+    plugin.write_text(BLOCKS_SIGNALS, encoding="utf-8")
     options = [
         "run",
         "smoke",
@@ -222,7 +222,7 @@ class Naps:
 
 
 def test_run_survives_killed_processes(tmp_path) -> None:
-    """The server is killed while it starts, all three once the two problems are there; the run is not, and misses no cell."""
+    """Server, supervisors and workers are killed in turn; the run continues and no cell is missing."""
     plugin = tmp_path / "naps.py"
     plugin.write_text(NAPS, encoding="utf-8")
     command = [sys.executable, "-c", "from frictionbench.harness.cli import main; main()", "run", "smoke", "--jobs", "1"]

@@ -1,4 +1,4 @@
-"""Plug-ins: run only where the user names them, known by content, and their errors told with file and line."""
+"""Plug-ins run only if the user names them, are identified by content, and their errors have file and line."""
 
 import os
 import re

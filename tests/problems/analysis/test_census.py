@@ -1,4 +1,4 @@
-"""The census against solutions known in closed form, against the LCP's own census, and against Lemke's answers."""
+"""The census agrees with closed-form solutions, with the LCP's own census, and with Lemke's method."""
 
 import warnings
 

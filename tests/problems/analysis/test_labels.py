@@ -1,4 +1,4 @@
-"""Labels of problems whose nature is known."""
+"""Labels of problems whose properties are known."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Backward error and sensitivity: an unstable solver and an ill-posed instance look different."""
+"""Backward error and sensitivity distinguish an unstable solver from an ill-posed instance."""
 
 import numpy as np
 import pytest

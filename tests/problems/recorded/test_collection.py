@@ -1,4 +1,4 @@
-"""Recorded problems fetched from a server on this machine: checked, kept, resumed, used without a network."""
+"""Recorded problems fetched from a local server: checksums, cache, resumed downloads, use without a network."""
 
 import hashlib
 import threading
@@ -17,7 +17,7 @@ FAMILY = "Local/siconos/Chain"
 
 
 class Server:
-    """Serves `files`, by path, and remembers what it was asked for."""
+    """Serves `files` by path and records the requested paths."""
 
     def __init__(self) -> None:
         self.files: dict[str, bytes] = {}

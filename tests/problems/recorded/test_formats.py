@@ -1,4 +1,4 @@
-"""Problems in files: each format is read as it is meant, and a bad file is named with its field and harms nothing."""
+"""Each file format is read correctly, and damaged or malicious files are rejected with the name of the bad field."""
 
 import json
 import struct
@@ -206,7 +206,7 @@ def test_bad_fclib_field(tmp_path, field, value) -> None:
 
 
 def hostile(path: Path, kind: str) -> None:
-    """A file that is more than data: q replaced by something that no reader should follow."""
+    """Replace q of an FCLIB file by a link or an object that readers must not follow."""
     fclib.write(known_by_W(SPATIAL), path)
     elsewhere = path.with_name("elsewhere.hdf5")
     with h5py.File(elsewhere, "w") as file:

@@ -1,4 +1,4 @@
-"""Outside libraries: those that are here are tried, those that are not are skipped; stand-ins misbehave in their place."""
+"""Outside libraries: installed ones are tested, missing ones skipped, misbehaving ones replaced by fake libraries."""
 
 import ast
 import os
