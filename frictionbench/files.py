@@ -40,6 +40,8 @@ def save(problem: FrictionProblem | LCP, path: str | Path) -> None:
     >>> load("stack.npz").hash == problem.hash
     True
     """
+    if not isinstance(problem, FrictionProblem | LCP):
+        raise InputError(f"problem: must be a FrictionProblem or an LCP, got {type(problem)}")
     path = Path(path)
     if path.suffix == ".npz":
         own.save(problem, path)

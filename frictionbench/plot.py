@@ -96,7 +96,7 @@ def _draw(chart: str, results: Results | str | Path, ax: Axes | None, which: str
         raise ValueError(f"{chart}: this run has nothing to draw")
     try:
         panel = panels[which] if isinstance(which, str) else list(panels.values())[which]
-    except LookupError:
+    except (LookupError, TypeError):
         raise ValueError(f"panel: {chart} has no panel {which!r}; it has {', '.join(panels)}") from None
     if ax is None:
         from matplotlib import pyplot

@@ -3,6 +3,7 @@
 from numbers import Real
 
 from frictionbench.harness import verify as harness_verify
+from frictionbench.harness.cells.answers import AnswerError, checked_copy
 from frictionbench.harness.verify import Finding
 from frictionbench.problems import LCP, FrictionProblem, InputError
 from frictionbench.solvers import Answer, find
@@ -25,7 +26,7 @@ def verify(problem: FrictionProblem | LCP, answer: Answer, tol: float, *, solver
         floor                   what rounding alone may change of the residual; 0 for an LCP, where it is not measured
         fclib_error             FCLIB's error measure; NaN for an LCP
         energy_defect           J, defect of the energy balance; NaN for an LCP
-    Errors: InputError naming tol or solver.
+    Errors: InputError naming problem, answer with the field that is no array of numbers, tol or solver.
 
     >>> import frictionbench as fb
     >>> problem = fb.scene("stack", blocks=2, push=1.0).problem()
@@ -36,6 +37,12 @@ def verify(problem: FrictionProblem | LCP, answer: Answer, tol: float, *, solver
     if not (isinstance(tol, Real) and 0 < tol < float("inf")):
         raise InputError(f"tol: must be a positive, finite number, got {tol!r}")
     info, _ = find(EXACT if solver is None else solver)
+    if not isinstance(problem, FrictionProblem | LCP):
+        raise InputError(f"problem: must be a FrictionProblem or an LCP, got {type(problem)}")
+    try:
+        answer = checked_copy(answer)
+    except AnswerError as error:
+        raise InputError(f"answer: {error}") from None
     if isinstance(problem, LCP):
         return harness_verify.verify_lcp(problem, answer, float(tol))
     return harness_verify.verify(problem, answer, info, float(tol))

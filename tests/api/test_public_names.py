@@ -110,6 +110,32 @@ def test_verify_answer() -> None:
         fb.verify(problem, answer, 0.0)
 
 
+@pytest.mark.parametrize(
+    ("given", "field"),
+    [
+        (None, "an Answer"),
+        (fb.Answer(np.zeros((8, 2)), "SOLVED"), "status"),
+        (fb.Answer({}, fb.Status.SOLVED), "impulse"),
+        (fb.Answer(np.zeros((8, 2)), fb.Status.SOLVED, softness="x"), "softness"),
+        (fb.Answer(np.zeros((8, 2)), fb.Status.SOLVED, work={"steps": 0.5}), "work"),
+    ],
+)
+def test_verify_names_the_field_of_a_malformed_answer(given, field) -> None:
+    problem = fb.scene("stack", blocks=4).problem()
+    for what in (problem, problem.lcp()):
+        with pytest.raises(fb.InputError, match=f"answer: .*{field}"):
+            fb.verify(what, given, 1e-8)
+
+
+@pytest.mark.parametrize("given", [None, 3, "stack", np.eye(2)])
+def test_what_is_no_problem_is_refused(given, tmp_path) -> None:
+    with pytest.raises(fb.InputError, match="problem: must be"):
+        fb.verify(given, fb.Answer(np.zeros((1, 2)), fb.Status.SOLVED), 1e-8)
+    with pytest.raises(fb.InputError, match="problem: must be"):
+        fb.save(given, tmp_path / "a.npz")
+    assert not list(tmp_path.iterdir())
+
+
 def test_results_are_tables_with_their_columns_documented(run) -> None:
     results = fb.read_results(str(run))
     assert list(results.solves.columns) == [column.name for column in TABLES["solves"]]
@@ -129,5 +155,7 @@ def test_plots_draw_on_the_axes_given(run) -> None:
     assert fb.plot.speed_accuracy(results, ax=Figure().subplots(), panel="bar").get_title() == "bar"
     with pytest.raises(ValueError, match="has no panel 'nothing'"):
         fb.plot.profiles(results, ax=ax, panel="nothing")
+    with pytest.raises(ValueError, match="has no panel None"):
+        fb.plot.profiles(results, ax=ax, panel=None)
     with pytest.raises(ValueError, match="nothing to draw"):
         fb.plot.growth(results, ax=ax)
