@@ -11,8 +11,8 @@ where s is about the cost of one call, so that differences below it have little 
 class has no mean there; one that was skipped on some of its problems is charged for these. Over all problems the solvers are
 compared on the same problems, so that every problem skipped counts as not solved.
 
-The performance profile of Dolan and Moré (2002) is the share of these problems that a solver brings within the target in at
-most tau times the time of the fastest. A solver that was skipped on whole classes is also compared with the others on the
+The performance profile of Dolan and Moré (2002) is the share of these problems solved to the target within tau times the
+time of the fastest solver. A solver that was skipped on whole classes is also compared with the others on the
 problems that it ran on. `by_charge` shows how the ranking depends on the charge for a problem not solved.
 """
 
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from frictionbench.results.verdicts import measured
 
-TARGETS = (1e-4, 1e-6, 1e-8)
+TARGETS = (1e-4, 1e-6, 1e-8)  # two decades apart: from the accuracy of real-time simulation to that of reference solutions
 Array = NDArray[np.float64]
 SHIFT = 1e-5  # s, about the cost of calling a solver
 CHARGES = (1, 3, 10)  # time limits charged for a problem not solved, up to a decade
@@ -124,8 +124,8 @@ def by_charge(times: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(columns).assign(failed=failed).sort_values("mean 1", kind="stable").reset_index()
 
 
-def entered_in_part(times: pd.DataFrame) -> pd.DataFrame:
-    """A row per label that was skipped on whole classes: the number of problems that it ran on (entered), of all; and on these
+def partial_rankings(times: pd.DataFrame) -> pd.DataFrame:
+    """A row per label that was skipped on whole classes: the number of problems that it ran on (ran_on), of all; and on these
     its rank among the solvers that ran on all of them (others, itself included), its mean (s), and the best label with its own.
     """
     found = []
@@ -136,7 +136,7 @@ def entered_in_part(times: pd.DataFrame) -> pd.DataFrame:
             groups = same.groupby("label")["charged"]
             means = groups.agg(shifted_geometric_mean)[groups.size() == len(own)].sort_values(kind="stable")
             rank = int((means < means[label]).sum()) + 1
-            row = {"label": label, "entered": len(own), "of": int(count[label]), "rank": rank, "others": len(means)}
+            row = {"label": label, "ran_on": len(own), "of": int(count[label]), "rank": rank, "others": len(means)}
             reached = int(own["reached"].sum())
             found.append(row | {"reached": reached, "mean": means[label], "best": means.index[0], "best_mean": means.iloc[0]})
     return pd.DataFrame(found)

@@ -1,6 +1,6 @@
 """Which solver to choose: for each kind of problem the solver with the least mean time to a target, its lead and win rate.
 
-The mean is the shifted geometric mean of reports.accuracy, with problems not solved charged at the time limit. Only solvers
+The mean is the shifted geometric mean of reports.accuracy, with problems not solved charged the time limit. Only solvers
 that ran on every problem of the kind are ranked, so that all are compared on the same problems. The lead is the mean of the
 second solver over that of the first. The win rate is the share of DRAWS bootstrap samples of the problems in which the same
 solver is first. Problems of one scene are similar, so the win rate applies to problems like these.
@@ -41,7 +41,7 @@ def choices(run: Run, among: set[str] | None = None) -> list[tuple[str, dict[flo
 
     among: the labels to choose from; None for all. A kind that consists of all problems is listed as such only.
     """
-    problems = run.contested.drop_duplicates("problem_id").set_index("problem_id")
+    problems = run.nontrivial.drop_duplicates("problem_id").set_index("problem_id")
     contacts = problems["contacts"]
     kinds = {
         "all problems": contacts.notna(),

@@ -34,13 +34,13 @@ def write_markdown(folder: Path, run: Run) -> Path:
 
 def _head(run: Run) -> str:
     settings, machine = run.manifest.get("settings", {}), run.manifest.get("machine", {})
-    problems = run.contested.drop_duplicates("problem_id")
+    problems = run.nontrivial.drop_duplicates("problem_id")
     timed = run.rows["disturbed"].dropna()
     disturbed = f"; {timed.eq(True).mean():.0%} of the cells that ran waited for their core" if len(timed) else ""
     return (
         f"Suite {settings.get('suite')}, finished {run.manifest.get('finished', 'never')}, {machine.get('processor')}, "
         f"{machine.get('cores')} cores: {len(problems)} non-trivial problems, "
-        f"{run.contested['label'].nunique()} solvers, time limit {settings.get('time_limit')} s{disturbed}.\n"
+        f"{run.nontrivial['label'].nunique()} solvers, time limit {settings.get('time_limit')} s{disturbed}.\n"
     )
 
 
@@ -49,10 +49,14 @@ def _which(run: Run) -> str:
     theirs = choice.choices(run, outside(run))
     rows = []
     for (kind, found), (_, other) in zip(choice.choices(run), theirs, strict=True):
-        best = [_describe(found[target]) if target in found else "none" for target in run.ends]
-        peer = other.get(run.ends[-1])
+        best = [_describe(found[target]) if target in found else "none" for target in run.outer_targets]
+        peer = other.get(run.outer_targets[-1])
         rows.append([kind, *best, _describe(peer) if peer else "none"])
-    heads = ["for", *(f"to {power(target)}" for target in run.ends), f"of the outside solvers, to {power(run.ends[-1])}"]
+    heads = [
+        "for",
+        *(f"to {power(target)}" for target in run.outer_targets),
+        f"of the outside solvers, to {power(run.outer_targets[-1])}",
+    ]
     return _table("## Which solver, and how reliable", heads, rows)
 
 
@@ -72,7 +76,7 @@ def _exact(run: Run) -> str:
     """For each label the number of problems at the tightest tolerance, and how many ended with each result."""
     names = ["problems", "exact", "own model", Verdict.NEAR_MISS, Verdict.WRONG, Verdict.TIMEOUT, Verdict.CRASHED]
     body = [[_name(one.label), *map(str, one[1:])] for one in reliabilities(run)]
-    return _table(f"## Reliability at {power(run.contested['tol'].min())}", ["solver", "model", *names], body)
+    return _table(f"## Reliability at {power(run.nontrivial['tol'].min())}", ["solver", "model", *names], body)
 
 
 def _times(run: Run, dimension: int) -> str:
@@ -99,10 +103,10 @@ def _times(run: Run, dimension: int) -> str:
 
 def _clocks(run: Run) -> str:
     """Medians by size for the solvers whose library measures a different time, over the problems whose model they solve."""
-    apart = tables.clocks(run).query("apart")
+    differing = tables.clocks(run).query("differs")
     rows = run.tightest[run.tightest["clock_time"].notna() & run.tightest["own_solved"]]
     body = []
-    for label, ratio in zip(apart["label"], apart["ratio"], strict=True):
+    for label, ratio in zip(differing["label"], differing["ratio"], strict=True):
         own, shown = rows[rows["label"] == label], []
         for low, high in BANDS:
             times = own.loc[(own["contacts"] > low) & (own["contacts"] <= high), ["solve_time", "clock_time"]].median() * 1e3

@@ -32,7 +32,7 @@ from frictionbench.results.files import ResultsError, subfolder, write_text
 from frictionbench.results.verdicts import Verdict
 
 FONT = 7  # points, in figures: the smallest size that journals accept
-ON_PAGE_ONLY = ("Point at", "Bands, ")  # the beginnings of sentences that apply to the page only
+ON_PAGE_ONLY = ("Hover over", "Bands, ")  # the beginnings of sentences that apply to the page only
 
 
 def write_paper(folder: Path, run: Run, layout: Layout | None = None) -> Path:
@@ -102,13 +102,13 @@ def _solvability(run: Run, layout: Layout) -> Table:
 
 
 def _times(run: Run, layout: Layout) -> Table:
-    race = tables.race(run.summaries)
-    header, groups, columns = ["solver"], [("", 1)], [[label for label, _ in race]]
+    ranking = tables.ranking(run.summaries)
+    header, groups, columns = ["solver"], [("", 1)], [[label for label, _ in ranking]]
     for i, target in enumerate(run.summaries):
-        unit, means = one_unit([cells[i]["mean"] for _, cells in race])
+        unit, means = one_unit([cells[i]["mean"] for _, cells in ranking])
         header += ["reached", f"mean, {unit}"]
         groups.append((f"to {power(target)}", 2))
-        columns += [[f"{cells[i]['reached']}/{cells[i]['problems']}" for _, cells in race], means]
+        columns += [[f"{cells[i]['reached']}/{cells[i]['problems']}" for _, cells in ranking], means]
     return booktabs(header, list(zip(*columns, strict=True)), layout, groups)
 
 
@@ -146,7 +146,7 @@ CAPTIONS = {
     "solvability": "Verdicts of an independent verification, by solver; claimed: cells that the solver reports as solved. "
     "Trivial problems are left out.",
     "times": "Problems brought within a verified residual of each target, and the shifted geometric mean of the time, "
-    "problems not solved charged at the time limit.",
+    "problems not solved charged the time limit.",
     "problems": "Problems by class; trivial: no active friction, or the unconstrained motion is the solution; unknowns of the "
     "friction LCP.",
     "solvers": "Solvers, the model that each solves, and references.",
@@ -163,7 +163,7 @@ def _setting(run: Run) -> str:
     """The suite and the machine of the run, in a sentence."""
     machine = run.manifest.get("machine")
     processor = f", one thread of {machine['processor']}" if isinstance(machine, dict) and "processor" in machine else ""
-    problems = run.contested["problem_id"].nunique()
+    problems = run.nontrivial["problem_id"].nunique()
     return f"Suite {run.manifest['settings'].get('suite', 'unnamed')}, {problems} problems{processor}."
 
 

@@ -19,7 +19,7 @@ NOT_REDUCED = Shrunk("", 0, 0, whole=False)
 
 
 @dataclass(frozen=True, eq=False)
-class Cells:
+class MapCells:
     """A map and its rows, with the columns that results.map_rows.at_grid_points adds."""
 
     spec: Map
@@ -37,14 +37,14 @@ class Cells:
         return self.rows.drop_duplicates(["i", "j"])
 
 
-def map_cells(run: Run) -> list[Cells]:
+def map_cells(run: Run) -> list[MapCells]:
     """The maps of the run that have rows. Errors: ResultsError if the maps in the manifest cannot be read."""
     tables = {False: run.rows, True: run.map_simulations}
-    found = (Cells(spec, at_grid_points(tables[spec.steps > 0], spec)) for spec in maps_of(run.manifest))
+    found = (MapCells(spec, at_grid_points(tables[spec.steps > 0], spec)) for spec in maps_of(run.manifest))
     return [cells for cells in found if len(cells.rows)]
 
 
-def robustness(maps: list[Cells]) -> pd.DataFrame:
+def robustness(maps: list[MapCells]) -> pd.DataFrame:
     """A row per label, the best first: for each map the share of grid points solved among those where a solution is known; in
     `known` the same over the grid points of all maps; in `all` the share among all grid points."""
     columns: dict[str, Any] = {}
@@ -62,7 +62,7 @@ def robustness(maps: list[Cells]) -> pd.DataFrame:
     return table.sort_values("known", ascending=False, kind="stable").rename_axis("label").reset_index()
 
 
-def failures(maps: list[Cells]) -> pd.DataFrame:
+def failures(maps: list[MapCells]) -> pd.DataFrame:
     """The cells of exact methods on maps of first problems that are not solved where a solution is known; map: its name."""
     parts = [failed_rows(cells.rows).assign(map=cells.spec.name) for cells in maps if not cells.spec.steps]
     return pd.concat(parts) if parts else pd.DataFrame(columns=["map", "label", "key"])
@@ -96,7 +96,7 @@ def costs(run: Run) -> pd.DataFrame:
     return found.sort_values([*same, "first", "variant", "way"], kind="stable")
 
 
-def changes(cells: Cells) -> list[str]:
+def changes(cells: MapCells) -> list[str]:
     """The labels whose verdict or work changes over a map on which both must be constant."""
     kinds = cells.rows.groupby("label", sort=False)[["verdict", "work"]].nunique().max(axis=1)
     return list(kinds.index[kinds > 1])

@@ -10,7 +10,7 @@ Columns added to the solves table:
     answered        whether there is an answer that was verified and timed
     own_solved      whether it solves the exact problem or the solver's own model to the tolerance
 
-Trivial problems are excluded from rankings: `Run.contested` leaves them out.
+Trivial problems are excluded from rankings: `Run.nontrivial` leaves them out.
 """
 
 import json
@@ -57,14 +57,14 @@ class Run:
     folder: Path = Path()
 
     @cached_property
-    def contested(self) -> pd.DataFrame:
+    def nontrivial(self) -> pd.DataFrame:
         """The rows of non-trivial friction problems, without those of sources that yielded no problem and of bare LCPs."""
         return self.rows[~self.rows["trivial"] & (self.rows["problem"] != "") & self.rows["contacts"].notna()]
 
     @property
     def tightest(self) -> pd.DataFrame:
-        """The rows of `contested` at the tightest tolerance."""
-        return self.contested[self.contested["tol"] == self.contested["tol"].min()]
+        """The rows of `nontrivial` at the tightest tolerance."""
+        return self.nontrivial[self.nontrivial["tol"] == self.nontrivial["tol"].min()]
 
     @cached_property
     def looks(self) -> dict[str, Look]:
@@ -81,10 +81,10 @@ class Run:
     @cached_property
     def times(self) -> dict[float, pd.DataFrame]:
         """For each target the times to it, per problem and label: see reports.accuracy."""
-        return {target: times_to(self.contested, target) for target in targets(self.contested)}
+        return {target: times_to(self.nontrivial, target) for target in targets(self.nontrivial)}
 
     @property
-    def ends(self) -> list[float]:
+    def outer_targets(self) -> list[float]:
         """The coarsest and the tightest target; only one if they are the same."""
         return sorted({max(self.times), min(self.times)}, reverse=True)
 

@@ -8,12 +8,12 @@ from frictionbench.reports.accuracy import ALL
 from frictionbench.reports.run import Run
 from frictionbench.results.verdicts import Verdict, measured
 
-APART = 0.1  # relative difference of a library's own clock from solve_time that is larger than the overhead of a call
+CLOCK_MARGIN = 0.1  # relative difference of a library's own clock from solve_time that is larger than the overhead of a call
 
 
 def solvability(run: Run) -> pd.DataFrame:
     """A row per label: trivial (cells of trivial problems, not counted in the others), cells, claimed, and each verdict."""
-    real = run.contested
+    real = run.nontrivial
     table = pd.DataFrame({"trivial": run.rows.groupby("label", sort=False)["trivial"].sum()})
     table["cells"] = real.groupby("label").size()
     table["claimed"] = real.groupby("label")["claimed"].sum()
@@ -36,7 +36,7 @@ def reasons(run: Run) -> pd.DataFrame:
 
 def by_class(run: Run) -> pd.DataFrame:
     """A row per class, label and tolerance: cells, solved, medians of residuals (1) and times (s), worst (largest residual)."""
-    rows = run.contested
+    rows = run.nontrivial
     answers = rows.assign(
         solved=rows["verdict"] == Verdict.SOLVED,
         ran=measured(rows),
@@ -94,7 +94,7 @@ def matrix(summary: pd.DataFrame) -> list[tuple[str, dict[str, Any]]]:
     return [(label, cells[label]) for label in best_first(summary).index]
 
 
-def race(summaries: dict[float, pd.DataFrame], problem_class: str = ALL) -> list[tuple[str, list[dict[str, Any]]]]:
+def ranking(summaries: dict[float, pd.DataFrame], problem_class: str = ALL) -> list[tuple[str, list[dict[str, Any]]]]:
     """The labels of a class, best at the finest target first, each with its row at each target."""
     own = {target: best_first(table, problem_class) for target, table in summaries.items()}
     return [(label, [table.loc[label].to_dict() for table in own.values()]) for label in own[min(own)].index]
@@ -102,18 +102,18 @@ def race(summaries: dict[float, pd.DataFrame], problem_class: str = ALL) -> list
 
 def gaps(run: Run) -> int:
     """The number of pairs of a problem and a label that have no row, as in a run that has not finished."""
-    rows = run.contested
+    rows = run.nontrivial
     return rows["problem_id"].nunique() * rows["label"].nunique() - len(rows.drop_duplicates(["problem_id", "label"]))
 
 
 def clocks(run: Run) -> pd.DataFrame:
-    """A row per label whose library measures its own time: medians of solve_time and clock_time (s) and of their ratio; apart:
-    whether the ratio differs from one by more than APART."""
-    rows = run.contested[run.contested["clock_time"].notna() & run.contested["solve_time"].notna()]
+    """A row per label whose library measures its own time: medians of solve_time and clock_time (s) and of their ratio;
+    differs: whether the ratio differs from one by more than CLOCK_MARGIN."""
+    rows = run.nontrivial[run.nontrivial["clock_time"].notna() & run.nontrivial["solve_time"].notna()]
     ratio = rows["solve_time"] / rows["clock_time"].clip(lower=1e-7)
     groups = rows.assign(ratio=ratio).groupby("label", sort=False)
     table = groups[["solve_time", "clock_time", "ratio"]].median()
-    return table.assign(apart=(table["ratio"] - 1).abs() > APART).reset_index()
+    return table.assign(differs=(table["ratio"] - 1).abs() > CLOCK_MARGIN).reset_index()
 
 
 def overhead(run: Run) -> float | None:

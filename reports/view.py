@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from frictionbench.reports import choice, robustness, tables
-from frictionbench.reports.accuracy import CHARGES, by_charge, entered_in_part
+from frictionbench.reports.accuracy import CHARGES, by_charge, partial_rankings
 from frictionbench.reports.animation import Animation
 from frictionbench.reports.charts import CHARTS
 from frictionbench.reports.charts.chart import Chart
@@ -26,12 +26,12 @@ from frictionbench.results.shrunk import FOLDER
 
 MOST_CLAIMS = 200  # wrong claims listed on the page; more make it slow to load
 MOST_SIMULATIONS = 300  # simulations of a scene listed on the page, for the same reason
-FEW = 8  # curves that a reader can tell apart in one figure
+FEW = 8  # curves that are distinguishable in one figure
 
 CURVES = ["times", "energies", "penetrations", "load", "clock"]  # columns that no table shows
 
 Records = list[dict[str, Any]]
-Race = list[tuple[str, Records]]  # labels, each with its row of the summary at each target
+Ranking = list[tuple[str, Records]]  # labels, each with its row of the summary at each target
 
 
 @dataclass(frozen=True)
@@ -41,11 +41,11 @@ class Head:
     setup: str
     finished: bool
     problems: int
-    contested: int
+    nontrivial: int
     classes: int
     disturbed: int
     without_core: int
-    crowded: int
+    oversubscribed: int
     gaps: int
     overhead: float | None
     headline: list[str]
@@ -64,7 +64,7 @@ class Marks:
 
 @dataclass(frozen=True)
 class Solved:
-    """Who solves what: by target and class, by verdict, and the reasons given."""
+    """Problems solved by target and class, verdicts, and their reasons."""
 
     matrices: dict[float, list[tuple[str, dict[str, Any]]]]
     ranked: list[str]
@@ -88,7 +88,7 @@ class Maps:
 class Times:
     """Time to equal accuracy."""
 
-    race: Race
+    ranking: Ranking
     parts: pd.DataFrame
     charged: dict[float, pd.DataFrame]
     charges: Sequence[int]
@@ -100,7 +100,7 @@ class SceneClass:
     """A class of problems. facts: its row of tables.problem_classes; example: its smallest scene for the command line."""
 
     facts: dict[str, Any]
-    race: Race
+    ranking: Ranking
     by_tolerance: Records
     simulations: Records
     animations: list[Animation]
@@ -159,11 +159,11 @@ def _head(run: Run) -> Head:
         setup=_setup(run.manifest),
         finished="finished" in run.manifest,
         problems=run.rows.loc[run.rows["problem"] != "", "problem_id"].nunique(),
-        contested=run.contested["problem_id"].nunique(),
+        nontrivial=run.nontrivial["problem_id"].nunique(),
         classes=run.rows["problem_class"].nunique(),
         disturbed=int(disturbed.sum()),
         without_core=int((disturbed & run.rows["core"].isna()).sum()),
-        crowded=workers_on_all_cores(run.manifest),
+        oversubscribed=workers_on_all_cores(run.manifest),
         gaps=tables.gaps(run),
         overhead=tables.overhead(run),
         headline=headline(run),
@@ -196,10 +196,10 @@ def _families(run: Run) -> dict[str, str]:
     }
 
 
-def _but_the_best(run: Run, few: int, bearable: int) -> list[str]:
-    """The tags of all labels except the best few; none where there are no more than `bearable`."""
+def _but_the_best(run: Run, few: int, limit: int) -> list[str]:
+    """The tags of all labels except the best few; none where there are no more than `limit`."""
     best = list(tables.best_first(run.summaries[min(run.summaries)]).index)[:few]
-    return [look.tag for label, look in run.looks.items() if label not in best] if len(run.looks) > bearable else []
+    return [look.tag for label, look in run.looks.items() if label not in best] if len(run.looks) > limit else []
 
 
 def _charts(run: Run) -> dict[str, list[tuple[Chart, Sequence[Panel] | Sequence[Drawing]]]]:
@@ -215,7 +215,7 @@ def _solved(run: Run) -> Solved:
     classes = tables.problem_classes(run)
     return Solved(
         matrices={target: tables.matrix(table) for target, table in run.summaries.items()},
-        ranked=list(run.contested["problem_class"].unique()),
+        ranked=list(run.nontrivial["problem_class"].unique()),
         trivial=classes[(classes["problems"] > 0) & (classes["trivial"] == classes["problems"])].to_dict("records"),
         verdicts=tables.solvability(run),
         reasons=tables.reasons(run),
@@ -235,8 +235,8 @@ def _maps(run: Run) -> Maps:
 
 def _times(run: Run) -> Times:
     return Times(
-        race=tables.race(run.summaries),
-        parts=entered_in_part(run.times[run.ends[-1]]),
+        ranking=tables.ranking(run.summaries),
+        parts=partial_rankings(run.times[run.outer_targets[-1]]),
         charged={target: by_charge(times) for target, times in run.times.items() if len(times)},
         charges=CHARGES,
         clocks=tables.clocks(run),
@@ -254,11 +254,11 @@ def _simulated(run: Run) -> dict[str, Records]:
 def _classes(run: Run, simulated: dict[str, Records], animations: Sequence[Animation]) -> list[SceneClass]:
     by_tolerance = {name: table.to_dict("records") for name, table in tables.by_class(run).groupby("problem_class")}
     scene_of = dict(zip(run.rows["problem_class"], run.rows["scene"], strict=True))
-    ranked, examples = set(run.contested["problem_class"]), _examples(run)
+    ranked, examples = set(run.nontrivial["problem_class"]), _examples(run)
     return [
         SceneClass(
             facts=facts,
-            race=tables.race(run.summaries, name) if name in ranked else [],
+            ranking=tables.ranking(run.summaries, name) if name in ranked else [],
             by_tolerance=by_tolerance.get(name, []),
             simulations=simulated.get(scene_of[name], []),
             animations=[one for one in animations if one.scene == scene_of[name]],

@@ -41,7 +41,8 @@ def read(path: Path) -> tuple[dict[str, str], list[list[str]]]:
     table = [(i, line.split("\t")) for i, line in enumerate(lines[len(head) :], len(head) + 1) if line]
     if "suite" in facts and facts.get("schema", "1") != str(VERSION):
         version = facts.get("schema", "1")
-        raise ResultsError(f"{path}: has schema version {version}, but this program reads version {VERSION}; accept a new run")
+        age = f"has schema version {version}, but this version reads {VERSION}"
+        raise ResultsError(f"{path}: {age}; create it again with `frictionbench accept`")
     if not table or table[0][1] != [*COLUMNS, "key"] or not facts.keys() >= set(FACTS):
         raise ResultsError(f"{path}: neither a baseline, as written by `frictionbench accept`, nor a results folder")
     for i, cells in table[1:]:

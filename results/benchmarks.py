@@ -18,7 +18,7 @@ LARGEST = 256 * 2**20  # bytes; pytest-benchmark stores every round
 MACHINE = ("node", "machine", "system", "python_version")
 
 
-def are(path: Path) -> bool:
+def is_benchmark(path: Path) -> bool:
     """Whether the path is a JSON file or a folder of JSON files other than a results folder."""
     return bool(_files(path)) and not (path / "manifest.json").exists()
 

@@ -52,7 +52,7 @@ def read(path: Path) -> Cells:
         raise ResultsError(f"{path}: unknown verdict {min(unknown)!r}")
     if found.table.index.has_duplicates:
         twice = found.table.index[found.table.index.duplicated()][0]
-        raise ResultsError(f"{path}: two rows have the key {twice!r}")
+        raise ResultsError(f"{path}: duplicate key {twice!r}")
     return found
 
 

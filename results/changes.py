@@ -23,7 +23,7 @@ PACE = 10.0  # largest ratio of the speeds of two machines that is attributed to
 
 
 @dataclass(frozen=True)
-class Finding(ABC):
+class Change(ABC):
     """A change in the results of one solver. known: the reason why it is acknowledged, or empty."""
 
     variant: str
@@ -32,7 +32,7 @@ class Finding(ABC):
     @property
     @abstractmethod
     def name(self) -> str:
-        """What changed, as text that identifies it among the solver's findings."""
+        """What changed, as text that identifies it among the solver's changes."""
 
     @property
     @abstractmethod
@@ -44,7 +44,7 @@ class Finding(ABC):
 
 
 @dataclass(frozen=True)
-class Flip(Finding):
+class Flip(Change):
     """A cell whose verdict changed, or that is gone."""
 
     key: str
@@ -72,7 +72,7 @@ class Flip(Finding):
 
 
 @dataclass(frozen=True)
-class Growth(Finding):
+class Growth(Change):
     """A change in the sum of a counter over a solver's cells. limit: the largest ratio that does not count as growth."""
 
     counter: str
@@ -100,8 +100,8 @@ class Growth(Finding):
 
 def flips(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Flip]:
     """The cells whose verdict changed, the largest deteriorations first. Both tables have the same cells."""
-    fall = (after["verdict"].map(RANK) - before["verdict"].map(RANK)).sort_values(ascending=False, kind="stable")
-    for key in fall.index[fall != 0]:
+    decline = (after["verdict"].map(RANK) - before["verdict"].map(RANK)).sort_values(ascending=False, kind="stable")
+    for key in decline.index[decline != 0]:
         yield _flip(before.loc[key], after.loc[key])
 
 
@@ -142,7 +142,7 @@ def explained_by_speed(before: pd.DataFrame, after: pd.DataFrame, alike: bool) -
 
 def work(before: pd.DataFrame, after: pd.DataFrame, limit: float) -> Iterator[Growth]:
     """The counters whose sum over a solver's cells changed. Both tables have the same cells."""
-    same = settled(before, after)
+    same = equally_solved(before, after)
     for variant, keys in same.groupby(same["variant"]).groups.items():
         sums: tuple[Counter[str], Counter[str]] = Counter(), Counter()
         for key in keys:
@@ -155,6 +155,6 @@ def work(before: pd.DataFrame, after: pd.DataFrame, limit: float) -> Iterator[Gr
                 yield Growth(str(variant), name, sums[0][name], sums[1][name], len(keys), limit)
 
 
-def settled(before: pd.DataFrame, after: pd.DataFrame) -> pd.DataFrame:
+def equally_solved(before: pd.DataFrame, after: pd.DataFrame) -> pd.DataFrame:
     """The cells that both tables solve with the same verdict: only there are work and time comparable."""
     return after[(after["verdict"] == before["verdict"]) & after["verdict"].isin(ACCEPTED)]

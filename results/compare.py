@@ -1,7 +1,7 @@
 """Comparison of two runs, as a gate for CI: verdicts first, deterministic work counters next, times last.
 
 Verdicts and work are comparable across machines and raise an alert by themselves. Times raise an alert only if processes of
-both codes ran alternately (results.times); two runs are one process each, which is not enough for a statistical statement.
+both versions ran alternately (results.times); two runs are one process each, which is not enough for a statistical statement.
 `confirm` takes into account the results of running the alerting cells again. Exit codes: 0 nothing worse, 1 a regression,
 2 unusable input, which includes two runs without a common cell.
 """
@@ -16,7 +16,7 @@ import pandas as pd
 
 from frictionbench.results import benchmarks, changes
 from frictionbench.results.cells import Cells, read
-from frictionbench.results.changes import Finding, Flip, Growth
+from frictionbench.results.changes import Change, Flip, Growth
 from frictionbench.results.files import ResultsError
 from frictionbench.results.times import Pair, Time, times
 from frictionbench.results.verdicts import measured
@@ -56,25 +56,25 @@ class Comparison:
     sources: dict[str, str] = field(default_factory=dict)
 
     @property
-    def findings(self) -> tuple[Finding, ...]:
+    def changes(self) -> tuple[Change, ...]:
         return (*self.flips, *self.gone, *self.work, *self.times)
 
     @property
-    def worse(self) -> list[Finding]:
-        """The findings that are worse, or gone, and not acknowledged."""
-        return [found for found in self.findings if found.worse and not found.known]
+    def worse(self) -> list[Change]:
+        """The changes that are worse, or gone, and not acknowledged."""
+        return [found for found in self.changes if found.worse and not found.known]
 
     @property
-    def better(self) -> list[Finding]:
+    def better(self) -> list[Change]:
         return [*(flip for flip in self.flips if not flip.worse), *(one for one in (*self.work, *self.times) if one.better)]
 
     @property
     def counts(self) -> dict[str, int]:
-        """The numbers of findings that are worse, better and known, and of cells that are the same, new, gone and skipped."""
+        """The numbers of changes that are worse, better and acknowledged, and of cells that are same, new, gone and skipped."""
         gone = sum(not flip.known for flip in self.gone)
         counts = {"worse": len(self.worse) - gone, "better": len(self.better), "same": self.same, "new": self.new}
-        known = sum(found.worse and bool(found.known) for found in self.findings)
-        return counts | {"gone": gone, "skipped": self.skipped} | ({"known": known} if known else {})
+        known = sum(found.worse and bool(found.known) for found in self.changes)
+        return counts | {"gone": gone, "skipped": self.skipped} | ({"acknowledged": known} if known else {})
 
     @property
     def exit_code(self) -> int:
@@ -98,8 +98,8 @@ def compare(baseline: Path, current: Path, limits: Limits = Limits()) -> Compari
     if common.empty:
         return Comparison(baseline, current, unusable="no cell was measured in both runs")
     alike = bool(old.machine) and old.machine == new.machine
-    if benchmarks.are(current) and not alike:
-        return Comparison(baseline, current, unusable="benchmark times of two different machines cannot be compared")
+    if benchmarks.is_benchmark(current) and not alike:
+        return Comparison(baseline, current, unusable="times measured on different machines are not compared")
     flips, gone, work, timeouts = _differences(old.table, new.table, alike, limits)
     pairs = zip([old, *more_old], [new, *more_new], strict=False)
     timed = times([(a.table, b.table) for a, b in pairs], limits.slowdown, limits.alpha) if alike and limits.times else []
@@ -114,15 +114,19 @@ def compare(baseline: Path, current: Path, limits: Limits = Limits()) -> Compari
         work=work,
         times=tuple(timed),
         notes=tuple(_notes(old, new, timeouts)),
-        untimed="" if alike or not limits.times else "the machines differ" if old.machine else "a baseline does not store them",
+        untimed="" if alike or not limits.times else _untimed(old),
         alpha=limits.alpha,
-        benchmarks=benchmarks.are(current),
+        benchmarks=benchmarks.is_benchmark(current),
         sources=new.sources,
     )
 
 
+def _untimed(old: Cells) -> str:
+    return "they were measured on different machines" if old.machine else "baseline files contain no comparable times"
+
+
 def _processes(path: Path) -> list[Cells]:
-    return benchmarks.read(path) if benchmarks.are(path) else [read(path)]
+    return benchmarks.read(path) if benchmarks.is_benchmark(path) else [read(path)]
 
 
 def _differences(
@@ -139,9 +143,9 @@ def _differences(
 
 def _notes(old: Cells, new: Cells, timeouts: int) -> Iterator[str]:
     if timeouts:
-        yield f"Changes from or to a timeout that the speed of the machine may explain are not counted: {timeouts} cells."
+        yield f"Not counted as changes: {timeouts} cells whose timeout the speed of the machine may explain."
     if old.code and new.code and old.code != new.code:
-        yield f"Code {old.code} before, {new.code} now."
+        yield f"Code: {old.code} (baseline), {new.code} (current)."
 
 
 def suspects(comparison: Comparison, limits: Limits) -> list[Time]:
@@ -164,7 +168,7 @@ def confirm(comparison: Comparison, pairs: Sequence[Pair], both: bool, limits: L
         votes.update({_name(found) for found in (*flips, *gone, *work) if found.worse})
     alerts = [found for found in (*comparison.flips, *comparison.gone, *comparison.work) if found.worse]
     dismissed = {_name(found) for found in alerts if 2 * votes[_name(found)] <= len(pairs)}
-    why = "both codes give the same result here" if both else "the repeats give the result of the baseline"
+    why = "both versions give the same result on this machine" if both else "the repeats give the result of the baseline"
     notes = [f"Not confirmed, {why}: {variant}, {name}." for variant, name in sorted(dismissed)]
     timed = {time.variant: time for time in (times(pairs, limits.slowdown, limits.alpha) if both and limits.times else [])}
     return replace(
@@ -179,5 +183,5 @@ def confirm(comparison: Comparison, pairs: Sequence[Pair], both: bool, limits: L
     )
 
 
-def _name(found: Finding) -> tuple[str, str]:
+def _name(found: Change) -> tuple[str, str]:
     return found.variant, found.name

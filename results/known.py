@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
-from frictionbench.results.changes import GONE, Finding, Flip, Growth
+from frictionbench.results.changes import GONE, Change, Flip, Growth
 from frictionbench.results.compare import Comparison
 from frictionbench.results.files import ResultsError
 from frictionbench.results.times import Time
@@ -35,7 +35,7 @@ class Known:
     after: str = ""
     ratio: float = 0.0
 
-    def is_of(self, found: Finding) -> bool:
+    def is_of(self, found: Change) -> bool:
         if not found.worse or found.variant != self.solver:
             return False
         if isinstance(found, Flip):
@@ -53,7 +53,7 @@ def read(path: Path) -> list[Known]:
         raise ResultsError(f"{path}: cannot be read ({error})") from None
     entries = content.get("known")
     if content.keys() - {"known"} or not isinstance(entries, list):
-        raise ResultsError(f"{path}: must hold [[known]] tables and nothing else")
+        raise ResultsError(f"{path}: must contain only [[known]] tables")
     return [_entry(path, i, entry) for i, entry in enumerate(entries, 1)]
 
 
@@ -76,13 +76,13 @@ def _entry(path: Path, number: int, entry: Any) -> Known:
 
 def acknowledge(comparison: Comparison, known: Sequence[Known]) -> Comparison:
     """The comparison with the reasons of acknowledged changes, and a note for each entry that no longer applies."""
-    met: set[Known] = set()
+    applied: set[Known] = set()
 
     def marked(found: F) -> F:
         entry = next((entry for entry in known if entry.is_of(found)), None)
         if entry is None:
             return found
-        met.add(entry)
+        applied.add(entry)
         return replace(found, known=entry.reason)
 
     acknowledged = replace(
@@ -92,6 +92,6 @@ def acknowledge(comparison: Comparison, known: Sequence[Known]) -> Comparison:
         work=tuple(map(marked, comparison.work)),
         times=tuple(map(marked, comparison.times)),
     )
-    unused = [entry for entry in known if entry not in met]
-    notes = [f"Acknowledged, but no longer found; delete the entry: {one.solver}, {one.change}." for one in unused]
+    unused = [entry for entry in known if entry not in applied]
+    notes = [f"Acknowledged change not found; delete its entry: {one.solver}, {one.change}." for one in unused]
     return replace(acknowledged, notes=(*comparison.notes, *notes))

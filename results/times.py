@@ -14,11 +14,11 @@ from itertools import combinations_with_replacement
 import numpy as np
 import pandas as pd
 
-from frictionbench.results.changes import Finding, settled
+from frictionbench.results.changes import Change, equally_solved
 
 
 @dataclass(frozen=True)
-class Time(Finding):
+class Time(Change):
     """The times of one solver in two codes.
 
     before, after: time per cell, s, the median over n pairs of processes of the geometric mean over the cells. ratio: after /
@@ -74,13 +74,13 @@ def times(pairs: Sequence[Pair], limit: float, alpha: float) -> list[Time]:
 def _logs(before: pd.DataFrame, after: pd.DataFrame) -> pd.DataFrame:
     common = before.index.intersection(after.index)
     before, after = before.loc[common], after.loc[common]
-    same = settled(before, after)
+    same = equally_solved(before, after)
     table = pd.DataFrame({"variant": same["variant"]})
     for side, cells in (("before", before), ("after", after)):
         table[side] = np.log(cells["seconds"].loc[same.index])
-    table["calm"] = ~(before["disturbed"] | after["disturbed"]).loc[same.index]
+    table["undisturbed"] = ~(before["disturbed"] | after["disturbed"]).loc[same.index]
     table = table.dropna()
-    return table[table["calm"] | ~table.groupby("variant")["calm"].transform("any")]
+    return table[table["undisturbed"] | ~table.groupby("variant")["undisturbed"].transform("any")]
 
 
 def estimate(shifts: np.ndarray, alpha: float) -> tuple[float, float, float, float]:

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 
 from frictionbench.reports.accuracy import on_all
 from frictionbench.reports.charts.chart import Chart
-from frictionbench.reports.charts.profiles import staircase
+from frictionbench.reports.charts.profiles import cumulative_share
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import GRID, Look, share_axis, time_axis
 from frictionbench.reports.drawing.text import power
@@ -27,7 +27,7 @@ def panels(run: Run) -> list[Panel]:
 def _draw(ax: Axes, times: pd.DataFrame, looks: dict[str, Look]) -> None:
     longest = float(times.loc[times["reached"], "charged"].max())
     for label, own in times.groupby("label"):
-        spent, share = staircase(np.sort(own.loc[own["reached"], "charged"].to_numpy()), len(own))
+        spent, share = cumulative_share(np.sort(own.loc[own["reached"], "charged"].to_numpy()), len(own))
         if len(spent):
             ax.step([*spent, longest], [*share, share[-1]], where="post", **looks[str(label)].line, markevery=(0.1, 0.15))
     share_axis(ax)
@@ -41,7 +41,7 @@ CHART = Chart(
     panels=panels,
     section="time",
     title="Solved against time",
-    caption="The share of all non-trivial problems that a solver brings within the target when each is given that time, "
+    caption="The share of all non-trivial problems that a solver solves to the target if each is given that time, "
     "for example the time available for a time step. Unlike a performance profile it does not depend on the other solvers.",
     in_paper=slice(None, None, 2),
 )

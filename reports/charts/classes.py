@@ -28,7 +28,7 @@ def panels(run: Run) -> list[Panel]:
     if not tried:
         return []
     times = run.times[tried[0]]
-    facts = run.contested.groupby("problem_id")[["contacts", "rank", "dimension"]].max()
+    facts = run.nontrivial.groupby("problem_id")[["contacts", "rank", "dimension"]].max()
     ratio = facts["rank"] / (facts["contacts"] * facts["dimension"])
     found = []
     for values, classes in ((facts["contacts"], SIZES), (ratio, RANKS)):
@@ -48,8 +48,8 @@ CHART = Chart(
     panels=panels,
     section="time",
     title="Performance profiles by size and by rank, within the tightest target",
-    caption="As above, for the problems of one class, by number of contacts and by the rank of W over its rows, which is "
-    "computed for up to 600 rows.",
+    caption="Performance profiles for the problems of one class, by number of contacts and by the rank of W over its rows, "
+    "which is computed for up to 600 rows.",
     columns=2,
     folded=True,
 )

@@ -1,8 +1,8 @@
 """Failure maps: for each solver a panel over two parameters of a scene, coloured by verdict, and panels for the problem itself.
 
-The panels for the problem (number of solutions, sensitivity, distance to a change of mode, condition) allow ill-posed problems
-and unstable solvers to be told apart. Dots are points on the thresholds that the run traced from the mechanics. The axes count
-grid lines, whatever the scale of the parameter.
+The panels for the problem (number of solutions, sensitivity, distance to a change of mode, condition) distinguish ill-posed
+problems from unstable solvers. Dots are points on the thresholds that the run traced from the mechanics. The axes count grid
+lines, whatever the scale of the parameter.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -18,7 +18,7 @@ from frictionbench.reports.drawing import tiles
 from frictionbench.reports.drawing.style import INK
 from frictionbench.reports.drawing.text import seconds
 from frictionbench.reports.drawing.tiles import Drawing, Grid, Tile
-from frictionbench.reports.robustness import Cells, map_cells
+from frictionbench.reports.robustness import MapCells, map_cells
 from frictionbench.reports.run import Run
 from frictionbench.results.cells import counts
 from frictionbench.results.map_spec import Axis
@@ -45,7 +45,7 @@ THRESHOLDS = {
 }
 WORST = "#5b0f14"  # the colour of an infinite value on a scale
 SHADES = 16  # colours of a scale: more are indistinguishable, and cost an element each
-NOTHING: Mapping[str, str] = {}
+NO_COLOURS: Mapping[str, str] = {}
 
 
 class Field(NamedTuple):
@@ -91,7 +91,7 @@ def work(run: Run) -> list[Drawing]:
     return [_drawing(run, cells, *_alike(_work(cells))) for cells in map_cells(run) if not cells.spec.steps]
 
 
-def _drawing(run: Run, cells: Cells, fields: Sequence[Field], note: str, legend: Mapping[str, str] = NOTHING) -> Drawing:
+def _drawing(run: Run, cells: MapCells, fields: Sequence[Field], note: str, legend: Mapping[str, str] = NO_COLOURS) -> Drawing:
     spec = cells.spec
     traced = {name: places for name, places in run.thresholds.get(spec.name, {}).items() if name in THRESHOLDS and places}
     used = {colour for field in fields for colour in {*field.colours, field.ground}}
@@ -112,13 +112,13 @@ def _tiles(field: Field) -> list[Tile]:
     return [tile for tile in every if tile.colour and (tile.width < 1 or tile.colour != field.ground)]
 
 
-def _at(cells: Cells, rows: pd.DataFrame) -> "pd.Series[Any]":
+def _at(cells: MapCells, rows: pd.DataFrame) -> "pd.Series[Any]":
     """The parameters of each cell as text."""
     x, y = cells.spec.x, cells.spec.y
     return rows.apply(lambda row: f"{x.parameter} {x.value(row['i']):.4g}, {y.parameter} {y.value(row['j']):.4g}", axis=1)
 
 
-def _verdicts(cells: Cells) -> dict[str, Field]:
+def _verdicts(cells: MapCells) -> dict[str, Field]:
     """By label."""
     fields = {}
     for label in cells.labels:
@@ -138,7 +138,7 @@ def _share(value: float) -> str:
     return f"{np.floor(1000 * value) / 10:g} %"
 
 
-def _problem(cells: Cells) -> list[Field]:
+def _problem(cells: MapCells) -> list[Field]:
     """The properties of the problem that change over the map."""
     rows = cells.problems
     if cells.spec.steps:
@@ -175,7 +175,7 @@ def _type(mode: object) -> str | None:
     return ", ".join(kinds)
 
 
-def _types(cells: Cells) -> list[tuple[str, Field]]:
+def _types(cells: MapCells) -> list[tuple[str, Field]]:
     fields = []
     for label in cells.labels:
         rows = cells.rows[(cells.rows["label"] == label) & (cells.rows["verdict"] == Verdict.SOLVED)]
@@ -199,12 +199,12 @@ def _alike(fields: Sequence[tuple[str, Field]]) -> tuple[list[Field], str]:
     return found, "; ".join(notes) + "." * bool(notes)
 
 
-def _times(cells: Cells) -> list[tuple[str, Field]]:
+def _times(cells: MapCells) -> list[tuple[str, Field]]:
     parts = ((label, cells.rows[cells.rows["label"] == label]) for label in cells.labels)
     return [(label, _scale("", rows, rows["time"], seconds)) for label, rows in parts]
 
 
-def _work(cells: Cells) -> list[tuple[str, Field]]:
+def _work(cells: MapCells) -> list[tuple[str, Field]]:
     parts = ((label, cells.rows[cells.rows["label"] == label]) for label in cells.labels)
     return [(label, _scale("", rows, rows["work"].map(_count), "{:.0f}".format)) for label, rows in parts]
 
@@ -215,7 +215,7 @@ def _count(work: str) -> float:
     return float(sum(found.values())) if found else np.nan
 
 
-def _loop(cells: Cells) -> list[tuple[str, Field]]:
+def _loop(cells: MapCells) -> list[tuple[str, Field]]:
     """The drift, penetration and contact-free steps of each label, as far as they change over the map."""
     fields = []
     for title, column in (
@@ -240,7 +240,7 @@ VERDICTS = Chart(
     "small change of the data, the distance of the solution to a change of mode, and its condition. Then follows a panel for "
     "each solver that fails somewhere, with the share solved of the grid points where a solution is known. Small tiles "
     "are refinements between neighbours with different verdicts. Dots are analytical thresholds, traced from the mechanics "
-    "without a solver. Point at a failure to read its reason and the key of its row.",
+    "without a solver. Hover over a failure to read its reason and the key of its row.",
 )
 TYPES = Chart(
     name="map_types",

@@ -23,8 +23,8 @@ SIZES = 3  # the fewest sizes for which a slope has a standard error
 
 def panels(run: Run) -> list[Panel]:
     """A panel per scene with SIZES sizes or more, with the exponent of each label."""
-    problems = run.contested.groupby("problem_id").agg(scene=("scene", "first"), contacts=("contacts", "max"))
-    times = run.times[TARGET if TARGET in run.times else run.ends[-1]].join(problems, on="problem_id")
+    problems = run.nontrivial.groupby("problem_id").agg(scene=("scene", "first"), contacts=("contacts", "max"))
+    times = run.times[TARGET if TARGET in run.times else run.outer_targets[-1]].join(problems, on="problem_id")
     scenes = times.dropna(subset="contacts").groupby("scene", sort=False)
     found = {str(scene): _curves(times) for scene, times in scenes if times["contacts"].nunique() >= SIZES}
     means = [curve["mean"] for curves in found.values() for curve in curves.values()]
@@ -87,6 +87,6 @@ CHART = Chart(
     panels=panels,
     section="time",
     title=f"Time against size, residual within {power(TARGET)} or the tightest target",
-    caption="Crosses: at least one problem of that size was not solved and is charged at the time limit. Below each panel, the "
+    caption="Crosses: at least one problem of that size was not solved and is charged the time limit. Below each panel, the "
     "growth of the time with the number of contacts n, fitted to the sizes solved completely, if these are three or more.",
 )

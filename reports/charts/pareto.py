@@ -1,6 +1,6 @@
 """Speed against accuracy over all problems: a point for each label and tolerance, and their Pareto front.
 
-Time is the shifted geometric mean over the problems, with problems not solved charged at the time limit; accuracy is the median
+Time is the shifted geometric mean over the problems, with problems not solved charged the time limit; accuracy is the median
 of the verified residual, a missing answer counting as infinite. Only labels that ran on every problem are drawn, because means
 over different problems are not comparable. The front joins the points for which no other is both faster and more accurate.
 """
@@ -22,13 +22,13 @@ from frictionbench.results.verdicts import measured
 
 def panels(run: Run) -> list[Panel]:
     """One panel, if some solver ran on all problems."""
-    points = ladder(run)
+    points = means(run)
     return [Panel("all problems", partial(_draw, points=points, looks=run.looks), size=WHOLE)] if len(points) else []
 
 
-def ladder(run: Run) -> pd.DataFrame:
+def means(run: Run) -> pd.DataFrame:
     """A row per label and tolerance with an attempt on every non-trivial problem: time (s) and residual."""
-    rows = run.contested
+    rows = run.nontrivial
     rows = rows.assign(
         time=rows["time"].where(rows["answered"], rows["time_limit"]),
         residual=rows["residual"].where(rows["answered"], np.inf),

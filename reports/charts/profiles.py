@@ -36,7 +36,7 @@ def draw(
     """Draw the profiles. costs: for each label its sorted ratios of cost to the least cost, see reports.accuracy.ratios."""
     at = np.geomspace(1, FARTHEST, POINTS)
     for label, ratio in costs.items():
-        look, (reached, share) = looks[label], staircase(ratio[ratio <= FARTHEST], len(ratio))
+        look, (reached, share) = looks[label], cumulative_share(ratio[ratio <= FARTHEST], len(ratio))
         x, y = [1.0, *reached, FARTHEST], [0.0, *share]
         ax.step(x, [*y, y[-1]], where="post", **look.line, markevery=(0.1, 0.15))
         ax.fill_between(at, *band(ratio, at), color=look.colour, alpha=0.13, lw=0, gid=f"band-{look.tag}")
@@ -47,7 +47,7 @@ def draw(
     ax.set_xlabel(across)
 
 
-def staircase(cost: Array, count: int) -> tuple[Array, Array]:
+def cumulative_share(cost: Array, count: int) -> tuple[Array, Array]:
     """The sorted costs with the share of `count` problems within each, thinned to STEPS."""
     keep = np.unique(np.linspace(0, len(cost) - 1, min(len(cost), STEPS)).astype(int))
     return cost[keep], (keep + 1) / count
@@ -58,8 +58,8 @@ CHART = Chart(
     panels=panels,
     section="time",
     title="Performance profiles",
-    caption="The share of all non-trivial problems, the same for all solvers, brought within the target in at most the given "
-    "multiple of the fastest solver's time on the problem. Left edge: how often a solver is the fastest; right edge: how often "
-    "it reaches the target at all. Bands, of the best few or of those chosen: 95 % bootstrap bands over the problems.",
+    caption="The share of all non-trivial problems, the same for all solvers, solved to the target within tau times the time "
+    "of the fastest solver on the problem. At tau = 1, the left edge, the share on which a solver is the fastest; at the right "
+    "edge, the share that it solves at all. Bands, of the best few or of those chosen: 95 % bootstrap bands over the problems.",
     in_paper=slice(None, None, len(TARGETS) - 1),  # the coarsest and the finest
 )

@@ -23,16 +23,16 @@ from frictionbench.results.verdicts import Verdict, measured
 
 STRIP = 2e3  # the strip above WORST
 MOST_TOOLTIPS = 5000  # cells of a run above which dots have no tooltips, which would make the page too large
-CROWD = 1500  # dots above which they are drawn as an image, for the same reason
+MOST_DOTS = 1500  # dots above which they are drawn as an image, for the same reason
 
 
 def panels(run: Run) -> list[Panel]:
     """A panel per problem class, all with the same axes."""
-    answers = run.contested[run.contested["answered"]]
+    answers = run.nontrivial[run.nontrivial["answered"]]
     ends = (0.7 * answers["time"].min(), 1.4 * answers["time"].max()) if len(answers) else (1e-3, 1.0)
     lowest = min(1e-10, _shown(answers["residual"]).min()) if len(answers) else 1e-10
-    draw, few = partial(_draw, looks=run.looks, ends=ends, lowest=lowest), len(run.contested) <= MOST_TOOLTIPS
-    classes = run.contested.groupby("problem_class", sort=False)
+    draw, few = partial(_draw, looks=run.looks, ends=ends, lowest=lowest), len(run.nontrivial) <= MOST_TOOLTIPS
+    classes = run.nontrivial.groupby("problem_class", sort=False)
     return [Panel(name, partial(draw, rows=group), _tooltips(group, run.looks) if few else {}) for name, group in classes]
 
 
@@ -51,16 +51,16 @@ def _tooltips(rows: pd.DataFrame, looks: dict[str, Look]) -> dict[str, list[str]
 
 def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look], ends: tuple[float, float], lowest: float) -> None:
     answers = rows[rows["answered"]]
-    crowded = len(answers) > CROWD
+    rasterised = len(answers) > MOST_DOTS
     for label, own in answers.groupby("label"):
         look = looks[label]
-        dots = ax.scatter(own["time"], _shown(own["residual"]), s=5, lw=0, color=look.colour, alpha=0.35, rasterized=crowded)
+        dots = ax.scatter(own["time"], _shown(own["residual"]), s=5, lw=0, color=look.colour, alpha=0.35, rasterized=rasterised)
         dots.set_gid(f"dots-{look.tag}")
-        ladder = own.groupby("tol")[["time", "residual", "model_residual"]].median().sort_index(ascending=False)
-        ax.plot(ladder["time"], _shown(ladder["residual"]), **look.line)
+        medians = own.groupby("tol")[["time", "residual", "model_residual"]].median().sort_index(ascending=False)
+        ax.plot(medians["time"], _shown(medians["residual"]), **look.line)
         if (own["model"] == "relaxation").any():
             own_model = look.line | {"ls": ":", "mfc": "none", "lw": 0.8}
-            ax.plot(ladder["time"], _shown(ladder["model_residual"]), **own_model)
+            ax.plot(medians["time"], _shown(medians["model_residual"]), **own_model)
     wrong = answers[answers["verdict"] == Verdict.WRONG]
     ring = 1.7 * mpl.rcParams["lines.markersize"]
     ax.plot(wrong["time"], _shown(wrong["residual"]), "o", ms=ring, mfc="none", mec=ALARM, zorder=4)

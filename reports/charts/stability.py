@@ -47,7 +47,7 @@ def _tooltips(rows: pd.DataFrame, run: Run) -> dict[str, list[str]]:
 
 
 def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
-    crowded = len(rows) > MOST_TOOLTIPS
+    rasterised = len(rows) > MOST_TOOLTIPS
     ax.axvline(ILL, color=INK, lw=0.6, ls=":")
     ax.axhline(UNSTABLE, color=INK, lw=0.6, ls=":")
     for label, own in rows.groupby("label"):
@@ -60,11 +60,11 @@ def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
             color=look.colour,
             marker=look.marker,
             alpha=0.5,
-            rasterized=crowded,
+            rasterized=rasterised,
         )
         dots.set_gid(f"dots-{look.tag}")
     failed = rows[rows["verdict"] != Verdict.SOLVED]
-    cross: Any = {"color": INK, "ms": 3, "mew": 0.5, "alpha": 0.6, "rasterized": crowded}
+    cross: Any = {"color": INK, "ms": 3, "mew": 0.5, "alpha": 0.6, "rasterized": rasterised}
     ax.plot(failed["sensitivity"].clip(*SENSITIVITY), failed["backward_error"].clip(ZERO, WORST), "x", **cross)
     corners = (
         (0.02, 0.97, "left", "unstable solver"),

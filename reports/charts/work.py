@@ -22,7 +22,7 @@ UNITS = ("pivots", "sweeps", "iterations", "factorisations")
 
 def panels(run: Run) -> list[Panel]:
     """A panel per unit that two or more labels count."""
-    times = run.times[run.ends[-1]]
+    times = run.times[run.outer_targets[-1]]
     units = pd.DataFrame([counted(text) for text in times["work"]], index=times.index, columns=list(UNITS))
     found = []
     for unit in UNITS:
@@ -49,8 +49,8 @@ CHART = Chart(
     panels=panels,
     section="time",
     title="Performance profiles on work, within the tightest target",
-    caption="As above, for deterministic counters in place of time, independent of the machine. A unit is the same work "
-    "only for similar methods; an iteration of one may cost as much as ten of another. Each panel shows the solvers that count "
-    "its unit on every problem.",
+    caption="Performance profiles on deterministic counters in place of time, which do not depend on the machine. A unit is "
+    "the same work only for similar methods; an iteration of one may cost as much as ten of another. Each panel shows the "
+    "solvers that count its unit on every problem.",
     columns=2,
 )

@@ -16,9 +16,9 @@ from xml.etree import ElementTree
 import numpy as np
 import pandas as pd
 
-from frictionbench.reports.comparison.markdown import again, change, markdown
+from frictionbench.reports.comparison.markdown import format_verdicts, markdown, rerun_command
 from frictionbench.results.cells import parse_counts, read
-from frictionbench.results.changes import Finding, Flip, Growth
+from frictionbench.results.changes import Change, Flip, Growth
 from frictionbench.results.compare import Comparison
 from frictionbench.results.files import replaced, write_text
 from frictionbench.results.times import Time
@@ -41,13 +41,13 @@ def write_files(comparison: Comparison, folder: Path) -> None:
 def data(comparison: Comparison) -> dict[str, Any]:
     """The comparison as plain values."""
     plain = {field.name: getattr(comparison, field.name) for field in fields(comparison)}
-    plain |= {name: [_finding(comparison, one) for one in plain[name]] for name in ("flips", "gone", "work", "times")}
+    plain |= {name: [_values(comparison, one) for one in plain[name]] for name in ("flips", "gone", "work", "times")}
     return {"exit_code": comparison.exit_code, "counts": comparison.counts, **plain}
 
 
-def _finding(comparison: Comparison, found: Finding) -> dict[str, Any]:
+def _values(comparison: Comparison, found: Change) -> dict[str, Any]:
     values = vars(found) | {"worse": found.worse}
-    return values | ({"again": again(comparison, found)} if isinstance(found, Flip) else {})
+    return values | ({"command": rerun_command(comparison, found)} if isinstance(found, Flip) else {})
 
 
 def figures(comparison: Comparison, cells: pd.DataFrame) -> list[dict[str, Any]]:
@@ -78,7 +78,7 @@ def junit(comparison: Comparison, cells: pd.DataFrame) -> ElementTree.Element:
         one = ElementTree.SubElement(suites[variant], "testcase", classname=_xml(variant), name=_xml(name))
         if found := worse.get((variant, identity)):
             ElementTree.SubElement(one, "failure", message=_xml(message(found))).text = (
-                _xml(again(comparison, found)) if isinstance(found, Flip) else None
+                _xml(rerun_command(comparison, found)) if isinstance(found, Flip) else None
             )
         elif skipped is not None:
             ElementTree.SubElement(one, "skipped", message=_xml(skipped))
@@ -98,10 +98,11 @@ def junit(comparison: Comparison, cells: pd.DataFrame) -> ElementTree.Element:
     return root
 
 
-def message(found: Finding) -> str:
-    """A finding in one line."""
+def message(found: Change) -> str:
+    """A change in one line."""
     if isinstance(found, Flip):
-        return f"{change(found)}, residual {found.residual_before:.1e} → {found.residual_after:.1e} {found.reason}".strip()
+        residuals = f"{found.residual_before:.1e} → {found.residual_after:.1e}"
+        return f"{format_verdicts(found)}, residual {residuals} {found.reason}".strip()
     if isinstance(found, Growth | Time):
         return f"{found.name}: {found.before:.6g} → {found.after:.6g}, ×{found.ratio:.2f}"
     return found.name

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from frictionbench.reports.drawing.text import seconds
-from frictionbench.results.changes import GONE, Finding, Flip, Growth
+from frictionbench.results.changes import GONE, Change, Flip, Growth
 from frictionbench.results.compare import Comparison
 from frictionbench.results.times import Time, overall
 
@@ -26,7 +26,7 @@ def markdown(comparison: Comparison) -> str:
     parts = [f"## {counts}", f"{runs}.", *map(_text, comparison.notes)]
     if comparison.untimed:
         parts.append(
-            f"Times are not compared: {comparison.untimed}. `--confirm --code` runs both codes alternately on this machine."
+            f"Times are not compared: {comparison.untimed}. `--confirm --code` runs both versions alternately on this machine."
         )
     for variant in solvers(comparison):
         own = [found for found in (*comparison.flips, *comparison.gone, *comparison.work) if found.variant == variant]
@@ -35,7 +35,7 @@ def markdown(comparison: Comparison) -> str:
     if comparison.times:
         parts += ["### Times", *_times(comparison)]
     whole = list(takewhile(lambda size: size < LONGEST, accumulate(len(part) + 2 for part in parts)))
-    cut = [] if len(whole) == len(parts) else ["The text is too long and was cut here; `--out FOLDER` writes all results."]
+    cut = [] if len(whole) == len(parts) else ["Truncated; `--out` writes the complete comparison as data."]
     return "\n\n".join([*parts[: len(whole)], *cut]) + "\n"
 
 
@@ -47,12 +47,12 @@ def summarise(comparison: Comparison) -> None:
 
 
 def solvers(comparison: Comparison) -> list[str]:
-    """The solvers with findings, those with a regression first."""
+    """The solvers with changes, those with a regression first."""
     worse = {found.variant for found in comparison.worse}
-    return sorted({found.variant for found in comparison.findings}, key=lambda name: (name not in worse, name))
+    return sorted({found.variant for found in comparison.changes}, key=lambda name: (name not in worse, name))
 
 
-def again(comparison: Comparison, flip: Flip) -> str:
+def rerun_command(comparison: Comparison, flip: Flip) -> str:
     """The command that runs the cell again; empty if it is gone."""
     if flip.after == GONE:
         return ""
@@ -61,17 +61,17 @@ def again(comparison: Comparison, flip: Flip) -> str:
     return shlex.join(["frictionbench", "rerun", str(comparison.current), flip.key, *given])
 
 
-def change(flip: Flip) -> str:
+def format_verdicts(flip: Flip) -> str:
     return f"{flip.before} → {flip.after}"
 
 
-def _state(own: Sequence[Finding]) -> str:
+def _state(own: Sequence[Change]) -> str:
     if any(found.worse and not found.known for found in own):
         return ": worse"
-    return ": known" if any(found.worse for found in own) else ""
+    return ": acknowledged" if any(found.worse for found in own) else ""
 
 
-def _changes(comparison: Comparison, own: Sequence[Finding]) -> Iterator[str]:
+def _changes(comparison: Comparison, own: Sequence[Change]) -> Iterator[str]:
     flips = [found for found in own if isinstance(found, Flip)]
     work = [found for found in own if isinstance(found, Growth)]
     if flips:
@@ -87,9 +87,9 @@ def _changes(comparison: Comparison, own: Sequence[Finding]) -> Iterator[str]:
 
 def _flip(comparison: Comparison, flip: Flip) -> list[str]:
     residuals = [f"{value:.1e}" if np.isfinite(value) else "–" for value in (flip.residual_before, flip.residual_after)]
-    command = again(comparison, flip)
+    command = rerun_command(comparison, flip)
     cell = [_code(flip.scene), flip.step or flip.table, f"{flip.tol:g}"]
-    return [_bold(change(flip), flip), *cell, " → ".join(residuals), _code(command) if command else ""]
+    return [_bold(format_verdicts(flip), flip), *cell, " → ".join(residuals), _code(command) if command else ""]
 
 
 def _growth(growth: Growth) -> list[str]:
@@ -97,9 +97,9 @@ def _growth(growth: Growth) -> list[str]:
     return [_bold(_text(growth.counter), growth), str(growth.before), str(growth.after), ratio, str(growth.cells)]
 
 
-def _remark(found: Finding) -> str:
+def _remark(found: Change) -> str:
     reason = found.reason if isinstance(found, Flip) else ""
-    return _code(f"known: {found.known}" if found.known else reason) if found.known or reason else ""
+    return _code(f"acknowledged: {found.known}" if found.known else reason) if found.known or reason else ""
 
 
 def _times(comparison: Comparison) -> Iterator[str]:
@@ -113,20 +113,20 @@ def _times(comparison: Comparison) -> Iterator[str]:
         if comparison.benchmarks:
             yield "Compare two folders with the files of several processes that ran alternately."
         else:
-            yield "`--confirm --code` runs several processes of both codes alternately."
+            yield "`--confirm --code` runs several processes of both versions alternately."
 
 
 def _time(time: Time) -> list[str]:
     ratio = f"×{time.ratio:.2f}"
     interval = f"{time.low:.2f} to {time.high:.2f}" if np.isfinite(time.high) else "~"
-    known = f", known: {_text(time.known)}" if time.known else ""
+    known = f", acknowledged: {_text(time.known)}" if time.known else ""
     p = f"{time.p:.2g}" if np.isfinite(time.p) else ""
     shown = f"{ratio} {'' if time.significant else '~'}".strip()
     names = [_code(time.variant), seconds(time.before), seconds(time.after)]
     return [*names, _bold(shown, time) + known, interval, p, str(time.n), str(time.cells)]
 
 
-def _bold(text: str, found: Finding) -> str:
+def _bold(text: str, found: Change) -> str:
     return f"**{text}**" if found.worse and not found.known else text
 
 

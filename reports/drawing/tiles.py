@@ -21,7 +21,7 @@ Points = Mapping[str, Iterable[tuple[float, float]]]  # grid points by colour
 
 
 class Tile(NamedTuple):
-    """A square of `width` grid lines centred at the grid point (i, j). tooltip: text shown when a reader points at it."""
+    """A square of `width` grid lines centred at the grid point (i, j). tooltip: text shown when the pointer hovers over it."""
 
     i: float
     j: float

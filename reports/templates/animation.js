@@ -9,26 +9,27 @@ const stage = element("stage"), chart = element("chart");
 const change = motion.energy.map((energy) => energy - motion.energy[0]);
 const hinged = motion.pins.length > 0;
 const curves = { normal: motion.normal, friction: motion.friction, ...(hinged && { joints: motion.joints }), defect: motion.defect, ink: change };
-const most = (values) => values.reduce((a, value) => Math.max(a, Math.abs(value)), 0);
-const energyScale = Math.max(most(change), most(motion.kinetic), 1e-3 * most(motion.energy)) || 1;
+const largestSize = (values) => values.reduce((a, value) => Math.max(a, Math.abs(value)), 0);
+const energyScale = Math.max(largestSize(change), largestSize(motion.kinetic), 1e-3 * largestSize(motion.energy)) || 1;
 const force = (contacts, k) => Math.hypot(contacts[k + 4], contacts[k + 5]) / motion.step;
 
-// An arrow as long as ARROW of the view is a typical force: the median of the frames' largest.
+// The typical force, the median over the frames of the largest one, has an arrow of ARROW times the size of the view. Arrows are
+// truncated at LONGEST times that length.
 const ARROW = 0.2, LONGEST = 2.0;
 const largest = motion.contacts.map((contacts) => {
   let found = 0;
   for (let k = 0; k < contacts.length; k += 6) found = Math.max(found, force(contacts, k));
   return found;
 });
-const pushed = largest.filter((value) => value > 1e-9 * most(largest)).sort((a, b) => a - b);
-const typical = pushed.length ? pushed[pushed.length >> 1] : 1;
+const positive = largest.filter((value) => value > 1e-9 * largestSize(largest)).sort((a, b) => a - b);
+const typical = positive.length ? positive[positive.length >> 1] : 1;
 
-let frame = 0, playing = false, speed = 1, clock = 0, before = 0, ticket = 0, colour = {};
+let frame = 0, playing = false, speed = 1, clock = 0, previous = 0, request = 0, colour = {};
 
-function number(value, nothing = 1e-300) {
+function number(value, negligible = 1e-300) {
   if (value === null || value === undefined) return "–";
   const size = Math.abs(value);
-  if (size < nothing) return "0";
+  if (size < negligible) return "0";
   const text = size >= 1e5 || size < 1e-3 ? value.toExponential(1) : value.toPrecision(size < 1 ? 3 : 4);
   return text.replaceAll("-", "−").replace("+", "");
 }
@@ -63,10 +64,10 @@ function drawStage() {
 
   const body = scale * motion.size, size = Math.min(Math.max(0.35 * body, 14), 44);
   const reach = Math.max(Math.min(ARROW * Math.min(width, height), 0.9 * body), 40);
-  const glow = playing ? Math.max(1, Math.round(0.2 * speed * frames / (motion.times[last] || 1))) : 0;
-  for (let k = Math.max(0, frame - glow); k < frame; k++) {  // an impact lasts one step: let it fade
+  const trail = playing ? Math.max(1, Math.round(0.2 * speed * frames / (motion.times[last] || 1))) : 0;
+  for (let k = Math.max(0, frame - trail); k < frame; k++) {  // an impact lasts one step: its arrows fade over the following frames
     if (largest[k] > LONGEST * typical || largest[frame] === 0) {
-      pen.globalAlpha = 0.7 * (1 - (frame - k) / (glow + 1));
+      pen.globalAlpha = 0.7 * (1 - (frame - k) / (trail + 1));
       drawContacts(pen, motion.contacts[k], X, Y, reach, 0);
     }
   }
@@ -141,7 +142,7 @@ function drawContacts(pen, contacts, X, Y, reach, cone) {
   }
 }
 
-function arrow(pen, x, y, c, s, length, ink, twice) {
+function arrow(pen, x, y, c, s, length, ink, truncated) {
   const head = Math.min(9, 0.6 * length + 2);
   pen.strokeStyle = pen.fillStyle = ink;
   pen.lineWidth = 2;
@@ -149,7 +150,7 @@ function arrow(pen, x, y, c, s, length, ink, twice) {
   pen.moveTo(x, y);
   pen.lineTo(x + c * (length - head / 2), y + s * (length - head / 2));
   pen.stroke();
-  for (const tip of twice ? [length, length - 0.8 * head] : [length]) {
+  for (const tip of truncated ? [length, length - 0.8 * head] : [length]) {
     pen.beginPath();
     pen.moveTo(x + c * tip, y + s * tip);
     for (const side of [-0.45, 0.45]) pen.lineTo(x + c * (tip - head) - side * s * head, y + s * (tip - head) + side * c * head);
@@ -165,7 +166,7 @@ function drawScales(pen, scale, reach, width, height) {
   };
   const metres = round(90 / scale), newtons = round(90 * typical / reach);
   const bars = [[scale * metres, tick(metres) + " m", colour.ink]];
-  if (pushed.length) bars.push([reach * newtons / typical, tick(newtons) + " N", colour.stick]);
+  if (positive.length) bars.push([reach * newtons / typical, tick(newtons) + " N", colour.stick]);
   pen.font = "12px system-ui, sans-serif";
   pen.textAlign = "right";
   bars.forEach(([length, text, ink], row) => {
@@ -182,8 +183,8 @@ function drawChart() {
   const [pen, width, height] = fit(chart), [west, east, north, south] = [58, 18, 24, 34];
   const all = Object.values(curves).flat(), end = motion.times[last] || 1;
   let [low, high] = all.reduce(([a, b], value) => [Math.min(a, value), Math.max(b, value)], [0, 0]);
-  const slack = Math.max(0.05 * (high - low), 0.01 * energyScale);
-  [low, high] = [low - slack, high + slack];
+  const margin = Math.max(0.05 * (high - low), 0.01 * energyScale);
+  [low, high] = [low - margin, high + margin];
   const X = (t) => west + (width - west - east) * t / end, Y = (e) => north + (height - north - south) * (high - e) / (high - low);
   pen.font = "12px system-ui, sans-serif";
   pen.lineWidth = 1;
@@ -220,7 +221,7 @@ function drawChart() {
 }
 
 const tick = (value) => String(Number(value.toPrecision(6))).replaceAll("-", "−");
-const joules = (value) => number(value, 1e-9 * energyScale) + " J";  // below that it is round-off
+const joules = (value) => number(value, 1e-9 * energyScale) + " J";  // smaller values are rounding errors
 
 function line(pen, x, y, u, v) {
   pen.beginPath();
@@ -246,9 +247,9 @@ function draw() {
   page.dataset.frame = frame;
 }
 
-function show(wanted) {  // and stop there
+function show(wanted) {  // stops the animation at this frame
   playing = false;
-  cancelAnimationFrame(ticket);
+  cancelAnimationFrame(request);
   frame = Math.min(Math.max(Math.round(wanted), 0), last);
   clock = motion.times[frame];
   draw();
@@ -257,20 +258,20 @@ function show(wanted) {  // and stop there
 function play() {
   if (frame === last) show(0);
   playing = last > 0;
-  before = performance.now();
-  ticket = requestAnimationFrame(advance);
+  previous = performance.now();
+  request = requestAnimationFrame(advance);
 }
 
 function advance(now) {
-  clock += speed * Math.max(0, now - before) / 1000;
-  before = now;
+  clock += speed * Math.max(0, now - previous) / 1000;
+  previous = now;
   while (frame < last && motion.times[frame + 1] <= clock) frame++;
   if (frame === last) return show(last);
   draw();
-  ticket = requestAnimationFrame(advance);
+  request = requestAnimationFrame(advance);
 }
 
-// Played at life's speed, or slower where that is over before one has looked.
+// The initial speed: real time, or the fastest slow motion that lasts two seconds or more.
 const decimals = Math.max(2, Math.ceil(-Math.log10((motion.times[last] || 1) / Math.max(last, 1))));
 const speeds = [1, 1 / 2, 1 / 5, 1 / 10, 1 / 20, 1 / 50, 1 / 100, 1 / 200, 1 / 500, 1 / 1000];
 speed = speeds.find((value) => motion.times[last] / value >= 2) || speeds[speeds.length - 1];
@@ -286,8 +287,8 @@ element("play").addEventListener("click", toggle);
 for (const id of ["cones", "forces"]) element(id).addEventListener("change", draw);
 addEventListener("keydown", (event) => {
   if (event.ctrlKey || event.altKey || event.metaKey || event.target.tagName === "SELECT") return;
-  const far = event.shiftKey ? 10 : 1;
-  const keys = { " ": toggle, ArrowLeft: () => show(frame - far), ArrowRight: () => show(frame + far), Home: () => show(0), End: () => show(last) };
+  const count = event.shiftKey ? 10 : 1;
+  const keys = { " ": toggle, ArrowLeft: () => show(frame - count), ArrowRight: () => show(frame + count), Home: () => show(0), End: () => show(last) };
   if (keys[event.key]) { event.preventDefault(); keys[event.key](); }
 });
 addEventListener("hashchange", fromHash);

@@ -1,5 +1,5 @@
 "use strict";
-// Choosing solvers, sorting tables and telling what a dot is. The page is whole without it: then the best few stand out.
+// Selects solvers, sorts tables and shows the tooltips of dots. Without it the page is complete, with the best few solvers highlighted.
 const marks = document.querySelectorAll("g[data-label], g[data-dots]");
 const bands = document.querySelectorAll("g[data-band]");
 const chips = document.querySelectorAll("button[data-label], button[data-family]");
@@ -27,9 +27,9 @@ for (const chip of chips) {
   });
 }
 
-// What a cell is worth in a sorted column: a number with its unit, nothing last, text as text.
+// The key by which a cell is sorted: a number in its unit, or text; missing values are last.
 const UNITS = { "µs": 1e-6, ms: 1e-3, s: 1, "%": 1e-2 };
-function worth(cell) {
+function sortKey(cell) {
   const text = cell ? cell.textContent.trim() : "";
   const found = /^×?(-?[\d.]+(?:e[-+]?\d+)?)(?:\/[\d.]+)?\s*(µs|ms|s|%)?/.exec(text);
   if (text === "–" || text === "") return Infinity;
@@ -46,7 +46,7 @@ for (const table of document.querySelectorAll("table.sorts")) {
       const down = head.getAttribute("aria-sort") === "ascending";
       for (const other of last.cells) other.removeAttribute("aria-sort");
       head.setAttribute("aria-sort", down ? "descending" : "ascending");
-      const keyed = body.map((row, at) => [worth(row.cells[column]), at, row]);
+      const keyed = body.map((row, at) => [sortKey(row.cells[column]), at, row]);
       keyed.sort(([a, i], [b, j]) => {
         if (typeof a !== typeof b) return typeof a === "number" ? -1 : 1;
         const order = a < b ? -1 : a > b ? 1 : i - j;
@@ -64,21 +64,21 @@ for (const table of document.querySelectorAll("table.sorts")) {
   });
 }
 
-// Dots stand in the drawing in the order of the panel's list of what they are.
+// The dots of a group are in the order of its list of tooltips.
 const note = document.getElementById("note");
 for (const list of document.querySelectorAll("script[type='application/json']")) {
   const dots = JSON.parse(list.textContent);
   for (const group of list.parentNode.querySelectorAll("g[data-dots]")) {
-    const told = dots[group.dataset.dots] || [];
+    const texts = dots[group.dataset.dots] || [];
     [...group.querySelectorAll("use")].forEach((dot, at) => {
-      if (told[at] === undefined) return;
-      const tell = (event) => {
-        note.textContent = told[at];
+      if (texts[at] === undefined) return;
+      const showNote = (event) => {
+        note.textContent = texts[at];
         note.hidden = false;
         note.style.left = `${Math.max(0, Math.min(event.pageX + 12, window.scrollX + document.documentElement.clientWidth - note.offsetWidth - 8))}px`;
         note.style.top = `${event.pageY + 14}px`;
       };
-      dot.addEventListener("pointerenter", tell);
+      dot.addEventListener("pointerenter", showNote);
       dot.addEventListener("pointerleave", () => { note.hidden = true; });
     });
   }

@@ -450,7 +450,7 @@ def test_pareto_front():
 
 def test_pareto_requires_all_problems():
     rows = [solve_row("a", "p"), solve_row("a", "q"), solve_row("b", "p"), unanswered_row("b", "q", "skipped")]
-    assert pareto.ladder(run_of(*rows))["label"].tolist() == ["a"]
+    assert pareto.means(run_of(*rows))["label"].tolist() == ["a"]
 
 
 def test_style_is_equal_in_every_report():
@@ -535,8 +535,8 @@ def test_common_denominator():
     reached = {label: np.isfinite(ratio).mean() for label, ratio in accuracy.ratios(run.times[1e-8]).items()}
     assert reached == shares.to_dict() == {"a": 1.0, "b": 0.6, "a, warm": 1.0}
     assert by_label(run.summaries[1e-8], accuracy.ALL)["problems"].to_dict() == {"a": 10, "b": 10, "a, warm": 3}
-    (part,) = accuracy.entered_in_part(run.times[1e-8]).to_dict("records")
-    assert (part["label"], part["entered"], part["of"], part["rank"], part["others"], part["best"]) == ("b", 6, 10, 1, 2, "b")
+    (part,) = accuracy.partial_rankings(run.times[1e-8]).to_dict("records")
+    assert (part["label"], part["ran_on"], part["of"], part["rank"], part["others"], part["best"]) == ("b", 6, 10, 1, 2, "b")
 
 
 def test_rank_with_larger_penalty_by_hand():
@@ -643,7 +643,7 @@ def test_library_clock_is_shown(tmp_path):
     rows = [solve_row("a", f"p{i}", clock_time=1.9e-3) for i in range(3)]
     rows += [solve_row("b", f"p{i}", clock_time=1e-3) for i in range(3)]
     table = tables.clocks(run_of(*rows)).set_index("label")
-    assert table["apart"].to_dict() == {"a": False, "b": True}
+    assert table["differs"].to_dict() == {"a": False, "b": True}
     assert table.loc["b", "ratio"] == pytest.approx(2.0)
     assert "Times measured by the libraries" in _Page(write_report(write_folder(tmp_path / "run", rows))).text
 

@@ -60,7 +60,10 @@ def test_other_files_are_not_overwritten(tmp_path):
     for spoilt, told in (
         (text + "a\tb\n", r"spoilt\.tsv:13: 2 columns"),
         (text.replace("solved", "fine"), "unknown verdict 'fine'"),
-        (text.replace("# schema: 2\n", ""), "schema version 1, but this program reads version 2"),
+        (
+            text.replace("# schema: 2\n", ""),
+            "schema version 1, but this version reads 2; create it again with `frictionbench accept`",
+        ),
     ):
         (tmp_path / "spoilt.tsv").write_text(spoilt, encoding="utf-8")
         with pytest.raises(ResultsError, match=told):
@@ -100,10 +103,10 @@ def test_acknowledged_changes_pass(tmp_path):
     (tmp_path / "known.toml").write_text(KNOWN, encoding="utf-8")
     acknowledged, before = known.read(tmp_path / "known.toml"), run(tmp_path / "before")
     result = known.acknowledge(compare(before, run(tmp_path / "after", 12, "wrong")), acknowledged)
-    assert (result.exit_code, result.counts["known"]) == (0, 2)
+    assert (result.exit_code, result.counts["acknowledged"]) == (0, 2)
     text = markdown(result)
-    assert "`known: a safer \\| step`" in text
-    assert "Acknowledged, but no longer found; delete the entry: b, time." in text
+    assert "`acknowledged: a safer \\| step`" in text
+    assert "Acknowledged change not found; delete its entry: b, time." in text
     further = known.acknowledge(compare(before, run(tmp_path / "further", 13, "crashed")), acknowledged)
     assert [found.after if isinstance(found, Flip) else found.name for found in further.worse] == ["crashed", "pivots"]
 
@@ -111,7 +114,7 @@ def test_acknowledged_changes_pass(tmp_path):
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("known = 3", "must hold"),
+        ("known = 3", "must contain only"),
         ("[[known]]\nsolver = 3", "known 1: solver cannot be 3"),
         ("[[known]]\nsolver = 'a'\nchange = 'time'\nreason = 'x'", "known 1: ratio is missing"),
         ("[[known]]\nsolver = 'a'\nchange = 'gone'", "known 1: reason is missing"),
@@ -164,7 +167,7 @@ def test_pytest_benchmark_results(tmp_path):
     assert [(time.variant, time.n) for time in several.worse] == [("x", 8)]
     assert (
         compare(old, benchmark(tmp_path / "there.json", {"x": 1.0}, "there")).unusable
-        == "benchmark times of two different machines cannot be compared"
+        == "times measured on different machines are not compared"
     )
     (tmp_path / "none.json").write_text("[]", encoding="utf-8")
     assert "not a result of pytest-benchmark" in compare(old, tmp_path / "none.json").unusable

@@ -47,7 +47,7 @@ def test_alerts_are_repeated_with_both_codes(seen, tmp_path, monkeypatch) -> Non
     falls = again(seen, str(tmp_path / "base"))
     assert falls.exit_code == 0
     assert all(
-        note.startswith("Not confirmed, both codes give the same result here: guest")
+        note.startswith("Not confirmed, both versions give the same result on this machine: guest")
         for note in falls.notes[-len(seen.worse) :]
     )
 
