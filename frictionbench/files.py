@@ -15,12 +15,16 @@ def load(path: str | Path) -> FrictionProblem | LCP:
     Siconos' text or ContactBench's .npz. The format is recognised by the content, whatever the file's name.
 
     Returns a FrictionProblem, or an LCP where the file holds a bare one. Pickled objects are never loaded.
-    Errors: InputError naming the file and the field that is missing or cannot be used.
+    Limits: 4 GiB unpacked for an .npz, 512 MiB for HDF5 and for text.
+    Errors: InputError naming the file and the field that is missing or cannot be used, or that is too large.
 
     >>> import numpy as np
     >>> np.savez("problem.npz", W=np.eye(2), q=[-1.0, 0.3], mu=0.5, d=2)  # u = W r + q, the normal first
     >>> load("problem.npz").q.tolist()
     [-1.0, 0.3]
+    >>> np.savez("lcp.npz", M=np.eye(2), q=[-1.0, 0.3])  # w = M z + q
+    >>> load("lcp.npz")
+    LCP(2 unknowns)
     """
     return recorded.read(Path(path))
 

@@ -38,12 +38,30 @@ def profiles(results: Results | str | Path, *, ax: Axes | None = None, panel: st
     """Performance profiles: the share of problems brought within a residual in at most tau times the fastest solver's time.
 
     A panel per target, the coarsest first. Bands hold 95 % of bootstrap profiles and are drawn for up to three solvers.
+
+    results: a results folder, or what `read_results` returns. ax: by default pyplot's current axes. panel: a title of
+    `titles`, or its position.
+
+    Returns the axes. Errors: ValueError where the run has nothing to draw, or no such panel.
+
+    >>> from matplotlib.figure import Figure
+    >>> profiles("run", ax=Figure().subplots()).get_xlabel()
+    "time over the fastest solver's time"
     """
     return _draw("profiles", results, ax, panel)
 
 
 def work(results: Results | str | Path, *, ax: Axes | None = None, panel: str | int = 0) -> Axes:
-    """Performance profiles on deterministic counts in place of times, within the tightest target; a panel per counter."""
+    """Performance profiles on deterministic counts in place of times, within the tightest target; a panel per counter.
+
+    results: a results folder, or what `read_results` returns. ax: by default pyplot's current axes. panel: a title of
+    `titles`, or its position.
+
+    Returns the axes. Errors: ValueError where the run has nothing to draw, or no such panel.
+
+    >>> titles("run", "work")  # a run with nothing to compare
+    []
+    """
     return _draw("work", results, ax, panel)
 
 
@@ -51,6 +69,15 @@ def speed_accuracy(results: Results | str | Path, *, ax: Axes | None = None, pan
     """Verified residual (relative contact velocity) against time (s): a dot per cell, a line along the tolerances of a solver.
 
     A panel per problem class.
+
+    results: a results folder, or what `read_results` returns. ax: by default pyplot's current axes. panel: a title of
+    `titles`, or its position.
+
+    Returns the axes. Errors: ValueError where the run has nothing to draw, or no such panel.
+
+    >>> from matplotlib.figure import Figure
+    >>> speed_accuracy("run", ax=Figure().subplots()).get_xlabel()
+    'time, form, setup and solve'
     """
     return _draw("speed_accuracy", results, ax, panel)
 
@@ -59,22 +86,58 @@ def growth(results: Results | str | Path, *, ax: Axes | None = None, panel: str 
     """Time (s) to a target against the number of contacts, with fitted exponents in the legend.
 
     A panel per scene that comes in three sizes or more.
+
+    results: a results folder, or what `read_results` returns. ax: by default pyplot's current axes. panel: a title of
+    `titles`, or its position.
+
+    Returns the axes. Errors: ValueError where the run has nothing to draw, or no such panel.
+
+    >>> titles("run", "growth")  # a run without a scene of three sizes
+    []
     """
     return _draw("growth", results, ax, panel)
 
 
 def energy(results: Results | str | Path, *, ax: Axes | None = None, panel: str | int = 0) -> Axes:
-    """Change of energy over time (s) in simulations, relative to the scene's energy scale; a panel per scene and scheme."""
+    """Change of energy over time (s) in simulations, relative to the scene's energy scale; a panel per scene and scheme.
+
+    results: a results folder, or what `read_results` returns. ax: by default pyplot's current axes. panel: a title of
+    `titles`, or its position.
+
+    Returns the axes. Errors: ValueError where the run has nothing to draw, or no such panel.
+
+    >>> from matplotlib.figure import Figure
+    >>> energy("run", ax=Figure().subplots()).get_xlabel()
+    'time in s'
+    """
     return _draw("energy", results, ax, panel)
 
 
 def convergence(results: Results | str | Path, *, ax: Axes | None = None, panel: str | int = 0) -> Axes:
-    """Verified residual against the sweeps, iterations or pivots allowed; a panel per problem followed."""
+    """Verified residual against the sweeps, iterations or pivots allowed; a panel per problem followed.
+
+    results: a results folder, or what `read_results` returns. ax: by default pyplot's current axes. panel: a title of
+    `titles`, or its position.
+
+    Returns the axes. Errors: ValueError where the run has nothing to draw, or no such panel.
+
+    >>> titles("run", "convergence")  # a run without convergence histories
+    []
+    """
     return _draw("convergence", results, ax, panel)
 
 
 def titles(results: Results | str | Path, chart: str) -> list[str]:
-    """The titles of the panels of a chart, by the name of its function, in their order."""
+    """The titles of the panels of a chart, in their order; empty where the run has nothing to draw.
+
+    results: a results folder, or what `read_results` returns. chart: the name of a function of this module: "profiles", "work",
+    "speed_accuracy", "growth", "energy" or "convergence".
+    Errors: ValueError for another chart; ResultsError where the folder cannot be read.
+
+    >>> import frictionbench as fb
+    >>> fb.plot.titles("run", "energy")
+    ['bar']
+    """
     return [panel.title for panel in _panels(chart, _run(results))]
 
 

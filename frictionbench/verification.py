@@ -1,12 +1,11 @@
 """The verdict on one answer, as a benchmark run finds it."""
 
-from numbers import Real
-
 from frictionbench.harness import verify as harness_verify
 from frictionbench.harness.cells.answers import AnswerError, checked_copy
 from frictionbench.harness.verify import Finding
 from frictionbench.problems import LCP, FrictionProblem, InputError
 from frictionbench.solvers import Answer, find
+from frictionbench.solvers.interface import tolerance
 
 EXACT = "nsgs"  # a solver of Coulomb's law itself, whose answers are compared with the exact problem only
 
@@ -19,13 +18,8 @@ def verify(problem: FrictionProblem | LCP, answer: Answer, tol: float, *, solver
     an answer of the convex relaxation, of a polygonal cone or of regularised contacts is then also measured on that model,
     and may be "relaxed". Without it the answer is judged on the exact problem alone.
 
-    Returns a frozen Finding with
-        verdict, reason         a Verdict, and why where it needs a reason
-        residual                of the exact problem, relative contact velocity; infinite where the impulse has a wrong shape
-        model_residual          of the solver's own model, in the same measure
-        floor                   what rounding alone may change of the residual; 0 for an LCP, where it is not measured
-        fclib_error             FCLIB's error measure; NaN for an LCP
-        energy_defect           J, defect of the energy balance; NaN for an LCP
+    Returns a frozen Finding: verdict, reason, residual, model_residual, floor, fclib_error and energy_defect; `help` of
+    its type describes them with units.
     Errors: InputError naming problem, answer with the field that is no array of numbers, tol or solver.
 
     >>> import frictionbench as fb
@@ -34,8 +28,7 @@ def verify(problem: FrictionProblem | LCP, answer: Answer, tol: float, *, solver
     >>> found.verdict.value, found.residual <= 1e-6
     ('solved', True)
     """
-    if not (isinstance(tol, Real) and 0 < tol < float("inf")):
-        raise InputError(f"tol: must be a positive, finite number, got {tol!r}")
+    tol = tolerance(tol)
     info, _ = find(EXACT if solver is None else solver)
     if not isinstance(problem, FrictionProblem | LCP):
         raise InputError(f"problem: must be a FrictionProblem or an LCP, got {type(problem)}")
@@ -44,5 +37,5 @@ def verify(problem: FrictionProblem | LCP, answer: Answer, tol: float, *, solver
     except AnswerError as error:
         raise InputError(f"answer: {error}") from None
     if isinstance(problem, LCP):
-        return harness_verify.verify_lcp(problem, answer, float(tol))
-    return harness_verify.verify(problem, answer, info, float(tol))
+        return harness_verify.verify_lcp(problem, answer, tol)
+    return harness_verify.verify(problem, answer, info, tol)

@@ -11,8 +11,8 @@ from typing import Any
 import psutil
 
 from frictionbench.harness import process
+from frictionbench.problems.compiled import PACKAGE
 
-PACKAGE = Path(__file__).absolute().parents[1]  # links are not resolved: in a checkout its subpackages are links
 FOLDERS = ("problems", "solvers", "harness", "results", "reports")
 
 

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
-from frictionbench.harness.cells.collect import first_problem_of
 from frictionbench.problems import FrictionProblem, scene
 from frictionbench.problems.analysis.thresholds import THRESHOLDS
+from frictionbench.problems.simulate import first_problem_of
 from frictionbench.results.files import subfolder, write_text
 from frictionbench.results.map_spec import Axis, GridPoint, Map, thresholds_file
 

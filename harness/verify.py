@@ -43,7 +43,16 @@ FAR = 10.0  # times the energy defect that the tolerance allows: above it the ro
 
 @dataclass(frozen=True)
 class Finding:
-    """The verdict with its reason and the values behind it: residuals and floor as in problems.residual, energy_defect in J."""
+    """The verdict on an answer, its reason and the values behind it.
+
+    verdict          a Verdict
+    reason           why, where the verdict needs a reason; otherwise empty
+    residual         of the exact problem, relative contact velocity; infinite where the impulse has a wrong shape
+    model_residual   of the solver's own model, in the same measure
+    floor            what rounding alone may change of the residual, in the same measure; 0 for an LCP, where it is not measured
+    fclib_error      FCLIB's error measure, dimensionless; NaN for an LCP
+    energy_defect    J, defect of the energy balance; NaN for an LCP
+    """
 
     verdict: Verdict
     reason: str

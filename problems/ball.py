@@ -14,7 +14,8 @@ import numpy as np
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.instances.bodies import GRAVITY, GROUND, touching
+from frictionbench.problems.instances.bodies import GROUND, touching
+from frictionbench.problems.scene import GRAVITY
 
 MASS, RADIUS = 1.0, 0.1  # kg, m
 SPEED, SIDE_SPIN, FRICTION = 2.0, 14.0, 0.3  # m/s, 1/s, none: the lowest point then slides at (2, 1.4) m/s at first

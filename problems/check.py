@@ -13,7 +13,15 @@ Array = NDArray[np.float64]
 
 
 class InputError(ValueError):
-    """A field of a problem, scene or setting that cannot be used; the message begins with the field's name."""
+    """A field of a problem, scene or setting that cannot be used; the message begins with the field's name.
+
+    >>> import frictionbench as fb
+    >>> try:
+    ...     fb.LCP([[1.0]], [0.0, 1.0])
+    ... except fb.InputError as error:
+    ...     print(error)
+    M: expected shape (2, 2), got (1, 1)
+    """
 
 
 def require(condition: bool, field: str, reason: str) -> None:

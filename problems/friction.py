@@ -249,16 +249,27 @@ class FrictionProblem:
         return check.entries("impulse", impulse, shape[0] * shape[1]).reshape(shape)
 
     def lcp(self, facets: int = 8) -> LCP:
-        """The friction LCP. Exact in the plane; in space the cone's section is a polygon inscribed with `facets` corners."""
+        """The friction LCP of nc (K + 2) unknowns (problems.forms.lcp). Exact in the plane, where K = 2.
+
+        In space the cone's section is an inscribed polygon with K = facets corners.
+        Errors: InputError naming facets where they are odd or fewer than 4.
+        """
         basis = tangent_basis(self.dimension, facets)
         return friction_lcp(self.blocks, self.q, self.friction, self.friction_bias, basis)
 
     def qp(self, facets: int = 8) -> QP:
-        """The convex relaxation as a quadratic program in the velocities (Anitescu 2006); polygonal in space."""
+        """The convex relaxation as a quadratic program in the velocities (Anitescu 2006).
+
+        min 1/2 x'Px + q'x with h - G x >= 0 and A x = b, matrices in CSC form. In space the cone's section is a polygon with
+        `facets` corners; in the plane facets has no effect.
+        """
         return relaxation_qp(self._velocity_form, facets)
 
     def cone(self) -> ConeProgram:
-        """The convex relaxation as a second-order cone program in the velocities (Anitescu and Tasora 2010)."""
+        """The convex relaxation as a second-order cone program in the velocities (Anitescu and Tasora 2010).
+
+        min 1/2 x'Px + q'x with h - G x in second-order cones {s_0 >= |s_1:|}, one block of d rows for each, and A x = b.
+        """
         return relaxation_cone(self._velocity_form)
 
     @property

@@ -15,14 +15,15 @@ from scipy import sparse
 from frictionbench.problems.compiled import kernel, part
 
 Array = NDArray[np.float64]
-Index = NDArray[np.int32]
+Index32 = NDArray[np.int32]
+Index64 = NDArray[np.int64]
 
 
 class Rows(NamedTuple):
     """A matrix by rows: start (rows+1,), column and value (entries,)."""
 
-    start: Index
-    column: Index
+    start: Index32
+    column: Index32
     value: Array
 
     def matrix(self, columns: int) -> sparse.csr_array:
@@ -36,8 +37,8 @@ class Rows(NamedTuple):
 class ByContact(NamedTuple):
     """A matrix of d rows a contact: start (nc+1,), column (entries,), value (entries, d)."""
 
-    start: Index
-    column: Index
+    start: Index32
+    column: Index32
     value: Array
 
 

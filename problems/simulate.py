@@ -7,9 +7,8 @@ import numpy as np
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.planar.collision import deepest_overlap
 from frictionbench.problems.scene import Scene
-from frictionbench.problems.schemes import NoSolution, Scheme, Solve, Step, start
+from frictionbench.problems.schemes import SCHEMES, NoSolution, Scheme, Solve, Step, start
 from frictionbench.problems.schemes.anitescu_potra import anitescu_potra
 
 
@@ -38,6 +37,11 @@ def first_problem(scene: Scene, scheme: Scheme = anitescu_potra) -> FrictionProb
     return met[0]
 
 
+def first_problem_of(scene: Scene, scheme: str) -> FrictionProblem:
+    """The first problem that a scheme, by its name, meets in a scene; for the default scheme the one after its impacts."""
+    return scene.problem() if SCHEMES[scheme] is anitescu_potra else first_problem(scene, SCHEMES[scheme])
+
+
 def ledger_defect(problem: FrictionProblem, impulse: Array) -> float:
     """The energy, J, that an answer (nc, d) adds compared with the energy balance of an exact one.
 
@@ -50,8 +54,3 @@ def ledger_defect(problem: FrictionProblem, impulse: Array) -> float:
     u = problem.contact_velocity(impulse)
     slip = np.linalg.norm(u[:, 1:], axis=1)
     return float(np.sum(impulse * u) + slip @ (problem.friction * impulse[:, 0] + problem.friction_bias))
-
-
-def penetration(scene: Scene, q: Array) -> float:
-    """The deepest overlap of two shapes, m; 0 where none overlap."""
-    return deepest_overlap(scene.geometry, q)

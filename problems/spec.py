@@ -1,6 +1,8 @@
 """Names with settings, as the command line and rows write them: `stack[blocks=5,friction=0.5]`, `nsgs[relaxation=1.3]`."""
 
+import json
 import re
+from typing import Any
 
 from frictionbench.problems.check import InputError
 
@@ -13,3 +15,24 @@ def split(field: str, text: str) -> tuple[str, dict[str, str | None]]:
     name, settings = match.groups()
     pairs = [[part.strip() for part in setting.partition("=")] for setting in filter(None, (settings or "").split(","))]
     return name, {key: value if equals else None for key, equals, value in pairs}
+
+
+def parse(field: str, text: str) -> tuple[str, dict[str, Any]]:
+    """The name and its settings; numbers, true and false become values, anything else stays text.
+
+    Errors: InputError naming the field.
+    """
+    name, settings = split(field, text)
+    values: dict[str, Any] = {}
+    for key, value in settings.items():
+        if value is None or not key:
+            raise InputError(f"{field}: cannot read the setting {key!r} of {name}; write setting=value")
+        values[key] = _value(value)
+    return name, values
+
+
+def _value(text: str) -> Any:
+    try:
+        return json.loads(text.lower())
+    except ValueError:
+        return text

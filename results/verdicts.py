@@ -8,7 +8,12 @@ if TYPE_CHECKING:
 
 
 class Verdict(StrEnum):
-    """The result of verifying a cell, with its meaning. The order is from the best to the worst, then SKIPPED: not measured."""
+    """The result of verifying a cell, with its meaning. The order is from the best to the worst, then SKIPPED: not measured.
+
+    >>> import frictionbench as fb
+    >>> fb.Verdict.SKIPPED.meaning, fb.Verdict("solved") is fb.Verdict.SOLVED
+    ('not run, for the reason given', True)
+    """
 
     meaning: str
 

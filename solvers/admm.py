@@ -24,7 +24,7 @@ from scipy.sparse.linalg import splu
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
-from frictionbench.problems.rows import Index
+from frictionbench.problems.rows import Index32
 from frictionbench.solvers.interface import Answer, impulses, solver
 from frictionbench.solvers.sweeps.form import ContactForm, contact_form
 from frictionbench.solvers.sweeps.laws import residual_at
@@ -42,10 +42,10 @@ RETUNE = 2.0  # least factor of rho that is worth a factorisation
 class Factor(NamedTuple):
     """P_r A P_c = L U of a sparse matrix; L and U by columns (start, row, entry), L's diagonal 1 and U's stored separately."""
 
-    row: Index
-    column: Index
-    L: tuple[Index, Index, Array]
-    U: tuple[Index, Index, Array]
+    row: Index32
+    column: Index32
+    L: tuple[Index32, Index32, Array]
+    U: tuple[Index32, Index32, Array]
     diagonal: Array
 
 

@@ -21,8 +21,9 @@ import numpy as np
 from frictionbench.problems import LCP
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel
+from frictionbench.problems.rows import Index64
 from frictionbench.solvers.interface import solver
-from frictionbench.solvers.pivots.inverse_basis import Index, Matrix, slack_basis
+from frictionbench.solvers.pivots.inverse_basis import Matrix, slack_basis
 from frictionbench.solvers.pivots.lemke_path import (
     ACCURACY,
     COMPLEMENTARY,
@@ -42,7 +43,7 @@ HARRIS = 1e-4  # how far below zero near ties may reach, relative to the perturb
 
 
 @kernel
-def dantzig(order: Index, M: Matrix, q: Array, unit: Array, tol: float, limit: int) -> tuple[int, Array, int, int]:
+def dantzig(order: Index64, M: Matrix, q: Array, unit: Array, tol: float, limit: int) -> tuple[int, Array, int, int]:
     """(how it ended, y, pivots, inversions) for the scaled problem; order: the indices in the order in which they are taken."""
     n = len(q)
     work = np.zeros(2, np.int64)
@@ -87,7 +88,7 @@ class Dantzig(PrincipalPivoting):
         return dantzig(contact_order(lcp.lcp), lcp.M, lcp.q, lcp.unit, tol, limit)
 
 
-def contact_order(lcp: LCP) -> Index:
+def contact_order(lcp: LCP) -> Index64:
     """The indices of z, contact by contact: c, lambda, beta; for a bare LCP in their own order."""
     n, nc = lcp.size, lcp.contacts[0]
     if not nc:

@@ -316,8 +316,7 @@ def solve(
     info, instance = find(spec)
     if not isinstance(problem, FrictionProblem | LCP):
         raise InputError(f"problem: must be a FrictionProblem or an LCP, got {type(problem)}")
-    if not (isinstance(tol, Real) and 0 < tol < float("inf")):
-        raise InputError(f"tol: must be a positive, finite number, got {tol!r}")
+    tol = tolerance(tol)
     if limit is not None:
         whole = isinstance(limit, Integral) and not isinstance(limit, bool)
         allowed = whole and 1 <= limit <= MOST_WORK
@@ -326,7 +325,14 @@ def solve(
         raise InputError(f"solver: {reason}")
     shape = problem.contacts if isinstance(problem, LCP) else (problem.contacts, problem.dimension)
     guess = None if start is None else impulses(start, shape)
-    return instance.solve(instance.prepare(problem), float(tol), limit, guess if info.warm_start else None)
+    return instance.solve(instance.prepare(problem), tol, limit, guess if info.warm_start else None)
+
+
+def tolerance(tol: Any) -> float:
+    """A tolerance as a float. Errors: InputError naming tol unless it is a positive, finite number."""
+    valid = isinstance(tol, Real) and 0 < tol < float("inf")  # type: ignore[operator]
+    require(valid, "tol", f"must be a positive, finite number, got {tol!r}")
+    return float(tol)
 
 
 def impulses(start: Any, shape: tuple[int, ...]) -> Array:

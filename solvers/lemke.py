@@ -31,8 +31,9 @@ import numpy as np
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.rows import Index64
 from frictionbench.solvers.interface import Answer, impulses, solver
-from frictionbench.solvers.pivots.inverse_basis import Index, Matrix, invert, slack_basis
+from frictionbench.solvers.pivots.inverse_basis import Matrix, invert, slack_basis
 from frictionbench.solvers.pivots.lemke_path import (
     ACCURACY,
     COMPLEMENTARY,
@@ -80,7 +81,7 @@ def certified(M: Matrix, q: Array, d: Array, ray: Array, copositive: bool) -> bo
 
 @kernel
 def lemke(
-    M: Matrix, q: Array, cover: Array, unit: Array, guess: Index, copositive: bool, tol: float, limit: int, restarts: int
+    M: Matrix, q: Array, cover: Array, unit: Array, guess: Index64, copositive: bool, tol: float, limit: int, restarts: int
 ) -> tuple[int, Array, int, int, int]:
     """(how it ended, y, pivots, restarts, inversions) for the scaled problem.
 
@@ -181,7 +182,7 @@ def covering_vector(n: int, contacts: int) -> Array:
     return d
 
 
-def guess_basis(lcp: LCP, impulse: Array) -> Index:
+def guess_basis(lcp: LCP, impulse: Array) -> Index64:
     """The z that contact impulses (nc, d) suggest to be basic: c and beta where impulses act, lambda where contacts slide."""
     nc, d = lcp.contacts
     impulse = impulses(impulse, lcp.contacts)

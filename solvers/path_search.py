@@ -42,10 +42,10 @@ import numpy as np
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.rows import Index64
 from frictionbench.solvers.interface import Answer, Status, solver
 from frictionbench.solvers.pivots.lu_basis import (
     Columns,
-    Indices,
     LUBasis,
     add_columns_product,
     basic_point,
@@ -150,7 +150,7 @@ class Prepared(NamedTuple):
     problem: FrictionProblem | LCP
     lcp: LCP
     stretch: Array
-    order: Indices
+    order: Index64
     columns: Columns
     basis: LUBasis
     q: Array

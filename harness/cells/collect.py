@@ -29,13 +29,12 @@ from frictionbench.problems.recorded import read_recording
 from frictionbench.problems.recorded.own import load, save
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scene import Scene
-from frictionbench.problems.schemes import SCHEMES
-from frictionbench.problems.simulate import first_problem, simulate
+from frictionbench.problems.simulate import first_problem_of, simulate
 from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, SHUFFLED, WARM, first_phase
 from frictionbench.results.files import replaced, subfolder, write_text
 
-MOST_PERTURBED = 30  # contacts: the sensitivity takes several solves for each, too long for larger problems
-MOST_COUNTED = 6  # contacts: the number of modes to enumerate grows like 4^contacts
+MAX_PERTURBED = 30  # contacts: the sensitivity takes several solves for each, too long for larger problems
+MAX_COUNTED = 6  # contacts: the number of modes to enumerate grows like 4^contacts
 Record = dict[str, Any]  # the facts of a stored problem: PROBLEM_FACTS, its starts and its own terms
 
 
@@ -138,11 +137,6 @@ def _chosen(source: Source) -> list[tuple[Collected, dict[str, Array]]]:
     return [(found[i]._replace(reference=reference), _starts(found, int(i))) for i in chosen]
 
 
-def first_problem_of(stage: Scene, scheme: str) -> FrictionProblem:
-    """The first problem that a scheme, by its name, meets in a scene; for the default scheme the one after its impacts."""
-    return stage.problem() if scheme == DEFAULT_SCHEME else first_problem(stage, SCHEMES[scheme])
-
-
 def _motion(stage: Scene, steps: int | None) -> tuple[list[Collected], str]:
     """The problems of a motion that zero does not solve, and why the motion ended early, if it did."""
     reference, found = Reference(), []
@@ -188,7 +182,7 @@ def _transferred(known: Collected, wanted: Collected) -> Array:
 
 def _solution_set(problem: FrictionProblem) -> dict[str, Any]:
     """The shape of the set of solutions and of their velocities, where the problem is small enough to enumerate."""
-    if problem.dimension != 2 or problem.contacts > MOST_COUNTED:
+    if problem.dimension != 2 or problem.contacts > MAX_COUNTED:
         return {"solutions": None, "outcomes": None}
     found = census_labels(problem)
     return {"solutions": found["solutions"], "outcomes": found["velocity_count"]}
@@ -221,7 +215,7 @@ def facts(source: Source, collected: Collected) -> Record:
         "trivial": bool(found.trivial),
         **counted,
         "existence": _existence(problem, found.pointedness, counted["solutions"]),
-        "sensitivity": _sensitivity(problem) if problem.contacts <= MOST_PERTURBED else None,
+        "sensitivity": _sensitivity(problem) if problem.contacts <= MAX_PERTURBED else None,
         "mode_distance": _mode_distance(problem),
     }
 
@@ -240,7 +234,7 @@ def _existence(problem: FrictionProblem, pointedness: float, solutions: str | No
 
 
 def _mode_distance(problem: FrictionProblem) -> float | None:
-    if problem.dimension != 2 or not 0 < problem.contacts <= MOST_PERTURBED:
+    if problem.dimension != 2 or not 0 < problem.contacts <= MAX_PERTURBED:
         return None
     try:
         return distance_to_next_mode(problem, Reference()(problem))

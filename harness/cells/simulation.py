@@ -23,9 +23,10 @@ from frictionbench.harness.verify import verify
 from frictionbench.problems import FrictionProblem, scene
 from frictionbench.problems.check import Array
 from frictionbench.problems.copies import duplicate, same
+from frictionbench.problems.planar.collision import deepest_overlap
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.schemes import SCHEMES, NoSolution, Scheme, Solve, Step
-from frictionbench.problems.simulate import penetration, simulate
+from frictionbench.problems.simulate import simulate
 from frictionbench.results.conventions import KEEP_VELOCITY, RELAX
 from frictionbench.results.verdicts import RANK, Verdict
 from frictionbench.solvers import Solver, SolverInfo, solve
@@ -115,7 +116,7 @@ def run_closed_loop(cell: SimulationCell, info: SolverInfo, solver: Solver) -> d
             contact_free += not len(step.contacts)
             energies.append(stage.energy(step.q, step.v))
             kinetic.append(float(step.v @ (stage.mass @ step.v)) / 2)
-            penetrations.append(penetration(stage, step.q))
+            penetrations.append(deepest_overlap(stage.geometry, step.q))
             loop.overhead += perf_counter() - start_time
             gained = energies[-1] - energies[0]  # a difference, since the potential's zero is arbitrary
             if not np.isfinite(gained) or abs(gained) > DIVERGED * _scale(stage, energies[:-1], kinetic[:-1]):

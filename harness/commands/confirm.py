@@ -15,10 +15,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from frictionbench.harness import machine
 from frictionbench.harness.commands.trusted import trusted
 from frictionbench.harness.plans.suites import SUITES
 from frictionbench.problems import InputError
+from frictionbench.problems.compiled import PACKAGE
 from frictionbench.results import cells, store
 from frictionbench.results.compare import Comparison, Limits, confirm, suspects
 from frictionbench.results.files import ResultsError
@@ -61,7 +61,7 @@ def confirmed(
     options = [*_options(settings), *(part for variant in sorted(variants) for part in ("--solver", variant))]
     with tempfile.TemporaryDirectory() as name:
         scratch = Path(name)
-        now = Code([sys.executable, "-P", "-c", START, str(machine.PACKAGE.parent)], outside)
+        now = Code([sys.executable, "-P", "-c", START, str(PACKAGE.parent)], outside)
         before = baseline_code(code, outside, scratch) if code else None
         timed = before is not None and limits.times
         sides = [side for side in (before, now) if side is not None]
@@ -116,7 +116,7 @@ def baseline_code(code: str, named: list[str], scratch: Path) -> Code:
         )
     ours = (folder / "frictionbench" / "harness" / "cli.py").is_file()
     moved = [_moved(spec, home, folder) if not ours else spec for spec in named]
-    return Code([sys.executable, "-P", "-c", START, str(folder if ours else machine.PACKAGE.parent)], moved)
+    return Code([sys.executable, "-P", "-c", START, str(folder if ours else PACKAGE.parent)], moved)
 
 
 def _moved(spec: str, home: Path, folder: Path) -> str:

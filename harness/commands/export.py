@@ -7,9 +7,9 @@ from pathlib import Path
 
 from frictionbench.harness.cells.collect import Record, collect, stored_friction
 from frictionbench.harness.plans.plan import Source
-from frictionbench.harness.plans.spec import parse
 from frictionbench.problems import InputError
 from frictionbench.problems.recorded import fclib
+from frictionbench.problems.spec import parse
 from frictionbench.results import store
 
 

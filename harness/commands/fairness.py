@@ -12,7 +12,7 @@ import sys
 from itertools import groupby
 from operator import itemgetter
 
-from frictionbench.harness.machine import PACKAGE
+from frictionbench.problems.compiled import PACKAGE
 from frictionbench.solvers import SolverInfo, available, find
 
 OUTCOMES = PACKAGE.parent / "docs" / "outside.tsv"

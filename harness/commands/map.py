@@ -3,10 +3,10 @@
 from frictionbench.harness.plans.choose import tolerances
 from frictionbench.harness.plans.map_grid import axis, checked
 from frictionbench.harness.plans.plan import Plan, Plugin
-from frictionbench.harness.plans.spec import parse
 from frictionbench.harness.plans.suites import MAPPED
 from frictionbench.problems import InputError, scene
-from frictionbench.problems.schemes import SCHEMES
+from frictionbench.problems.schemes import require_scheme
+from frictionbench.problems.spec import parse
 from frictionbench.results.conventions import DEFAULT_SCHEME
 from frictionbench.results.map_spec import Map
 from frictionbench.solvers import find
@@ -28,8 +28,7 @@ def plan_map(
     """The plan of one map, of simulations where steps > 0. Errors: InputError naming the field."""
     name, settings = parse("scene", scene_spec)
     scene(name, **settings)
-    if scheme not in SCHEMES:
-        raise InputError(f"scheme: unknown scheme {scheme!r}; known are {', '.join(SCHEMES)}")
+    require_scheme(scheme)
     across, upwards = axis("x", x, name), axis("y", y, name)
     if across.parameter == upwards.parameter:
         raise InputError(f"y: {upwards.parameter} is already on the other axis; name another parameter")

@@ -7,21 +7,20 @@ from pathlib import Path
 from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.motion import record_motion
 from frictionbench.harness.plans.plan import MEMORY_LIMIT
-from frictionbench.harness.plans.spec import parse
 from frictionbench.harness.workers.plugins import load_plugins
 from frictionbench.harness.workers.pool import Pool
 from frictionbench.harness.workers.task import Task
 from frictionbench.problems import InputError, scene
-from frictionbench.problems.schemes import SCHEMES
+from frictionbench.problems.schemes import require_scheme
+from frictionbench.problems.spec import parse
 from frictionbench.results.motion import Motion, read_motion
 
-LONGEST = 3600.0  # seconds for a plug-in to simulate a scene: whoever waits can stop it earlier
+MAX_SECONDS = 3600.0  # seconds for a plug-in to simulate a scene: the user can interrupt it earlier
 
 
 def recorded(scene_spec: str, solver_spec: str, scheme: str, steps: int | None) -> Motion:
     """The motion of a scene by a solver, both as named on the command line. Errors: InputError naming the field."""
-    if scheme not in SCHEMES:
-        raise InputError(f"scheme: unknown scheme {scheme!r}; known are {', '.join(SCHEMES)}")
+    require_scheme(scheme)
     name, settings = parse("scene", scene_spec)
     stage = scene(name, **settings)
     variants, plugins = load_plugins([solver_spec])
@@ -31,9 +30,8 @@ def recorded(scene_spec: str, solver_spec: str, scheme: str, steps: int | None) 
     if not plugins:
         return record_motion(stage, variant, scheme, steps)
     with tempfile.TemporaryDirectory() as scratch, Pool(Path(scratch), 1, plugins, MEMORY_LIMIT) as pool:
-        call = (name, settings, variant, scheme, steps, LONGEST)
-        (outcome,) = pool.run([Task(variant, worker.run_show, call, LONGEST, plugins[0].source)])
+        call = (name, settings, variant, scheme, steps, MAX_SECONDS)
+        (outcome,) = pool.run([Task(variant, worker.run_show, call, MAX_SECONDS, plugins[0].source)])
         if outcome.failure:
-            names_field = outcome.reason.startswith(("solver: ", "scheme: "))
-            raise InputError(outcome.reason if names_field else f"solver: {variant}: {outcome.reason}")
+            raise outcome.input_error(f"solver: {variant}: {outcome.reason}")
         return replace(read_motion(Path(scratch) / worker.SHOWN), scene=stage.name, solver=variant)

@@ -15,13 +15,13 @@ from frictionbench.harness.cells.rows import PROBLEM_FACTS
 from frictionbench.harness.commands.table import columns, paragraph, screen
 from frictionbench.harness.commands.trusted import trusted
 from frictionbench.harness.plans.plan import Plan, Plugin, SimulationCell, SolveCell, Source, origin, owner
-from frictionbench.harness.plans.spec import parse
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import row_of
 from frictionbench.harness.workers.plugins import load_plugins
 from frictionbench.harness.workers.pool import Pool
 from frictionbench.harness.workers.task import Task
 from frictionbench.problems import InputError
+from frictionbench.problems.spec import parse
 from frictionbench.results import store
 from frictionbench.results.schema import TABLES
 from frictionbench.results.store import Row

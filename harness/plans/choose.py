@@ -4,10 +4,10 @@ from dataclasses import replace
 
 from frictionbench.harness.plans.plan import Plan, Plugin, Source
 from frictionbench.harness.plans.recorded import with_data
-from frictionbench.harness.plans.spec import parse
 from frictionbench.harness.plans.suites import SUITES
 from frictionbench.problems import InputError, scene
 from frictionbench.problems.instances import CATALOGUE, instances
+from frictionbench.problems.spec import parse
 from frictionbench.results.map_spec import Map
 from frictionbench.solvers import find
 

@@ -41,9 +41,6 @@ def _load(sources: list[str], named: list[str]) -> list[Plugin]:
     with tempfile.TemporaryDirectory() as scratch, Pool(Path(scratch), 1, (), MEMORY_LIMIT) as pool:
         for outcome in pool.run(tasks):
             if outcome.failure:
-                names_field = outcome.reason.startswith("solver: ")
-                raise InputError(
-                    outcome.reason if names_field else f"solver: {outcome.task.name} cannot be imported ({outcome.reason})"
-                )
+                raise outcome.input_error(f"solver: {outcome.task.name} cannot be imported ({outcome.reason})")
             found[outcome.task.name] = Plugin(**outcome.value)
     return [found[source] for source in sources]

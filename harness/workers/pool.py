@@ -19,6 +19,7 @@ from typing import Any
 from frictionbench.harness import machine, process
 from frictionbench.harness.plans.plan import Plugin
 from frictionbench.harness.workers.task import Outcome, Task
+from frictionbench.problems.compiled import PACKAGE
 from frictionbench.results.files import ResultsError
 from frictionbench.results.verdicts import Verdict
 
@@ -37,7 +38,7 @@ class _Server:
     def __init__(self) -> None:
         process.pin_threads()
         self._control, far_end = socket.socketpair()
-        command = [sys.executable, "-P", "-c", START, str(machine.PACKAGE.parent), str(far_end.fileno())]
+        command = [sys.executable, "-P", "-c", START, str(PACKAGE.parent), str(far_end.fileno())]
         self._process = subprocess.Popen(
             command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, pass_fds=[far_end.fileno()], start_new_session=True
         )

@@ -4,11 +4,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from frictionbench.problems import InputError
 from frictionbench.results.verdicts import Verdict
 
-LONGEST_REPLY = (
-    256 * 2**20
-)  # bytes: far above the longest row, a simulation's curves; a bound on the memory of the main process
+# Bytes: far above the longest row, which has a simulation's curves. It bounds the memory of the main process.
+LONGEST_REPLY = 256 * 2**20
 
 
 @dataclass(frozen=True)
@@ -33,3 +33,7 @@ class Outcome:
     value: Any = None
     failure: Verdict | None = None
     reason: str = ""
+
+    def input_error(self, otherwise: str) -> InputError:
+        """The failure as an error: its reason where that begins with the name of a field, else the message `otherwise`."""
+        return InputError(self.reason if self.reason.startswith(("solver: ", "scheme: ")) else otherwise)

@@ -132,16 +132,15 @@ def census(problem: FrictionProblem) -> Census:
 def census_labels(problem: FrictionProblem) -> dict[str, str | int | None]:
     """The census in plain values, for a table; all None where it is not possible.
 
-    solutions, velocities: the value of a Shape: "none", "one", "convex", "isolated" or "not convex", of the impulses and of
-    the velocities. velocity_count: how many velocities, None also where infinitely many.
+    solutions: the value of a Shape of the impulses: "none", "one", "convex", "isolated" or "not convex".
+    velocity_count: how many velocities, None also where infinitely many.
     """
     try:
         found = census(problem)
     except (InputError, ArithmeticError):
-        return {"solutions": None, "velocities": None, "velocity_count": None}
+        return {"solutions": None, "velocity_count": None}
     return {
         "solutions": found.shape.value,
-        "velocities": found.velocity_shape.value,
         "velocity_count": found.velocity_count,
     }
 

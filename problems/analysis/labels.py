@@ -21,7 +21,7 @@ FACETS = 8  # of the polygon in space, the default of FrictionProblem.lcp
 
 @dataclass(frozen=True)
 class Labels:
-    """contacts: nc. size: of the friction LCP, nc (K + 2), with K = 2 in the plane and 8 in space.
+    """size: of the friction LCP, nc (K + 2), with K = 2 in the plane and 8 in space.
 
     rank, condition: of W (largest over smallest nonzero singular value); None above DENSE_ROWS rows, where a dense singular
     value decomposition costs more than the problem, and for a condition without any nonzero value.
@@ -35,7 +35,6 @@ class Labels:
     trivial: why there is nothing to solve, or "": "no contact", "no friction", or "no impulse" where r = 0 is an answer.
     """
 
-    contacts: int
     size: int
     rank: int | None
     condition: float | None
@@ -54,7 +53,7 @@ def labels(problem: FrictionProblem) -> Labels:
     ratio = problem.scale.max() / problem.scale.min() if nc else 1.0
     size = nc * ((2 if d == 2 else FACETS) + 2)
     shape = pointedness(problem), p0_margin(problem), float(ratio), *_as_given(problem)
-    return Labels(nc, size, rank, condition, *shape, _trivial(problem))
+    return Labels(size, rank, condition, *shape, _trivial(problem))
 
 
 def _as_given(problem: FrictionProblem) -> tuple[float, float]:

@@ -9,14 +9,14 @@ import numpy as np
 from scipy import sparse
 
 from frictionbench.problems.compiled import kernel, part
-from frictionbench.problems.rows import Array, Index, nowhere
+from frictionbench.problems.rows import Array, Index32, nowhere
 
 
 class Blocks(NamedTuple):
     """A matrix by blocks: contact i and each of its neighbours[first[i]:first[i+1]], ascending, i among them, have a block."""
 
-    first: Index
-    neighbours: Index
+    first: Index32
+    neighbours: Index32
     block: Array
 
     def matrix(self) -> sparse.csr_array:

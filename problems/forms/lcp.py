@@ -25,7 +25,7 @@ from frictionbench.problems import check
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
 from frictionbench.problems.display import count, html_table
-from frictionbench.problems.rows import Index, Rows
+from frictionbench.problems.rows import Index32, Rows
 
 
 class LCP:
@@ -61,6 +61,7 @@ class LCP:
 
     @property
     def size(self) -> int:
+        """The number of unknowns n."""
         return len(self.q)
 
     @cached_property
@@ -82,13 +83,19 @@ class LCP:
         return again
 
     def impulse(self, z: Array) -> Array:
-        """The contact impulses (nc, d), normal first, of a friction LCP's z; (0, 0) for a bare LCP."""
+        """The contact impulses (nc, d) in N s, normal first, of a friction LCP's z (n,); shape (0, 0) for a bare LCP.
+
+        Errors: InputError naming z where it does not have n entries.
+        """
         if self.basis is None:
             return np.zeros((0, 0))
         return impulse(self.basis, check.entries("z", z, self.size), self.contacts[0])
 
     def residual(self, z: Array) -> float:
-        """max_i |min(z_i, w_i)| over max|q| (over 1 where q = 0): zero exactly at a solution, NaN counts as infinity."""
+        """max_i |min(z_i, w_i)| over max|q| (over 1 where q = 0) for z (n,): zero exactly at a solution, infinity for NaN.
+
+        Errors: InputError naming z where it does not have n entries.
+        """
         z = check.entries("z", z, self.size)
         if not self.size:
             return 0.0
@@ -125,7 +132,7 @@ def tangent_basis(dimension: int, facets: int = 8) -> Array:
     return basis
 
 
-def friction_lcp(W: tuple[Index, Index, Array], q: Array, friction: Array, friction_bias: Array, basis: Array) -> LCP:
+def friction_lcp(W: tuple[Index32, Index32, Array], q: Array, friction: Array, friction_bias: Array, basis: Array) -> LCP:
     """The friction LCP of a Delassus matrix.
 
     W: by blocks (problems.forms.delassus). q: (nc*d,), normal first. friction, friction_bias: (nc,).

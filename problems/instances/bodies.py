@@ -7,20 +7,18 @@ centres, with the frame of rows e = n, t1, t2 (n towards a), moves along e at
 """
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.rows import Index64
+from frictionbench.problems.scene import GRAVITY
 
 GROUND = -1  # as the second body of a contact
-GRAVITY = 9.81
-
-Index = NDArray[np.int64]
 
 
 def touching(
-    bodies: Index,
+    bodies: Index64,
     arms: Array,
     frame: Array,
     weights: Array,

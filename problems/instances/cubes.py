@@ -5,7 +5,7 @@ import numpy as np
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.instances.bodies import falling, touching
 from frictionbench.problems.instances.catalogue import instance
-from frictionbench.problems.scenes.parameters import count, number
+from frictionbench.problems.parameters import count, number
 
 
 @instance

@@ -5,8 +5,8 @@ import numpy as np
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.instances.bodies import touching
 from frictionbench.problems.instances.catalogue import instance
+from frictionbench.problems.parameters import count, number
 from frictionbench.problems.random_problem import random_problem
-from frictionbench.problems.scenes.parameters import count, number
 
 
 @instance

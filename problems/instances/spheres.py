@@ -6,9 +6,10 @@ from scipy.spatial import cKDTree
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.instances.bodies import GROUND, Index, falling, frames, touching
+from frictionbench.problems.instances.bodies import GROUND, falling, frames, touching
 from frictionbench.problems.instances.catalogue import instance
-from frictionbench.problems.scenes.parameters import count, number
+from frictionbench.problems.parameters import count, number
+from frictionbench.problems.rows import Index64
 
 NEAR = 1e-4  # of a radius: the gaps up to which spheres count as touching
 
@@ -103,7 +104,7 @@ def _least_overlap(centre: Array, radius: Array, side: float) -> Array:
     return np.asarray(found.x).reshape(n, 3)
 
 
-def _touching_pairs(centre: Array, radius: Array, side: float) -> tuple[Index, Array]:
+def _touching_pairs(centre: Array, radius: Array, side: float) -> tuple[Index64, Array]:
     """The bodies (nc, 2) and normals (nc, 3) of spheres that touch each other or a wall."""
     pairs = np.array(sorted(cKDTree(centre).query_pairs(2.1 * radius.max())), dtype=int).reshape(-1, 2)
     between = centre[pairs[:, 0]] - centre[pairs[:, 1]]

@@ -17,8 +17,8 @@ from frictionbench.problems import check
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel
 from frictionbench.problems.planar.bodies import Geometry
-from frictionbench.problems.planar.narrow_phase import Index, meet
-from frictionbench.problems.rows import Rows
+from frictionbench.problems.planar.narrow_phase import meet
+from frictionbench.problems.rows import Index64, Rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,8 +32,8 @@ class Contacts:
 
     gap: Array
     place: Array
-    bodies: Index
-    feature: Index
+    bodies: Index64
+    feature: Index64
     q: Array
 
     def __len__(self) -> int:
@@ -83,7 +83,7 @@ def deepest_overlap(geometry: Geometry, q: Array) -> float:
     return float(max(0.0, -gap.min(initial=0.0)))
 
 
-def _meet(geometry: Geometry, q: Array, margin: float) -> tuple[Array, Array, Index, Index]:
+def _meet(geometry: Geometry, q: Array, margin: float) -> tuple[Array, Array, Index64, Index64]:
     corners = geometry.world_corners(q)
     start, owner, radius, endless = geometry.start, geometry.owner, geometry.radius, geometry.endless
     low = np.where(endless[:, None], -np.inf, _reduce(np.minimum, corners, start) - radius[:, None])
@@ -92,12 +92,12 @@ def _meet(geometry: Geometry, q: Array, margin: float) -> tuple[Array, Array, In
     return meet(pairs[~geometry.hinged(pairs)], corners, start, radius, endless, margin)
 
 
-def _reduce(extreme: np.ufunc, corners: Array, start: Index) -> Array:
+def _reduce(extreme: np.ufunc, corners: Array, start: Index64) -> Array:
     return np.asarray(extreme.reduceat(corners, start[:-1])) if len(start) > 1 else np.zeros((0, 2))
 
 
 @kernel
-def _rows(q: Array, bodies: Index, place: Array, turned: bool) -> tuple[NDArray[np.int32], NDArray[np.int32], Array]:
+def _rows(q: Array, bodies: Index64, place: Array, turned: bool) -> tuple[NDArray[np.int32], NDArray[np.int32], Array]:
     """Rows (nc, nv) of the first body's velocity at the point relative to the second's, along the normal or the tangent."""
     nc, at = len(bodies), 0
     start, column, value = np.zeros(nc + 1, np.int32), np.empty(6 * nc, np.int32), np.empty(6 * nc)
@@ -120,7 +120,7 @@ def _rows(q: Array, bodies: Index, place: Array, turned: bool) -> tuple[NDArray[
     return start, column[:at], value[:at]
 
 
-def near_pairs(low: Array, high: Array, owner: Index, margin: float) -> Index:
+def near_pairs(low: Array, high: Array, owner: Index64, margin: float) -> Index64:
     """Pairs (i < j) of shapes of different bodies whose boxes [low, high] come within the margin, in order: a sweep along
     the axis on which the shapes are spread out more."""
     if not len(owner):
@@ -133,7 +133,7 @@ def near_pairs(low: Array, high: Array, owner: Index, margin: float) -> Index:
 
 
 @kernel
-def _sweep(order: Index, low: Array, high: Array, owner: Index, axis: int, margin: float) -> Index:
+def _sweep(order: Index64, low: Array, high: Array, owner: Index64, axis: int, margin: float) -> Index64:
     pairs, found = np.empty((2 * len(order) + 1, 2), np.int64), 0
     for k in range(len(order)):
         i = order[k]

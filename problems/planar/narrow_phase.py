@@ -15,15 +15,15 @@ from numpy.typing import NDArray
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.rows import Index64
 
 TIE = 1e-7  # of an edge: far above the round-off of coordinates, far below any gap that matters
-Index = NDArray[np.int64]
 
 
 @kernel
 def meet(
-    pairs: Index, X: Array, start: Index, radius: Array, endless: NDArray[np.bool_], margin: float
-) -> tuple[Array, Array, Index, Index]:
+    pairs: Index64, X: Array, start: Index64, radius: Array, endless: NDArray[np.bool_], margin: float
+) -> tuple[Array, Array, Index64, Index64]:
     """Contacts of the given pairs of shapes: gap (nc,), point and normal (nc, 4), feature (nc, 2), shapes (nc, 2)."""
     gap, place = np.empty(2 * len(pairs)), np.empty((2 * len(pairs), 4))
     feature, shape = np.empty((2 * len(pairs), 2), dtype=np.int64), np.empty((2 * len(pairs), 2), dtype=np.int64)
@@ -71,7 +71,7 @@ def _widest(X: Array, a0: int, a1: int, b0: int, b1: int, edges: int, tie: float
 
 @part
 def _polygons(
-    X: Array, i0: int, i1: int, j0: int, j1: int, endless: bool, margin: float, gap: Array, place: Array, feature: Index
+    X: Array, i0: int, i1: int, j0: int, j1: int, endless: bool, margin: float, gap: Array, place: Array, feature: Index64
 ) -> int:
     """Contacts of polygon i with polygon or half plane j; returns how many were written."""
     tie = TIE * np.hypot(X[i0, 0] - X[i0 + 1, 0], X[i0, 1] - X[i0 + 1, 1])
@@ -132,7 +132,7 @@ def _round(
     endless: bool,
     gap: Array,
     place: Array,
-    feature: Index,
+    feature: Index64,
 ) -> int:
     """The contact of a disc with a disc, a polygon, a half plane or a hollow; returns how many were written: 1."""
     c, a0, a1, sign = i0, j0, j1, 1.0

@@ -34,7 +34,7 @@ def read_recording(path: Path) -> tuple[FrictionProblem | LCP, tuple[Array, ...]
         return _archive(path), ()
     hdf5 = head == HDF5
     try:
-        return fclib.read(path)[:2] if hdf5 else (siconos.read(path), ())
+        return fclib.read(path) if hdf5 else (siconos.read(path), ())
     except InputError as error:
         raise InputError(f"{path}: {'' if hdf5 else 'read as the text of Siconos: '}{error}") from None
 

@@ -36,11 +36,10 @@ Arrays = dict[str, Array]
 
 
 class Recording(NamedTuple):
-    """A problem, the initial guesses (nc, d) of its impulses that the file contains, and its stored solution."""
+    """A problem, and the initial guesses (nc, d) of its impulses that the file contains."""
 
     problem: FrictionProblem
     guesses: tuple[Array, ...] = ()
-    solution: Array | None = None
 
 
 def read(path: Path) -> Recording:
@@ -57,10 +56,7 @@ def read(path: Path) -> Recording:
     shape = (problem.contacts, problem.dimension)
     offered = [arrays[name] for name in sorted(arrays) if name.startswith("guesses/") and name.endswith("/r")]
     guesses = tuple(r.reshape(shape) for r in offered if r.size == shape[0] * shape[1] and np.isfinite(r).all())
-    solution = arrays.get("solution/r")
-    if solution is not None and solution.size != shape[0] * shape[1]:
-        solution = None
-    return Recording(problem, guesses, None if solution is None else solution.reshape(shape))
+    return Recording(problem, guesses)
 
 
 def _unpack(path: Path) -> Arrays:
@@ -150,10 +146,10 @@ def _within(field: str, index: NDArray[np.int64], size: int) -> None:
     require(not outside.any(), field, f"an index is not between 0 and {size - 1}")
 
 
-def write(problem: FrictionProblem, path: Path, title: str = "", description: str = "", solution: Array | None = None) -> None:
+def write(problem: FrictionProblem, path: Path, title: str = "", description: str = "") -> None:
     """Write FCLIB's local form where only W is known, and its global form, in triplets, otherwise.
 
-    solution: (nc, d) impulses. Errors: InputError where FCLIB's format cannot represent the problem.
+    Errors: InputError where FCLIB's format cannot represent the problem.
     """
     require(not problem.friction_bias.any(), "friction_bias", "FCLIB's format cannot represent it")
     import h5py
@@ -178,10 +174,6 @@ def write(problem: FrictionProblem, path: Path, title: str = "", description: st
             _write_matrix(group.create_group(name), matrix, by_rows=local)
         for name, vector in (vectors | {"mu": problem.friction}).items():
             group[f"vectors/{name}"] = vector
-        if solution is not None:
-            file["solution/r"], file["solution/u"] = solution.ravel(), problem.contact_velocity(solution).ravel()
-            if not local:
-                file["solution/v"] = problem.velocity(solution)
 
 
 def _write_matrix(group: Any, matrix: sparse.csr_array, by_rows: bool) -> None:

@@ -12,8 +12,8 @@ from dataclasses import replace
 from typing import Any, TypeVar
 
 from frictionbench.problems.catalogue import Catalogue, Generator
+from frictionbench.problems.parameters import number
 from frictionbench.problems.scene import Scene
-from frictionbench.problems.scenes.parameters import number
 from frictionbench.problems.scenes.units import in_units
 
 UNITS = ("mass_unit", "length_unit")

@@ -1,8 +1,8 @@
 """Time-stepping schemes, one file per scheme, with one signature, registered by a decorator (problems.schemes.stepping)."""
 
 from frictionbench.problems.discover import import_all
-from frictionbench.problems.schemes.stepping import SCHEMES, NoSolution, Scheme, Solve, Solved, Step, start
+from frictionbench.problems.schemes.stepping import SCHEMES, NoSolution, Scheme, Solve, Solved, Step, require_scheme, start
 
 import_all(__name__, __path__)
 
-__all__ = ["SCHEMES", "NoSolution", "Scheme", "Solve", "Solved", "Step", "start"]
+__all__ = ["SCHEMES", "NoSolution", "Scheme", "Solve", "Solved", "Step", "require_scheme", "start"]

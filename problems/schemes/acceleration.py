@@ -23,8 +23,8 @@ from scipy import sparse
 from frictionbench.problems.check import Array
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.planar.collision import Contacts
-from frictionbench.problems.planar.narrow_phase import Index
 from frictionbench.problems.residual import residual
+from frictionbench.problems.rows import Index64
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.schemes.impact import approaching, impact
 from frictionbench.problems.schemes.stepping import NoSolution, Solve, Solved, Step, free_velocity, respond, scheme
@@ -63,7 +63,7 @@ def acceleration(scene: Scene, now: Step, solve: Solve) -> Step:
     return Step(now.time + h, q + h * after, after, contacts, (*solved, step))
 
 
-def _on_belts(problem: FrictionProblem, contacts: Index, speeds: Array, mass: float) -> FrictionProblem:
+def _on_belts(problem: FrictionProblem, contacts: Index64, speeds: Array, mass: float) -> FrictionProblem:
     """The problem with a belt under each of these contacts: one velocity more for each, along its tangent."""
     n = len(contacts)
     nc, nj = problem.contacts, problem.joints.shape[0]

@@ -81,6 +81,11 @@ def scheme(name: str, lacks: tuple[Feature, ...] = ()) -> Callable[[Callable[[Sc
     return register
 
 
+def require_scheme(name: str) -> None:
+    """Errors: InputError where no scheme has this name."""
+    require(name in SCHEMES, "scheme", f"unknown scheme {name!r}; known are {', '.join(SCHEMES)}")
+
+
 def start(scene: Scene) -> Step:
     """The scene's initial state, as a step in which nothing was solved."""
     return Step(0.0, scene.q0, scene.v0, scene.contacts(scene.q0))

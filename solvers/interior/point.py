@@ -25,9 +25,9 @@ import numpy as np
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.rows import Index64
 from frictionbench.solvers.interior.lorentz import longest_in_cone, to_geodesic
 from frictionbench.solvers.interior.system import Space, System, space_of
-from frictionbench.solvers.sparse_lu.minimum_degree import Index
 
 
 class Point(NamedTuple):
@@ -54,7 +54,7 @@ def start_point(system: System, impulse: float, speed: float) -> Point:
 
 
 @kernel
-def _start(weight: Array, pairs: Index, space: Space, impulse: float, speed: float) -> tuple[Array, Array]:
+def _start(weight: Array, pairs: Index64, space: Space, impulse: float, speed: float) -> tuple[Array, Array]:
     """x and s."""
     x, s = np.zeros((len(weight), 4)), np.zeros((len(weight), 4))
     for i in range(len(x)):

@@ -17,10 +17,10 @@ import numpy as np
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.rows import Index64
 from frictionbench.solvers.interior.newton import direction, evaluate_point, linearise
 from frictionbench.solvers.interior.point import Point, add_products, add_step, longest, set_identity
 from frictionbench.solvers.interior.system import Space, System, Work, new_work
-from frictionbench.solvers.sparse_lu.minimum_degree import Index
 
 TO_BOUNDARY = 0.995  # share of the way to the boundary: Mehrotra's choice, close enough to 1 for superlinear convergence
 
@@ -30,7 +30,7 @@ class Best(NamedTuple):
 
     impulse: Array
     residual: Array
-    factorisations: Index
+    factorisations: Index64
 
 
 @part

@@ -15,7 +15,7 @@ import numpy as np
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.solvers.sparse_lu.minimum_degree import Index
+from frictionbench.problems.rows import Index64
 from frictionbench.solvers.sparse_lu.multifrontal import Fronts, Place, analyse, position_in_front
 
 SOFTNESS = 1e-14  # delta, relative to a contact's mean diagonal of W: 1e-16 drowns in rounding, 1e-12 slows stacks of thousands
@@ -28,11 +28,11 @@ class Elements(NamedTuple):
     u = read v and M dv = push' r; the two differ for a Delassus problem only. front, place: where an element is added.
     """
 
-    start: Index
+    start: Index64
     column: Place
     push: Array
     read: Array
-    front: Index
+    front: Index64
     place: Place
 
 
@@ -47,11 +47,11 @@ class System(NamedTuple):
     fronts: Fronts
     contacts: Elements
     joints: Elements
-    slot: Index
+    slot: Index64
     constant: Array
     inverse: Array
-    indices: Index
-    indptr: Index
+    indices: Index64
+    indptr: Index64
     free_velocity: Array
     offset: Array
     joint_bias: Array
@@ -59,7 +59,7 @@ class System(NamedTuple):
     friction_bias: Array
     shift: Array
     weight: Array
-    pairs: Index
+    pairs: Index64
     speed: float
     impulse: float
 
@@ -76,7 +76,7 @@ class Work(NamedTuple):
     """
 
     storage: Array
-    swap: Index
+    swap: Index64
     inverse: Array
     pivot: Array
     right: Array
@@ -288,7 +288,7 @@ def _gather(start, column, push, read, unit):  # type: ignore[no-untyped-def]
 
 
 @part
-def _place_in_fronts(elements: Elements, fronts: Fronts, place: Index) -> None:
+def _place_in_fronts(elements: Elements, fronts: Fronts, place: Index64) -> None:
     """Renumber an element's variables by the order of elimination, and find them in its front."""
     for e in range(len(elements.front)):
         for a in range(elements.start[e], elements.start[e + 1]):

@@ -19,9 +19,7 @@ from numpy.typing import NDArray
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import inlined, kernel, part
-from frictionbench.problems.rows import Rows
-
-Index = NDArray[np.int64]
+from frictionbench.problems.rows import Index64, Rows
 
 
 class Matrix(NamedTuple):
@@ -31,7 +29,7 @@ class Matrix(NamedTuple):
     they are read throughout: no check for a negative index, and half the bytes.
     """
 
-    start: Index
+    start: Index64
     rows: NDArray[np.uint32]
     column: Array
     row: Array
@@ -44,11 +42,11 @@ class InverseBasis(NamedTuple):
     """
 
     inverse: Array
-    z: Index
-    w: Index
-    row: Index
-    column: Index
-    size: Index
+    z: Index64
+    w: Index64
+    row: Index64
+    column: Index64
+    size: Index64
     work: Array
 
 
@@ -263,7 +261,7 @@ def refactor(M: Matrix, d: Array, basis: InverseBasis) -> bool:
 
 
 @kernel
-def invert(M: Matrix, d: Array, basis: InverseBasis, active: Index) -> bool:
+def invert(M: Matrix, d: Array, basis: InverseBasis, active: Index64) -> bool:
     """Make the z of these indices basic in a slack basis, and their w nonbasic; False where that is singular."""
     for c in range(len(active)):
         j = active[c]

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import inlined, kernel, part
-from frictionbench.solvers.pivots.inverse_basis import Index, InverseBasis, Matrix, exchange_pair, refactor, transform
+from frictionbench.problems.rows import Index64
+from frictionbench.solvers.pivots.inverse_basis import InverseBasis, Matrix, exchange_pair, refactor, transform
 from frictionbench.solvers.pivots.vectors import put
 
 Flags = NDArray[np.bool_]
@@ -74,7 +75,7 @@ def follow_lemke_path(
     blocking: Flags,
     slack: float,
     limit: int,
-    work: Index,
+    work: Index64,
 ) -> int:
     """Follow Lemke's path from a complementary basis in which z0 lets every basic variable rise, and return how it ended.
 

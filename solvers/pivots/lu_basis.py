@@ -18,9 +18,8 @@ from numpy.typing import NDArray
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.rows import Index64
 from frictionbench.solvers.pivots.vectors import fill, put
-
-Indices = NDArray[np.int64]
 
 UPDATES = 96  # of a factorisation; each costs n products in every later solve, n numbers, and its rounding
 
@@ -28,8 +27,8 @@ UPDATES = 96  # of a factorisation; each costs n products in every later solve, 
 class Columns(NamedTuple):
     """The columns to choose from: M (n, n) compressed by columns, prox (n,) added to its diagonal, cover (n,)."""
 
-    start: Indices
-    row: Indices
+    start: Index64
+    row: Index64
     value: Array
     prox: Array
     cover: Array
@@ -38,16 +37,16 @@ class Columns(NamedTuple):
 class LUBasis(NamedTuple):
     """head (n,): the variable that stands at position i. The rest is its factorisation, internal to this file."""
 
-    head: Indices
-    size: Indices  # of the core, of the updates
-    order: Indices  # the row, and so the position, of the k-th core column
+    head: Index64
+    size: Index64  # of the core, of the updates
+    order: Index64  # the row, and so the position, of the k-th core column
     L: Array  # L[k]: the k-th column's multipliers, by row
     U: Array  # U[k]: the k-th column of U above its diagonal, by elimination order
     diagonal: Array
-    span: Indices  # first row and row after the last of L[k], first entry of U[k]
+    span: Index64  # first row and row after the last of L[k], first entry of U[k]
     slack: NDArray[np.bool_]  # rows left to their own w
     update: Array
-    updated: Indices
+    updated: Index64
 
 
 def new_basis(n: int) -> LUBasis:

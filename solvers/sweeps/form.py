@@ -16,7 +16,7 @@ import numpy as np
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
-from frictionbench.problems.rows import Index, normal_first, nowhere
+from frictionbench.problems.rows import Index32, normal_first, nowhere
 
 
 class ContactForm(NamedTuple):
@@ -27,11 +27,11 @@ class ContactForm(NamedTuple):
     friction, friction_bias, scale: (nc,), and free, max|q_i|: those of the problem and of its residual.
     """
 
-    read_start: Index
-    read_column: Index
+    read_start: Index32
+    read_column: Index32
     read: Array
-    push_start: Index
-    push_column: Index
+    push_start: Index32
+    push_column: Index32
     push: Array
     offset: Array
     rest: Array

@@ -19,7 +19,8 @@ from frictionbench.solvers import interface
 from tests.helpers.made_results import simulation_row, solve_row, write_folder
 from tests.helpers.paths import ROOT
 
-CALLED = [name for name in fb.__all__ if name not in ("plot", "__version__", "InputError", "Verdict")]
+CALLED = [name for name in fb.__all__ if name not in ("plot", "__version__")]
+NO_ERRORS = ("scenes", "instances", "available", "Answer", "Status", "residual_floor", "InputError", "Verdict")
 
 
 @pytest.fixture
@@ -54,7 +55,7 @@ def test_import_loads_no_library() -> None:
 def test_public_names_have_examples(name, run) -> None:
     text = inspect.getdoc(getattr(fb, name)) or ""
     assert ">>> " in text, f"the docstring of {name} has no example"
-    if callable(getattr(fb, name)) and name not in ("scenes", "instances", "available", "Answer", "Status", "residual_floor"):
+    if callable(getattr(fb, name)) and name not in NO_ERRORS:
         assert "Errors: " in text, f"the docstring of {name} does not say which errors it raises"
     assert_examples_run(getattr(fb, name), name)
 
@@ -64,10 +65,17 @@ def test_public_examples_run(module, run) -> None:
     assert_examples_run(module, module.__name__)
 
 
+@pytest.mark.parametrize("chart", plot.__all__)
+def test_every_plot_is_documented_with_an_example(chart, run) -> None:
+    text = inspect.getdoc(getattr(plot, chart)) or ""
+    assert all(word in text for word in (">>> ", "results: ", "Errors: "))
+    assert_examples_run(getattr(plot, chart), chart)
+
+
 def assert_examples_run(what, name: str) -> None:
     runner = doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE)
     example = doctest.DocTestParser().get_doctest(
-        inspect.getdoc(what) or "", {name: what, "fb": fb} | vars(fb), name, None, None
+        inspect.getdoc(what) or "", vars(plot) | {name: what, "fb": fb} | vars(fb), name, None, None
     )
     printed: list[str] = []
     before = dict(interface._solvers)

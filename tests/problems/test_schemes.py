@@ -9,11 +9,12 @@ from frictionbench import solvers
 from frictionbench.problems import FrictionProblem, InputError, scene, scenes
 from frictionbench.problems.check import Array
 from frictionbench.problems.planar.bodies import Shape, half_plane, rigid_box, rigid_disc
+from frictionbench.problems.planar.collision import deepest_overlap
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.schemes import SCHEMES, NoSolution, Step, start
 from frictionbench.problems.schemes.anitescu_potra import anitescu_potra
-from frictionbench.problems.simulate import ledger_defect, penetration, simulate
+from frictionbench.problems.simulate import ledger_defect, simulate
 
 
 def lemke(problem: FrictionProblem) -> Array:
@@ -79,7 +80,7 @@ def test_decompression_friction() -> None:
 
 def test_penetration_bound() -> None:
     made = ball(height=0.515, speed=-2.0)
-    deepest = max(penetration(made, step.q) for step in simulate(made, lemke, steps=50))
+    deepest = max(deepest_overlap(made.geometry, step.q) for step in simulate(made, lemke, steps=50))
     assert 0 < deepest < 0.01 * (2.0 + 9.81 * 0.02)
 
 
@@ -190,7 +191,7 @@ def test_rest_is_preserved_by_every_scheme(name: str, example: str) -> None:
 
 def test_gap_scheme_stops_ball_at_contact() -> None:
     run = list(simulate(ball(height=0.515, speed=-2.0), lemke, SCHEMES["stewart_trinkle"], steps=20))
-    assert max(penetration(ball(), step.q) for step in run) < 1e-12
+    assert max(deepest_overlap(ball().geometry, step.q) for step in run) < 1e-12
     assert run[1].q[1] == pytest.approx(0.5)
     assert run[-1].q[1] == pytest.approx(0.5)
 

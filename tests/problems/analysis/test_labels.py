@@ -17,7 +17,7 @@ def jam(friction: float) -> FrictionProblem:
 
 def test_one_box() -> None:
     found = labels(scene("stack", blocks=1).problem())
-    assert (found.contacts, found.size, found.rank, found.pointedness, found.mass_ratio) == (2, 8, 3, 0.0, 1.0)
+    assert (found.size, found.rank, found.pointedness, found.mass_ratio) == (8, 3, 0.0, 1.0)
     assert found.trivial == ""
 
 

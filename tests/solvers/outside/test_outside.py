@@ -18,7 +18,6 @@ from scipy import sparse
 from frictionbench.harness.commands.export import export
 from frictionbench.harness.commands.fairness import FIELDS, facts, outcomes, page
 from frictionbench.harness.plans.plan import Plan, Source
-from frictionbench.harness.plans.spec import parse
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import run
 from frictionbench.harness.verify import verify
@@ -27,6 +26,7 @@ from frictionbench.problems import FrictionProblem, InputError, scene
 from frictionbench.problems.instances import instances, make_instance
 from frictionbench.problems.recorded import fclib, read
 from frictionbench.problems.residual import relaxation_residual, residual
+from frictionbench.problems.spec import parse
 from frictionbench.results import store
 from frictionbench.solvers import Answer, Status, available, find, outside, plugins, solve
 from frictionbench.solvers.needs import installed_version

@@ -1,4 +1,4 @@
-"""Checks of a scene's parameters: every error names the parameter and its range."""
+"""Checks of the parameters of scenes and instances: every error names the parameter and its range."""
 
 from typing import Any
 
