@@ -59,7 +59,7 @@ __all__ = [
 ]
 
 # Where each name is defined; the type checker reads the imports above, and a test compares the two.
-_HOMES = {
+_DEFINED_IN = {
     "frictionbench.problems": ("LCP", "FrictionProblem", "InputError", "scene", "scenes"),
     "frictionbench.problems.instances": ("instance", "instances"),
     "frictionbench.problems.residual": ("residual", "residual_floor"),
@@ -78,10 +78,10 @@ def __getattr__(name: str) -> Any:
     elif name == "plot":
         value = import_module("frictionbench.plot")
     else:
-        home = next((module for module, names in _HOMES.items() if name in names), None)
-        if home is None:
+        module = next((module for module, names in _DEFINED_IN.items() if name in names), None)
+        if module is None:
             raise AttributeError(f"module 'frictionbench' has no attribute {name!r}")
-        value = getattr(import_module(home), _OTHER_NAME.get(name, name))
+        value = getattr(import_module(module), _OTHER_NAME.get(name, name))
     globals()[name] = value
     return value
 

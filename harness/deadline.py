@@ -10,8 +10,8 @@ from contextlib import contextmanager
 from mmap import mmap
 from time import monotonic
 
-COMPILING = 600.0  # seconds for one compilation by numba: far above any kernel's, a bound in case it hangs
-OURS = 600.0  # seconds for the harness's own work, such as reading and verifying: likewise a bound in case it hangs
+COMPILE_SECONDS = 600.0  # seconds for one compilation by numba: far above any kernel's, a bound in case it hangs
+HARNESS_SECONDS = 600.0  # seconds for the harness's own work, such as reading and verifying: likewise a bound in case it hangs
 
 
 class Deadline:
@@ -19,7 +19,7 @@ class Deadline:
 
     def __init__(self) -> None:
         self._moment = memoryview(mmap(-1, 16)).cast("d")
-        self.allow(OURS)
+        self.allow(HARNESS_SECONDS)
 
     @property
     def compiling(self) -> bool:
@@ -51,7 +51,7 @@ class Deadline:
             def on_start(self, _: object) -> None:
                 if not self.depth:
                     self.left = deadline.left
-                    deadline.allow(COMPILING)
+                    deadline.allow(COMPILE_SECONDS)
                     deadline._moment[1] = 1.0
                 self.depth += 1
 
@@ -67,4 +67,4 @@ class Deadline:
                 yield self.allow
         finally:
             self._moment[1] = 0.0
-            self.allow(OURS)
+            self.allow(HARNESS_SECONDS)

@@ -28,7 +28,7 @@ from frictionbench.results.store import Row, ShardWriter
 from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers import find
 
-COLLECTING = 600.0  # seconds for one source's problems: a bound for scenes whose reference answers take too long
+COLLECT_SECONDS = 600.0  # seconds for one source's problems: a bound for scenes whose reference answers take too long
 
 
 def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | None = None) -> None:
@@ -148,7 +148,7 @@ def _brief(value: object) -> str:
 def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Record]:
     """The records of all problems by origin, in the plan's order; for a source without problems one with the reason."""
     tasks = [
-        Task(f"{source.scene} {source.parameters or ''}", worker.run_source, (source, COLLECTING), COLLECTING)
+        Task(f"{source.scene} {source.parameters or ''}", worker.run_source, (source, COLLECT_SECONDS), COLLECT_SECONDS)
         for source in (*plan.sources, *plan.map_sources)
     ]
     by_task: dict[int, list[Record]] = {}

@@ -49,8 +49,8 @@ class _Worker:
 
 
 _worker: _Worker
-IMPORTING = 60.0  # seconds for a plug-in's import: large libraries take ten or more from a cold disk
-LOADING = 30.0  # seconds for an outside library to load and solve a single contact, whatever the limit: as for imports
+IMPORT_SECONDS = 60.0  # seconds for a plug-in's import: large libraries take ten or more from a cold disk
+LOAD_SECONDS = 30.0  # seconds for an outside library to load and solve a single contact, whatever the limit: as for imports
 SHARED = 0.02  # of the timed seconds: a cell that waited longer for its core is marked as disturbed
 SHOWN = Path("motion") / "shown.json"  # the motion that `frictionbench show` asks for
 
@@ -175,7 +175,7 @@ def _solver(variant: str) -> tuple[SolverInfo, Solver]:
         if variant in plugin.solvers:
             if plugins.content(plugin.source) != plugin.content:
                 raise InputError(f"solver: {plugin.source} was changed since the run began; begin another run")
-            with _worker.deadline.within(IMPORTING):
+            with _worker.deadline.within(IMPORT_SECONDS):
                 plugins.load(plugin.source)
     return find(variant)
 
@@ -224,7 +224,7 @@ def _warm_up(variant: str, dimension: int, jointed: bool, limit: float) -> float
     _worker.warm.add((variant, dimension, jointed))
     info, solver = find(variant)
     gc.disable()  # compilation keeps most objects it creates; collections would free little and take a tenth of the time
-    seconds = max(limit, LOADING) if info.needs else limit
+    seconds = max(limit, LOAD_SECONDS) if info.needs else limit
     with suppress(BaseException), _worker.deadline.within(seconds), process.no_forked_child():
         solver.solve(solver.prepare(_smallest(dimension, jointed)), 1e-6, None)
     gc.enable()

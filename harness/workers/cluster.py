@@ -27,7 +27,7 @@ from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers.plugins import is_file
 
 AHEAD = 4  # tasks submitted per worker: enough that none waits for the network, few enough to be balanced at the end
-ANSWERING = 10.0  # seconds for a scheduler to answer: one that is reachable needs far less
+ANSWER_SECONDS = 10.0  # seconds for a scheduler to answer: one that is reachable needs far less
 Files = dict[str, bytes]
 Settings = tuple[tuple[tuple[Plugin, Files], ...], int]
 _pools: dict[tuple[Any, ...], Pool] = {}  # of a dask worker process, by the plug-ins' content and the memory limit
@@ -42,7 +42,7 @@ class Cluster:
         except ImportError:
             raise InputError("cluster: dask is not installed; pip install 'frictionbench[cluster]'") from None
         try:
-            self._client = Client(address, timeout=ANSWERING)
+            self._client = Client(address, timeout=ANSWER_SECONDS)
         except (OSError, ValueError) as error:
             raise InputError(f"cluster: no scheduler answers at {address} ({error})") from None
         self._folder = folder

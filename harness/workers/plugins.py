@@ -35,7 +35,7 @@ def load_plugins(specs: list[str], wanted: tuple[str, ...] = ()) -> tuple[tuple[
 
 
 def _load(sources: list[str], named: list[str]) -> list[Plugin]:
-    limit = worker.IMPORTING
+    limit = worker.IMPORT_SECONDS
     tasks = [Task(source, worker.describe_plugin, (source, named, limit), limit, owner=source) for source in sources]
     found = {}
     with tempfile.TemporaryDirectory() as scratch, Pool(Path(scratch), 1, (), MEMORY_LIMIT) as pool:

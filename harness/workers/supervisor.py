@@ -26,7 +26,7 @@ from numba.core.registry import cpu_target
 
 from frictionbench.harness import machine, process
 from frictionbench.harness.cells import worker
-from frictionbench.harness.deadline import COMPILING, OURS, Deadline
+from frictionbench.harness.deadline import COMPILE_SECONDS, HARNESS_SECONDS, Deadline
 from frictionbench.harness.workers.task import LONGEST_REPLY, Task
 from frictionbench.problems import InputError
 from frictionbench.results.verdicts import Verdict
@@ -117,9 +117,9 @@ class _Worker:
     def run(self, task: Task, channel: Connection) -> tuple[bytes, bool]:
         """The reply to a task, a line, and whether the worker can be reused. Errors: EOFError if the main process has ended."""
         self.owner = task.owner
-        self.deadline.allow(OURS)
+        self.deadline.allow(HARNESS_SECONDS)
         last = Deadline()  # holds even if the worker extends its own without end
-        last.allow(3 * (task.limit + COMPILING) + OURS)
+        last.allow(3 * (task.limit + COMPILE_SECONDS) + HARNESS_SECONDS)
         with suppress(OSError):
             self._tasks.send(task)
         reply, poll, compiling = bytearray(), POLL, False
@@ -165,7 +165,7 @@ def work(tasks: Connection, replies: int, deadline: Deadline, core: int | None, 
             task: Task = tasks.recv()
         except EOFError:
             return
-        deadline.allow(OURS)
+        deadline.allow(HARNESS_SECONDS)
         try:
             value = task.function(*task.arguments)
             reply = _reply(value=value, helpers=living())

@@ -103,6 +103,6 @@ def test_lost_worker_and_lost_scheduler(tmp_path) -> None:
 @pytest.mark.filterwarnings("default")
 def test_missing_cluster(tmp_path, monkeypatch) -> None:
     pytest.importorskip("distributed")
-    monkeypatch.setattr(cluster, "ANSWERING", 0.5)
+    monkeypatch.setattr(cluster, "ANSWER_SECONDS", 0.5)
     with pytest.raises(InputError, match="cluster: no scheduler answers"):
         run(small_plan(), tmp_path / "run", 1, quiet(), cluster=f"tcp://127.0.0.1:{free_port()}")
