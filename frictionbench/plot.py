@@ -34,6 +34,10 @@ from frictionbench.tables import Results, read_results
 __all__ = ["convergence", "energy", "growth", "profiles", "speed_accuracy", "titles", "work"]
 
 
+def __dir__() -> list[str]:
+    return __all__
+
+
 def profiles(results: Results | str | Path, *, ax: Axes | None = None, panel: str | int = 0) -> Axes:
     """Performance profiles: the share of problems brought within a residual in at most tau times the fastest solver's time.
 

@@ -9,7 +9,6 @@ from frictionbench.problems.schemes import require_scheme
 from frictionbench.problems.spec import parse
 from frictionbench.results.conventions import DEFAULT_SCHEME
 from frictionbench.results.map_spec import Map
-from frictionbench.solvers import find
 
 SOLVERS = (*MAPPED, "relaxation_ip")
 
@@ -44,8 +43,6 @@ def plan_map(
         thresholds=() if steps else ("p", "P0", "pointed", "gaps"),
         title=scene_spec,
     )
-    for variant in variants:
-        find(variant)
     ladder = tolerances(tol)
     return Plan(
         suite="map",

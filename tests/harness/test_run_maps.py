@@ -37,6 +37,7 @@ from frictionbench.results.shrunk import read_shrunk
 from frictionbench.solvers import Status, find, solve
 from tests.helpers.command_line import frictionbench
 from tests.helpers.paths import BAD_SOLVERS
+from tests.helpers.plugin import write
 from tests.helpers.runs import quiet
 
 MAPS = {spec.name: spec for spec in ATLAS}
@@ -250,6 +251,16 @@ def test_custom_map(tmp_path) -> None:
         done = frictionbench("map", "wedge", *arguments, cwd=tmp_path)
         assert done.returncode == 2
         assert complaint in done.stderr
+
+
+def test_map_of_a_plugin(tmp_path) -> None:
+    plugin = write(tmp_path / "guest.py")
+    grid = ("--x", "angle=.2:1:2", "--y", "friction=.1:1:2", "--out", str(tmp_path / "run"))
+    done = frictionbench("map", "wedge", *grid, "--solver", str(plugin), cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    rows = map_cells(read_run(tmp_path / "run"))[0].rows
+    assert set(rows["variant"]) == {"guest"}
+    assert "solved" not in set(rows["verdict"])
 
 
 def test_first_steps_are_not_divergence() -> None:

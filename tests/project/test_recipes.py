@@ -2,6 +2,7 @@
 
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -66,7 +67,7 @@ def follow(recipe: str, copy: Path) -> str:
     environment = os.environ | {"PYTHONPATH": str(copy), "COLUMNS": "200", "NUMBA_CACHE_DIR": str(copy / "compiled")}
     printed = ""
     for command in re.findall(r"^    ((?:frictionbench|echo) .+)$", recipe, re.M):
-        call = ["-c", "from frictionbench.harness.cli import main; main()", *command.split()[1:]]
+        call = ["-c", "from frictionbench.harness.cli import main; main()", *shlex.split(command)[1:]]
         shell = {"args": command, "shell": True} if command.startswith("echo ") else {"args": [sys.executable, *call]}
         done = subprocess.run(**shell, cwd=copy, env=environment, check=False, **PIPED)
         assert done.returncode == 0, done.stderr
