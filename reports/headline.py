@@ -58,6 +58,5 @@ def headline(run: Run) -> list[str]:
 
 
 def _form(row: pd.Series) -> str:
-    """The share of form in a solver's time, marked where it is large."""
-    much = ", more than a fifth" if row["written"] > MUCH_FORM else ""
-    return f" (share of form, the formulation of the problem: {100 * row['written']:.0f} %{much})"
+    """The share of form in a solver's time."""
+    return f" ({100 * row['written']:.0f} % of it for writing the problem in the solver's form)"

@@ -23,6 +23,7 @@ from frictionbench.reports.settings import Setting, settings, workers_on_all_cor
 from frictionbench.reports.sheets import Sheet, sheets
 from frictionbench.results.cells import scene_title
 from frictionbench.results.shrunk import FOLDER
+from frictionbench.results.verdicts import Verdict
 
 MOST_CLAIMS = 200  # wrong claims listed on the page; more make it slow to load
 MOST_SIMULATIONS = 300  # simulations of a scene listed on the page, for the same reason
@@ -42,6 +43,7 @@ class Head:
     finished: bool
     problems: int
     nontrivial: int
+    wrong_simulations: int
     classes: int
     disturbed: int
     without_core: int
@@ -160,6 +162,7 @@ def _head(run: Run) -> Head:
         finished="finished" in run.manifest,
         problems=run.rows.loc[run.rows["problem"] != "", "problem_id"].nunique(),
         nontrivial=run.nontrivial["problem_id"].nunique(),
+        wrong_simulations=int((run.simulations["verdict"] == Verdict.WRONG).sum()),
         classes=run.rows["problem_class"].nunique(),
         disturbed=int(disturbed.sum()),
         without_core=int((disturbed & run.rows["core"].isna()).sum()),

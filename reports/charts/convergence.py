@@ -58,6 +58,7 @@ CHART = Chart(
     title="Residual against iterations",
     caption="The verified residual of a solver that is stopped after a number of units of its own work; each point is the "
     "answer of a separate, untimed call. A unit is what the method counts, so that curves of different methods show their rate "
-    "of convergence and not which one is faster. Portfolios and solvers that do not solve the problem are left out.",
+    "of convergence and not which one is faster. Portfolios and solvers that solve neither the problem nor their own model are "
+    "left out; the curve of a relaxation levels off at its model error.",
     columns=2,
 )

@@ -257,9 +257,13 @@ def test_large_form_time_is_marked(tmp_path):
     shares = [by_label(accuracy.summary(accuracy.times_to(annotated(*rows), 1e-8))).loc["a", "written"] for rows in (few, much)]
     assert shares == pytest.approx([1 / 7, 1 / 2])
     assert (
-        "share of form, the formulation of the problem: 14 %)" in _Page(write_report(write_folder(tmp_path / "few", few))).text
+        "(14 % of it for writing the problem in the solver's form)"
+        in _Page(write_report(write_folder(tmp_path / "few", few))).text
     )
-    assert "50 %, more than a fifth)" in _Page(write_report(write_folder(tmp_path / "much", much))).text
+    assert (
+        "(50 % of it for writing the problem in the solver's form)"
+        in _Page(write_report(write_folder(tmp_path / "much", much))).text
+    )
 
 
 def test_portfolios_are_marked(tmp_path):
@@ -688,3 +692,11 @@ def test_untested_targets_are_not_missed(tmp_path) -> None:
     loose = read_run(write_folder(tmp_path / "loose", [row | {"tol": 1e-2} for row in asked]))
     assert list(loose.times) == [1e-4]
     assert "within 1e-8" not in write_report(tmp_path / "asked").read_text()
+
+
+def test_page_counts_simulations_with_wrong_steps(tmp_path):
+    simulations = [simulation_row("nsgs", verdict="wrong"), simulation_row("lemke")]
+    page = write_report(write_folder(tmp_path / "wrong", RUN, simulations)).read_text(encoding="utf-8")
+    assert "1 of 2 simulations contain a step with a wrong claim" in page
+    page = write_report(write_folder(tmp_path / "none", RUN, simulations[1:])).read_text(encoding="utf-8")
+    assert "contain a step with a wrong claim" not in page
