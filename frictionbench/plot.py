@@ -177,7 +177,7 @@ def _draw(chart: str, results: Results | str | Path, ax: Axes | None, which: str
 
 
 def _legend(ax: Axes, run: Run, panel: Panel) -> None:
-    """Name the curves by their group ids, and leave out the bands where there are too many to be told apart."""
+    """Name the curves by their group ids, and leave out the bands where there are too many to be distinguished."""
     drawn = {str(artist.get_gid()) for artist in ax.findobj()}
     named = {name: look for name, look in run.looks.items() if {look.tag, f"dots-{look.tag}"} & drawn}
     if len(named) > BANDS:

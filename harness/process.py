@@ -19,7 +19,7 @@ import psutil
 
 from frictionbench.problems import InputError
 
-# The variables by which BLAS, OpenMP, numba and Rayon (Rust libraries) are told their number of threads.
+# The variables from which BLAS, OpenMP, numba and Rayon (Rust libraries) read their number of threads.
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "RAYON_NUM_THREADS")
 PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36  # linux/prctl.h
 PATIENCE = 10.0  # seconds to end processes that start others as fast as they are ended

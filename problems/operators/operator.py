@@ -1,7 +1,7 @@
 """What a friction problem asks of its contact operator, the affine map u = W r + q from impulses r to contact velocities u.
 
 Both operators also give the equations of motion behind the map, M (v - v*) = J' r + F' lam with F v + b_F = 0 and
-u = J v + offset, as plain arrays (problems.rows) for compiled passes and as scipy matrices for everybody else.
+u = J v + offset, as plain arrays (problems.rows) for compiled passes and as scipy matrices for other callers.
 """
 
 from abc import ABC, abstractmethod

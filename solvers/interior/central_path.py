@@ -14,7 +14,7 @@ iteration factorises Newton's matrix once (solvers.interior.newton) and solves w
 and predicts z + tau z' + tau^2 z''/2, with tau such that the last term is small. Lengths and angles are measured in the
 logarithms of x, s and t (the geodesics of solvers.interior.point), in which the cones' boundaries disappear; but steps are
 straight in x and s, which keeps all equations but the products exact for every step length. Otherwise the velocities would
-no longer match the impulses, and the curve would be lost where many contacts act on few bodies.
+no longer match the impulses, and path-following would fail where many contacts act on few bodies.
 
 The direction along the tangent follows from the sign of det A: along a curve dt changes its sign together with the determinant
 of the derivative by (x, s), and nowhere else (Allgower and Georg 1990, section 2.1), and that of the eliminated contacts is
