@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from frictionbench.problems import LCP, FrictionProblem, InputError, recorded
+from frictionbench.problems.friction import require_problem
 from frictionbench.problems.recorded import fclib, own
 
 HDF5_SUFFIXES = (".hdf5", ".h5")
@@ -44,8 +45,7 @@ def save(problem: FrictionProblem | LCP, path: str | Path) -> None:
     >>> load("stack.npz").hash == problem.hash
     True
     """
-    if not isinstance(problem, FrictionProblem | LCP):
-        raise InputError(f"problem: must be a FrictionProblem or an LCP, got {type(problem)}")
+    require_problem(problem)
     path = Path(path)
     if path.suffix == ".npz":
         own.save(problem, path)

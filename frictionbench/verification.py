@@ -4,6 +4,7 @@ from frictionbench.harness import verify as harness_verify
 from frictionbench.harness.cells.answers import AnswerError, checked_copy
 from frictionbench.harness.verify import Finding
 from frictionbench.problems import LCP, FrictionProblem, InputError
+from frictionbench.problems.friction import require_problem
 from frictionbench.solvers import Answer, find
 from frictionbench.solvers.interface import tolerance
 
@@ -30,8 +31,7 @@ def verify(problem: FrictionProblem | LCP, answer: Answer, tol: float, *, solver
     """
     tol = tolerance(tol)
     info, _ = find(EXACT if solver is None else solver)
-    if not isinstance(problem, FrictionProblem | LCP):
-        raise InputError(f"problem: must be a FrictionProblem or an LCP, got {type(problem)}")
+    require_problem(problem)
     try:
         answer = checked_copy(answer)
     except AnswerError as error:

@@ -313,3 +313,8 @@ def _law(friction: Any, friction_bias: Any) -> tuple[Array, Array]:
     check.not_negative("friction", mu)
     check.not_negative("friction_bias", bias)
     return mu, bias
+
+
+def require_problem(given: object) -> None:
+    """Errors: InputError naming `problem` where it is neither a friction problem nor an LCP."""
+    require(isinstance(given, FrictionProblem | LCP), "problem", f"must be a FrictionProblem or an LCP, got {type(given)}")

@@ -37,6 +37,7 @@ import numpy as np
 from frictionbench.problems import LCP, FrictionProblem, InputError, check
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.display import html_table
+from frictionbench.problems.friction import require_problem
 from frictionbench.problems.spec import split
 from frictionbench.solvers.needs import installed_version
 
@@ -314,8 +315,7 @@ def solve(
     ('SOLVED', True)
     """
     info, instance = find(spec)
-    if not isinstance(problem, FrictionProblem | LCP):
-        raise InputError(f"problem: must be a FrictionProblem or an LCP, got {type(problem)}")
+    require_problem(problem)
     tol = tolerance(tol)
     if limit is not None:
         whole = isinstance(limit, Integral) and not isinstance(limit, bool)
