@@ -1,7 +1,7 @@
 """The convergence histories of a run (results.convergence): residual against work on a few problems, after all cells are done.
 
 The problems are the largest of up to MOST contacts of different scenes, and the small ones with the most redundant contacts,
-none of them trivial. The solvers are single methods, not portfolios, that solved the problem at the tightest tolerance.
+none of them trivial or idle. The solvers are single methods, not portfolios, that solved the problem at the tightest tolerance.
 """
 
 from collections.abc import Iterable
@@ -55,7 +55,9 @@ def record_histories(plan: Plan, folder: Path, records: Iterable[Record], pool: 
 def chosen(records: Iterable[Record]) -> list[Record]:
     """The records of the problems whose histories are recorded."""
     real = [
-        record for record in records if record["problem"] and not record["trivial"] and (record["contacts"] or MOST + 1) <= MOST
+        record
+        for record in records
+        if record["problem"] and not record["trivial"] and not record["idle"] and (record["contacts"] or MOST + 1) <= MOST
     ]
     large = sorted(real, key=lambda record: -record["contacts"])
     redundant = [record for record in large if record["redundancy"] and record["contacts"] <= MOST_FORCES]

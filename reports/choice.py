@@ -41,7 +41,7 @@ def choices(run: Run, among: set[str] | None = None) -> list[tuple[str, dict[flo
 
     among: the labels to choose from; None for all. A kind that consists of all problems is listed as such only.
     """
-    problems = run.nontrivial.drop_duplicates("problem_id").set_index("problem_id")
+    problems = run.ranked.drop_duplicates("problem_id").set_index("problem_id")
     contacts = problems["contacts"]
     kinds = {
         "all problems": contacts.notna(),

@@ -37,10 +37,10 @@ def headline(run: Run) -> list[str]:
     found = {target: leaders(table) for target, table in run.summaries.items()}
     finest, coarsest = min(found), max(found)
     if not (best := found[finest]):
-        lines = [f"No solver reaches a verified residual of {power(finest)} on any non-trivial problem."]
+        lines = [f"No solver reaches a verified residual of {power(finest)} on any ranked problem."]
     else:
         first, equals = best.most_often, best.equals
-        on = f"on {first['reached']} of {first['problems']} non-trivial problems"
+        on = f"on {first['reached']} of {first['problems']} ranked problems"
         if equals > 1:
             tie = f"{equals} solvers reach a verified residual of {power(finest)} equally often, {on}; the fastest of them is"
             lines = [f"{tie} {first['label']}, with a mean of {seconds(first['mean'])}{_form(first)}."]

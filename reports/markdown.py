@@ -34,13 +34,13 @@ def write_markdown(folder: Path, run: Run) -> Path:
 
 def _head(run: Run) -> str:
     settings, machine = run.manifest.get("settings", {}), run.manifest.get("machine", {})
-    problems = run.nontrivial.drop_duplicates("problem_id")
+    problems = run.ranked.drop_duplicates("problem_id")
     timed = run.rows["disturbed"].dropna()
     disturbed = f"; {timed.eq(True).mean():.0%} of the cells that ran waited for their core" if len(timed) else ""
     return (
         f"Suite {settings.get('suite')}, finished {run.manifest.get('finished', 'never')}, {machine.get('processor')}, "
-        f"{machine.get('cores')} cores: {len(problems)} non-trivial problems, "
-        f"{run.nontrivial['label'].nunique()} solvers, time limit {settings.get('time_limit')} s{disturbed}.\n"
+        f"{machine.get('cores')} cores: {len(problems)} ranked problems, "
+        f"{run.ranked['label'].nunique()} solvers, time limit {settings.get('time_limit')} s{disturbed}.\n"
     )
 
 
@@ -76,7 +76,7 @@ def _exact(run: Run) -> str:
     """For each label the number of problems at the tightest tolerance, and how many ended with each result."""
     names = ["problems", "exact", "own model", Verdict.NEAR_MISS, Verdict.WRONG, Verdict.TIMEOUT, Verdict.CRASHED]
     body = [[_name(one.label), *map(str, one[1:])] for one in reliabilities(run)]
-    return _table(f"## Reliability at {power(run.nontrivial['tol'].min())}", ["solver", "model", *names], body)
+    return _table(f"## Reliability at {power(run.ranked['tol'].min())}", ["solver", "model", *names], body)
 
 
 def _times(run: Run, dimension: int) -> str:

@@ -163,7 +163,7 @@ def _setting(run: Run) -> str:
     """The suite and the machine of the run, in a sentence."""
     machine = run.manifest.get("machine")
     processor = f", one thread of {machine['processor']}" if isinstance(machine, dict) and "processor" in machine else ""
-    problems = run.nontrivial["problem_id"].nunique()
+    problems = run.ranked["problem_id"].nunique()
     return f"Suite {run.manifest['settings'].get('suite', 'unnamed')}, {problems} problems{processor}."
 
 

@@ -46,7 +46,7 @@ def sentences(run: Run) -> list[tuple[str, str]]:
     found = reliabilities(run)
     if not found:
         return []
-    tol = power(float(run.nontrivial["tol"].min()))
+    tol = power(float(run.ranked["tol"].min()))
     complete = [one for one in found if one.own == one.problems]
     claims: dict[str, tuple[list[Reliability], Callable[[Reliability], int] | None]] = {
         f"Every problem solved to {tol}": ([one for one in complete if one.exact == one.problems], None),

@@ -10,7 +10,7 @@ Columns added to the solves table:
     answered        whether there is an answer that was verified and timed
     own_solved      whether it solves the exact problem or the solver's own model to the tolerance
 
-Trivial problems are excluded from rankings: `Run.nontrivial` leaves them out.
+Trivial and idle problems are excluded from rankings: `Run.ranked` leaves them out.
 """
 
 import json
@@ -57,14 +57,16 @@ class Run:
     folder: Path = Path()
 
     @cached_property
-    def nontrivial(self) -> pd.DataFrame:
-        """The rows of non-trivial friction problems, without those of sources that yielded no problem and of bare LCPs."""
-        return self.rows[~self.rows["trivial"] & (self.rows["problem"] != "") & self.rows["contacts"].notna()]
+    def ranked(self) -> pd.DataFrame:
+        """The rows of friction problems neither trivial nor idle, without sources that yielded no problem and bare LCPs."""
+        return self.rows[
+            ~self.rows["trivial"] & ~self.rows["idle"] & (self.rows["problem"] != "") & self.rows["contacts"].notna()
+        ]
 
     @property
     def tightest(self) -> pd.DataFrame:
-        """The rows of `nontrivial` at the tightest tolerance."""
-        return self.nontrivial[self.nontrivial["tol"] == self.nontrivial["tol"].min()]
+        """The rows of `ranked` at the tightest tolerance."""
+        return self.ranked[self.ranked["tol"] == self.ranked["tol"].min()]
 
     @cached_property
     def looks(self) -> dict[str, Look]:
@@ -81,7 +83,7 @@ class Run:
     @cached_property
     def times(self) -> dict[float, pd.DataFrame]:
         """For each target the times to it, per problem and label: see reports.accuracy."""
-        return {target: times_to(self.nontrivial, target) for target in targets(self.nontrivial)}
+        return {target: times_to(self.ranked, target) for target in targets(self.ranked)}
 
     @property
     def outer_targets(self) -> list[float]:
@@ -120,6 +122,7 @@ def annotate(solves: pd.DataFrame) -> pd.DataFrame:
     texts += ["phase", "problem", "start", "key", "host"]
     rows[texts] = rows[texts].fillna("")
     rows["trivial"] = rows["trivial"].eq(True)
+    rows["idle"] = rows["idle"].eq(True)
     rows["claimed"] = rows["claimed"].eq(True)
     rows["label"] = rows["variant"].where(rows["start"].isin(["", COLD]), rows["variant"] + ", " + rows["start"])
     rows["label"] += _mark(rows)

@@ -78,7 +78,7 @@ def _flowing(paragraph: str) -> str:
 
 def _failures(run: Run) -> pd.DataFrame:
     """A row per label, class and verdict other than solved and skipped, see Failure, the most frequent first."""
-    ran = run.nontrivial[measured(run.nontrivial)]
+    ran = run.ranked[measured(run.ranked)]
     of = ran.groupby(["label", "problem_class"]).size().rename("of")
     failed = ran[ran["verdict"] != Verdict.SOLVED].sort_values(["contacts", "tol"], kind="stable")
     columns = ["contacts", "residual", "reason", "key"]

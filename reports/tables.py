@@ -13,7 +13,7 @@ CLOCK_MARGIN = 0.1  # relative difference of a library's own clock from solve_ti
 
 def solvability(run: Run) -> pd.DataFrame:
     """A row per label: trivial (cells of trivial problems, not counted in the others), cells, claimed, and each verdict."""
-    real = run.nontrivial
+    real = run.ranked
     table = pd.DataFrame({"trivial": run.rows.groupby("label", sort=False)["trivial"].sum()})
     table["cells"] = real.groupby("label").size()
     table["claimed"] = real.groupby("label")["claimed"].sum()
@@ -36,7 +36,7 @@ def reasons(run: Run) -> pd.DataFrame:
 
 def by_class(run: Run) -> pd.DataFrame:
     """A row per class, label and tolerance: cells, solved, medians of residuals (1) and times (s), worst (largest residual)."""
-    rows = run.nontrivial
+    rows = run.ranked
     answers = rows.assign(
         solved=rows["verdict"] == Verdict.SOLVED,
         ran=measured(rows),
@@ -102,14 +102,14 @@ def ranking(summaries: dict[float, pd.DataFrame], problem_class: str = ALL) -> l
 
 def gaps(run: Run) -> int:
     """The number of pairs of a problem and a label that have no row, as in a run that has not finished."""
-    rows = run.nontrivial
+    rows = run.ranked
     return rows["problem_id"].nunique() * rows["label"].nunique() - len(rows.drop_duplicates(["problem_id", "label"]))
 
 
 def clocks(run: Run) -> pd.DataFrame:
     """A row per label whose library measures its own time: medians of solve_time and clock_time (s) and of their ratio;
     differs: whether the ratio differs from one by more than CLOCK_MARGIN."""
-    rows = run.nontrivial[run.nontrivial["clock_time"].notna() & run.nontrivial["solve_time"].notna()]
+    rows = run.ranked[run.ranked["clock_time"].notna() & run.ranked["solve_time"].notna()]
     ratio = rows["solve_time"] / rows["clock_time"].clip(lower=1e-7)
     groups = rows.assign(ratio=ratio).groupby("label", sort=False)
     table = groups[["solve_time", "clock_time", "ratio"]].median()

@@ -42,7 +42,7 @@ class Head:
     setup: str
     finished: bool
     problems: int
-    nontrivial: int
+    ranked: int
     wrong_simulations: int
     classes: int
     disturbed: int
@@ -161,7 +161,7 @@ def _head(run: Run) -> Head:
         setup=_setup(run.manifest),
         finished="finished" in run.manifest,
         problems=run.rows.loc[run.rows["problem"] != "", "problem_id"].nunique(),
-        nontrivial=run.nontrivial["problem_id"].nunique(),
+        ranked=run.ranked["problem_id"].nunique(),
         wrong_simulations=int((run.simulations["verdict"] == Verdict.WRONG).sum()),
         classes=run.rows["problem_class"].nunique(),
         disturbed=int(disturbed.sum()),
@@ -218,7 +218,7 @@ def _solved(run: Run) -> Solved:
     classes = tables.problem_classes(run)
     return Solved(
         matrices={target: tables.matrix(table) for target, table in run.summaries.items()},
-        ranked=list(run.nontrivial["problem_class"].unique()),
+        ranked=list(run.ranked["problem_class"].unique()),
         trivial=classes[(classes["problems"] > 0) & (classes["trivial"] == classes["problems"])].to_dict("records"),
         verdicts=tables.solvability(run),
         reasons=tables.reasons(run),
@@ -257,7 +257,7 @@ def _simulated(run: Run) -> dict[str, Records]:
 def _classes(run: Run, simulated: dict[str, Records], animations: Sequence[Animation]) -> list[SceneClass]:
     by_tolerance = {name: table.to_dict("records") for name, table in tables.by_class(run).groupby("problem_class")}
     scene_of = dict(zip(run.rows["problem_class"], run.rows["scene"], strict=True))
-    ranked, examples = set(run.nontrivial["problem_class"]), _examples(run)
+    ranked, examples = set(run.ranked["problem_class"]), _examples(run)
     return [
         SceneClass(
             facts=facts,

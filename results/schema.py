@@ -16,7 +16,7 @@ import pyarrow as pa
 
 from frictionbench.results.verdicts import Verdict
 
-VERSION = 2  # of files and columns; folders and baselines of another version are refused
+VERSION = 3  # of files and columns; folders and baselines of another version are refused
 
 
 class Column(NamedTuple):
@@ -89,7 +89,12 @@ SOLVES = (
     Column(
         "indefiniteness", _real, "1", "estimate of the most negative eigenvalue of W over the largest, for problems given by W"
     ),
-    Column("trivial", _flag, "", "no contact, no friction, or zero impulses solve the problem"),
+    Column("islands", _whole, "", "number of parts of the contact graph, between which W is zero"),
+    Column("trivial", _flag, "", "no contact, no friction, or zero impulses are the answer"),
+    Column("idle", _flag, "", "friction is not needed: the answer without friction satisfies Coulomb's law to 1e-8"),
+    Column("sticking", _whole, "", "number of contacts that stick in the reference answer; null without one"),
+    Column("sliding", _whole, "", "number of contacts that slide in the reference answer; null without one"),
+    Column("open", _whole, "", "number of contacts without impulse in the reference answer; null without one"),
     Column(
         "solutions", _text, "", "shape of the set of solutions: none, one, convex, isolated, not convex; null if not enumerated"
     ),

@@ -18,10 +18,11 @@ from frictionbench.harness.cells.rows import PROBLEM_FACTS
 from frictionbench.harness.plans.plan import Source, origin
 from frictionbench.problems import LCP, FrictionProblem, InputError, scene
 from frictionbench.problems.analysis.census import census_labels
-from frictionbench.problems.analysis.labels import labels
-from frictionbench.problems.analysis.mode import distance_to_next_mode
+from frictionbench.problems.analysis.frictionless import idle
+from frictionbench.problems.analysis.labels import POINTED, labels
+from frictionbench.problems.analysis.mode import ModeCounts, distance_to_next_mode, mode_counts
 from frictionbench.problems.analysis.stability import sensitivity
-from frictionbench.problems.analysis.thresholds import POINTED, existence
+from frictionbench.problems.analysis.thresholds import existence
 from frictionbench.problems.check import Array
 from frictionbench.problems.instances import instances, make_instance
 from frictionbench.problems.planar.collision import Contacts
@@ -122,7 +123,7 @@ def _recorded(source: Source) -> list[tuple[Collected | LCP, dict[str, Array]]]:
 
 
 def _chosen(source: Source) -> list[tuple[Collected, dict[str, Array]]]:
-    """The source's problems, each with its starts by name."""
+    """The source's problems, each with its starts by name; of a motion those in which friction is at work, if there are any."""
     if source.scene in instances():
         return [(Collected(0, first_phase(DEFAULT_SCHEME), make_instance(source.scene, **source.parameters)), {})]
     stage = scene(source.scene, **source.parameters)
@@ -131,10 +132,11 @@ def _chosen(source: Source) -> list[tuple[Collected, dict[str, Array]]]:
     found, ended = _motion(stage, source.steps)
     if not found:
         raise InputError(f"scene: {source.scene} yields no problem{': ' if ended else ''}{ended}")
-    chosen = np.unique(np.linspace(0, len(found) - 1, min(source.pick, len(found))).astype(int))
+    working = [i for i, each in enumerate(found) if not _idle(each.problem)] or range(len(found))
+    chosen = [working[i] for i in np.unique(np.linspace(0, len(working) - 1, min(source.pick, len(working))).astype(int))]
     last = found[-1]
     reference = f"{last.reference}; the motion ended after step {last.step}: {ended}" if ended else last.reference
-    return [(found[i]._replace(reference=reference), _starts(found, int(i))) for i in chosen]
+    return [(found[i]._replace(reference=reference), _starts(found, i)) for i in chosen]
 
 
 def _motion(stage: Scene, steps: int | None) -> tuple[list[Collected], str]:
@@ -193,6 +195,7 @@ def facts(source: Source, collected: Collected) -> Record:
     problem = collected.problem
     found = labels(problem)
     counted = _solution_set(problem)
+    answer = collected.impulse if collected.impulse is not None else _answer(problem)
     return {
         "problem": problem.hash,
         "scene": source.scene,
@@ -212,18 +215,21 @@ def facts(source: Source, collected: Collected) -> Record:
         "mass_ratio": found.mass_ratio,
         "asymmetry": found.asymmetry,
         "indefiniteness": found.indefiniteness,
+        "islands": found.islands,
         "trivial": bool(found.trivial),
+        "idle": not found.trivial and _idle(problem),
+        **_modes(problem, answer),
         **counted,
         "existence": _existence(problem, found.pointedness, counted["solutions"]),
         "sensitivity": _sensitivity(problem) if problem.contacts <= MAX_PERTURBED else None,
-        "mode_distance": _mode_distance(problem),
+        "mode_distance": _mode_distance(problem, answer),
     }
 
 
 def lcp_facts(source: Source, lcp: LCP) -> Record:
     """The columns of a row that describe a bare LCP, which has no contacts."""
     known: Record = {"problem": lcp.hash, "scene": source.scene, "parameters": json.dumps(source.parameters, sort_keys=True)}
-    known |= {"step": 0, "phase": "lcp", "reference": "", "size": lcp.size, "trivial": bool((lcp.q >= 0).all())}
+    known |= {"step": 0, "phase": "lcp", "reference": "", "size": lcp.size, "trivial": bool((lcp.q >= 0).all()), "idle": False}
     return dict.fromkeys(PROBLEM_FACTS) | known
 
 
@@ -233,13 +239,31 @@ def _existence(problem: FrictionProblem, pointedness: float, solutions: str | No
     return known or ("" if solutions is None else "none" if solutions == "none" else "counted")
 
 
-def _mode_distance(problem: FrictionProblem) -> float | None:
-    if problem.dimension != 2 or not 0 < problem.contacts <= MAX_PERTURBED:
-        return None
+def _answer(problem: FrictionProblem) -> Array | None:
+    """A reference answer, if there is one."""
     try:
-        return distance_to_next_mode(problem, Reference()(problem))
+        return Reference()(problem)
     except NoReference:
         return None
+
+
+def _idle(problem: FrictionProblem) -> bool:
+    """Whether friction is not needed; not known to be so where the problem without friction has no reference answer."""
+    try:
+        return idle(problem, Reference())
+    except NoReference:
+        return False
+
+
+def _modes(problem: FrictionProblem, answer: Array | None) -> Record:
+    """The numbers of sticking, sliding and open contacts in an answer."""
+    return dict.fromkeys(ModeCounts._fields) if answer is None else mode_counts(problem, answer)._asdict()
+
+
+def _mode_distance(problem: FrictionProblem, answer: Array | None) -> float | None:
+    if problem.dimension != 2 or not 0 < problem.contacts <= MAX_PERTURBED or answer is None:
+        return None
+    return distance_to_next_mode(problem, answer)
 
 
 def _sensitivity(problem: FrictionProblem) -> float:

@@ -15,8 +15,10 @@ from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers import available, solve
 
 TOL, ACCEPTED = 1e-10, 1e-8  # residuals: the tolerance given to solvers; the largest accepted, the tightest of most suites
-# By dimension, in the order tried: an exact method first, then methods of other kinds, which fail on other problems.
-ORDER = {2: ("lemke", "path_search", "interior_point"), 3: ("hybrid", "nsgs", "interior_point")}
+# In the order tried: an exact method first, then methods of other kinds, which fail on other problems.
+SMALL_PLANAR = ("lemke", "path_search", "interior_point")
+OTHERS = ("hybrid", "nsgs", "interior_point")
+DENSE = 100  # contacts of a planar problem above which dense bases take longer than a sparse method
 
 
 class NoReference(Exception):  # noqa: N818  # a finding about the problem, which ends what it was for
@@ -32,7 +34,7 @@ class Reference:
     def __call__(self, problem: FrictionProblem) -> Array:
         """The impulses (nc, d). Errors: NoReference."""
         failed = []
-        for name in ORDER[problem.dimension]:
+        for name in SMALL_PLANAR if problem.dimension == 2 and problem.contacts <= DENSE else OTHERS:
             try:
                 finding = verify(problem, answer := solve(problem, name, tol=TOL), available()[name], ACCEPTED)
             except Exception as error:  # the next may solve it

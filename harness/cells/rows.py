@@ -11,7 +11,8 @@ from frictionbench.solvers import find
 PROBLEM_FACTS = (
     *("problem", "scene", "parameters", "step", "phase", "reference"),
     *("contacts", "dimension", "velocities", "size"),
-    *("rank", "condition", "redundancy", "pointedness", "p0_margin", "mass_ratio", "asymmetry", "indefiniteness", "trivial"),
+    *("rank", "condition", "redundancy", "pointedness", "p0_margin", "mass_ratio", "asymmetry", "indefiniteness"),
+    *("islands", "trivial", "idle", "sticking", "sliding", "open"),
     *("solutions", "outcomes", "existence", "sensitivity", "mode_distance"),
 )
 

@@ -27,10 +27,10 @@ def folder_for(plan: Plan) -> Path:
 def summary(folder: Path) -> str:
     """The verdicts of a finished run, one line per solver, its folder, and the command that makes the report."""
     rows = read_table(folder, "solves")
-    real = rows[~rows["trivial"].eq(True)]
-    lines = [_counted("cells of problems that are not trivial", real)]
-    if trivial := len(rows) - len(real):
-        lines.append(f"cells of trivial problems (no active friction, or nothing to solve), excluded from rankings: {trivial}")
+    ranked = rows[~rows["trivial"].eq(True) & ~rows["idle"].eq(True)]
+    lines = [_counted("cells of problems in which friction is at work", ranked)]
+    if others := len(rows) - len(ranked):
+        lines.append(f"cells of trivial and idle problems (nothing to solve, or friction not needed), not ranked: {others}")
     lines += [_counted("simulations, scenes in closed loop", read_table(folder, "simulations")), _reasons(rows)]
     lines.append(f"results: {folder}\nreport:  frictionbench report {folder}")
     return "\n\n".join(filter(None, lines))

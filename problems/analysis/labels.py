@@ -1,7 +1,8 @@
 """Labels of a friction problem: size, rank, pointedness, triviality.
 
 By their labels trivial problems are excluded from headline results, and results are split by what makes problems hard. Rank
-deficiency of W, rather than lack of convexity, is what most methods suffer from (Acary, Brémond and Huber 2018).
+deficiency of W, rather than lack of convexity, is what most methods suffer from (Acary, Brémond and Huber 2018). Whether a
+problem is idle is decided by an answer: problems.analysis.frictionless.
 """
 
 from dataclasses import dataclass
@@ -10,12 +11,18 @@ import numpy as np
 from scipy import sparse
 from scipy.linalg import cholesky, svdvals
 from scipy.optimize import linprog
+from scipy.sparse.csgraph import connected_components
 
+from frictionbench.problems.check import Array
 from frictionbench.problems.forms.definite import spectrum_ends
 from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.reduce import keep_contacts
 from frictionbench.problems.residual import residual
 
 DENSE_ROWS = 600  # the most rows of W for dense decompositions, which cost more than solving larger problems
+NOTHING = 1e-12  # residual of r = 0 up to which it is an answer
+POINTED = 1e-9  # up to which the value of pointedness counts as 0, which it is but for rounding
+NOISE = 1e3  # times the rounding of a product of matrices: singular values below count as zero
 FACETS = 8  # of the polygon in space, the default of FrictionProblem.lcp
 
 
@@ -32,7 +39,9 @@ class Labels:
     asymmetry: the largest entry of |W - W'| over that of |W|, and indefiniteness: the most negative eigenvalue of W's symmetric
     part over the largest, positive where there is one, as estimated by problems.forms.definite; for problems of
     which only W is known, as recorded ones. 0 where the mechanics are given.
-    trivial: why there is nothing to solve, or "": "no contact", "no friction", or "no impulse" where r = 0 is an answer.
+    islands: the number of parts of the contact graph, between which W is zero.
+    trivial: why there is nothing to solve, or "": "no contact", "no friction", or "no impulse" where r = 0 is the answer. Where
+    the friction cone of the contacts that are closed at r = 0 is not pointed, as in a jam, r = 0 is one answer of several.
     """
 
     size: int
@@ -43,6 +52,7 @@ class Labels:
     mass_ratio: float
     asymmetry: float
     indefiniteness: float
+    islands: int
     trivial: str
 
 
@@ -53,7 +63,13 @@ def labels(problem: FrictionProblem) -> Labels:
     ratio = problem.scale.max() / problem.scale.min() if nc else 1.0
     size = nc * ((2 if d == 2 else FACETS) + 2)
     shape = pointedness(problem), p0_margin(problem), float(ratio), *_as_given(problem)
-    return Labels(size, rank, condition, *shape, _trivial(problem))
+    return Labels(size, rank, condition, *shape, islands(problem), _trivial(problem))
+
+
+def islands(problem: FrictionProblem) -> int:
+    """The number of parts of the contact graph, between which W is zero."""
+    block = sparse.csr_array(sparse.kron(sparse.eye_array(problem.contacts), np.ones((1, problem.dimension))))
+    return int(connected_components(block @ abs(problem.W) @ block.T, directed=False)[0]) if problem.contacts else 0
 
 
 def _as_given(problem: FrictionProblem) -> tuple[float, float]:
@@ -81,24 +97,40 @@ def _trivial(problem: FrictionProblem) -> str:
         return "no contact"
     if not problem.friction.any() and not problem.friction_bias.any():
         return "no friction"
-    at_rest = residual(problem, np.zeros((problem.contacts, problem.dimension))) <= 1e-12
-    return "no impulse" if at_rest else ""
+    if residual(problem, np.zeros((problem.contacts, problem.dimension))) > NOTHING:
+        return ""
+    closed = problem.q[:: problem.dimension] <= NOTHING * problem.velocity_scale
+    squeezed = pointedness(keep_contacts(problem, np.flatnonzero(closed).tolist()))
+    return "" if squeezed > POINTED else "no impulse"
 
 
 def _rank_condition(problem: FrictionProblem) -> tuple[int, float | None]:
     """Rank and condition of W = A A', from the singular values of A, which are the roots of those of W: forming a badly
-    conditioned W loses half its digits. Where only W is known, its own singular values are used."""
-    if not problem.contacts:
+    conditioned W loses half its digits. Where only W is known, its own singular values are used.
+
+    The rank is that of A with each contact's rows in units of their size without joints: it must not depend on how unlike the
+    masses are, and what joints cancel is rounding of that size.
+    """
+    nc, d = problem.contacts, problem.dimension
+    if not nc:
         return 0, None
     if not problem.mechanical:
-        values = svdvals(problem.W.toarray())
-        rank = int(np.sum(values > len(values) * np.finfo(float).eps * values[0]))
+        root = np.repeat(np.sqrt(problem.scale), d)
+        W = problem.W.toarray()
+        rank, values = _rank(W / np.outer(root, root)), svdvals(W)
         return rank, float(values[0] / values[rank - 1]) if rank else None
     root = cholesky(problem.inverse_mass.toarray(), lower=True)
     A, G = problem.jacobian @ root, problem.joints @ root
-    values = svdvals(A - (A @ np.linalg.pinv(G)) @ G if len(G) else A)
-    rank = int(np.sum(values > max(A.shape) * np.finfo(float).eps * values[0]))
+    size = np.repeat(np.linalg.norm(A.reshape(nc, -1), axis=1), d)[:, None]
+    if len(G):
+        A = A - (A @ np.linalg.pinv(G)) @ G
+    rank, values = _rank(A / np.where(size > 0, size, 1.0)), svdvals(A)
     return rank, float((values[0] / values[rank - 1]) ** 2) if rank else None
+
+
+def _rank(A: Array) -> int:
+    """The rank of A, whose rows have norms of about 1 but for what has cancelled."""
+    return int(np.sum(svdvals(A) > NOISE * max(A.shape) * np.finfo(float).eps))
 
 
 def pointedness(problem: FrictionProblem) -> float:

@@ -1,22 +1,49 @@
 """The mode of each contact in an answer, and the distance of an answer from the nearest change of mode."""
 
+from typing import NamedTuple
+
 import numpy as np
+import numpy.typing as npt
 
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.friction import FrictionProblem
+
+Flags = npt.NDArray[np.bool_]
+
+
+class ModeCounts(NamedTuple):
+    """How many contacts of an answer stick, slide and are open."""
+
+    sticking: int
+    sliding: int
+    open: int
 
 
 def mode(problem: FrictionProblem, impulse: Array, tol: float = 1e-6) -> str:
     """The mode of each planar contact in an answer (nc, 2): "o"pen, "s"ticking, sliding "l"eft or "r"ight.
 
-    An impulse below tol |q|/s and a velocity below tol |q| count as zero, q the largest free contact velocity.
+    Zero means as in mode_counts.
     """
     require(problem.dimension == 2, "dimension", "modes are for planar problems, dimension 2")
-    u = problem.contact_velocity(impulse)
-    free = np.abs(problem.q).max(initial=0.0)
-    opened = problem.scale * np.abs(impulse).max(axis=1, initial=0.0) <= tol * free
-    slip = np.where(np.abs(u[:, 1]) <= tol * free, 0, np.sign(u[:, 1])).astype(int)
+    opened, slides = _open_sliding(problem, impulse, tol)
+    slip = np.where(slides, np.sign(problem.contact_velocity(impulse)[:, 1]), 0).astype(int)
     return "".join(np.where(opened, "o", np.array(["s", "r", "l"])[slip]))
+
+
+def mode_counts(problem: FrictionProblem, impulse: Array, tol: float = 1e-6) -> ModeCounts:
+    """How many contacts stick, slide and are open in an answer (nc, d).
+
+    An impulse below tol |q|/s and a velocity below tol |q| count as zero, q the largest free contact velocity.
+    """
+    opened, slides = _open_sliding(problem, impulse, tol)
+    return ModeCounts(int(np.sum(~opened & ~slides)), int(np.sum(~opened & slides)), int(np.sum(opened)))
+
+
+def _open_sliding(problem: FrictionProblem, impulse: Array, tol: float) -> tuple[Flags, Flags]:
+    """Which contacts (nc,) have no impulse, and which have a tangential velocity."""
+    free = problem.velocity_scale
+    opened = problem.scale * np.abs(impulse).max(axis=1, initial=0.0) <= tol * free
+    return opened, np.linalg.norm(problem.contact_velocity(impulse)[:, 1:], axis=1) > tol * free
 
 
 def distance_to_next_mode(problem: FrictionProblem, impulse: Array) -> float:

@@ -15,11 +15,10 @@ from itertools import combinations
 
 import numpy as np
 
-from frictionbench.problems.analysis.labels import p0_margin, pointedness
+from frictionbench.problems.analysis.labels import POINTED, p0_margin, pointedness
 from frictionbench.problems.friction import FrictionProblem
 
 LARGEST = 12  # unknowns of an LCP up to which all principal minors are computed: 4095 determinants
-POINTED = 1e-9  # up to which the value of the linear program counts as 0, which it is but for rounding
 
 
 def is_p0(problem: FrictionProblem) -> bool:

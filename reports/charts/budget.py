@@ -41,7 +41,7 @@ CHART = Chart(
     panels=panels,
     section="time",
     title="Solved against time",
-    caption="The share of all non-trivial problems that a solver solves to the target if each is given that time, "
+    caption="The share of all ranked problems that a solver solves to the target if each is given that time, "
     "for example the time available for a time step. Unlike a performance profile it does not depend on the other solvers.",
     in_paper=slice(None, None, 2),
 )

@@ -28,7 +28,7 @@ def panels(run: Run) -> list[Panel]:
     if not tried:
         return []
     times = run.times[tried[0]]
-    facts = run.nontrivial.groupby("problem_id")[["contacts", "rank", "dimension"]].max()
+    facts = run.ranked.groupby("problem_id")[["contacts", "rank", "dimension"]].max()
     ratio = facts["rank"] / (facts["contacts"] * facts["dimension"])
     found = []
     for values, classes in ((facts["contacts"], SIZES), (ratio, RANKS)):

@@ -23,7 +23,7 @@ SIZES = 3  # the fewest sizes for which a slope has a standard error
 
 def panels(run: Run) -> list[Panel]:
     """A panel per scene with SIZES sizes or more, with the exponent of each label."""
-    problems = run.nontrivial.groupby("problem_id").agg(scene=("scene", "first"), contacts=("contacts", "max"))
+    problems = run.ranked.groupby("problem_id").agg(scene=("scene", "first"), contacts=("contacts", "max"))
     times = run.times[TARGET if TARGET in run.times else run.outer_targets[-1]].join(problems, on="problem_id")
     scenes = times.dropna(subset="contacts").groupby("scene", sort=False)
     found = {str(scene): _curves(times) for scene, times in scenes if times["contacts"].nunique() >= SIZES}

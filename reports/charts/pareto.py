@@ -27,8 +27,8 @@ def panels(run: Run) -> list[Panel]:
 
 
 def means(run: Run) -> pd.DataFrame:
-    """A row per label and tolerance with an attempt on every non-trivial problem: time (s) and residual."""
-    rows = run.nontrivial
+    """A row per label and tolerance with an attempt on every ranked problem: time (s) and residual."""
+    rows = run.ranked
     rows = rows.assign(
         time=rows["time"].where(rows["answered"], rows["time_limit"]),
         residual=rows["residual"].where(rows["answered"], np.inf),

@@ -58,7 +58,7 @@ CHART = Chart(
     panels=panels,
     section="time",
     title="Performance profiles",
-    caption="The share of all non-trivial problems, the same for all solvers, solved to the target within tau times the time "
+    caption="The share of all ranked problems, the same for all solvers, solved to the target within tau times the time "
     "of the fastest solver on the problem. At tau = 1, the left edge, the share on which a solver is the fastest; at the right "
     "edge, the share that it solves at all. Bands, of the best few or of those chosen: 95 % bootstrap bands over the problems.",
     in_paper=slice(None, None, len(TARGETS) - 1),  # the coarsest and the finest

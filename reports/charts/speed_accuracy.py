@@ -28,11 +28,11 @@ MOST_DOTS = 1500  # dots above which they are drawn as an image, for the same re
 
 def panels(run: Run) -> list[Panel]:
     """A panel per problem class, all with the same axes."""
-    answers = run.nontrivial[run.nontrivial["answered"]]
+    answers = run.ranked[run.ranked["answered"]]
     ends = (0.7 * answers["time"].min(), 1.4 * answers["time"].max()) if len(answers) else (1e-3, 1.0)
     lowest = min(1e-10, _shown(answers["residual"]).min()) if len(answers) else 1e-10
-    draw, few = partial(_draw, looks=run.looks, ends=ends, lowest=lowest), len(run.nontrivial) <= MOST_TOOLTIPS
-    classes = run.nontrivial.groupby("problem_class", sort=False)
+    draw, few = partial(_draw, looks=run.looks, ends=ends, lowest=lowest), len(run.ranked) <= MOST_TOOLTIPS
+    classes = run.ranked.groupby("problem_class", sort=False)
     return [Panel(name, partial(draw, rows=group), _tooltips(group, run.looks) if few else {}) for name, group in classes]
 
 

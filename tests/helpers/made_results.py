@@ -11,12 +11,20 @@ MACHINE = {"host": "here", "processor": "some"}
 
 
 def solve_row(variant: str, problem: str, tol: float = 1e-8, **given: Any) -> dict[str, Any]:
-    """A solved cell of a non-trivial problem of eight unknowns in 3 ms, form .5, setup .5 and solve 2 ms, unless given."""
+    """A solved cell of a ranked problem of eight unknowns in 3 ms, form .5, setup .5 and solve 2 ms, unless given."""
     row: dict[str, Any] = dict.fromkeys(column.name for column in SOLVES)
     row |= {"key": f"{variant}-{problem}-{tol:g}", "scene": "bar", "parameters": '{"friction": 0.2}', "solver": variant}
     row |= {"variant": variant, "model": "coulomb", "tol": tol, "time_limit": 10.0, "verdict": "solved", "host": "here"}
     row |= {"problem": problem, "step": 0, "phase": "step", "contacts": 2, "dimension": 2, "size": 8, "condition": 10.0}
-    row |= {"trivial": False, "start": "cold", "status": "SOLVED", "claimed": True, "residual": tol / 10, "work": "{}"}
+    row |= {
+        "trivial": False,
+        "idle": False,
+        "start": "cold",
+        "status": "SOLVED",
+        "claimed": True,
+        "residual": tol / 10,
+        "work": "{}",
+    }
     row |= {
         "model_residual": tol / 10,
         "form_time": 5e-4,

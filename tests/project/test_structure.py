@@ -21,7 +21,7 @@ MAY_IMPORT = {
     "problems.forms": {"problems.check", "problems.compiled", "problems.display", "problems.rows"},
     "problems.operators": {"problems.check", "problems.forms", "problems.rows"},
     "problems.planar": {"problems.check", "problems.compiled", "problems.rows"},
-    "problems.analysis": {"problems.check", "problems.forms", "problems.friction", "problems.residual"},
+    "problems.analysis": {"problems.check", "problems.forms", "problems.friction", "problems.reduce", "problems.residual"},
     "problems.recorded": {"problems.check", "problems.forms", "problems.friction"},
     "problems": {"problems"},
     "solvers.needs": set(),

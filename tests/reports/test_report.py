@@ -292,7 +292,7 @@ def test_page_is_complete_and_self_contained(tmp_path):
         assert part in page.text
     for part in ("At a glance", "Solvability", "Speed and accuracy", "Time to equal accuracy", "Energy in closed loop"):
         assert part in page.text
-    assert "nsgs reaches a verified residual of 1e-8 most often: on 3 of 4 non-trivial problems" in page.text
+    assert "nsgs reaches a verified residual of 1e-8 most often: on 3 of 4 ranked problems" in page.text
     assert "1 wrong claim" in page.text
     assert f"frictionbench rerun {tmp_path / 'run'} 'cell with '\"'\"'quotes'\"'\"'; and a blank'" in page.text
     assert "energy gained" in page.text
@@ -316,7 +316,7 @@ def test_page_is_complete_and_self_contained(tmp_path):
 )
 def test_partial_run_page(tmp_path, solves, simulations):
     write_folder(tmp_path, solves, simulations)
-    (tmp_path / "manifest.json").write_text('{"schema": 2, "settings": {}}')
+    (tmp_path / "manifest.json").write_text('{"schema": 3, "settings": {}}')
     page = _Page(write_report(tmp_path))
     assert "has not finished" in page.text
     assert "Known limitations" in page.text
@@ -637,7 +637,7 @@ def test_run_settings_list():
 def test_unfinished_run_explains_missing_comparison(tmp_path):
     folder = write_folder(tmp_path / "run", [solve_row("a", "p"), solve_row("a", "q"), solve_row("b", "p")])
     assert "Partial: 1 pairs" in _Page(write_report(folder)).text
-    (folder / "manifest.json").write_text('{"schema": 2, "settings": {}}', encoding="utf-8")
+    (folder / "manifest.json").write_text('{"schema": 3, "settings": {}}', encoding="utf-8")
     text = _Page(write_report(folder)).text
     assert "This run has not finished. 1 pairs of a problem and a solver have no row yet" in text
     assert "Partial" not in text

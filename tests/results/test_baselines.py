@@ -35,7 +35,7 @@ def test_baseline_equals_its_run(tmp_path):
     before, told = accept(made, path)
     assert (before, told) == (None, f"accepted: {path}, 6 cells: 5 solved, 1 skipped")
     lines = path.read_text(encoding="utf-8").splitlines()
-    assert lines[:3] == ["# schema: 2", "# suite: made", "# tolerances: 1e-08 0.0001"]
+    assert lines[:3] == ["# schema: 3", "# suite: made", "# tolerances: 1e-08 0.0001"]
     assert lines[6:] == sorted(lines[6:])
     assert (
         "a\tsolve\tbar[friction=0.2]\t0\tstep\tcold\t1e-08\tsolved\t1.0e-09\tpivots 10, restarts 0\t3e-03\t10\ta-p0-1e-08"
@@ -61,8 +61,8 @@ def test_other_files_are_not_overwritten(tmp_path):
         (text + "a\tb\n", r"spoilt\.tsv:13: 2 columns"),
         (text.replace("solved", "fine"), "unknown verdict 'fine'"),
         (
-            text.replace("# schema: 2\n", ""),
-            "schema version 1, but this version reads 2; create it again with `frictionbench accept`",
+            text.replace("# schema: 3\n", ""),
+            "schema version 1, but this version reads 3; create it again with `frictionbench accept`",
         ),
     ):
         (tmp_path / "spoilt.tsv").write_text(spoilt, encoding="utf-8")

@@ -228,8 +228,8 @@ def test_unwritable_problems_folder(tmp_path) -> None:
 def test_other_schema_is_refused(tmp_path) -> None:
     folder = write_folder(tmp_path / "run", [solve_row("a", "p")])
     manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
-    for schema in (1, 3, "2", None):
+    for schema in (1, 4, "3", None):
         (folder / "manifest.json").write_text(json.dumps(manifest | {"schema": schema}), encoding="utf-8")
         done = frictionbench("report", str(folder))
         assert done.returncode == 2
-        assert f"schema version {schema!r}, but this program reads version 2; run it again" in done.stderr
+        assert f"schema version {schema!r}, but this program reads version 3; run it again" in done.stderr

@@ -56,14 +56,16 @@ def test_history_uses_verified_residuals() -> None:
 
 
 def test_chosen_problems() -> None:
-    def entry(name, contacts, scene="stack", redundancy=0, trivial=False):
-        return {"problem": name, "contacts": contacts, "scene": scene, "redundancy": redundancy, "trivial": trivial}
+    def entry(name, contacts, scene="stack", redundancy=0, trivial=False, idle=False):
+        facts = {"problem": name, "contacts": contacts, "scene": scene, "redundancy": redundancy}
+        return facts | {"trivial": trivial, "idle": idle}
 
     entries = [
         entry("huge", 500),
         entry("large", 40),
         entry("small", 2, redundancy=1),
         entry("slack", 4, "jam", 1, trivial=True),
+        entry("resting", 4, "stack", 4, idle=True),
     ]
     entries += [entry("bare", None, "set", None), entry("", 3, "torn"), *(entry(name, 3, name) for name in "abcd")]
     assert [one["problem"] for one in chosen(entries)] == ["large", "a", "b", "c", "small"]

@@ -134,7 +134,7 @@ def test_run_of_bare_lcps(tmp_path) -> None:
     _, again = rerun_row(out, lcp["key"], [])
     assert (again["verdict"], again["residual"]) == ("solved", lcp["residual"])
     ours = read_run(out)
-    assert ours.nontrivial["size"].tolist() == [16, 16]
+    assert ours.ranked["size"].tolist() == [16, 16]
     told = recorded_problems(ours)
     assert [(line.contacts, line.unknowns, list(line.solvers)) for line in told[:1]] == [(None, 2, ["lemke"])]
     assert "LCP, n = 2" in write_report(out).read_text(encoding="utf-8")

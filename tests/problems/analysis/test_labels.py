@@ -89,6 +89,44 @@ def test_spatial_pointedness() -> None:
 def test_trivial_problems() -> None:
     assert labels(scene("long_bar").problem()).trivial == "no contact"
     assert labels(scene("stack", blocks=2, friction=0).problem()).trivial == "no friction"
-    assert labels(jam(0.5)).trivial == "no impulse"
+    assert labels(scene("stack", blocks=2).problem().replace(bias=np.ones(4))).trivial == "no impulse"
     assert labels(scene("stack", blocks=2).problem()).trivial == ""
     assert labels(scene("long_bar").problem()).rank == 0
+
+
+def test_a_problem_of_several_answers_is_not_trivial_because_one_of_them_is_nothing():
+    """The jam's r = 0 is one answer of a continuum; with gaps at the walls it is the only one."""
+    assert labels(jam(0.5)).trivial == ""
+    assert labels(jam(0.5).replace(bias=np.full(len(jam(0.5).bias), 0.1))).trivial == "no impulse"
+
+
+def test_the_rank_does_not_depend_on_units_or_masses():
+    """Rows of bodies of unlike masses are as independent as others, and what a joint locks leaves no rank by rounding."""
+    for ratio in (1.0, 1e6, 1e12):
+        assert labels(scene("stack", blocks=4, mass_ratio=ratio).problem()).rank == 12
+    eye, one = np.eye(2), np.array([[1.0, 0.0]])
+    for heavy in (1.0, 1e14):
+        law = {"friction": [0.5, 0.5], "free_velocity": np.ones(4), "bias": np.zeros(2)}
+        apart = {"normal": np.kron(eye, one), "tangent": np.kron(eye, one[:, ::-1])}
+        problem = FrictionProblem(mass=np.diag([1.0, 1.0, heavy, heavy]), **apart, **law)
+        assert labels(problem).rank == 4
+    random = np.random.default_rng(0)
+    links = random.normal(size=(5, 6)) * 10.0 ** random.uniform(-4, 4, (5, 1))
+    locked = FrictionProblem(
+        mass=np.diag(10.0 ** random.uniform(-6, 6, 6)),
+        normal=random.normal(size=(3, 6)),
+        tangent=random.normal(size=(3, 6)),
+        friction=[0.5] * 3,
+        free_velocity=np.ones(6),
+        bias=np.zeros(3),
+        joints=links,
+    )
+    found = labels(locked)
+    assert found.rank == 1  # five of six velocities are locked
+    assert found.condition == pytest.approx(1)
+
+
+def test_islands_are_counted():
+    assert labels(scene("two_blocks").problem()).islands == 2
+    assert labels(scene("stack", blocks=3).problem()).islands == 1
+    assert labels(scene("long_bar").problem()).islands == 0

@@ -1,0 +1,65 @@
+"""Idle problems: those whose answer without friction satisfies Coulomb's law."""
+
+import numpy as np
+import pytest
+
+from frictionbench.harness.cells.reference import Reference
+from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems.analysis.frictionless import frictionless_answer, idle
+from frictionbench.problems.analysis.mode import mode_counts
+from frictionbench.problems.instances import make_instance
+from frictionbench.solvers import solve
+
+
+def _solve(problem):
+    return solve(problem, "hybrid", tol=1e-12).impulse
+
+
+@pytest.mark.parametrize("name", ["stack", "pyramid", "wall"])
+def test_what_rests_on_level_ground_is_idle_and_what_is_pushed_is_not(name):
+    assert idle(scene(name, push=0.0).problem(), _solve)
+    assert not idle(scene(name, push=1.0).problem(), _solve)
+
+
+def test_in_space_and_given_by_the_delassus_matrix():
+    for push in (0.0, 1.0):
+        cubes = make_instance("cubes", boxes=2, push=push)
+        known = FrictionProblem.from_delassus(cubes.W, cubes.q, cubes.friction, 3, cubes.friction_bias)
+        assert idle(cubes, _solve) == idle(known, _solve) == (push == 0)
+
+
+def test_an_arch_needs_friction_at_rest_and_an_upright_wedge_does_not():
+    assert not idle(scene("arch").problem(), _solve)
+    assert idle(scene("wedge").problem(), _solve)
+
+
+def test_another_frictionless_answer_is_tried_where_the_impulses_are_not_unique():
+    """A body with one free velocity across two equal contacts, of which one slides: the other can bear alone."""
+    twice = FrictionProblem(
+        mass=np.eye(2),
+        normal=[[0.0, 1.0], [0.0, 1.0]],
+        tangent=[[1.0, 0.0], [0.0, 0.0]],
+        friction=[0.5, 0.5],
+        free_velocity=[1.0, -1.0],
+        bias=[0.0, 0.0],
+    )
+
+    def shared(problem):
+        return np.array([[1.0 / problem.contacts, 0.0]] * problem.contacts)
+
+    assert idle(twice, shared)
+    assert not idle(twice.replace(tangent=[[1.0, 0.0], [1.0, 0.0]]), shared)
+
+
+def test_the_frictionless_answer_has_normal_impulses_alone():
+    r = frictionless_answer(scene("stack", blocks=3, push=1.0).problem(), Reference())
+    assert (r[:, 1:] == 0).all()
+    assert r[:, 0].sum() > 0
+
+
+def test_contacts_are_counted_by_mode():
+    pushed = scene("stack", blocks=2, push=5.0, friction=0.1).problem()
+    assert mode_counts(pushed, _solve(pushed)).sliding > 0
+    cube = make_instance("cubes", boxes=1, push=0.0)
+    assert mode_counts(cube, _solve(cube)).sticking + mode_counts(cube, _solve(cube)).open == 4
+    assert mode_counts(cube, np.zeros((4, 3))) == (0, 0, 4)
