@@ -54,7 +54,7 @@ def test_reference_solver_is_recorded(tmp_path, false_claims):
 
 
 def test_motion_ends_without_reference(tmp_path, false_claims):
-    false_claims(*reference.ORDER[2])
+    false_claims(*reference.SMALL_PLANAR)
     with pytest.raises(NoReference, match=r"within 1e-08 \(lemke: .*, path_search: .*, interior_point: "):
         Reference()(block())
     with pytest.raises(InputError, match="stopping_block yields no problem: no reference answer"):
