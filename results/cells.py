@@ -23,6 +23,7 @@ from frictionbench.results.verdicts import RANK, measured
 
 TEXTS = ("table", "variant", "scene", "step", "phase", "start", "verdict", "reason", "work")
 NUMBERS = ("tol", "residual", "seconds", "limit")
+MOST = 10**18  # a count; larger ones are no counts
 ENOUGH = 5  # repeats, of which at least one is undisturbed as a rule
 
 
@@ -115,7 +116,7 @@ def _typed(rows: pd.DataFrame) -> pd.DataFrame:
     numbers = {name: pd.to_numeric(rows[name], errors="coerce").astype(float) for name in NUMBERS}
     disturbed = rows["disturbed"].fillna(False).astype(bool) if "disturbed" in rows else False
     table = pd.DataFrame({"key": rows["key"].fillna("").astype(str), **texts, **numbers, "disturbed": disturbed})
-    return table.assign(seconds=table["seconds"].where(table["seconds"] > 0)).set_index("key")
+    return table.assign(seconds=table["seconds"].where(table["seconds"].between(0, np.inf, "neither"))).set_index("key")
 
 
 def _numbers(values: Any) -> tuple[float, ...]:
@@ -133,19 +134,19 @@ def scene_title(scene: Any, parameters: Any) -> str:
 
 
 def counts(text: Any) -> dict[str, int]:
-    """The counters in a row's JSON; values other than counts are left out."""
-    return {name: count for name, count in _object(text).items() if type(count) is int and count >= 0}
+    """The counters in a row's JSON; values other than counts below MOST are left out, and so count as gone."""
+    return {name: count for name, count in _object(text).items() if type(count) is int and 0 <= count < MOST}
 
 
 def format_counts(work: dict[str, int]) -> str:
-    """Counters as text: `name count, ...`."""
-    return ", ".join(f"{name} {count}" for name, count in sorted(work.items()))
+    """Counters as text: `name count, ...`; a name cannot hold the text's separators."""
+    return ", ".join(f"{'_'.join(name.replace(',', ' ').split())} {count}" for name, count in sorted(work.items()))
 
 
 def parse_counts(line: str) -> dict[str, int]:
     """The counters in such a text."""
     parts = (part.rpartition(" ") for part in line.split(", "))
-    return {name: int(count) for name, _, count in parts if count.isdecimal() and len(count) < 19}
+    return {name: int(count) for name, _, count in parts if count.isdecimal() and int(count[:20]) < MOST}
 
 
 def _object(text: Any) -> dict[str, Any]:

@@ -1,13 +1,13 @@
 """The differences between two runs, cell by cell and solver by solver.
 
 flips      cells measured in both runs with different verdicts, ordered as in results.verdicts
-gone       cells measured before and not now, unless their solver was skipped with a reason
+gone       cells measured before and not now: those that were skipped, for whatever reason, and those without a row
+added      cells measured now and not before that fail
 work       deterministic counters that changed, summed per solver over the cells that both runs solved
 times      per solver, over the same cells: see results.times
 """
 
 from abc import ABC, abstractmethod
-from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
@@ -17,7 +17,7 @@ import pandas as pd
 from frictionbench.results.cells import parse_counts
 from frictionbench.results.verdicts import ACCEPTED, RANK, Verdict, measured
 
-GONE = "gone"
+GONE, NEW = "gone", "new"  # in place of the verdict of a cell that one of the runs does not have
 MARGIN = 2.0  # a time within this factor of the limit may exceed it on another day, by noise alone
 PACE = 10.0  # largest ratio of the speeds of two machines that is attributed to the machines
 
@@ -45,7 +45,7 @@ class Change(ABC):
 
 @dataclass(frozen=True)
 class Flip(Change):
-    """A cell whose verdict changed, or that is gone."""
+    """A cell whose verdict changed, or that only one of the runs measured."""
 
     key: str
     table: str
@@ -64,7 +64,12 @@ class Flip(Change):
 
     @property
     def worse(self) -> bool:
-        return self.after == GONE or RANK[self.after] > RANK[self.before]
+        return self.kind != "verdict" or RANK[self.after] > RANK[self.before]
+
+    @property
+    def kind(self) -> str:
+        """What happened to the cell: verdict (another one), gone, skipped, or new."""
+        return NEW if self.before == NEW else self.after if self.after in (GONE, Verdict.SKIPPED) else "verdict"
 
     @property
     def better(self) -> bool:
@@ -73,11 +78,14 @@ class Flip(Change):
 
 @dataclass(frozen=True)
 class Growth(Change):
-    """A change in the sum of a counter over a solver's cells. limit: the largest ratio that does not count as growth."""
+    """A change in the sum of a counter over a solver's cells. limit: the largest ratio that does not count as growth.
+
+    before, after: None in a run whose cells do not have the counter, or have something there that is no count.
+    """
 
     counter: str
-    before: int
-    after: int
+    before: int | None
+    after: int | None
     cells: int
     limit: float
 
@@ -87,15 +95,16 @@ class Growth(Change):
 
     @property
     def ratio(self) -> float:
-        return self.after / self.before if self.before else np.inf
+        return self.after / self.before if self.before and self.after is not None else np.inf
 
     @property
     def worse(self) -> bool:
-        return self.after > self.limit * self.before
+        """Whether the sum has grown, or the counter is gone."""
+        return self.before is not None and (self.after is None or self.after > self.limit * self.before)
 
     @property
     def better(self) -> bool:
-        return self.before > self.limit * self.after
+        return self.before is not None and self.after is not None and self.before > self.limit * self.after
 
 
 def flips(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Flip]:
@@ -106,53 +115,59 @@ def flips(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Flip]:
 
 
 def gone(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Flip]:
-    """The cells that were measured before and not now, without a reason."""
-    ran = after[measured(after)]
-    explained = after[(after["verdict"] == Verdict.SKIPPED) & (after["reason"] != "")]
-    absent_solvers = set(explained["variant"]) - set(ran["variant"])
-    accounted = before.index.isin(ran.index) | before.index.isin(explained.index)
-    for key, row in before[measured(before) & ~accounted].iterrows():
-        if key in after.index or row["variant"] not in absent_solvers:
-            yield _flip(row, None)
+    """The cells that were measured before and not now."""
+    for key in before[measured(before)].index.difference(after[measured(after)].index, sort=False):
+        yield _flip(before.loc[key], after.loc[key] if key in after.index else None)
 
 
-def _flip(before: pd.Series, after: pd.Series | None) -> Flip:
-    cell = str(before.name), before["table"], before["scene"], before["step"], before["tol"]
-    if after is None:
-        return Flip(before["variant"], *cell, before["verdict"], GONE, before["residual"], np.nan, "")
-    residuals = before["residual"], after["residual"]
-    return Flip(after["variant"], *cell, before["verdict"], after["verdict"], *residuals, after["reason"])
+def added(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Flip]:
+    """The cells that are measured now and were not before, and fail."""
+    failing = after[measured(after) & ~after["verdict"].isin(ACCEPTED)]
+    for key in failing.index.difference(before[measured(before)].index, sort=False):
+        yield _flip(None, failing.loc[key])
+
+
+def _flip(before: pd.Series | None, after: pd.Series | None) -> Flip:
+    row = before if after is None else after
+    assert row is not None  # one of the runs has it
+    cell = row["variant"], str(row.name), row["table"], row["scene"], row["step"], row["tol"]
+    was = (NEW, np.nan) if before is None else (before["verdict"], before["residual"])
+    now = (GONE, np.nan, "") if after is None else (after["verdict"], after["residual"], after["reason"])
+    return Flip(*cell, was[0], now[0], was[1], *now[1:])
 
 
 def explained_by_speed(before: pd.DataFrame, after: pd.DataFrame, alike: bool) -> pd.Series:
-    """Which cells changed from or to a timeout that the speed of the machine alone may explain. The tables have equal cells.
+    """Which cells became a timeout, or no longer are one and do better, as the speed of the machine alone may explain.
 
-    It may if the time in the other run, scaled to the speed of this one, is within MARGIN of the limit. Between different
-    machines the ratio of speeds is estimated from the other cells, up to PACE, and a cell without a time, such as one that
-    crashed, is explained too; between equal machines (alike) the ratio is one.
+    It may if the time in the other run, scaled to the speed of this one, is within MARGIN of the larger of the two limits;
+    where that time is not known nothing is explained. Between unlike machines the ratio of speeds is estimated from the other
+    cells, up to PACE; between equal machines (alike) it is one. The tables have equal cells.
     """
-    late, early = after["verdict"] == Verdict.TIMEOUT, before["verdict"] == Verdict.TIMEOUT
+    late = (after["verdict"] == Verdict.TIMEOUT) & (before["verdict"] != Verdict.TIMEOUT)
+    early = (before["verdict"] == Verdict.TIMEOUT) & (after["verdict"].map(RANK) < RANK[Verdict.TIMEOUT])
     ratio = (after["seconds"] / before["seconds"]).dropna()
     slower = 1.0 if alike or ratio.empty else float(np.clip(ratio.quantile(0.9), 1.0, PACE))
     faster = 1.0 if alike or ratio.empty else float(np.clip(1 / ratio.quantile(0.1), 1.0, PACE))
     taken = (slower * before["seconds"]).where(late, faster * after["seconds"])
-    near = MARGIN * taken >= after["limit"].where(late, before["limit"])
-    return (late != early) & (near | (taken.isna() & (not alike)))
+    return (late | early) & (MARGIN * taken >= np.maximum(before["limit"], after["limit"]))
 
 
 def work(before: pd.DataFrame, after: pd.DataFrame, limit: float) -> Iterator[Growth]:
-    """The counters whose sum over a solver's cells changed. Both tables have the same cells."""
+    """The counters whose sum over a solver's cells changed, or that only one run has. The tables have equal cells."""
     same = equally_solved(before, after)
     for variant, keys in same.groupby(same["variant"]).groups.items():
-        sums: tuple[Counter[str], Counter[str]] = Counter(), Counter()
-        for key in keys:
-            counts = [parse_counts(cells["work"][key]) for cells in (before, after)]
-            for name in counts[0].keys() & counts[1].keys():
-                sums[0][name] += counts[0][name]
-                sums[1][name] += counts[1][name]
-        for name in sorted(sums[0]):
-            if sums[0][name] != sums[1][name]:
-                yield Growth(str(variant), name, sums[0][name], sums[1][name], len(keys), limit)
+        counts = [(parse_counts(before["work"][key]), parse_counts(after["work"][key])) for key in keys]
+        for name in sorted({name for pair in counts for side in pair for name in side}):
+            pairs = [(old.get(name), new.get(name)) for old, new in counts if name in old or name in new]
+            both = [(old, new) for old, new in pairs if old is not None and new is not None]
+            lost, fresh = [old for old, new in pairs if new is None], [new for old, new in pairs if old is None]
+            sums = sum(old for old, _ in both), sum(new for _, new in both)
+            if sums[0] != sums[1]:
+                yield Growth(str(variant), name, *sums, len(both), limit)
+            if lost:
+                yield Growth(str(variant), name, sum(filter(None, lost)), None, len(lost), limit)
+            if fresh:
+                yield Growth(str(variant), name, None, sum(filter(None, fresh)), len(fresh), limit)
 
 
 def equally_solved(before: pd.DataFrame, after: pd.DataFrame) -> pd.DataFrame:

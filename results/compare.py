@@ -10,16 +10,16 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pandas as pd
 
 from frictionbench.results import benchmarks, changes
 from frictionbench.results.cells import Cells, read
-from frictionbench.results.changes import Change, Flip, Growth
+from frictionbench.results.changes import GONE, Change, Flip, Growth
 from frictionbench.results.files import ResultsError
 from frictionbench.results.times import Pair, Time, times
-from frictionbench.results.verdicts import measured
+from frictionbench.results.verdicts import Verdict, measured
 
 
 class Limits(NamedTuple):
@@ -36,7 +36,8 @@ class Limits(NamedTuple):
 class Comparison:
     """The differences of `current` from `baseline`, or in `unusable` the reason why the runs cannot be compared.
 
-    same, new, skipped: numbers of cells. untimed: why times were not compared. sources: see results.cells.
+    same, new: numbers of cells. flips, gone, added, work: see results.changes; times: see results.times. untimed: why times
+    were not compared. sources: see results.cells.
     """
 
     baseline: Path
@@ -44,9 +45,9 @@ class Comparison:
     unusable: str = ""
     same: int = 0
     new: int = 0
-    skipped: int = 0
     flips: tuple[Flip, ...] = ()
     gone: tuple[Flip, ...] = ()
+    added: tuple[Flip, ...] = ()
     work: tuple[Growth, ...] = ()
     times: tuple[Time, ...] = ()
     notes: tuple[str, ...] = ()
@@ -57,11 +58,11 @@ class Comparison:
 
     @property
     def changes(self) -> tuple[Change, ...]:
-        return (*self.flips, *self.gone, *self.work, *self.times)
+        return (*self.flips, *self.gone, *self.added, *self.work, *self.times)
 
     @property
     def worse(self) -> list[Change]:
-        """The changes that are worse, or gone, and not acknowledged."""
+        """The changes for the worse that are not acknowledged, among them lost cells and new ones that fail."""
         return [found for found in self.changes if found.worse and not found.known]
 
     @property
@@ -71,10 +72,11 @@ class Comparison:
     @property
     def counts(self) -> dict[str, int]:
         """The numbers of changes that are worse, better and acknowledged, and of cells that are same, new, gone and skipped."""
-        gone = sum(not flip.known for flip in self.gone)
-        counts = {"worse": len(self.worse) - gone, "better": len(self.better), "same": self.same, "new": self.new}
+        lost = [flip.kind for flip in self.gone if not flip.known]
+        gone, skipped = lost.count(GONE), lost.count(Verdict.SKIPPED)
+        counts = {"worse": len(self.worse) - len(lost), "better": len(self.better), "same": self.same, "new": self.new}
         known = sum(found.worse and bool(found.known) for found in self.changes)
-        return counts | {"gone": gone, "skipped": self.skipped} | ({"acknowledged": known} if known else {})
+        return counts | {"gone": gone, "skipped": skipped} | ({"acknowledged": known} if known else {})
 
     @property
     def exit_code(self) -> int:
@@ -100,18 +102,15 @@ def compare(baseline: Path, current: Path, limits: Limits = Limits()) -> Compari
     alike = bool(old.machine) and old.machine == new.machine
     if benchmarks.is_benchmark(current) and not alike:
         return Comparison(baseline, current, unusable="times measured on different machines are not compared")
-    flips, gone, work, timeouts = _differences(old.table, new.table, alike, limits)
+    found, timeouts = _differences(old.table, new.table, alike, limits)
     pairs = zip([old, *more_old], [new, *more_new], strict=False)
     timed = times([(a.table, b.table) for a, b in pairs], limits.slowdown, limits.alpha) if alike and limits.times else []
     return Comparison(
         baseline,
         current,
-        same=len(common) - len(flips),
+        same=len(common) - len(found["flips"]),
         new=len(new.measured.index.difference(old.measured.index)),
-        skipped=len(old.measured.index.difference(common)) - len(gone),
-        flips=flips,
-        gone=gone,
-        work=work,
+        **found,
         times=tuple(timed),
         notes=tuple(_notes(old, new, timeouts)),
         untimed="" if alike or not limits.times else _untimed(old),
@@ -129,16 +128,20 @@ def _processes(path: Path) -> list[Cells]:
     return benchmarks.read(path) if benchmarks.is_benchmark(path) else [read(path)]
 
 
-def _differences(
-    before: pd.DataFrame, after: pd.DataFrame, alike: bool, limits: Limits
-) -> tuple[tuple[Flip, ...], tuple[Flip, ...], tuple[Growth, ...], int]:
-    """Flips, gone cells, changes of work, and the number of changed timeouts that the speed of the machine may explain."""
+def _differences(before: pd.DataFrame, after: pd.DataFrame, alike: bool, limits: Limits) -> tuple[dict[str, Any], int]:
+    """The changes other than of times, by their names in Comparison, and the number of changed timeouts that the speed of the
+    machine may explain."""
     ran = [cells[measured(cells)] for cells in (before, after)]
     common = ran[0].index.intersection(ran[1].index)
     old, new = before.loc[common], after.loc[common]
     by_speed = changes.explained_by_speed(old, new, alike)
-    flips = tuple(changes.flips(old[~by_speed], new[~by_speed]))
-    return flips, tuple(changes.gone(before, after)), tuple(changes.work(old, new, limits.growth)), int(by_speed.sum())
+    found = {
+        "flips": tuple(changes.flips(old[~by_speed], new[~by_speed])),
+        "gone": tuple(changes.gone(before, after)),
+        "added": tuple(changes.added(before, after)),
+        "work": tuple(changes.work(old, new, limits.growth)),
+    }
+    return found, int(by_speed.sum())
 
 
 def _notes(old: Cells, new: Cells, timeouts: int) -> Iterator[str]:
@@ -157,26 +160,29 @@ def confirm(comparison: Comparison, pairs: Sequence[Pair], both: bool, limits: L
     """The comparison with the alerts that remain after their cells ran again.
 
     pairs: of the alternating runs, the cells of the baseline's code and of the current code; if the baseline's code is not
-    available, both is false and its recorded cells are used. An alert remains if it occurs in more than half of the pairs;
-    times are judged by their confidence intervals.
+    available, both is false and its recorded cells are used. An alert remains if it occurs in more than half of the pairs, or
+    if its solver did not run again; times are judged by their confidence intervals.
     """
     votes: Counter[tuple[str, str]] = Counter()
     record = read(comparison.baseline).table
     for ran, after in pairs:
         before = pd.concat([ran, record[~record.index.isin(ran.index)]])  # cells that the old code lacks
-        flips, gone, work, _ = _differences(before, after, both, limits)
-        votes.update({_name(found) for found in (*flips, *gone, *work) if found.worse})
-    alerts = [found for found in (*comparison.flips, *comparison.gone, *comparison.work) if found.worse]
+        differences, _ = _differences(before, after, both, limits)
+        votes.update({_name(found) for kind in differences.values() for found in kind if found.worse})
+    again = {variant for _, after in pairs for variant in after["variant"]}
+    first: dict[str, Any] = {name: getattr(comparison, name) for name in ("flips", "gone", "added", "work")}
+    alerts = [found for kind in first.values() for found in kind if found.worse and found.variant in again]
     dismissed = {_name(found) for found in alerts if 2 * votes[_name(found)] <= len(pairs)}
+    remaining: dict[str, Any] = {
+        name: tuple(found for found in kind if _name(found) not in dismissed) for name, kind in first.items()
+    }
     why = "both versions give the same result on this machine" if both else "the repeats give the result of the baseline"
     notes = [f"Not confirmed, {why}: {variant}, {name}." for variant, name in sorted(dismissed)]
     timed = {time.variant: time for time in (times(pairs, limits.slowdown, limits.alpha) if both and limits.times else [])}
     return replace(
         comparison,
         same=comparison.same + sum(_name(flip) in dismissed for flip in comparison.flips),
-        flips=tuple(flip for flip in comparison.flips if _name(flip) not in dismissed),
-        gone=tuple(flip for flip in comparison.gone if _name(flip) not in dismissed),
-        work=tuple(growth for growth in comparison.work if _name(growth) not in dismissed),
+        **remaining,
         times=tuple(({time.variant: time for time in comparison.times} | timed).values()),
         untimed="" if timed else comparison.untimed,
         notes=(*comparison.notes, *notes),

@@ -2,10 +2,10 @@
 
 [[known]]
 solver = "nsgs"
-change = "sweeps"           # verdict, gone, time, or the name of a work counter
-scene = "stack[blocks=5]"   # of a verdict or a cell that is gone; all scenes if left out
+change = "sweeps"           # verdict, gone, skipped, new (and failing), time, or the name of a work counter
+scene = "stack[blocks=5]"   # of a cell; all scenes if left out
 after = "unsolved"          # the new verdict; any if left out
-ratio = 1.2                 # of a counter or a time: acknowledged up to this ratio
+ratio = 1.2                 # of a counter or a time: acknowledged up to this ratio; inf also where the counter is gone
 reason = "a safer step"
 """
 
@@ -15,12 +15,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
-from frictionbench.results.changes import GONE, Change, Flip, Growth
+from frictionbench.results.changes import GONE, NEW, Change, Flip, Growth
 from frictionbench.results.compare import Comparison
 from frictionbench.results.files import ResultsError
 from frictionbench.results.times import Time
+from frictionbench.results.verdicts import Verdict
 
 F = TypeVar("F", Flip, Growth, Time)
+OF_CELLS = ("verdict", GONE, Verdict.SKIPPED, NEW)
 FIELDS: dict[str, Any] = {"solver": str, "change": str, "scene": str, "after": str, "ratio": int | float, "reason": str}
 
 
@@ -39,9 +41,7 @@ class Known:
         if not found.worse or found.variant != self.solver:
             return False
         if isinstance(found, Flip):
-            if self.scene not in ("", found.scene):
-                return False
-            return self.change == (GONE if found.after == GONE else "verdict") and self.after in ("", found.after)
+            return self.change == found.kind and self.scene in ("", found.scene) and self.after in ("", found.after)
         return isinstance(found, Growth | Time) and self.change == found.name and found.ratio <= self.ratio
 
 
@@ -69,7 +69,7 @@ def _entry(path: Path, number: int, entry: Any) -> Known:
     for name in ("solver", "change", "reason"):
         if not entry.get(name):
             raise ResultsError(f"{where}: {name} is missing")
-    if entry["change"] not in ("verdict", GONE) and not entry.get("ratio"):
+    if entry["change"] not in OF_CELLS and not entry.get("ratio"):
         raise ResultsError(f"{where}: ratio is missing; give the largest acknowledged ratio of {entry['change']!r}")
     return Known(**entry)
 
@@ -89,6 +89,7 @@ def acknowledge(comparison: Comparison, known: Sequence[Known]) -> Comparison:
         comparison,
         flips=tuple(map(marked, comparison.flips)),
         gone=tuple(map(marked, comparison.gone)),
+        added=tuple(map(marked, comparison.added)),
         work=tuple(map(marked, comparison.work)),
         times=tuple(map(marked, comparison.times)),
     )

@@ -41,7 +41,7 @@ def write_files(comparison: Comparison, folder: Path) -> None:
 def data(comparison: Comparison) -> dict[str, Any]:
     """The comparison as plain values."""
     plain = {field.name: getattr(comparison, field.name) for field in fields(comparison)}
-    plain |= {name: [_values(comparison, one) for one in plain[name]] for name in ("flips", "gone", "work", "times")}
+    plain |= {name: [_values(comparison, one) for one in plain[name]] for name in ("flips", "gone", "added", "work", "times")}
     return {"exit_code": comparison.exit_code, "counts": comparison.counts, **plain}
 
 
@@ -86,7 +86,8 @@ def junit(comparison: Comparison, cells: pd.DataFrame) -> ElementTree.Element:
     for key, cell in cells.iterrows():
         name = f"{cell['scene']} {cell['table']} {cell['step']} {cell['phase']} {cell['start']} to {cell['tol']:g}"
         case(cell["variant"], " ".join(name.split()), str(key), cell["reason"] if cell["verdict"] == Verdict.SKIPPED else None)
-    for found in (*comparison.gone, *comparison.work, *comparison.times):
+    absent = [found for found in comparison.gone if found.key not in cells.index]
+    for found in (*absent, *comparison.work, *comparison.times):
         case(found.variant, found.name, getattr(found, "key", found.name))
     if comparison.unusable:
         one = ElementTree.SubElement(ElementTree.SubElement(root, "testsuite", name="runs"), "testcase", name="comparable")
@@ -104,7 +105,8 @@ def message(found: Change) -> str:
         residuals = f"{found.residual_before:.1e} → {found.residual_after:.1e}"
         return f"{format_verdicts(found)}, residual {residuals} {found.reason}".strip()
     if isinstance(found, Growth | Time):
-        return f"{found.name}: {found.before:.6g} → {found.after:.6g}, ×{found.ratio:.2f}"
+        before, after = ("none" if side is None else f"{side:.6g}" for side in (found.before, found.after))
+        return f"{found.name}: {before} → {after}" + (f", ×{found.ratio:.2f}" if np.isfinite(found.ratio) else "")
     return found.name
 
 

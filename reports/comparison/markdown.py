@@ -29,7 +29,11 @@ def markdown(comparison: Comparison) -> str:
             f"Times are not compared: {comparison.untimed}. `--confirm --code` runs both versions alternately on this machine."
         )
     for variant in solvers(comparison):
-        own = [found for found in (*comparison.flips, *comparison.gone, *comparison.work) if found.variant == variant]
+        own = [
+            found
+            for found in (*comparison.flips, *comparison.gone, *comparison.added, *comparison.work)
+            if found.variant == variant
+        ]
         if own:
             parts += [f"### {_code(variant)}{_state(own)}", *_changes(comparison, own)]
     if comparison.times:
@@ -94,7 +98,8 @@ def _flip(comparison: Comparison, flip: Flip) -> list[str]:
 
 def _growth(growth: Growth) -> list[str]:
     ratio = f"×{growth.ratio:.2f}" if np.isfinite(growth.ratio) else ""
-    return [_bold(_text(growth.counter), growth), str(growth.before), str(growth.after), ratio, str(growth.cells)]
+    sums = ["none" if count is None else str(count) for count in (growth.before, growth.after)]
+    return [_bold(_text(growth.counter), growth), *sums, ratio, str(growth.cells)]
 
 
 def _remark(found: Change) -> str:

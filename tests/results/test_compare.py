@@ -49,6 +49,7 @@ def test_equal_runs_pass(runs):
     assert markdown(result).startswith("## worse 0 · better 0 · same 2 · new 0 · gone 0 · skipped 0\n")
 
 
+EQUAL = {"worse": 0, "better": 0, "same": 1, "new": 0, "gone": 0, "skipped": 0}
 ORDER = ["solved", "relaxed", "near_miss", "unjudgeable", "unsolved", "timeout", "crashed", "wrong"]
 
 
@@ -75,11 +76,25 @@ def test_timeouts_explained_by_machine(runs, seconds, code, manifest):
     assert bool(runs([*slower, *after], [*others, *before], **manifest).better) is (code == 1)
 
 
-@pytest.mark.parametrize(("manifest", "code"), [({}, 1), (ELSEWHERE, 0)])
-def test_timeout_to_crash(runs, manifest, code):
-    assert runs(rows(["solved", "timeout"]), [*rows(["solved"]), unanswered_row("a", "p1", "crashed")]).exit_code == 1
-    before = [*rows(["solved"]), unanswered_row("a", "p1", "timeout")]
-    assert runs(before, [*rows(["solved"]), unanswered_row("a", "p1", "crashed")], **manifest).exit_code == code
+@pytest.mark.parametrize("manifest", [{}, ELSEWHERE])
+@pytest.mark.parametrize("worse", ["crashed", "wrong"])
+def test_timeout_to_worse(runs, manifest, worse):
+    before, slow = [*rows(["solved"]), unanswered_row("a", "p1", "timeout")], {"solve_time": 9.0}
+    for after in (unanswered_row("a", "p1", worse), solve_row("a", "p1", verdict=worse, **slow)):
+        assert told(runs(before, [*rows(["solved"]), after], **manifest).worse) == [f"a-p1-1e-08 timeout → {worse}"]
+
+
+@pytest.mark.parametrize("manifest", [{}, ELSEWHERE])
+def test_unknown_time_excuses_no_timeout(runs, manifest):
+    for unknown in (None, float("nan"), float("inf"), -1.0, 0.0):
+        before = [*rows(["solved"]), solve_row("b", "p", solve_times=[unknown] * 3 if unknown is not None else None)]
+        result = runs(before, [*rows(["solved"]), unanswered_row("b", "p", "timeout")], **manifest)
+        assert told(result.worse) == ["b-p-1e-08 solved → timeout"]
+
+
+def test_lower_limit_excuses_no_timeout(runs):
+    result = runs(rows(["solved"] * 3), [unanswered_row("a", f"p{i}", "timeout", time_limit=1e-3) for i in range(3)])
+    assert (result.exit_code, len(result.flips)) == (1, 3)
 
 
 def test_better_verdict_passes(runs):
@@ -95,18 +110,34 @@ def test_missing_cell_fails(runs):
     assert told(result.worse) == ["a-p1-1e-08 solved → gone"]
 
 
-@pytest.mark.parametrize(("reason", "code"), [("not installed", 0), ("", 1)])
-def test_skip_requires_reason(runs, reason, code):
-    kept = solve_row("b", "p0")
-    assert runs([kept, solve_row("a", "p0")], [kept, unanswered_row("a", "p0", "skipped", reason=reason)]).exit_code == code
+@pytest.mark.parametrize("reason", ["not installed", ""])
+@pytest.mark.parametrize("others", [1, 20])
+def test_lost_coverage_fails(runs, reason, others):
+    remaining = [solve_row("b", f"p{i}") for i in range(others)]
+    skipped = [unanswered_row("a", f"p{i}", "skipped", reason=reason) for i in range(4)]
+    result = runs([*remaining, *rows(["solved"] * 4)], [*remaining, *skipped])
+    assert (result.exit_code, result.counts) == (1, EQUAL | {"same": others, "skipped": 4})
+    assert told(result.worse) == [f"a-p{i}-1e-08 solved → skipped" for i in range(4)]
+    assert "### `a`: worse" in markdown(result)
+    assert runs([*remaining, *skipped], [*remaining, *skipped]).exit_code == 0
 
 
-def test_skipped_solver_passes(runs):
+def test_cells_without_rows_of_a_skipped_solver(runs):
     kept = solve_row("b", "p0")
-    result = runs(
-        [kept, solve_row("a", "p0"), solve_row("a", "p1")], [kept, unanswered_row("a", "p0", "skipped"), solve_row("b", "p3")]
-    )
-    assert (result.exit_code, result.counts["skipped"], result.counts["new"]) == (0, 2, 1)
+    result = runs([kept, *rows(["solved", "solved"])], [kept, unanswered_row("a", "p0", "skipped"), solve_row("b", "p3")])
+    assert (result.exit_code, result.counts) == (1, EQUAL | {"same": 1, "new": 1, "gone": 1, "skipped": 1})
+
+
+@pytest.mark.parametrize("verdict", ["solved", "relaxed", "near_miss", "unsolved", "timeout", "crashed", "wrong", "skipped"])
+def test_new_cells_that_fail(runs, verdict):
+    good, new = rows(["solved"]), [solve_row("b", f"p{i}", verdict=verdict) for i in range(3)]
+    skipped = [unanswered_row("b", f"p{i}", "skipped") for i in range(3)]
+    code = int(verdict not in ("solved", "relaxed", "skipped"))
+    for before in (good, [*good, *skipped]):
+        result = runs(before, [*good, *new])
+        assert (result.exit_code, len(result.worse)) == (code, 3 * code)
+        assert result.counts == EQUAL | {"worse": 3 * code, "new": 3 * (verdict != "skipped")}
+        assert (f"**new → {verdict}**" in markdown(result)) is bool(code)
 
 
 def test_no_common_cells_is_unusable(runs):
@@ -160,9 +191,26 @@ def test_work_of_commonly_solved_cells(runs):
     assert runs(pivots([10], verdict="unsolved"), pivots([90], verdict="unsolved")).exit_code == 0
 
 
-@pytest.mark.parametrize("text", ['{"pivots": "many"}', "[1]", "{", '{"pivots": NaN}', '{"pivots": true}'])
-def test_invalid_work_is_ignored(runs, text):
-    assert runs(rows(["solved"], work=text), rows(["solved"], work=text)).exit_code == 0
+NO_COUNTS = ['{"sweeps": 9}', '{"pivots": -9}', '{"pivots": 1e30}', f'{{"pivots": {10**30}}}', f'{{"pivots": {"9" * 5000}}}']
+NO_COUNTS += ['{"pivots": "many"}', '{"pivots": NaN}', '{"pivots": true}', '{"pivots": 9.0}', "[1]", "{", "{}", ""]
+
+
+@pytest.mark.parametrize("text", NO_COUNTS)
+def test_lost_counters_fail(runs, text):
+    before, after = pivots([9, 9]), [*pivots([9]), solve_row("a", "p1", work=text)]
+    result = runs(before, after)
+    assert (result.exit_code, told(result.worse)) == (1, ["pivots"])
+    assert "| **pivots** | 9 | none |  | 1 |" in markdown(result)
+    assert "| sweeps | none | 9 |  | 1 |" in markdown(result) or "sweeps" not in text
+    assert runs(after, before).exit_code == int("sweeps" in text)
+    assert runs(after, after).exit_code == 0
+    zero = [solve_row("a", "p", work='{"restarts": 0}')]
+    assert runs(zero, [solve_row("a", "p", work=text)]).exit_code == 1
+
+
+def test_counter_names_hold_no_separators(runs):
+    before, after = (rows(["solved"], work=json.dumps({name: 3})) for name in ("pivots 9, x", "x"))
+    assert told(runs(before, after).worse) == ["pivots_9_x"]
 
 
 def timed(solve, factors=(1.0,) * 4):
@@ -290,17 +338,18 @@ def test_comparison_files(runs, tmp_path, monkeypatch):
         rows(["solved", "solved", "unsolved"]),
         [*rows(["solved"]), unanswered_row("a", "p1", "crashed", reason="ill\x00")],
     )
-    result = runs(before, [*after, unanswered_row("a", "p2", "skipped", reason="absent")])
+    result = runs(before, [*after, *(unanswered_row("a", problem, "skipped", reason="absent") for problem in ("p2", "p3"))])
     write_files(result, tmp_path / "out")
     told = json.loads((tmp_path / "out" / "comparison.json").read_text(encoding="utf-8"))
-    assert told["counts"] == {"worse": 1, "better": 0, "same": 1, "new": 0, "gone": 0, "skipped": 1}
+    assert told["counts"] == EQUAL | {"worse": 1, "skipped": 1}
     (flip,) = told["flips"]
     assert flip["command"] == f"frictionbench rerun {result.current} a-p1-1e-08"
     assert (flip["residual_after"], told["exit_code"]) == (None, 1)
     (suite,) = ElementTree.parse(tmp_path / "out" / "junit.xml").getroot()
-    assert suite.attrib == {"name": "a", "tests": "4", "failures": "1", "skipped": "1"}
+    assert suite.attrib == {"name": "a", "tests": "5", "failures": "2", "skipped": "1"}
     assert [case.find("failure").get("message") for case in suite if case.find("failure") is not None] == [
-        "solved → crashed, residual 1.0e-09 → nan ill?"
+        "solved → crashed, residual 1.0e-09 → nan ill?",
+        "unsolved → skipped, residual 1.0e-09 → nan absent",
     ]
     figures = {entry["name"]: entry["value"] for entry in json.loads((tmp_path / "out" / "benchmark.json").read_text("utf-8"))}
     assert figures == {"a: not solved": 1, "a: time": pytest.approx(3000)}
