@@ -1,54 +1,62 @@
 """A baseline: the results of a run as one sorted table of text that a person can review in a diff.
 
-Lines `# name: value` state what was run and by which code; then follow, separated by tabs, a header and a line per cell.
-Residuals have two digits. Times have one: they are used only to decide whether a timeout may be due to a slower machine.
+Lines `# name: value` state what was run and by which code, the number of cells, and the sha256 of all other lines, so that a
+table that was cut or edited is noticed; then follow, separated by tabs, a header and a line per cell. Residuals have two
+digits. Times have one: they are used only to decide whether a timeout may be due to a slower machine.
 """
 
 from collections.abc import Iterable, Mapping
+from hashlib import sha256
 from itertools import takewhile
 from pathlib import Path
 
-from frictionbench.results.files import ResultsError, write_text
+from frictionbench.results.files import ResultsError, read_text, write_text
 from frictionbench.results.schema import VERSION
 
 COLUMNS = (
     *("variant", "table", "scene", "step", "phase", "start", "tol"),
     *("verdict", "residual", "work", "seconds", "limit"),
 )
-FACTS = ("schema", "suite", "tolerances", "code", "made")
+FACTS = ("schema", "suite", "tolerances", "code", "made", "cells")
+HASH = "sha256"
+AGAIN = "restore it, or delete it and create it again with `frictionbench accept`"
 LARGEST = 64 * 2**20  # bytes, a hundred times the baseline of the largest suite
 
 
 def write(path: Path, facts: Mapping[str, str], rows: Iterable[tuple[str, ...]]) -> None:
     """Write a baseline atomically. rows: the values of COLUMNS and the key, as text."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    facts = {"schema": str(VERSION), **facts}
-    head = [f"# {name}: {_plain(facts[name])}" for name in FACTS]
     lines = sorted("\t".join(map(_plain, row)) for row in rows)
-    write_text(path, "\n".join([*head, "\t".join([*COLUMNS, "key"]), *lines]) + "\n")
+    facts = {"schema": str(VERSION), **facts, "cells": str(len(lines))}
+    head = [f"# {name}: {_plain(facts[name])}" for name in FACTS]
+    body = ["\t".join([*COLUMNS, "key"]), *lines]
+    write_text(path, "\n".join([*head, f"# {HASH}: {_hash([*head, *body])}", *body]) + "\n")
 
 
 def read(path: Path) -> tuple[dict[str, str], list[list[str]]]:
     """The facts, and for each cell the key and the values of COLUMNS. Errors: ResultsError naming the file and the line."""
-    try:
-        if path.stat().st_size > LARGEST:
-            raise ResultsError(f"{path}: larger than the limit of {LARGEST / 2**20:g} MiB")
-        lines = path.read_text(encoding="utf-8").split("\n")
-    except (OSError, UnicodeDecodeError) as error:
-        raise ResultsError(f"{path}: cannot be read ({error})") from None
+    lines = read_text(path, LARGEST).removesuffix("\n").split("\n")
     head = list(takewhile(lambda line: line.startswith("#"), lines))
     facts = {name.strip(): value.strip() for name, _, value in (line[1:].partition(":") for line in head)}
     table = [(i, line.split("\t")) for i, line in enumerate(lines[len(head) :], len(head) + 1) if line]
     if "suite" in facts and facts.get("schema", "1") != str(VERSION):
         version = facts.get("schema", "1")
         age = f"has schema version {version}, but this version reads {VERSION}"
-        raise ResultsError(f"{path}: {age}; create it again with `frictionbench accept`")
-    if not table or table[0][1] != [*COLUMNS, "key"] or not facts.keys() >= set(FACTS):
+        raise ResultsError(f"{path}: {age}; delete it and create it again with `frictionbench accept`")
+    if not table or table[0][1] != [*COLUMNS, "key"] or not facts.keys() >= {*FACTS, HASH}:
         raise ResultsError(f"{path}: neither a baseline, as written by `frictionbench accept`, nor a results folder")
     for i, cells in table[1:]:
         if len(cells) != len(COLUMNS) + 1:
             raise ResultsError(f"{path}:{i}: {len(cells)} columns, expected {len(COLUMNS) + 1}")
+    if facts["cells"] != str(len(table) - 1):
+        raise ResultsError(f"{path}: has {len(table) - 1} cells, but its head states {facts['cells']}; {AGAIN}")
+    if facts[HASH] != _hash([line for line in lines if not line.startswith(f"# {HASH}:")]):
+        raise ResultsError(f"{path}: was changed after `frictionbench accept` wrote it; {AGAIN}")
     return facts, [[cells[-1], *cells[:-1]] for _, cells in table[1:]]
+
+
+def _hash(lines: list[str]) -> str:
+    return sha256("\n".join(lines).encode()).hexdigest()
 
 
 def _plain(text: str) -> str:

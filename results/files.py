@@ -1,19 +1,59 @@
-"""Files that are written atomically and only inside the folder that was given.
+"""Files of others: read only if they are regular and not too large, and written atomically inside the folder that was given.
 
-A results folder may come from an untrusted source, and a symbolic link in it could redirect what is written. Subfolders that
-are symbolic links are therefore refused, and a file is written under a temporary name in the same folder and then renamed,
-which replaces a link instead of following it.
+A results folder may come from an untrusted source. A symbolic link in it could redirect what is written; subfolders that are
+symbolic links are therefore refused, and a file is written under a temporary name in the same folder and then renamed, which
+replaces a link instead of following it. What is read could be a pipe or a device, or a link to one, at which a read never ends;
+every file is therefore opened by `opened` or `read_text`.
 """
 
 import os
+import stat
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import BinaryIO
 
 
 class ResultsError(ValueError):
     """A results folder or file cannot be used; the message names it."""
+
+
+@contextmanager
+def opened(path: Path, most: int) -> Iterator[BinaryIO]:
+    """A regular file of at most `most` bytes, open for reading.
+
+    Errors: ResultsError naming the file if it is something else or larger, FileNotFoundError if it is missing.
+    """
+    try:
+        _require_regular(path, os.stat(path), most)  # to open a device can have effects
+        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)  # does not wait for a pipe's writer
+        with os.fdopen(descriptor, "rb") as file:
+            _require_regular(path, os.fstat(descriptor), most)
+            yield file
+    except FileNotFoundError:
+        raise
+    except OSError as error:
+        raise ResultsError(f"{path}: cannot be read ({error.strerror or error})") from None
+
+
+def _require_regular(path: Path, found: os.stat_result, most: int) -> None:
+    if not stat.S_ISREG(found.st_mode):
+        raise ResultsError(f"{path}: cannot be read (not a regular file)")
+    if found.st_size > most:
+        raise ResultsError(f"{path}: larger than the limit of {most / 2**20:g} MiB")
+
+
+def read_text(path: Path, most: int) -> str:
+    """The text of such a file, with line ends as `\\n`. Errors: as of `opened`, and ResultsError where it is not UTF-8."""
+    with opened(path, most) as file:
+        content = file.read(most + 1)
+    if len(content) > most:  # files of /proc state no size
+        raise ResultsError(f"{path}: larger than the limit of {most / 2**20:g} MiB")
+    try:
+        return content.decode().replace("\r\n", "\n")
+    except UnicodeDecodeError as error:
+        raise ResultsError(f"{path}: cannot be read ({error})") from None
 
 
 def subfolder(folder: Path, name: str) -> Path:

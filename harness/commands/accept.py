@@ -12,20 +12,32 @@ from frictionbench.results.files import ResultsError
 def accept(folder: Path, path: Path | None) -> tuple[Comparison | None, str]:
     """Write the run in folder as the baseline at path; its comparison with the previous baseline, if any, and a summary.
 
-    path: baselines/SUITE.tsv if None. Errors: ResultsError where the run is not finished, or path is not a baseline.
+    path: baselines/SUITE.tsv if None. Errors: ResultsError where the run is not finished or has no cell to compare, or path is
+    not a baseline or one that the run cannot be compared with.
     """
     if not store.read_manifest(folder).get("finished"):
         raise ResultsError(f"{folder}: the run is not finished; run the same command again to resume it")
     run, before = cells.read(folder), None
-    path = path or Path("baselines") / f"{run.suite}.tsv"
+    if unusable := compare(folder, folder, Limits(times=False)).unusable:
+        raise ResultsError(f"{folder}: cannot be a baseline: {unusable}")
+    path = path or Path("baselines") / f"{_name(run.suite)}.tsv"
     if path.exists():
         baseline.read(path)  # refuses to overwrite a file that is not a baseline
         before = compare(path, folder, Limits(times=False))
+        if before.unusable:
+            raise ResultsError(f"{path}: {before.unusable}; delete the file to accept a run that cannot be compared with it")
     tolerances = " ".join(f"{tol:g}" for tol in run.tolerances)
     facts = {"suite": run.suite, "tolerances": tolerances, "code": run.code, "made": run.made}
     baseline.write(path, facts, _rows(run))
     verdicts = ", ".join(f"{count} {verdict}" for verdict, count in Counter(run.table["verdict"]).most_common())
     return before, f"accepted: {path}, {len(run.table)} cells: {verdicts}"
+
+
+def _name(suite: str) -> str:
+    """The suite as the name of a file. Errors: ResultsError where a manifest of someone else's names another folder."""
+    if Path(suite).name != suite or suite == "..":
+        raise ResultsError(f"suite: {suite!r} is not the name of a file; name the baseline's file")
+    return suite
 
 
 def _rows(run: Cells) -> list[tuple[str, ...]]:

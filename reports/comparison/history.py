@@ -1,4 +1,5 @@
-"""Runs over time: for each solver a line per run with verdicts, work and time over the cells that all of the runs measured."""
+"""Runs over time: for each solver a line per run that measured it, with verdicts, work and time over the cells that all of
+these runs measured."""
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
@@ -18,21 +19,22 @@ from frictionbench.results.verdicts import ACCEPTED
 def history(paths: Iterable[Path]) -> Table:
     """A table of the runs, results folders or baselines, the oldest first.
 
-    Errors: ResultsError if one cannot be read, or if no solver has a cell in all of them.
+    Errors: ResultsError if one cannot be read, or if nothing was measured in any.
     """
     runs = sorted(map(read, paths), key=lambda run: run.made)
     table = Table(box=None, pad_edge=False, header_style="bold")
     for name in ("solver", "run", "made", "code", "cells", "verdicts", "work", "time"):
         table.add_column(name, overflow="fold")
-    measured = [run.measured for run in runs]
-    for variant in sorted(set(measured[0]["variant"])):
-        common = _common([cells[cells["variant"] == variant] for cells in measured])
-        good = [key for key in common if all(cells["verdict"][key] in ACCEPTED for cells in measured)]
-        for i, (run, cells) in enumerate(zip(runs, measured, strict=True)) if len(common) else ():
+    measured = [(run, run.measured) for run in runs]
+    for variant in sorted({variant for _, cells in measured for variant in cells["variant"]}):
+        own = [(run, cells[cells["variant"] == variant]) for run, cells in measured if variant in set(cells["variant"])]
+        common = _common([cells for _, cells in own])
+        good = [key for key in common if all(cells["verdict"][key] in ACCEPTED for _, cells in own)]
+        for i, (run, cells) in enumerate(own):
             first = Text("" if i else variant)
             table.add_row(first, Text(str(run.path)), run.made[:10], Text(run.code), *_line(cells.loc[common], good))
     if not table.row_count:
-        raise ResultsError("history: no cell was measured in all of these runs")
+        raise ResultsError("history: no cell was measured in these runs")
     return table
 
 

@@ -13,8 +13,9 @@ from frictionbench.results import cells, known
 from frictionbench.results.changes import Flip
 from frictionbench.results.compare import compare
 from frictionbench.results.files import ResultsError
+from frictionbench.results.schema import VERSION
 from tests.helpers.command_line import frictionbench
-from tests.helpers.made_results import simulation_row, solve_row, unanswered_row, write_folder
+from tests.helpers.made_results import SETTINGS, simulation_row, solve_row, unanswered_row, write_folder
 from tests.helpers.paths import ROOT
 
 SMOKE = ROOT / "results" / "baselines" / "smoke.tsv"
@@ -35,8 +36,11 @@ def test_baseline_equals_its_run(tmp_path):
     before, told = accept(made, path)
     assert (before, told) == (None, f"accepted: {path}, 6 cells: 5 solved, 1 skipped")
     lines = path.read_text(encoding="utf-8").splitlines()
-    assert lines[:3] == ["# schema: 3", "# suite: made", "# tolerances: 1e-08 0.0001"]
-    assert lines[6:] == sorted(lines[6:])
+    assert lines[:3] == [f"# schema: {VERSION}", "# suite: made", "# tolerances: 1e-08 0.0001"]
+    assert lines[5] == "# cells: 6"
+    assert lines[8:] == sorted(lines[8:])
+    (tmp_path / "windows.tsv").write_bytes(path.read_bytes().replace(b"\n", b"\r\n"))
+    assert compare(tmp_path / "windows.tsv", made).exit_code == 0
     assert (
         "a\tsolve\tbar[friction=0.2]\t0\tstep\tcold\t1e-08\tsolved\t1.0e-09\tpivots 10, restarts 0\t3e-03\t10\ta-p0-1e-08"
         in lines
@@ -58,11 +62,16 @@ def test_other_files_are_not_overwritten(tmp_path):
     accept(made, tmp_path / "good.tsv")
     text = (tmp_path / "good.tsv").read_text(encoding="utf-8")
     for spoilt, told in (
-        (text + "a\tb\n", r"spoilt\.tsv:13: 2 columns"),
-        (text.replace("solved", "fine"), "unknown verdict 'fine'"),
+        (text + "a\tb\n", r"spoilt\.tsv:15: 2 columns"),
+        (text.replace("1.0e-09", "2.0e-09"), "was changed after `frictionbench accept` wrote it; restore it"),
+        (text.replace("# suite: made", "# suite: other"), "was changed after"),
+        (text.rpartition("a\t")[0], "has 3 cells, but its head states 6; restore it"),
+        ("\n".join(text.split("\n")[:10]), "has 2 cells, but its head states 6"),
+        (text.replace("# cells: 6", "# cells: 5"), "has 6 cells, but its head states 5"),
+        ("".join(line for line in text.splitlines(keepends=True) if "sha256" not in line), "neither a baseline"),
         (
-            text.replace("# schema: 3\n", ""),
-            "schema version 1, but this version reads 3; create it again with `frictionbench accept`",
+            text.replace(f"# schema: {VERSION}\n", ""),
+            f"schema version 1, but this version reads {VERSION}; delete it and create it again with `frictionbench accept`",
         ),
     ):
         (tmp_path / "spoilt.tsv").write_text(spoilt, encoding="utf-8")
@@ -70,6 +79,28 @@ def test_other_files_are_not_overwritten(tmp_path):
             cells.read(tmp_path / "spoilt.tsv")
     with pytest.raises(ResultsError, match="the run is not finished"):
         accept(run(tmp_path / "broken", finished=""), tmp_path / "other.tsv")
+
+
+def test_incomparable_runs_are_not_accepted(tmp_path):
+    accept(run(tmp_path / "run"), path := tmp_path / "made.tsv")
+    text = path.read_bytes()
+    other = run(tmp_path / "other", settings=SETTINGS | {"suite": "another"})
+    with pytest.raises(ResultsError, match=r"made\.tsv: the runs differ in their suite; delete the file"):
+        accept(other, path)
+    skipped = write_folder(tmp_path / "skipped", [unanswered_row("a", "p", "skipped")])
+    for folder, baseline in ((skipped, path), (skipped, tmp_path / "new.tsv")):
+        with pytest.raises(ResultsError, match="cannot be a baseline: no cell was measured"):
+            accept(folder, baseline)
+    assert (path.read_bytes(), (tmp_path / "new.tsv").exists()) == (text, False)
+
+
+@pytest.mark.parametrize("suite", ["../made", "/tmp/made", "a/b", "..", "."])
+def test_suites_of_others_name_no_folders(tmp_path, suite, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    folder = run(tmp_path / "run", settings=SETTINGS | {"suite": suite})
+    with pytest.raises(ResultsError, match="is not the name of a file"):
+        accept(folder, None)
+    assert [path.name for path in tmp_path.iterdir()] == ["run"]
 
 
 def test_committed_baseline():
@@ -111,6 +142,24 @@ def test_acknowledged_changes_pass(tmp_path):
     assert [found.after if isinstance(found, Flip) else found.name for found in further.worse] == ["crashed", "pivots"]
 
 
+@pytest.mark.parametrize("change", ["gone", "skipped", "new", "pivots"])
+def test_acknowledged_losses_pass(tmp_path, change):
+    ratio = "ratio = inf" if change == "pivots" else ""
+    (tmp_path / "known.toml").write_text(
+        f"[[known]]\nsolver = 'b'\nchange = '{change}'\n{ratio}\nreason = 'x'", encoding="utf-8"
+    )
+    kept, solved = solve_row("a", "p"), solve_row("b", "p", work='{"pivots": 3}')
+    after = {"gone": [], "skipped": [unanswered_row("b", "p", "skipped")], "pivots": [solve_row("b", "p")]}
+    pair = (
+        ([kept], [kept, solve_row("b", "p", verdict="wrong")]) if change == "new" else ([kept, solved], [kept, *after[change]])
+    )
+    folders = [write_folder(tmp_path / name, rows) for name, rows in zip(("before", "after"), pair, strict=True)]
+    result = compare(*folders)
+    assert result.exit_code == 1
+    result = known.acknowledge(result, known.read(tmp_path / "known.toml"))
+    assert (result.exit_code, result.counts["acknowledged"], result.notes) == (0, 1, ())
+
+
 @pytest.mark.parametrize(
     ("text", "told"),
     [
@@ -144,8 +193,21 @@ def test_history_uses_common_cells(tmp_path):
     assert [(line[0], line[1]) for line in lines if "pivots" in line][:2] == [("a", str(second)), (str(first), "2026-01-02")]
     assert [line[line.index("pivots") + 1] for line in lines if "pivots" in line] == ["60,", "30,", "30,"]
     assert sum("wrong" in line for line in lines) == 1
-    with pytest.raises(ResultsError, match="no cell was measured in all"):
-        history([first, write_folder(tmp_path / "other", [solve_row("z", "p")])])
+
+
+def test_history_of_different_solvers(tmp_path):
+    first, second = run(tmp_path / "first", finished="2026-01-01"), run(tmp_path / "second", finished="2026-01-02")
+    other = write_folder(tmp_path / "other", [solve_row("z", "p"), solve_row("b", "q")], finished="2026-01-03")
+    for folders in ([first, second, other], [other, second, first]):
+        console = Console(width=300, record=True, file=io.StringIO())
+        console.print(history(folders))
+        lines = [line.split() for line in console.export_text().splitlines()[1:]]
+        assert [line[:2] if len(line[0]) == 1 else line[:1] for line in lines] == [
+            *(["a", str(first)], [str(second)], ["b", str(first)], [str(second)], [str(other)], ["z", str(other)])
+        ]
+    nothing = write_folder(tmp_path / "nothing", [unanswered_row("a", "p", "skipped")])
+    with pytest.raises(ResultsError, match="no cell was measured"):
+        history([nothing])
 
 
 def benchmark(path, medians, node="here"):
