@@ -1,10 +1,12 @@
-"""The command line. Exit codes: 0 done, 1 a regression (compare), 2 unusable input, 128 + n ended by signal n.
+"""The command line. Exit codes: 0 done, 1 a regression (compare) or a failed check (check-solver), 2 unusable input or output,
+3 an error of frictionbench itself, 128 + n ended by signal n; 141 also where the reader of a pipe has ended.
 
 Large imports are inside the commands that need them, so that --help is fast.
 """
 
 import signal
 import sys
+import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -13,6 +15,7 @@ from typing import Annotated, Any, Literal
 import typer
 
 from frictionbench.harness.commands import options
+from frictionbench.harness.streams import Unwritable, standard_streams
 from frictionbench.results.conventions import DEFAULT_SCHEME
 
 app = typer.Typer(
@@ -407,10 +410,21 @@ def _resumable(folder: Path) -> Iterator[None]:
 _SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 
 
-def main() -> Any:
-    """The entry point: run the command line; errors of input are printed as one line."""
+def main() -> None:
+    """The entry point: run the command line. Errors of input are printed as one line, our own in full."""
     for number in _SIGNALS:
         signal.signal(number, _stop)
+    with standard_streams():
+        try:
+            _command()
+        except Unwritable:
+            raise
+        except Exception:  # Python would exit with 1, which means a regression
+            traceback.print_exc()
+            sys.exit(3)
+
+
+def _command() -> None:
     try:
         app()
     except (ValueError, OSError) as error:
@@ -424,7 +438,7 @@ def main() -> Any:
     except _Stopped as stopped:
         number = stopped.args[0]
         notes = [f"interrupted by {signal.Signals(number).name}", *getattr(stopped, "__notes__", ["nothing was stored"])]
-        with suppress(OSError):  # the terminal may be closed
+        with suppress(Unwritable):  # the terminal may be closed
             typer.echo(f"\nfrictionbench: {'; '.join(notes)}", err=True)
         sys.exit(128 + number)
 

@@ -19,7 +19,7 @@ class Done:
 
 
 def frictionbench(*arguments: str, cwd: Path | None = None) -> Done:
-    """Run a command in a folder with 200 columns and return its exit code and output; unexpected exceptions propagate."""
+    """Run a command in a folder with 200 columns and return its exit code and output, which is not that of an error of ours."""
     out, err, code = StringIO(), StringIO(), 0
     with (
         chdir(cwd or os.curdir),
@@ -33,4 +33,5 @@ def frictionbench(*arguments: str, cwd: Path | None = None) -> Done:
             cli.main()
         except SystemExit as ended:
             code = int(ended.code or 0)
+    assert code != 3, err.getvalue()
     return Done(code, out.getvalue(), err.getvalue())

@@ -1,0 +1,73 @@
+"""The standard streams of a command, so that trouble with its output is never mistaken for its result.
+
+Exit code 1 states a regression. Python and typer end with 1 as well where a pipe is closed early, a disk is full or a terminal
+cannot show a character. Here a stream that cannot be written raises Unwritable, which ends the command with a code of its own;
+characters that a stream cannot encode are replaced by question marks; a stream that was closed is the null device.
+"""
+
+import io
+import os
+import signal
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from errno import EPIPE
+from typing import Any
+
+UNUSABLE = 2  # exit code
+
+
+class Unwritable(Exception):  # noqa: N818  # not an error of the input
+    """A standard stream that cannot be written. number: that of its descriptor; reason: the operating system's error."""
+
+    def __init__(self, number: int, reason: OSError) -> None:
+        super().__init__(f"{'standard output' if number == 1 else 'standard error'}: {reason.strerror}")
+        self.number, self.reason = number, reason
+
+
+class _Stream(io.FileIO):
+    def write(self, data: Any) -> int:
+        try:
+            return super().write(data)
+        except OSError as error:
+            raise Unwritable(self.fileno(), error) from None
+
+
+@contextmanager
+def standard_streams() -> Iterator[None]:
+    """Run a command's block on these streams. Where one cannot be written, exit with 141 (128 + SIGPIPE) without a word if its
+    reader has ended, and with 2 and a line on the other stream otherwise."""
+    for number in (0, 1, 2):
+        _open_if_closed(number)
+    for number, name in ((1, "stdout"), (2, "stderr")):
+        if getattr(sys, name) is getattr(sys, f"__{name}__"):  # not one that a caller has redirected
+            setattr(sys, name, _stream(number, getattr(sys, name)))
+    try:
+        try:
+            yield
+        finally:
+            sys.stdout.flush()
+    except Unwritable as unwritable:
+        null = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(null, unwritable.number)  # what is still buffered goes there, or the interpreter would complain once more
+        if unwritable.reason.errno == EPIPE:
+            sys.exit(128 + signal.SIGPIPE)
+        with suppress(Unwritable):
+            print(f"frictionbench: {unwritable}", file=sys.stderr, flush=True)
+        sys.exit(UNUSABLE)
+
+
+def _open_if_closed(number: int) -> None:
+    """Keep a closed descriptor from being given to the next file that is opened."""
+    try:
+        os.fstat(number)
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_RDWR), number)
+
+
+def _stream(number: int, given: Any) -> io.TextIOWrapper:
+    encoding = getattr(given, "encoding", None) or "utf-8"
+    lines = number == 2 or os.isatty(number)
+    return io.TextIOWrapper(
+        io.BufferedWriter(_Stream(number, "w", closefd=False)), encoding, errors="replace", line_buffering=lines
+    )
