@@ -375,6 +375,7 @@ def shrink(folder: options.Folder, row: options.Row, solver: options.Trusted = N
 
 
 def _jobs(jobs: int | None) -> int:
+    """The number of workers; by default a core is left to this process and the system, whose work would disturb the timings."""
     from frictionbench.harness.process import cores, require_linux
     from frictionbench.problems import InputError
 
@@ -382,7 +383,7 @@ def _jobs(jobs: int | None) -> int:
     most = len(cores())
     if jobs is not None and jobs > most:
         raise InputError(f"jobs: at most {most} on this machine, one per core")
-    return jobs or most
+    return jobs or max(1, most - 1)
 
 
 class _Stopped(BaseException):

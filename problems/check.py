@@ -10,6 +10,7 @@ from frictionbench.problems.compiled import kernel
 from frictionbench.problems.rows import Rows, copied, from_dense, from_matrix
 
 Array = NDArray[np.float64]
+REAL = "fiu"  # numpy's kinds of real numbers: floats, integers with and without sign
 
 
 class InputError(ValueError):
@@ -46,7 +47,7 @@ def entries(field: str, array: Array, expected: int) -> Array:
 
     Compiled loops do not check bounds, so the number of entries is checked before.
     """
-    flat = np.asarray(array, dtype=float).ravel()
+    flat = _real(field, array).ravel()
     if len(flat) != expected:
         raise InputError(f"{field}: expected {expected} entries, got {len(flat)}")
     return flat
@@ -81,9 +82,11 @@ def rows(field: str, value: Any, shape: tuple[int | None, int]) -> Rows:
 
 def matrix(field: str, value: Any, shape: tuple[int | None, int | None]) -> sparse.csr_array:
     """A canonical sparse matrix (rows sorted, duplicates summed, no stored zeros) with finite entries."""
-    if not sparse.issparse(value):
+    if sparse.issparse(value):
+        require(value.dtype.kind in REAL, field, f"not a matrix of real numbers, but of {value.dtype}")
+    else:
         value = floats(field, value)
-        require(value.ndim == 2, field, f"expected a matrix, got shape {value.shape}")
+    require(value.ndim == 2, field, f"expected a matrix, got shape {value.shape}")
     result = sparse.csr_array(value, dtype=np.float64, copy=True)
     for axis, expected in enumerate(shape):
         require(expected is None or result.shape[axis] == expected, field, f"expected shape {_show(shape)}, got {result.shape}")
@@ -97,10 +100,26 @@ def matrix(field: str, value: Any, shape: tuple[int | None, int | None]) -> spar
 
 def floats(field: str, value: Any) -> Array:
     """A copy of value as an array of floats, of any shape. Errors: InputError naming the field."""
+    return np.array(_real(field, value))
+
+
+def _real(field: str, value: Any) -> Array:
+    """Value as an array of floats, itself where it is one.
+
+    Nothing is converted that is no real number: complex numbers would lose a part, masked ones their mask, and text, truth
+    values, dates and objects would be read as numbers that nobody meant. Errors: InputError naming the field.
+    """
+    if type(value) is np.ndarray and value.dtype == np.float64:
+        return value
+    masked = any(map(np.ma.isMaskedArray, (value, *value) if isinstance(value, list | tuple) else (value,)))
+    require(not masked, field, "is a masked array; fill it, or leave the masked entries out")
+    require(not sparse.issparse(value), field, "is sparse; expected a dense array")
     try:
-        return np.array(value, dtype=np.float64)
+        array = np.asarray(value)
     except (TypeError, ValueError) as error:
         raise InputError(f"{field}: not an array of numbers ({error})") from None
+    require(array.dtype.kind in REAL, field, f"not an array of real numbers, but of {array.dtype}")
+    return np.asarray(array, dtype=np.float64)
 
 
 @kernel

@@ -9,9 +9,8 @@ from frictionbench.problems.check import require
 
 def number(name: str, value: Any, above: float = -np.inf, least: float = -np.inf, most: float = np.inf) -> float:
     """A finite number with above < value, least <= value <= most. Errors: InputError naming the parameter."""
-    require(
-        isinstance(value, (int, float, np.number)) and not isinstance(value, bool), name, f"expected a number, got {value!r}"
-    )
+    real = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+    require(real, name, f"expected a number, got {value!r}")
     limits = (
         [f"above {above:g}"] * (above > -np.inf)
         + [f"at least {least:g}"] * (least > -np.inf)

@@ -55,7 +55,7 @@ Limit = Annotated[float, typer.Option("--time-limit", metavar="S", help=LIMIT)]
 SuitesLimit = Annotated[float | None, typer.Option("--time-limit", metavar="S", help=LIMIT)]
 Jobs = Annotated[
     int | None,
-    typer.Option("--jobs", metavar="N", min=1, help="Worker processes, one core each; all cores by default."),
+    typer.Option("--jobs", metavar="N", min=1, help="Worker processes, one core each; by default all cores but one."),
 ]
 Data = Annotated[
     list[str] | None, typer.Option("--data", metavar="DIR|fclib/FAMILY", help="Recorded problems to run; may be repeated.")

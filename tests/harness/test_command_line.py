@@ -10,6 +10,7 @@ import pytest
 from rich.console import Console
 from typer.testing import CliRunner
 
+from frictionbench.harness import process
 from frictionbench.harness.cells import worker
 from frictionbench.harness.cli import app
 from frictionbench.harness.commands import listing
@@ -57,6 +58,17 @@ def test_help_text() -> None:
 
 def test_the_version_is_printed() -> None:
     assert output_of("--version").startswith("frictionbench 0.")
+
+
+@pytest.mark.parametrize(("cores", "jobs"), [(1, 1), (2, 1), (8, 7)])
+def test_a_core_is_left_free_by_default(monkeypatch, cores, jobs) -> None:
+    asked = []
+    monkeypatch.setattr(process, "cores", lambda: list(range(cores)))
+    monkeypatch.setattr("frictionbench.harness.commands.single.solve_one", lambda *arguments: asked.append(arguments[-1]))
+    for option in ((), ("--jobs", str(cores))):
+        CliRunner().invoke(app, ["solve", "stack", *option])
+    assert asked == [jobs, cores]
+    assert "all cores but one" in " ".join(output_of("run", "--help").split())
 
 
 @pytest.mark.parametrize(

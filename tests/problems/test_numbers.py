@@ -1,0 +1,90 @@
+"""What is no finite real number is refused with the name of its field, in problems, answers and parameters."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+import frictionbench as fb
+from frictionbench.problems import LCP, FrictionProblem, InputError
+from frictionbench.problems.parameters import number
+
+GOOD = {
+    "mass": np.diag([2.0, 3.0]),
+    "normal": np.array([[0.0, 1.0]]),
+    "tangent": np.array([[1.0, 0.0]]),
+    "friction": np.array([0.5]),
+    "free_velocity": np.array([1.0, -0.1]),
+    "bias": np.array([0.0]),
+    "friction_bias": np.array([0.0]),
+    "joints": np.zeros((1, 2)),
+    "joint_bias": np.array([0.0]),
+}
+UNREAL = {
+    "complex": lambda x: x + 1j,
+    "masked": lambda x: np.ma.masked_array(x, mask=True),
+    "rows that are masked": lambda x: [np.ma.masked_array(row, mask=True) for row in np.atleast_2d(x)],
+    "text": lambda x: x.astype(str),
+    "truth values": lambda x: x != 0,
+    "objects": lambda x: np.array([Fraction(1, 2)] * x.size, dtype=object).reshape(x.shape),
+    "dates": lambda x: x.astype("datetime64[s]"),
+    "durations": lambda x: x.astype("timedelta64[s]"),
+    "infinite": lambda x: x + np.inf,
+    "not a number": lambda x: x * np.nan,
+}
+
+
+@pytest.mark.parametrize("kind", UNREAL)
+@pytest.mark.parametrize("field", GOOD)
+def test_field_of_a_problem(field, kind) -> None:
+    FrictionProblem(**GOOD)
+    with pytest.raises(InputError, match=f"^{field}: "):
+        FrictionProblem(**GOOD | {field: UNREAL[kind](GOOD[field])})
+
+
+@pytest.mark.parametrize("kind", UNREAL)
+def test_fields_of_other_forms(kind) -> None:
+    W, q, mu, unreal = np.eye(2), np.array([-1.0, 1.0]), np.array([0.5]), UNREAL[kind]
+    for name, fields in {"W": (unreal(W), q, mu), "q": (W, unreal(q), mu), "friction": (W, q, unreal(mu))}.items():
+        with pytest.raises(InputError, match=f"^{name}: "):
+            FrictionProblem.from_delassus(*fields, 2)
+    for name, fields in {"M": (unreal(W), q), "q": (W, unreal(q))}.items():
+        with pytest.raises(InputError, match=f"^{name}: "):
+            LCP(*fields)
+
+
+@pytest.mark.parametrize("convert", [lambda x: x.astype(complex), lambda x: x.astype(bool)], ids=["complex", "truth values"])
+def test_sparse_matrices(convert) -> None:
+    with pytest.raises(InputError, match=r"^mass: not a matrix of real numbers"):
+        FrictionProblem(**GOOD | {"mass": sparse.csr_array(convert(GOOD["mass"]))})
+
+
+def test_sparse_vector() -> None:
+    with pytest.raises(InputError, match=r"^free_velocity: is sparse"):
+        FrictionProblem(**GOOD | {"free_velocity": sparse.coo_array(GOOD["free_velocity"][None])})
+
+
+@pytest.mark.parametrize("kind", [kind for kind in UNREAL if kind not in ("infinite", "not a number")])
+def test_impulses(kind) -> None:
+    problem, impulse = FrictionProblem(**GOOD), UNREAL[kind](np.array([[0.2, -0.1]]))
+    for measure in (problem.velocity, problem.contact_velocity, problem.velocity_size):
+        with pytest.raises(InputError, match=r"^impulse: "):
+            measure(impulse)
+    with pytest.raises(InputError, match=r"^start: "):
+        fb.solve(problem, "nsgs", start=impulse)
+    with pytest.raises(InputError, match=r"^z: "):
+        problem.lcp().residual(UNREAL[kind](np.zeros(4)))
+
+
+@pytest.mark.parametrize("value", [1j, np.complex128(1), True, "1", np.datetime64("2026-01-01"), np.nan, np.inf, [1.0]])
+def test_parameters(value) -> None:
+    with pytest.raises(InputError, match=r"^friction: "):
+        number("friction", value, least=0.0)
+
+
+def test_numbers_of_all_kinds_are_read() -> None:
+    problem = FrictionProblem(**GOOD)
+    for kind in (np.int64, np.uint8, np.float32, np.longdouble):
+        whole = {"mass": np.diag([2, 3]).astype(kind), "normal": GOOD["normal"].astype(kind).tolist()}
+        assert FrictionProblem(**GOOD | whole).hash == problem.hash
