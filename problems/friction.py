@@ -19,7 +19,7 @@ from typing import Any, Self
 import numpy as np
 from scipy import sparse
 
-from frictionbench.problems import check
+from frictionbench.problems import check, sizes
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.display import count, extent, html_table
 from frictionbench.problems.forms.delassus import Blocks
@@ -79,9 +79,18 @@ class FrictionProblem:
         dimension: int = 2,
     ) -> None:
         require(dimension in (2, 3), "dimension", f"must be 2 or 3, got {dimension!r}")
+        mechanics = {
+            "normal": normal,
+            "tangent": tangent,
+            "mass": mass,
+            "free_velocity": free_velocity,
+            "bias": bias,
+            "joints": joints,
+            "joint_bias": joint_bias,
+        }
+        sizes.agree(dimension, mechanics | {"friction": friction, "friction_bias": friction_bias})
         law = _law(friction, friction_bias)
-        mechanics = mass, normal, tangent, free_velocity, bias, joints, joint_bias
-        self._assign(dimension, *law, MechanicalOperator.checked(len(law[0]), dimension, *mechanics))
+        self._assign(dimension, *law, MechanicalOperator.checked(len(law[0]), dimension, **mechanics))
 
     @classmethod
     def from_delassus(cls, W: Any, q: Any, friction: Any, d: int, friction_bias: Any = None) -> Self:
@@ -95,6 +104,7 @@ class FrictionProblem:
         1
         """
         require(d in (2, 3), "d", f"must be 2 or 3, got {d!r}")
+        sizes.agree(d, {"W": W, "q": q, "friction": friction, "friction_bias": friction_bias}, {"dimension": "d"})
         law = _law(friction, friction_bias)
         return object.__new__(cls)._assign(d, *law, DelassusOperator.checked(len(law[0]), d, W, q))
 

@@ -4,7 +4,7 @@ FCLIB's HDF5              problems.recorded.fclib       read and written
 Siconos's text            problems.recorded.siconos     friction problems, local and global, and LCPs
 ContactBench's .npz       problems.recorded.contactbench
 our own .npz              problems.recorded.own         read and written
-arrays in an .npz         problems.recorded.plain       W, q, mu, d or M, N, T, mu, v; or an LCP's M, q
+arrays in an .npz         problems.recorded.plain       M, N, T, mu, v or W, q, mu, d; or an LCP's M, q
 """
 
 from pathlib import Path
@@ -41,13 +41,13 @@ def read_recording(path: Path) -> tuple[FrictionProblem | LCP, tuple[Array, ...]
 
 def _archive(path: Path) -> FrictionProblem | LCP:
     arrays = read_arrays(path)
-    if "dimension" in arrays:
+    if own.holds(arrays):
         return own.problem(path, arrays)
     reader = contactbench.problem if {"G", "g", "mus"} <= arrays.keys() else plain.kind(arrays)
     try:
         if reader is None:
             names = ", ".join(list(arrays)[:8])
-            raise InputError(f"holds {names}; expected dimension, or W, q, mu, d, or M, N, T, mu, v, or G, g, mus, or M, q")
+            raise InputError(f"holds {names}; expected M, N, T, mu, v, or W, q, mu, d, or an LCP's M, q")
         return reader(arrays)
     except InputError as error:
         raise InputError(f"{path}: {error}") from None

@@ -10,7 +10,7 @@ from typing import IO
 import numpy as np
 from numpy.lib import format as npy
 
-from frictionbench.problems.check import Array, InputError, require
+from frictionbench.problems.check import REAL, Array, InputError, require
 
 MAX_BYTES = 4 * 2**30  # bytes unpacked; a larger archive is refused without unpacking it
 
@@ -20,6 +20,7 @@ def read_arrays(path: Path) -> dict[str, Array]:
     try:
         with zipfile.ZipFile(path) as archive:
             names = {entry.filename.removesuffix(".npy"): entry for entry in archive.infolist()}
+            require(len(names) == len(archive.infolist()), "names", "several arrays have the same name")
             left = MAX_BYTES
             for name, entry in names.items():
                 with archive.open(entry) as stream:
@@ -43,6 +44,6 @@ def _claimed(name: str, stream: IO[bytes]) -> int:
     version = npy.read_magic(stream)
     require(version in ((1, 0), (2, 0)), name, f"has the unknown .npy format version {version}")
     shape, _, kind = (npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0)(stream)
-    require(kind.kind in "fiub", name, f"not an array of numbers, but of {kind}")
+    require(kind.kind in REAL, name, f"not an array of real numbers, but of {kind}")
     require(len(shape) <= 2, name, f"expected a number, a vector or a matrix, got shape {shape}")
     return int(np.prod(shape, dtype=object)) * kind.itemsize

@@ -5,15 +5,19 @@ Its contacts have the normal last, (t1, t2, n). G includes a compliance of 1e-9 
 
 import numpy as np
 
-from frictionbench.problems.check import Array, require
+from frictionbench.problems import sizes
+from frictionbench.problems.check import Array
 from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.recorded.names import in_letters, require_known
+
+LETTERS = {"W": "G", "q": "g", "friction": "mus", "dimension": "d"}
 
 
 def problem(arrays: dict[str, Array]) -> FrictionProblem:
     """The problem with the normal first. Errors: InputError naming the field."""
-    G, g, mu = arrays["G"], arrays["g"].ravel(), arrays["mus"]
-    n = 3 * mu.size
-    require(G.shape == (n, n), "G", f"expected shape {(n, n)} for {mu.size} friction coefficients, got {G.shape}")
-    require(len(g) == n, "g", f"expected length {n}, got {len(g)}")
+    require_known(arrays, ("G", "g", "mus", "lam0"))
+    G, g, mu = arrays["G"], arrays["g"].ravel(), arrays["mus"].ravel()
+    sizes.agree(3, {"W": G, "q": g, "friction": mu}, LETTERS)
     order = (3 * np.arange(mu.size)[:, None] + np.array([2, 0, 1])).ravel()
-    return FrictionProblem.from_delassus(G[np.ix_(order, order)], g[order], mu.ravel(), 3)
+    with in_letters(LETTERS):
+        return FrictionProblem.from_delassus(G[np.ix_(order, order)], g[order], mu, 3)

@@ -15,9 +15,11 @@ from scipy.sparse.linalg import splu
 
 from frictionbench.problems.check import Array, InputError, require
 from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.recorded.names import in_letters
 
 MOST_COUPLED = 4000  # coordinates of one block of M, or joints of a local problem: a dense inverse takes 128 MB
 SYMMETRIC = 1e-12  # relative, as FrictionProblem requires of its mass
+LETTERS = {"mass": "M", "normal": "H", "tangent": "H", "friction": "mu", "bias": "w", "joints": "G", "joint_bias": "b"}
 
 
 def from_global(
@@ -45,17 +47,18 @@ def from_global(
     if abs(M - M.T).max() <= SYMMETRIC * abs(M).max() and not w[~normal].any():
         J = sparse.csr_array(H.T)
         joints = None if G is None else sparse.csr_array(G.T)
-        return FrictionProblem(
-            mass=M,
-            normal=J[normal],
-            tangent=J[~normal],
-            friction=mu,
-            free_velocity=free,
-            bias=w[normal],
-            joints=joints,
-            joint_bias=np.zeros(0) if b is None else b,
-            dimension=d,
-        )
+        with in_letters(LETTERS):
+            return FrictionProblem(
+                mass=M,
+                normal=J[normal],
+                tangent=J[~normal],
+                friction=mu,
+                free_velocity=free,
+                bias=w[normal],
+                joints=joints,
+                joint_bias=np.zeros(0) if b is None else b,
+                dimension=d,
+            )
     response = _solve(M, H.toarray())
     W, q = sparse.csr_array(H.T @ response), H.T @ free + w
     if G is None or b is None:

@@ -10,18 +10,21 @@ A problem in Delassus form has W (as W_data ...) and q (nc*d) in place of the me
 A bare LCP has M (n, n) and q (n), and its dimension is 0. problems.recorded.plain reads dense arrays under shorter names.
 """
 
+from collections.abc import Collection
 from pathlib import Path
 
 import numpy as np
 from scipy import sparse
 
-from frictionbench.problems.check import Array, InputError
+from frictionbench.problems.check import Array, InputError, require
 from frictionbench.problems.forms.lcp import LCP
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.recorded.archive import read_arrays
+from frictionbench.problems.recorded.names import require_known
 
 _SPARSE = ("mass", "normal", "tangent", "joints")
 _DENSE = ("friction", "free_velocity", "bias", "friction_bias", "joint_bias")
+_PARTS = ("data", "indices", "indptr", "shape")
 
 
 def save(problem: FrictionProblem | LCP, path: Path) -> None:
@@ -48,10 +51,18 @@ def load(path: Path) -> FrictionProblem | LCP:
     return problem(path, read_arrays(path))
 
 
+def holds(names: Collection[str]) -> bool:
+    """Whether arrays of these names are of this format."""
+    return "dimension" in names and any(name.endswith("_data") for name in names)
+
+
 def problem(path: Path, arrays: dict[str, Array]) -> FrictionProblem | LCP:
     """The problem that the arrays of a file hold. Errors: InputError naming the file and the field."""
     try:
-        dimension = int(arrays["dimension"])
+        require_known(arrays, _names(arrays))
+        dimension = arrays["dimension"].item()
+        require(dimension in (0, 2, 3), "dimension", f"must be 2 or 3, or 0 for an LCP, got {dimension!r}")
+        dimension = int(dimension)
         if dimension == 0:
             return LCP(_matrix(arrays, "M"), arrays["q"])
         if "W_data" in arrays:
@@ -65,8 +76,19 @@ def problem(path: Path, arrays: dict[str, Array]) -> FrictionProblem | LCP:
         raise InputError(f"{path}: {error}") from None
 
 
+def _names(arrays: Collection[str]) -> set[str]:
+    """The names that belong together with those of these arrays."""
+    groups: tuple[tuple[str, ...], tuple[str, ...]] = _SPARSE, _DENSE
+    if "M_data" in arrays:
+        groups = ("M",), ("q",)
+    elif "W_data" in arrays:
+        groups = ("W",), ("q", "friction", "friction_bias")
+    matrices, dense = groups
+    return {"dimension", *dense, *(f"{name}_{part}" for name in matrices for part in _PARTS)}
+
+
 def _matrix(arrays: dict[str, Array], name: str) -> sparse.csr_array:
-    data, indices, indptr, shape = (arrays[f"{name}_{part}"] for part in ("data", "indices", "indptr", "shape"))
+    data, indices, indptr, shape = (arrays[f"{name}_{part}"] for part in _PARTS)
     try:
         matrix = sparse.csr_array((data, indices, indptr), shape=tuple(int(n) for n in shape))
         matrix.check_format(full_check=True)

@@ -1,11 +1,15 @@
-"""Dense arrays under the field's letters, as np.savez("problem.npz", W=W, q=q, mu=mu, d=3) writes them:
+"""Dense arrays under the field's letters, as np.savez("problem.npz", M=M, N=N, T=T, mu=mu, v=v, b=b) writes them:
 
-    W (nc*d, nc*d), q (nc*d), mu (nc), d                        known by the Delassus matrix; normal first
     M (nv, nv), N (nc, nv), T (nc*(d-1), nv), mu (nc), v (nv)   mass, normals and tangents in rows, free velocity (also vfree);
-        with b (nc), fb (nc), F (nj, nv), bF (nj), d            biases and joints, none if left out; d = 2 if left out
+        with b (nc), fb (nc)                                    normal and friction biases, zero if left out
+        with F (nj, nv), bF (nj)                                joints F v + bF = 0, none if left out; bF zero if left out
+        with d                                                  2 in the plane, 3 in space; 2 if left out
+    W (nc*d, nc*d), q (nc*d), mu (nc), d; with fb (nc)          u = W r + q, rows of a contact normal first
     M (n, n), q (n)                                             an LCP, w = M z + q
 
-mu may be one number for all contacts. N and T may also have the contacts in columns. Of a file with both M and W, M is used.
+mu may be one number for all contacts. N and T may both have the contacts in columns; where both are square, they have rows.
+A file with bodies may also hold their W and q, which are compared with those of the bodies. An array of any other name is
+refused, but for found answers: r, u and names that begin with r_ or u_ are not read.
 """
 
 from collections.abc import Callable
@@ -13,57 +17,106 @@ from typing import Any
 
 import numpy as np
 
+from frictionbench.problems import sizes
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.forms.lcp import LCP
 from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.recorded.names import in_letters, require_known
 
 Arrays = dict[str, Array]
+
+# The letters of the fields of a FrictionProblem, and of its Delassus form.
+BODIES = {
+    "normal": "N",
+    "tangent": "T",
+    "mass": "M",
+    "free_velocity": "v",
+    "friction": "mu",
+    "bias": "b",
+    "friction_bias": "fb",
+    "joints": "F",
+    "joint_bias": "bF",
+    "dimension": "d",
+}
+DELASSUS = {"W": "W", "q": "q", "friction": "mu", "friction_bias": "fb", "dimension": "d"}
+SAME = 1e-6  # of the largest entry: a W and q stored beside bodies may be rounded to so many digits
 
 
 def kind(arrays: Arrays) -> Callable[[Arrays], FrictionProblem | LCP] | None:
     """The function that reads these arrays, None where they are of none of these kinds."""
-    if {"M", "N", "T", "mu"} <= arrays.keys():
+    names = arrays.keys()
+    if names & {"N", "T"}:
         return mechanical
-    if {"W", "q", "mu", "d"} <= arrays.keys():
+    if "W" in names:
         return known_by_delassus
-    return lcp if {"M", "q"} <= arrays.keys() else None
+    return lcp if {"M", "q"} <= names else None
 
 
 def mechanical(arrays: Arrays) -> FrictionProblem:
-    """A problem given by its mechanics. Errors: InputError naming the field."""
-    M, N, T, d = arrays["M"], arrays["N"], arrays["T"], _dimension(arrays)
-    require(N.ndim == T.ndim == M.ndim == 2, "M, N, T", "expected matrices")
-    if N.shape[1] != len(M) == N.shape[0]:
-        N, T = N.T, T.T
-    nc = len(N)
-    require("v" in arrays or "vfree" in arrays, "v", "missing")
-    F = arrays.get("F", np.zeros((0, len(M))))
-    return FrictionProblem(
-        mass=M,
-        normal=N,
-        tangent=T,
-        friction=np.broadcast_to(arrays["mu"], nc) if arrays["mu"].ndim == 0 else arrays["mu"],
-        free_velocity=arrays["v" if "v" in arrays else "vfree"],
-        bias=arrays.get("b", np.zeros(nc)),
-        friction_bias=arrays.get("fb", np.zeros(nc)),
-        joints=F,
-        joint_bias=arrays.get("bF", np.zeros(len(F))),
-        dimension=d,
-    )
+    """A problem given by its mechanics. Errors: InputError naming the array."""
+    require_known(arrays, {*BODIES.values(), "vfree", "W", "q"}, BODIES)
+    require(not {"v", "vfree"} <= arrays.keys(), "vfree", "another name of v, which is given as well")
+    require("F" in arrays or "bF" not in arrays, "bF", "given without F")
+    letters = BODIES | ({"free_velocity": "vfree"} if "vfree" in arrays else {})
+    for letter in (letters[field] for field in ("mass", "normal", "tangent", "friction", "free_velocity")):
+        require(letter in arrays, letter, "missing")
+    d = _dimension(arrays, default=2)
+    fields: dict[str, Any] = {field: arrays.get(letter) for field, letter in letters.items() if field != "dimension"}
+    normal, tangent = _by_rows(arrays["N"], arrays["T"], arrays[letters["free_velocity"]].size)
+    fields |= {"normal": normal, "tangent": tangent}
+    with in_letters(letters):
+        sizes.agree(d, fields, letters)
+        nc = len(normal)
+        fields |= {"friction": _for_each(arrays["mu"], nc), "bias": arrays.get("b", np.zeros(nc))}
+        problem = FrictionProblem(**fields, dimension=d)
+    _compare(problem, arrays)
+    return problem
 
 
 def known_by_delassus(arrays: Arrays) -> FrictionProblem:
-    """A problem in Delassus form. Errors: InputError naming the field."""
-    d, q, mu = _dimension(arrays), arrays["q"], arrays["mu"]
-    return FrictionProblem.from_delassus(arrays["W"], q, np.full(q.size // d, mu) if mu.ndim == 0 else mu, d)
+    """A problem in Delassus form. Errors: InputError naming the array."""
+    require_known(arrays, set(DELASSUS.values()), DELASSUS)
+    for letter in ("q", "mu", "d"):
+        require(letter in arrays, letter, "missing")
+    d, fields = _dimension(arrays), {field: arrays.get(letter) for field, letter in DELASSUS.items() if field != "dimension"}
+    with in_letters(DELASSUS):
+        sizes.agree(d, fields, DELASSUS)
+        return FrictionProblem.from_delassus(**fields | {"friction": _for_each(arrays["mu"], arrays["q"].size // d)}, d=d)
 
 
 def lcp(arrays: Arrays) -> LCP:
-    """A bare LCP. Errors: InputError naming the field."""
-    return LCP(arrays["M"], arrays["q"])
+    """A bare LCP. Errors: InputError naming the array."""
+    require_known(arrays, {"M", "q"})
+    M, q = arrays["M"], arrays["q"]
+    require(M.ndim != 2 or M.shape == (q.size, q.size), "M", f"expected shape {(q.size, q.size)} as q has, got {M.shape}")
+    return LCP(M, q)
 
 
-def _dimension(arrays: dict[str, Any]) -> int:
-    d = arrays.get("d", np.array(2))
+def _by_rows(N: Array, T: Array, nv: int) -> tuple[Array, Array]:
+    """Both with the contacts in rows. Errors: InputError naming the one that is no matrix, or not as the other is."""
+    for name, matrix in {"N": N, "T": T}.items():
+        require(matrix.ndim == 2, name, f"expected a matrix, got shape {matrix.shape}")
+    in_rows, in_columns = ([matrix.shape[axis] == nv != matrix.shape[1 - axis] for matrix in (N, T)] for axis in (1, 0))
+    unlike = ("rows", "columns") if in_rows[1] else ("columns", "rows")
+    require(not (any(in_rows) and any(in_columns)), "T", f"has its contacts in {unlike[0]}, and N in {unlike[1]}")
+    return (N.T, T.T) if any(in_columns) else (N, T)
+
+
+def _for_each(mu: Array, nc: int) -> Array:
+    return np.full(nc, mu) if mu.ndim == 0 else mu
+
+
+def _compare(problem: FrictionProblem, arrays: Arrays) -> None:
+    """Errors: InputError naming W or q where it is given beside bodies and is not theirs."""
+    for name in ("W", "q"):
+        if name in arrays:
+            given, own = arrays[name], problem.W.toarray() if name == "W" else problem.q
+            require(given.shape == own.shape, name, f"expected shape {own.shape} as of the bodies, got {given.shape}")
+            off, most = (float(np.abs(part).max(initial=0.0)) for part in (given - own, own))
+            require(off <= SAME * most, name, f"differs from that of the bodies by up to {off:.2g}; give one of the two")
+
+
+def _dimension(arrays: Arrays, default: int = 0) -> int:
+    d = arrays.get("d", np.array(default))
     require(d.size == 1 and d.ravel()[0] in (2, 3), "d", f"must be 2 or 3, got {d}")
     return int(d.ravel()[0])

@@ -48,9 +48,7 @@ BAD = {
 
 @pytest.mark.parametrize(("name", "value"), [(name, value) for name, values in BAD.items() for value in values])
 def test_bad_field(name, value) -> None:
-    # A wrong length makes other fields' shapes wrong too; the message begins with the field that it is about.
-    blamed = {"friction": "normal|friction|bias|tangent", "free_velocity": "mass|free_velocity"}.get(name, name)
-    with pytest.raises(InputError, match=rf"^({blamed}): "):
+    with pytest.raises(InputError, match=rf"^{name}: "):
         FrictionProblem(**fields(**{name: value}))
 
 
