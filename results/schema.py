@@ -85,11 +85,13 @@ SOLVES = (
         "p0_margin", _real, "1", "least (a - mu |b|)/a over the contacts' blocks of W; below 0 a contact's own LCP is not P0"
     ),
     Column("mass_ratio", _real, "1", "largest effective mass at a contact over the smallest"),
+    Column("largest_friction", _real, "1", "largest coefficient of friction"),
     Column("asymmetry", _real, "1", "largest |W - W'| over the largest |W|, for problems given by W; 0 for mechanical ones"),
     Column(
         "indefiniteness", _real, "1", "estimate of the most negative eigenvalue of W over the largest, for problems given by W"
     ),
     Column("islands", _whole, "", "number of parts of the contact graph, between which W is zero"),
+    Column("island_ratio", _real, "1", "largest over smallest velocity of an island, its largest free contact velocity"),
     Column("trivial", _flag, "", "no contact, no friction, or zero impulses are the answer"),
     Column("idle", _flag, "", "friction is not needed: the answer without friction satisfies Coulomb's law to 1e-8"),
     Column("sticking", _whole, "", "number of contacts that stick in the reference answer; null without one"),

@@ -11,8 +11,9 @@ from frictionbench.solvers import find
 PROBLEM_FACTS = (
     *("problem", "scene", "parameters", "step", "phase", "reference"),
     *("contacts", "dimension", "velocities", "size"),
-    *("rank", "condition", "redundancy", "pointedness", "p0_margin", "mass_ratio", "asymmetry", "indefiniteness"),
-    *("islands", "trivial", "idle", "sticking", "sliding", "open"),
+    *("rank", "condition", "redundancy", "pointedness", "p0_margin", "mass_ratio", "largest_friction"),
+    *("asymmetry", "indefiniteness", "islands", "island_ratio"),
+    *("trivial", "idle", "sticking", "sliding", "open"),
     *("solutions", "outcomes", "existence", "sensitivity", "mode_distance"),
 )
 

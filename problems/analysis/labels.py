@@ -36,10 +36,11 @@ class Labels:
     p0_margin: the least (a - mu |b|)/a over contacts, with a = W_nn and b = W_nt of the contact's own block: a contact alone
     makes a P0 matrix iff it is not negative (in space |b| is a norm, and the margin a lower bound); 1 without contacts.
     mass_ratio: the largest over the smallest effective mass at a contact, 1/s of FrictionProblem.scale; 1 without contacts.
+    largest_friction: the largest coefficient of friction; 0 without contacts.
     asymmetry: the largest entry of |W - W'| over that of |W|, and indefiniteness: the most negative eigenvalue of W's symmetric
     part over the largest, positive where there is one, as estimated by problems.forms.definite; for problems of
     which only W is known, as recorded ones. 0 where the mechanics are given.
-    islands: the number of parts of the contact graph, between which W is zero.
+    islands, island_ratio: see islands().
     trivial: why there is nothing to solve, or "": "no contact", "no friction", or "no impulse" where r = 0 is the answer. Where
     the friction cone of the contacts that are closed at r = 0 is not pointed, as in a jam, r = 0 is one answer of several.
     """
@@ -50,9 +51,11 @@ class Labels:
     pointedness: float
     p0_margin: float
     mass_ratio: float
+    largest_friction: float
     asymmetry: float
     indefiniteness: float
     islands: int
+    island_ratio: float
     trivial: str
 
 
@@ -62,14 +65,25 @@ def labels(problem: FrictionProblem) -> Labels:
     rank, condition = _rank_condition(problem) if nc * d <= DENSE_ROWS else (None, None)
     ratio = problem.scale.max() / problem.scale.min() if nc else 1.0
     size = nc * ((2 if d == 2 else FACETS) + 2)
-    shape = pointedness(problem), p0_margin(problem), float(ratio), *_as_given(problem)
-    return Labels(size, rank, condition, *shape, islands(problem), _trivial(problem))
+    largest = float(problem.friction.max(initial=0.0))
+    shape = pointedness(problem), p0_margin(problem), float(ratio), largest, *_as_given(problem)
+    return Labels(size, rank, condition, *shape, *islands(problem), _trivial(problem))
 
 
-def islands(problem: FrictionProblem) -> int:
-    """The number of parts of the contact graph, between which W is zero."""
-    block = sparse.csr_array(sparse.kron(sparse.eye_array(problem.contacts), np.ones((1, problem.dimension))))
-    return int(connected_components(block @ abs(problem.W) @ block.T, directed=False)[0]) if problem.contacts else 0
+def islands(problem: FrictionProblem) -> tuple[int, float]:
+    """The number of parts of the contact graph, between which W is zero, and the ratio of the fastest to the slowest.
+
+    A part's velocity is its largest free contact velocity |q_i|; parts without any are left out; 1 without contacts.
+    """
+    nc = problem.contacts
+    if not nc:
+        return 0, 1.0
+    block = sparse.csr_array(sparse.kron(sparse.eye_array(nc), np.ones((1, problem.dimension))))
+    count, part = connected_components(block @ abs(problem.W) @ block.T, directed=False)
+    velocity = np.zeros(count)
+    np.maximum.at(velocity, part, np.linalg.norm(problem.q.reshape(nc, -1), axis=1))
+    velocity = velocity[velocity > 0]
+    return int(count), float(velocity.max() / velocity.min()) if len(velocity) else 1.0
 
 
 def _as_given(problem: FrictionProblem) -> tuple[float, float]:

@@ -1,0 +1,54 @@
+"""Random planar contact graphs with local contacts: many bodies, each touching only near ones, without any regular pattern."""
+
+import numpy as np
+from scipy import sparse
+from scipy.spatial import cKDTree
+
+from frictionbench.problems.check import Array
+from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.instances.catalogue import instance
+from frictionbench.problems.parameters import count, number
+from frictionbench.problems.rows import Index64
+
+REACH = 1.05  # of the mean distance of bodies: pairs that may touch
+PAIRS = 1.6  # contacts for each body, as in a disordered packing between isostatic (1.5) and hexagonal (3)
+FRICTION = (0.1, 3.2)  # log-uniform in it
+
+
+@instance
+def local_graph(seed: int = 0, bodies: int = 100, mass_ratio: float = 1.0) -> FrictionProblem:
+    """Planar bodies at random points, touching near ones at random normals: a large irregular contact graph.
+
+    Bodies lie at uniform points of a square with one body per unit area; 1.6 contacts a body, at the midpoints of pairs drawn
+    from those within 1.05; friction is log-uniform in [.1, 3.2], and free velocities are standard normal. mass_ratio: masses
+    are log-uniform in [1, mass_ratio] kg.
+    """
+    nb = count("bodies", bodies, least=8)
+    random = np.random.default_rng([count("seed", seed, least=0), nb])
+    at = random.uniform(0, np.sqrt(nb), (nb, 2))
+    near = np.array(sorted(cKDTree(at).query_pairs(REACH)), dtype=int).reshape(-1, 2)
+    pair = near[np.sort(random.choice(len(near), min(len(near), int(PAIRS * nb)), replace=False))]
+    nc = len(pair)
+    angle = random.uniform(0, 2 * np.pi, nc)
+    normal = np.column_stack([np.cos(angle), np.sin(angle)])
+    tangent = np.column_stack([-normal[:, 1], normal[:, 0]])
+    arm = (at[pair[:, 1]] - at[pair[:, 0]]) / 2
+    least, most = FRICTION
+    mass = number("mass_ratio", mass_ratio, least=1) ** random.random(nb)
+    return FrictionProblem(
+        mass=sparse.diags_array((mass[:, None] * [1.0, 1.0, 0.1]).ravel()),
+        normal=_rows(pair, arm, normal, nb),
+        tangent=_rows(pair, arm, tangent, nb),
+        friction=least * (most / least) ** random.random(nc),
+        free_velocity=random.standard_normal(3 * nb),
+        bias=np.zeros(nc),
+    )
+
+
+def _rows(pair: Index64, arm: Array, along: Array, bodies: int) -> sparse.csr_array:
+    """The rows (nc, 3 nb) of relative velocities along directions (nc, 2): first body, at arm, minus second, at -arm."""
+    turn = arm[:, 0] * along[:, 1] - arm[:, 1] * along[:, 0]
+    value = np.column_stack([along, turn, -along, turn])
+    column = np.column_stack([3 * pair[:, [0]] + np.arange(3), 3 * pair[:, [1]] + np.arange(3)])
+    row = np.repeat(np.arange(len(pair)), 6)
+    return sparse.csr_array((value.ravel(), (row, column.ravel())), shape=(len(pair), 3 * bodies))

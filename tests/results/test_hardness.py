@@ -1,0 +1,45 @@
+"""Labels of hardness: each holds on its side of its threshold, and none where a column was not measured."""
+
+import pytest
+
+from frictionbench.results.hardness import HARDNESS, hardness
+from frictionbench.results.schema import SOLVES
+
+PLANAR = {"contacts": 10, "dimension": 2, "velocities": 30}
+SIDES = {  # for each label a row that has it and one that has not, by as little as the threshold tells apart
+    "masses": ({"mass_ratio": 1e4}, {"mass_ratio": 9.9e3}),
+    "friction": ({"largest_friction": 3.0}, {"largest_friction": 2.9}),
+    "non-P0": ({"p0_margin": -0.5}, {"p0_margin": 0.5}),
+    "near p = 0": ({"p0_margin": 0.01}, {"p0_margin": 0.011}),
+    "jam": ({"pointedness": 2.0}, {"pointedness": 0.0}),
+    "hyperstatic": ({**PLANAR, "redundancy": 5}, {**PLANAR, "redundancy": 4}),
+    "ill-conditioned": ({"condition": 1e8}, {"condition": 9e7}),
+    "sensitive": ({"sensitivity": float("inf")}, {"sensitivity": 9e3}),
+    "several outcomes": ({"outcomes": 2}, {"outcomes": 1}),
+    "unlike islands": ({"islands": 2, "island_ratio": 1e3}, {"islands": 1, "island_ratio": 1e3}),
+    "large": ({"contacts": 100}, {"contacts": 99}),
+}
+
+
+def test_every_label_has_a_test_and_a_meaning() -> None:
+    assert SIDES.keys() == HARDNESS.keys()
+    assert all(one.meaning for one in HARDNESS.values())
+
+
+@pytest.mark.parametrize("label", SIDES)
+def test_threshold(label) -> None:
+    inside, outside = SIDES[label]
+    assert label in hardness(inside)
+    assert label not in hardness(outside)
+
+
+@pytest.mark.parametrize("label", SIDES)
+def test_labels_use_documented_columns_and_need_them_measured(label) -> None:
+    columns = SIDES[label][0].keys()
+    assert columns <= {column.name for column in SOLVES}
+    assert label not in hardness(dict.fromkeys(columns))
+
+
+def test_rank_unknown_is_bounded_by_the_velocities() -> None:
+    assert hardness({"contacts": 80, "dimension": 2, "velocities": 120, "redundancy": None}) == ("hyperstatic",)
+    assert hardness({"contacts": 80, "dimension": 2, "velocities": 121, "redundancy": None}) == ()
