@@ -15,6 +15,7 @@ from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.sheets import BANDS
 from frictionbench.reports.drawing.tiles import Drawing
+from frictionbench.reports.hard import HardShares, hard_shares
 from frictionbench.reports.headline import MUCH_FORM, headline
 from frictionbench.reports.recorded import Recorded, recorded_problems
 from frictionbench.reports.reliability import sentences
@@ -118,6 +119,7 @@ class Page:
     marks: Marks
     charts: dict[str, list[tuple[Chart, Sequence[Panel] | Sequence[Drawing]]]]
     solved: Solved
+    hard: HardShares | None
     maps: Maps
     times: Times
     recorded: list[Recorded]
@@ -142,6 +144,7 @@ def view(run: Run, animations: Sequence[Animation] = ()) -> Page:
         marks=Marks(_families(run), _but_the_best(run, FEW, FEW + 2), _but_the_best(run, BANDS, BANDS)),
         charts=_charts(run),
         solved=_solved(run),
+        hard=hard_shares(run),
         maps=_maps(run),
         times=_times(run),
         recorded=recorded_problems(run),

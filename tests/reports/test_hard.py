@@ -1,0 +1,41 @@
+"""The shares of problems solved, by what makes them hard."""
+
+import pytest
+
+from frictionbench.reports.hard import hard_shares
+from frictionbench.reports.page import write_report
+from frictionbench.reports.run import read_run
+from tests.helpers.made_results import solve_row, unanswered_row, write_folder
+
+HEAVY, LARGE = {"mass_ratio": 1e6}, {"contacts": 200}
+ROWS = [
+    solve_row("one", "a", **HEAVY),
+    solve_row("one", "b", step=1, **HEAVY, **LARGE),
+    solve_row("one", "c", step=2),
+    solve_row("two", "a", verdict="wrong", residual=1.0, **HEAVY),
+    solve_row("two", "b", step=1, **HEAVY, **LARGE),
+    unanswered_row("two", "c", "timeout", step=2),
+    unanswered_row("three", "a", "skipped", **HEAVY),
+]
+
+
+def test_shares_by_label(tmp_path) -> None:
+    found = hard_shares(read_run(write_folder(tmp_path, ROWS)))
+    assert found is not None
+    assert found.problems == {"all": 3, "masses": 2, "large": 1, "none of these": 1}
+    table = found.table.set_index("label")
+    assert list(table.index) == ["one", "two"]  # a solver that was skipped everywhere has no share
+    assert table.loc["one"].to_list() == [1, 1, 1, 1]
+    assert table.loc["two"].to_list() == pytest.approx([1 / 3, 1 / 2, 1, 0])
+
+
+def test_no_table_without_labels(tmp_path) -> None:
+    folder = write_folder(tmp_path, [solve_row("one", "a")])
+    assert hard_shares(read_run(folder)) is None
+    assert 'id="hard"' not in write_report(folder).read_text(encoding="utf-8")
+
+
+def test_the_page_has_the_table(tmp_path) -> None:
+    page = write_report(write_folder(tmp_path, ROWS)).read_text(encoding="utf-8")
+    assert 'id="hard"' in page
+    assert "differ by 1e4 or more" in page
