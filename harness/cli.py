@@ -82,6 +82,8 @@ def run(
     variants, plugins = load_plugins(solver or [])
     plan = choose(suite, scene or [], variants, tol, time_limit, plugins, tuple(data or ()))
     folder = out or folder_for(plan)
+    if plan.expects:
+        typer.echo(f"{plan.suite} takes {plan.expects} with one worker on two cores", err=True)
     with _resumable(folder):
         if retake:
             drop_disturbed(plan, folder)

@@ -36,7 +36,7 @@ def record_histories(plan: Plan, folder: Path, records: Iterable[Record], pool: 
     }
     tasks = [
         Task(f"convergence history of {variant}", worker.run_history, (name, variant, tol, LIMIT), LIMIT, plan.owner(variant))
-        for variant in sorted(plan.solvers, key=plan.owner)
+        for variant in sorted(plan.variants, key=plan.owner)
         for name in problems
         if (name, variant) in solved
     ]

@@ -118,7 +118,7 @@ def open_folder(plan: Plan, folder: Path) -> None:
 
 def _descriptions(plan: Plan) -> dict[str, str]:
     """The docstrings of our solvers' files and classes, for the report; plug-ins are not imported in this process."""
-    variants = dict.fromkeys(variant for variant in (*plan.solvers, *plan.simulation_solvers) if not plan.owner(variant))
+    variants = [variant for variant in plan.variants if not plan.owner(variant)]
     makes = {variant: find(variant)[0].make for variant in variants}
     docstrings = {variant: (sys.modules[make.__module__].__doc__, make.__doc__) for variant, make in makes.items()}
     return {variant: "\n\n".join(cleandoc(text) for text in texts if text) for variant, texts in docstrings.items()}

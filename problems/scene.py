@@ -28,7 +28,8 @@ GRAVITY = 9.81
 class Scene:
     """nb bodies, nv = 3 nb coordinates and velocities.
 
-    q0, v0: (nv,), the initial state; by default at rest. friction: mu of every contact. restitution: e in [0, 1], of every
+    q0, v0: (nv,), the initial state; by default at rest. friction: mu of contacts between bodies of roughness 1, see
+    coefficients. restitution: e in [0, 1], of every
     contact. gravity: m/s^2, a vector. step: h, s. duration: T, s. name and parameters: the generator's and its arguments.
     Errors: InputError naming the field.
     """
@@ -66,6 +67,15 @@ class Scene:
     def weights(self) -> Array:
         """The diagonal (nv,) of the mass matrix: kg, kg, kg m^2 per body."""
         return np.array([[body.mass, body.mass, body.inertia] for body in self.bodies]).reshape(-1)
+
+    @cached_property
+    def _roughness(self) -> Array:
+        """That of every body, and last that of the obstacles, whose index is -1."""
+        return np.array([*(body.roughness for body in self.bodies), 1.0])
+
+    def coefficients(self, contacts: Contacts) -> Array:
+        """mu of each contact (nc,): `friction` times the geometric mean of its two bodies' roughness, 1 for an obstacle."""
+        return np.asarray(self.friction * np.sqrt(self._roughness[contacts.bodies].prod(axis=1)))
 
     @cached_property
     def mass(self) -> sparse.csr_array:
@@ -115,7 +125,7 @@ class Scene:
             mass=self.mass,
             normal=contacts.normal_rows,  # as plain arrays
             tangent=contacts.tangent_rows,
-            friction=np.full(nc, self.friction),
+            friction=self.coefficients(contacts),
             free_velocity=free_velocity,
             bias=np.broadcast_to(bias, nc),
             friction_bias=np.broadcast_to(friction_bias, nc),

@@ -70,10 +70,11 @@ def _suites() -> Iterator[Item]:
             "sources of problems": plan.sources,
             "simulations": plan.simulations,
             "maps": plan.maps,
-            "solvers": plan.solvers,
+            "solvers": plan.variants,
         }
         numbers = ", ".join(f"{what}: {len(part)}" for what, part in parts.items() if part)
-        yield name, [(make.__doc__ or "").strip(), f"{numbers}; tolerances: {tolerances}"]
+        takes = f"takes {plan.expects} with one worker on two cores" if plan.expects else ""
+        yield name, [(make.__doc__ or "").strip(), f"{numbers}; tolerances: {tolerances}", takes]
 
 
 def _short(value: Any) -> str:

@@ -35,14 +35,15 @@ def choose(
             sources=tuple(s for met, _, _ in chosen for s in met),
             simulations=tuple(s for _, simulated, _ in chosen for s in simulated),
             maps=tuple(spec for _, _, mapped in chosen for spec in mapped),
+            expects="",
         )
     if variants:
-        plan = replace(plan, solvers=variants, simulation_solvers=variants, plugins=plugins)
+        plan = replace(plan, solvers=variants, spatial_solvers=(), simulation_solvers=variants, plugins=plugins, expects="")
     if tol is not None:
         plan = replace(plan, tolerances=tolerances(tol))
     if time_limit is not None:
         plan = replace(plan, time_limit=time_limit)
-    for variant in {*plan.solvers, *plan.simulation_solvers}:
+    for variant in plan.variants:
         if not plan.owner(variant):
             find(variant)
     return plan

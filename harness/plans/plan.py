@@ -109,6 +109,9 @@ class Plugin:
 class Plan:
     """What a run does; times in seconds, memory in bytes. Simulations have one tolerance, simulation_tol.
 
+    spatial_solvers: for problems in space, in place of `solvers`; the same if empty. expects: how long the run takes on two
+    cores with one worker, for people; not a setting.
+
     map_sources, map_simulations: the problems and simulations at the maps' grid points so far (harness.run_maps). They are not
     settings, because they follow from the maps and from the rows found.
     """
@@ -117,6 +120,7 @@ class Plan:
     sources: tuple[Source, ...]
     solvers: tuple[str, ...]
     tolerances: tuple[float, ...]
+    spatial_solvers: tuple[str, ...] = ()
     starts: tuple[str, ...] = (COLD,)
     simulations: tuple[Source, ...] = ()
     simulation_solvers: tuple[str, ...] = ()
@@ -128,6 +132,7 @@ class Plan:
     simulation_limit: float = 60.0
     memory_limit: int = MEMORY_LIMIT
     plugins: tuple[Plugin, ...] = ()
+    expects: str = ""
     map_sources: tuple[Source, ...] = ()
     map_simulations: tuple[SimulationCell, ...] = ()
 
@@ -140,14 +145,14 @@ class Plan:
     def settings(self) -> dict[str, Any]:
         """The plan as plain values, for the manifest: two runs with the same settings have the same cells."""
         values = json.loads(json.dumps(asdict(self)))
-        return {name: value for name, value in values.items() if name not in ("map_sources", "map_simulations")}
+        return {name: value for name, value in values.items() if name not in ("expects", "map_sources", "map_simulations")}
 
     def solve_cells(self, records: Iterable[dict[str, Any]]) -> list[SolveCell]:
         """The cells of every problem with every solver, available start and tolerance, the loosest first."""
         return [
             SolveCell(record["problem"], origin(record), variant, tol, start)
             for record in records
-            for variant in self.solvers
+            for variant in self.lineup(record["dimension"])
             for start in self.starts
             if start in record["starts"]
             for tol in sorted(record.get("tolerances") or self.tolerances, reverse=True)
@@ -165,6 +170,15 @@ class Plan:
         ]
         return [*simulated, *self.map_simulations]
 
+    def lineup(self, dimension: int | None) -> tuple[str, ...]:
+        """The solvers of problems of this dimension; None for a bare LCP."""
+        return (self.spatial_solvers if dimension == 3 else ()) or self.solvers
+
+    @property
+    def variants(self) -> tuple[str, ...]:
+        """All solvers of problems and simulations, each once."""
+        return tuple(dict.fromkeys((*self.solvers, *self.spatial_solvers, *self.simulation_solvers)))
+
     def owner(self, variant: str) -> str:
         """The owner of a variant among the plan's plug-ins."""
         return owner(variant, self.plugins)
@@ -172,7 +186,7 @@ class Plan:
     @property
     def polygons(self) -> bool:
         """Whether solvers with polygons in place of the friction cone are among them."""
-        return any("facets=" in variant for variant in self.solvers)
+        return any("facets=" in variant for variant in self.variants)
 
     def shown(self) -> list[Source]:
         """The motions to record for the report: every simulation, and a short motion of each other scene."""

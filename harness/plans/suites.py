@@ -1,7 +1,8 @@
 """The suites: named plans."""
 
+from frictionbench.harness.plans import families
 from frictionbench.harness.plans.atlas import ATLAS
-from frictionbench.harness.plans.lineups import EXACT, LADDER, OTHERS, RELAXED
+from frictionbench.harness.plans.lineups import EXACT, LADDER, OTHERS, RELAXED, SPATIAL
 from frictionbench.harness.plans.peers import peers
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.plans.recorded import abh2018, recorded, spatial
@@ -18,70 +19,56 @@ FAILING = (  # simulations in which some methods fail to solve steps
     Source("three_blocks", {}, steps=200),
     Source("multiple_collisions", {}, steps=200),
 )
+STEPS = (  # motions whose steps are problems: as many of each as a family of one step has
+    Source("long_bar", {"friction": 0.2}, pick=2),
+    Source("two_blocks", {"friction": 0.1}, pick=2),
+    Source("three_blocks", {}, pick=2),
+    Source("multiple_collisions", {}, pick=2),
+    Source("several_blocks", {}, pick=2),
+    Source("slider_crank", {}, pick=2, steps=200),
+)
 EXAMPLES = tuple(f"example_{i}" for i in range(1, 8))
 
 
 def smoke() -> Plan:
-    """A short check of everything, in under a minute: a few small problems and a short simulation."""
+    """A short check of everything, in under a minute: a few small problems, planar and spatial, and a short simulation."""
     return Plan(
         suite="smoke",
         sources=(
             Source("long_bar", {"friction": 0.2}, pick=2, steps=60),
             Source("two_blocks", {"friction": 0.1}, pick=2, steps=100),
-            Source("stack", {"blocks": 1}),
-            Source("stack", {"blocks": 5}),
-            Source("pyramid", {"rows": 3}),
             Source("painleve_rod", {}),
+            Source("stack", {"blocks": 5}),
+            Source("pyramid", {"rows": 3, "push": 0.0, "slope": 0.3}),
+            Source("house_of_cards", {"storeys": 2, "friction": 0.12}),
+            Source("cubes", {"boxes": 2, "push": 0.1, "twist": 1.0, "fall": 1.0}),
+            Source("random_bodies", {"contacts": 20}),
         ),
         solvers=(*EXACT, *RELAXED),
+        spatial_solvers=SPATIAL,
         tolerances=(1e-4, 1e-8),
         simulations=(Source("two_blocks", {"friction": 0.1}, steps=100),),
         simulation_solvers=(*EXACT, "ccp[backend=clarabel]"),
         time_limit=2.0,
         simulation_limit=20.0,
+        expects="half a minute",
     )
 
 
 def standard() -> Plan:
-    """A first comparison: the main solvers on sliding, stacked, ill-conditioned and random problems, in under five minutes on
-    two cores."""
-    sliding = (
-        Source("long_bar", {"friction": 0.05}, pick=5),
-        Source("long_bar", {"friction": 0.2}, pick=5),
-        Source("two_blocks", {"friction": 0.02}, pick=4),
-        Source("two_blocks", {"friction": 0.1}, pick=4),
-        Source("three_blocks", {}, pick=5),
-        Source("multiple_collisions", {}, pick=5),
-        Source("several_blocks", {}, pick=5),
-    )
-    at_rest = tuple(
-        Source(name, {size: n, "friction": mu})
-        for name, size, numbers in (
-            ("stack", "blocks", (1, 2, 5, 10, 20, 50)),
-            ("pyramid", "rows", (3, 5, 8)),
-            ("wall", "rows", (3, 5, 8)),
-        )
-        for n in numbers
-        for mu in (0.05, 0.5)
-    )
-    heavy = tuple(Source("stack", {"blocks": 5, "mass_ratio": ratio}) for ratio in (1e2, 1e4, 1e6))
-    rods = tuple(Source("painleve_rod", {"friction": mu}) for mu in (0.5, 1.5, 2.5))
-    corners = tuple(Source("two_corner_block", {"friction": mu, "fall": 1.0}) for mu in (0.5, 2.0))
-    single = (
-        *(Source("stopping_block", {}, pick=2), Source("jam", {}, pick=2), Source("wedge", {}, pick=2)),
-        *(Source("redundant_table", {"speed": 1.0}, pick=2), Source("slider_crank", {}, pick=3, steps=200)),
-    )
-    random = tuple(Source("random", {"seed": seed, "contacts": n}) for n in (3, 10, 30) for seed in range(4))
-    simulations = (*sliding, Source("stack", {"blocks": 5}, steps=50), Source("pyramid", {"rows": 3}, steps=50))
+    """A first comparison, in the plane and in space: the main solvers on sticking, sliding and colliding contacts of all sizes,
+    in under five minutes."""
     return Plan(
         suite="standard",
-        sources=(*sliding, *at_rest, *heavy, *rods, *corners, *single, *random),
+        sources=(*STEPS, *families.sources(*families.PLANE, *families.SPACE)),
         solvers=(*EXACT, *RELAXED),
+        spatial_solvers=SPATIAL,
         tolerances=LADDER,
-        simulations=simulations,
+        simulations=STEPS,
         simulation_solvers=(*EXACT, *RELAXED),
         time_limit=2.0,
         simulation_limit=60.0,
+        expects="three minutes",
     )
 
 

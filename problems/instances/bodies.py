@@ -25,11 +25,13 @@ def touching(
     velocity: Array,
     friction: float | Array,
     bias: Array | None = None,
+    joints: sparse.csr_array | None = None,
 ) -> FrictionProblem:
     """The problem of nc contacts between nb bodies.
 
     bodies: (nc, 2), the second may be GROUND. arms: (nc, 2, 3). frame: (nc, 3, 3), rows n, t1, t2. weights: (nb, 6), the mass
     matrix's diagonal. velocity: (nb, 6), the free one. friction: one for all or (nc,). bias: (nc,), none by default.
+    joints: (nj, 6 nb), none by default.
     """
     nc, nb = len(bodies), len(weights)
     row, column, value = [], [], []
@@ -49,6 +51,8 @@ def touching(
         friction=np.broadcast_to(friction, nc),
         free_velocity=velocity.ravel(),
         bias=np.zeros(nc) if bias is None else bias,
+        joints=joints,
+        joint_bias=None if joints is None else np.zeros(joints.shape[0]),
         dimension=3,
     )
 

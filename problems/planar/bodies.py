@@ -46,15 +46,18 @@ class Shape:
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """mass: kg. inertia: kg m^2 about the centre of mass, which is the origin of the shapes' frame."""
+    """mass: kg. inertia: kg m^2 about the centre of mass, which is the origin of the shapes' frame. roughness: relative to that
+    of an obstacle (Scene.coefficients)."""
 
     mass: float
     inertia: float
     shapes: tuple[Shape, ...]
+    roughness: float = 1.0
 
     def __post_init__(self) -> None:
         require(0 < self.mass < np.inf, "mass", f"must be positive, got {self.mass!r}")
         require(0 < self.inertia < np.inf, "inertia", f"must be positive, got {self.inertia!r}")
+        require(0 <= self.roughness < np.inf, "roughness", f"must not be negative, got {self.roughness!r}")
 
 
 def box(width: float, height: float, centre: Sequence[float] = (0.0, 0.0)) -> Shape:
@@ -79,10 +82,10 @@ def hollow(radius: float, centre: Sequence[float] = (0.0, 0.0)) -> Shape:
     return Shape(np.array([centre]), -radius, endless=True)
 
 
-def rigid_box(width: float, height: float, density: float = 1.0) -> Body:
+def rigid_box(width: float, height: float, density: float = 1.0, roughness: float = 1.0) -> Body:
     """A homogeneous rectangle; density in kg/m^2."""
     mass = density * width * height
-    return Body(mass, mass * (width**2 + height**2) / 12, (box(width, height),))
+    return Body(mass, mass * (width**2 + height**2) / 12, (box(width, height),), roughness)
 
 
 def rigid_rod(half_length: float, mass: float = 1.0) -> Body:
@@ -94,6 +97,16 @@ def rigid_disc(radius: float, density: float = 1.0) -> Body:
     """A homogeneous disc; density in kg/m^2."""
     mass = density * np.pi * radius**2
     return Body(mass, mass * radius**2 / 2, (Shape(np.zeros((1, 2)), radius),))
+
+
+def homogeneous(corners: Array) -> tuple[Body, Array]:
+    """The body of density 1 kg/m^2 of a convex polygon (k, 2), and its centre of mass (2,), by triangles at the origin."""
+    a, b = corners, np.roll(corners, -1, axis=0)
+    twice = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    mass = twice.sum() / 2
+    centre = ((a + b) * twice[:, None]).sum(axis=0) / (6 * mass)
+    about_origin = (twice * (a * a + a * b + b * b).sum(axis=1)).sum() / 12
+    return Body(float(mass), float(about_origin - mass * centre @ centre), (Shape(corners - centre),)), centre
 
 
 class Geometry:

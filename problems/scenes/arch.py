@@ -3,7 +3,7 @@
 import numpy as np
 
 from frictionbench.problems.parameters import count, number
-from frictionbench.problems.planar.bodies import Body, Shape, half_plane
+from frictionbench.problems.planar.bodies import half_plane, homogeneous
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.scenes.catalogue import generator
 
@@ -22,8 +22,8 @@ def arch(
     inner, outer = 1 - thick / 2, 1 + thick / 2
     corners = np.array([[outer, -half], [outer, half], [inner, half], [inner, -half]])
     stone = corners[:, :1] * np.column_stack([np.cos(corners[:, 1]), np.sin(corners[:, 1])])
-    mass, centre, inertia = _homogeneous(stone)
-    bodies = tuple(Body(mass, inertia, (Shape(stone - centre),)) for _ in range(n))
+    body, centre = homogeneous(stone)
+    bodies = (body,) * n
     turn = np.pi - half * (2 * np.arange(n) + 1)
     velocity = np.zeros((n, 3))
     velocity[n // 2, 0] = number("push", push)
@@ -36,13 +36,3 @@ def arch(
         step=step,
         duration=duration,
     )
-
-
-def _homogeneous(corners: np.ndarray) -> tuple[float, np.ndarray, float]:
-    """Mass, centre and inertia about it of a polygon (k, 2) of density 1, by triangles at the origin."""
-    a, b = corners, np.roll(corners, -1, axis=0)
-    twice = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
-    mass = twice.sum() / 2
-    centre = ((a + b) * twice[:, None]).sum(axis=0) / (6 * mass)
-    about_origin = (twice * (a * a + a * b + b * b).sum(axis=1)).sum() / 12
-    return float(mass), centre, float(about_origin - mass * centre @ centre)

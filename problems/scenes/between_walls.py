@@ -25,7 +25,8 @@ def jam(
     The normals cancel, so normal impulses of any size have no effect, and the friction cone is not pointed. The solutions are
     not unique, and their set is not convex: with V = speed - g h, normal impulses c = s V/(2 mu) on both walls slow the disc to
     (1-s) V, for s in [0, 1], and any larger ones stop it (page 22 of Anitescu 1999). overlap: m, by which the walls overlap the
-    disc, so that a scheme on gaps has no solution; negative for a gap. speed, sideways: m/s, up and to the right.
+    disc, so that a scheme on gaps has no solution; negative for a gap. speed, sideways: m/s, up and to the right. With
+    sideways = 0 no impulse at all is one of the answers of the first step; at a wall that the disc hits friction must act.
     """
     squeeze = number("overlap", overlap, least=-RADIUS, most=RADIUS) / 2
     return Scene(
@@ -44,22 +45,23 @@ def wedge(
     angle: float = 0.5,
     friction: float = 0.3,
     speed: float = 1.0,
+    spin: float = 5.0,
     depth: float = 0.0,
     step: float = 0.01,
     duration: float = 1.0,
 ) -> Scene:
-    """A disc of 1 kg hits both walls of an upright wedge at once and stops.
+    """A spinning disc of 1 kg hits both walls of an upright wedge at once.
 
-    It stops in every solution, u = 0. The impulses are bounded for friction < tan(angle); above it the walls can press
-    against each other through the disc, which jams. angle: rad, of each wall from the vertical. speed: m/s, downwards.
-    depth: m, by which the disc overlaps both walls at first.
+    Without a spin it stops in every solution, u = 0, and friction has nothing to do. The impulses are bounded for
+    friction < tan(angle); above it the walls can press against each other through the disc, which jams. angle: rad, of each
+    wall from the vertical. speed: m/s, downwards. spin: rad/s. depth: m, by which the disc overlaps both walls at first.
     """
     angle = number("angle", angle, above=0, most=1.5)
     return Scene(
         bodies=(rigid_disc(RADIUS, DENSITY),),
         obstacles=(half_plane(slope=angle - np.pi / 2), half_plane(slope=np.pi / 2 - angle)),
         q0=np.array([0.0, (RADIUS - number("depth", depth, least=0, most=RADIUS)) / np.sin(angle), 0.0]),
-        v0=np.array([0.0, -number("speed", speed), 0.0]),
+        v0=np.array([0.0, -number("speed", speed), number("spin", spin)]),
         friction=friction,
         step=step,
         duration=duration,

@@ -10,12 +10,13 @@ from frictionbench.problems.scenes.catalogue import generator
 
 @generator()
 def redundant_table(
-    legs: int = 4, friction: float = 0.5, speed: float = 0.0, step: float = 0.01, duration: float = 1.0
+    legs: int = 4, friction: float = 0.5, speed: float = 1.0, step: float = 0.01, duration: float = 1.0
 ) -> Scene:
     """A table on a row of legs: the distribution of its weight over the legs is not determined.
 
     Only the resultant m g h, its moment about the middle and the velocity are. While it slides, friction mu m g decelerates
-    it. The top is 4 by 0.2, its middle 1 m above the ground; the legs have no mass. speed: m/s, to the right.
+    it. The top is 4 by 0.2, its middle 1 m above the ground; the legs have no mass. speed: m/s, to the right; with 0 it rests,
+    and friction has nothing to do.
     """
     feet = np.linspace(-1.5, 1.5, count("legs", legs, least=2))
     mass = 4.0 * 0.2

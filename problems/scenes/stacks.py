@@ -1,10 +1,15 @@
-"""A stack, a brick wall and a pyramid of boxes: many contacts, exact ties, more contacts than degrees of freedom."""
+"""A stack, a brick wall and a pyramid of boxes: many contacts, exact ties, more contacts than degrees of freedom.
+
+Each is pushed by default: at rest on level ground friction has nothing to do. Friction alone holds them up where the ground
+slopes, and stops them where they slide or fall.
+"""
 
 import numpy as np
 
+from frictionbench.problems.check import Array
 from frictionbench.problems.parameters import count, number
-from frictionbench.problems.planar.bodies import half_plane, rigid_box
-from frictionbench.problems.scene import Scene
+from frictionbench.problems.planar.bodies import Body, half_plane, rigid_box, rigid_disc
+from frictionbench.problems.scene import GRAVITY, Scene
 from frictionbench.problems.scenes.catalogue import generator
 
 
@@ -12,76 +17,126 @@ from frictionbench.problems.scenes.catalogue import generator
 def stack(
     blocks: int = 10,
     friction: float = 0.5,
+    smooth: float = 1.0,
     mass_ratio: float = 1.0,
-    push: float = 0.0,
+    push: float = 1.0,
     shear: float = 0.0,
+    slope: float = 0.0,
+    fall: float = 0.0,
     jitter: float = 0.0,
     step: float = 0.01,
 ) -> Scene:
     """A straight stack of unit boxes, the lowest pushed sideways.
 
     With push = 0 it rests, and the two contacts of interface i together carry the weight of all boxes above it: with equal
-    masses, m g h (blocks - i). mass_ratio: the densities grow by one factor from each box to the next, the topmost box having
+    masses, m g h (blocks - i). smooth: the roughness of every third and fourth box, that of the others 1, so that the friction
+    of interfaces differs. mass_ratio: the densities grow by one factor from each box to the next, the topmost box having
     mass_ratio times the lowest one's: large ones slow down iterations over contacts. push: m/s, of the lowest box. shear:
-    1/s, velocities increase with height by so much. jitter: the relative random variation of the boxes' masses and
-    of their offsets; with 0 every contact is an exact tie.
+    1/s, velocities increase with height by so much. slope: rad, of the ground, downhill to the right, in a frame that is tilted
+    with it. fall: m/s, downwards. jitter: the relative random variation of the boxes' masses and of their offsets; with 0 every
+    contact is an exact tie.
     """
     n = count("blocks", blocks)
-    ratio = number("mass_ratio", mass_ratio, above=0)
+    ratio, roughness = number("mass_ratio", mass_ratio, above=0), number("smooth", smooth, least=0)
     level = np.arange(n)
     aside, heavier = number("jitter", jitter, least=0, most=0.4) * np.random.default_rng(0).uniform(-1, 1, (n, 2)).T + 0.0
     density = ratio ** (level / max(n - 1, 1)) * (1 + heavier)
-    velocity = np.zeros((n, 3))
-    velocity[:, 0] = number("shear", shear) * (level + 0.5)
-    velocity[0, 0] += number("push", push)
-    return Scene(
-        bodies=tuple(rigid_box(1.0, 1.0, float(rho)) for rho in density),
-        obstacles=(half_plane(),),
-        q0=np.column_stack([aside, level + 0.5, np.zeros(n)]),
-        v0=velocity,
-        friction=friction,
-        step=step,
+    place = np.column_stack([aside, level + 0.5, np.zeros(n)])
+    bodies = tuple(
+        rigid_box(1.0, 1.0, float(rho), 1.0 if i % 4 < 2 else roughness) for i, rho in zip(level, density, strict=True)
     )
+    return _pile(bodies, place, 0, friction, push, shear, slope, fall, step)
 
 
 @generator()
-def wall(rows: int = 5, columns: int = 5, friction: float = 0.5, push: float = 0.0, step: float = 0.01) -> Scene:
+def wall(
+    rows: int = 5,
+    columns: int = 5,
+    friction: float = 0.5,
+    push: float = 1.0,
+    shear: float = 0.0,
+    slope: float = 0.0,
+    fall: float = 0.0,
+    step: float = 0.01,
+) -> Scene:
     """A brick wall in running bond, bricks 2 by 1, flush on all sides, the lowest left one pushed towards the others.
 
     With push = 0 it rests. Every second row has one brick fewer, so that no brick overhangs. Each contact is an exact tie.
-    push: m/s, of the lowest left brick.
+    push: m/s, of the lowest left brick. shear, slope, fall: as of the stack.
     """
     rows, columns = count("rows", rows), count("columns", columns, least=2)
-    place = [(2.0 * i + (row % 2), row + 0.5, 0.0) for row in range(rows) for i in range(columns - row % 2)]
-    velocity = np.zeros((len(place), 3))
-    velocity[0, 0] = number("push", push)
-    return Scene(
-        bodies=tuple(rigid_box(2.0, 1.0) for _ in place),
-        obstacles=(half_plane(),),
-        q0=np.array(place),
-        v0=velocity,
-        friction=friction,
-        step=step,
-    )
+    place = np.array([(2.0 * i + (row % 2), row + 0.5, 0.0) for row in range(rows) for i in range(columns - row % 2)])
+    bodies = tuple(rigid_box(2.0, 1.0) for _ in place)
+    return _pile(bodies, place, 0, friction, push, shear, slope, fall, step)
 
 
 @generator()
-def pyramid(rows: int = 5, friction: float = 0.5, push: float = 0.0, shear: float = 0.0, step: float = 0.01) -> Scene:
+def pyramid(
+    rows: int = 5,
+    friction: float = 0.5,
+    push: float = 1.0,
+    shear: float = 0.0,
+    slope: float = 0.0,
+    fall: float = 0.0,
+    step: float = 0.01,
+) -> Scene:
     """A pyramid of unit boxes, each resting on two that stand apart, the topmost pushed sideways.
 
-    With push = 0 it rests. The boxes of a row are 0.2 apart. push: m/s, of the topmost box. shear: 1/s, velocities
-    increase with height by so much.
+    With push = 0 it rests. The boxes of a row are 0.2 apart. push: m/s, of the topmost box. shear, slope, fall: as of the
+    stack.
     """
     rows = count("rows", rows)
-    place = [(1.2 * (i + row / 2), row + 0.5, 0.0) for row in range(rows) for i in range(rows - row)]
-    velocity = np.zeros((len(place), 3))
-    velocity[:, 0] = number("shear", shear) * np.array(place)[:, 1]
-    velocity[-1, 0] += number("push", push)
+    place = np.array([(1.2 * (i + row / 2), row + 0.5, 0.0) for row in range(rows) for i in range(rows - row)])
+    bodies = tuple(rigid_box(1.0, 1.0) for _ in place)
+    return _pile(bodies, place, -1, friction, push, shear, slope, fall, step)
+
+
+@generator()
+def disc_pile(
+    rows: int = 5,
+    friction: float = 0.5,
+    push: float = 0.0,
+    shear: float = 0.0,
+    slope: float = 0.0,
+    fall: float = 0.0,
+    mass_ratio: float = 1.0,
+    step: float = 0.01,
+) -> Scene:
+    """A triangular pile of discs, each on two, that friction holds together: without it the pile spreads at once.
+
+    The discs have the diameter 1 and touch their neighbours in the row. mass_ratio: masses are log-uniform, at random, in
+    [1, mass_ratio] of those of density 1. push: m/s, of the topmost disc. shear, slope, fall: as of the stack.
+    """
+    rows = count("rows", rows)
+    place = np.array([(i + row / 2, 0.5 + row * np.sqrt(0.75), 0.0) for row in range(rows) for i in range(rows - row)])
+    density = number("mass_ratio", mass_ratio, least=1) ** np.random.default_rng(0).random(len(place))
+    bodies = tuple(rigid_disc(0.5, float(rho)) for rho in density)
+    return _pile(bodies, place, -1, friction, push, shear, slope, fall, step)
+
+
+def _pile(
+    bodies: tuple[Body, ...],
+    place: Array,
+    pushed: int,
+    friction: float,
+    push: float,
+    shear: float,
+    slope: float,
+    fall: float,
+    step: float,
+) -> Scene:
+    """Bodies at their places (n, 3) on the ground, one of them pushed; see stack."""
+    velocity = np.zeros(place.shape)
+    velocity[:, 0] = number("shear", shear) * place[:, 1]
+    velocity[:, 1] = -number("fall", fall)
+    velocity[pushed, 0] += number("push", push)
+    slope = number("slope", slope, least=-1.5, most=1.5)
     return Scene(
-        bodies=tuple(rigid_box(1.0, 1.0) for _ in place),
+        bodies=bodies,
         obstacles=(half_plane(),),
-        q0=np.array(place),
+        q0=place,
         v0=velocity,
         friction=friction,
+        gravity=(GRAVITY * np.sin(slope), -GRAVITY * np.cos(slope)),
         step=step,
     )

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from frictionbench.problems.planar.bodies import Body, Shape
+from frictionbench.problems.planar.bodies import Shape
 from frictionbench.problems.planar.joints import Hinge
 from frictionbench.problems.scene import Scene
 
@@ -22,7 +22,10 @@ def in_units(scene: Scene, mass: float, length: float) -> Scene:
     return replace(
         scene,
         bodies=tuple(
-            Body(body.mass * mass, body.inertia * mass * length**2, tuple(map(scaled, body.shapes))) for body in scene.bodies
+            replace(
+                body, mass=body.mass * mass, inertia=body.inertia * mass * length**2, shapes=tuple(map(scaled, body.shapes))
+            )
+            for body in scene.bodies
         ),
         obstacles=tuple(map(scaled, scene.obstacles)),
         hinges=tuple(Hinge(hinge.bodies, hinge.points * length) for hinge in scene.hinges),

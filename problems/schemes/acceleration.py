@@ -49,7 +49,7 @@ def acceleration(scene: Scene, now: Step, solve: Solve) -> Step:
     problem = scene.friction_problem(q, free, contacts, bias=h * normal_rate, joint_bias=h * joint_rate)
 
     slip, push = contacts.tangent @ v, np.abs(problem.jacobian @ (free - v)).max(initial=0.0)
-    slides = np.abs(slip) > (1 + scene.friction) * push + scene.touch / h
+    slides = np.abs(slip) > (1 + scene.coefficients(contacts)) * push + scene.touch / h
     speed = SWIFT * (np.abs(problem.jacobian @ v).max(initial=0.0) + push)
     if slides.any():
         problem = _on_belts(problem, np.flatnonzero(slides), speed * np.sign(slip[slides]), scene.weights.max())

@@ -27,6 +27,6 @@ def impact(scene: Scene, q: Array, v: Array, contacts: Contacts, solve: Solve) -
         return [compression], v
     returned = scene.restitution * compression.impulse[:, 0].clip(min=0)
     thrown = v + (contacts.normal.T @ returned) / scene.weights
-    rebound = scene.friction_problem(q, thrown, contacts, friction_bias=scene.friction * returned)
+    rebound = scene.friction_problem(q, thrown, contacts, friction_bias=scene.coefficients(contacts) * returned)
     decompression, v = respond("decompression", rebound, solve)
     return [compression, decompression], v

@@ -24,7 +24,7 @@ def lotstedt(scene: Scene, now: Step, solve: Solve) -> Step:
     if now.solved:
         normal = now.solved[-1].impulse[:, 0].clip(min=0)
         before = dict(zip(map(tuple, now.contacts.feature.tolist()), normal, strict=True))
-    limit = scene.friction * np.array([before.get(tuple(feature), 0.0) for feature in contacts.feature.tolist()])
+    limit = scene.coefficients(contacts) * np.array([before.get(tuple(feature), 0.0) for feature in contacts.feature.tolist()])
     problem = scene.friction_problem(q, free_velocity(scene, now, now.v), contacts, friction_bias=limit)
     step, v = respond("step", problem.replace(friction=np.zeros(len(contacts))), solve)
     return Step(now.time + h, q + h * v, v, contacts, (step,))

@@ -169,7 +169,7 @@ def test_translation_invariance(name: str, shift: float) -> None:
 
 
 def test_first_problem_of_a_resting_box() -> None:
-    made = scene("stack", blocks=1, friction=0.3)
+    made = scene("stack", blocks=1, friction=0.3, push=0.0)
     problem = made.problem()
     assert problem.q == pytest.approx([-0.0981, 0, -0.0981, 0])
     assert problem.friction.tolist() == [0.3, 0.3]
@@ -178,7 +178,7 @@ def test_first_problem_of_a_resting_box() -> None:
 
 
 def test_energy() -> None:
-    made = scene("stack", blocks=2)
+    made = scene("stack", blocks=2, push=0.0)
     assert made.energy(made.q0, made.v0) == pytest.approx(9.81 * (0.5 + 1.5))
     assert made.energy(np.zeros(6), np.array([3.0, 4, 0, 0, 0, 6])) == pytest.approx(12.5 + 36 / 12)
 

@@ -180,7 +180,7 @@ def test_anitescu_hart_cycle() -> None:
 
 
 def test_conjugate_directions_save_sweeps() -> None:
-    problem = scene("stack", blocks=5).problem()
+    problem = scene("stack", blocks=5, push=0.0).problem()
     plain, conjugate = (solve(problem, spec) for spec in ("nsgs", "nncg"))
     assert plain.status is conjugate.status is Status.SOLVED
     assert conjugate.work["sweeps"] < plain.work["sweeps"] / 3
@@ -188,7 +188,7 @@ def test_conjugate_directions_save_sweeps() -> None:
 
 @pytest.mark.parametrize("spec", ["apgd_coulomb", "admm_coulomb", "staggered"])
 def test_stack_stalls(spec) -> None:
-    problem = scene("stack", blocks=20).problem()
+    problem = scene("stack", blocks=20, push=0.0).problem()
     assert solve(problem, "nsgs").status is not Status.SOLVED
     assert solve(problem, spec).status is Status.SOLVED
 

@@ -99,7 +99,7 @@ def test_failed_source_gives_skipped_rows(tmp_path):
 
 def test_equal_problems_of_two_sources(tmp_path):
     plan = small_plan(
-        sources=(Source("stack", {"blocks": 2}), Source("stack", {"blocks": 2, "push": 0.0})),
+        sources=(Source("stack", {"blocks": 2}), Source("stack", {"blocks": 2, "push": 1.0})),
         simulations=(),
         tolerances=(1e-8,),
     )

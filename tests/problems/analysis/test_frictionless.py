@@ -30,7 +30,7 @@ def test_in_space_and_given_by_the_delassus_matrix():
 
 def test_an_arch_needs_friction_at_rest_and_an_upright_wedge_does_not():
     assert not idle(scene("arch").problem(), _solve)
-    assert idle(scene("wedge").problem(), _solve)
+    assert idle(scene("wedge", spin=0.0).problem(), _solve)
 
 
 def test_another_frictionless_answer_is_tried_where_the_impulses_are_not_unique():
