@@ -9,7 +9,7 @@ import os
 import signal
 import socket
 import sys
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,9 +21,11 @@ from frictionbench.problems import InputError
 
 # The variables from which BLAS, OpenMP, numba and Rayon (Rust libraries) read their number of threads.
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "RAYON_NUM_THREADS")
-PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36  # linux/prctl.h
+PR_SET_PDEATHSIG, PR_SET_DUMPABLE, PR_SET_CHILD_SUBREAPER, PR_SET_NO_NEW_PRIVS = 1, 4, 36, 38  # linux/prctl.h
 PATIENCE = 10.0  # seconds to end processes that start others as fast as they are ended
 ENDED = "ZX"  # states of a process in /proc: a zombie, which was not waited for; gone
+LEAST_MEMORY = 2**27  # bytes: with less a worker cannot compile a kernel
+libc = ctypes.CDLL(None, use_errno=True)
 held_cores: list[socket.socket] = []  # this process's claims on cores; closing one releases the core
 
 
@@ -70,12 +72,24 @@ def hold_core() -> int | None:
     return None
 
 
-def bound_memory(limit: int) -> None:
-    """Let this process map at most `limit` bytes more than it has mapped; allocations beyond that fail."""
+def bound_memory(limit: int) -> int:
+    """Let this process map at most `limit` bytes more than it has mapped, or fewer where it was given a lower limit already.
+
+    The bound, in bytes beyond what is mapped, cannot be raised again without privileges. Errors: InputError where the limit
+    given to this process leaves less than LEAST_MEMORY.
+    """
     import resource
 
     mapped = psutil.Process().memory_info().vms
-    resource.setrlimit(resource.RLIMIT_AS, (mapped + limit, resource.RLIM_INFINITY))
+    inherited = [bound for bound in resource.getrlimit(resource.RLIMIT_AS) if bound != resource.RLIM_INFINITY]
+    bound = min(mapped + limit, *inherited) if inherited else mapped + limit
+    if bound - mapped < min(limit, LEAST_MEMORY):
+        raise InputError(
+            f"memory: this program was started with a limit on address space (ulimit -v) of {bound / 2**20:.0f} MiB, which "
+            f"leaves a worker {max(bound - mapped, 0) / 2**20:.0f} MiB; it needs {LEAST_MEMORY / 2**20:g} MiB"
+        )
+    resource.setrlimit(resource.RLIMIT_AS, (bound, bound))
+    return bound - mapped
 
 
 def reset_peak_memory() -> None:
@@ -134,10 +148,20 @@ def _clock() -> tuple[float, ...]:
 
 
 def die_with_parent(parent: int) -> None:
-    """Have the kernel kill this process when its parent, given by id, ends."""
+    """Have the kernel kill this process when its parent, given by id, ends; 0 for one outside its namespace of processes."""
     _prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
     if os.getppid() != parent:  # it has ended already
         os._exit(1)
+
+
+def forbid_new_privileges() -> None:
+    """Programs that this process and its descendants execute gain no rights, such as those of a set-user-ID program."""
+    _prctl(PR_SET_NO_NEW_PRIVS, 1)
+
+
+def hide_memory() -> None:
+    """No process without privileges can trace this one, or read its memory."""
+    _prctl(PR_SET_DUMPABLE, 0)
 
 
 @contextmanager
@@ -157,16 +181,28 @@ def adopt_orphans() -> None:
 
 
 def _prctl(option: int, value: int) -> None:
-    if ctypes.CDLL(None, use_errno=True).prctl(option, value, 0, 0, 0):
-        raise OSError(ctypes.get_errno(), f"prctl({option}) failed")
+    checked(f"prctl({option})", libc.prctl(option, value, 0, 0, 0))
+
+
+def checked(call: str, result: int) -> int:
+    """The result of a call of the C library. Errors: OSError naming the call, where the result is negative."""
+    if result < 0:
+        raise OSError(ctypes.get_errno(), f"{call}: {os.strerror(ctypes.get_errno())}")
+    return result
+
+
+def children(pid: int) -> list[int]:
+    """The ids of all children of a process, zombies included."""
+    found: list[int] = []
+    for task in _listed(f"/proc/{pid}/task"):
+        with suppress(OSError), open(f"/proc/{pid}/task/{task}/children", encoding="ascii") as listed:
+            found += map(int, listed.read().split())
+    return found
 
 
 def descendants(pid: int) -> list[int]:
     """The ids of all descendants of a process, zombies included."""
-    found: list[int] = []
-    for task in _listed(f"/proc/{pid}/task"):
-        with suppress(OSError), open(f"/proc/{pid}/task/{task}/children", encoding="ascii") as children:
-            found += map(int, children.read().split())
+    found = children(pid)
     return found + [below for child in found for below in descendants(child)]
 
 
@@ -176,8 +212,18 @@ def end_descendants(*, spare: Collection[int] = ()) -> bool:
     Zombies of a spared process are left for it to wait for. This process must be a subreaper, or detached descendants are
     missed.
     """
+    return _end(lambda: [pid for pid in descendants(os.getpid()) if not _may_stay(pid, spare)])
+
+
+def end_children(*, spare: Collection[int]) -> None:
+    """Kill all children of this process, a subreaper, except those to spare with their descendants, and so on for children that
+    it thereby adopts."""
+    _end(lambda: [pid for pid in children(os.getpid()) if pid not in spare])
+
+
+def _end(running: Callable[[], list[int]]) -> bool:
     found, deadline = False, monotonic() + PATIENCE
-    while (strays := [pid for pid in descendants(os.getpid()) if not _may_stay(pid, spare)]) and monotonic() < deadline:
+    while (strays := running()) and monotonic() < deadline:
         for pid in strays:
             found = found or _state(pid)[0] not in ENDED
             with suppress(OSError):

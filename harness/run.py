@@ -39,8 +39,8 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
     """
     folder = folder.absolute()
     open_folder(plan, folder)
-    store.write_manifest(folder, store.read_manifest(folder) | {"workers": None if cluster else jobs})
     with Pool(folder, 1 if cluster else jobs, plan.plugins, plan.memory_limit) as pool:
+        store.write_manifest(folder, store.read_manifest(folder) | {"workers": None if cluster else jobs, "walls": pool.walls})
         records = _collect(plan, pool, progress)
         _record_motions(plan, pool, progress)
         cells: list[Cell] = [*plan.solve_cells(records.values()), *plan.simulation_cells()]

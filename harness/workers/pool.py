@@ -14,11 +14,13 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import Any
 
 from frictionbench.harness import machine, process
 from frictionbench.harness.plans.plan import Plugin
 from frictionbench.harness.workers.task import Outcome, Task
+from frictionbench.problems import InputError
 from frictionbench.problems.compiled import PACKAGE
 from frictionbench.results.files import ResultsError
 from frictionbench.results.verdicts import Verdict
@@ -32,25 +34,37 @@ Settings = tuple[Path, tuple[Plugin, ...], int]
 class _Server:
     """The process that forks the supervisors: started once, it ends with this process and imports nothing from its folder.
 
-    Errors: ConnectionError where it ends before it reports its code, ResultsError where it runs other code.
+    walls: those around plug-ins, see harness.workers.walls. Errors: ConnectionError with the reason where it ends before it
+    reports its code, ResultsError where it runs other code.
     """
 
     def __init__(self) -> None:
         process.pin_threads()
         self._control, far_end = socket.socketpair()
         command = [sys.executable, "-P", "-c", START, str(PACKAGE.parent), str(far_end.fileno())]
-        self._process = subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, pass_fds=[far_end.fileno()], start_new_session=True
-        )
-        far_end.close()
-        with self._control.makefile("rb") as report:
-            theirs, ours = report.readline(2**16), machine.code()
-        if not theirs or json.loads(theirs) != ours:
+        with TemporaryFile() as errors:
+            self._process = subprocess.Popen(
+                command,
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=errors,
+                pass_fds=[far_end.fileno()],
+                start_new_session=True,
+            )
+            far_end.close()
+            with self._control.makefile("rb") as report:
+                line = report.readline(2**16)
+            if not line:
+                self.close()
+                errors.seek(0)
+                told = errors.read().decode(errors="replace").strip().splitlines()
+                raise ConnectionError(told[-1] if told else "it was killed")
+        theirs, ours = json.loads(line), machine.code()
+        self.walls = str(theirs["walls"])
+        if theirs["code"] != ours:
             self.close()
-            if not theirs:
-                raise ConnectionError
             raise ResultsError(
-                f"workers: they run other code, {theirs.decode().strip()}, than this process, {json.dumps(ours)}"
+                f"workers: they run other code, {json.dumps(theirs['code'])}, than this process, {json.dumps(ours)}"
             )
 
     def supervisor(self, settings: Settings) -> Connection:
@@ -73,14 +87,17 @@ _server: _Server | None = None
 
 def _supervisor(settings: Settings) -> Connection:
     global _server  # noqa: PLW0603  # one per process: what workers need is imported once
+    reason = ""
     for _ in range(TRIES):  # it may be killed at any moment, also while it starts
-        with suppress(OSError):
+        try:
             _server = _server or _Server()
             return _server.supervisor(settings)
+        except OSError as error:
+            reason = str(error)
         if _server is not None:
             _server.close()
             _server = None
-    raise ResultsError(f"workers: the server did not start in {TRIES} attempts")
+    raise ResultsError(f"workers: their server did not start in {TRIES} attempts ({reason})")
 
 
 class _Slot:
@@ -111,6 +128,8 @@ class _Slot:
                 return None
             self.connection = _supervisor(self._settings)
             message = {"failure": Verdict.CRASHED.name, "reason": f"its processes were killed {TRIES} times"}
+        if "unusable" in message:
+            raise InputError(message["unusable"])
         if "compiling" in message:
             compiling(self.task, bool(message["compiling"]))
             return None
@@ -140,12 +159,16 @@ class _Slot:
 class Pool:
     """Workers for one run; use as a context manager.
 
-    Errors: InputError on a platform that cannot isolate them, ResultsError where they run other code than this process.
+    walls: what keeps plug-ins from the files and processes of the run, see harness.workers.walls.
+    Errors: InputError on a platform that cannot isolate them and, from `run`, where a worker cannot start; ResultsError where
+    they run other code than this process.
     """
 
     def __init__(self, folder: Path, jobs: int, plugins: tuple[Plugin, ...], memory_limit: int) -> None:
         process.require_linux()
         self._slots = [_Slot((folder.absolute(), plugins, memory_limit)) for _ in range(jobs)]
+        assert _server is not None
+        self.walls = _server.walls
 
     def __enter__(self) -> "Pool":
         return self

@@ -7,8 +7,8 @@ The server imports what workers need once, and forks a supervisor for every sock
 forks its worker, sends it tasks, and kills it at its deadline. It is the subreaper of all processes that its worker starts, and
 ends them after each task, except for the package's own helper processes (solvers.outside.children). When its socket to the
 main process closes, because that process has finished or was killed, a supervisor ends all its descendants and exits; the
-kernel kills a worker whose supervisor is killed. A worker that has run a solver from outside this repository (Task.owner)
-runs no other solver.
+kernel kills a worker whose supervisor is killed, and the server what that worker had started. A worker that runs a solver from
+outside this repository (Task.owner) runs no other solver, behind walls (harness.workers.walls).
 """
 
 import json
@@ -27,6 +27,7 @@ from numba.core.registry import cpu_target
 from frictionbench.harness import machine, process
 from frictionbench.harness.cells import worker
 from frictionbench.harness.deadline import COMPILE_SECONDS, HARNESS_SECONDS, Deadline
+from frictionbench.harness.workers import walls
 from frictionbench.harness.workers.task import LONGEST_REPLY, Task
 from frictionbench.problems import InputError
 from frictionbench.results.verdicts import Verdict
@@ -38,32 +39,56 @@ POLL_CLOSED = 0.01  # seconds between checks for the exit code of a worker that 
 
 
 def serve(control_fd: int) -> None:
-    """Run the server: report the code that it runs, then fork a supervisor for every socket received, until the last."""
+    """Run the server: report its code and its walls, then fork a supervisor for every socket received, until the last."""
     _detach()
     process.adopt_orphans()
-    signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # supervisors are not waited for
+    ended = _signalled(signal.SIGCHLD)
     supervisors: set[int] = set()
+    built = walls.best()
     with socket.socket(fileno=control_fd) as control:
-        control.sendall(json.dumps(machine.code()).encode() + b"\n")
+        control.sendall(json.dumps({"code": machine.code(), "walls": built}).encode() + b"\n")
         for context in (cpu_target.typing_context, cpu_target.target_context):
             context.refresh()  # imports what numba needs for its first kernel, once for all workers
         while True:
+            if ended in (ready := wait([control, ended])):
+                os.read(ended, 2**10)
+                supervisors -= _reaped()
+                process.end_children(spare=supervisors)  # what the worker of a supervisor that was killed had started
+            if control not in ready:
+                continue
             _, fds, _, _ = socket.recv_fds(control, 1, 1)
             if not fds:
                 break
-            supervisors &= set(process.descendants(os.getpid()))
             pid = os.fork()
             if pid == 0:
                 control.close()
-                _run_and_exit(supervise, Connection(fds[0]))
+                _run_and_exit(supervise, Connection(fds[0]), built)
             os.close(fds[0])
             supervisors.add(pid)
     process.end_descendants()
 
 
-def supervise(channel: Connection) -> None:
+def _signalled(number: signal.Signals) -> int:
+    """A descriptor that can be read after the signal has arrived."""
+    arrived, arrives = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
+    signal.signal(number, lambda *_: None)
+    signal.set_wakeup_fd(arrives, warn_on_full_buffer=False)
+    return arrived
+
+
+def _reaped() -> set[int]:
+    """The children of this process that have ended, which it waits for."""
+    found = set()
+    with suppress(ChildProcessError):
+        while (pid := os.waitpid(-1, os.WNOHANG)[0]) != 0:
+            found.add(pid)
+    return found
+
+
+def supervise(channel: Connection, built: str) -> None:
     """Run a supervisor: receive tasks from the channel, and send the worker's replies back through it."""
     process.adopt_orphans()
+    signal.set_wakeup_fd(-1)
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
     core = process.hold_core()
     child: _Worker | None = None
@@ -73,7 +98,11 @@ def supervise(channel: Connection) -> None:
             if child is None or not child.may_run(task):
                 process.end_descendants()
                 core = process.hold_core() if core is None else core
-                child = _Worker(channel, core, settings)
+                try:
+                    child = _Worker(channel, core, settings, task.owner, built)
+                except (OSError, ValueError) as error:
+                    channel.send_bytes(_reply(unusable=str(error)))
+                    break
             reply, reusable = child.run(task, channel)
             if process.end_descendants(spare=_spared(child, task, reply) if reusable else ()) or not reusable:
                 process.end_descendants()
@@ -84,15 +113,21 @@ def supervise(channel: Connection) -> None:
 
 def _spared(child: "_Worker", task: Task, reply: bytes) -> list[int]:
     """The processes that are not ended after a task: the worker, and its helper processes where it ran only our own code."""
-    return [child.pid, *([] if task.owner else json.loads(reply)["helpers"])]
+    return [*child.processes, *([] if task.owner else json.loads(reply)["helpers"])]
 
 
 class _Worker:
     """A worker process, as seen by its supervisor."""
 
-    def __init__(self, channel: Connection, core: int | None, settings: tuple[Any, ...]) -> None:
+    def __init__(
+        self, channel: Connection, core: int | None, settings: tuple[Any, ...], owner: str = "", built: str = walls.GROUPS
+    ) -> None:
+        """Start a worker, behind the walls that were built where it runs a plug-in, and wait until it is ready.
+
+        Errors: OSError where it cannot be started, InputError with the reason it gives.
+        """
         self.deadline = Deadline()
-        self.owner = ""
+        self.owner = owner
         tasks, self._tasks = Pipe(duplex=False)
         self._replies, replies = os.pipe()
         supervisor = os.getpid()
@@ -102,21 +137,28 @@ class _Worker:
             self._tasks.close()
             os.close(self._replies)
             process.die_with_parent(supervisor)
-            _run_and_exit(work, tasks, replies, self.deadline, core, settings)
+            _run_and_exit(work, tasks, replies, self.deadline, core, settings, owner, built)
         tasks.close()
         os.close(replies)
+        ready = bytearray()
+        while not ready.endswith(b"\n"):
+            if not wait([self._replies], timeout=self.deadline.left) or not (received := os.read(self._replies, 2**16)):
+                raise InputError("workers: a worker ended before it was ready")
+            ready += received
+        if reason := json.loads(ready).get("reason"):
+            raise InputError(reason)
+        self.processes = [self.pid, *process.descendants(self.pid)]  # itself, behind walls after its keeper and its init
 
     def __del__(self) -> None:
         os.close(self._replies)
 
     def may_run(self, task: Task) -> bool:
-        """Whether it is alive, has run no outside solver but the task's own, and has sent nothing since its last reply."""
+        """Whether it is alive, was started for the task's owner, and has sent nothing since its last reply."""
         silent = not wait([self._replies], timeout=0)
-        return self.owner in ("", task.owner) and silent and self._ended() is None
+        return self.owner == task.owner and silent and self._ended() is None
 
     def run(self, task: Task, channel: Connection) -> tuple[bytes, bool]:
         """The reply to a task, a line, and whether the worker can be reused. Errors: EOFError if the main process has ended."""
-        self.owner = task.owner
         self.deadline.allow(HARNESS_SECONDS)
         last = Deadline()  # holds even if the worker extends its own without end
         last.allow(3 * (task.limit + COMPILE_SECONDS) + HARNESS_SECONDS)
@@ -154,12 +196,32 @@ class _Worker:
         return os.waitstatus_to_exitcode(status) if pid else None
 
 
-def work(tasks: Connection, replies: int, deadline: Deadline, core: int | None, settings: tuple[Any, ...]) -> None:
-    """Run a worker: receive tasks from one pipe, and write what they return to another, each as a line of JSON."""
+def work(
+    tasks: Connection,
+    replies: int,
+    deadline: Deadline,
+    core: int | None,
+    settings: tuple[Any, ...],
+    owner: str,
+    built: str,
+) -> None:
+    """Run a worker: receive tasks from one pipe, and write what they return to another, each as a line of JSON.
+
+    The first line says that it is ready, or why it cannot be.
+    """
     for number in (signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_DFL)
+    try:
+        os.setsid()
+        folder, plugin_files, _ = settings
+        if owner:
+            walls.confine(built, folder, plugin_files, owner)
+        worker.start(deadline, core, *settings)
+    except (OSError, ValueError) as error:
+        os.write(replies, _reply(reason=str(error) if isinstance(error, InputError) else f"workers: {error}"))
+        return
+    os.write(replies, _reply())
     pid, home = os.getpid(), os.getcwd()
-    worker.start(deadline, core, *settings)
     while True:
         try:
             task: Task = tasks.recv()

@@ -1,0 +1,124 @@
+"""A plug-in reaches neither the files nor the processes of the run, by each of the walls that this kernel can build."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from frictionbench.harness.plans.plan import Source
+from frictionbench.harness.run import run
+from frictionbench.harness.workers import landlock, walls
+from frictionbench.harness.workers.plugins import load_plugins
+from frictionbench.results import store
+from tests.helpers.paths import ROOT
+from tests.helpers.plugin import write
+from tests.helpers.runs import quiet, small_plan
+
+# What a plug-in tries, each by a line of Python that raises OSError where it is refused; RUN, PID and FREE are put in.
+ATTEMPTS = {
+    "forge a shard": "open(RUN + '/shards/solves-0.jsonl', 'w').close()",
+    "edit a problem": "open(RUN + '/problems/one.npz', 'r+').close()",
+    "truncate a problem": "os.truncate(RUN + '/problems/one.npz', 0)",
+    "delete a problem": "os.unlink(RUN + '/problems/one.npz')",
+    "move the folder": "os.rename(RUN, RUN + '-moved')",
+    "edit another solver": "open(LEMKE, 'r+').close()",
+    "poison the cache of kernels": "open(CACHE + '/kernel.nbc', 'w').close()",
+    "remount": "libc = ctypes.CDLL(None); assert libc.mount(None, RUN.encode(), None, 4096 | 32, None) == 0 or 1 / 0",
+}
+SIGNALS = {"kill": "os.kill(PID, 0)", "trace": "open(f'/proc/{PID}/mem', 'rb').close()"}
+ALLOWED = {"write elsewhere": "open(FREE + '/log', 'w').close()", "start a program": "subprocess.run(['true'], check=True)"}
+SCRIPT = """
+import ctypes, json, os, subprocess, sys
+from pathlib import Path
+from numba.core import config
+from frictionbench.harness.workers import walls
+kind, RUN, FREE, LEMKE, attempts = sys.argv[1], *sys.argv[2:5], json.loads(sys.argv[5])
+PID, CACHE = os.getppid(), config.CACHE_DIR
+walls.confine(kind, Path(RUN), (), "guest")
+refused = []
+for name, attempt in attempts.items():
+    try:
+        exec(attempt)
+    except (OSError, ArithmeticError):
+        refused.append(name)
+print(json.dumps(refused))
+"""
+
+
+def usable() -> list[str]:
+    """The walls that this kernel can build."""
+    tried = subprocess.run(
+        [sys.executable, "-c", "from frictionbench.harness.workers import walls; print(walls.best())"],
+        capture_output=True,
+        text=True,
+        check=True,
+        cwd=ROOT,
+    )
+    locks = [walls.LANDLOCK] if landlock.version() >= landlock.SCOPES else [walls.FILES_ONLY] if landlock.version() else []
+    return [*([walls.NAMESPACES] if tried.stdout.strip() == walls.NAMESPACES else []), *locks]
+
+
+def refused(kind: str, tmp_path: Path, attempts: dict[str, str]) -> set[str]:
+    """The attempts that the walls of one kind refuse."""
+    folder = tmp_path / "work" / "run"
+    (folder / "problems").mkdir(parents=True)
+    (folder / "shards").mkdir()
+    (tmp_path / "free").mkdir()
+    (folder / "problems" / "one.npz").write_bytes(b"numbers")
+    arguments = [kind, str(folder), str(tmp_path / "free"), str(ROOT / "solvers" / "lemke.py")]
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT, *arguments, json.dumps(attempts)],
+        capture_output=True,
+        text=True,
+        check=True,
+        cwd=ROOT,
+    )
+    assert (folder / "problems" / "one.npz").read_bytes() == b"numbers"
+    return set(json.loads(done.stdout))
+
+
+@pytest.mark.parametrize("kind", usable())
+def test_walls_hold(kind, tmp_path) -> None:
+    expected = set(ATTEMPTS) | (set() if kind == walls.FILES_ONLY else set(SIGNALS))
+    assert refused(kind, tmp_path, ATTEMPTS | SIGNALS | ALLOWED) == expected
+
+
+def test_nothing_is_promised_without_walls(tmp_path) -> None:
+    attempts = {"forge": ATTEMPTS["forge a shard"], "kill": SIGNALS["kill"]}
+    assert refused(walls.GROUPS, tmp_path, attempts) == set()
+
+
+# On its first call it does what it can to the run, and afterwards answers with zeros.
+HOSTILE = """
+import contextlib, ctypes, os, signal
+ctypes.CDLL(None).prctl(1, 0, 0, 0, 0)  # no signal when its parent ends
+if os.fork() == 0:
+    os.setsid()
+    while True:
+        signal.pause()
+with contextlib.suppress(OSError):
+    os.kill(os.getppid(), signal.SIGKILL)
+"""
+
+
+def test_hostile_plugin_in_a_run(tmp_path) -> None:
+    """It forges rows, edits problems and kills workers; the rows of lemke equal those of a run without it."""
+    if not usable():
+        pytest.skip("this kernel has neither namespaces nor Landlock")
+    run_folder = str(tmp_path / "with")
+    body = f"with contextlib.suppress(OSError): next(Path({run_folder!r}).rglob('*.npz')).unlink()"
+    plugin = write(tmp_path / "guest.py", first=HOSTILE, body=body)
+    variants, plugins = load_plugins([str(plugin), "lemke"])
+    plan = small_plan(sources=(Source("stack", {"blocks": 2}),), simulations=(), tolerances=(1e-6,))
+    run(small_plan(**vars(plan) | {"solvers": ("lemke",)}), tmp_path / "without", 2, quiet())
+    run(small_plan(**vars(plan) | {"solvers": variants, "plugins": plugins}), tmp_path / "with", 2, quiet())
+    columns = ["verdict", "residual", "work"]
+    alone, together = (
+        store.read_table(tmp_path / name, "solves").set_index("solver").loc[["lemke"], columns] for name in ("without", "with")
+    )
+    assert together.equals(alone)
+    assert store.read_manifest(tmp_path / "with")["walls"] == usable()[0]
+    assert os.path.exists(tmp_path / "with" / "solves.parquet")
