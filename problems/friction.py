@@ -300,20 +300,22 @@ class FrictionProblem:
         """Content hash: equal for equal problems, whatever form the fields were given in."""
         return content_hash(dimension=self.dimension, **{name: getattr(self, name) for name in self.operator.FIELDS})
 
+    @property
+    def summary(self) -> str:
+        """Its size in words: 9 contacts in space, 40 joint equations, 54 velocities."""
+        size = [f"{count(self.contacts, 'contact')} in {'the plane' if self.dimension == 2 else 'space'}"]
+        if not self.mechanical:
+            return f"{size[0]}, known by W"
+        if len(self.joint_bias):
+            size.append(count(len(self.joint_bias), "joint equation"))
+        return ", ".join([*size, count(len(self.free_velocity), "velocity")])
+
     def __repr__(self) -> str:
-        return f"FrictionProblem({', '.join(self._summary())})"
+        return f"FrictionProblem({self.summary})"
 
     def _repr_html_(self) -> str:
-        rows = {"size": ", ".join(self._summary()), "friction": extent(self.friction), "free speeds up to": self.velocity_scale}
+        rows = {"size": self.summary, "friction": extent(self.friction), "free speeds up to": self.velocity_scale}
         return html_table("FrictionProblem", rows | {"hash": self.hash})
-
-    def _summary(self) -> list[str]:
-        size = [count(self.contacts, "contact"), "planar" if self.dimension == 2 else "spatial"]
-        if not self.mechanical:
-            return [*size, "Delassus form"]
-        joints = len(self.joint_bias)
-        velocities = count(len(self.free_velocity), "velocity")
-        return [*size, velocities, count(joints, "joint row")] if joints else [*size, velocities]
 
 
 def _law(friction: Any, friction_bias: Any) -> tuple[Array, Array]:

@@ -2,7 +2,8 @@
 
 A recorded problem also has starts, the same for every solver that takes one: `warm`, the impulses of the previous problem of
 the same phase, and `shuffled`, those of a problem drawn from the whole motion; both transferred contact by contact. An initial
-guess in a file of FCLIB's is `warm` as well, unless it is zero.
+guess in a file of FCLIB's is `warm` as well, unless it is zero; so is, in a sequence of files, the answer of the file before,
+where both have as many contacts.
 """
 
 import json
@@ -115,11 +116,32 @@ def _starts_file(folder: Path, problem: str, source_origin: str) -> Path:
 
 
 def _recorded(source: Source) -> list[tuple[Collected | LCP, dict[str, Array]]]:
-    """The problem in the source's file, and its initial guess as a start."""
+    """The problem in the source's file; its warm start is the file's initial guess, or else the answer of the step before."""
     problem, guesses = read_recording(Path(source.file))
     if isinstance(problem, LCP):
         return [(problem, {})]
-    return [(Collected(0, first_phase(DEFAULT_SCHEME), problem), {WARM: guesses[0]} if guesses and guesses[0].any() else {})]
+    starts, reference = {WARM: guesses[0]} if guesses and guesses[0].any() else {}, ""
+    if source.before and not starts:
+        starts, reference = _from_step_before(Path(source.before), problem)
+    return [(Collected(source.step, first_phase(DEFAULT_SCHEME), problem, reference=reference), starts)]
+
+
+def _from_step_before(path: Path, problem: FrictionProblem) -> tuple[dict[str, Array], str]:
+    """The reference answer of the problem in this file as a warm start, and its solver.
+
+    Nothing where that has no answer, or other numbers of contacts and velocities: files do not say which contacts are the same.
+    """
+    try:
+        before, reference = read_recording(path)[0], Reference()
+        if isinstance(before, LCP) or _numbers(before) != _numbers(problem):
+            return {}, ""
+        return {WARM: reference(before)}, str(reference)
+    except (InputError, NoReference):
+        return {}, ""
+
+
+def _numbers(problem: FrictionProblem) -> tuple[int, int, int]:
+    return problem.dimension, problem.contacts, len(problem.free_velocity)
 
 
 def _chosen(source: Source) -> list[tuple[Collected, dict[str, Array]]]:

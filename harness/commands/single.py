@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from frictionbench.harness.cells import worker
-from frictionbench.harness.cells.collect import Record, collect
+from frictionbench.harness.cells.collect import Record, collect, stored
 from frictionbench.harness.cells.rows import PROBLEM_FACTS
 from frictionbench.harness.commands.table import columns, paragraph, screen
 from frictionbench.harness.commands.trusted import trusted
@@ -40,9 +40,7 @@ def solve_one(problem: str, solver_specs: list[str], tol: float, time_limit: flo
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         record = _collect(problem, folder)
-        size = f"LCP of {record['size']} unknowns"
-        if record["contacts"] is not None:
-            size = f"{record['contacts']} contact{'s' * (record['contacts'] != 1)}, {size}"
+        print(f"{problem}: {stored(folder, record['problem']).summary}", flush=True)
         tasks = [
             Task(cell.variant, worker.run_solve, (cell, record, time_limit), time_limit, plan.owner(cell.variant))
             for cell in plan.solve_cells([record])
@@ -54,7 +52,9 @@ def solve_one(problem: str, solver_specs: list[str], tol: float, time_limit: flo
                 stage.finished(outcome.task)
     rows.sort(key=lambda row: (RANK[row["verdict"]], _seconds(row), row["variant"]))
     applicable = [row for row in rows if row["verdict"] != Verdict.SKIPPED or solver_specs]
-    _show(f"{problem}: {size}, tolerance {tol:g}", {str(rank): row for rank, row in enumerate(applicable, start=1)})
+    _show(
+        f"LCP of {record['size']} unknowns, tolerance {tol:g}", {str(rank): row for rank, row in enumerate(applicable, start=1)}
+    )
     if refused := [row["variant"] for row in rows if row not in applicable]:
         print("\n".join(paragraph(f"not applicable to this problem: {', '.join(refused)}", screen(), "")))
     for reason in unusable:
@@ -125,8 +125,14 @@ def show_rerun(folder: Path, key: str, named: list[str]) -> None:
 
 
 def _collect(problem: str, folder: Path) -> Record:
-    """The record of a problem, stored under folder: of a file, of an instance, or the first of a scene."""
+    """The record of a problem, stored under folder: of a file, of an instance, or the first of a scene.
+
+    Errors: InputError naming problem for a folder, and as of collect.
+    """
     path = Path(problem)
+    if path.is_dir():
+        advice = f"run recorded --data {problem}` solves each problem in it, `frictionbench run replay --data {problem}"
+        raise InputError(f"problem: {problem} is a folder; `frictionbench {advice}` a sequence of steps")
     named = path.is_file() or Path(problem.partition("[")[0]).suffix
     return collect(folder, Source(path.name, file=str(path.absolute())) if named else Source(*parse("scene", problem)))[0]
 

@@ -27,6 +27,8 @@ def choose(
     """
     if suite not in SUITES:
         raise InputError(f"suite: unknown suite {suite!r}; known are {', '.join(SUITES)}")
+    if data and scene_specs:
+        raise InputError("data: names the problems to run, and so does --scene; give one of the two")
     plan = with_data(SUITES[suite](), list(data))
     if scene_specs:
         chosen = [_chosen(plan, spec) for spec in scene_specs]

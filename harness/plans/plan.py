@@ -27,7 +27,8 @@ class Source:
 
     scene: the name of the scene or instance (problems.instances), or of the set that a file belongs to. pick: the number of
     problems, spread over the motion; 0 for the first problem of the scheme, which needs no solver. repeats: how often a short
-    solve is timed, None for the default (harness.cells.timing). tolerances, time_limit: in place of the plan's.
+    solve is timed, None for the default (harness.cells.timing). before, step: of a file that is a step of a sequence, the file
+    of the step before and its number. tolerances, time_limit: in place of the plan's.
     """
 
     scene: str
@@ -37,6 +38,8 @@ class Source:
     scheme: str = DEFAULT_SCHEME
     repeats: int | None = None
     file: str = ""
+    before: str = ""
+    step: int = 0
     tolerances: tuple[float, ...] = ()
     time_limit: float | None = None
 

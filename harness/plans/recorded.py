@@ -1,10 +1,13 @@
 """Plans for problems recorded by others, and for spatial instances: every solver that accepts them.
 
 The command line gives the location of recorded problems: `--data DIR`, or `--data fclib/Capsules` for a family that
-`frictionbench fetch` has downloaded.
+`frictionbench fetch` has downloaded. Files of a folder whose names differ in one number alone are the steps of a sequence, in
+the order of that number; each is started cold, and warm from the answer of the step before (harness.cells.collect).
 """
 
+import re
 from dataclasses import replace
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +17,7 @@ from frictionbench.problems import InputError
 from frictionbench.problems.recorded import collection
 from frictionbench.results.conventions import COLD, WARM
 
+REPLAY = "replay"  # the suite of motions, which takes recorded ones as well
 FORMATS = (".hdf5", ".h5", ".dat", ".npz")  # suffixes of files that problems.recorded reads
 
 # Accuracy and time limit of Acary, Brémond and Huber 2018, family by family of the collection.
@@ -82,16 +86,24 @@ def spatial() -> Plan:
 
 
 def with_data(plan: Plan, locations: list[str]) -> Plan:
-    """The plan with the recorded problems at these locations. Errors: InputError naming `data` or the family."""
+    """The plan with the recorded problems at these locations, in place of its own.
+
+    Errors: InputError naming `data` or the family.
+    """
+    names = [suite().suite for suite in (recorded, abh2018)]
     of_the_paper = plan.suite == abh2018().suite
     if of_the_paper and not locations:
         locations = [f"fclib/{family}" for family in collection.fetched() if family in ABH2018]
-    if not locations and plan.suite in (recorded().suite, abh2018().suite):
-        raise InputError(
-            f"data: {plan.suite} needs --data DIR, or --data fclib/FAMILY after `frictionbench fetch fclib/FAMILY`"
-        )
+    if not locations:
+        if plan.suite in names:
+            needed = "--data DIR, or --data fclib/FAMILY after `frictionbench fetch fclib/FAMILY`"
+            raise InputError(f"data: {plan.suite} needs {needed}")
+        return plan
+    takers = (*names, REPLAY)
+    if plan.suite not in takers:
+        raise InputError(f"data: {plan.suite} has problems of its own; recorded ones are run by {', '.join(takers)}")
     found = [source for location in locations for source in _sources(location, of_the_paper)]
-    return replace(plan, sources=(*plan.sources, *found))
+    return replace(plan, sources=tuple(found))
 
 
 def _sources(location: str, of_the_paper: bool) -> list[Source]:
@@ -100,11 +112,44 @@ def _sources(location: str, of_the_paper: bool) -> list[Source]:
         folder = collection.folder(family)
         accuracy, limit = ABH2018.get(family, (None, None)) if of_the_paper else (None, None)
         own: dict[str, Any] = {} if accuracy is None else {"tolerances": (accuracy,), "time_limit": limit}
+        files, steps = sorted(_files(folder)), {}  # a selection from simulations, no sequence
+        missing = f"no problems in {location}; fetch it with `frictionbench fetch {location}`"
     else:
-        folder, own = Path(location).absolute(), {}
-        family = folder.name
-    files = sorted(path for path in folder.rglob("*") if path.suffix in FORMATS and path.is_file())
+        place, own = Path(location).resolve(), {}
+        folder = place.parent if place.is_file() else place
+        family = place.name
+        files = [place] if place.is_file() else sorted(_files(folder), key=_natural)
+        steps = _steps(files)
+        missing = f"no problems in {location}: " + (
+            "it is no folder" if not place.exists() else f"no {', '.join(FORMATS)} file"
+        )
     if not files:
-        hint = f"; fetch it with `frictionbench fetch {location}`" if location.startswith("fclib/") else ""
-        raise InputError(f"data: no problems in {location}{hint}")
-    return [Source(family, {"file": str(path.relative_to(folder))}, file=str(path), **own) for path in files]
+        raise InputError(f"data: {missing}")
+    return [
+        Source(family, {"file": str(path.relative_to(folder))}, file=str(path), **own, **steps.get(path, {})) for path in files
+    ]
+
+
+def _files(folder: Path) -> list[Path]:
+    return [path for path in folder.rglob("*") if path.suffix in FORMATS and path.is_file()]
+
+
+def _natural(path: Path) -> tuple[str | int, ...]:
+    """A key that sorts step_2 before step_10."""
+    return tuple(int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", str(path)))
+
+
+def _steps(files: list[Path]) -> dict[Path, dict[str, Any]]:
+    """Of the files that are steps of a sequence, the number of the step and the file of the step before.
+
+    A sequence is a folder of several files whose names differ in one number alone.
+    """
+    steps = {}
+    for _, group in groupby(files, key=lambda path: path.parent):
+        members = list(group)
+        names = [_natural(Path(path.name)) for path in members]
+        differ = [i for i, parts in enumerate(zip(*names, strict=False)) if len({*parts}) > 1]
+        if len({len(name) for name in names}) == len(differ) == 1 and isinstance(names[0][differ[0]], int):
+            for step, path in enumerate(members):
+                steps[path] = {"step": step, "before": str(members[step - 1]) if step else ""}
+    return steps

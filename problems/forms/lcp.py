@@ -108,6 +108,11 @@ class LCP:
         """Content hash: equal for equal M and q, whatever form they were given in."""
         return content_hash(M=self.M, q=self.q)
 
+    @property
+    def summary(self) -> str:
+        """Its size in words: LCP of 36 unknowns."""
+        return f"LCP of {count(self.size, 'unknown')}"
+
     def __repr__(self) -> str:
         return f"LCP({count(self.size, 'unknown')})"
 

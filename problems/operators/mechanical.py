@@ -4,7 +4,8 @@ With F the joints' Jacobian, P = M^-1 - M^-1 F' (F M^-1 F')^+ F M^-1 is the inve
 
     W = J P J',      q = J (P M v* - M^-1 F' (F M^-1 F')^+ b_F) + b e_n.
 
-Joints are few and may be redundant: what they add is dense, with a pseudoinverse.
+Joints are few and may be redundant: what they add is dense, with a generalised inverse. Redundant equations must agree: where
+F v + b_F = 0 has no solution, no impulses satisfy it, and the problem is refused.
 """
 
 from dataclasses import dataclass
@@ -26,6 +27,12 @@ from frictionbench.problems.rows import ByContact, Rows, by_contact
 # Of the terms that add up to a diagonal entry of W: below this the joints lock the direction. The rounding errors observed were
 # up to 160 eps, and the entries of directions that move were above 1e9 eps.
 LOCKED = 1000 * float(np.finfo(float).eps)
+
+# Of the terms of a joint equation: a larger defect is a contradiction, for it would show in answers at the tightest tolerance of
+# the suites.
+CONTRADICTION = 1e-8
+# Of the largest such terms of any joint, as speeds of unit kinetic energy: what rounding leaves in a joint at rest.
+ROUNDING = 1e-12
 
 
 @dataclass(eq=False, repr=False)
@@ -61,7 +68,10 @@ class MechanicalOperator(Operator):
         b = check.vector("bias", bias, nc)
         b_F = check.vector("joint_bias", np.zeros(nj) if joint_bias is None else joint_bias, nj)
         contact_rows = ByContact(*by_contact(*normal_rows, *tangent_rows, d))
-        return cls(mass_rows, inverse_mass(mass_rows), joint_rows, contact_rows, v, b, b_F)
+        operator = cls(mass_rows, inverse_mass(mass_rows), joint_rows, contact_rows, v, b, b_F)
+        if b_F.any():  # without biases, v = 0 satisfies all
+            operator._require_consistent_joints()
+        return operator
 
     def fresh(self) -> Self:
         rows = self.mass_rows, self.inverse_rows, self.joint_rows, self.contact_rows
@@ -135,7 +145,7 @@ class MechanicalOperator(Operator):
     def _joint_response(self) -> tuple[Array, Array]:
         """(M^-1 F', (F M^-1 F')^+), dense."""
         response = delassus.joint_response(*self.joint_rows, *self.inverse_rows)
-        return response, np.linalg.pinv(delassus.product(*self.joint_rows, response), hermitian=True)
+        return response, _generalised_inverse(delassus.product(*self.joint_rows, response))
 
     @property
     def _joint_coupling(self) -> tuple[Array, Array]:
@@ -150,6 +160,25 @@ class MechanicalOperator(Operator):
         response, inverse = self._joint_response
         joint_velocity = delassus.product(*self.joint_rows, velocity[:, None].copy())[:, 0]
         return velocity - response @ (inverse @ (joint_velocity + self.joint_bias))
+
+    def _require_consistent_joints(self) -> None:
+        """Errors: InputError naming joint_bias where no velocity satisfies F v + b_F = 0, by more than rounding explains."""
+        F, free = self.joints, self.free_velocity
+        defect = np.abs(F @ self._on_joints(free) + self.joint_bias)
+        size = np.abs(F) @ np.abs(free) + np.abs(self.joint_bias)
+        kinetic = np.sqrt(
+            F.multiply(F @ self.inverse_mass).sum(axis=1)
+        )  # the speed that a unit of kinetic energy gives a joint
+        unit = np.where(kinetic > 0, kinetic, 1.0)
+        allowed = np.maximum(CONTRADICTION * size, ROUNDING * unit * np.max(size / unit))
+        bad = np.flatnonzero(~(defect <= allowed))
+        listed = ", ".join(map(str, bad[:6].tolist())) + ", ..." * (len(bad) > 6)
+        check.require(
+            not len(bad),
+            "joint_bias",
+            f"the joint equations F v + joint_bias = 0 contradict each other: no velocity satisfies rows {listed} "
+            f"to better than {defect.max():.2g} m/s",
+        )
 
     @cached_property
     def _measures(self) -> tuple[Array, Array, float]:
@@ -182,3 +211,17 @@ class MechanicalOperator(Operator):
         held = np.einsum("ji,jk,ki->i", coupling, inverse, coupling).reshape(diagonal.shape)
         size = diagonal + np.einsum("ji,jk,ki->i", np.abs(coupling), np.abs(inverse), np.abs(coupling)).reshape(diagonal.shape)
         return diagonal - held <= LOCKED * size
+
+
+def _generalised_inverse(G: Array) -> Array:
+    """X with G X G = G of a symmetric positive semidefinite G (nj, nj), symmetric.
+
+    The rank is that of G with a unit diagonal, so that it does not depend on the units of the joints' equations.
+    """
+    diagonal = G.diagonal()
+    unit = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+    smallest = (
+        10 * len(G) * float(np.finfo(float).eps)
+    )  # eigenvalues of dependent rows come out as rounding errors of that size
+    inverse = np.linalg.pinv(unit[:, None] * G * unit, rcond=smallest, hermitian=True)
+    return np.asarray(unit[:, None] * inverse * unit)

@@ -325,9 +325,9 @@ def test_damaged_file(tmp_path) -> None:
 
 def test_repr_of_problem() -> None:
     problem = jointed(0, redundant=True)
-    assert repr(problem) == "FrictionProblem(6 contacts, planar, 9 velocities, 3 joint rows)"
-    assert repr(FrictionProblem(**fields())) == "FrictionProblem(1 contact, planar, 2 velocities)"
-    assert repr(known_by_W()) == "FrictionProblem(4 contacts, spatial, Delassus form)"
+    assert repr(problem) == "FrictionProblem(6 contacts in the plane, 3 joint equations, 9 velocities)"
+    assert repr(FrictionProblem(**fields())) == "FrictionProblem(1 contact in the plane, 2 velocities)"
+    assert repr(known_by_W()) == "FrictionProblem(4 contacts in space, known by W)"
     assert repr(problem.lcp()) == "LCP(24 unknowns)"
     assert problem.hash in problem._repr_html_()
     assert problem.lcp().hash in problem.lcp()._repr_html_()

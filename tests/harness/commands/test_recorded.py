@@ -15,9 +15,10 @@ from frictionbench.harness.plans.plan import Source
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import run
 from frictionbench.problems import InputError
+from frictionbench.problems import scene as make_scene
 from frictionbench.problems.instances import make_instance
 from frictionbench.problems.random_problem import random_problem
-from frictionbench.problems.recorded import fclib, read
+from frictionbench.problems.recorded import fclib, own, read
 from frictionbench.reports.page import write_report
 from frictionbench.reports.recorded import recorded_problems
 from frictionbench.reports.run import read_run
@@ -58,12 +59,12 @@ def test_run_of_recorded_folder(tmp_path) -> None:
     data, out = tmp_path / "set", tmp_path / "out"
     data.mkdir()
     for seed in (1, 2):
-        fclib.write(random_problem(seed, contacts=4), data / f"p{seed}.hdf5")
+        fclib.write(random_problem(seed, contacts=4), data / f"{'ab'[seed - 1]}.hdf5")
     plan = choose("recorded", [], ("hybrid", "lemke"), "1e-8", 5.0, data=(str(data),))
     run(plan, out, 1, Progress())
     rows = read_table(out, "solves")
     assert set(rows["scene"]) == {"set"}
-    assert set(rows["parameters"]) == {'{"file": "p1.hdf5"}', '{"file": "p2.hdf5"}'}
+    assert set(rows["parameters"]) == {'{"file": "a.hdf5"}', '{"file": "b.hdf5"}'}
     assert (rows["verdict"] == "solved").all()
     assert len(rows) == 4
     files = list(export(str(out), tmp_path / "again"))
@@ -173,3 +174,88 @@ def test_unreadable_files_give_skipped_rows(tmp_path) -> None:
     assert "torn.dat: read as the text of Siconos: contacts: 4 is out of range" in torn["reason"]
     with pytest.raises(InputError, match=r"^row: .* has no problem to run again: .*torn\.dat"):
         rerun_row(out, torn["key"], [])
+
+
+def sequence(folder, names, problems):
+    folder.mkdir()
+    for name, problem in zip(names, problems, strict=True):
+        own.save(problem, folder / name)
+    return folder
+
+
+def steps_of_a_stack(count):
+    """A pushed stack, of which each step is a little faster."""
+    problem = make_scene("stack", blocks=3, push=1.0).problem()
+    return [problem.replace(free_velocity=problem.free_velocity * (1 + 0.01 * step)) for step in range(count)]
+
+
+@pytest.mark.parametrize("suite", ["replay", "recorded"])
+def test_files_in_order_are_a_sequence(tmp_path, suite) -> None:
+    """Every step but the first, and one after a step with another number of contacts, is started from the step before."""
+    *steps, last = steps_of_a_stack(4)
+    problems = [*steps, make_scene("stack", blocks=2, push=1.0).problem(), last]
+    names = ["step_1.npz", "step_2.npz", "step_3.npz", "step_9.npz", "step_10.npz"]
+    data, out = sequence(tmp_path / "set", names, problems), tmp_path / "out"
+    run(choose(suite, [], ("nsgs",), "1e-8", 5.0, data=(str(data),)), out, 1, Progress())
+    rows = read_table(out, "solves")
+    started = rows.groupby("step")["start"].agg(list).to_dict()
+    assert started == {0: ["cold"], 1: ["cold", "warm"], 2: ["cold", "warm"], 3: ["cold"], 4: ["cold"]}
+    assert rows["parameters"].map(json.loads).map(lambda one: one["file"]).unique().tolist() == names
+    assert (rows["verdict"] == "solved").all()
+    sweeps = rows.set_index(["step", "start"])["work"].map(lambda work: json.loads(work)["sweeps"])
+    assert sweeps[1, "warm"] < sweeps[1, "cold"]
+    assert set(rows.loc[rows["start"] == "warm", "reference"]) == {"lemke"}
+
+
+def test_names_that_differ_in_more_than_a_number_are_no_sequence(tmp_path) -> None:
+    names = ["step_1.npz", "step_2.npz", "other.npz"]
+    data = sequence(tmp_path / "set", names, steps_of_a_stack(3))
+    assert {source.before for source in choose("recorded", [], ("nsgs",), None, None, data=(str(data),)).sources} == {""}
+    (one,) = choose("recorded", [], ("nsgs",), None, None, data=(str(data / "other.npz"),)).sources
+    assert (one.scene, one.parameters, one.before) == ("other.npz", {"file": "other.npz"}, "")
+
+
+def test_broken_step_of_a_sequence(tmp_path) -> None:
+    data, out = sequence(tmp_path / "set", ["s0.npz", "s1.npz", "s2.npz"], steps_of_a_stack(3)), tmp_path / "out"
+    (data / "s1.npz").write_bytes(b"PK torn")
+    run(choose("replay", [], ("nsgs",), "1e-8", 5.0, data=(str(data),)), out, 1, Progress())
+    rows = read_table(out, "solves")
+    assert sorted(rows["verdict"]) == ["skipped", "solved", "solved"]
+    assert "s1.npz" in rows.set_index("verdict").loc["skipped", "reason"]
+    assert set(rows["start"]) == {"cold"}
+
+
+@pytest.mark.parametrize(
+    ("suite", "scenes", "data", "complaint"),
+    [
+        ("recorded", ["stack"], ".", "data: names the problems to run, and so does --scene"),
+        ("standard", [], ".", "data: standard has problems of its own; recorded ones are run by recorded, abh2018, replay"),
+        ("recorded", [], "nowhere", "data: no problems in nowhere: it is no folder"),
+        ("replay", [], "empty", "data: no problems in .*empty: no .hdf5, .h5, .dat, .npz file"),
+    ],
+)
+def test_unusable_data(tmp_path, suite, scenes, data, complaint) -> None:
+    (tmp_path / "empty").mkdir()
+    location = str(tmp_path / data) if data == "empty" else data
+    with pytest.raises(InputError, match=f"^{complaint}"):
+        choose(suite, scenes, ("nsgs",), None, None, data=(location,))
+
+
+def test_solve_of_a_folder_names_the_command(tmp_path) -> None:
+    with pytest.raises(
+        InputError, match=r"^problem: .* is a folder; `frictionbench run recorded --data .*`frictionbench run replay"
+    ):
+        solve_one(str(tmp_path), ["nsgs"], 1e-8, 10.0, 1)
+
+
+def test_first_line_says_what_was_read(tmp_path, capsys) -> None:
+    own.save(spatial(0, contacts=3), tmp_path / "p.npz")
+    own.save(make_scene("slider_crank").problem(), tmp_path / "joints.npz")
+    for name, size in (
+        ("p", "3 contacts in space, 18 velocities"),
+        ("joints", "contacts in the plane, 6 joint equations, 9 velocities"),
+    ):
+        solve_one(str(tmp_path / f"{name}.npz"), ["nsgs"], 1e-8, 10.0, 1)
+        first = capsys.readouterr().out.splitlines()[0]
+        assert first.startswith(f"{tmp_path / name}.npz: ")
+        assert size in first
