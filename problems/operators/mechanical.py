@@ -28,8 +28,7 @@ from frictionbench.problems.rows import ByContact, Rows, by_contact
 # up to 160 eps, and the entries of directions that move were above 1e9 eps.
 LOCKED = 1000 * float(np.finfo(float).eps)
 
-# Of the terms of a joint equation: a larger defect is a contradiction, for it would show in answers at the tightest tolerance of
-# the suites.
+# Of the terms of a joint equation: a larger defect is a contradiction. It is the tightest tolerance of the suites.
 CONTRADICTION = 1e-8
 # Of the largest such terms of any joint, as speeds of unit kinetic energy: what rounding leaves in a joint at rest.
 ROUNDING = 1e-12
