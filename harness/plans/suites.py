@@ -2,6 +2,7 @@
 
 from frictionbench.harness.plans import families
 from frictionbench.harness.plans.atlas import ATLAS
+from frictionbench.harness.plans.hard import hard
 from frictionbench.harness.plans.lineups import EXACT, LADDER, OTHERS, RELAXED, SPATIAL
 from frictionbench.harness.plans.peers import peers
 from frictionbench.harness.plans.plan import Plan, Source
@@ -147,6 +148,7 @@ SUITES = {
     "seeds": seeds,
     "replay": replay,
     "scaling": scaling,
+    "hard": hard,
     "maps": maps,
     "recorded": recorded,
     "spatial": spatial,

@@ -1,0 +1,90 @@
+"""The suite `hard`: solutions are known, friction is at work, and the recorded methods fail."""
+
+import json
+
+import numpy as np
+import pytest
+
+from frictionbench.harness.cells.reference import Reference
+from frictionbench.harness.commands.admit import fewest_contacts
+from frictionbench.harness.plans.hard import ANSWERS, FEWEST, METHODS, TOL, admitted, families, hard, kept_answer
+from frictionbench.harness.verify import verify
+from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems.analysis.frictionless import frictionless_answer
+from frictionbench.problems.analysis.thresholds import gaps_only, is_pointed
+from frictionbench.problems.instances import instances, make_instance
+from frictionbench.problems.residual import residual, residual_floor
+from frictionbench.results.verdicts import Verdict
+from frictionbench.solvers import available, solve
+
+ROWS = admitted()
+NAMES = [f"{row['scene']} {row['parameters']}" for row in ROWS]
+SMALL = [row for row in ROWS if int(row["contacts"]) <= 30]
+
+
+def problem_of(row: dict[str, str]) -> FrictionProblem:
+    parameters = json.loads(row["parameters"])
+    if row["scene"] in instances():
+        return make_instance(row["scene"], **parameters)
+    return scene(row["scene"], **parameters).problem()
+
+
+def failed(row: dict[str, str]) -> dict[str, str]:
+    return dict(each.rsplit(" ", 1) for each in row["failed"].split(", "))
+
+
+def test_size_and_variety() -> None:
+    assert len(set(NAMES)) == len(NAMES) == len(hard().sources)
+    assert 60 <= len(NAMES) <= 150
+    assert {row["family"] for row in ROWS} <= {*families(2), *families(3)}
+    assert len({row["family"] for row in ROWS}) >= 10
+
+
+def test_every_problem_is_a_candidate_on_which_a_method_fails() -> None:
+    candidates = [source for d in (2, 3) for family in families(d).values() for source in family]
+    known = {f"{source.scene} {json.dumps(source.parameters, sort_keys=True)}" for source in candidates}
+    assert known.issuperset(NAMES)
+    for row in ROWS:
+        assert failed(row).keys() <= set(METHODS)
+        assert failed(row)
+
+
+@pytest.mark.parametrize("row", ROWS, ids=NAMES)
+def test_a_solution_is_known(row) -> None:
+    problem, answer = problem_of(row), kept_answer(row)
+    if answer is not None:
+        assert residual(problem, answer) <= TOL
+        assert residual_floor(problem, answer) <= TOL / 10
+    else:
+        assert problem.mechanical
+        assert not problem.joint_bias.any()
+        assert gaps_only(problem) or is_pointed(problem)
+
+
+@pytest.mark.parametrize("row", SMALL[::5], ids=[f"{row['scene']} {row['parameters']}" for row in SMALL[::5]])
+def test_friction_is_at_work(row) -> None:
+    problem = problem_of(row)
+    assert residual(problem, frictionless_answer(problem, Reference())) > TOL
+
+
+@pytest.mark.parametrize("method", sorted({method for row in ROWS for method in failed(row)}))
+def test_the_method_fails_on_the_smallest_problem_recorded_for_it(method) -> None:
+    rows = [row for row in ROWS if method in failed(row)]
+    row = min(rows, key=lambda row: int(row["contacts"]))
+    problem = problem_of(row)
+    answer = solve(problem, method, tol=TOL)
+    assert verify(problem, answer, available()[method], TOL).verdict != Verdict.SOLVED
+
+
+def test_the_choice_takes_the_smallest_failures_of_each_method() -> None:
+    def rows(contacts: int, **verdicts: str) -> list[dict[str, object]]:
+        return [{"variant": name, "verdict": verdict, "contacts": contacts} for name, verdict in verdicts.items()]
+
+    first = [rows(9 - k, one="unsolved", two="solved") for k in range(FEWEST + 1)]
+    other = [rows(50, one="wrong", two="wrong"), rows(60, one="timeout", two="solved")]
+    assert fewest_contacts([*first, *other]) == [*first[1:], other[0]]
+
+
+def test_kept_answers_are_those_of_the_rows() -> None:
+    with np.load(ANSWERS) as answers:
+        assert set(answers.files) == {name for name, row in zip(NAMES, ROWS, strict=True) if row["answer"]}
