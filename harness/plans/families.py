@@ -86,3 +86,8 @@ SPACE = (SPACE_ONE, SPACE_SMALL, SPACE_MEDIUM, SPACE_LARGE)
 def sources(*bands: Band) -> tuple[Source, ...]:
     """The problems of these bands."""
     return tuple(Source(name, settings) for band in bands for name, both in band.items() for settings in both)
+
+
+def halves(*bands: Band) -> tuple[Source, ...]:
+    """One problem of each family in these bands, in turn the first and the second."""
+    return tuple(Source(name, both[i % 2]) for band in bands for i, (name, both) in enumerate(band.items()))

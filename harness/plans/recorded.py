@@ -11,7 +11,8 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from frictionbench.harness.plans.lineups import EXACT, LADDER, OTHERS, RELAXED
+from frictionbench.harness.plans import families
+from frictionbench.harness.plans.lineups import LADDER, every
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.problems import InputError
 from frictionbench.problems.recorded import collection
@@ -43,7 +44,8 @@ def recorded() -> Plan:
     return Plan(
         suite="recorded",
         sources=(),
-        solvers=(*EXACT, *OTHERS, "relaxation_ip", *RELAXED),
+        solvers=every(2),
+        spatial_solvers=every(3),
         tolerances=LADDER,
         starts=(COLD, WARM),  # warm: from the initial guess of a file that has one
         time_limit=10.0,
@@ -57,31 +59,21 @@ def abh2018() -> Plan:
 
 def spatial() -> Plan:
     """Spatial problems of one step, from one contact to a thousand, with every solver that accepts them."""
-    boxes = [{"boxes": n, "friction": mu, "push": push} for n in (1, 3, 10, 30, 100) for mu, push in ((0.5, 0.0), (0.2, 1.0))]
-    heavy = [{"boxes": 10, "push": 1.0, "mass_ratio": ratio} for ratio in (1e2, 1e4)]
-    piles = [{"levels": n, "friction": mu, "noise": 0.03} for n in (2, 4, 6) for mu in (0.2, 0.7)]
-    piles += [
-        {"levels": n, "friction": 0.5} for n in (4, 5, 6)
-    ]  # between friction at which it slides and at which it sticks: the hardest
-    packings = [{"spheres": n, "friction": mu, "fraction": 0.64} for n in (10, 50, 250) for mu in (0.1, 0.7)]
-    scattered = [{"contacts": n, "seed": seed} for n in (2, 10, 50, 300) for seed in (0, 1)]
-    extreme = [
-        {"contacts": 40, "seed": seed, name: value}
-        for seed in (0, 1)
-        for name, value in (("friction", 1e3), ("mass_ratio", 1e6))
-    ]
-    kinds: dict[str, list[dict[str, Any]]] = {
-        "cubes": [*boxes, *heavy],
-        "sphere_pyramid": piles,
-        "packed_spheres": packings,
-        "random_bodies": [*scattered, *extreme],
-    }
+    large = (
+        Source("cubes", {"boxes": 100, "push": 0.1, "twist": 1.0, "smooth": 0.2, "fall": 1.0}),
+        Source("sphere_pyramid", {"levels": 6, "friction": 0.5}),  # between what slides and what sticks: the hardest
+        Source("packed_spheres", {"spheres": 250, "friction": 0.1}),
+        Source("random_bodies", {"contacts": 1000, "seed": 2}),
+        Source("rod_chain", {"links": 200, "pull": 0.05, "whirl": 0.2}),
+    )
+    lineup = every(3)
     return Plan(
         suite="spatial",
-        sources=tuple(Source(name, grid) for name, grids in kinds.items() for grid in grids),
-        solvers=(*EXACT, *(f"lemke[facets={k}]" for k in (4, 16, 64)), *OTHERS, "relaxation_ip", "ccp_cone"),
-        tolerances=LADDER,
-        time_limit=10.0,
+        sources=(*families.halves(*families.SPACE), *large),
+        solvers=lineup,
+        spatial_solvers=lineup,
+        tolerances=(1e-4, 1e-8),
+        time_limit=2.0,
     )
 
 
