@@ -58,7 +58,12 @@ Jobs = Annotated[
     typer.Option("--jobs", metavar="N", min=1, help="Worker processes, one core each; by default all cores but one."),
 ]
 Data = Annotated[
-    list[str] | None, typer.Option("--data", metavar="DIR|fclib/FAMILY", help="Recorded problems to run; may be repeated.")
+    list[str] | None,
+    typer.Option(
+        "--data",
+        metavar="DIR|FILE|fclib/FAMILY",
+        help="Recorded problems for `run recorded` or, of a sequence, `run replay`; may be repeated.",
+    ),
 ]
 Cluster = Annotated[
     str | None,

@@ -175,8 +175,7 @@ class MechanicalOperator(Operator):
         check.require(
             not len(bad),
             "joint_bias",
-            f"the joint equations F v + joint_bias = 0 contradict each other: no velocity satisfies rows {listed} "
-            f"to better than {defect.max():.2g} m/s",
+            f"the joint equations contradict each other: no velocity satisfies rows {listed} to better than {defect.max():.2g} m/s",
         )
 
     @cached_property

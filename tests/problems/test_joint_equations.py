@@ -18,7 +18,7 @@ FIELDS = {
 }
 CONTRADICTIONS = {
     "a row twice": ([[1.0, 0.0, 0.0]] * 2, [-0.5, 0.5]),
-    "a row twice, in other units": ([[1.0, 0.0, 0.0], [1e6, 0.0, 0.0]], [0.0, 0.5]),
+    "a row twice, in other units": ([[1.0, 0.0, 0.0], [1e6, 0.0, 0.0]], [0.0, 50.0]),
     "three of rank two": ([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]], [0.0, 0.0, 1e-3]),
     "a row of zeros": ([[0.0, 0.0, 0.0]], [1e-3]),
     "beside rows that agree": ([[0.0, 0.0, 1e3], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]], [1e3, 1e-3, -1e-3]),
@@ -28,9 +28,7 @@ CONTRADICTIONS = {
 @pytest.mark.parametrize("kind", CONTRADICTIONS)
 def test_contradictions_are_refused(kind) -> None:
     joints, bias = CONTRADICTIONS[kind]
-    with pytest.raises(
-        InputError, match=r"^joint_bias: the joint equations .* contradict each other: no velocity satisfies rows"
-    ):
+    with pytest.raises(InputError, match=r"^joint_bias: the joint equations contradict each other: no velocity satisfies rows"):
         FrictionProblem(**FIELDS, joints=joints, joint_bias=bias)
 
 

@@ -33,5 +33,5 @@ def test_readme_problem(newcomer, monkeypatch) -> None:
         if "@solver" not in block:
             exec(block, {})
     solved = frictionbench("solve", "problem.npz", "--solver", "lemke", "--solver", "nsgs", cwd=newcomer)
-    assert "problem.npz: 2 contacts" in solved.stdout
+    assert "problem.npz: 2 contacts in the plane, 3 velocities\n" in solved.stdout
     assert "use " in solved.stdout, solved.stderr
