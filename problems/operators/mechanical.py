@@ -175,7 +175,7 @@ class MechanicalOperator(Operator):
         check.require(
             not len(bad),
             "joint_bias",
-            f"the joint equations contradict each other: no velocity satisfies rows {listed} to better than {defect.max():.2g} m/s",
+            f"the joint equations contradict each other: rows {listed} are missed by up to {defect[bad].max(initial=0.0):.2g} m/s",
         )
 
     @cached_property
