@@ -172,11 +172,8 @@ class MechanicalOperator(Operator):
         allowed = np.maximum(CONTRADICTION * size, ROUNDING * unit * np.max(size / unit))
         bad = np.flatnonzero(~(defect <= allowed))
         listed = ", ".join(map(str, bad[:6].tolist())) + ", ..." * (len(bad) > 6)
-        check.require(
-            not len(bad),
-            "joint_bias",
-            f"the joint equations contradict each other: rows {listed} are missed by up to {defect[bad].max(initial=0.0):.2g} m/s",
-        )
+        missed = f"rows {listed} are missed by up to {defect[bad].max(initial=0.0):.2g} m/s"
+        check.require(not len(bad), "joint_bias", f"the joint equations contradict each other: {missed}")
 
     @cached_property
     def _measures(self) -> tuple[Array, Array, float]:
