@@ -5,6 +5,7 @@ run of another plan, machine or code is refused with a list of the differences.
 """
 
 import os
+import secrets
 import sys
 from collections.abc import Callable
 from datetime import UTC, datetime
@@ -24,10 +25,11 @@ from frictionbench.harness.workers.task import Outcome, Task
 from frictionbench.results import store
 from frictionbench.results.files import ResultsError
 from frictionbench.results.schema import TABLES
-from frictionbench.results.store import Row, ShardWriter
+from frictionbench.results.store import Extent, Row, ShardWriter
 from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers import find
 
+Counted = dict[str, dict[Path, Extent]]  # of each table, what counts of its shards
 COLLECT_SECONDS = 600.0  # seconds for one source's problems: a bound for scenes whose reference answers take too long
 
 
@@ -39,18 +41,19 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
     """
     folder = folder.absolute()
     open_folder(plan, folder)
+    counted = {table: store.extents(folder, table) for table in TABLES}
     with Pool(folder, 1 if cluster else jobs, plan.plugins, plan.memory_limit) as pool:
         store.write_manifest(folder, store.read_manifest(folder) | {"workers": None if cluster else jobs, "walls": pool.walls})
         records = _collect(plan, pool, progress)
         _record_motions(plan, pool, progress)
         cells: list[Cell] = [*plan.solve_cells(records.values()), *plan.simulation_cells()]
         if not cluster:
-            _run(cells, records, plan, folder, pool, progress)
+            _run(cells, records, plan, folder, pool, progress, counted)
             record_histories(plan, folder, records.values(), pool, progress)
     if cluster:  # after the pool has released its cores, which workers on this machine need
         with Cluster(cluster, folder, plan.plugins, plan.memory_limit) as engine:
-            _run(cells, records, plan, folder, engine, progress)
-    missing = _merge(plan, folder, cells, records)
+            _run(cells, records, plan, folder, engine, progress, counted)
+    missing = _merge(plan, folder, cells, records, counted)
     names = sorted({record["problem"] for record in records.values()} - {""})
     store.write_manifest(folder, store.read_manifest(folder) | {"problems": names, "finished": _now()})
     if missing:
@@ -60,18 +63,25 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
 
 
 def _run(
-    cells: list[Cell], records: dict[str, Record], plan: Plan, folder: Path, engine: Pool | Cluster, progress: Progress
+    cells: list[Cell],
+    records: dict[str, Record],
+    plan: Plan,
+    folder: Path,
+    engine: Pool | Cluster,
+    progress: Progress,
+    counted: Counted,
 ) -> None:
-    """Run the cells that have no row yet.
+    """Run the cells that have no row yet, and add what was written to the shards to what counts of them.
 
     Cells of plug-ins come last, because a worker that has run one is used for nothing else; cells of the same library come
     together, so that each worker loads it once.
     """
-    done = store.stored_keys(folder, "solves") | store.stored_keys(folder, "simulations")
+    done = set().union(*(store.stored_keys(folder, table, counted[table]) for table in TABLES))
     left = sorted((cell for cell in cells if cell.key not in done), key=lambda cell: _loaded_by(plan, cell))
+    writer = f"{os.getpid()}-{secrets.token_hex(4)}"
     with (
-        ShardWriter(folder, "solves", f"{os.getpid()}") as solved,
-        ShardWriter(folder, "simulations", f"{os.getpid()}") as simulated,
+        ShardWriter(folder, "solves", writer) as solved,
+        ShardWriter(folder, "simulations", writer) as simulated,
         progress.stage("cells", len(cells), len(cells) - len(left)) as stage,
     ):
         shards = {"solves": solved, "simulations": simulated}
@@ -86,9 +96,12 @@ def _run(
         for outcome in engine.run(tasks, stage.started, stage.compiling):
             shards[outcome.task.arguments[0].table].write(row_of(outcome, plan.plugins))
             stage.finished(outcome.task)
+    for table, shard in shards.items():
+        if shard.path.exists():
+            counted[table][shard.path] = shard.extent
 
 
-def _merge(plan: Plan, folder: Path, cells: list[Cell], records: dict[str, Record]) -> int:
+def _merge(plan: Plan, folder: Path, cells: list[Cell], records: dict[str, Record], counted: Counted) -> int:
     """Merge the tables, with rows in the plan's order; the number of planned cells whose row is missing."""
 
     def missing_row(key: str) -> Row:
@@ -98,7 +111,7 @@ def _merge(plan: Plan, folder: Path, cells: list[Cell], records: dict[str, Recor
     missing = 0
     for table in TABLES:
         planned = {cell.key: cell for cell in cells if cell.table == table}
-        missing += store.merge(folder, table, list(planned), missing_row)
+        missing += store.merge(folder, table, list(planned), missing_row, counted[table])
     return missing
 
 

@@ -12,13 +12,16 @@
     DIR/report.html, failures.txt, report.md, paper/    made from the files above, see reports
 
 A shard may end in an incomplete line, if its writer was killed. Such a line, and any other that is not a row, is ignored, and
-its cell runs again. Of several rows with the same key the first counts. All input is checked against results.schema; nothing
-is unpickled, and files that declare more than the limits below are refused before they are read.
+its cell runs again. Of several rows with the same key the first counts. The tables are merged from what the shards held when
+the run began and from what its main process wrote since: shards and lines that another process adds meanwhile do not count,
+and a shard that was changed is refused. All input is checked against results.schema; nothing is unpickled, and files that
+declare more than the limits below are refused before they are read.
 """
 
+import hashlib
 import json
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple, Self
 
@@ -40,15 +43,26 @@ LONGEST_TEXT = 20_000  # characters of a text value; a longer text, such as an e
 BATCH = 500  # rows in memory at a time while shards are merged
 
 
+class Extent(NamedTuple):
+    """The beginning of a shard that counts: its size in bytes and its SHA-256."""
+
+    size: int
+    digest: str
+
+
 class ShardWriter:
-    """Appends rows of one table to a shard. Each row is handed to the operating system before `write` returns."""
+    """Appends rows of one table to a new shard. Each row is handed to the operating system before `write` returns."""
 
     def __init__(self, folder: Path, table: str, writer: str) -> None:
         self._schema = arrow_schema(table)
-        self._path = subfolder(folder, "shards") / f"{table}-{writer}.jsonl"
-        self._file: BinaryIO = open(self._path, "ab", buffering=0, opener=_not_through_links)  # noqa: SIM115
-        if self._file.tell():
-            self._file.write(b"\n")  # ends an incomplete line of an earlier writer of this shard
+        self.path = subfolder(folder, "shards") / f"{table}-{writer}.jsonl"
+        self._file: BinaryIO = open(self.path, "ab", buffering=0, opener=_new)  # noqa: SIM115
+        self._size, self._digest = 0, hashlib.sha256()
+
+    @property
+    def extent(self) -> Extent:
+        """What it has written."""
+        return Extent(self._size, self._digest.hexdigest())
 
     def write(self, row: Row) -> None:
         """Write the part of a row that the table can hold, see `fitted`. Errors: OSError naming the shard."""
@@ -57,17 +71,36 @@ class ShardWriter:
             if self._file.write(line) != len(line):
                 raise OSError(28, "No space left on device")
         except OSError as error:
-            raise OSError(error.errno, error.strerror, str(self._path)) from None
+            raise OSError(error.errno, error.strerror, str(self.path)) from None
+        self._size += len(line)
+        self._digest.update(line)
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
         self._file.close()
+        if not self._size:
+            self.path.unlink(missing_ok=True)
 
 
-def _not_through_links(path: str, flags: int) -> int:
-    return os.open(path, flags | os.O_NOFOLLOW, 0o666)
+def _new(path: str, flags: int) -> int:
+    return os.open(path, flags | os.O_EXCL | os.O_NOFOLLOW, 0o666)
+
+
+def extents(folder: Path, table: str) -> dict[Path, Extent]:
+    """The table's shards as they are now. Errors: OSError naming the shard."""
+    return {path: _extent(path, path.stat().st_size) for path in (folder / "shards").glob(f"{table}-*.jsonl")}
+
+
+def _extent(path: Path, size: int) -> Extent:
+    """The beginning of a shard, of so many bytes or as many as it has."""
+    digest, left = hashlib.sha256(), size
+    with open(path, "rb") as shard:
+        while left and (part := shard.read(min(left, 2**20))):
+            digest.update(part)
+            left -= len(part)
+    return Extent(size - left, digest.hexdigest())
 
 
 def fitted(row: Row, schema: pa.Schema) -> Row:
@@ -100,12 +133,20 @@ class _Position(NamedTuple):
     offset: int
 
 
-def _positions(folder: Path, table: str) -> dict[str, _Position]:
-    """The position of the first row with each key, in a reproducible order."""
+def _positions(folder: Path, table: str, counted: Mapping[Path, Extent] | None = None) -> dict[str, _Position]:
+    """The position of the first row with each key, in a reproducible order; of what is counted alone, if it is given.
+
+    Errors: ResultsError naming a shard whose counted beginning was changed.
+    """
     positions: dict[str, _Position] = {}
-    for shard in sorted((folder / "shards").glob(f"{table}-*.jsonl")):
+    for shard in sorted((folder / "shards").glob(f"{table}-*.jsonl") if counted is None else counted):
+        if counted is not None and (not shard.exists() or _extent(shard, counted[shard].size) != counted[shard]):
+            raise ResultsError(
+                f"{shard}: was changed during the run by another process; delete it, and run the same command again"
+            )
         for offset, row in _parse(shard):
-            positions.setdefault(row["key"], _Position(shard, offset))
+            if counted is None or offset < counted[shard].size:
+                positions.setdefault(row["key"], _Position(shard, offset))
     return positions
 
 
@@ -141,9 +182,9 @@ def rows(folder: Path, table: str) -> Iterator[Row]:
     return (fitted(row, schema) for row in _rows(list(_positions(folder, table).values())))
 
 
-def stored_keys(folder: Path, table: str) -> set[str]:
-    """The keys of all rows in the table's shards."""
-    return set(_positions(folder, table))
+def stored_keys(folder: Path, table: str, counted: Mapping[Path, Extent] | None = None) -> set[str]:
+    """The keys of all rows in the table's shards, or in what is counted of them. Errors: ResultsError as of merge."""
+    return set(_positions(folder, table, counted))
 
 
 def find_row(folder: Path, given: str, tables: Sequence[str] = ("solves", "simulations")) -> tuple[str, Row]:
@@ -176,13 +217,20 @@ def drop(folder: Path, table: str, unwanted: Callable[[Row], bool]) -> int:
     return dropped
 
 
-def merge(folder: Path, table: str, order: Sequence[str], placeholder: Callable[[str], Row]) -> int:
+def merge(
+    folder: Path,
+    table: str,
+    order: Sequence[str],
+    placeholder: Callable[[str], Row],
+    counted: Mapping[Path, Extent] | None = None,
+) -> int:
     """Write DIR/TABLE.parquet with the rows of all keys in `order`; return how many keys have no row in the shards.
 
     placeholder: makes the row of a key that has none. Rows with other keys are left out, such as the row that reports a failed
-    source once a later attempt succeeded. No file is written where `order` is empty.
+    source once a later attempt succeeded. No file is written where `order` is empty. counted: what counts of the shards, by
+    default all that they hold. Errors: ResultsError naming a shard whose counted beginning was changed.
     """
-    schema, positions = arrow_schema(table), _positions(folder, table)
+    schema, positions = arrow_schema(table), _positions(folder, table, counted)
     missing = 0
     if order:
         with replaced(folder / f"{table}.parquet") as partial, pq.ParquetWriter(partial, schema) as writer:

@@ -87,8 +87,12 @@ def _own_terms(source: Source) -> Record:
 
 
 def stored(folder: Path, problem: str) -> FrictionProblem | LCP:
-    """A stored problem by its hash. Errors: InputError where the file is missing or damaged."""
-    return load(folder / "problems" / f"{problem}.npz")
+    """A stored problem by its hash. Errors: InputError where the file is missing, damaged, or holds another problem."""
+    path = folder / "problems" / f"{problem}.npz"
+    found = load(path)
+    if found.hash != problem:
+        raise InputError(f"{path}: holds another problem, {found.hash}, than the one its name is the hash of")
+    return found
 
 
 def stored_friction(folder: Path, problem: str) -> FrictionProblem:

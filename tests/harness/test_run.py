@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from frictionbench.harness import run as run_module
 from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.rows import no_problem
 from frictionbench.harness.commands.single import rerun_row
@@ -23,6 +24,7 @@ from frictionbench.problems import InputError
 from frictionbench.problems.recorded import archive, own
 from frictionbench.results import store
 from frictionbench.results.files import ResultsError
+from frictionbench.results.store import ShardWriter
 from tests.helpers.command_line import frictionbench
 from tests.helpers.runs import quiet, small_plan, verdicts
 
@@ -202,3 +204,51 @@ def test_replayed_starts(tmp_path) -> None:
     sweeps = {start: rows.loc[(rows["solver"] == "nsgs") & (rows["start"] == start), "work"].map(json.loads) for start in of}
     # A block that slides on has the same impulse at every step: the warm start is the answer.
     assert max(work["sweeps"] for work in sweeps["warm"]) < max(work["sweeps"] for work in sweeps["cold"])
+
+
+def row_text(folder: Path, **changes) -> str:
+    """The first row of the run's solves as a line of a shard, with changes."""
+    shard = max((folder / "shards").glob("solves-*.jsonl"), key=lambda path: path.stat().st_size)
+    return json.dumps(json.loads(shard.read_text(encoding="utf-8").splitlines()[0]) | changes) + "\n"
+
+
+def test_rows_that_another_process_writes_do_not_count(tmp_path, monkeypatch) -> None:
+    plan = small_plan(simulations=())
+    run(plan, tmp_path / "honest", 1, quiet())
+    honest, forged = verdicts(tmp_path / "honest"), row_text(tmp_path / "honest", verdict="wrong", residual=9.0)
+
+    class Forges(ShardWriter):
+        """Before the first row is written a shard appears whose name comes first."""
+
+        def write(self, row):
+            (self.path.parent / "solves-0.jsonl").write_text(forged, encoding="utf-8")
+            super().write(row)
+
+    class Inserts(ShardWriter):
+        """Before the first row is written another stands in the same shard."""
+
+        def write(self, row):
+            if not self.path.stat().st_size:
+                self.path.write_text(forged, encoding="utf-8")
+            super().write(row)
+
+    monkeypatch.setattr(run_module, "ShardWriter", Forges)
+    run(plan, tmp_path / "beside", 1, quiet())
+    assert verdicts(tmp_path / "beside") == honest
+    monkeypatch.setattr(run_module, "ShardWriter", Inserts)
+    with pytest.raises(ResultsError, match=r"solves-.*jsonl: was changed during the run by another process"):
+        run(plan, tmp_path / "within", 1, quiet())
+
+
+def test_stored_problem_that_was_exchanged_is_refused(tmp_path) -> None:
+    plan = small_plan(simulations=(), solvers=("lemke",))
+    run(plan, tmp_path, 1, quiet())
+    one, other, *_ = (path for path in sorted((tmp_path / "problems").glob("*.npz")) if len(path.suffixes) == 1)
+    one.write_bytes(other.read_bytes())
+    for shard in (tmp_path / "shards").iterdir():
+        shard.unlink()
+    run(plan, tmp_path, 1, quiet())
+    rows = store.read_table(tmp_path, "solves").set_index("problem")
+    assert set(rows.loc[[one.stem], "verdict"]) == {"crashed"}
+    assert all("holds another problem" in reason for reason in rows.loc[[one.stem], "reason"])
+    assert set(rows.loc[[other.stem], "verdict"]) == {"solved"}
