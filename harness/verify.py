@@ -7,6 +7,13 @@ The answer's claim decides only between verdicts on an answer that is not accura
 The residuals of the exact problem and of the model are computed separately: the first contains model error and solver error,
 the second only the solver's. Verdicts are no finer than floating-point arithmetic: see residual_floor in problems.residual.
 
+Islands are judged one by one (problems.forms.islands), each in its own unit and with its own floor. An island is unjudgeable
+where its floor is above the tolerance and its residual is within the floor; the verdict is that on all other islands if they
+are not solved, otherwise `unjudgeable`. So neither the speed nor the rounding errors of one part excuse another. A solver that
+stops by the norm of the whole problem leaves the slow islands of a problem less accurate by the ratio of the speeds, and its
+answer is a `near_miss` or `wrong` as for any other difference of norms: it must ask for tol times the smallest unit, or solve
+the balanced problem, as the solvers and adapters of this package do (solvers.balanced).
+
 The tolerance, and the margins of solvers. tol bounds the residual of the solver's own model in the measure of
 problems.residual, the maximum over contacts. A solver that computes this residual stops at tol. One that stops by another
 measure must ask for as much less as that measure can underestimate this one: tol times a margin, which stands where it is used,
@@ -25,12 +32,12 @@ import numpy as np
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.residual import (
+    contact_floors,
+    contact_residuals,
     energy_within,
     fclib_error,
-    polygon_residual,
-    relaxation_residual,
-    residual,
-    residual_floor,
+    largest,
+    polygon_residuals,
 )
 from frictionbench.problems.simulate import ledger_defect
 from frictionbench.results.verdicts import ACCEPTED, Verdict
@@ -72,12 +79,17 @@ def verify(problem: FrictionProblem, answer: Answer, info: SolverInfo, tol: floa
     impulse = np.asarray(answer.impulse, dtype=float)
     if reason := _malformed(problem, impulse):
         return Finding(Verdict.WRONG if claimed else Verdict.UNSOLVED, reason, *(np.inf,) * 5)
-    exact, floor = residual(problem, impulse), residual_floor(problem, impulse)
     softness, soft = _softness(problem, answer, info, tol)
-    model = _model_residual(problem, answer, info, exact, softness)
-    verdict = _verdict(exact, model, floor, claimed, tol)
+    shift = 0.0 if info.model in ("relaxation", "regularised") else 1.0
+    by_contact = contact_residuals(problem, impulse)
+    parts = by_contact, _model_residuals(problem, answer, info, by_contact, softness), contact_floors(problem, impulse, shift)
+    exact, model, floor = (largest(part) for part in parts)
+    told = claimed or answer.status is Status.ROUNDING
+    by_island = [_by_island(problem, part) for part in parts]
+    verdict = _verdict(by_island[0], by_island[1], by_island[2], claimed, told, tol)
     accepted = claimed and verdict in ACCEPTED
-    defect = ledger_defect(problem, impulse)
+    with np.errstate(over="ignore", invalid="ignore"):
+        defect = ledger_defect(problem, impulse)
     reasons = [
         _reason(verdict, exact, model, floor, tol),
         soft,
@@ -113,14 +125,22 @@ def _softness(problem: FrictionProblem, answer: Answer, info: SolverInfo, tol: f
     return claimed, f"verified with contacts regularised by {share:.1g} of W's diagonal"
 
 
-def _model_residual(problem: FrictionProblem, answer: Answer, info: SolverInfo, exact: float, softness: Array | None) -> float:
+def _model_residuals(problem: FrictionProblem, answer: Answer, info: SolverInfo, exact: Array, softness: Array | None) -> Array:
+    """The residual of each contact (nc,) in the solver's own model."""
     if info.model in ("relaxation", "regularised"):
-        return relaxation_residual(problem, np.asarray(answer.impulse, dtype=float), softness)
+        return contact_residuals(problem, np.asarray(answer.impulse, dtype=float), 0.0, softness)
     if info.model == "lcp" and problem.dimension == 3 and answer.z is not None:
         facets = np.size(answer.z) // max(problem.contacts, 1) - 2  # z is (c, beta, lambda), beta of as many parts a contact
         if problem.contacts and np.shape(answer.z) == (problem.contacts * (facets + 2),) and facets >= 4 and facets % 2 == 0:
-            return polygon_residual(problem, problem.lcp(facets), answer.z)
+            return polygon_residuals(problem, problem.lcp(facets), answer.z)
     return exact
+
+
+def _by_island(problem: FrictionProblem, by_contact: Array) -> Array:
+    """The largest value of each island, of values by contact (nc,)."""
+    worst = np.zeros(problem.islands.max(initial=-1) + 1)
+    np.maximum.at(worst, problem.islands, by_contact)
+    return worst
 
 
 def verify_lcp(lcp: LCP, answer: Answer, tol: float) -> Finding:
@@ -129,21 +149,24 @@ def verify_lcp(lcp: LCP, answer: Answer, tol: float) -> Finding:
     if answer.z is None or np.shape(answer.z) != (lcp.size,):
         return Finding(Verdict.WRONG if claimed else Verdict.UNSOLVED, "z is missing or of the wrong shape", *(np.inf,) * 5)
     found = lcp.residual(answer.z)
-    verdict = _verdict(found, found, 0.0, claimed, tol)
+    verdict = _verdict(np.array([found]), np.array([found]), np.zeros(1), claimed, claimed, tol)
     reason = "; ".join(filter(None, (_reason(verdict, found, found, 0.0, tol), answer.detail)))
     return Finding(verdict, reason, found, found, 0.0, np.nan, np.nan)
 
 
-def _verdict(exact: float, model: float, floor: float, claimed: bool, tol: float) -> Verdict:
-    if floor > tol and min(exact, model) <= floor:
-        return Verdict.UNJUDGEABLE if claimed else Verdict.UNSOLVED
-    if exact <= tol:
+def _verdict(exact: Array, model: Array, floor: Array, claimed: bool, told: bool, tol: float) -> Verdict:
+    """The verdict on the residuals and floors of all islands; told: the answer says that it is as good as rounding allows."""
+    unknown = (floor > tol) & (np.minimum(exact, model) <= floor) & np.isfinite(floor)
+    worst, of_model = largest(exact[~unknown]), largest(model[~unknown])
+    if min(worst, of_model) <= tol and unknown.any():
+        return Verdict.UNJUDGEABLE if told else Verdict.UNSOLVED
+    if worst <= tol:
         return Verdict.SOLVED
-    if model <= tol:
+    if of_model <= tol:
         return Verdict.RELAXED
     if not claimed:
         return Verdict.UNSOLVED
-    return Verdict.NEAR_MISS if min(exact, model) < NEAR * tol else Verdict.WRONG
+    return Verdict.NEAR_MISS if min(worst, of_model) < NEAR * tol else Verdict.WRONG
 
 
 def _reason(verdict: Verdict, exact: float, model: float, floor: float, tol: float) -> str:

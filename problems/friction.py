@@ -27,7 +27,7 @@ from frictionbench.problems.forms.lcp import LCP, content_hash, friction_lcp, ta
 from frictionbench.problems.forms.relaxation import QP, ConeProgram, VelocityForm, relaxation_cone, relaxation_qp
 from frictionbench.problems.operators.delassus import DelassusOperator
 from frictionbench.problems.operators.mechanical import MechanicalOperator
-from frictionbench.problems.rows import ByContact, Rows
+from frictionbench.problems.rows import ByContact, Index64, Rows
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -90,7 +90,8 @@ class FrictionProblem:
         }
         sizes.agree(dimension, mechanics | {"friction": friction, "friction_bias": friction_bias})
         law = _law(friction, friction_bias)
-        self._assign(dimension, *law, MechanicalOperator.checked(len(law[0]), dimension, **mechanics))
+        operator = MechanicalOperator.checked(len(law[0]), dimension, friction_bias=law[1], **mechanics)
+        self._assign(dimension, *law, operator)
 
     @classmethod
     def from_delassus(cls, W: Any, q: Any, friction: Any, d: int, friction_bias: Any = None) -> Self:
@@ -106,7 +107,7 @@ class FrictionProblem:
         require(d in (2, 3), "d", f"must be 2 or 3, got {d!r}")
         sizes.agree(d, {"W": W, "q": q, "friction": friction, "friction_bias": friction_bias}, {"dimension": "d"})
         law = _law(friction, friction_bias)
-        return object.__new__(cls)._assign(d, *law, DelassusOperator.checked(len(law[0]), d, W, q))
+        return object.__new__(cls)._assign(d, *law, DelassusOperator.checked(len(law[0]), d, W, q, law[1]))
 
     def _assign(self, d: int, friction: Array, friction_bias: Array, operator: MechanicalOperator | DelassusOperator) -> Self:
         """Set the fields, all checked."""
@@ -227,8 +228,33 @@ class FrictionProblem:
 
     @property
     def velocity_scale(self) -> float:
-        """max_i |q_i|, m/s, the unit of the residual."""
+        """max_i |q_i|, m/s."""
         return self.operator.velocity_scale
+
+    @property
+    def units(self) -> Array:
+        """(nc,), m/s: the velocity in which the residual of each contact is measured (problems.forms.islands): the largest free
+        velocity of the contacts of its island that can bear. A solver that stops by one number stops at tol * min(units)."""
+        return self.operator.units
+
+    @property
+    def spread(self) -> float:
+        """The largest of the units over the smallest; 1 where nothing moves."""
+        return self.operator.spread
+
+    def balanced(self) -> tuple[Self, Array]:
+        """The problem with islands that nothing couples in like units, and factor (nc,): impulses r of it are factor r here.
+
+        A method whose tolerances are relative to the fastest contact solves this one as well for the slow islands.
+        """
+        operator, factor = self.operator.balanced()
+        same = object.__new__(type(self))
+        return same._assign(self.dimension, self.friction, operator.friction_bias, operator), factor
+
+    @property
+    def islands(self) -> Index64:
+        """(nc,): the island of each contact, the connected component of the contact graph, numbered from 0."""
+        return self.operator.islands
 
     @property
     def offset(self) -> Array:

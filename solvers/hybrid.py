@@ -17,7 +17,7 @@ import numpy as np
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
-from frictionbench.problems.residual import residual
+from frictionbench.problems.residual import residual, residual_floor
 from frictionbench.solvers.interface import Answer, Solver, SolverInfo, Status, find, solver
 
 PLANAR = ("lemke", "interior_point", "path_search", "staggered", "anitescu_hart", "fischer_newton")
@@ -73,7 +73,8 @@ class Hybrid:
             if found < least:
                 impulse, least, found_by = answer.impulse, found, info.name
             if least <= tol:
-                return Answer(impulse, Status.SOLVED, work, detail=found_by)
+                known = residual_floor(problem, impulse) <= tol  # another member's answer has the same impulses to hold
+                return Answer(impulse, Status.SOLVED if known else Status.ROUNDING, work, detail=found_by)
         return Answer(impulse, Status.STALLED, work, detail=found_by)
 
 

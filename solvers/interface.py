@@ -11,8 +11,11 @@
 A missing `form` or `setup` passes its argument on unchanged. A solver that does not separate the two defines `prepare(problem)`
 instead, which counts as setup. Every registered solver has `prepare`, which is setup(form(problem)).
 
-`tol` is the requested residual of the solver's own model, as defined in problems.residual. A solver that computes this residual
-stops at tol; a solver with another stopping criterion keeps a safety factor, as large as the criterion can underestimate it:
+`tol` is the requested residual of the solver's own model, as defined in problems.residual: each contact's in its own unit of
+velocity, `problem.units` (nc,), that of its island. A solver that stops by one velocity stops at tol * problem.units.min(), or
+solves `problem.balanced()`, where separate islands have like units; this is done for the solvers of this package
+(solvers.balanced). A solver that computes this residual stops at tol; a solver with another stopping criterion keeps a safety
+factor, as large as the criterion can underestimate it:
 
     1      sweeps, projected gradients and splittings: their residual equals the verifier's up to rounding
     1/2    interior points and pivoting: other units, and a contact's normal and tangential rows are measured separately, which
@@ -38,10 +41,13 @@ from frictionbench.problems import LCP, FrictionProblem, InputError, check
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.display import html_table
 from frictionbench.problems.friction import require_problem
+from frictionbench.problems.residual import residual_floor
 from frictionbench.problems.spec import split
+from frictionbench.solvers.balanced import with_balance
 from frictionbench.solvers.needs import installed_version
 
 Model = Literal["coulomb", "lcp", "relaxation", "regularised"]
+PACKAGE = "frictionbench.solvers."  # the modules of this package's own solvers
 MOST_WORK = 10**8  # the largest limit that may be given: histories of that length are allocated
 
 
@@ -58,6 +64,7 @@ class Status(Enum):
     WORK_LIMIT = "reached the work limit"
     STALLED = "no further progress was possible"
     BREAKDOWN = "numerical breakdown"
+    ROUNDING = "solved as far as can be told: rounding alone may leave a residual above the requested tolerance"
     FAILED = "the outside library reported a failure"
 
 
@@ -146,7 +153,7 @@ class SolverInfo:
     @property
     def ours(self) -> bool:
         """Whether this package defines it, including the adapters of outside libraries, and not a plug-in."""
-        return self.make.__module__.startswith("frictionbench.solvers.")
+        return self.make.__module__.startswith(PACKAGE)
 
     @property
     def specs(self) -> tuple[str, ...]:
@@ -214,7 +221,8 @@ def solver(
     """
 
     def register(cls: Class) -> Class:
-        made: Any = dataclass(frozen=True)(with_all_steps(cls))
+        whole = with_all_steps(cls)
+        made: Any = dataclass(frozen=True)(with_balance(whole) if whole.__module__.startswith(PACKAGE) else whole)
         if name in _solvers:
             raise ValueError(f"solver: the name {name!r} is already registered by {_solvers[name].make}")
         facts = (family, model, dimension, warm_start, sparse, needs, lacks, variants, members)
@@ -298,11 +306,13 @@ def solve(
     problem: a FrictionProblem of nc contacts of dimension d, or a bare LCP for solvers of LCPs.
     spec: a solver's name, with settings in brackets if any: "lemke", "nsgs[relaxation=1.3]". See `available`.
     tol: the requested residual, dimensionless, > 0: the largest defect of the solver's model at a contact, as a velocity over
-        the largest free contact velocity (problems.residual). For a bare LCP max|min(z, w)| over max|q|.
+        the contact's unit, the largest free velocity in its island (problems.residual). For a bare LCP max|min(z, w)| over
+        max|q|.
     limit: the largest number of pivots, sweeps or iterations, whichever the method counts; None for the method's own limit.
     start: (nc, d), N s, normal first: a guess of the impulses. A solver without warm start ignores it.
 
-    Returns an Answer: impulse (nc, d) in N s, normal first, also where the solver failed; status, what the solver claims;
+    Returns an Answer: impulse (nc, d) in N s, normal first, also where the solver failed; status, what the solver claims, but
+    ROUNDING for SOLVED by a solver of this package where rounding alone may leave a residual above tol (residual_floor);
     work, its counts; z (n,) of solvers of LCPs.
     Errors: InputError if the solver is unknown, not installed or does not take this problem, or if problem, tol, limit or start
     is invalid; the message names which.
@@ -325,7 +335,11 @@ def solve(
         raise InputError(f"solver: {reason}")
     shape = problem.contacts if isinstance(problem, LCP) else (problem.contacts, problem.dimension)
     guess = None if start is None else impulses(start, shape)
-    return instance.solve(instance.prepare(problem), tol, limit, guess if info.warm_start else None)
+    answer = instance.solve(instance.prepare(problem), tol, limit, guess if info.warm_start else None)
+    checked = answer.status is Status.SOLVED and info.ours
+    if checked and isinstance(problem, FrictionProblem) and residual_floor(problem, answer.impulse) > tol:
+        answer.status = Status.ROUNDING
+    return answer
 
 
 def tolerance(tol: Any) -> float:

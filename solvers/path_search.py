@@ -56,7 +56,7 @@ from frictionbench.solvers.pivots.lu_basis import (
     orientation,
     set_complementary_basis,
 )
-from frictionbench.solvers.pivots.natural import MARGIN, exact_residual, natural_residual, own_scale, scaled_and_weighed
+from frictionbench.solvers.pivots.natural import MARGIN, exact_residual, natural_residual, own_measures, scaled_and_weighed
 from frictionbench.solvers.pivots.newton_path import FACTORISATIONS, LIMIT, NEWTON, RAY, SINGULAR, follow_newton_path, is_ray
 from frictionbench.solvers.pivots.ordering import in_order
 from frictionbench.solvers.pivots.vectors import fill, put
@@ -94,7 +94,7 @@ class PathSearch:
 
     def form(self, problem: FrictionProblem | LCP) -> "Formed":
         lcp = problem if isinstance(problem, LCP) else problem.lcp(self.facets)
-        return Formed(problem, lcp, *scaled_and_weighed(*lcp.rows, lcp.q, own_scale(problem)))
+        return Formed(problem, lcp, *scaled_and_weighed(*lcp.rows, lcp.q, *own_measures(problem)))
 
     def setup(self, formed: "Formed") -> "Prepared":
         problem, lcp, *parts = formed

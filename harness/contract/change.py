@@ -54,3 +54,14 @@ def in_units(problem: FrictionProblem, mass: float, velocity: float) -> Friction
         friction_bias=mass * velocity * problem.friction_bias,
         joint_bias=velocity * problem.joint_bias,
     )
+
+
+def side_by_side(*problems: FrictionProblem) -> FrictionProblem:
+    """Problems of one dimension as one, without any coupling."""
+    matrices = {
+        name: sparse.block_diag([getattr(problem, name) for problem in problems], format="csr")
+        for name in ("mass", "normal", "tangent", "joints")
+    }
+    names = ("friction", "free_velocity", "bias", "friction_bias", "joint_bias")
+    vectors = {name: np.concatenate([getattr(problem, name) for problem in problems]) for name in names}
+    return FrictionProblem(**matrices, **vectors, dimension=problems[0].dimension)

@@ -15,11 +15,11 @@ from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.residual import residual
 
 EPSILON = 8 * np.finfo(float).eps  # the rounding of a norm and of a product, with a margin
-ROUND_OFF = 1e-13  # of the largest free velocity: impulses that change the velocity of their own contact by less are neglected
+ROUND_OFF = 1e-13  # of a contact's unit of velocity: impulses that change the contact's velocity by less are neglected
 
 
 def backward_error(problem: FrictionProblem, impulse: Array) -> float:
-    """The least eta with which impulse (nc, d) obeys Coulomb's law exactly for some |dq_i| <= eta max|q|, |dmu_i| <= eta mu_i.
+    """The least eta with which impulse (nc, d) obeys Coulomb's law exactly for some |dq_i| <= eta unit_i, |dmu_i| <= eta mu_i.
 
     The smaller of two values: for the answer itself, and for its projection on the friction cones with impulses below round-off
     set to zero. Infinity where there is no such change.
@@ -29,13 +29,13 @@ def backward_error(problem: FrictionProblem, impulse: Array) -> float:
         return 0.0
     if impulse.shape != (nc, d) or not np.isfinite(impulse).all():
         return np.inf
-    scale = float(np.max(np.linalg.norm(problem.q.reshape(nc, d), axis=1))) or 1.0
+    scale = np.where(problem.units > 0, problem.units, 1.0)
     felt = problem.scale * np.linalg.norm(impulse, axis=1) > ROUND_OFF * scale
     allowed = project_cone(impulse, problem.friction, problem.friction_bias) * felt[:, None]
     return min(_least_change(problem, impulse, scale), _least_change(problem, allowed, scale))
 
 
-def _least_change(problem: FrictionProblem, impulse: Array, scale: float) -> float:
+def _least_change(problem: FrictionProblem, impulse: Array, scale: Array) -> float:
     """Contact by contact, with u the answer's own velocities: r_n > 0 requires u_n = 0, r_n = 0 requires u_n >= 0. Sticking
     requires u_t = 0 with r_t inside the cone; sliding for u_t against r_t on the cone, to which mu may be moved.
     """

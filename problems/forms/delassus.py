@@ -9,6 +9,7 @@ import numpy as np
 from scipy import sparse
 
 from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.forms.islands import length, mechanical_units, spread
 from frictionbench.problems.rows import Array, Index32, nowhere
 
 
@@ -274,11 +275,8 @@ def largest(q, d):  # type: ignore[no-untyped-def]
     """max_i |q_i| of q (nc*d,)."""
     most = 0.0
     for i in range(len(q) // d):
-        square = 0.0
-        for k in range(i * d, i * d + d):
-            square += q[k] * q[k]
-        most = max(most, square)
-    return np.sqrt(most)
+        most = max(most, length(q, i, d))
+    return most
 
 
 @kernel
@@ -288,11 +286,15 @@ def pushed_contact_velocity(start, column, J, m_start, m_column, m_value, free, 
 
 
 @kernel
-def measures(start, column, J, m_start, m_column, m_value, free, bias):  # type: ignore[no-untyped-def]
-    """The free contact velocities (nc*d,), the mean diagonal (nc,) of each contact's own block, and max_i |q_i|."""
+def measures(start, column, J, m_start, m_column, m_value, f_start, f_column, free, bias, wider):  # type: ignore[no-untyped-def]
+    """Without joints: the free contact velocities (nc*d,), the mean diagonal (nc,) of each contact's own block, max_i |q_i|,
+    the units (nc,) and their spread (problems.forms.islands); wider: the friction bias (nc,)."""
     nc, d = len(bias), J.shape[1]
     u, q = contact_velocity(start, column, J, free, bias), np.empty(nc * d)
     for i in range(nc):
         for a in range(d):
             q[i * d + a] = u[i, a]
-    return q, mean_diagonal(diagonal(start, column, J, m_start, m_column, m_value)), largest(q, d)
+    s = mean_diagonal(diagonal(start, column, J, m_start, m_column, m_value))
+    bodies = start, column, J, m_start, m_column, m_value, f_start, f_column
+    units = mechanical_units(*bodies, free, bias, q, s, wider, np.zeros((0, 0)))
+    return q, s, largest(q, d), units, spread(units)

@@ -14,10 +14,12 @@ from scipy import sparse
 from frictionbench.problems import check
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.forms import delassus
+from frictionbench.problems.forms.balance import delassus_factors
 from frictionbench.problems.forms.definite import spectrum_ends
 from frictionbench.problems.forms.delassus import Blocks
+from frictionbench.problems.forms.islands import delassus_graph, delassus_units, islands, spread
 from frictionbench.problems.operators.operator import NO_ROWS, Operator
-from frictionbench.problems.rows import ByContact, Rows, by_contact
+from frictionbench.problems.rows import ByContact, Index64, Rows, by_contact
 
 INDEFINITE = 1e-6  # of W's largest eigenvalue: recorded problems are indefinite by that much, as their files round W's digits
 
@@ -34,18 +36,19 @@ class DelassusOperator(Operator):
     W: sparse.csr_array
     q: Array
     dimension: int
+    friction_bias: Array
 
     @classmethod
-    def checked(cls, nc: int, d: int, W: Any, q: Any) -> Self:
+    def checked(cls, nc: int, d: int, W: Any, q: Any, friction_bias: Array) -> Self:
         """The operator of nc contacts of dimension d, of checked copies. Errors: InputError naming the field."""
         vector = check.vector("q", q, nc * d)
         matrix = check.matrix("W", W, (nc * d, nc * d))
         least, largest = spectrum_ends(matrix)
         require(least >= -INDEFINITE * max(largest, 0.0), "W", "not positive semidefinite")
-        return cls(matrix, vector, d)
+        return cls(matrix, vector, d, friction_bias)
 
     def fresh(self) -> Self:
-        return type(self)(self.W, self.q, self.dimension)
+        return type(self)(self.W, self.q, self.dimension, self.friction_bias)
 
     @cached_property
     def scale(self) -> Array:
@@ -55,6 +58,27 @@ class DelassusOperator(Operator):
     @cached_property
     def velocity_scale(self) -> float:
         return float(delassus.largest(self.q, self.dimension))
+
+    @cached_property
+    def units(self) -> Array:
+        units: Array = delassus_units(*self.blocks, self.q, self.scale, self.friction_bias)
+        units.setflags(write=False)
+        return units
+
+    @cached_property
+    def spread(self) -> float:
+        return float(spread(self.units))
+
+    def balanced(self) -> tuple[Self, Array]:
+        factor: Array = delassus_factors(*self.blocks[:2], self.units)
+        q = self.q / np.repeat(factor, self.dimension)
+        same = type(self)(self.W, q, self.dimension, self.friction_bias / factor)
+        same.blocks = self.blocks
+        return same, factor
+
+    @cached_property
+    def islands(self) -> Index64:
+        return islands(*delassus_graph(*self.blocks, self.scale))
 
     @cached_property
     def blocks(self) -> Blocks:

@@ -19,10 +19,12 @@ from scipy import sparse
 from frictionbench.problems import check
 from frictionbench.problems.check import Array
 from frictionbench.problems.forms import delassus
+from frictionbench.problems.forms.balance import mechanical_factors
 from frictionbench.problems.forms.delassus import Blocks
+from frictionbench.problems.forms.islands import islands, mechanical_graph, mechanical_units, spread
 from frictionbench.problems.forms.mass import inverse_mass
 from frictionbench.problems.operators.operator import NO_ROWS, Operator
-from frictionbench.problems.rows import ByContact, Rows, by_contact
+from frictionbench.problems.rows import ByContact, Index64, Rows, by_contact
 
 # Of the terms that add up to a diagonal entry of W: below this the joints lock the direction. The rounding errors observed were
 # up to 160 eps, and the entries of directions that move were above 1e9 eps.
@@ -47,12 +49,14 @@ class MechanicalOperator(Operator):
     contact_rows: ByContact
     free_velocity: Array
     bias: Array
+    friction_bias: Array
     joint_bias: Array
 
     @classmethod
     def checked(
-        cls, nc: int, d: int, mass: Any, normal: Any, tangent: Any, free_velocity: Any, bias: Any, joints: Any, joint_bias: Any
-    ) -> Self:
+        cls, nc: int, d: int, mass: Any, normal: Any, tangent: Any, free_velocity: Any, bias: Any, friction_bias: Array,
+        joints: Any, joint_bias: Any,
+    ) -> Self:  # fmt: skip
         """The operator of nc contacts of dimension d, of checked copies; joints and joint_bias may be None.
 
         Errors: InputError naming the field.
@@ -67,14 +71,14 @@ class MechanicalOperator(Operator):
         b = check.vector("bias", bias, nc)
         b_F = check.vector("joint_bias", np.zeros(nj) if joint_bias is None else joint_bias, nj)
         contact_rows = ByContact(*by_contact(*normal_rows, *tangent_rows, d))
-        operator = cls(mass_rows, inverse_mass(mass_rows), joint_rows, contact_rows, v, b, b_F)
+        operator = cls(mass_rows, inverse_mass(mass_rows), joint_rows, contact_rows, v, b, friction_bias, b_F)
         if b_F.any():  # without biases, v = 0 satisfies all
             operator._require_consistent_joints()
         return operator
 
     def fresh(self) -> Self:
         rows = self.mass_rows, self.inverse_rows, self.joint_rows, self.contact_rows
-        return type(self)(*rows, self.free_velocity, self.bias, self.joint_bias)
+        return type(self)(*rows, self.free_velocity, self.bias, self.friction_bias, self.joint_bias)
 
     @property
     def q(self) -> Array:  # type: ignore[override]
@@ -89,6 +93,33 @@ class MechanicalOperator(Operator):
     @property
     def velocity_scale(self) -> float:
         return self._measures[2]
+
+    @property
+    def units(self) -> Array:
+        return self._measures[3]
+
+    @property
+    def spread(self) -> float:
+        return self._measures[4]
+
+    def balanced(self) -> tuple[Self, Array]:
+        joints = self.joint_rows.start, self.joint_rows.column
+        factor, by_velocity = mechanical_factors(
+            self.contact_rows.start, self.contact_rows.column, *self.mass_rows[:2], *joints, self.units
+        )
+        joint_bias = self.joint_bias / by_velocity[self.joint_rows.column[self.joint_rows.start[:-1]]]
+        rows = self.mass_rows, self.inverse_rows, self.joint_rows, self.contact_rows
+        laws = self.free_velocity / by_velocity, self.bias / factor, self.friction_bias / factor, joint_bias
+        return type(self)(*rows, *laws), factor
+
+    @cached_property
+    def islands(self) -> Index64:
+        return islands(*mechanical_graph(*self._bodies, self.scale))
+
+    @property
+    def _bodies(self) -> tuple[NDArray[Any], ...]:
+        """J by contacts, M^-1 by rows, and where the joints have their entries."""
+        return *self.contact_rows, *self.inverse_rows, self.joint_rows.start, self.joint_rows.column
 
     @cached_property
     def offset(self) -> Array:
@@ -176,18 +207,23 @@ class MechanicalOperator(Operator):
         check.require(not len(bad), "joint_bias", f"the joint equations contradict each other: {missed}")
 
     @cached_property
-    def _measures(self) -> tuple[Array, Array, float]:
-        """(q, scale, velocity_scale), which one pass over the contacts computes together."""
+    def _measures(self) -> tuple[Array, Array, float, Array, float]:
+        """(q, scale, velocity_scale, units and their spread), which one pass over the contacts computes together."""
         free = self._on_joints(self.free_velocity)
-        q, scale, velocity_scale = delassus.measures(*self.contact_rows, *self.inverse_rows, free, self.bias)
+        q, scale, velocity_scale, units, unlike = delassus.measures(*self._bodies, free, self.bias, self.friction_bias)
         if self._has_joints:
             diagonal, d = self._held_diagonal(), self.contact_rows.value.shape[1]
             by_contact = q.reshape(-1, d)
             rounding = np.abs(by_contact) <= LOCKED * self.velocity_size(np.zeros_like(by_contact))
             by_contact[self._locked & rounding] = 0.0
             scale, velocity_scale = delassus.mean_diagonal(diagonal), delassus.largest(q, d)
+            terms = self.velocity_size(np.zeros_like(by_contact))
+            velocities = self.free_velocity, self.bias, q, scale, self.friction_bias, terms
+            units = mechanical_units(*self._bodies, *velocities)
+            unlike = spread(units)
         q.setflags(write=False)
-        return q, scale, velocity_scale
+        units.setflags(write=False)
+        return q, scale, velocity_scale, units, unlike
 
     def _held_diagonal(self) -> Array:
         """The diagonal (nc, d) of W, 0 in locked directions; without the joints where they lock the whole contact."""

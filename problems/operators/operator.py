@@ -14,7 +14,7 @@ from scipy import sparse
 from frictionbench.problems.check import Array
 from frictionbench.problems.forms import delassus
 from frictionbench.problems.forms.delassus import Blocks
-from frictionbench.problems.rows import ByContact, Rows, by_row
+from frictionbench.problems.rows import ByContact, Index64, Rows, by_row
 
 NO_ROWS = Rows(np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros(0))  # a matrix without rows
 
@@ -27,6 +27,7 @@ class Operator(ABC):
     FIELDS: the names of the problem's fields that define it with this operator, in the order of the content hash.
     mass_rows, inverse_rows: M and M^-1 (nv, nv); joint_rows: F (nj, nv); contact_rows: J (nc*d, nv) by contacts.
     free_velocity: v* (nv,). bias: (nc,), of the normal velocities. joint_bias: b_F (nj,).
+    friction_bias: (nc,), the law's, on which the units depend.
     q: (nc*d,), u where r = 0, rows per contact, normal first. W: the Delassus matrix (nc*d, nc*d).
     """
 
@@ -37,6 +38,7 @@ class Operator(ABC):
     contact_rows: ByContact
     free_velocity: Array
     bias: Array
+    friction_bias: Array
     joint_bias: Array
     q: Array
     W: sparse.csr_array
@@ -55,6 +57,25 @@ class Operator(ABC):
     @abstractmethod
     def velocity_scale(self) -> float:
         """max_i |q_i|, m/s."""
+
+    @property
+    @abstractmethod
+    def units(self) -> Array:
+        """(nc,), m/s: the velocity in which each contact's residual is measured (problems.forms.islands)."""
+
+    @property
+    @abstractmethod
+    def spread(self) -> float:
+        """The largest unit over the smallest; 1 where nothing moves."""
+
+    @abstractmethod
+    def balanced(self) -> tuple[Self, Array]:
+        """The operator with separate islands in like units, and the factors (nc,) of the impulses (problems.forms.balance)."""
+
+    @property
+    @abstractmethod
+    def islands(self) -> Index64:
+        """(nc,): the island of each contact."""
 
     @property
     @abstractmethod

@@ -53,6 +53,7 @@ def run(
     polish: refines impulses (nc, d) whose residual is at most POLISHABLE and less than at the last refinement.
     """
     problem, system = prepared
+    sharp = tol / problem.spread  # of the largest unit, in which the system measures all contacts
     if problem.velocity_scale == 0:
         return Answer(np.zeros_like(system.offset), Status.SOLVED, {"iterations": 0, "factorisations": 0})
     history, space, workspace = np.empty(limit), space_of(system), new_workspace(system)
@@ -60,8 +61,8 @@ def run(
     used, polished = 0, POLISHABLE
     status = Status.STALLED
     for method, point, share in phases:
-        used += method(system, space, point, workspace, best, MARGIN * tol, patience, history[used : used + share])
-        solved = _is_solved(best, tol, system, problem, measure)
+        used += method(system, space, point, workspace, best, MARGIN * sharp, patience, history[used : used + share])
+        solved = _is_solved(best, tol, sharp, system, problem, measure)
         if polish and not solved and best.residual[0] < polished:
             solved = _is_polished(best, tol, prepared, measure, polish)
             polished = best.residual[0]
@@ -75,10 +76,10 @@ def run(
     return Answer(best.impulse * system.impulse, status, work, tuple(history[:used].tolist()))
 
 
-def _is_solved(best: Best, tol: float, system: System, problem: FrictionProblem, measure: Measure) -> bool:
-    """Whether the best residual is within tol; within rounding of tol the exact residual decides."""
+def _is_solved(best: Best, tol: float, sharp: float, system: System, problem: FrictionProblem, measure: Measure) -> bool:
+    """Whether the best residual is within sharp; within rounding of that, the exact residual within tol decides."""
     rounding = ROUNDING * np.max(system.weight * best.impulse[:, 0], initial=0.0)
-    if best.residual[0] + rounding > tol:
+    if best.residual[0] + rounding > sharp:
         best.residual[0] = measure(problem, best.impulse * system.impulse)
     return bool(best.residual[0] <= tol)
 

@@ -37,7 +37,8 @@ class Elements(NamedTuple):
 
 
 class System(NamedTuple):
-    """A friction problem in units of velocity `speed` and impulse `impulse`, its variables in order of elimination.
+    """A friction problem in units of velocity `speed`, the largest of its contacts', and impulse `impulse`, its variables in
+    order of elimination.
 
     slot, constant: what M + F'F/delta adds to the fronts, and where. inverse, indices, indptr: M^-1 by rows.
     shift: 0 for Coulomb's law, mu for its convex relaxation. weight: s_i of problems.residual.
@@ -99,14 +100,14 @@ def space_of(system: System) -> Space:
 
 
 def in_velocities(problem: FrictionProblem) -> FrictionProblem:
-    """The problem, with what `build_system` reads computed: the free contact velocities, s, and W where only W is known."""
-    _ = problem.velocity_scale, problem.scale, problem.mechanical or problem.blocks
+    """The problem, with what `build_system` reads computed: units, s, and W where only W is known."""
+    _ = problem.units, problem.scale, problem.mechanical or problem.blocks
     return problem
 
 
 def build_system(problem: FrictionProblem, relaxed: bool = False) -> System:
     """Scale a problem, or its convex relaxation, find the order of elimination and lay out its matrices."""
-    nc, scale, speed = problem.contacts, problem.scale, problem.velocity_scale or 1.0
+    nc, scale, speed = problem.contacts, problem.scale, float(problem.units.max(initial=0.0)) or 1.0
     impulse = speed / float(np.exp(np.add.reduce(np.log(scale)) / nc)) if nc else speed
     if not problem.mechanical:
         contacts, own, ratio = _delassus_elements(*problem.blocks, impulse / speed), 1.0, 1.0

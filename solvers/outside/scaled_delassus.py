@@ -1,13 +1,15 @@
 """The dimensionless Delassus form, in which the tolerances of all outside libraries have the same meaning.
 
-With E_i = 1/sqrt(s_i) on contact i's rows and theta = max_i |q_i| E_i, r = theta E r^ turns u = W r + q into
+With E_i = 1/sqrt(s_i) on contact i's rows and theta = max_i min(|q_i|, unit_i) E_i, unit_i that of problems.residual,
+r = theta E r^ turns u = W r + q into
 
     u^ = W^ r^ + q^,      W^ = E W E,      q^ = E q / theta,
 
-a mean diagonal of 1 at every contact, free velocities of at most 1, the same cones. An error of the natural map of eps at a
-contact, |r^_i - P_K(r^_i - g(u^_i))| <= eps, is an error of eps theta sqrt(s_i) in contact velocity, so
+a mean diagonal of 1 at every contact, free velocities of at most 1 but where a contact is open by far, the same cones. An error
+of the natural map of eps at a contact, |r^_i - P_K(r^_i - g(u^_i))| <= eps, is an error of eps theta sqrt(s_i) in contact
+velocity, so
 
-    eps = share * tol,      share = max_i |q_i| / (theta max_i sqrt(s_i)) <= 1,
+    eps = share * tol,      share = min_i unit_i / (theta sqrt(s_i)) <= 1,
 
 keeps the residual of problems.residual within tol.
 """
@@ -69,7 +71,7 @@ def scaled_delassus(problem: FrictionProblem) -> ScaledDelassus:
     s = problem.scale
     E = np.repeat(1 / np.sqrt(s), d)
     size = np.linalg.norm(problem.q.reshape(nc, d), axis=1)
-    theta = float((size / np.sqrt(s)).max(initial=0.0)) or 1.0
-    share = float(size.max(initial=0.0) / (theta * np.sqrt(s).max(initial=0.0))) if size.any() else 1.0
+    theta = float((np.minimum(size, problem.units) / np.sqrt(s)).max(initial=0.0)) or 1.0
+    share = float((problem.units / (theta * np.sqrt(s))).min()) if size.any() else 1.0
     W = sparse.csr_array(problem.W.multiply(E[:, None]).multiply(E))
     return ScaledDelassus(W, E * problem.q / theta, problem.friction, E, theta, share, s, (nc, d))

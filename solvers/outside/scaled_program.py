@@ -5,12 +5,13 @@ The program  min ½ x'Px + q'x,  h - G x in a cone,  A x = b  of problems.forms.
     P^ = D P D,    q^ = D q / theta,    G^ = E G D,    h^ = E h / theta,    A^ = E_A A D,    b^ = E_A b / theta,
 
 D = 1/sqrt(M_ii) on velocities and E_i = 1/sqrt(s_i) on contact i's rows: a unit diagonal in the objective, rows of about unit
-length, and theta = max_i |q_i| / sqrt(s_i) makes the free contact velocities at most 1. Then z = theta E z^. An error eps in a
-scaled row is eps theta sqrt(s_i) of contact velocity, so
+length, and theta = max_i min(|q_i|, unit_i) / sqrt(s_i), unit_i that of problems.residual, makes the free contact velocities at
+most 1 but where a contact is open by far. Then z = theta E z^. An error eps in a scaled row is eps theta sqrt(s_i) of contact
+velocity, so
 
-    eps = tol max_i |q_i| / (theta max_i sqrt(s_i))  <=  tol
+    eps = tol min_i unit_i / (theta sqrt(s_i))  <=  tol
 
-keeps every contact's velocity error below tol max|q_i|, the measure of problems.residual.
+keeps every contact's velocity error below tol unit_i, the measure of problems.residual.
 
 The duality gap is the sum of the products r_i'u_i. Where impulse and velocity vanish together (a contact about to slide or to
 part), and all along a round cone, a gap of eps leaves an error of sqrt(eps): so the requested gap is eps^2. It is a
@@ -76,8 +77,9 @@ def gap_tolerance(eps: float, round_cones: bool) -> float:
 def scaled_program(problem: FrictionProblem, program: Kind) -> ScaledProgram[Kind]:
     """Scale a problem's relaxation, as a QP or as a cone program."""
     objective, bounds, m = program.objective, program.bounds, len(program.section)
-    units = _units(problem.scale, problem.friction_bias, problem.q, *problem.mass_rows, m, problem.dimension)
-    D, rows, theta, share = units
+    D, rows, theta, share = _units(
+        problem.scale, problem.friction_bias, problem.q, problem.units, *problem.mass_rows, m, problem.dimension
+    )
     P, G = _scaled(*objective, D, D), _scaled(*bounds, 1 / rows, D)
     A, joint = _joints(program, D)
     return ScaledProgram(
@@ -114,9 +116,9 @@ def _scaled(start, row, value, left, right):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _units(scale, wider, q, m_start, m_column, m_value, m, d):  # type: ignore[no-untyped-def]
+def _units(scale, wider, q, units, m_start, m_column, m_value, m, d):  # type: ignore[no-untyped-def]
     """D, 1/E on the rows of G, theta and share."""
-    nc, nv, wide, stiffest, fastest, theta = len(scale), len(m_start) - 1, 0, 0.0, 0.0, 0.0
+    nc, nv, wide, least, theta = len(scale), len(m_start) - 1, 0, np.inf, 0.0
     for i in range(nc):
         wide += wider[i] > 0
     D, rows = np.ones(nv + wide), np.empty((nc + wide) * m)
@@ -129,8 +131,7 @@ def _units(scale, wider, q, m_start, m_column, m_value, m, d):  # type: ignore[n
         root, square = np.sqrt(scale[i]), 0.0
         for a in range(d):
             square += q[i * d + a] * q[i * d + a]
-        size = np.sqrt(square)
-        stiffest, fastest, theta = max(stiffest, root), max(fastest, size), max(theta, size / root)
+        least, theta = min(least, units[i] / root), max(theta, min(np.sqrt(square), units[i]) / root)
         for k in range(m):
             rows[i * m + k] = root
         if wider[i] > 0:
@@ -139,4 +140,4 @@ def _units(scale, wider, q, m_start, m_column, m_value, m, d):  # type: ignore[n
                 rows[block * m + k] = root
             block += 1
     theta = theta if theta > 0 else 1.0
-    return D, rows, theta, fastest / (theta * stiffest) if fastest > 0 else 1.0
+    return D, rows, theta, least / theta if 0 < least < np.inf else 1.0

@@ -8,14 +8,15 @@ which in the problem's own units is (1 + m) max_i |min(M_ii z_i, w_i)| / max|q|:
 and it is independent of units. Where the LCP is a friction problem's, s_i is at least the contact's s, the step in
 problems.residual. m is the largest scaled entry of a row without a diagonal: the friction coefficient, or 1, with which a
 defect in the tangent comes back in the normal. That makes it a bound of the exact residual up to a small factor: solvers stop
-at MARGIN times the tolerance, and evaluate the exact residual at the end.
+at MARGIN times the tolerance, and evaluate the exact residual at the end. There max|q| is bounded by the largest of the
+contacts' units, and multiplied by the contact's own over that.
 """
 
 import numpy as np
 
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import kernel
+from frictionbench.problems.compiled import kernel, part
 from frictionbench.problems.residual import polygon_residual, residual
 from frictionbench.solvers.pivots.scaling import Scaling, diagonal_scaling
 
@@ -24,28 +25,30 @@ MARGIN = 0.1  # of tol: the natural residual bounds the exact one up to a factor
 
 def natural_weight(problem: FrictionProblem | LCP, lcp: LCP, scale: Scaling) -> Array:
     """g (n,) for the LCP of a problem, or a bare one, and its scaling."""
-    return _weight(*lcp.rows, lcp.q, scale.D, scale.theta, own_scale(problem))
+    return _weight(*lcp.rows, lcp.q, scale.D, scale.theta, *own_measures(problem))
 
 
-def own_scale(problem: FrictionProblem | LCP) -> Array:
-    """s (nc,), or an empty array for a bare LCP."""
-    return problem.scale if isinstance(problem, FrictionProblem) else _NOTHING
+def own_measures(problem: FrictionProblem | LCP) -> tuple[Array, Array]:
+    """s and the units (nc,) of a friction problem's contacts, or empty arrays for a bare LCP."""
+    return (problem.scale, problem.units) if isinstance(problem, FrictionProblem) else (_NOTHING, _NOTHING)
 
 
 _NOTHING = np.zeros(0)
 
 
 @kernel
-def scaled_and_weighed(start, column, value, q, own):  # type: ignore[no-untyped-def]
-    """D and theta of an LCP (solvers.pivots.scaling) and g; own: s (nc,) of a friction problem's contacts, if it is one's."""
+def scaled_and_weighed(start, column, value, q, own, units):  # type: ignore[no-untyped-def]
+    """D and theta of an LCP (solvers.pivots.scaling) and g; own, units: see own_measures."""
     D, theta = diagonal_scaling(start, column, value, q)
-    return D, theta, _weight(start, column, value, q, D, theta, own)
+    return D, theta, _weight(start, column, value, q, D, theta, own, units)
 
 
 @kernel
-def _weight(start, column, value, q, D, theta, own):  # type: ignore[no-untyped-def]
+def _weight(start, column, value, q, D, theta, own, units):  # type: ignore[no-untyped-def]
     n, nc = len(q), len(own)
-    weight, m, size = np.zeros(n), 0.0, 0.0
+    weight, m, size, fastest = np.zeros(n), 0.0, 0.0, 0.0
+    for i in range(nc):
+        fastest = max(fastest, units[i])
     for i in range(n):
         for k in range(start[i], start[i + 1]):
             if column[k] == i:
@@ -55,11 +58,20 @@ def _weight(start, column, value, q, D, theta, own):  # type: ignore[no-untyped-
             for k in range(start[i], start[i + 1]):
                 m = max(m, abs(D[i] * value[k] * D[column[k]]))
         if i < n - nc and nc:
-            weight[i] = max(weight[i], own[i if i < nc else (i - nc) // ((n - 2 * nc) // nc)])
+            weight[i] = max(weight[i], own[_contact(i, n, nc)])
         size = max(size, abs(q[i]))
+    if fastest > 0:
+        size = min(size, fastest)
     for i in range(n):
-        weight[i] = (1 + m) * theta * D[i] * weight[i] / (size if size > 0 else 1.0)
+        share = units[_contact(i, n, nc)] / fastest if fastest > 0 else 1.0
+        weight[i] = (1 + m) * theta * D[i] * weight[i] / (share * size if size > 0 else 1.0)
     return weight
+
+
+@part
+def _contact(i, n, nc):  # type: ignore[no-untyped-def]
+    """The contact of unknown i among (c, beta, lambda)."""
+    return i if i < nc else i - (n - nc) if i >= n - nc else (i - nc) // ((n - 2 * nc) // nc)
 
 
 def exact_residual(problem: FrictionProblem | LCP, lcp: LCP, z: Array, impulse: Array) -> float:

@@ -68,18 +68,18 @@ def scaled_lcp(problem: FrictionProblem | LCP, facets: int) -> ScaledLCP:
     d, mu, b_f = problem.dimension, problem.friction, problem.friction_bias
     basis = tangent_basis(d, facets)
     start, rows, column, row, *parts = _scaled_friction_lcp(
-        *problem.blocks, problem.q, mu, b_f, basis, problem.scale, problem.velocity_scale
+        *problem.blocks, problem.q, mu, b_f, basis, problem.scale, problem.units
     )
     return ScaledLCP(problem, facets, (len(mu), d), basis, parts[0], Matrix(start, rows, column, row), *parts[1:])
 
 
 @kernel
-def _scaled_friction_lcp(first, neighbours, block, q, friction, friction_bias, basis, scale, fastest):  # type: ignore[no-untyped-def]
+def _scaled_friction_lcp(first, neighbours, block, q, friction, friction_bias, basis, scale, units):  # type: ignore[no-untyped-def]
     """The scaled matrix on its symmetrised pattern, the stretch, the scaled right side and the units."""
     start, column, value, right = friction_rows(first, neighbours, block, q, friction, friction_bias, basis)
     D, theta = diagonal_scaling(start, column, value, right)
     begin, rows, below, across = symmetrised(start, column, value, D)
-    unit = _residual_units(D, theta, scale, friction, fastest)
+    unit = _residual_units(D, theta, scale, friction, units)
     for i in range(len(D)):
         right[i] = D[i] * right[i] / theta
         D[i] *= theta
@@ -87,17 +87,16 @@ def _scaled_friction_lcp(first, neighbours, block, q, friction, friction_bias, b
 
 
 @part
-def _residual_units(D, theta, scale, friction, fastest):  # type: ignore[no-untyped-def]
-    """(2, n): what turns y and w into velocities relative to the largest free one, as problems.residual measures them.
+def _residual_units(D, theta, scale, friction, units):  # type: ignore[no-untyped-def]
+    """(2, n): what turns y and w into velocities relative to the contact's unit, as problems.residual measures them.
 
     An impulse counts s times, in its own row and in the friction row mu c - e'beta; a tangential defect counts 1 + mu times.
     """
     n, nc = len(D), len(scale)
-    free = fastest if fastest > 0 else 1.0
     unit = np.empty((2, n))
     for j in range(n):
         i = j if j < nc else j - (n - nc) if j >= n - nc else (j - nc) // ((n - 2 * nc) // nc)
-        s = scale[i]
+        s, free = scale[i], units[i] if units[i] > 0 else 1.0
         more = 1.0 if j < nc else 1.0 + friction[i]
         unit[0, j] = theta * D[j] * ((s if j < n - nc else 1.0) * more / free)
         unit[1, j] = theta * (1 / D[j]) * ((1.0 if j < n - nc else s) * more / free)

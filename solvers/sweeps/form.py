@@ -24,7 +24,7 @@ class ContactForm(NamedTuple):
 
     read_start, push_start: (nc+1,). read_column, push_column: (entries,). read, push: (entries, d).
     offset: (nc, d) and rest: (nx,). block: (nc, d, d), each contact's own block of W.
-    friction, friction_bias, scale: (nc,), and free, max|q_i|: those of the problem and of its residual.
+    friction, friction_bias, scale, units: (nc,), those of the problem and of its residual.
     """
 
     read_start: Index32
@@ -39,7 +39,7 @@ class ContactForm(NamedTuple):
     friction: Array
     friction_bias: Array
     scale: Array
-    free: float
+    units: Array
 
 
 def contact_form(problem: FrictionProblem) -> ContactForm:
@@ -49,7 +49,7 @@ def contact_form(problem: FrictionProblem) -> ContactForm:
         parts = _pack_impulses(*problem.blocks, problem.q.reshape(-1, problem.dimension), *law)
     else:
         parts = _pack_velocities(*problem.contact_rows, *problem.inverse_rows, problem.free_velocity, problem.bias, *law)
-    return ContactForm._make((*parts, problem.velocity_scale))
+    return ContactForm._make((*parts, problem.units.copy()))
 
 
 @kernel

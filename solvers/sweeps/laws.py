@@ -20,10 +20,8 @@ References: Jean 1999; Daviet, Bertails-Descoubes and Boissieux 2011, for one ex
 
 from math import hypot
 
-import numpy as np
-
 from frictionbench.problems.compiled import inlined, kernel, part
-from frictionbench.problems.residual import contact_defect
+from frictionbench.problems.residual import contact_defect, relative_defect
 from frictionbench.solvers.sweeps.form import state, velocity
 
 LIFT = 1e-14  # added to a singular S, relative to the trace of W: a hundred units of rounding
@@ -116,9 +114,8 @@ def defect(form, r, u, shift):  # type: ignore[no-untyped-def]
     for i in range(len(r)):
         s = form.scale[i]
         error = s * contact_defect(r[i], u[i], s, form.friction[i], form.friction_bias[i], shift)
-        if not error <= worst:  # also where it is NaN
-            worst = error
-    return worst / form.free if form.free > 0 else (0.0 if worst == 0 else np.inf)
+        worst = max(worst, relative_defect(error, form.units[i]))
+    return worst
 
 
 @inlined

@@ -4,7 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy import sparse
 
+from frictionbench.harness.contract.change import changed, in_units, permuted, side_by_side
 from frictionbench.harness.verify import NEAR, verify, verify_lcp
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.random_problem import random_problem
@@ -160,16 +162,18 @@ def exact_residual(problem, impulse):
         u[:, 0] += problem.bias
         return u
 
-    u, q, worst = velocity(r), velocity(0 * r), exact(0)
-    for i, (mu, b, s) in enumerate(zip(problem.friction, problem.friction_bias, problem.scale, strict=True)):
+    u, worst = velocity(r), exact(0)
+    for i, (mu, b, s, unit) in enumerate(
+        zip(problem.friction, problem.friction_bias, problem.scale, problem.units, strict=True)
+    ):
         n = r[i, 0] - (u[i, 0] + exact(mu) * np.sqrt((u[i, 1:] ** 2).sum())) / s
         t = r[i, 1:] - u[i, 1:] / s
         size = np.sqrt((t**2).sum())
         nearest = n if size <= mu * n + b else (n + mu * (size - b)) / (1 + exact(mu) ** 2)
         nearest = max(nearest, exact(0))
         t *= min((mu * nearest + b) / size, exact(1)) if size else 0
-        worst = max(worst, s * np.sqrt((r[i, 0] - nearest) ** 2 + ((r[i, 1:] - t) ** 2).sum()))
-    return float(worst / np.sqrt((q**2).sum(axis=1)).max())
+        worst = max(worst, s * np.sqrt((r[i, 0] - nearest) ** 2 + ((r[i, 1:] - t) ** 2).sum()) / unit)
+    return float(worst)
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -185,6 +189,85 @@ def test_rounding_is_below_floor(seed, dimension):
     for size in (1.0, 1 + 1e-9, 10 ** random.uniform(0, 14)):
         found, floor = residual(problem, size * answer), residual_floor(problem, size * answer)
         assert abs(found - exact_residual(problem, size * answer)) <= floor
+
+
+def hiding_places(ratio):
+    """A block of 2 kg that falls onto the floor, as contact 0, and beside it what is `ratio` times as fast, by name."""
+    light, fast = block(mass=1e-6), in_units(block(), 1.0, ratio)
+    floor = side_by_side(block(), fast)
+    heavy = sparse.block_diag([floor.mass, 1e12 * np.eye(2)])
+    rows = {
+        name: sparse.hstack([getattr(floor, name), -np.tile(row, (2, 1))])
+        for name, row in (("normal", [0.0, 1.0]), ("tangent", [1.0, 0.0]))
+    }
+    free = np.concatenate([floor.free_velocity, np.zeros(2)])
+    opened = permuted(block(), np.array([0, 0]))
+    return {
+        "light block": side_by_side(light, fast),
+        "many parts": side_by_side(block(), block(), fast, in_units(block(), 1.0, np.sqrt(ratio))),
+        "one heavy floor": changed(floor, mass=heavy, free_velocity=free, joints=None, joint_bias=None, **rows),
+        "open contact": changed(opened, bias=np.array([opened.bias[0], ratio])),
+        "in contact space": in_contact_space(side_by_side(light, fast)),
+    }
+
+
+def in_contact_space(problem):
+    return FrictionProblem.from_delassus(problem.W, problem.q, problem.friction, problem.dimension, problem.friction_bias)
+
+
+@pytest.mark.parametrize("place", hiding_places(1.0))
+@pytest.mark.parametrize("ratio", [1e3, 1e8, 1e12])
+def test_no_part_hides_behind_a_faster_one(place, ratio):
+    problem = hiding_places(ratio)[place]
+    answer = solve(problem, "hybrid", tol=1e-12)
+    assert verify(problem, answer, LEMKE, 1e-10).verdict == "solved"
+    falling = answer.impulse.copy()
+    falling[0] = 0.0
+    for tol in (1e-4, 1e-8):
+        assert verify(problem, claim(falling), LEMKE, tol).verdict == "wrong"
+
+
+def test_rounding_errors_of_one_island_do_not_excuse_another():
+    jammed, falling = opposed(), block()
+    problem = side_by_side(jammed, falling)
+    garbage, right = [[1e17, 3e16], [1e17, -3e16]], solve(falling, "lemke").impulse
+    assert verify(problem, claim(np.vstack([garbage, right])), LEMKE, 1e-8).verdict == "unjudgeable"
+    assert verify(problem, claim(np.vstack([garbage, 0 * right])), LEMKE, 1e-8).verdict == "wrong"
+    assert verify(problem, claim(np.vstack([garbage, 0 * right]), Status.STALLED), LEMKE, 1e-8).verdict == "unsolved"
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("size", [1e17, 1e155, 1e200, 1e300, 1.7e308])
+def test_huge_impulses_are_wrong(size, dimension):
+    """Far from cancellation a residual above the floor is certain, also where both overflow."""
+    problem = random_problem(1, contacts=4) if dimension == 2 else spatial(1)
+    impulse = size * np.random.default_rng(0).uniform(0.1, 1, (problem.contacts, dimension))
+    finding = verify(problem, claim(impulse), LEMKE, 1e-8)
+    assert finding.verdict == "wrong"
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.int64])
+def test_impulses_of_other_numbers_are_judged_as_floats(kind):
+    problem = block()
+    impulse = np.round(solve(problem, "lemke").impulse * 2**20)
+    assert verify(problem, Answer(impulse.astype(kind), Status.SOLVED), LEMKE, 1e-8).verdict == "wrong"
+
+
+def test_infinite_softness_is_refused():
+    answer = claim(np.zeros((1, 2)))
+    answer.softness = np.full((1, 2), np.inf)
+    finding = verify(block(), answer, replace(RELAXATION, model="regularised"), 1e-4)
+    assert finding.verdict == "wrong"
+    assert "above the 0.0001 allowed" in finding.reason
+
+
+def test_answer_as_good_as_rounding_allows_is_unjudgeable():
+    problem = block(friction=1e6)
+    answer = solve(problem, "lemke", tol=1e-12)
+    assert answer.status is Status.ROUNDING
+    assert verify(problem, answer, LEMKE, 1e-12).verdict == "unjudgeable"
+    assert verify(problem, answer, LEMKE, 1e-8).verdict == "solved"
+    assert verify(problem, claim(np.zeros((1, 2)), Status.ROUNDING), LEMKE, 1e-8).verdict == "unsolved"
 
 
 def test_bare_lcp_verdicts():

@@ -1,0 +1,267 @@
+"""The islands of a problem, and the velocity in which the residual of each contact is measured.
+
+Contacts are coupled where an impulse of one changes the velocity of the other. The impulse that stops contact j's own velocity
+|q_j| changes that of contact i by a share |W_ij| / s_j of it; below COUPLED the share counts as none, so that bodies which rest
+on one very heavy body are apart. An *island* is a connected component of this graph. A contact's *unit* (m/s) is the largest
+velocity that can reach it: max |q_j| over the contacts j that can bear and from which a path of couplings leads to it, as a
+rule those of its island. Islands next to one another do not change each other's units.
+
+A contact cannot bear, r_i = 0, where it is open in any answer by far. From Coulomb's law r'u <= 0, hence r'Wr <= -r'q: the
+impulses have at most the energy of what they stop, and change contact i's normal velocity by at most sqrt(s_i) times its root.
+So i is left out, as a velocity and as a link, where
+
+    q_n,i > FAR sqrt(s_i) sqrt(sum_j |q_j|^2 / s_j),      over the contacts j of its island that are not left out.
+
+The sum is an estimate of that energy, invariant under changes of frame, of units and of the observer's velocity. One left out
+although it bears makes the measure stricter; one kept although it is open makes it more lenient, by a factor of about FAR.
+
+q is a sum of terms J v* and b, and known to rounding only: a contact's velocity counts as at least CANCELLED of their size, and
+a unit is at least NOISE of the largest. Where nothing in an island moves, its unit is the largest of the problem.
+
+Of given mechanics W is not formed: a contact acts on the velocities that it touches, |W_ij| <= sum_v |J_iv| |J_jv| / m_v, and
+bodies that the mass matrix or joints connect are one.
+"""
+
+import numpy as np
+
+from frictionbench.problems.compiled import kernel, part
+
+COUPLED = 1e-10  # share of a velocity that is transmitted: mass ratios of neighbours up to 1e10 leave an island connected
+FAR = 10.0  # the sum is less than the energy where contacts share bodies: by the root of their number, for equal masses
+CANCELLED = 1e-6  # so that the rounding floor of contacts at rest on moving bodies is some 1e-9
+NOISE = 1e-14  # some fifty roundings
+
+
+@kernel
+def mechanical_units(  # type: ignore[no-untyped-def]
+    start, column, J, m_start, m_column, m_value, f_start, f_column, free, bias, q, s, wider, terms
+):
+    """The units (nc,) of given mechanics.
+
+    free: v* (nv,). f_start, f_column: the entries of the joints' rows. wider: the friction bias (nc,). terms: (nc, d), the size
+    of the terms of q where there are joints, otherwise empty.
+    """
+    nc, d = len(s), J.shape[1]
+    value, size = np.empty(nc), np.empty(d)
+    for i in range(nc):
+        for a in range(d):
+            size[a] = terms[i, a] if len(terms) else abs(bias[i]) if a == 0 else 0.0
+            if len(terms) == 0:
+                for k in range(start[i], start[i + 1]):
+                    size[a] += abs(J[k, a] * free[column[k]])
+        value[i] = max(CANCELLED * length(size, 0, d), length(q, i, d))
+    graph = mechanical_graph(start, column, J, m_start, m_column, m_value, f_start, f_column, s)
+    return _reached(*graph, value, q, s, wider)
+
+
+@kernel
+def delassus_units(first, neighbours, block, q, s, wider):  # type: ignore[no-untyped-def]
+    """The units (nc,) where only W, by blocks, and q are known."""
+    nc, d = len(s), block.shape[1]
+    value = np.empty(nc)
+    for i in range(nc):
+        value[i] = length(q, i, d)
+    return _reached(*delassus_graph(first, neighbours, block, s), value, q, s, wider)
+
+
+@kernel
+def mechanical_graph(start, column, J, m_start, m_column, m_value, f_start, f_column, s):  # type: ignore[no-untyped-def]
+    """Contacts and the nodes that they push and read, contact i at node[start[i]:start[i+1]]; the number of nodes.
+
+    A velocity is a node, in units in which its kinetic energy is v^2/2; velocities that are coupled otherwise share one.
+    push: what contact i's unit of velocity gives to a node; read: what a node's gives to the contact.
+    """
+    nv = len(m_start) - 1
+    root, parent = np.empty(nv), np.empty(nv, np.int64)
+    for v in range(nv):
+        parent[v] = v
+    for v in range(nv):
+        for m in range(m_start[v], m_start[v + 1]):
+            if m_column[m] == v:
+                root[v] = np.sqrt(m_value[m])
+            elif m_value[m] != 0:
+                parent[top(parent, v)] = top(parent, m_column[m])
+    for j in range(len(f_start) - 1):
+        for k in range(f_start[j] + 1, f_start[j + 1]):
+            parent[top(parent, f_column[k])] = top(parent, f_column[k - 1])
+    node, push, read = np.empty(len(column), np.int64), np.empty(len(column)), np.empty(len(column))
+    for i in range(len(s)):
+        for k in range(start[i], start[i + 1]):
+            size = 0.0
+            for a in range(J.shape[1]):
+                size += J[k, a] * J[k, a]
+            node[k], read[k] = top(parent, column[k]), np.sqrt(size) * root[column[k]]
+            push[k] = read[k] / s[i]
+    return start, node, push, read, nv
+
+
+@kernel
+def delassus_graph(first, neighbours, block, s):  # type: ignore[no-untyped-def]
+    """The same where only W is known: the contacts themselves are the nodes."""
+    node, push, read = np.empty(len(neighbours), np.int64), np.empty(len(neighbours)), np.zeros(len(neighbours))
+    for i in range(len(s)):
+        for k in range(first[i], first[i + 1]):
+            size = 0.0
+            for a in range(block.shape[1]):
+                for b in range(block.shape[1]):
+                    size += block[k, a, b] * block[k, a, b]
+            node[k], push[k], read[k] = neighbours[k], np.sqrt(size) / s[i], 1.0 if neighbours[k] == i else 0.0
+    return first, node, push, read, len(s)
+
+
+@part
+def _reached(start, node, push, read, nodes, value, q, s, wider):  # type: ignore[no-untyped-def]
+    """The units: from the fastest contact on, all that its velocity reaches."""
+    nc = len(s)
+    unit, stack, known = np.zeros(nc), np.empty(nc, np.int64), 0
+    bears = _bears(start, node, push, read, nodes, value, q, s, wider)
+    largest, fastest, source = 0.0, 0.0, 0
+    for i in range(nc):
+        largest = max(largest, value[i])
+        if bears[i] and value[i] > fastest:
+            fastest, source = value[i], i
+    first, reader = _readers(start, node, read, nodes)
+    felt = np.zeros(nodes)
+    order, at = np.empty(0, np.int64), 0
+    while fastest > 0:
+        unit[source], stack[0], height = value[source], source, 1
+        known += 1
+        while height:
+            height -= 1
+            j = stack[height]
+            for k in range(start[j], start[j + 1]):
+                v = node[k]
+                if push[k] <= felt[v]:
+                    continue
+                felt[v] = push[k]
+                for m in range(first[v], first[v + 1]):
+                    i = reader[m, 0]
+                    if unit[i] == 0 and read[reader[m, 1]] * push[k] > COUPLED:
+                        unit[i] = value[source]
+                        known += 1
+                        if bears[i]:
+                            stack[height] = i
+                            height += 1
+        if known == nc:
+            break
+        if len(order) == 0:
+            order = np.argsort(-value)
+        while at < nc and (unit[order[at]] > 0 or not bears[order[at]]):
+            at += 1
+        if at == nc or value[order[at]] == 0:
+            break
+        source = order[at]
+    for i in range(nc):
+        if unit[i] == 0:
+            unit[i] = value[i] if value[i] > 0 else fastest if fastest > 0 else largest
+        unit[i] = max(unit[i], NOISE * fastest)
+    return unit
+
+
+@kernel
+def spread(units):  # type: ignore[no-untyped-def]
+    """The largest unit over the smallest, 1 where nothing moves."""
+    least = largest = units[0] if len(units) else 0.0
+    for unit in units:
+        least, largest = min(least, unit), max(largest, unit)
+    return largest / least if least > 0 else 1.0
+
+
+@part
+def _bears(start, node, push, read, nodes, value, q, s, wider):  # type: ignore[no-untyped-def]
+    """(nc,): whether a contact may bear; those with a friction bias may, open or not."""
+    nc, d = len(s), len(q) // max(len(s), 1)
+    bears, opening, largest = np.ones(nc, np.bool_), False, 0.0
+    for i in range(nc):
+        largest = max(largest, value[i])
+        opening = opening or q[i * d] > 0
+    if not opening:
+        return bears
+    parent = _components(start, node, push, read, nodes)
+    energy, last = np.zeros(nc + nodes), np.full(nc + nodes, -1, np.int64)
+    ratio = np.empty(nc)
+    for i in range(nc):
+        ratio[i] = q[i * d] / largest / np.sqrt(s[i])
+    order = np.argsort(ratio)
+    for at in range(nc):
+        i = order[at]
+        island = top(parent, i)
+        if wider[i] > 0 or ratio[i] <= FAR * np.sqrt(energy[island]):
+            last[island] = at
+        energy[island] += (value[i] / largest) ** 2 / s[i]
+    for at in range(nc):
+        bears[order[at]] = at <= last[top(parent, order[at])]
+    return bears
+
+
+@kernel
+def islands(start, node, push, read, nodes):  # type: ignore[no-untyped-def]
+    """(nc,): the island of each contact, numbered from 0 in the order of their first contacts."""
+    parent, nc = _components(start, node, push, read, nodes), len(start) - 1
+    number, island, count = np.full(nc + nodes, -1, np.int64), np.empty(nc, np.int64), 0
+    for i in range(nc):
+        tree = top(parent, i)
+        if number[tree] < 0:
+            number[tree] = count
+            count += 1
+        island[i] = number[tree]
+    return island
+
+
+@part
+def _components(start, node, push, read, nodes):  # type: ignore[no-untyped-def]
+    """A forest over contacts and nodes, one tree for each island."""
+    nc = len(start) - 1
+    parent, pushed, felt = np.empty(nc + nodes, np.int64), np.zeros(nodes), np.zeros(nodes)
+    for i in range(nc + nodes):
+        parent[i] = i
+    for k in range(start[nc]):
+        pushed[node[k]] = max(pushed[node[k]], push[k])
+        felt[node[k]] = max(felt[node[k]], read[k])
+    for i in range(nc):
+        for k in range(start[i], start[i + 1]):
+            if push[k] * felt[node[k]] > COUPLED or read[k] * pushed[node[k]] > COUPLED:
+                parent[top(parent, i)] = top(parent, nc + node[k])
+    return parent
+
+
+@part
+def _readers(start, node, read, nodes):  # type: ignore[no-untyped-def]
+    """The contacts that read each node, and where: reader[first[v]:first[v+1]] = (contact, k)."""
+    nc = len(start) - 1
+    first = np.zeros(nodes + 1, np.int64)
+    for k in range(start[nc]):
+        first[node[k] + 1] += read[k] > 0
+    for v in range(nodes):
+        first[v + 1] += first[v]
+    reader, end = np.empty((first[nodes], 2), np.int64), first.copy()
+    for i in range(nc):
+        for k in range(start[i], start[i + 1]):
+            if read[k] > 0:
+                reader[end[node[k]], 0], reader[end[node[k]], 1] = i, k
+                end[node[k]] += 1
+    return first, reader
+
+
+@part
+def top(parent, i):  # type: ignore[no-untyped-def]
+    """The root of i's tree."""
+    while parent[i] != i:
+        parent[i] = parent[parent[i]]
+        i = parent[i]
+    return i
+
+
+@part
+def length(q, i, d):  # type: ignore[no-untyped-def]
+    """|q_i|, also where its square would overflow or vanish."""
+    square = most = 0.0
+    for a in range(d):
+        square += q[i * d + a] * q[i * d + a]
+        most = max(most, abs(q[i * d + a]))
+    if 1e-290 < square < 1e290 or most in (0.0, np.inf):
+        return np.sqrt(square)
+    square = 0.0
+    for a in range(d):
+        square += (q[i * d + a] / most) ** 2
+    return most * np.sqrt(square)

@@ -1,0 +1,68 @@
+"""Islands of unlike speeds, for every solver of this package: each is solved in its own unit of velocity.
+
+The methods, ours and those of outside libraries, scale a problem by its fastest contact, and so do their tolerances; an island
+that is much slower would be left unsolved. Where the units of the islands differ by more than UNLIKE, a solver is given the
+problem with its islands in like units (FrictionProblem.balanced), and its impulses are converted back.
+"""
+
+from dataclasses import replace
+from functools import wraps
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array
+
+UNLIKE = 4.0  # below, a tolerance that is as much smaller costs next to nothing
+
+
+class Balanced(NamedTuple):
+    """What a step of a solver made of the balanced problem, and the factors (nc,) of its impulses."""
+
+    step: Any
+    factor: Array
+
+
+def with_balance(cls: Any) -> Any:
+    """The class with steps that balance the problem and convert the answer; inherited ones do so already."""
+    for name, balance in (("form", _form), ("setup", _setup), ("solve", _solve)):
+        step = getattr(cls, name)
+        if not hasattr(step, "__wrapped__"):
+            setattr(cls, name, wraps(step)(balance(step)))
+    return cls
+
+
+def _form(form: Any) -> Any:
+    def balanced(self: Any, problem: Any) -> Any:
+        if type(problem) is not FrictionProblem or problem.spread <= UNLIKE:
+            return form(self, problem)
+        same, factor = problem.balanced()
+        return Balanced(form(self, same), factor)
+
+    return balanced
+
+
+def _setup(setup: Any) -> Any:
+    def balanced(self: Any, formed: Any) -> Any:
+        return Balanced(setup(self, formed.step), formed.factor) if type(formed) is Balanced else setup(self, formed)
+
+    return balanced
+
+
+def _solve(solve: Any) -> Any:
+    def balanced(self: Any, prepared: Any, tol: float, limit: int | None, start: Array | None = None) -> Any:
+        if type(prepared) is not Balanced:
+            return solve(self, prepared, tol, limit, start)
+        step, factor = prepared
+        guess = None if start is None else np.ascontiguousarray(start / factor[:, None])
+        answer = solve(self, step, tol, limit, guess)
+        z = None if answer.z is None else answer.z * _of_unknowns(factor, len(answer.z))
+        return replace(answer, impulse=answer.impulse * factor[:, None], z=z)
+
+    return balanced
+
+
+def _of_unknowns(factor: Array, unknowns: int) -> Array:
+    """The factors of the unknowns (c, beta, lambda) of an LCP."""
+    return np.concatenate([factor, np.repeat(factor, unknowns // len(factor) - 2), factor])

@@ -1,0 +1,149 @@
+"""The islands of the contact graph and the velocities in which residuals are measured."""
+
+import numpy as np
+import pytest
+
+from frictionbench.harness.contract.change import changed, in_units, permuted, side_by_side
+from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems.analysis.stability import backward_error
+from frictionbench.problems.forms.islands import COUPLED, FAR
+from frictionbench.problems.measures import defects
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.residual import energy_within, relaxation_residual, residual, residual_floor
+from frictionbench.solvers import available, solve
+from tests.helpers.friction_problems import block, spatial, with_joints
+
+
+def in_contact_space(problem):
+    return FrictionProblem.from_delassus(problem.W, problem.q, problem.friction, problem.dimension, problem.friction_bias)
+
+
+def by_definition(problem):
+    """The units of a problem in contact space, from the definition: every set written out."""
+    nc, d = problem.contacts, problem.dimension
+    share = np.linalg.norm(problem.W.toarray().reshape(nc, d, nc, d), axis=(1, 3)) / problem.scale  # of j's velocity, to i
+    q, s = problem.q.reshape(nc, d), problem.scale
+    size, linked = np.linalg.norm(q, axis=1), share > COUPLED
+    island = np.linalg.matrix_power((linked | linked.T) * 1.0 + np.eye(nc), nc) > 0
+    bears = np.ones(nc, bool)
+    for i in sorted(range(nc), key=lambda i: -q[i, 0] / np.sqrt(s[i])):
+        others = [j for j in range(nc) if j != i and bears[j] and island[i, j]]
+        if q[i, 0] <= FAR * np.sqrt(s[i] * (size[others] ** 2 / s[others]).sum()) or problem.friction_bias[i] > 0:
+            continue
+        if all(not bears[j] or q[j, 0] / np.sqrt(s[j]) <= q[i, 0] / np.sqrt(s[i]) for j in others):
+            bears[i] = False
+    unit = np.zeros(nc)
+    for i in range(nc):
+        reached, at = {i}, [i]
+        while at:  # against the couplings, from i to all contacts whose velocities reach it
+            i2 = at.pop()
+            more = [j for j in range(nc) if linked[i2, j] and bears[j] and j not in reached]
+            reached |= set(more)
+            at += more
+        unit[i] = max((size[j] for j in reached if bears[j]), default=0.0) or size[i]
+    return unit
+
+
+def cases(seed):
+    random = np.random.default_rng(seed)
+    problem = (
+        random_problem(seed, contacts=int(random.integers(1, 9)), friction=0.5)
+        if seed % 2
+        else spatial(seed, contacts=int(random.integers(1, 7)), nv=30)
+    )
+    gaps = np.where(random.random(problem.contacts) < 0.3, 10 ** random.uniform(-1, 8, problem.contacts), 0.0)
+    return changed(problem, bias=problem.bias + gaps)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_units_by_definition(seed) -> None:
+    problem = cases(seed)
+    assert in_contact_space(problem).units == pytest.approx(by_definition(problem), rel=1e-12)
+    assert problem.units == pytest.approx(by_definition(problem), rel=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("convert", [lambda problem: problem, in_contact_space], ids=["bodies", "W"])
+def test_measures_of_problems_side_by_side_are_the_largest_of_theirs(seed, convert) -> None:
+    random, dimension = np.random.default_rng(seed), 2 + seed % 2
+    parts, impulses = [], []
+    for number in range(3):
+        made = random_problem(3 * seed + number, contacts=4) if dimension == 2 else spatial(3 * seed + number, contacts=4)
+        mass, velocity = 10 ** random.uniform(-8, 8, 2)
+        parts.append(in_units(made, mass, velocity))
+        off = 1 + 10 ** random.uniform(-9, -1) * random.standard_normal((made.contacts, dimension))
+        impulses.append(mass * velocity * off * solve(made, "hybrid", tol=1e-12).impulse)
+    whole, together = convert(side_by_side(*parts)), np.vstack(impulses)
+    for measure in (residual, relaxation_residual, residual_floor, backward_error):
+        alone = max(measure(convert(part), r) for part, r in zip(parts, impulses, strict=True))
+        assert measure(whole, together) == pytest.approx(alone, rel=1e-6)
+    alone = np.max([defects(convert(part), r) for part, r in zip(parts, impulses, strict=True)], axis=0)
+    assert defects(whole, together) == pytest.approx(alone, rel=1e-6)
+    energies = sum(energy_within(convert(part), r, 1e-3) for part, r in zip(parts, impulses, strict=True))
+    assert energy_within(whole, together, 1e-3) == pytest.approx(energies, rel=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_units_follow_units_order_and_observer(seed) -> None:
+    problem = cases(seed)
+    order = np.random.default_rng(seed).permutation(problem.contacts)
+    assert permuted(problem, order).units == pytest.approx(problem.units[order], rel=1e-12)
+    assert in_units(problem, 1e3, 1e-5).units == pytest.approx(1e-5 * problem.units, rel=1e-12)
+
+
+def test_islands_are_numbered_and_counted() -> None:
+    two = side_by_side(scene("stack", blocks=2).problem(), block())
+    for problem in (two, in_contact_space(two)):
+        assert problem.islands.tolist() == [0, 0, 0, 0, 1]
+    tied = with_joints(side_by_side(block(), block()), [[1.0, 0.0, -1.0, 0.0]])
+    assert tied.islands.tolist() == [0, 0]
+
+
+def test_a_contact_at_rest_on_moving_bodies_is_measured_by_rounding_of_their_speed() -> None:
+    """A block that moves with 1e3 m/s and touches with 1e-14: no solver can find that from its data."""
+    problem = changed(block(speed=0.0), free_velocity=[0.0, 1e3], bias=[-1e3])
+    assert problem.units == pytest.approx([1e-6 * 2e3])
+    assert residual(problem, np.zeros((1, 2))) == 0
+
+
+def test_an_island_without_velocity_takes_the_unit_of_the_others() -> None:
+    still = changed(block(), free_velocity=[0.0, 0.0])
+    problem = side_by_side(still, block())
+    assert problem.units[0] == problem.units[1] > 0
+    assert residual(problem, solve(problem, "lemke").impulse) <= 1e-8
+    assert still.units.tolist() == [0.0]
+    assert residual(still, np.zeros((1, 2))) == 0
+    assert residual(still, np.ones((1, 2))) == np.inf
+
+
+def unlike(seed, dimension, ratio=1e9):
+    parts = [random_problem(seed + k, 5) if dimension == 2 else spatial(seed + k, joints=k % 2) for k in range(3)]
+    return side_by_side(*(in_units(part, 1.0, ratio ** (k / 2)) for k, part in enumerate(parts)))
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_balanced_islands_are_alike_and_have_the_same_answers(dimension) -> None:
+    problem = unlike(5, dimension)
+    for given in (problem, in_contact_space(problem)):
+        same, factor = given.balanced()
+        assert given.spread > 1e8
+        assert same.spread < 4
+        r = np.random.default_rng(0).uniform(0, 1, (problem.contacts, dimension))
+        moved = given.contact_velocity(r * factor[:, None])
+        assert moved == pytest.approx(same.contact_velocity(r) * factor[:, None], rel=1e-7)
+        assert residual(given, r * factor[:, None]) == pytest.approx(residual(same, r), rel=1e-9)
+
+
+OURS = [name for name, info in available().items() if info.ours and not info.needs and info.model in ("coulomb", "lcp")]
+
+
+@pytest.mark.parametrize("name", OURS)
+def test_our_solvers_claim_no_more_than_they_solved_of_unlike_islands(name) -> None:
+    for dimension in available()[name].dimension:
+        if dimension == 3 and available()[name].model == "lcp":
+            continue
+        problem = unlike(7, dimension)
+        answer = solve(problem, name, tol=1e-8)
+        if name in ("hybrid", "interior_point", "nsgs", "lemke", "path_search"):
+            assert answer.status.name == "SOLVED"
+        assert answer.status.name != "SOLVED" or residual(problem, answer.impulse) <= 1e-8
