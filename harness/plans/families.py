@@ -10,7 +10,7 @@ from typing import Any
 from frictionbench.harness.plans.plan import Source
 
 Band = dict[str, tuple[dict[str, Any], dict[str, Any]]]  # two problems of each family
-STEEP = {"push": 0.0, "slope": 0.3}  # at rest on a slope: every contact sticks
+STEEP = {"push": 0.0, "slope": 0.3}  # on a slope, where friction holds: contacts stick, and tall piles tip over
 SHEARED = {"push": 0.0, "shear": 1.0}
 HIT = {"push": 0.0, "shear": 0.2, "fall": 1.0}
 

@@ -107,8 +107,8 @@ def replay() -> Plan:
 
 
 def scaling() -> Plan:
-    """Time against size: piles and chains of up to two thousand contacts, in the plane and in space, that are held by friction
-    on a slope, and that slide or are hit."""
+    """Time against size: piles and chains of up to two thousand contacts, in the plane and in space, that are held by friction,
+    on a slope or at rest, and that slide or are hit."""
     steep, hit, spun = families.STEEP, families.HIT, {"push": 0.1, "twist": 1.0, "smooth": 0.2, "fall": 1.0}
     grids: dict[str, tuple[str, tuple[int, ...], tuple[dict[str, float], ...]]] = {
         "stack": ("blocks", (1, 5, 20, 100, 500, 1000), (steep, {"push": 0.0, "shear": 0.01, "smooth": 0.1})),

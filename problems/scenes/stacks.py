@@ -1,7 +1,7 @@
 """A stack, a brick wall and a pyramid of boxes: many contacts, exact ties, more contacts than degrees of freedom.
 
-Each is pushed by default: at rest on level ground friction has nothing to do. Friction alone holds them up where the ground
-slopes, and stops them where they slide or fall.
+Each is pushed by default: at rest on level ground friction has nothing to do. Where the ground slopes friction alone holds
+them, unless they tip over, and where they slide or fall it acts against that.
 """
 
 import numpy as np

@@ -9,7 +9,7 @@ from frictionbench.problems.reduce import keep_contacts
 from frictionbench.problems.residual import residual
 from frictionbench.solvers import solve
 
-SPATIAL = ("cubes", "packed_spheres", "random_bodies", "sphere_pyramid")
+SPATIAL = ("cubes", "packed_spheres", "random_bodies", "rod_chain", "sphere_pyramid")
 SMALL = {"packed_spheres": {"spheres": 12}, "sphere_pyramid": {"levels": 3}, "cubes": {"boxes": 3}}
 
 
@@ -89,3 +89,35 @@ def test_spatial_subproblems() -> None:
 def test_bad_parameter(name, parameters, field) -> None:
     with pytest.raises(InputError, match=rf"^{field}: "):
         make_instance(name, **parameters)
+
+
+def test_ball_joints_move_together() -> None:
+    problem = make_instance("rod_chain", links=4, pull=0.3, whirl=2.0)
+    spin = np.array([0.2, -0.4, 0.7])
+    F = problem.joints.toarray()
+    assert F.shape == (9, 24)
+    # A motion of the whole: the joints are where rods meet, at +1/2 along one and -1/2 along the next.
+    along = np.cumsum(np.random.default_rng([0, 4]).uniform(-1.2, 1.2, 4))
+    e = np.column_stack([np.cos(along), np.sin(along), np.zeros(4)])
+    centre = np.vstack([np.zeros(3), np.cumsum((e[:-1] + e[1:]) / 2, axis=0)])
+    whole = np.hstack([np.array([0.1, 0.2, 0.3]) + np.cross(spin, centre), np.tile(spin, (4, 1))]).ravel()
+    assert F @ whole == pytest.approx(np.zeros(9), abs=1e-14)
+    assert np.linalg.matrix_rank(F) == 9
+    answer = solve(problem, "interior_point", tol=1e-10)
+    assert residual(problem, answer.impulse) <= 1e-10
+    assert F @ problem.velocity(answer.impulse) == pytest.approx(np.zeros(9), abs=1e-10)
+
+
+def test_a_twisted_stack_of_cubes_slides_in_many_directions() -> None:
+    problem = make_instance("cubes", boxes=3, push=0.0, twist=2.0, friction=0.1)
+    slip = problem.contact_velocity(solve(problem, "hybrid").impulse)[:, 1:]
+    angles = np.degrees(np.arctan2(*slip.T[::-1]))
+    assert np.linalg.norm(slip, axis=1).min() > 0.1
+    assert len(np.unique(angles.round())) >= 4
+
+
+def test_cubes_slide_down_slopes_steeper_than_their_friction() -> None:
+    for slope, rests in ((0.3, True), (0.4, False)):
+        problem = make_instance("cubes", boxes=3, friction=np.tan(0.35), push=0.0, slope=slope)
+        after = problem.velocity(solve(problem, "interior_point", tol=1e-10).impulse)
+        assert bool(np.abs(after).max() < 1e-8) is rests

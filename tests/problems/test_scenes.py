@@ -9,6 +9,7 @@ from frictionbench.problems import InputError, scene, scenes
 from frictionbench.problems.planar.bodies import Geometry, half_plane, hollow, rigid_box
 from frictionbench.problems.planar.joints import Hinge
 from frictionbench.problems.scene import Scene
+from frictionbench.solvers import solve
 
 SMALL = {"stack": {"blocks": 4}, "wall": {"rows": 3, "columns": 3}, "pyramid": {"rows": 3}}
 
@@ -187,3 +188,38 @@ def test_repr_of_scene() -> None:
     made = scene("stack", blocks=10)
     assert repr(made) == f"Scene(stack: 10 bodies, mu = {made.friction:g}, {made.steps} steps of {made.step:g} s)"
     assert "stack" in made._repr_html_()
+
+
+@pytest.mark.parametrize(("friction", "holds"), [(0.3, True), (0.12, False)])
+def test_house_of_cards_stands_by_friction(friction: float, holds: bool) -> None:
+    problem = scene("house_of_cards", storeys=3, friction=friction).problem()
+    after = problem.velocity(solve(problem, "lemke", tol=1e-10).impulse)
+    assert bool(np.abs(after).max() < 1e-8) is holds
+
+
+@pytest.mark.parametrize(("name", "size"), [("stack", {"blocks": 2}), ("pyramid", {}), ("wall", {"rows": 2})])
+def test_piles_slide_down_slopes_steeper_than_their_friction(name: str, size: dict[str, int]) -> None:
+    """Such as do not tip over."""
+    for slope, rests in ((0.3, True), (0.4, False)):
+        problem = scene(name, **size, friction=np.tan(0.35), push=0.0, slope=slope).problem()
+        after = problem.velocity(solve(problem, "lemke", tol=1e-10).impulse)
+        assert bool(np.abs(after).max() < 1e-8) is rests
+
+
+def test_friction_of_two_bodies_is_the_geometric_mean() -> None:
+    made = scene("stack", blocks=5, friction=0.5, smooth=0.04, mass_unit=2.0)
+    at = made.contacts(made.q0)
+    mu = {frozenset(pair): value for pair, value in zip(at.bodies.tolist(), made.problem().friction.tolist(), strict=True)}
+    interfaces = [mu[frozenset(pair)] for pair in ((0, -1), (1, 0), (2, 1), (3, 2), (4, 3))]
+    assert interfaces == pytest.approx([0.5, 0.5, 0.1, 0.02, 0.1])
+    assert scene("stack", smooth=0.0).friction == 0.5
+    with pytest.raises(InputError, match=r"^smooth: "):
+        scene("stack", smooth=-1.0)
+
+
+def test_ripple_and_chain_hold_their_hinges() -> None:
+    made = scene("chain", links=6, ripple=2.0, fall=0.5, mass_ratio=10.0)
+    theta, F = made.joints(made.q0)
+    assert theta == pytest.approx(np.zeros(10), abs=1e-15)
+    assert F @ made.v0 == pytest.approx(np.zeros(10), abs=1e-15)
+    assert made.problem().contacts == 12
