@@ -73,7 +73,7 @@ def test_run_of_recorded_folder(tmp_path) -> None:
 
 def test_source_tolerances_and_limit() -> None:
     plan = choose("recorded", [], ("nsgs",), None, None, data=(str(DATA),))
-    entry = {"scene": "s", "parameters": "{}", "step": 0, "phase": "step", "problem": "p", "starts": ["cold"]}
+    entry = {"scene": "s", "parameters": "{}", "step": 0, "phase": "step", "problem": "p", "dimension": 2, "starts": ["cold"]}
     assert [cell.tol for cell in plan.solve_cells([entry | {"tolerances": [1e-8]}])] == [1e-8]
     assert [cell.tol for cell in plan.solve_cells([entry])] == [1e-4, 1e-6, 1e-8]
 
