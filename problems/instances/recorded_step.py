@@ -1,10 +1,11 @@
-"""Single steps kept as files, because what made them is not in this project: each is hard for some method.
+"""Single steps kept as files, because what made them is not in this project: candidates of the suite `hard`.
 
 near_jam               a pair of vertices with nearly opposite normals, 6 contacts
 false_ray_bar_*        steps of a long bar on three posts, and false_ray_blocks_* of three blocks, by their Delassus matrices,
                        on which a dense tableau of Lemke's method ends on a ray though there is a solution
 locked_*               contacts on planar bodies that redundant joints lock
 friction_1e-6_to_1e6   planar, with such coefficients of friction
+heavy_top              a planar stack in which each block is heavier than the one below, to a ratio of 1e10
 discs, bodies          a planar pile of discs, 290 contacts; planar random bodies, 210 contacts
 friction_1e3_*         in space; masses_1e6, masses_1e8: of spatial bodies
 wall_*                 walls of boxes in space, with 4 or 8 contacts a face
