@@ -2,7 +2,8 @@
 
     python -m frictionbench.harness.commands.admit DIR
 
-runs every candidate with every method in DIR (about a quarter of an hour on one core), or goes on with a run that was interrupted.
+runs every candidate with every method in DIR (about a quarter of an hour on one core), or goes on with a run that was
+interrupted.
 """
 
 import csv

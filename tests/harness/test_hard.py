@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from frictionbench.harness.cells.reference import Reference
-from frictionbench.harness.commands.admit import fewest_contacts
+from frictionbench.harness.commands.admit import admissible, fewest_contacts
 from frictionbench.harness.plans.hard import ANSWERS, FEWEST, METHODS, TOL, admitted, families, hard, kept_answer
 from frictionbench.harness.verify import verify
 from frictionbench.problems import FrictionProblem, scene
@@ -74,6 +74,26 @@ def test_the_method_fails_on_the_smallest_problem_recorded_for_it(method) -> Non
     problem = problem_of(row)
     answer = solve(problem, method, tol=TOL)
     assert verify(problem, answer, available()[method], TOL).verdict != Verdict.SOLVED
+
+
+@pytest.mark.parametrize(
+    ("changed", "expected"),
+    [
+        ({}, True),
+        ({"verdict": "timeout", "residual": None}, False),  # nothing fails: a timeout depends on the machine
+        ({"idle": True}, False),
+        ({"trivial": True}, False),
+        ({"existence": ""}, False),  # no solution is known
+        ({"existence": "none"}, False),
+        ({"existence": "", "solved": True}, True),
+        ({"residual_floor": 2e-9}, False),  # rounding does not allow the tolerance
+    ],
+)
+def test_admission(changed, expected) -> None:
+    row = {"variant": "one", "problem": "a", "trivial": False, "idle": False, "existence": "gaps", "verdict": "unsolved"}
+    row |= {"residual": 1e-3, "residual_floor": 1e-12} | changed
+    other = row | {"variant": "two", "verdict": "solved", "residual": 1e-12}
+    assert admissible([row, other] if "solved" in changed else [row]) == expected
 
 
 def test_the_choice_takes_the_smallest_failures_of_each_method() -> None:
