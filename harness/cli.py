@@ -17,6 +17,7 @@ import typer
 from frictionbench.harness.commands import options
 from frictionbench.harness.streams import Unwritable, standard_streams
 from frictionbench.results.conventions import DEFAULT_SCHEME
+from frictionbench.results.rank_by import RankBy
 
 app = typer.Typer(
     help="Compare solvers for the friction LCPs of rigid-body dynamics. To begin: frictionbench solve stack",
@@ -115,12 +116,14 @@ def report(
         Literal["serif", "sans"], typer.Option("--font", metavar="serif|sans", help="For the paper: its typeface.")
     ] = "serif",
     markdown: Annotated[bool, typer.Option("--markdown", help="Also write the report's tables as Markdown.")] = False,
+    rank_by: options.By = RankBy.BODIES,
+    budget: options.Budget = None,
 ) -> None:
     """Make the HTML report of a results folder."""
     from frictionbench.reports.page import write_report
     from frictionbench.reports.run import read_run
 
-    run = read_run(folder)
+    run = read_run(folder, rank_by, budget)
     typer.echo(f"report: {write_report(folder, run)}")
     if paper:
         from frictionbench.reports.latex import Layout
@@ -237,11 +240,13 @@ def solve(
     tol: options.Tolerance = 1e-8,
     time_limit: options.Limit = 10.0,
     jobs: options.Jobs = None,
+    rank_by: options.By = RankBy.BODIES,
+    budget: options.Budget = None,
 ) -> None:
     """Solve one problem with every solver and show a table."""
     from frictionbench.harness.commands.single import solve_one
 
-    solve_one(problem, solver or [], tol, time_limit, _jobs(jobs))
+    solve_one(problem, solver or [], tol, time_limit, _jobs(jobs), rank_by=rank_by, budget=budget)
 
 
 @app.command()

@@ -1,38 +1,54 @@
 """Time to equal achieved accuracy, the measure of speed by which reports rank solvers.
 
-For a problem and a solver (a label, see reports.run) it is the least median time, form, setup and solve together, over all
-tolerances of the solver, at which the *verified* residual is within the target; whether the solver claimed a solution has no
-influence. A problem not solved is charged the time limit. A class of problems is summarised by the shifted geometric mean
-(H. Mittelmann's benchmarks)
+For a problem and a solver (a label, see reports.run) it is the least median time over all tolerances of the solver at which the
+*verified* residual is within the target; whether the solver claimed a solution has no influence. The time is one of
+results.rank_by. A problem not solved is charged the time limit. A class of problems is summarised by the shifted geometric mean
+(H. Mittelmann's benchmarks) with the weights w of reports.balance
 
-    exp(mean(log(t + s))) - s,     s = 1e-5 s,
+    exp(sum w log(t + s)) - s,     s = 1e-5 s,
 
 where s is about the cost of one call, so that differences below it have little weight. A solver that was skipped on a whole
-class has no mean there; one that was skipped on some of its problems is charged for these. Over all problems the solvers are
-compared on the same problems, so that every problem skipped counts as not solved.
+class has no mean there; one that was skipped on some of its problems is charged for these. Over all problems of the plane, and
+over all of space, the solvers are compared on the same problems, so that every problem skipped counts as not solved.
 
-The performance profile of Dolan and Moré (2002) is the share of these problems solved to the target within tau times the
-time of the fastest solver. A solver that was skipped on whole classes is also compared with the others on the
+The performance profile of Dolan and Moré (2002) is the weighted share of these problems solved to the target within tau times
+the time of the fastest solver. A solver that was skipped on whole classes is also compared with the others on the
 problems that it ran on. `by_charge` shows how the ranking depends on the charge for a problem not solved.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from frictionbench.reports.balance import SHIFT, Array, effective, quantile, weights
+from frictionbench.results.laws import law
+from frictionbench.results.rank_by import RankBy
 from frictionbench.results.verdicts import measured
 
 TARGETS = (1e-4, 1e-6, 1e-8)  # two decades apart: from the accuracy of real-time simulation to that of reference solutions
-Array = NDArray[np.float64]
-SHIFT = 1e-5  # s, about the cost of calling a solver
 CHARGES = (1, 3, 10)  # time limits charged for a problem not solved, up to a decade
 DRAWS = 500  # bootstrap samples: enough for percentiles 2.5 and 97.5, which rest on a dozen samples each
-ALL = "all problems"
+OVERALL = {2: "in the plane", 3: "in space"}  # the classes of all problems of a dimension
 
 
-def shifted_geometric_mean(times: pd.Series) -> float:
-    """The shifted geometric mean of times in s; nan of none."""
-    return float(np.exp(np.log(times + SHIFT).mean()) - SHIFT) if len(times) else np.nan
+class Profile(NamedTuple):
+    """The costs of one label on all problems, sorted, infinite where not solved, and the weight of each problem."""
+
+    cost: Array
+    weight: Array
+
+    def share(self, at: Array) -> Array:
+        """The weighted share of the problems whose cost is at most each value of `at`."""
+        return np.r_[0.0, np.cumsum(self.weight)][np.searchsorted(self.cost, at, side="right")]
+
+    def band(self, at: Array) -> tuple[Array, Array]:
+        """The pointwise 95 % bootstrap band, its lower and upper shares: a sample's number within `at` is binomial."""
+        n = max(round(effective(self.weight)), 1)
+        within = self.share(at).clip(0, 1)
+        drawn = np.random.default_rng(0).binomial(n, within, size=(DRAWS, len(at))) / n
+        low, high = np.percentile(drawn, [2.5, 97.5], axis=0)
+        return low, high
 
 
 def targets(rows: pd.DataFrame) -> tuple[float, ...]:
@@ -43,18 +59,20 @@ def targets(rows: pd.DataFrame) -> tuple[float, ...]:
     return tuple(target for target in TARGETS if target >= 0.999 * rows["tol"].min()) or TARGETS[:1]
 
 
-def times_to(rows: pd.DataFrame, target: float) -> pd.DataFrame:
-    """A row per problem and label: class, reached, charged (s), and form_time, setup_time, solve_time and work where reached.
+def times_to(rows: pd.DataFrame, target: float, rank_by: RankBy = RankBy.BODIES) -> pd.DataFrame:
+    """A row per problem and label: class, stratum, dimension, reached, charged (s), and form_time, setup_time, solve_time, time
+    (s) and work where reached.
 
-    rows: annotated rows of the solves table, trivial problems left out.
+    rows: annotated rows of the solves table, those of problems that are not ranked left out.
     """
     pair = ["problem_id", "label"]
     within = rows[rows["answered"] & (rows["residual"] <= target)]
+    within = within.assign(time=rank_by.time(within))
     best = within.sort_values("time", kind="stable").drop_duplicates(pair).set_index(pair)
     ran = rows.assign(ran=measured(rows))
     ran = ran[ran.groupby(["problem_class", "label"])["ran"].transform("any")]
-    known = {name: (name, "first") for name in ("problem_class", "start", "host")}
-    times = ran.groupby(pair, sort=False).agg(**known, limit=("time_limit", "max"))
+    names = ("problem_class", "stratum", "dimension", "scene", "model", "start", "host")
+    times = ran.groupby(pair, sort=False).agg(**{name: (name, "first") for name in names}, limit=("time_limit", "max"))
     times = times.join(best[["form_time", "setup_time", "solve_time", "time", "work"]])
     times["reached"] = times["time"].notna()
     times["charged"] = times["time"].fillna(times["limit"])
@@ -62,81 +80,112 @@ def times_to(rows: pd.DataFrame, target: float) -> pd.DataFrame:
 
 
 def summary(times: pd.DataFrame) -> pd.DataFrame:
-    """A row per class and label, and per label over all classes: problems, reached (how many within the target), share, mean
-    (s), the medians of form, setup and solve (s) over the problems reached, and written: the share of form in the time."""
-    both = pd.concat([on_all(times), times], ignore_index=True)
+    """A row per class and label, and per label over all of the plane and of space: problems, reached (how many within the
+    target), share and mean (s), both weighted, the medians of form, setup and solve (s) over the problems reached, written: the
+    share of form in form, setup and solve, and law: what the label solves in place of Coulomb's law."""
+    both = pd.concat([*overall(times).values(), times], ignore_index=True)
+    both["weight"] = weights(both, ["problem_class", "label"])
     groups = both.groupby(["problem_class", "label"], sort=False)
     table = groups.agg(
         problems=("reached", "size"),
         reached=("reached", "sum"),
-        share=("reached", "mean"),
         form=("form_time", "median"),
         setup=("setup_time", "median"),
         solve=("solve_time", "median"),
+        model=("model", "first"),
+        dimension=("dimension", "first"),
     )
-    table["written"] = groups["form_time"].sum() / groups["time"].sum()
-    table["mean"] = groups["charged"].agg(shifted_geometric_mean)
-    return table.reset_index()
+    table["share"] = (both["weight"] * both["reached"]).groupby([both["problem_class"], both["label"]], sort=False).sum()
+    table["written"] = groups["form_time"].sum() / groups[["form_time", "setup_time", "solve_time"]].sum().sum(axis=1)
+    table["mean"] = _means(both, ["problem_class", "label"])
+    table["law"] = [law(*what) for what in zip(table["model"], table["dimension"], strict=True)]
+    return table.drop(columns=["model", "dimension"]).reset_index()
 
 
-def on_all(times: pd.DataFrame) -> pd.DataFrame:
-    """The times as class ALL, with a row for every label on every problem that has its start and host: means, shares and
-    profiles over all problems have the same denominator."""
+def overall(times: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """The times by the classes OVERALL, with a row for every label on every problem that has its start and host: means, shares
+    and profiles over all problems have the same denominator."""
+    return {
+        name: _completed(times[times["dimension"] == d], name) for d, name in OVERALL.items() if (times["dimension"] == d).any()
+    }
+
+
+def _completed(times: pd.DataFrame, name: str) -> pd.DataFrame:
     parts = [times]
     for _, own in times.groupby(["start", "host"], sort=False):
-        limit = own.groupby("problem_id", sort=False)["limit"].max()
-        pairs = pd.MultiIndex.from_product([limit.index, own["label"].unique()], names=["problem_id", "label"])
+        facts = own.groupby("problem_id", sort=False).agg(
+            limit=("limit", "max"), stratum=("stratum", "first"), scene=("scene", "first"), dimension=("dimension", "first")
+        )
+        models = own.groupby("label")["model"].first()
+        pairs = pd.MultiIndex.from_product([facts.index, own["label"].unique()], names=["problem_id", "label"])
         lacking = pairs.difference(pd.MultiIndex.from_frame(own[["problem_id", "label"]])).to_frame(index=False)
-        charged = lacking["problem_id"].map(limit)
-        parts.append(lacking.assign(reached=False, charged=charged, limit=charged))
-    return pd.concat([part for part in parts if len(part)] or parts, ignore_index=True).assign(problem_class=ALL)
+        lacking = lacking.join(facts, on="problem_id").assign(reached=False, model=lacking["label"].map(models))
+        parts.append(lacking.assign(charged=lacking["limit"]))
+    return pd.concat([part for part in parts if len(part)] or parts, ignore_index=True).assign(problem_class=name)
 
 
-def ratios(times: pd.DataFrame, cost: str = "charged") -> dict[str, Array]:
-    """For each label its cost over the least cost of any label on each problem of `on_all`, sorted; infinite if not solved."""
-    both = on_all(times)
-    least = both[both["reached"]].groupby("problem_id")[cost].min()
-    ratio = (both[cost] / both["problem_id"].map(least)).where(both["reached"], np.inf)
-    return {str(label): np.sort(own.to_numpy()) for label, own in ratio.groupby(both["label"], sort=False)}
+def profiles(times: pd.DataFrame, cost: str = "charged", *, relative: bool = True) -> dict[str, Profile]:
+    """The profile of each label. times: one of `overall`. relative: each cost over the least of any label on the problem."""
+    least = (
+        times[times["reached"]].groupby("problem_id")[cost].min() if relative else pd.Series(1.0, times["problem_id"].unique())
+    )
+    spent = (times[cost] / times["problem_id"].map(least)).where(times["reached"], np.inf)
+    table = pd.DataFrame({"label": times["label"], "cost": spent, "weight": weights(times, ["label"])})
+    parts = table.sort_values("cost", kind="stable").groupby("label", sort=False)
+    return {str(label): Profile(own["cost"].to_numpy(), own["weight"].to_numpy()) for label, own in parts}
 
 
-def band(ratio: Array, at: Array) -> tuple[Array, Array]:
-    """The pointwise 95 % bootstrap band of a performance profile, its lower and upper shares at each tau of `at`.
+def percentiles(times: pd.DataFrame, budget: float | None = None, *, weighted: bool = True) -> pd.DataFrame:
+    """A row per label: the times within which half and 99 % of the problems are solved (p50, p99) and the longest (worst), s,
+    infinite if not solved; within: the share solved within the budget, s, nan without one.
 
-    ratio: sorted. In a bootstrap sample of the problems, the number within tau has a binomial distribution, which is sampled.
+    times: one of `overall`, or of the steps of one motion. weighted: by reports.balance; else each problem counts the same.
     """
-    n = len(ratio)
-    within = np.searchsorted(ratio, at, side="right") / max(n, 1)
-    drawn = np.random.default_rng(0).binomial(n, within, size=(DRAWS, len(at))) / max(n, 1)
-    low, high = np.percentile(drawn, [2.5, 97.5], axis=0)
-    return low, high
+    cost = times["charged"].where(times["reached"], np.inf).to_numpy()
+    weight = weights(times, ["label"]).to_numpy() if weighted else np.ones(len(times))
+    rows = {}
+    for label, at in times.groupby("label", sort=False).indices.items():
+        own, share = cost[at], weight[at] / weight[at].sum()
+        levels = {name: quantile(own, share, level) for name, level in (("p50", 0.5), ("p99", 0.99), ("worst", 1.0))}
+        rows[label] = levels | {"within": np.nan if budget is None else float(share[own <= budget].sum())}
+    return pd.DataFrame.from_dict(rows, orient="index", columns=["p50", "p99", "worst", "within"]).rename_axis("label")
 
 
 def by_charge(times: pd.DataFrame) -> pd.DataFrame:
-    """A row per label: for each of CHARGES its mean (s) over all problems and its rank; failed: problems not solved."""
-    both = on_all(times)
+    """A row per label: for each of CHARGES its mean (s) over all problems and its rank; failed: problems not solved.
+
+    times: one of `overall`.
+    """
     columns = {}
     for charge in CHARGES:
-        charged = both["charged"].where(both["reached"], charge * both["limit"])
-        columns[f"mean {charge}"] = charged.groupby(both["label"], sort=False).agg(shifted_geometric_mean)
+        charged = times["charged"].where(times["reached"], charge * times["limit"])
+        columns[f"mean {charge}"] = _means(times.assign(charged=charged, weight=weights(times, ["label"])), ["label"])
         columns[f"rank {charge}"] = columns[f"mean {charge}"].rank(method="min")
-    failed = (~both["reached"]).groupby(both["label"], sort=False).sum()
-    return pd.DataFrame(columns).assign(failed=failed).sort_values("mean 1", kind="stable").reset_index()
+    failed = (~times["reached"]).groupby(times["label"], sort=False).sum()
+    return pd.DataFrame(columns).assign(failed=failed).sort_values("mean 1", kind="stable").rename_axis("label").reset_index()
 
 
 def partial_rankings(times: pd.DataFrame) -> pd.DataFrame:
     """A row per label that was skipped on whole classes: the number of problems that it ran on (ran_on), of all; and on these
     its rank among the solvers that ran on all of them (others, itself included), its mean (s), and the best label with its own.
+    The class is one of OVERALL.
     """
     found = []
-    count = on_all(times)["label"].value_counts()
-    for label, own in times.groupby("label", sort=False):
-        if len(own) < count[label]:
-            same = times[times["problem_id"].isin(own["problem_id"])]
-            groups = same.groupby("label")["charged"]
-            means = groups.agg(shifted_geometric_mean)[groups.size() == len(own)].sort_values(kind="stable")
-            rank = int((means < means[label]).sum()) + 1
-            row = {"label": label, "ran_on": len(own), "of": int(count[label]), "rank": rank, "others": len(means)}
-            reached = int(own["reached"].sum())
-            found.append(row | {"reached": reached, "mean": means[label], "best": means.index[0], "best_mean": means.iloc[0]})
+    for name, complete in overall(times).items():
+        count, there = complete["label"].value_counts(), times[times["dimension"].map(OVERALL) == name]
+        for label, own in there.groupby("label", sort=False):
+            if len(own) < count[label]:
+                same = there[there["problem_id"].isin(own["problem_id"])]
+                same = same.assign(weight=weights(same, ["label"]))
+                means = _means(same, ["label"])[same.groupby("label").size() == len(own)].sort_values(kind="stable")
+                rank = int((means < means[label]).sum()) + 1
+                row = {"problem_class": name, "label": label, "ran_on": len(own), "of": int(count[label])}
+                row |= {"rank": rank, "others": len(means), "reached": int(own["reached"].sum()), "mean": means[label]}
+                found.append(row | {"best": means.index[0], "best_mean": means.iloc[0]})
     return pd.DataFrame(found)
+
+
+def _means(times: pd.DataFrame, by: list[str]) -> "pd.Series[float]":
+    """The weighted shifted geometric mean of `charged` in each group. times: with the column weight."""
+    logs = times["weight"] * np.log(times["charged"] + SHIFT)
+    return np.exp(logs.groupby([times[name] for name in by], sort=False).sum()) - SHIFT

@@ -1,90 +1,142 @@
-"""Which solver to choose: for each kind of problem the solver with the least mean time to a target, its lead and win rate.
+"""Which solver to choose: for each kind of problem the solvers ordered by their mean time to a target, and the win rate of the
+first.
 
-The mean is the shifted geometric mean of reports.accuracy, with problems not solved charged the time limit. Only solvers
-that ran on every problem of the kind are ranked, so that all are compared on the same problems. The lead is the mean of the
-second solver over that of the first. The win rate is the share of DRAWS bootstrap samples of the problems in which the same
-solver is first. Problems of one scene are similar, so the win rate applies to problems like these.
+The mean is the weighted shifted geometric mean of reports.balance, with problems not solved charged the time limit. Only
+solvers that ran on every problem of the kind are ordered, so that all are compared on the same problems; plane and space are
+different kinds. The lead is the mean of the second solver over that of the first. The win rate is the share of DRAWS bootstrap
+samples in which the same solver is first; a sample draws n_eff problems with the probabilities of their weights. Problems of
+one scene are similar, so the win rate applies to problems like these. Of too few problems no solver is the winner.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
-from frictionbench.reports.accuracy import SHIFT
+from frictionbench.reports.accuracy import OVERALL, percentiles
+from frictionbench.reports.balance import SHIFT, effective, weights
 from frictionbench.reports.run import Run
 from frictionbench.results.conventions import COLD, WARM
+from frictionbench.results.laws import law
 
 SMALL, MEDIUM = 10, 100  # contacts: the largest problems of these two kinds, a decade each
 ILL = 1e8  # condition of W on its range, at which a factorisation loses half of the digits of double precision
 DRAWS = 1000  # bootstrap samples: the standard error of a win rate is below 2 %
-FEW = 5  # problems; of so few the bootstrap gives no meaningful win rate
+FEW = 5  # problems, by n_eff; of so few the bootstrap gives no meaningful win rate, and none is the winner
+
+
+class Place(NamedTuple):
+    """A solver in an order. law: what it solves in place of Coulomb's law; reached: the number of problems solved to the
+    target; form: the share of form in form, setup and solve; within: the share of the problems solved within the budget; times
+    in s."""
+
+    label: str
+    law: str
+    mean: float
+    reached: int
+    form: float
+    p50: float
+    p99: float
+    worst: float
+    within: float
 
 
 class Choice(NamedTuple):
-    """The fastest solver on a kind of problem; `next` and `lead` are None if no other solver ran on all of the problems.
+    """The solvers that ran on all problems of a kind, the fastest first. win_rate: of the first, None where the problems are
+    too few to name a winner."""
 
-    mean: s. reached: the number of problems solved to the target. win_rate: None for FEW problems or less.
-    """
-
-    label: str
-    mean: float
-    reached: int
+    places: list[Place]
     problems: int
-    next: str | None
-    lead: float | None
     win_rate: float | None
 
+    @property
+    def winner(self) -> Place | None:
+        return self.places[0] if self.win_rate is not None else None
 
-def choices(run: Run, among: set[str] | None = None) -> list[tuple[str, dict[float, Choice]]]:
-    """For each kind of problem in the run, the choice at each target that some solver reaches.
+    @property
+    def lead(self) -> float | None:
+        """The mean of the second over that of the first; None without a second."""
+        return self.places[1].mean / self.places[0].mean if len(self.places) > 1 else None
 
-    among: the labels to choose from; None for all. A kind that consists of all problems is listed as such only.
-    """
-    problems = run.ranked.drop_duplicates("problem_id").set_index("problem_id")
-    contacts = problems["contacts"]
-    kinds = {
-        "all problems": contacts.notna(),
-        f"small: up to {SMALL} contacts": contacts <= SMALL,
-        f"medium: {SMALL + 1} to {MEDIUM} contacts": (contacts > SMALL) & (contacts <= MEDIUM),
-        f"large: more than {MEDIUM} contacts": contacts > MEDIUM,
-        f"ill-conditioned: condition above {ILL:.0e}".replace("e+0", "e"): problems["condition"] > ILL,
-        "planar": problems["dimension"] == 2,
-        "spatial": problems["dimension"] == 3,
-    }
+    @property
+    def order(self) -> list[str]:
+        """The labels of the first three."""
+        return [place.label for place in self.places[:3]]
+
+
+class Kind(NamedTuple):
+    """A kind of problem: its name, its number of problems, and the choice at each target that some solver reaches."""
+
+    name: str
+    problems: int
+    choices: dict[float, Choice]
+
+
+def kinds(run: Run) -> list[tuple[str, set[int], set[str]]]:
+    """Of each kind that the run has: its name, its problems, and the labels that are compared on them."""
+    facts = run.ranked.drop_duplicates("problem_id").set_index("problem_id")
     cold, warm = (set(run.rows.loc[run.rows["start"].isin(starts), "label"]) for starts in (["", COLD], [WARM]))
-    asked = [(kind, set(problems.index[chosen]), cold) for kind, chosen in kinds.items()]
-    asked.append(("warm starts", set(problems.index), warm))
-    everything = set(problems.index)
+    started = set(run.rows.loc[run.rows["label"].isin(warm), "problem_id"])
     found = []
-    for kind, chosen, labels in asked:
-        if chosen and labels and (chosen != everything or kind in ("all problems", "warm starts")):
-            best = {
-                target: choose(times, chosen, labels if among is None else labels & among)
-                for target, times in run.times.items()
-            }
-            found.append((kind, {target: choice for target, choice in best.items() if choice}))
+    for dimension, where in OVERALL.items():
+        own = facts[facts["dimension"] == dimension]
+        contacts = own["contacts"]
+        parts = {
+            f"up to {SMALL} contacts": contacts <= SMALL,
+            f"{SMALL + 1} to {MEDIUM} contacts": (contacts > SMALL) & (contacts <= MEDIUM),
+            f"more than {MEDIUM} contacts": contacts > MEDIUM,
+            f"condition above {ILL:.0e}".replace("e+0", "e"): own["condition"] > ILL,
+        }
+        found.append((where, set(own.index), cold))
+        found += [(f"{where}, {name}", set(own.index[at]), cold) for name, at in parts.items() if at.any() and not at.all()]
+        found.append((f"{where}, warm starts", set(own.index) & started, warm))
+    return [(name, problems, labels) for name, problems, labels in found if problems and labels]
+
+
+def choices(run: Run, among: set[str] | None = None) -> list[Kind]:
+    """The choice for each kind of problem. among: the labels to choose from; None for all."""
+    found = []
+    for name, problems, labels in kinds(run):
+        some = labels if among is None else labels & among
+        best = {target: choose(times, problems, some, run.budget) for target, times in run.times.items()}
+        found.append(Kind(name, len(problems), {target: one for target, one in best.items() if one}))
     return found
 
 
-def choose(times: pd.DataFrame, problems: set[int], labels: set[str]) -> Choice | None:
+def choose(times: pd.DataFrame, problems: set[int], labels: set[str], budget: float | None = None) -> Choice | None:
     """The choice for these problems among these labels; None if none of them reaches the target on any problem.
 
-    times: a row per problem and label with `charged` (s) and `reached`, see reports.accuracy.times_to.
+    times: see reports.accuracy.times_to. budget: s.
     """
     own = times[times["problem_id"].isin(problems) & times["label"].isin(labels)]
-    if not own["reached"].any():
+    logs, weight = compared(own, problems)
+    if not own["reached"].any() or logs.empty:
         return None
-    table = own.pivot_table(index="problem_id", columns="label", values="charged").reindex(sorted(problems)).dropna(axis=1)
-    if table.empty:
+    means = (weight @ logs).sort_values(kind="stable")
+    own = own[own["label"].isin(means.index)]
+    groups = own.groupby("label")
+    parts = groups[["form_time", "setup_time", "solve_time"]].sum()
+    facts = percentiles(own, budget).assign(reached=groups["reached"].sum(), form=parts["form_time"] / parts.sum(axis=1))
+    facts["law"] = [law(*what) for what in groups[["model", "dimension"]].first().reindex(facts.index).itertuples(index=False)]
+    facts["mean"] = np.exp(means) - SHIFT
+    places = [Place(label=str(label), **facts.loc[label].to_dict()) for label in means.index]
+    return Choice(places, len(logs), _win_rate(logs[means.index].to_numpy(), weight.to_numpy()))
+
+
+def compared(times: pd.DataFrame, problems: set[int]) -> tuple[pd.DataFrame, "pd.Series[float]"]:
+    """The logarithms of the times plus s, a row per problem and a column per label that ran on all of the problems; and the
+    weights of the problems. times: see reports.accuracy.times_to."""
+    table = times.pivot_table(index="problem_id", columns="label", values="charged")
+    table = table.reindex(sorted(problems)).dropna(axis=1)
+    facts = times.drop_duplicates("problem_id").set_index("problem_id").reindex(table.index)
+    return np.log(table + SHIFT), weights(facts)
+
+
+def _win_rate(logs: NDArray[np.float64], weight: NDArray[np.float64]) -> float | None:
+    """The share of weighted bootstrap samples in which the first column is least; None for FEW problems or less."""
+    count = effective(weight)
+    if count < FEW + 0.5:
         return None
-    logs = np.log(table.to_numpy() + SHIFT)
-    order = np.argsort(logs.mean(axis=0), kind="stable")
-    means = np.exp(logs.mean(axis=0)) - SHIFT
-    first = table.columns[order[0]]
-    weights = np.random.default_rng(0).multinomial(len(logs), np.full(len(logs), 1 / len(logs)), size=DRAWS)
-    win_rate = float(np.mean(np.argmin(weights @ logs, axis=1) == order[0])) if len(logs) > FEW else None
-    reached = int(own.loc[own["label"] == first, "reached"].sum())
-    following = str(table.columns[order[1]]) if len(order) > 1 else None
-    lead = float(means[order[1]] / means[order[0]]) if following else None
-    return Choice(str(first), float(means[order[0]]), reached, len(table), following, lead, win_rate)
+    drawn = np.random.default_rng(0).multinomial(round(count), weight / weight.sum(), size=DRAWS)
+    return float(np.mean(np.argmin(drawn @ logs, axis=1) == 0))

@@ -1,4 +1,5 @@
-"""The figures of a run as Markdown: which solver to choose, reliability, times by size, and times measured by the libraries.
+"""The figures of a run as Markdown: which solver to choose, percentiles, reliability, times by size, and times measured by the
+libraries.
 
 `make peers` writes it, and docs/peers.md contains an example.
 """
@@ -6,9 +7,12 @@
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
-from frictionbench.reports import choice, tables
+from frictionbench.reports import choice, leave_out, noise, tables
+from frictionbench.reports.accuracy import overall, percentiles
 from frictionbench.reports.drawing.text import power, seconds
+from frictionbench.reports.headline import headline
 from frictionbench.reports.reliability import reliabilities, sentences
 from frictionbench.reports.run import Run
 from frictionbench.results.verdicts import Verdict, measured
@@ -20,7 +24,9 @@ def write_markdown(folder: Path, run: Run) -> Path:
     """Write DIR/report.md; return its path."""
     parts = [
         _head(run),
+        *(f"{line}\n" for line in _first(run)),
         _which(run),
+        *(_percentiles(run, where, times) for where, times in overall(run.times[run.outer_targets[-1]]).items()),
         *(f"**{what}**: {names}.\n" for what, names in sentences(run)),
         _exact(run),
         *(_times(run, dimension) for dimension in (2, 3)),
@@ -35,29 +41,36 @@ def write_markdown(folder: Path, run: Run) -> Path:
 def _head(run: Run) -> str:
     settings, machine = run.manifest.get("settings", {}), run.manifest.get("machine", {})
     problems = run.ranked.drop_duplicates("problem_id")
-    timed = run.rows["disturbed"].dropna()
-    disturbed = f"; {timed.eq(True).mean():.0%} of the cells that ran waited for their core" if len(timed) else ""
     return (
         f"Suite {settings.get('suite')}, finished {run.manifest.get('finished', 'never')}, {machine.get('processor')}, "
         f"{machine.get('cores')} cores: {len(problems)} ranked problems, "
-        f"{run.ranked['label'].nunique()} solvers, time limit {settings.get('time_limit')} s{disturbed}.\n"
+        f"{run.ranked['label'].nunique()} solvers, time limit {settings.get('time_limit')} s.\n"
     )
+
+
+def _first(run: Run) -> list[str]:
+    """The sentences of the page's first screen: winners by both rankings, what scenes decide them, and noise."""
+    target = run.outer_targets[-1]
+    ranked = {one.rank_by: choice.choices(one) for one in (run, run.ranked_by(run.rank_by.other))}
+    families = [leave_out.sentence(name, lines) for name, lines in leave_out.left_out(run).items()]
+    found = noise.noise(run)
+    noisy = [noise.sentence(found, len(run.rows)), *found.changed] if found else []
+    return [line for line in (*headline(ranked, run.overall, target), *families, *noisy) if line]
 
 
 def _which(run: Run) -> str:
     """The fastest of all solvers and of the solvers from outside libraries, by kind of problem."""
     theirs = choice.choices(run, outside(run))
     rows = []
-    for (kind, found), (_, other) in zip(choice.choices(run), theirs, strict=True):
-        best = [_describe(found[target]) if target in found else "none" for target in run.outer_targets]
-        peer = other.get(run.outer_targets[-1])
-        rows.append([kind, *best, _describe(peer) if peer else "none"])
+    for kind, other in zip(choice.choices(run), theirs, strict=True):
+        best = [_describe(kind.choices.get(target)) for target in run.outer_targets]
+        rows.append([f"{kind.name} ({kind.problems} problems)", *best, _describe(other.choices.get(run.outer_targets[-1]))])
     heads = [
         "for",
         *(f"to {power(target)}" for target in run.outer_targets),
         f"of the outside solvers, to {power(run.outer_targets[-1])}",
     ]
-    return _table("## Which solver, and how reliable", heads, rows)
+    return _table(f"## The fastest {run.rank_by.words} ({run.rank_by.parts}), and how reliable", heads, rows)
 
 
 def outside(run: Run) -> set[str]:
@@ -66,10 +79,26 @@ def outside(run: Run) -> set[str]:
     return set(run.rows.loc[run.rows["version"].fillna(ours) != ours, "label"])
 
 
-def _describe(found: choice.Choice) -> str:
-    rate = "" if found.win_rate is None else f", wins {found.win_rate:.0%} of bootstrap samples"
-    lead = "" if found.lead is None else f", {found.lead:.1f} times ahead of {_name(str(found.next))}{rate}"
-    return f"**{_name(found.label)}** {seconds(found.mean)}{lead} ({found.reached}/{found.problems})"
+def _describe(found: choice.Choice | None) -> str:
+    if found is None or found.winner is None:
+        return "too few to rank" if found else "none"
+    best, rate = found.winner, f", wins {found.win_rate:.0%} of bootstrap samples"
+    lead = "" if found.lead is None else f", {found.lead:.1f} times ahead of {_name(found.places[1].label)}{rate}"
+    law = f" ({best.law})" if best.law else ""
+    return f"**{_name(best.label)}**{law} {seconds(best.mean)}{lead} ({best.reached}/{found.problems})"
+
+
+def _percentiles(run: Run, where: str, times: pd.DataFrame) -> str:
+    """The percentiles over the problems, by weight, at the finest target."""
+    table = percentiles(times, run.budget).sort_values(["p99", "p50"], kind="stable")
+    shown = ["p50", "p99", "worst"]
+    body = []
+    for label, row in zip(table.index, table.to_dict("records"), strict=True):
+        within = [] if run.budget is None else [f"{100 * row['within']:.3g} %"]
+        body.append([_name(str(label)), *(seconds(row[name], 3) for name in shown), *within])
+    budget = [] if run.budget is None else [f"within {seconds(run.budget)}"]
+    title = f"## Percentiles {where}, {run.rank_by.words} ({run.rank_by.parts}), to {power(run.outer_targets[-1])}"
+    return _table(title, ["solver", *shown, *budget], body)
 
 
 def _exact(run: Run) -> str:

@@ -18,18 +18,19 @@ import pandas as pd
 from markupsafe import Markup
 
 from frictionbench.reports import tables
+from frictionbench.reports.accuracy import overall, percentiles
 from frictionbench.reports.charts import CHARTS, profiles
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.print import save_drawing
 from frictionbench.reports.drawing.sheets import BANDS, save_sheet
 from frictionbench.reports.drawing.svg import in_file
-from frictionbench.reports.drawing.text import power
+from frictionbench.reports.drawing.text import power, residual, seconds
 from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.reports.latex import Cell, Layout, Table, Tex, booktabs, escaped, one_unit
 from frictionbench.reports.references import bibliography, cited
 from frictionbench.reports.run import PORTFOLIO, Run
 from frictionbench.results.files import ResultsError, subfolder, write_text
-from frictionbench.results.verdicts import Verdict
+from frictionbench.results.laws import ENDINGS
 
 FONT = 7  # points, in figures: the smallest size that journals accept
 ON_PAGE_ONLY = ("Hover over", "Bands, ")  # the beginnings of sentences that apply to the page only
@@ -43,7 +44,8 @@ def write_paper(folder: Path, run: Run, layout: Layout | None = None) -> Path:
     floats: list[tuple[str, str, bool]] = []  # name, caption, whether it takes the page's width
     for chart in CHARTS:
         found = chart.panels(run)[chart.in_paper]
-        caption = f"{chart.title}. {_plain(chart.caption)}".removeprefix(". ")
+        title = f"{chart.title}, {run.rank_by.words} ({run.rank_by.parts})" if chart.ranked else chart.title
+        caption = f"{title}. {_plain(chart.caption)}".removeprefix(". ")
         if chart is profiles.CHART and len(run.looks) <= BANDS:
             caption += " Bands: 95 % bootstrap bands over the problems."
         for drawing in (one for one in found if isinstance(one, Drawing)):
@@ -59,7 +61,8 @@ def write_paper(folder: Path, run: Run, layout: Layout | None = None) -> Path:
     made = {name: make(run, layout) for name, make in TABLES.items()}
     for name, table in made.items():
         write_text(paper / f"{name}.tex", table.text)
-    captions = {name: CAPTIONS[name] for name in made} | {name: caption for name, caption, _ in floats}
+    words = {"by": f"{run.rank_by.words} ({run.rank_by.parts})", "target": power(run.outer_targets[-1])}
+    captions = {name: CAPTIONS[name].format(**words) for name in made} | {name: caption for name, caption, _ in floats}
     write_text(paper / "captions.tex", _captions(captions, _setting(run)))
     write_text(paper / "references.bib", bibliography({*run.rows["solver"], *run.simulations["solver"]}))
     write_text(paper / "preview.tex", _preview(made, [(name, wide) for name, _, wide in floats], layout))
@@ -95,30 +98,60 @@ def chosen(run: Run, names: Collection[str]) -> Run:
 def _solvability(run: Run, layout: Layout) -> Table:
     """The counts of verdicts per solver, without verdicts that do not occur."""
     rows = tables.solvability(run)
-    columns = ["cells", "claimed", *(name for name in Verdict if rows[name].any())]
-    return booktabs(
-        ["solver", *columns], [[row["label"], *(str(row[name]) for name in columns)] for row in rows.to_dict("records")], layout
-    )
+    columns = ["cells", "claimed", *(name for name in ENDINGS if rows[name].any())]
+    body = [[row["label"], *(str(row[name]) for name in columns)] for row in rows.to_dict("records")]
+    if rows["error"].notna().any():
+        columns.append("error")
+        for line, error in zip(body, rows["error"], strict=True):
+            line.append("–" if np.isnan(error) else residual(error))
+    return booktabs(["solver", *columns], body, layout)
 
 
 def _times(run: Run, layout: Layout) -> Table:
-    ranking = tables.ranking(run.summaries)
-    header, groups, columns = ["solver"], [("", 1)], [[label for label, _ in ranking]]
+    """Of all problems of the plane, then of space, the solvers with the largest share reached first."""
+    ranking = [(where, *row) for where in run.overall for row in tables.ranking(run.summaries, where)]
+    facts = {
+        "solver": [label for _, label, _ in ranking],
+        "where": [where for where, *_ in ranking] if len(run.overall) > 1 else [],
+        "for": [rows[0]["law"] for *_, rows in ranking],
+    }
+    facts = {name: texts for name, texts in facts.items() if any(texts)}
+    header, columns, groups = [*facts], [*facts.values()], [("", len(facts))]
     for i, target in enumerate(run.summaries):
-        unit, means = one_unit([cells[i]["mean"] for _, cells in ranking])
+        unit, means = one_unit([cells[i]["mean"] for *_, cells in ranking])
         header += ["reached", f"mean, {unit}"]
         groups.append((f"to {power(target)}", 2))
-        columns += [[f"{cells[i]['reached']}/{cells[i]['problems']}" for _, cells in ranking], means]
+        columns += [[f"{cells[i]['reached']}/{cells[i]['problems']}" for *_, cells in ranking], means]
     return booktabs(header, list(zip(*columns, strict=True)), layout, groups)
+
+
+def _percentiles(run: Run, layout: Layout) -> Table:
+    """At the finest target, in the order of the mean."""
+    body, places = [], []
+    for where, times in overall(run.times[run.outer_targets[-1]]).items():
+        table = percentiles(times, run.budget).sort_values(["p99", "p50"], kind="stable")
+        places += [(where, label, row) for label, row in zip(table.index, table.to_dict("records"), strict=True)]
+    unit, shown = one_unit([row[name] for *_, row in places for name in ("p50", "p99", "worst")])
+    for i, (where, label, row) in enumerate(places):
+        within = [] if run.budget is None else [f"{100 * row['within']:.3g} %"]
+        body.append([label, where, *shown[3 * i : 3 * i + 3], *within])
+    budget = [] if run.budget is None else [f"within {seconds(run.budget)}"]
+    return booktabs(["solver", "where", *(f"{name}, {unit}" for name in ("p50", "p99", "worst")), *budget], body, layout)
 
 
 def _problems(run: Run, layout: Layout) -> Table:
     classes = tables.problem_classes(run)
     body = [
-        [row["problem_class"], f"{row['problems']:.0f}", f"{row['trivial']:.0f}", _range(row, "contacts"), _range(row, "size")]
+        [
+            row["problem_class"],
+            f"{row['problems']:.0f}",
+            f"{row['trivial'] + row['idle']:.0f}",
+            _range(row, "contacts"),
+            _range(row, "size"),
+        ]
         for row in classes.to_dict("records")
     ]
-    return booktabs(["class", "problems", "trivial", "contacts", "unknowns"], body, layout)
+    return booktabs(["class", "problems", "left out", "contacts", "unknowns"], body, layout)
 
 
 def _range(row: dict[str, float], what: str) -> str:
@@ -139,16 +172,19 @@ def _solvers(run: Run, layout: Layout) -> Table:
 TABLES: dict[str, Callable[[Run, Layout], Table]] = {
     "solvability": _solvability,
     "times": _times,
+    "percentiles": _percentiles,
     "problems": _problems,
     "solvers": _solvers,
 }
 CAPTIONS = {
-    "solvability": "Verdicts of an independent verification, by solver; claimed: cells that the solver reports as solved. "
-    "Trivial problems are left out.",
-    "times": "Problems brought within a verified residual of each target, and the shifted geometric mean of the time, "
-    "problems not solved charged the time limit.",
-    "problems": "Problems by class; trivial: no active friction, or the unconstrained motion is the solution; unknowns of the "
-    "friction LCP.",
+    "solvability": "Verdicts of an independent verification, by solver; claimed: cells that the solver reports as solved; "
+    "error: the median residual, by Coulomb's law, of answers to another law or with a polygon for the cone. Problems in which "
+    "friction does not act are left out.",
+    "times": "Problems brought within a verified residual of each target, and the weighted shifted geometric mean of the time "
+    "{by}, problems not solved charged the time limit; for: what is solved in place of Coulomb's law.",
+    "percentiles": "The times {by} within which half and 99 % of the problems, by weight, are solved to {target}, and the "
+    "longest; a dash: not solved.",
+    "problems": "Problems by class; left out: nothing to solve, or solved without friction; unknowns of the friction LCP.",
     "solvers": "Solvers, the model that each solves, and references.",
 }
 

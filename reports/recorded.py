@@ -36,7 +36,7 @@ class Recorded(NamedTuple):
 
 def recorded_problems(run: Run) -> list[Recorded]:
     """The recorded problems of the run, in the order of the plan."""
-    files = run.rows["parameters"].map(_file)
+    files = run.rows["parameters"].map(file_of)
     own = run.rows.assign(file=files)[files != ""]
     groups = own.groupby(["scene", "file", "problem"], sort=False)
     return [_recorded(str(family), str(file), rows) for (family, file, _), rows in groups]
@@ -64,7 +64,7 @@ def _remarks(facts: pd.Series) -> str:
     return ", ".join(remarks)
 
 
-def _file(parameters: str) -> str:
+def file_of(parameters: str) -> str:
     """The file that the parameters of a recorded problem name; empty for a scene."""
     try:
         values: Any = json.loads(parameters or "{}")

@@ -1,14 +1,15 @@
 """Reliability at the tightest tolerance of a run: which solvers are exact, which claim wrong solutions, and which crash.
 
-An answer to a relaxation, or to an LCP with a polygonal cone, solves its own model if the residual of that model is within the
-tolerance.
+An answer to another law, or with a polygon for the cone, solves its own model if the residual of that model is within the
+tolerance; its error is its residual by Coulomb's law.
 """
 
 from collections.abc import Callable
 from typing import NamedTuple
 
-from frictionbench.reports.drawing.text import power
+from frictionbench.reports.drawing.text import power, residual
 from frictionbench.reports.run import Run
+from frictionbench.reports.tables import model_errors
 from frictionbench.results.verdicts import Verdict, measured
 
 
@@ -48,24 +49,26 @@ def sentences(run: Run) -> list[tuple[str, str]]:
         return []
     tol = power(float(run.ranked["tol"].min()))
     complete = [one for one in found if one.own == one.problems]
-    claims: dict[str, tuple[list[Reliability], Callable[[Reliability], int] | None]] = {
+    errors = model_errors(run.tightest)
+    inexact = [one for one in complete if one.exact < one.problems]
+    claims: dict[str, tuple[list[Reliability], Callable[[Reliability], str] | None]] = {
         f"Every problem solved to {tol}": ([one for one in complete if one.exact == one.problems], None),
-        f"Every problem solved to {tol} with a polygonal cone in space": (
-            [one for one in complete if one.exact < one.problems and one.model == "lcp"],
-            None,
+        f"Every problem solved to {tol} with a polygon for the cone in space, median error by Coulomb's law in brackets": (
+            [one for one in inexact if one.model == "lcp"],
+            lambda one: residual(errors.get(one.label, float("nan"))),
         ),
         "Wrong claims, with a residual above ten times the tolerance": (
             [one for one in found if one.wrong],
-            lambda one: one.wrong,
+            lambda one: f"{one.wrong} of {one.problems}",
         ),
-        "Crashed": ([one for one in found if one.crashed], lambda one: one.crashed),
-        f"Every problem solved to {tol} as a convex relaxation, whose friction law differs for sliding contacts": (
-            [one for one in complete if one.exact < one.problems and one.model != "lcp"],
-            None,
+        "Crashed": ([one for one in found if one.crashed], lambda one: f"{one.crashed} of {one.problems}"),
+        f"Every problem solved to {tol} for another law, the convex relaxation or soft contact, median error in brackets": (
+            [one for one in inexact if one.model != "lcp"],
+            lambda one: residual(errors.get(one.label, float("nan"))),
         ),
     }
     return [
-        (what, ", ".join(f"{one.label} ({count(one)} of {one.problems})" if count else one.label for one in solvers))
+        (what, ", ".join(f"{one.label} ({count(one)})" if count else one.label for one in solvers))
         for what, (solvers, count) in claims.items()
         if solvers
     ]

@@ -6,7 +6,8 @@ Columns added to the solves table:
                     differ, so that times of two machines are never combined
     problem_id      a number for the problem of one time step
     problem_class   the scene, with its range of sizes if the scene occurs in several
-    time            form, setup and solve together, s
+    stratum         the problems among which a weight is shared: see reports.balance
+    time            s, of the parts by which the run ranks: see results.rank_by
     answered        whether there is an answer that was verified and timed
     own_solved      whether it solves the exact problem or the solver's own model to the tolerance
 
@@ -14,7 +15,7 @@ Trivial and idle problems are excluded from rankings: `Run.ranked` leaves them o
 """
 
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -22,12 +23,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from frictionbench.reports.accuracy import summary, targets, times_to
+from frictionbench.reports.accuracy import OVERALL, summary, targets, times_to
+from frictionbench.reports.balance import strata
 from frictionbench.reports.drawing.style import Look, looks
 from frictionbench.results.conventions import COLD, KEEP_ANSWER
 from frictionbench.results.convergence import ConvergenceHistory, read_histories
 from frictionbench.results.map_spec import GridPoint, maps_of, read_thresholds
 from frictionbench.results.polygon import Deviation, read_deviations
+from frictionbench.results.rank_by import RankBy
 from frictionbench.results.shrunk import Shrunk, read_shrunk
 from frictionbench.results.store import read_manifest, read_table
 from frictionbench.results.verdicts import Verdict, measured
@@ -43,7 +46,8 @@ class Run:
     """The contents of a results folder. Values that several readers need are computed once.
 
     rows: the solves table; simulations: without those of maps in closed loop, which are in map_simulations; thresholds: points
-    on each threshold, by map and name.
+    on each threshold, by map and name. rank_by: the time by which solvers are ranked; budget: a time for each problem, s, if
+    the reader has one.
     """
 
     manifest: dict[str, Any]
@@ -55,6 +59,13 @@ class Run:
     shrunk: dict[str, Shrunk] = field(default_factory=dict)
     deviations: list[Deviation] = field(default_factory=list)
     folder: Path = Path()
+    rank_by: RankBy = RankBy.BODIES
+    budget: float | None = None
+
+    def ranked_by(self, rank_by: RankBy) -> "Run":
+        """The same run, ranked by another time."""
+        rows = self.rows.assign(time=rank_by.time(self.rows))
+        return self if rank_by is self.rank_by else replace(self, rank_by=rank_by, rows=rows)
 
     @cached_property
     def ranked(self) -> pd.DataFrame:
@@ -83,7 +94,12 @@ class Run:
     @cached_property
     def times(self) -> dict[float, pd.DataFrame]:
         """For each target the times to it, per problem and label: see reports.accuracy."""
-        return {target: times_to(self.ranked, target) for target in targets(self.ranked)}
+        return {target: times_to(self.ranked, target, self.rank_by) for target in targets(self.ranked)}
+
+    @property
+    def overall(self) -> list[str]:
+        """The classes of all problems of a dimension that the run has."""
+        return [name for dimension, name in OVERALL.items() if (self.ranked["dimension"] == dimension).any()]
 
     @property
     def outer_targets(self) -> list[float]:
@@ -96,8 +112,11 @@ class Run:
         return {target: summary(times) for target, times in self.times.items()}
 
 
-def read_run(folder: Path) -> Run:
-    """The run in a results folder. Errors: results.files.ResultsError if it is not one or a file in it cannot be read."""
+def read_run(folder: Path, rank_by: RankBy = RankBy.BODIES, budget: float | None = None) -> Run:
+    """The run in a results folder, ranked by a time, with a budget in s for each problem.
+
+    Errors: results.files.ResultsError if it is not one or a file in it cannot be read.
+    """
     manifest = read_manifest(folder)
     specs = maps_of(manifest)
     loops = {
@@ -112,17 +131,17 @@ def read_run(folder: Path) -> Run:
     solves = annotate(read_table(folder, "solves"))
     both = simulations[~mapped], simulations[mapped]
     reduced, deviations = read_shrunk(folder), read_deviations(folder)
-    return Run(manifest, solves, *both, read_histories(folder), thresholds, reduced, deviations, folder)
+    run = Run(manifest, solves, *both, read_histories(folder), thresholds, reduced, deviations, folder, budget=budget)
+    return run.ranked_by(rank_by)
 
 
 def annotate(solves: pd.DataFrame) -> pd.DataFrame:
-    """A copy of the solves table with the columns label, problem_id, problem_class, time, answered and own_solved."""
+    """A copy of the solves table with the columns label, problem_id, problem_class, stratum, time, answered and own_solved."""
     rows = solves.reset_index(drop=True)
     texts = ["scene", "parameters", "solver", "variant", "model", "verdict", "reason"]
     texts += ["phase", "problem", "start", "key", "host"]
     rows[texts] = rows[texts].fillna("")
-    rows["trivial"] = rows["trivial"].eq(True)
-    rows["idle"] = rows["idle"].eq(True)
+    rows["trivial"], rows["idle"] = rows["trivial"].eq(True), rows["idle"].eq(True)
     rows["claimed"] = rows["claimed"].eq(True)
     rows["label"] = rows["variant"].where(rows["start"].isin(["", COLD]), rows["variant"] + ", " + rows["start"])
     rows["label"] += _mark(rows)
@@ -130,7 +149,8 @@ def annotate(solves: pd.DataFrame) -> pd.DataFrame:
         rows["label"] += " on " + rows["host"]
     rows["problem_id"] = rows.groupby(_IDENTITY, dropna=False, sort=False).ngroup()
     rows["problem_class"] = _classes(rows)
-    rows["time"] = rows["form_time"].fillna(0.0) + rows["setup_time"].fillna(0.0) + rows["solve_time"]
+    rows["stratum"] = strata(rows)
+    rows["time"] = RankBy.BODIES.time(rows)
     rows["answered"] = ~rows["verdict"].isin(NO_ANSWER) & np.isfinite(rows["residual"]) & np.isfinite(rows["time"])
     rows["own_solved"] = rows["answered"] & (rows[["residual", "model_residual"]].min(axis=1) <= rows["tol"])
     return rows

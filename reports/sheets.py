@@ -5,7 +5,6 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from frictionbench.reports.accuracy import ALL
 from frictionbench.reports.run import Run
 from frictionbench.results.verdicts import Verdict, measured
 
@@ -28,15 +27,15 @@ class Failure(NamedTuple):
 
 
 class Sheet(NamedTuple):
-    """One solver. description: its own, in paragraphs, from the manifest. results: its row of the summary over all problems,
-    by target. more: kinds of failure not listed. skipped: cells by reason.
+    """One solver. description: its own, in paragraphs, from the manifest. results: its rows of the summary over all problems of
+    the plane and of space, each with its target. more: kinds of failure not listed. skipped: cells by reason.
     """
 
     label: str
     variant: str
     facts: dict[str, str]
     description: list[str]
-    results: dict[float, dict[str, Any]]
+    results: list[dict[str, Any]]
     failures: list[Failure]
     more: int
     skipped: dict[str, int]
@@ -45,7 +44,8 @@ class Sheet(NamedTuple):
 def sheets(run: Run) -> list[Sheet]:
     """The sheets of all labels that have cells, in alphabetical order."""
     descriptions = run.manifest.get("solvers")
-    results = {target: table[table["problem_class"] == ALL].set_index("label") for target, table in run.summaries.items()}
+    parts = [table.assign(target=target) for target, table in run.summaries.items()]
+    results = pd.concat([part[part["problem_class"].isin(run.overall)] for part in parts])
     failed = _failures(run)
     reasons = run.rows[run.rows["verdict"] == Verdict.SKIPPED].groupby(["label", "reason"], sort=False).size()
     found = []
@@ -60,7 +60,7 @@ def sheets(run: Run) -> list[Sheet]:
                 str(row.variant),
                 {name: text for name, text in facts.items() if text not in ("", "nan", "None")},
                 [_flowing(part) for part in str(text)[:LONGEST].split("\n\n") if part.strip()],
-                {target: table.loc[label].to_dict() for target, table in results.items() if label in table.index},
+                results[results["label"] == label].to_dict("records"),
                 own[:MOST_FAILURES],
                 max(0, len(own) - MOST_FAILURES),
                 {str(key[1]): int(count) for key, count in reasons[reasons.index.get_level_values(0) == label].items()},

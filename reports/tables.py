@@ -1,25 +1,34 @@
 """The report's tables: which solver solves which problems, and how fast."""
 
+from collections.abc import Collection
 from typing import Any
 
 import pandas as pd
 
-from frictionbench.reports.accuracy import ALL
 from frictionbench.reports.run import Run
+from frictionbench.results.laws import ENDINGS, endings
 from frictionbench.results.verdicts import Verdict, measured
 
 CLOCK_MARGIN = 0.1  # relative difference of a library's own clock from solve_time that is larger than the overhead of a call
 
 
 def solvability(run: Run) -> pd.DataFrame:
-    """A row per label: trivial (cells of trivial problems, not counted in the others), cells, claimed, and each verdict."""
-    real = run.ranked
-    table = pd.DataFrame({"trivial": run.rows.groupby("label", sort=False)["trivial"].sum()})
+    """A row per label: left_out (cells of trivial and idle problems, not counted in the others), cells, claimed, each verdict,
+    with the answers to another law and to a polygon apart, and error: the median residual of these, by Coulomb's law."""
+    real = run.ranked.assign(ending=endings(run.ranked))
+    table = pd.DataFrame({"left_out": run.rows.groupby("label", sort=False).size()})
     table["cells"] = real.groupby("label").size()
     table["claimed"] = real.groupby("label")["claimed"].sum()
-    for verdict in Verdict:
-        table[verdict] = real[real["verdict"] == verdict].groupby("label").size()
-    return table.fillna(0).astype(int).reset_index()
+    for ending in ENDINGS:
+        table[ending] = real[real["ending"] == ending].groupby("label").size()
+    table = table.fillna(0).astype(int)
+    table["left_out"] -= table["cells"]
+    return table.assign(error=model_errors(run.ranked)).reset_index()
+
+
+def model_errors(rows: pd.DataFrame) -> "pd.Series[float]":
+    """By label the median residual, by Coulomb's law, of the answers that solve another law or a polygon in its place."""
+    return rows[rows["verdict"] == Verdict.RELAXED].groupby("label")["residual"].median()
 
 
 def wrong_claims(run: Run) -> pd.DataFrame:
@@ -61,8 +70,8 @@ def by_class(run: Run) -> pd.DataFrame:
 
 
 def problem_classes(run: Run) -> pd.DataFrame:
-    """A row per class, grouped by scene and ordered by size: problems, how many are trivial, the ranges of contacts and
-    unknowns, and the largest condition."""
+    """A row per class, grouped by scene and ordered by size: problems, how many are trivial and how many idle, the ranges of
+    contacts and unknowns, and the largest condition."""
     problems = run.rows.sort_values("size").drop_duplicates("problem_id").sort_index()
     order = {scene: i for i, scene in enumerate(problems["scene"].unique())}
     problems = problems.assign(order=problems["scene"].map(order)).sort_values(["order", "size"], kind="stable")
@@ -71,6 +80,7 @@ def problem_classes(run: Run) -> pd.DataFrame:
         .agg(
             problems=("problem", lambda names: int((names != "").sum())),
             trivial=("trivial", "sum"),
+            idle=("idle", "sum"),
             dimension=("dimension", "max"),
             contacts_from=("contacts", "min"),
             contacts_to=("contacts", "max"),
@@ -82,19 +92,20 @@ def problem_classes(run: Run) -> pd.DataFrame:
     )
 
 
-def best_first(summary: pd.DataFrame, problem_class: str = ALL) -> pd.DataFrame:
-    """The rows of a class in a summary by label, the most problems solved first, the faster first among equals."""
+def best_first(summary: pd.DataFrame, problem_class: str) -> pd.DataFrame:
+    """The rows of a class in a summary by label, the largest share of the problems solved first, the faster among equals."""
     own = summary[summary["problem_class"] == problem_class].set_index("label")
-    return own.sort_values(["reached", "mean"], ascending=[False, True])
+    return own.assign(share=own["share"].round(9)).sort_values(["share", "mean"], ascending=[False, True])
 
 
-def matrix(summary: pd.DataFrame) -> list[tuple[str, dict[str, Any]]]:
-    """The labels, best over all first, each with its row per class."""
-    cells = {label: group.set_index("problem_class").to_dict("index") for label, group in summary.groupby("label")}
-    return [(label, cells[label]) for label in best_first(summary).index]
+def matrix(summary: pd.DataFrame, problem_class: str, classes: Collection[str]) -> list[tuple[str, dict[str, Any]]]:
+    """The labels of a class, the best first, each with its row for it and for each of other classes."""
+    own = summary[summary["problem_class"].isin([problem_class, *classes])]
+    cells = {label: group.set_index("problem_class").to_dict("index") for label, group in own.groupby("label")}
+    return [(label, cells[label]) for label in best_first(summary, problem_class).index]
 
 
-def ranking(summaries: dict[float, pd.DataFrame], problem_class: str = ALL) -> list[tuple[str, list[dict[str, Any]]]]:
+def ranking(summaries: dict[float, pd.DataFrame], problem_class: str) -> list[tuple[str, list[dict[str, Any]]]]:
     """The labels of a class, best at the finest target first, each with its row at each target."""
     own = {target: best_first(table, problem_class) for target, table in summaries.items()}
     return [(label, [table.loc[label].to_dict() for table in own.values()]) for label in own[min(own)].index]

@@ -1,28 +1,32 @@
 """What the report's page shows, as values: built from a run alone, without writing anything. templates/page.html draws it."""
 
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import pandas as pd
 
-from frictionbench.reports import choice, robustness, tables
-from frictionbench.reports.accuracy import CHARGES, by_charge, partial_rankings
+from frictionbench.reports import leave_out, mix, robustness, tables
+from frictionbench.reports.accuracy import CHARGES, OVERALL, by_charge, overall, partial_rankings, percentiles
 from frictionbench.reports.animation import Animation
 from frictionbench.reports.charts import CHARTS
 from frictionbench.reports.charts.chart import Chart
+from frictionbench.reports.choice import Kind, choices
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.sheets import BANDS
 from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.reports.hard import HardShares, hard_shares
-from frictionbench.reports.headline import MUCH_FORM, headline
+from frictionbench.reports.headline import differs, headline
+from frictionbench.reports.noise import Noise, noise, sentence
 from frictionbench.reports.recorded import Recorded, recorded_problems
 from frictionbench.reports.reliability import sentences
 from frictionbench.reports.run import Run
+from frictionbench.reports.sequences import Motion, motions
 from frictionbench.reports.settings import Setting, settings, workers_on_all_cores
 from frictionbench.reports.sheets import Sheet, sheets
 from frictionbench.results.cells import scene_title
+from frictionbench.results.rank_by import RankBy
 from frictionbench.results.shrunk import FOLDER
 from frictionbench.results.verdicts import Verdict
 
@@ -34,11 +38,14 @@ CURVES = ["times", "energies", "penetrations", "load", "clock"]  # columns that 
 
 Records = list[dict[str, Any]]
 Ranking = list[tuple[str, Records]]  # labels, each with its row of the summary at each target
+Panels = Sequence[Panel] | Sequence[Drawing]
+FIRST_SCREEN = 8  # solvers listed for each dimension above the fold
+MUCH_FORM = 0.2  # share of form in the time, above which the formulation by this suite may decide the rank
 
 
 @dataclass(frozen=True)
 class Head:
-    """The summary above all sections."""
+    """The summary above all sections. differs: whether the two rankings differ; families: which scenes decide the ranking."""
 
     setup: str
     finished: bool
@@ -46,14 +53,16 @@ class Head:
     ranked: int
     wrong_simulations: int
     classes: int
-    disturbed: int
-    without_core: int
+    noise: Noise | None
+    noise_told: str
     oversubscribed: int
     gaps: int
     overhead: float | None
     headline: list[str]
+    differs: bool
+    families: list[str]
     reliability: list[tuple[str, str]]
-    choices: list[tuple[str, dict[float, choice.Choice]]]
+    idle_share: float
 
 
 @dataclass(frozen=True)
@@ -67,13 +76,12 @@ class Marks:
 
 @dataclass(frozen=True)
 class Solved:
-    """Problems solved by target and class, verdicts, and their reasons."""
+    """Verdicts and their reasons, the mix of the problems that are ranked, and those that are not."""
 
-    matrices: dict[float, list[tuple[str, dict[str, Any]]]]
-    ranked: list[str]
-    trivial: Records
     verdicts: pd.DataFrame
     reasons: pd.DataFrame
+    mix: pd.DataFrame
+    left_out: pd.DataFrame
 
 
 @dataclass(frozen=True)
@@ -88,14 +96,20 @@ class Maps:
 
 
 @dataclass(frozen=True)
-class Times:
-    """Time to equal accuracy."""
+class Ranked:
+    """All that depends on the time by which solvers are ranked. matrices, overall, percentiles, charged: by target, then by the
+    classes of all problems of a dimension; classes: the ranking of each class of problems; left_out: by dimension."""
 
-    ranking: Ranking
+    by: RankBy
+    kinds: list[Kind]
+    matrices: dict[float, dict[str, list[tuple[str, dict[str, Any]]]]]
+    overall: dict[str, Ranking]
+    percentiles: dict[float, dict[str, pd.DataFrame]]
+    charged: dict[float, dict[str, pd.DataFrame]]
     parts: pd.DataFrame
-    charged: dict[float, pd.DataFrame]
-    charges: Sequence[int]
-    clocks: pd.DataFrame
+    classes: dict[str, Ranking]
+    sequences: list[Motion]
+    left_out: dict[str, list[leave_out.LeftOut]]
 
 
 @dataclass(frozen=True)
@@ -103,7 +117,6 @@ class SceneClass:
     """A class of problems. facts: its row of tables.problem_classes; example: its smallest scene for the command line."""
 
     facts: dict[str, Any]
-    ranking: Ranking
     by_tolerance: Records
     simulations: Records
     animations: list[Animation]
@@ -117,11 +130,14 @@ class Page:
     run: Run
     head: Head
     marks: Marks
-    charts: dict[str, list[tuple[Chart, Sequence[Panel] | Sequence[Drawing]]]]
+    charts: dict[str, list[tuple[Chart, Mapping[RankBy, Panels]]]]
+    rankings: list[Ranked]
+    scenes: dict[str, list[str]]
+    errors: dict[str, dict[str, float]]
+    clocks: pd.DataFrame
     solved: Solved
     hard: HardShares | None
     maps: Maps
-    times: Times
     recorded: list[Recorded]
     classes: list[SceneClass]
     simulated_only: Records
@@ -131,22 +147,31 @@ class Page:
     claims_count: int
     settings: list[tuple[str, list[Setting]]]
     much_form: float = MUCH_FORM
+    charges: Sequence[int] = CHARGES
+    first_screen: int = FIRST_SCREEN
 
 
 def view(run: Run, animations: Sequence[Animation] = ()) -> Page:
     """The page of a run. animations: those at hand, shown with their scenes."""
     claims = tables.wrong_claims(run)
     scenes = set(run.rows["scene"])
+    runs = [run, run.ranked_by(run.rank_by.other)]
+    rankings = [_ranked(one) for one in runs]
     simulated = _simulated(run)
     return Page(
         run=run,
-        head=_head(run),
+        head=_head(run, rankings),
         marks=Marks(_families(run), _but_the_best(run, FEW, FEW + 2), _but_the_best(run, BANDS, BANDS)),
-        charts=_charts(run),
-        solved=_solved(run),
         hard=hard_shares(run),
+        charts=_charts(runs),
+        rankings=rankings,
+        scenes=_scenes(run),
+        errors={
+            where: tables.model_errors(own).to_dict() for where, own in run.ranked.groupby(run.ranked["dimension"].map(OVERALL))
+        },
+        clocks=tables.clocks(run),
+        solved=Solved(tables.solvability(run), tables.reasons(run), mix.mix(run), mix.left_out(run)),
         maps=_maps(run),
-        times=_times(run),
         recorded=recorded_problems(run),
         classes=_classes(run, simulated, animations),
         simulated_only=[row for scene, rows in simulated.items() if scene not in scenes for row in rows],
@@ -158,8 +183,9 @@ def view(run: Run, animations: Sequence[Animation] = ()) -> Page:
     )
 
 
-def _head(run: Run) -> Head:
-    disturbed = run.rows["disturbed"].eq(True)
+def _head(run: Run, rankings: list[Ranked]) -> Head:
+    kinds, target = {one.by: one.kinds for one in rankings}, run.outer_targets[-1]
+    disturbance = noise(run)
     return Head(
         setup=_setup(run.manifest),
         finished="finished" in run.manifest,
@@ -167,15 +193,47 @@ def _head(run: Run) -> Head:
         ranked=run.ranked["problem_id"].nunique(),
         wrong_simulations=int((run.simulations["verdict"] == Verdict.WRONG).sum()),
         classes=run.rows["problem_class"].nunique(),
-        disturbed=int(disturbed.sum()),
-        without_core=int((disturbed & run.rows["core"].isna()).sum()),
+        noise=disturbance,
+        noise_told=sentence(disturbance, len(run.rows)) if disturbance else "",
         oversubscribed=workers_on_all_cores(run.manifest),
         gaps=tables.gaps(run),
         overhead=tables.overhead(run),
-        headline=headline(run),
+        headline=headline(kinds, run.overall, target),
+        differs=differs(kinds, target),
+        families=[told for name, lines in rankings[0].left_out.items() if (told := leave_out.sentence(name, lines))],
         reliability=sentences(run),
-        choices=choice.choices(run),
+        idle_share=mix.idle_share(run),
     )
+
+
+def _ranked(run: Run) -> Ranked:
+    """The part of the page that depends on the time by which the run ranks."""
+    wholes = {target: overall(times) for target, times in run.times.items() if target in run.outer_targets}
+    scenes = _scenes(run)
+    return Ranked(
+        by=run.rank_by,
+        kinds=choices(run),
+        matrices={
+            target: {where: tables.matrix(table, where, scenes[where]) for where in run.overall}
+            for target, table in run.summaries.items()
+        },
+        overall={where: tables.ranking(run.summaries, where) for where in run.overall},
+        percentiles={
+            target: {where: percentiles(times, run.budget) for where, times in parts.items()}
+            for target, parts in wholes.items()
+        },
+        charged={target: {where: by_charge(times) for where, times in parts.items()} for target, parts in wholes.items()},
+        parts=partial_rankings(run.times[run.outer_targets[-1]]),
+        classes={name: tables.ranking(run.summaries, name) for names in scenes.values() for name in names},
+        sequences=motions(run),
+        left_out=leave_out.left_out(run),
+    )
+
+
+def _scenes(run: Run) -> dict[str, list[str]]:
+    """The classes of problems of each dimension."""
+    where = run.ranked["dimension"].map(OVERALL)
+    return {name: list(run.ranked.loc[where == name, "problem_class"].unique()) for name in run.overall}
 
 
 def _setup(manifest: dict[str, Any]) -> str:
@@ -204,28 +262,19 @@ def _families(run: Run) -> dict[str, str]:
 
 def _but_the_best(run: Run, few: int, limit: int) -> list[str]:
     """The tags of all labels except the best few; none where there are no more than `limit`."""
-    best = list(tables.best_first(run.summaries[min(run.summaries)]).index)[:few]
+    table = run.summaries[min(run.summaries)]
+    best = {label for where in run.overall for label in tables.best_first(table, where).index[:few]}
     return [look.tag for label, look in run.looks.items() if label not in best] if len(run.looks) > limit else []
 
 
-def _charts(run: Run) -> dict[str, list[tuple[Chart, Sequence[Panel] | Sequence[Drawing]]]]:
-    """By section of the page, the charts that have a panel to show."""
-    found: dict[str, list[tuple[Chart, Sequence[Panel] | Sequence[Drawing]]]] = {}
+def _charts(runs: Sequence[Run]) -> dict[str, list[tuple[Chart, Mapping[RankBy, Panels]]]]:
+    """By section of the page, the charts that have a panel to show; those that depend on the ranking for each of the runs."""
+    found: dict[str, list[tuple[Chart, Mapping[RankBy, Panels]]]] = {}
     for chart in CHARTS:
-        if panels := chart.panels(run)[chart.on_page]:
-            found.setdefault(chart.section, []).append((chart, panels))
+        drawn = {run.rank_by: chart.panels(run)[chart.on_page] for run in (runs if chart.ranked else runs[:1])}
+        if any(drawn.values()):
+            found.setdefault(chart.section, []).append((chart, drawn))
     return found
-
-
-def _solved(run: Run) -> Solved:
-    classes = tables.problem_classes(run)
-    return Solved(
-        matrices={target: tables.matrix(table) for target, table in run.summaries.items()},
-        ranked=list(run.ranked["problem_class"].unique()),
-        trivial=classes[(classes["problems"] > 0) & (classes["trivial"] == classes["problems"])].to_dict("records"),
-        verdicts=tables.solvability(run),
-        reasons=tables.reasons(run),
-    )
 
 
 def _maps(run: Run) -> Maps:
@@ -239,16 +288,6 @@ def _maps(run: Run) -> Maps:
     return Maps(robustness.robustness(cells), changes, failed, smallest, robustness.costs(run))
 
 
-def _times(run: Run) -> Times:
-    return Times(
-        ranking=tables.ranking(run.summaries),
-        parts=partial_rankings(run.times[run.outer_targets[-1]]),
-        charged={target: by_charge(times) for target, times in run.times.items() if len(times)},
-        charges=CHARGES,
-        clocks=tables.clocks(run),
-    )
-
-
 def _simulated(run: Run) -> dict[str, Records]:
     """The simulations listed for each scene."""
     return {
@@ -260,11 +299,10 @@ def _simulated(run: Run) -> dict[str, Records]:
 def _classes(run: Run, simulated: dict[str, Records], animations: Sequence[Animation]) -> list[SceneClass]:
     by_tolerance = {name: table.to_dict("records") for name, table in tables.by_class(run).groupby("problem_class")}
     scene_of = dict(zip(run.rows["problem_class"], run.rows["scene"], strict=True))
-    ranked, examples = set(run.ranked["problem_class"]), _examples(run)
+    examples = _examples(run)
     return [
         SceneClass(
             facts=facts,
-            ranking=tables.ranking(run.summaries, name) if name in ranked else [],
             by_tolerance=by_tolerance.get(name, []),
             simulations=simulated.get(scene_of[name], []),
             animations=[one for one in animations if one.scene == scene_of[name]],

@@ -6,6 +6,8 @@ from typing import Annotated, Literal
 
 import typer
 
+from frictionbench.results.rank_by import RankBy
+
 
 def parse_length(text: str) -> float:
     """A length with a unit (inches without one), in inches. Errors: BadParameter where it is unreadable or out of range."""
@@ -21,6 +23,16 @@ def split_names(text: str) -> list[str]:
     return [name.strip() for name in re.split(r",(?![^\[]*\])", text) if name.strip()]
 
 
+def parse_duration(text: str) -> float:
+    """A time with a unit, in seconds. Errors: BadParameter where it is unreadable or not positive."""
+    match = re.fullmatch(r"\s*(\d+\.?\d*|\.\d+)\s*(us|µs|μs|ms|s)\s*", text)
+    value = float(match[1]) * SECONDS[match[2]] if match else 0.0
+    if not value > 0:
+        raise typer.BadParameter(f"{text!r} is not a time with a unit; write it like 1ms, 250us or 0.5s")
+    return value
+
+
+SECONDS = {"us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ms": 1e-3, "s": 1.0}
 UNITS_PER_INCH = {"in": 1.0, "cm": 2.54, "mm": 25.4, "pt": 72.27}
 Listing = Annotated[
     Literal["scenes", "solvers", "suites"], typer.Argument(metavar="scenes|solvers|suites", help="What to list.")
@@ -68,5 +80,18 @@ Data = Annotated[
 Cluster = Annotated[
     str | None,
     typer.Option("--cluster", metavar="ADDRESS", help="Run the cells on this dask scheduler, like tcp://127.0.0.1:8786."),
+]
+Budget = Annotated[
+    float | None,
+    typer.Option(
+        "--budget",
+        metavar="1ms|250us|0.5s",
+        parser=parse_duration,
+        help="A time for each problem: the share solved within it is shown.",
+    ),
+]
+By = Annotated[
+    RankBy,
+    typer.Option("--rank-by", help="The time that ranks: bodies: form, setup and solve; form: setup and solve alone."),
 ]
 Scheme = Annotated[str, typer.Option("--scheme", metavar="SCHEME", help="Time-stepping scheme.")]

@@ -23,6 +23,8 @@ from frictionbench.harness.workers.task import Task
 from frictionbench.problems import InputError
 from frictionbench.problems.spec import parse
 from frictionbench.results import store
+from frictionbench.results.laws import ending
+from frictionbench.results.rank_by import RankBy
 from frictionbench.results.schema import TABLES
 from frictionbench.results.store import Row
 from frictionbench.results.verdicts import RANK, Verdict
@@ -30,8 +32,19 @@ from frictionbench.solvers import available, find
 from frictionbench.solvers.plugins import installed
 
 
-def solve_one(problem: str, solver_specs: list[str], tol: float, time_limit: float, jobs: int) -> None:
+def solve_one(
+    problem: str,
+    solver_specs: list[str],
+    tol: float,
+    time_limit: float,
+    jobs: int,
+    *,
+    rank_by: RankBy = RankBy.BODIES,
+    budget: float | None = None,
+) -> None:
     """Solve one problem with solvers (all if none are named), and print a table with the best first and a recommendation.
+
+    rank_by: the time that ranks. budget: s, a time within which the problem has to be solved.
 
     Errors: InputError naming the field.
     """
@@ -50,25 +63,30 @@ def solve_one(problem: str, solver_specs: list[str], tol: float, time_limit: flo
             for outcome in pool.run(tasks, stage.started, stage.compiling):
                 rows.append(row_of(outcome, plugins))
                 stage.finished(outcome.task)
-    rows.sort(key=lambda row: (RANK[row["verdict"]], _seconds(row), row["variant"]))
+    rows.sort(key=lambda row: (RANK[row["verdict"]], _seconds(row, rank_by), row["variant"]))
     applicable = [row for row in rows if row["verdict"] != Verdict.SKIPPED or solver_specs]
-    _show(
-        f"LCP of {record['size']} unknowns, tolerance {tol:g}", {str(rank): row for rank, row in enumerate(applicable, start=1)}
-    )
+    title = f"LCP of {record['size']} unknowns, tolerance {tol:g}, ranked {rank_by.words} ({rank_by.parts})"
+    _show(title, {str(rank): row for rank, row in enumerate(applicable, start=1)}, rank_by)
     if refused := [row["variant"] for row in rows if row not in applicable]:
         print("\n".join(paragraph(f"not applicable to this problem: {', '.join(refused)}", screen(), "")))
     for reason in unusable:
         print("\n".join(paragraph(reason, screen(), "")))
-    print("\n".join(paragraph(advice(rows), screen(), "")))
+    print("\n".join(paragraph(advice(rows, rank_by, budget), screen(), "")))
 
 
-def advice(rows: list[Row]) -> str:
-    """Which solver to use, from rows with the best first."""
-    best = rows[0]
-    if best["verdict"] == Verdict.SOLVED:
-        others = sum(row["verdict"] == Verdict.SOLVED for row in rows) - 1
-        more = f"; {others} other{'s' * (others != 1)} solve{'s' * (others == 1)} it as well" if others else ""
-        return f"use {best['variant']}: solved in {_time(_seconds(best))}{more}"
+def advice(rows: list[Row], rank_by: RankBy = RankBy.BODIES, budget: float | None = None) -> str:
+    """Which solver to use, from rows with the best first; by the other ranking as well where that is another one."""
+    if solved := [row for row in rows if row["verdict"] == Verdict.SOLVED]:
+        best, others = solved[0], len(solved) - 1
+        told = f"use {best['variant']}: solved {rank_by.words} in {_time(_seconds(best, rank_by))}"
+        told += f"; {others} other{'s' * (others != 1)} solve{'s' * (others == 1)} it as well" if others else ""
+        other = min(solved, key=lambda row: _seconds(row, rank_by.other))
+        if other is not best and _seconds(other, rank_by.other) < _seconds(best, rank_by.other):
+            told += f"; {rank_by.other.words} {other['variant']} is faster: {_time(_seconds(other, rank_by.other))}"
+        if budget is not None:
+            within = sum(_seconds(row, rank_by) <= budget for row in solved)
+            told += f"; within {_time(budget)}: {within} of {len(solved)}"
+        return told
     answered = [row for row in rows if row.get("residual") is not None]
     if not answered:
         return "no solver returned an answer"
@@ -76,9 +94,9 @@ def advice(rows: list[Row]) -> str:
     return f"no solver solves it; the smallest residual is {nearest['residual']:.1e}, by {nearest['variant']}"
 
 
-def _seconds(row: Row) -> float:
-    times = [row.get(f"{step}_time") for step in ("form", "setup", "solve")]
-    return sum(filter(None, times)) if times[2] is not None else np.inf
+def _seconds(row: Row, rank_by: RankBy) -> float:
+    times = [row.get(name) for name in rank_by.columns]
+    return sum(filter(None, times)) if times[-1] is not None else np.inf
 
 
 def all_variants() -> tuple[tuple[str, ...], tuple[Plugin, ...], list[str]]:
@@ -148,13 +166,14 @@ def _task_again(row: Row, table: str, plugins: tuple[Plugin, ...]) -> Task:
     return Task(row["variant"], worker.run_simulation, (simulation, limit), limit, outside)
 
 
-def _show(title: str, rows: dict[str, Row]) -> None:
+def _show(title: str, rows: dict[str, Row], rank_by: RankBy = RankBy.BODIES) -> None:
     """Print a table of rows, each after its label, and the rows' reasons below."""
     lines, remarks = [], []
     for label, row in rows.items():
         times = [_time(row.get(name)) for name in ("form_time", "setup_time", "solve_time")]
         work = ", ".join(f"{key} {value}" for key, value in json.loads(row.get("work") or "{}").items())
-        results = (row["verdict"], _number(row.get("residual")), _time(_seconds(row)), _number(row.get("model_residual")))
+        verdict = ending(row["verdict"], row["model"])
+        results = (verdict, _number(row.get("residual")), _time(_seconds(row, rank_by)), _number(row.get("model_residual")))
         lines.append((label, row["variant"], *results, *times, (row.get("status") or "").lower(), work))
         if row.get("reason"):
             remarks.append(f"{label} {row['variant']}: {row['reason']}")
@@ -169,7 +188,9 @@ def _number(value: float | None) -> str:
     return "" if value is None else f"{value:.1e}"
 
 
-def _time(seconds: float | None) -> str:
-    if seconds is None or seconds == np.inf:
+def _time(value: float | None) -> str:
+    """A time, s, with three digits and a unit."""
+    if value is None or value == np.inf:
         return ""
-    return f"{seconds * 1e6:.0f} µs" if seconds < 1e-3 else f"{seconds * 1e3:.1f} ms" if seconds < 1 else f"{seconds:.2f} s"
+    scale, unit = next(((s, u) for s, u in ((1.0, "s"), (1e-3, "ms")) if value >= 0.9995 * s), (1e-6, "µs"))
+    return f"{value / scale:.3g} {unit}"

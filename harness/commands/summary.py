@@ -4,11 +4,13 @@ import json
 from hashlib import sha256
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from frictionbench.harness.commands.table import columns, screen
 from frictionbench.harness.plans.plan import Plan
 from frictionbench.harness.plans.suites import SUITES
+from frictionbench.results.laws import ENDINGS, endings
 from frictionbench.results.store import read_table
 from frictionbench.results.verdicts import Verdict
 
@@ -39,10 +41,10 @@ def summary(folder: Path) -> str:
 def _counted(what: str, rows: pd.DataFrame) -> str:
     if rows.empty:
         return ""
-    counts = pd.crosstab(rows["variant"], rows["verdict"]).reindex(columns=list(Verdict), fill_value=0)
-    counts = counts.sort_values(list(Verdict), ascending=False, kind="stable")
+    counts = pd.crosstab(rows["variant"], np.array(endings(rows))).reindex(columns=list(ENDINGS), fill_value=0)
+    counts = counts.sort_values(list(ENDINGS), ascending=False, kind="stable")
     body = [(str(name), *(str(n or "") for n in row)) for name, row in zip(counts.index, counts.to_numpy(), strict=True)]
-    return "\n".join([f"{what}: {len(rows)}", *columns(("solver", *Verdict), body, screen())])
+    return "\n".join([f"{what}: {len(rows)}", *columns(("solver", *ENDINGS), body, screen())])
 
 
 def _reasons(rows: pd.DataFrame) -> str:

@@ -7,7 +7,7 @@ from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.reports.run import Run
 
-Section = Literal["solvability", "maps", "chart", "time", "energy"]  # of the page, by the id of its heading
+Section = Literal["top", "solvability", "maps", "chart", "time", "energy"]  # of the page, by the id of its heading
 
 
 class Chart(NamedTuple):
@@ -26,3 +26,4 @@ class Chart(NamedTuple):
     in_paper: slice = slice(None)  # the panels shown in the paper
     wide: bool = False
     folded: bool = False  # shown on demand
+    ranked: bool = False  # depends on the ranking: the page shows it for both

@@ -7,7 +7,7 @@ from functools import partial
 
 import pandas as pd
 
-from frictionbench.reports.accuracy import ratios
+from frictionbench.reports.accuracy import OVERALL, overall, profiles
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.charts.profiles import draw
 from frictionbench.reports.drawing.figures import Panel
@@ -31,16 +31,19 @@ def panels(run: Run) -> list[Panel]:
     facts = run.ranked.groupby("problem_id")[["contacts", "rank", "dimension"]].max()
     ratio = facts["rank"] / (facts["contacts"] * facts["dimension"])
     found = []
-    for values, classes in ((facts["contacts"], SIZES), (ratio, RANKS)):
-        members = {name: values.index[values.between(*ends)] for name, ends in classes.items()}
-        members = {name: problems for name, problems in members.items() if len(problems) >= FEWEST}
-        if len(members) > 1:
-            found += [_panel(name, times[times["problem_id"].isin(problems)], run) for name, problems in members.items()]
+    for dimension, where in OVERALL.items():
+        for values, classes in ((facts["contacts"], SIZES), (ratio, RANKS)):
+            own = values[facts["dimension"] == dimension]
+            members = {name: own.index[own.between(*ends)] for name, ends in classes.items()}
+            members = {f"{where}, {name}": problems for name, problems in members.items() if len(problems) >= FEWEST}
+            if len(members) > 1:
+                found += [_panel(name, times[times["problem_id"].isin(problems)], run) for name, problems in members.items()]
     return found
 
 
 def _panel(name: str, times: pd.DataFrame, run: Run) -> Panel:
-    return Panel(f"{name}: {times['problem_id'].nunique()} problems", partial(draw, costs=ratios(times), looks=run.looks))
+    costs = next(map(profiles, overall(times).values()), {})
+    return Panel(f"{name}: {times['problem_id'].nunique()} problems", partial(draw, costs=costs, looks=run.looks))
 
 
 CHART = Chart(
@@ -52,4 +55,5 @@ CHART = Chart(
     "which is computed for up to 600 rows.",
     columns=2,
     folded=True,
+    ranked=True,
 )

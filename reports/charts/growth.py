@@ -10,7 +10,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from frictionbench.reports.accuracy import TARGETS, Array, shifted_geometric_mean
+from frictionbench.reports.accuracy import TARGETS
+from frictionbench.reports.balance import Array, shifted_geometric_mean
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import GRID, Look, log_ticks, time_axis
@@ -23,9 +24,9 @@ SIZES = 3  # the fewest sizes for which a slope has a standard error
 
 def panels(run: Run) -> list[Panel]:
     """A panel per scene with SIZES sizes or more, with the exponent of each label."""
-    problems = run.ranked.groupby("problem_id").agg(scene=("scene", "first"), contacts=("contacts", "max"))
-    times = run.times[TARGET if TARGET in run.times else run.outer_targets[-1]].join(problems, on="problem_id")
-    scenes = times.dropna(subset="contacts").groupby("scene", sort=False)
+    contacts = run.ranked.groupby("problem_id")["contacts"].max()
+    times = run.times[TARGET if TARGET in run.times else run.outer_targets[-1]].join(contacts, on="problem_id")
+    scenes = times.groupby("scene", sort=False)
     found = {str(scene): _curves(times) for scene, times in scenes if times["contacts"].nunique() >= SIZES}
     means = [curve["mean"] for curves in found.values() for curve in curves.values()]
     ends = (min(mean.min() for mean in means) / 1.5, 1.5 * max(mean.max() for mean in means)) if means else (0.0, 0.0)
@@ -86,6 +87,7 @@ CHART = Chart(
     name="growth",
     panels=panels,
     section="time",
+    ranked=True,
     title=f"Time against size, residual within {power(TARGET)} or the tightest target",
     caption="Crosses: at least one problem of that size was not solved and is charged the time limit. Below each panel, the "
     "growth of the time with the number of contacts n, fitted to the sizes solved completely, if these are three or more.",

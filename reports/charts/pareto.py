@@ -1,8 +1,10 @@
-"""Speed against accuracy over all problems: a point for each label and tolerance, and their Pareto front.
+"""Speed against accuracy over all problems of the plane or of space: a point for each label and tolerance, and their Pareto
+front.
 
-Time is the shifted geometric mean over the problems, with problems not solved charged the time limit; accuracy is the median
-of the verified residual, a missing answer counting as infinite. Only labels that ran on every problem are drawn, because means
-over different problems are not comparable. The front joins the points for which no other is both faster and more accurate.
+Time is the weighted shifted geometric mean over the problems, with problems not solved charged the time limit; accuracy is the
+weighted median of the verified residual, a missing answer counting as infinite. Only labels that ran on every problem are
+drawn, because means over different problems are not comparable. The front joins the points for which no other is both faster
+and more accurate.
 """
 
 from functools import partial
@@ -12,32 +14,38 @@ import pandas as pd
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from frictionbench.reports.accuracy import shifted_geometric_mean
+from frictionbench.reports.accuracy import OVERALL
+from frictionbench.reports.balance import quantile, shifted_geometric_mean, weights
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import WHOLE, Panel
 from frictionbench.reports.drawing.style import GRID, INK, WORST, ZERO, Look, residual_axis, time_axis
 from frictionbench.reports.run import Run
 from frictionbench.results.verdicts import measured
 
+HALF = 0.5 + 1e-9  # the upper median: a solver of half of the problems is not accurate
+
 
 def panels(run: Run) -> list[Panel]:
-    """One panel, if some solver ran on all problems."""
-    points = means(run)
-    return [Panel("all problems", partial(_draw, points=points, looks=run.looks), size=WHOLE)] if len(points) else []
+    """A panel for the plane and one for space, if some solver ran on all problems."""
+    found = {where: means(run.ranked[run.ranked["dimension"] == dimension]) for dimension, where in OVERALL.items()}
+    draw = partial(_draw, looks=run.looks, across=f"time ({run.rank_by.parts}), mean")
+    return [Panel(where, partial(draw, points=points), size=WHOLE) for where, points in found.items() if len(points)]
 
 
-def means(run: Run) -> pd.DataFrame:
-    """A row per label and tolerance with an attempt on every ranked problem: time (s) and residual."""
-    rows = run.ranked
+def means(rows: pd.DataFrame) -> pd.DataFrame:
+    """A row per label and tolerance with an attempt on every problem: time (s) and residual. rows: those that are ranked."""
     rows = rows.assign(
         time=rows["time"].where(rows["answered"], rows["time_limit"]),
         residual=rows["residual"].where(rows["answered"], np.inf),
         ran=rows["problem_id"].where(measured(rows)),
     )
-    groups = rows.groupby(["label", "tol"], sort=False)
-    points = groups.agg(time=("time", shifted_geometric_mean), residual=("residual", "median"), ran=("ran", "nunique"))
-    points = points[points["ran"] == rows["problem_id"].nunique()].drop(columns="ran").reset_index()
-    return points.assign(residual=points["residual"].clip(ZERO, WORST))
+    points = []
+    for (label, tol), own in rows.groupby(["label", "tol"], sort=False):
+        if own["ran"].nunique() == rows["problem_id"].nunique():
+            weight = weights(own).to_numpy()
+            typical = quantile(own["residual"].to_numpy(), weight, HALF)
+            points.append((label, tol, shifted_geometric_mean(own["time"], weight), np.clip(typical, ZERO, WORST)))
+    return pd.DataFrame(points, columns=["label", "tol", "time", "residual"])
 
 
 def front(time: NDArray[np.float64], residual: NDArray[np.float64]) -> NDArray[np.intp]:
@@ -47,7 +55,7 @@ def front(time: NDArray[np.float64], residual: NDArray[np.float64]) -> NDArray[n
     return order[residual[order] < best]
 
 
-def _draw(ax: Axes, points: pd.DataFrame, looks: dict[str, Look]) -> None:
+def _draw(ax: Axes, points: pd.DataFrame, looks: dict[str, Look], across: str) -> None:
     for label, own in points.groupby("label"):
         look, along = looks[str(label)], own.sort_values("tol", ascending=False)
         ax.plot(along["time"], along["residual"], **look.line)
@@ -56,15 +64,18 @@ def _draw(ax: Axes, points: pd.DataFrame, looks: dict[str, Look]) -> None:
     time_axis(ax, "x")
     residual_axis(ax, min(1e-8, points["residual"].min()))
     ax.grid(**GRID)
-    ax.set_xlabel("time, shifted geometric mean")
+    ax.set_xlabel(across)
     ax.set_ylabel("median verified residual")
 
 
 CHART = Chart(
     name="pareto",
     panels=panels,
-    section="chart",
-    caption="All problems together: the shifted geometric mean of the time (form, setup and solve) and the median verified "
-    "residual at each tolerance, for the solvers that ran on every problem. Lower and further left is better; the grey line is "
+    section="top",
+    title="Speed against accuracy",
+    ranked=True,
+    columns=2,
+    caption="The mean time and the median verified residual by Coulomb's law at each tolerance, for the solvers that ran on "
+    "every problem. Lower and further left is better; the grey line is "
     "the Pareto front, formed by the solvers for which no other is both faster and more accurate.",
 )

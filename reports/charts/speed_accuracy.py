@@ -19,6 +19,7 @@ from frictionbench.reports.drawing.style import ALARM, GRID, INK, WORST, ZERO, L
 from frictionbench.reports.drawing.text import seconds
 from frictionbench.reports.run import Run
 from frictionbench.results.cells import scene_title
+from frictionbench.results.laws import endings
 from frictionbench.results.verdicts import Verdict, measured
 
 STRIP = 2e3  # the strip above WORST
@@ -31,7 +32,8 @@ def panels(run: Run) -> list[Panel]:
     answers = run.ranked[run.ranked["answered"]]
     ends = (0.7 * answers["time"].min(), 1.4 * answers["time"].max()) if len(answers) else (1e-3, 1.0)
     lowest = min(1e-10, _shown(answers["residual"]).min()) if len(answers) else 1e-10
-    draw, few = partial(_draw, looks=run.looks, ends=ends, lowest=lowest), len(run.ranked) <= MOST_TOOLTIPS
+    draw = partial(_draw, looks=run.looks, ends=ends, lowest=lowest, across=f"time, {run.rank_by.parts}")
+    few = len(run.ranked) <= MOST_TOOLTIPS
     classes = run.ranked.groupby("problem_class", sort=False)
     return [Panel(name, partial(draw, rows=group), _tooltips(group, run.looks) if few else {}) for name, group in classes]
 
@@ -49,7 +51,7 @@ def _tooltips(rows: pd.DataFrame, looks: dict[str, Look]) -> dict[str, list[str]
     }
 
 
-def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look], ends: tuple[float, float], lowest: float) -> None:
+def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look], ends: tuple[float, float], lowest: float, across: str) -> None:
     answers = rows[rows["answered"]]
     rasterised = len(answers) > MOST_DOTS
     for label, own in answers.groupby("label"):
@@ -71,7 +73,7 @@ def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look], ends: tuple[floa
     residual_axis(ax, bottom)
     ax.set_ylim(bottom / 3, STRIP)
     ax.grid(axis="y", **GRID)
-    ax.set_xlabel("time, form, setup and solve")
+    ax.set_xlabel(across)
     ax.set_ylabel("verified residual")
     _no_answers(ax, rows, looks)
 
@@ -81,12 +83,13 @@ def _shown(residual: pd.Series) -> pd.Series:
 
 
 def _model_error(ax: Axes, answers: pd.DataFrame) -> None:
-    relaxed = answers[answers["verdict"] == Verdict.RELAXED]
-    if relaxed.empty:
-        return
-    floor = relaxed.groupby("problem_id")["residual"].min().median()
-    ax.axhline(floor, color=INK, ls="--", lw=0.8, alpha=0.7)
-    ax.text(1.01, floor, "model\nerror", transform=ax.get_yaxis_transform(), va="center", fontsize="x-small", alpha=0.8)
+    relaxed = answers.assign(law=endings(answers))[answers["verdict"] == Verdict.RELAXED]
+    least = relaxed.groupby(["law", "problem_id"])["residual"].min().groupby("law").median().sort_values(ascending=False)
+    for (name, error), side in zip(least.items(), ("bottom", "top"), strict=False):
+        ax.axhline(error, color=INK, ls="--", lw=0.8, alpha=0.7)
+        align = side if len(least) > 1 else "center"
+        words = str(name).replace(" ", "\n")
+        ax.text(1.01, error, words, transform=ax.get_yaxis_transform(), va=align, fontsize="x-small", alpha=0.8)
 
 
 def _no_answers(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
@@ -106,8 +109,9 @@ CHART = Chart(
     section="chart",
     caption=Markup(
         "Lower is more accurate, left is faster. Dots are cells; a line joins the medians of a solver at its tolerances. "
-        "A dotted line with hollow markers is the residual of a relaxation on its own model, the dashed line the error of that "
-        'model. <span class="alarm">Red rings</span> are wrong claims; the strip at the top counts cells without an answer.'
+        "A dotted line with hollow markers is the residual of a relaxation on its own model, the dashed lines the median "
+        "error by Coulomb's law of another law, and of a polygon in place of the cone. "
+        '<span class="alarm">Red rings</span> are wrong claims; the strip at the top counts cells without an answer.'
     ),
     columns=3,
 )

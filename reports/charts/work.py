@@ -10,10 +10,11 @@ from functools import partial
 
 import pandas as pd
 
-from frictionbench.reports.accuracy import ratios
+from frictionbench.reports.accuracy import overall, profiles
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.charts.profiles import draw
 from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.style import Look
 from frictionbench.reports.run import Run
 from frictionbench.results.cells import counts
 
@@ -21,8 +22,12 @@ UNITS = ("pivots", "sweeps", "iterations", "factorisations")
 
 
 def panels(run: Run) -> list[Panel]:
-    """A panel per unit that two or more labels count."""
-    times = run.times[run.outer_targets[-1]]
+    """A panel per dimension and unit that two or more labels count."""
+    every = overall(run.times[run.outer_targets[-1]])
+    return [panel for where, times in every.items() for panel in _of(where, times, run.looks)]
+
+
+def _of(where: str, times: pd.DataFrame, looks: dict[str, Look]) -> list[Panel]:
     units = pd.DataFrame([counted(text) for text in times["work"]], index=times.index, columns=list(UNITS))
     found = []
     for unit in UNITS:
@@ -30,7 +35,7 @@ def panels(run: Run) -> list[Panel]:
         own = times.assign(work=units[unit].fillna(0.0) + 1.0)[counting]
         if len(set(own.loc[own["reached"], "label"])) > 1:
             across = f"{unit} over the fewest of any solver"
-            found.append(Panel(unit, partial(draw, costs=ratios(own, "work"), looks=run.looks, across=across)))
+            found.append(Panel(f"{where}, {unit}", partial(draw, costs=profiles(own, "work"), looks=looks, across=across)))
     return found
 
 

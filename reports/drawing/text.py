@@ -12,16 +12,25 @@ def plain(text: str, longest: int = 48) -> str:
     return " " + shown if shown.startswith("_") else shown
 
 
-def seconds(value: float) -> str:
-    """A time, s, in a suitable unit: 12 µs, 3.4 ms, 0.56 s."""
+def seconds(value: float, digits: int = 2) -> str:
+    """A time, s, in a suitable unit: 12 µs, 3.4 ms, 1.2 s. digits: significant ones, without zeros at the end."""
     if not np.isfinite(value):
         return "–"
-    for scale, unit in ((1e-6, "µs"), (1e-3, "ms")):
-        if abs(value) < 999.5 * scale:
-            return f"{value / scale:.2g} {unit}" if abs(value) < 99.5 * scale else f"{value / scale:.0f} {unit}"
-    return f"{value:.2g} s" if abs(value) < 99.5 else f"{value:.0f} s"
+    for scale, unit in ((1e-6, "µs"), (1e-3, "ms"), (1.0, "s")):
+        if abs(value) < 999.5 * scale or unit == "s":
+            size = value / scale
+            return f"{size:.{digits}g} {unit}" if abs(size) < 10**digits - 0.5 else f"{size:.0f} {unit}"
+    raise AssertionError  # the last unit takes all
 
 
 def power(value: float) -> str:
     """A power of ten: 1e-8."""
     return f"1e{round(np.log10(value))}" if value > 0 else "0"
+
+
+def residual(value: float, decimals: int = 0) -> str:
+    """A residual with one digit, or more decimals: 3e-9."""
+    if value == 0 or not np.isfinite(value):
+        return f"{value:g}"
+    digit, exponent = f"{value:.{decimals}e}".split("e")
+    return f"{digit}e{int(exponent)}"

@@ -14,10 +14,10 @@ from markupsafe import Markup
 from frictionbench.reports.drawing.figures import Panel, inline_svg, swatch
 from frictionbench.reports.drawing.style import Look
 from frictionbench.reports.drawing.svg import on_page
-from frictionbench.reports.drawing.text import power, seconds
+from frictionbench.reports.drawing.text import power, residual, seconds
 from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.results.cells import scene_title
-from frictionbench.results.verdicts import Verdict
+from frictionbench.results.laws import ENDINGS
 
 
 def script(name: str) -> tuple[Markup, str]:
@@ -41,9 +41,11 @@ def environment() -> Environment:
         lstrip_blocks=True,
     )
     made.filters |= {
+        "seconds3": lambda value: "–" if _absent(value) else "∞" if math.isinf(value) else seconds(value, 3),
+        "decade": lambda exponent: "1 to 10" if exponent == 1 else f"{10 ** (exponent - 1) + 1} to {10**exponent}",
         "seconds": lambda value: "–" if _absent(value) else seconds(value),
-        "residual": lambda value: "–" if _absent(value) else _residual(value),
-        "digits": lambda value: "–" if _absent(value) else _residual(value, 1),
+        "residual": lambda value: "–" if _absent(value) else residual(value),
+        "digits": lambda value: "–" if _absent(value) else residual(value, 1),
         "power": power,
         "share": lambda value: "–" if _absent(value) else f"{math.floor(100 * value + 1e-9)} %",
         "percent": lambda value: "–" if _absent(value) else f"{100 * value:.{'2g' if abs(value) < 0.995 else '0f'}} %",
@@ -56,7 +58,7 @@ def environment() -> Environment:
         "svg": _svg,
         "json": as_json,
     }
-    made.globals["verdicts"] = Verdict
+    made.globals["endings"] = ENDINGS
     return made
 
 
@@ -68,10 +70,3 @@ def _svg(drawn: Panel | Drawing | Look) -> Markup:
 
 def _absent(value: Any) -> bool:
     return value is None or (isinstance(value, float) and math.isnan(value))
-
-
-def _residual(value: float, decimals: int = 0) -> str:
-    if value == 0 or not math.isfinite(value):
-        return f"{value:g}"
-    digit, exponent = f"{value:.{decimals}e}".split("e")
-    return f"{digit}e{int(exponent)}"

@@ -64,7 +64,7 @@ def test_the_version_is_printed() -> None:
 def test_a_core_is_left_free_by_default(monkeypatch, cores, jobs) -> None:
     asked = []
     monkeypatch.setattr(process, "cores", lambda: list(range(cores)))
-    monkeypatch.setattr("frictionbench.harness.commands.single.solve_one", lambda *arguments: asked.append(arguments[-1]))
+    monkeypatch.setattr("frictionbench.harness.commands.single.solve_one", lambda *arguments, **_: asked.append(arguments[-1]))
     for option in ((), ("--jobs", str(cores))):
         CliRunner().invoke(app, ["solve", "stack", *option])
     assert asked == [jobs, cores]

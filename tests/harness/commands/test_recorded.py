@@ -50,7 +50,7 @@ def test_advice() -> None:
     solved = {"variant": "a", "verdict": "solved", "form_time": 1e-3, "setup_time": 0.0, "solve_time": 1e-3, "residual": 1e-9}
     near = {"variant": "b", "verdict": "unsolved", "residual": 1e-3}
     dead = {"variant": "c", "verdict": "timeout"}
-    assert advice([solved, solved, near]) == "use a: solved in 2.0 ms; 1 other solves it as well"
+    assert advice([solved, solved, near]) == "use a: solved from bodies in 2 ms; 1 other solves it as well"
     assert advice([near, dead]) == "no solver solves it; the smallest residual is 1.0e-03, by b"
     assert advice([dead]) == "no solver returned an answer"
 

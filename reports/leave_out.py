@@ -1,0 +1,62 @@
+"""Which scenes decide a ranking: the order of the solvers when each scene is left out in turn.
+
+The order is that of reports.choice at the finest target, over all problems of the plane or of space, among the solvers that ran
+on all of them.
+"""
+
+from typing import NamedTuple
+
+import pandas as pd
+
+from frictionbench.reports.balance import effective, weights
+from frictionbench.reports.choice import FEW, compared, kinds
+from frictionbench.reports.run import Run
+
+
+class LeftOut(NamedTuple):
+    """A scene: its share of the weight, and whether without it the winner, and the order of the first three, are the same."""
+
+    scene: str
+    weight: float
+    winner: str
+    same_winner: bool
+    same_order: bool
+
+
+def left_out(run: Run) -> dict[str, list[LeftOut]]:
+    """By class of all problems of a dimension, a line for each scene; none where they are too few to rank, or of one scene."""
+    times = run.times[min(run.times)]
+    return {name: _lines(times, problems, labels) for name, problems, labels in kinds(run) if name in run.overall}
+
+
+def _lines(times: pd.DataFrame, problems: set[int], labels: set[str]) -> list[LeftOut]:
+    own = times[times["problem_id"].isin(problems) & times["label"].isin(labels)]
+    logs, weight = compared(own, problems)
+    facts = own.drop_duplicates("problem_id").set_index("problem_id").reindex(logs.index)
+    few = effective(weight.to_numpy()) < FEW + 0.5
+    if few or logs.shape[1] < 2 or facts["scene"].nunique() < 2:
+        return []
+    whole = _order(logs, weight)
+    found = []
+    for scene in facts["scene"].unique():
+        rest = facts[facts["scene"] != scene]
+        order = _order(logs.loc[rest.index], weights(rest))
+        share = float(weight[facts["scene"] == scene].sum())
+        found.append(LeftOut(scene, share, order[0], order[0] == whole[0], order == whole))
+    return sorted(found, key=lambda one: -one.weight)
+
+
+def _order(logs: pd.DataFrame, weight: "pd.Series[float]") -> list[str]:
+    return list((weight @ logs).nsmallest(3).index)
+
+
+def sentence(name: str, lines: list[LeftOut]) -> str:
+    """Which scenes decide the ranking of a class, in words."""
+    if not lines:
+        return ""
+    winners = [f"{one.scene} (then {one.winner})" for one in lines if not one.same_winner]
+    if winners:
+        return f"{name.capitalize()}, another solver is the first without {', '.join(winners)}."
+    orders = [one.scene for one in lines if not one.same_order]
+    rest = f"; the order of the first three changes without {', '.join(orders)}" if orders else ", and so do the first three"
+    return f"{name.capitalize()}, the winner stays the same whichever scene is left out{rest}."

@@ -1,0 +1,71 @@
+"""Noise of the timings: how much a shared core lengthened times, and whether it decides a winner.
+
+A cell is disturbed if its process waited for its core while it was timed. Its recorded time is the median of its repeats, its
+fastest repeat the time without the disturbance. The ranking is made again with the fastest repeat of each disturbed cell.
+"""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from frictionbench.reports.choice import choices
+from frictionbench.reports.drawing.text import power
+from frictionbench.reports.run import Run
+
+PARTS = ("form", "setup", "solve")
+
+
+class Noise(NamedTuple):
+    """Of the disturbed cells: their number, the number of those that were timed once; the ratio of the recorded time to the
+    fastest repeat, its median and its largest value, 1 without repeats; and the kinds of problems whose winner changes without
+    the disturbance, each with a winner and the other one."""
+
+    cells: int
+    once: int
+    median: float
+    worst: float
+    changed: list[str]
+
+
+def noise(run: Run) -> Noise | None:
+    """The noise of a run; None if no cell was disturbed."""
+    disturbed = run.rows[run.rows["disturbed"].eq(True) & run.rows["solve_time"].notna()]
+    if disturbed.empty:
+        return None
+    repeats = [_repeats(row) for row in disturbed[[f"{part}_times" for part in PARTS]].itertuples(index=False)]
+    fastest = np.array([own[:, own.sum(axis=0).argmin()] if own is not None else [np.nan] * 3 for own in repeats])
+    recorded = disturbed[[f"{part}_time" for part in PARTS]].fillna(0.0).to_numpy()
+    several = np.array([own is not None and own.shape[1] > 1 for own in repeats])
+    ratio = (recorded.sum(axis=1) / fastest.sum(axis=1))[several].clip(min=1)
+    quiet = run.rows.copy()
+    quiet.loc[disturbed.index[several], [f"{part}_time" for part in PARTS]] = fastest[several]
+    changed = _changed(run, replace(run, rows=quiet.assign(time=run.rank_by.time(quiet))))
+    levels = (float(np.median(ratio)), float(ratio.max())) if len(ratio) else (1.0, 1.0)
+    return Noise(len(disturbed), int((~several).sum()), *levels, changed)
+
+
+def sentence(found: Noise, cells: int) -> str:
+    """The noise in words; without what has changed. cells: how many were run."""
+    told = f"Timing noise: median +{100 * (found.median - 1):.0f} %, worst ×{found.worst:.2g}, "
+    told += f"of the {found.cells} of {cells} cells that shared their core"
+    if found.once:
+        told += f" ({found.once} of them timed once, whose noise is not known)"
+    return told + ("; the ranking is the same without the disturbance." if not found.changed else ".")
+
+
+def _repeats(row: tuple[object, ...]) -> np.ndarray | None:
+    """The repeats of a cell, a row per part and a column per repeat; None if they were not recorded."""
+    parts = [np.atleast_1d(np.asarray([] if part is None else part, dtype=float)) for part in row]
+    count = len(parts[-1])
+    return np.array([part if len(part) == count else np.zeros(count) for part in parts]) if count else None
+
+
+def _changed(run: Run, quiet: Run) -> list[str]:
+    found = []
+    for kind, other in zip(choices(run), choices(quiet), strict=True):
+        for target, choice in kind.choices.items():
+            one, two = choice.winner, other.choices[target].winner
+            if one and two and one.label != two.label:
+                found.append(f"{kind.name}, to {power(target)}: {two.label} in place of {one.label}")
+    return found

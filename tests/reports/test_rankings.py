@@ -1,0 +1,264 @@
+"""Two rankings, weights, percentiles, what scenes and noise decide, and the words for relaxations, by hand."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import typer
+
+from frictionbench.harness.commands.options import parse_duration
+from frictionbench.harness.commands.single import advice
+from frictionbench.reports import accuracy, balance, choice, leave_out, mix, noise, tables
+from frictionbench.reports.charts import profiles
+from frictionbench.reports.headline import headline
+from frictionbench.reports.markdown import write_markdown
+from frictionbench.reports.page import write_report
+from frictionbench.reports.paper import write_paper
+from frictionbench.reports.run import read_run
+from frictionbench.reports.sequences import motions
+from frictionbench.results.laws import ANOTHER_LAW, POLYGON, ending, law
+from frictionbench.results.rank_by import RankBy
+from tests.helpers.made_results import solve_row, write_folder
+from tests.reports.test_report import PLANE, run_of
+
+TIMES = ("form_time", "setup_time", "solve_time")
+
+
+@pytest.fixture(autouse=True)
+def no_latex(monkeypatch) -> None:
+    monkeypatch.setattr("frictionbench.reports.paper.which", lambda name: None)
+
+
+def robot(count=8):
+    """A robot with hinges: nsgs has to eliminate them first, and is four times as fast once that is done."""
+    parts = {"interior_point": (1e-4, 1e-4, 7e-4), "nsgs": (2e-3, 0.0, 2e-4)}
+    return [
+        solve_row(name, f"p{i}", scene=f"robot{i}", contacts=9, **dict(zip(TIMES, own, strict=True)))
+        for name, own in parts.items()
+        for i in range(count)
+    ]
+
+
+def first(run, name=PLANE):
+    return next(kind for kind in choice.choices(run) if kind.name == name).choices[1e-8]
+
+
+def test_order_is_reversed_without_form():
+    run = run_of(*robot())
+    other = run.ranked_by(RankBy.FORM)
+    assert first(run).order == ["interior_point", "nsgs"]
+    assert first(other).order == ["nsgs", "interior_point"]
+    assert first(other).lead == pytest.approx((8e-4 + 1e-5 - 1e-5) / 2e-4)
+    found = {one.rank_by: choice.choices(one) for one in (run, other)}
+    (line,) = headline(found, [PLANE], 1e-8)
+    assert "from bodies interior_point is the fastest" in line
+    assert "from the method's own form nsgs is the fastest" in line
+    same = run_of(*(row | {"form_time": 0.0} for row in robot()))
+    (line,) = headline({one.rank_by: choice.choices(one) for one in (same, same.ranked_by(RankBy.FORM))}, [PLANE], 1e-8)
+    assert line.endswith("from the method's own form the first three are the same.")
+    # form is left out tolerance by tolerance: another tolerance may be the fastest then
+    times = accuracy.times_to(run.ranked, 1e-8, RankBy.FORM)
+    assert times.set_index("label").loc["nsgs", "charged"].tolist() == pytest.approx([2e-4] * 8)
+
+
+def test_both_rankings_on_page_and_the_chosen_one_in_paper_and_markdown(tmp_path):
+    folder = write_folder(tmp_path / "run", robot())
+    run = read_run(folder, RankBy.FORM)
+    page = write_report(folder, run).read_text(encoding="utf-8")
+    assert 'id="rank-by-form" checked' in page
+    assert 'id="rank-by-bodies">' in page
+    assert "The two rankings differ." in page
+    for words in ("from bodies", "from the method&#39;s own form"):
+        assert f"In the plane, {words}, to 1e-8" in page
+        assert f"Performance profiles, {words}" in page
+    captions = (write_paper(folder, run) / "captions.tex").read_text(encoding="utf-8")
+    assert captions.count("from the method's own form (setup and solve)") >= 4
+    told = write_markdown(folder, run).read_text(encoding="utf-8")
+    assert "## The fastest from the method's own form (setup and solve)" in told
+    assert "from bodies interior_point is the fastest" in told
+
+
+def uneven():
+    """Twelve problems of one scene, where a is the faster, and one of each of six others, where b is."""
+    scenes = [("many", i) for i in range(12)] + [(f"s{k}", 0) for k in range(6)]
+    times = {"a": (1e-3, 4e-3), "b": (2e-3, 2e-3)}
+    return [
+        solve_row(name, f"{scene}{i}", scene=scene, form_time=0.0, setup_time=0.0, solve_time=own[scene != "many"])
+        for name, own in times.items()
+        for scene, i in scenes
+    ]
+
+
+def test_means_shares_and_profiles_are_weighted_by_hand():
+    run = run_of(*uneven())
+    mean = {one.label: one.mean for one in first(run).places}
+    expected = np.exp(np.log(1e-3 + 1e-5) / 7 + np.log(4e-3 + 1e-5) * 6 / 7) - 1e-5  # seven strata, whatever their problems
+    assert mean == pytest.approx({"a": expected, "b": 2e-3})
+    table = run.summaries[1e-8].set_index(["problem_class", "label"])
+    assert table.loc[(PLANE, "a"), "mean"] == pytest.approx(expected)
+    curves = accuracy.profiles(accuracy.overall(run.times[1e-8])[PLANE])
+    assert curves["a"].share(np.array([1.0, 1.5, 2.5])) == pytest.approx([1 / 7, 1 / 7, 1])
+    assert profiles.panels(run)[0].title == f"{PLANE}, within 1e-4"
+    weight = balance.weights(run.ranked.query("label == 'a'"))
+    assert sorted(set(weight.round(9))) == [round(1 / 84, 9), round(1 / 7, 9)]
+    assert balance.effective(weight.to_numpy()) == pytest.approx(1 / (12 / 84**2 + 6 / 49))
+    # decades and dimensions are strata of their own
+    facts = pd.DataFrame({"scene": "s", "contacts": [1, 10, 11, 100, 10], "dimension": [2, 2, 2, 2, 3]})
+    assert balance.strata(facts).nunique() == 3
+
+
+def test_too_few_problems_name_no_winner():
+    heavy = run_of(*uneven())
+    assert first(heavy).win_rate is not None
+    few = run_of(
+        *(row for row in uneven() if row["scene"] in ("many", "s0"))
+    )  # 13 problems, of which one has half of the weight
+    assert first(few).winner is None
+    assert (
+        "too few to rank"
+        in headline({one.rank_by: choice.choices(one) for one in (few, few.ranked_by(RankBy.FORM))}, [PLANE], 1e-8)[0]
+    )
+
+
+def test_the_ranking_without_each_scene():
+    """a is ahead by the scene many alone, which has one weight of seven."""
+    rows = [row | ({"solve_time": 1e-9} if row["variant"] == "a" and row["scene"] == "many" else {}) for row in uneven()]
+    rows = [row | ({"solve_time": 2.2e-3} if row["variant"] == "a" and row["scene"] != "many" else {}) for row in rows]
+    run = run_of(*rows)
+    assert first(run).order == ["a", "b"]
+    lines = leave_out.left_out(run)[PLANE]
+    assert {one.scene: (one.winner, one.same_winner) for one in lines}["many"] == ("b", False)
+    assert [one.weight for one in lines] == pytest.approx([1 / 7] * 7)
+    assert leave_out.sentence(PLANE, lines) == "In the plane, another solver is the first without many (then b)."
+    same = leave_out.left_out(run_of(*uneven()))[PLANE]
+    assert leave_out.sentence(PLANE, same).startswith("In the plane, the winner stays the same whichever scene is left out")
+
+
+def test_percentiles_and_budget_by_hand(tmp_path):
+    """A motion of a hundred steps of 1 to 100 ms, of which the last is not solved."""
+    rows = [solve_row("a", f"p{i}", step=i, form_time=0.0, setup_time=0.0, solve_time=1e-3 * (i + 1)) for i in range(100)]
+    rows[99] |= {"residual": 1.0, "verdict": "unsolved"}
+    run = run_of(*rows)
+    table = accuracy.percentiles(accuracy.overall(run.times[1e-8])[PLANE], 40e-3).loc["a"]
+    assert table.tolist() == pytest.approx([50e-3, 99e-3, np.inf, 0.4])
+    (motion,) = motions(read_run(write_folder(tmp_path / "run", rows), budget=40e-3))
+    assert (motion.steps, motion.table.loc["a", "p99"]) == (100, pytest.approx(99e-3))
+    page = write_report(tmp_path / "run", read_run(tmp_path / "run", budget=40e-3)).read_text(encoding="utf-8")
+    assert "within 40 ms" in page
+    assert "100 problems of a motion" in page
+    # every step counts the same in a motion, every stratum in a mean over problems
+    two = [row | {"contacts": 20} for row in rows[:50]] + rows[50:99]
+    times = accuracy.overall(run_of(*two).times[1e-8])[PLANE]
+    assert accuracy.percentiles(times, 25e-3)["within"].item() == pytest.approx(0.25)
+    assert accuracy.percentiles(times, 25e-3, weighted=False)["within"].item() == pytest.approx(25 / 99)
+
+
+@pytest.mark.parametrize(("text", "value"), [("1ms", 1e-3), ("250us", 250e-6), ("250 µs", 250e-6), ("0.5s", 0.5)])
+def test_durations(text, value):
+    assert parse_duration(text) == pytest.approx(value)
+
+
+@pytest.mark.parametrize("text", ["1", "ms", "-1ms", "0ms", "1 min", "nan s"])
+def test_unreadable_durations_are_refused(text):
+    with pytest.raises(typer.BadParameter, match="is not a time with a unit"):
+        parse_duration(text)
+
+
+def test_advice_by_both_rankings():
+    a, b = ({"variant": name, "verdict": "solved", "residual": 0.0} for name in "ab")
+    a |= dict(zip(TIMES, (1e-4, 0.0, 1e-3), strict=True))
+    b |= dict(zip(TIMES, (2e-3, 0.0, 5e-4), strict=True))
+    told = "use a: solved from bodies in 1.1 ms; 1 other solves it as well; from the method's own form b is faster: 500 µs"
+    assert advice([a, b], budget=2e-3) == f"{told}; within 2 ms: 1 of 2"
+    assert advice([b, a], RankBy.FORM).startswith("use b: solved from the method's own form in 500 µs")
+
+
+def disturbed(slow):
+    """a is the faster by its fastest repeats; by its medians only where the disturbed ones are not too slow."""
+    rows = [solve_row(name, f"p{i}", scene=f"s{i}", solve_time=1e-3 * (1 + (name == "b"))) for name in "ab" for i in range(8)]
+    for row in rows[:8]:
+        row |= {"disturbed": True, "solve_time": slow, "solve_times": [1e-3, slow, slow]}
+    return rows
+
+
+def test_noise_is_told_and_alarms_only_where_a_winner_changes(tmp_path):
+    """Form and setup take a millisecond beside: 2 ms in the fastest repeat."""
+    calm, wild = (run_of(*disturbed(slow)) for slow in (1.2e-3, 9e-3))
+    found, changed = noise.noise(calm), noise.noise(wild)
+    assert found[:4] == (8, 0, pytest.approx(1.1), pytest.approx(1.1))
+    told = "Timing noise: median +10 %, worst ×1.1, of the 8 of 16 cells that shared their core; the ranking is the same "
+    assert noise.sentence(found, 16) == f"{told}without the disturbance."
+    assert (found.changed, changed.changed) == (
+        [],
+        [f"{PLANE}, to {target}: a in place of b" for target in ("1e-4", "1e-6", "1e-8")],
+    )
+    assert noise.noise(run_of(*uneven())) is None
+    pages = []
+    for name, slow in (("calm", 1.2e-3), ("wild", 9e-3)):
+        pages.append(write_report(write_folder(tmp_path / name, disturbed(slow))).read_text(encoding="utf-8"))
+    assert ["another solver wins" in page for page in pages] == [False, True]
+    assert not any("Disturbed" in page for page in pages)
+
+
+def test_another_law_and_a_polygon_are_told_apart(tmp_path):
+    assert [law(*what) for what in (("coulomb", 3), ("lcp", 2), ("lcp", 3), ("relaxation", 2), ("regularised", 3))] == [
+        *("", "", POLYGON, ANOTHER_LAW, ANOTHER_LAW)
+    ]
+    assert [ending("relaxed", model) for model in ("lcp", "relaxation")] == [POLYGON, ANOTHER_LAW]
+    rows = [solve_row("exact", f"p{i}", dimension=3, scene=f"s{i}", solve_time=1.0) for i in range(8)]
+    for name, model, error in (("facets", "lcp", 1e-2), ("soft", "regularised", 3e-1)):
+        rows += [
+            solve_row(name, f"p{i}", dimension=3, scene=f"s{i}", model=model, residual=error, verdict="relaxed")
+            for i in range(8)
+        ]
+        for row in rows[-7:]:  # where nothing slides the law is the same, or most of the time is charged
+            row |= {"residual": 1e-9, "verdict": "solved"}
+    run = run_of(*rows)
+    table = tables.solvability(run).set_index("label")
+    assert table[[POLYGON, ANOTHER_LAW]].to_numpy().tolist() == [[0, 0], [1, 0], [0, 1]]
+    assert table["error"].dropna().to_dict() == {"facets": 1e-2, "soft": 3e-1}
+    assert {one.label: one.law for one in first(run, "in space").places} == {
+        "exact": "",
+        "facets": POLYGON,
+        "soft": ANOTHER_LAW,
+    }
+    page = write_report(write_folder(tmp_path / "run", rows)).read_text(encoding="utf-8")
+    assert "polygon, error 1e-2" in page
+    assert "another law, error 3e-1" in page
+    assert "facets (polygon) is the fastest" in page
+
+
+def test_plane_and_space_are_ranked_apart():
+    plane = [solve_row(name, f"p{i}", scene=f"s{i}", solve_time=t) for name, t in (("a", 1e-3), ("b", 2e-3)) for i in range(8)]
+    space = [row | {"dimension": 3, "problem": f"{row['problem']}d"} for row in plane]
+    space = [row | {"solve_time": 3e-3 - row["solve_time"], "key": f"{row['key']}d"} for row in space]
+    run = run_of(*plane, *space)
+    assert (first(run).winner.label, first(run, "in space").winner.label) == ("a", "b")
+    lines = headline({one.rank_by: choice.choices(one) for one in (run, run.ranked_by(RankBy.FORM))}, run.overall, 1e-8)
+    assert [line.partition(",")[0] for line in lines] == ["In the plane", "In space"]
+    assert set(run.summaries[1e-8]["problem_class"]) >= {"in the plane", "in space"}
+
+
+def test_mix_of_contacts_and_problems_left_out(tmp_path):
+    rows = [
+        solve_row("a", "p", contacts=8, sticking=4, sliding=2, open=2),
+        solve_row("a", "q", contacts=2, sticking=0, sliding=2, open=0),
+        solve_row("a", "r", contacts=50),
+        solve_row("a", "t", scene="jam", trivial=True, idle=True),
+        solve_row("a", "u", scene="jam", idle=True),
+    ]
+    run = run_of(*rows)
+    small, large = mix.mix(run).to_dict("records")
+    assert [small[name] for name in ("problems", "contacts", "sticking", "sliding", "open", "unknown")] == [
+        2,
+        10,
+        0.4,
+        0.4,
+        0.2,
+        0,
+    ]
+    assert (large["problems"], large["unknown"]) == (1, 1)
+    assert mix.left_out(run).to_dict("records") == [{"scene": "jam", "problems": 2, "trivial": 1, "idle": 1}]
+    assert mix.idle_share(run) == 0.0
+    assert mix.mix(run_of(rows[3])).empty
+    page = write_report(write_folder(tmp_path / "run", rows)).read_text(encoding="utf-8")
+    assert "Share of idle problems among these: 0 %" in page
