@@ -4,17 +4,16 @@
 confidence interval (results.times).
 """
 
-import json
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
 from frictionbench.results.cells import NUMBERS, TEXTS, Cells
-from frictionbench.results.files import ResultsError
+from frictionbench.results.files import ResultsError, read_json
 from frictionbench.results.verdicts import Verdict
 
-LARGEST = 256 * 2**20  # bytes; pytest-benchmark stores every round
+LARGEST = 64 * 2**20  # bytes; pytest-benchmark stores every round
 MACHINE = ("node", "machine", "system", "python_version")
 
 
@@ -34,16 +33,12 @@ def read(path: Path) -> list[Cells]:
 
 def _process(path: Path) -> Cells:
     try:
-        if path.stat().st_size > LARGEST:
-            raise ResultsError(f"{path}: larger than the limit of {LARGEST / 2**20:g} MiB")
-        content: Any = json.loads(path.read_text(encoding="utf-8"))
+        content: Any = read_json(path, LARGEST)
         medians = {str(one["fullname"]): float(one["stats"]["median"]) for one in content["benchmarks"]}
         machine = {name: content["machine_info"].get(name) for name in MACHINE}
     except ResultsError:
         raise
-    except (OSError, ValueError, RecursionError) as error:
-        raise ResultsError(f"{path}: cannot be read ({str(error)[:300]})") from None
-    except (KeyError, TypeError, AttributeError):
+    except (KeyError, TypeError, AttributeError, ValueError, OverflowError):
         raise ResultsError(f"{path}: not a result of pytest-benchmark (it has no benchmarks with medians)") from None
     table = pd.DataFrame(
         {"variant": list(medians), "seconds": list(medians.values())}, index=pd.Index(list(medians), name="key")

@@ -5,7 +5,7 @@ import math
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from frictionbench.results.files import ResultsError, write_text
+from frictionbench.results.files import ResultsError, read_json, write_text
 
 NAME = "convergence.json"
 
@@ -38,9 +38,10 @@ def read_histories(folder: Path) -> list[ConvergenceHistory]:
     path = folder / NAME
     if not path.exists():
         return []
+    rows = read_json(path)
     try:
-        return [_history(row) for row in json.loads(path.read_text(encoding="utf-8"))]
-    except (OSError, ValueError, TypeError, LookupError, RecursionError, OverflowError) as error:
+        return [_history(row) for row in rows]
+    except (ValueError, TypeError, LookupError, OverflowError) as error:
         raise ResultsError(f"{path}: cannot be read ({error})") from None
 
 

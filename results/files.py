@@ -6,13 +6,16 @@ replaces a link instead of following it. What is read could be a pipe or a devic
 every file is therefore opened by `opened` or `read_text`.
 """
 
+import json
 import os
 import stat
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
+
+LARGEST_JSON = 32 * 2**20  # bytes, several times the longest recorded motion; parsed it takes some ten times as much
 
 
 class ResultsError(ValueError):
@@ -29,7 +32,10 @@ def opened(path: Path, most: int) -> Iterator[BinaryIO]:
         _require_regular(path, os.stat(path), most)  # to open a device can have effects
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)  # does not wait for a pipe's writer
         with os.fdopen(descriptor, "rb") as file:
-            _require_regular(path, os.fstat(descriptor), most)
+            found = os.fstat(descriptor)
+            _require_regular(path, found, most)
+            if not found.st_size and file.read(1):
+                raise ResultsError(f"{path}: cannot be read (not a regular file: it states no size)")  # as in /proc
             yield file
     except FileNotFoundError:
         raise
@@ -47,12 +53,23 @@ def _require_regular(path: Path, found: os.stat_result, most: int) -> None:
 def read_text(path: Path, most: int) -> str:
     """The text of such a file, with line ends as `\\n`. Errors: as of `opened`, and ResultsError where it is not UTF-8."""
     with opened(path, most) as file:
-        content = file.read(most + 1)
-    if len(content) > most:  # files of /proc state no size
-        raise ResultsError(f"{path}: larger than the limit of {most / 2**20:g} MiB")
+        content = file.read(most)
     try:
         return content.decode().replace("\r\n", "\n")
     except UnicodeDecodeError as error:
+        raise ResultsError(f"{path}: cannot be read ({error})") from None
+
+
+def read_json(path: Path, most: int = LARGEST_JSON) -> Any:
+    """The value in a JSON file. Errors: as of read_text, and ResultsError where it is not JSON or holds no UTF-8."""
+    text = read_text(path, most)
+    try:
+        value = json.loads(text)
+        json.dumps(value, ensure_ascii=False).encode()  # raises for a lone surrogate
+        return value
+    except RecursionError:
+        raise ResultsError(f"{path}: cannot be read (nested too deeply)") from None
+    except ValueError as error:
         raise ResultsError(f"{path}: cannot be read ({error})") from None
 
 

@@ -17,12 +17,13 @@ from typing import Any, TypeVar
 
 from frictionbench.results.changes import GONE, NEW, Change, Flip, Growth
 from frictionbench.results.compare import Comparison
-from frictionbench.results.files import ResultsError
+from frictionbench.results.files import ResultsError, read_text
 from frictionbench.results.times import Time
 from frictionbench.results.verdicts import Verdict
 
 F = TypeVar("F", Flip, Growth, Time)
 OF_CELLS = ("verdict", GONE, Verdict.SKIPPED, NEW)
+LARGEST = 2**20  # bytes
 FIELDS: dict[str, Any] = {"solver": str, "change": str, "scene": str, "after": str, "ratio": int | float, "reason": str}
 
 
@@ -48,8 +49,12 @@ class Known:
 def read(path: Path) -> list[Known]:
     """The acknowledged changes of a TOML file. Errors: ResultsError naming the file, the entry and the field."""
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
+        content = tomllib.loads(read_text(path, LARGEST))
+    except FileNotFoundError:
+        raise ResultsError(f"{path}: no such file") from None
+    except ResultsError:
+        raise
+    except (ValueError, RecursionError) as error:
         raise ResultsError(f"{path}: cannot be read ({error})") from None
     entries = content.get("known")
     if content.keys() - {"known"} or not isinstance(entries, list):

@@ -5,7 +5,6 @@ refinement. Scales: `linear`; `log`, logarithmic; `zero`, logarithmic with 0 as 
 logarithmic in both directions from 0: -high ... -low, 0, low ... high. Between 0 and `low` the last two are linear.
 """
 
-import json
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -14,7 +13,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from frictionbench.results.conventions import DEFAULT_SCHEME
-from frictionbench.results.files import ResultsError
+from frictionbench.results.files import ResultsError, read_json
 
 Scale = Literal["linear", "log", "zero", "both"]
 GridPoint = tuple[float, float]  # positions on the two axes
@@ -115,8 +114,8 @@ def read_thresholds(folder: Path, spec: Map) -> dict[str, list[GridPoint]]:
     path = thresholds_file(folder, spec)
     if not path.exists():
         return {}
+    traced = read_json(path)
     try:
-        traced = json.loads(path.read_text(encoding="utf-8"))
         return {str(name): [(float(i), float(j)) for i, j in points] for name, points in traced.items()}
-    except (OSError, ValueError, TypeError, AttributeError) as error:
+    except (ValueError, TypeError, AttributeError, OverflowError) as error:
         raise ResultsError(f"{path}: cannot be read ({error})") from None

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionbench.results.files import ResultsError, subfolder, write_text
+from frictionbench.results.files import ResultsError, read_json, subfolder, write_text
 
 Array = NDArray[np.float64]
 CURVES = ("times", "energy", "kinetic", "friction", "normal", "joints", "residual")
@@ -91,8 +91,8 @@ def plain(value: Any, digits: int) -> Any:
 
 def read_motion(path: Path) -> Motion:
     """The motion in a file. Errors: ResultsError if the file is not a recorded motion."""
+    found = read_json(path)
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
         fields: dict[str, Any] = {name: str(found[name]) for name in ("scene", "solver", "scheme", "ended")}
         fields |= {name: float(found[name]) for name in ("step", "coefficient", "restitution")}
         fields |= {name: np.array(found[name], dtype=float) for name in ("poses", *CURVES)}
@@ -105,7 +105,7 @@ def read_motion(path: Path) -> Motion:
         )
         motion = Motion(**fields)
         _check(motion)
-    except (OSError, ValueError, TypeError, KeyError, RecursionError) as error:
+    except (ValueError, TypeError, LookupError, AttributeError, OverflowError) as error:
         raise ResultsError(f"{path}: not a recorded motion ({type(error).__name__}: {error})") from None
     return motion
 

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 from typing import NamedTuple
 
-from frictionbench.results.files import ResultsError, write_text
+from frictionbench.results.files import ResultsError, read_json, write_text
 
 NAME = "polygon.json"
 
@@ -30,11 +30,11 @@ def read_deviations(folder: Path) -> list[Deviation]:
     path = folder / NAME
     if not path.exists():
         return []
+    rows = read_json(path)
     try:
-        rows = json.loads(path.read_text(encoding="utf-8"))
         return [
             Deviation(int(row["facets"]), *(float(row[name]) for name in ("step", "from_parabola", "from_cone")))
             for row in rows
         ]
-    except (OSError, ValueError, TypeError, LookupError, RecursionError, OverflowError) as error:
+    except (ValueError, TypeError, LookupError, OverflowError) as error:
         raise ResultsError(f"{path}: cannot be read ({error})") from None

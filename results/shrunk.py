@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from frictionbench.results.files import ResultsError, subfolder, write_text
+from frictionbench.results.files import ResultsError, read_json, subfolder, write_text
 
 FOLDER, INDEX = "shrunk", "index.json"
 
@@ -34,11 +34,11 @@ def read_shrunk(folder: Path) -> dict[str, Shrunk]:
     path = folder / FOLDER / INDEX
     if not path.exists():
         return {}
+    index = read_json(path)
     try:
-        index = json.loads(path.read_text(encoding="utf-8"))
         return {
             str(key): Shrunk(str(one["file"]), int(one["contacts"]), int(one["trials"]), bool(one["whole"]))
             for key, one in index.items()
         }
-    except (OSError, ValueError, TypeError, LookupError, AttributeError, RecursionError, OverflowError) as error:
+    except (ValueError, TypeError, LookupError, AttributeError, OverflowError) as error:
         raise ResultsError(f"{path}: cannot be read ({error})") from None

@@ -30,12 +30,13 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from frictionbench.results.files import ResultsError, replaced, subfolder, write_text
+from frictionbench.results.files import ResultsError, opened, read_json, replaced, subfolder, write_text
 from frictionbench.results.schema import VERSION, arrow_schema
 
 Row = dict[str, Any]
 # Limits on input: far above what the largest suite writes, and small enough for a machine with 4 GiB of memory.
 LARGEST_LINE = 64 * 2**20  # bytes; a longer line is not a row of a run
+LARGEST_SHARD = 2**31  # bytes
 LARGEST_TABLE = 2**30  # bytes after decompression
 MOST_VALUES = 2 * 10**7  # values in all columns of a table together
 LARGEST_MANIFEST = 8 * 2**20  # bytes
@@ -151,7 +152,7 @@ def _positions(folder: Path, table: str, counted: Mapping[Path, Extent] | None =
 
 
 def _parse(shard: Path) -> Iterator[tuple[int, Row]]:
-    with open(shard, "rb") as lines:
+    with opened(shard, LARGEST_SHARD) as lines:
         offset = 0
         while line := lines.readline(LARGEST_LINE):
             if (row := _row(line)) is not None:
@@ -169,7 +170,7 @@ def _row(line: bytes) -> Row | None:
 
 def _rows(positions: Sequence[_Position]) -> Iterator[Row]:
     for position in positions:
-        with open(position.shard, "rb") as lines:
+        with opened(position.shard, LARGEST_SHARD) as lines:
             lines.seek(position.offset)
             row = _row(lines.readline(LARGEST_LINE))
         if row is not None:
@@ -260,7 +261,8 @@ def read_table(folder: Path, table: str) -> pd.DataFrame:
         positions = _positions(folder, table)
         return _table(list(_rows([positions[key] for key in sorted(positions)])), schema).to_pandas()
     try:
-        data = _read_parquet(path, schema)
+        with opened(path, LARGEST_TABLE) as file:
+            data = _read_parquet(path, pq.ParquetFile(file, read_dictionary=_texts(schema)), schema)
     except (OSError, pa.ArrowException, ValueError, TypeError, LookupError, OverflowError, MemoryError) as error:
         if isinstance(error, ResultsError):
             raise
@@ -268,10 +270,14 @@ def read_table(folder: Path, table: str) -> pd.DataFrame:
     return data.to_pandas(ignore_metadata=True)
 
 
-def _read_parquet(path: Path, schema: pa.Schema) -> pa.Table:
+def _texts(schema: pa.Schema) -> list[str]:
+    return [field.name for field in schema if pa.types.is_string(field.type)]
+
+
+def _read_parquet(path: Path, file: pq.ParquetFile, schema: pa.Schema) -> pa.Table:
     """The table's columns. A small file can decompress to more than the memory holds, so sizes are checked twice: in the
     metadata before the file is read, and of text columns, read as dictionaries, before they are expanded."""
-    facts, columns = pq.read_metadata(path), pq.read_schema(path)
+    facts, columns = file.metadata, file.metadata.schema.to_arrow_schema()
     for field in schema:
         if field.name not in columns.names:
             raise ResultsError(f"{path}: column {field.name} is missing")
@@ -286,9 +292,8 @@ def _read_parquet(path: Path, schema: pa.Schema) -> pa.Table:
         raise ResultsError(f"{path}: decompresses to {unpacked / 2**30:.1f} GiB; the limit is {LARGEST_TABLE / 2**30:g} GiB")
     if max(values, facts.num_rows, 0) > MOST_VALUES:
         raise ResultsError(f"{path}: holds {max(values, facts.num_rows):,} values; the limit is {MOST_VALUES:,}")
-    texts = [field.name for field in schema if pa.types.is_string(field.type)]
-    data = pq.ParquetFile(path, read_dictionary=texts).read(columns=schema.names, use_threads=False)
-    expanded = sum(_expanded(chunk) for name in texts for chunk in data.column(name).chunks)
+    data = file.read(columns=schema.names, use_threads=False)
+    expanded = sum(_expanded(chunk) for name in _texts(schema) for chunk in data.column(name).chunks)
     if expanded > LARGEST_TABLE:
         raise ResultsError(f"{path}: its texts take {expanded / 2**30:.1f} GiB; the limit is {LARGEST_TABLE / 2**30:g} GiB")
     return data.select(schema.names).cast(schema)
@@ -314,19 +319,9 @@ def read_manifest(folder: Path) -> Row:
     if not folder.is_dir():
         raise ResultsError(f"{folder}: no such results folder")
     try:
-        if path.stat().st_size > LARGEST_MANIFEST:
-            raise ResultsError(f"{path}: larger than the limit of {LARGEST_MANIFEST / 2**20:g} MiB")
-        text = path.read_text(encoding="utf-8")
-        manifest = json.loads(text)
-        json.dumps(manifest, ensure_ascii=False).encode()  # raises for a lone surrogate, which cannot be written
+        manifest = read_json(path, LARGEST_MANIFEST)
     except FileNotFoundError:
         raise ResultsError(f"{folder}: not a results folder (it has no manifest.json)") from None
-    except ResultsError:
-        raise
-    except RecursionError:
-        raise ResultsError(f"{path}: cannot be read (nested too deeply)") from None
-    except (OSError, ValueError) as error:
-        raise ResultsError(f"{path}: cannot be read ({error})") from None
     if not isinstance(manifest, dict) or not isinstance(manifest.get("settings"), dict):
         raise ResultsError(f"{path}: not a manifest of frictionbench (it has no settings)")
     if manifest.get("schema") != VERSION:

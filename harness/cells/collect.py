@@ -7,7 +7,6 @@ where both have as many contacts.
 """
 
 import json
-import zipfile
 from hashlib import sha256
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -28,12 +27,13 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.instances import instances, make_instance
 from frictionbench.problems.planar.collision import Contacts
 from frictionbench.problems.recorded import read_recording
+from frictionbench.problems.recorded.archive import read_arrays
 from frictionbench.problems.recorded.own import load, save
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.simulate import first_problem_of, simulate
 from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, SHUFFLED, WARM, first_phase
-from frictionbench.results.files import replaced, subfolder, write_text
+from frictionbench.results.files import read_json, replaced, subfolder, write_text
 
 MAX_PERTURBED = 30  # contacts: the sensitivity takes several solves for each, too long for larger problems
 MAX_COUNTED = 6  # contacts: the number of modes to enumerate grows like 4^contacts
@@ -59,7 +59,7 @@ def collect(folder: Path, source: Source) -> list[Record]:
     store = subfolder(folder, "problems")
     listed = store / f"{source.key}.json"
     if listed.exists():
-        return json.loads(listed.read_text(encoding="utf-8"))
+        return read_json(listed)
     records: dict[str, Record] = {}
     for found, starts in _recorded(source) if source.file else _chosen(source):
         problem = found if isinstance(found, LCP) else found.problem
@@ -109,9 +109,8 @@ def stored_start(folder: Path, problem: str, source_origin: str, start: str) -> 
         return None
     path = _starts_file(folder, problem, source_origin)
     try:
-        with np.load(path, allow_pickle=False) as starts:
-            return starts[start]
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+        return read_arrays(path)[start]
+    except (InputError, KeyError):
         raise InputError(f"{path}: the start {start} cannot be read: the file is missing or damaged") from None
 
 

@@ -1,6 +1,5 @@
 """`frictionbench export`: problems of a scene, an instance or a run as files in FCLIB's HDF5 format."""
 
-import json
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,17 +10,14 @@ from frictionbench.problems import InputError
 from frictionbench.problems.recorded import fclib
 from frictionbench.problems.spec import parse
 from frictionbench.results import store
+from frictionbench.results.files import read_json
 
 
 def export(what: str, out: Path, pick: int = 0) -> Iterator[Path]:
     """Write the problems and yield the files. Errors: InputError naming the argument that is unknown or cannot be written."""
     if (Path(what) / "manifest.json").exists():
         store.read_manifest(Path(what))
-        records = [
-            record
-            for listed in sorted((Path(what) / "problems").glob("source-*.json"))
-            for record in json.loads(listed.read_text(encoding="utf-8"))
-        ]
+        records = [record for listed in sorted((Path(what) / "problems").glob("source-*.json")) for record in read_json(listed)]
         yield from _written(Path(what), records, out)
     else:
         with tempfile.TemporaryDirectory() as folder:

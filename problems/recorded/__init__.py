@@ -13,7 +13,8 @@ from frictionbench.problems.check import Array, InputError
 from frictionbench.problems.forms.lcp import LCP
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.recorded import contactbench, fclib, own, plain, siconos
-from frictionbench.problems.recorded.archive import read_arrays
+from frictionbench.problems.recorded.archive import MAX_BYTES, read_arrays
+from frictionbench.problems.recorded.regular import opened
 
 HDF5, ZIP = b"\x89HDF\r\n\x1a\n", b"PK\x03\x04"
 
@@ -25,11 +26,8 @@ def read(path: Path) -> FrictionProblem | LCP:
 
 def read_recording(path: Path) -> tuple[FrictionProblem | LCP, tuple[Array, ...]]:
     """The problem and the initial guesses (nc, d) of its impulses, which FCLIB's files may contain. Errors: as read."""
-    try:
-        with path.open("rb") as file:
-            head = file.read(8)
-    except OSError as error:
-        raise InputError(f"{path}: {'no such file' if isinstance(error, FileNotFoundError) else error.strerror}") from None
+    with opened(path, MAX_BYTES) as file:
+        head = file.read(8)
     if head[:4] == ZIP:
         return _archive(path), ()
     hdf5 = head == HDF5

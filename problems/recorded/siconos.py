@@ -15,7 +15,9 @@ Text after the last number is ignored. A count of more numbers than the bytes of
 memory is allocated for them.
 """
 
+import os
 from collections.abc import Iterator
+from io import TextIOWrapper
 from itertools import islice
 from pathlib import Path
 from typing import TextIO
@@ -28,6 +30,7 @@ from frictionbench.problems.check import Array, InputError, require
 from frictionbench.problems.forms.lcp import LCP
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.recorded.forms import from_global
+from frictionbench.problems.recorded.regular import opened
 
 MAX_BYTES = 2**29  # bytes of text; a larger file is refused without reading it
 CHUNK = 2**20
@@ -91,9 +94,8 @@ def _words(file: TextIO) -> Iterator[str]:
 
 def read(path: Path) -> FrictionProblem | LCP:
     """The problem in a text file. Errors: InputError naming the field."""
-    size = path.stat().st_size
-    require(size <= MAX_BYTES, "text", f"more than {MAX_BYTES // 2**20} MiB")
-    with path.open(encoding="ascii", errors="replace") as file:
+    with opened(path, MAX_BYTES) as content, TextIOWrapper(content, encoding="ascii", errors="replace") as file:
+        size = os.fstat(content.fileno()).st_size
         head = list(islice(_words(file), 7))
         file.seek(0)
         numbers = _Numbers(file, size)
