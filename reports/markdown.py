@@ -134,6 +134,7 @@ def _clocks(run: Run) -> str:
     """Medians by size for the solvers whose library measures a different time, over the problems whose model they solve."""
     differing = tables.clocks(run).query("differs")
     rows = run.tightest[run.tightest["clock_time"].notna() & run.tightest["own_solved"]]
+    rows = rows.assign(solve_time=rows["call_time"].fillna(rows["solve_time"]))
     body = []
     for label, ratio in zip(differing["label"], differing["ratio"], strict=True):
         own, shown = rows[rows["label"] == label], []

@@ -140,6 +140,12 @@ SOLVES = (
     Column("setup_time", _real, "s", "median of setup_times: preparation by the method or its library"),
     Column("solve_time", _real, "s", "median of solve_times: the rest of the call"),
     Column("clock_time", _real, "s", "median of the solve time measured by the library itself, if it does"),
+    Column(
+        "call_time",
+        _real,
+        "s",
+        "median of setup and solve, transfer included, of a library in another process, whose solve_time is its clock",
+    ),
     Column("form_times", _reals, "s", "form time of every repeat, in order"),
     Column("setup_times", _reals, "s", "setup time of every repeat, in order"),
     Column("solve_times", _reals, "s", "solve time of every repeat, in order"),

@@ -130,6 +130,7 @@ class SolverInfo:
     dimension: of the contacts, 2 or 3 or both. warm_start: whether it uses a start.
     sparse: whether it stays sparse on large problems. needs: required distributions, in the syntax of solvers.needs.
     lacks: fields of a problem that are not supported, friction_bias or joints; problems where they are not zero are refused.
+    remote: whether the library runs in another process, for reasons of ours: it is then timed by its own clock (Answer.clock).
     variants: settings that count as solvers of their own, as in `ccp[backend=clarabel]`. A variant with another model,
     dimension, needs or lacks has an attribute of that name. members: the solvers that a portfolio may run.
     make: the class, a frozen dataclass whose fields are the settings.
@@ -143,6 +144,7 @@ class SolverInfo:
     sparse: bool
     needs: tuple[str, ...]
     lacks: tuple[str, ...]
+    remote: bool
     variants: tuple[str, ...]
     members: tuple[str, ...]
     make: Callable[..., Solver]
@@ -200,6 +202,7 @@ def solver(
     sparse: bool = False,
     needs: tuple[str, ...] = (),
     lacks: tuple[str, ...] = (),
+    remote: bool = False,
     variants: tuple[str, ...] = (),
     members: tuple[str, ...] = (),
 ) -> Callable[[Class], Class]:
@@ -225,7 +228,7 @@ def solver(
         made: Any = dataclass(frozen=True)(with_balance(whole) if whole.__module__.startswith(PACKAGE) else whole)
         if name in _solvers:
             raise ValueError(f"solver: the name {name!r} is already registered by {_solvers[name].make}")
-        facts = (family, model, dimension, warm_start, sparse, needs, lacks, variants, members)
+        facts = (family, model, dimension, warm_start, sparse, needs, lacks, remote, variants, members)
         _solvers[name] = SolverInfo(name, *facts, made)
         return made
 

@@ -89,4 +89,5 @@ def _times(timing: Timing) -> Row:
     row: Row = {}
     for step, times in (("form", timing.form), ("setup", timing.setup), ("solve", timing.solve)):
         row |= {f"{step}_time": float(np.median(times)), f"{step}_times": times} if times else {}
-    return row | ({"clock_time": float(np.median(timing.clock))} if timing.clock else {})
+    row |= {"clock_time": float(np.median(timing.clock))} if timing.clock else {}
+    return row | ({"call_time": float(np.median(timing.calls))} if timing.calls else {})

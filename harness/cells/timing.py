@@ -5,6 +5,9 @@ sample: it is repeated, and a solver whose every call loads something has no tim
 short its times are discarded, because it also warmed caches, and repeats follow until a budget is spent: at least three, at
 most fifteen. A long call is its own sample. Garbage collection is disabled meanwhile. Times are raw, in seconds. Answers are
 copied when they are returned, so that each timed answer can be verified.
+
+A library in another process, which a user of it would not need, is timed by its own clock there (SolverInfo.remote): setup and
+solve are then that clock, but no more than the call took, and the call's time is kept beside them.
 """
 
 import gc
@@ -37,14 +40,18 @@ class Timing:
     """Raw times in seconds: form, setup and solve of each sample in order.
 
     first: of the first call, None if it loaded something. spent: of all calls. clock: the samples' times by the library's own
-    clock, if it has one. answers: the distinct answers of the first call and of the samples.
+    clock, if it has one. answers: the distinct answers of the first call and of the samples. remote: as above; calls: the time
+    of setup and solve with the transfer, of each such sample.
     """
+
+    remote: bool = False
 
     form: list[float] = field(default_factory=list)
     setup: list[float] = field(default_factory=list)
     solve: list[float] = field(default_factory=list)
     first: float | None = None
     clock: list[float] = field(default_factory=list)
+    calls: list[float] = field(default_factory=list)
     spent: float = 0.0
     answers: list[Answer] = field(default_factory=list)
 
@@ -55,10 +62,14 @@ class Timing:
     def add_sample(self, call: Call) -> None:
         self.add_answer(call.answer)
         if not call.loaded:
-            for samples, seconds in zip((self.form, self.setup, self.solve), call.times, strict=True):
+            (form, setup, solve), clock = call.times, call.answer.clock
+            if self.remote and clock is not None:
+                self.calls.append(setup + solve)
+                setup, solve = 0.0, min(clock, setup + solve)
+            for samples, seconds in zip((self.form, self.setup, self.solve), (form, setup, solve), strict=True):
                 samples.append(seconds)
-            if call.answer.clock is not None:
-                self.clock.append(call.answer.clock)
+            if clock is not None:
+                self.clock.append(clock)
 
 
 def time_solver(
@@ -67,13 +78,14 @@ def time_solver(
     solve: Callable[[Any], Answer],
     answered: Callable[[], None],
     most: int = MOST,
+    remote: bool = False,
 ) -> Timing:
     """The answers to the problem and their times; answered() is called between the first call and the repeats.
 
-    solve: calls the solver with the tolerance and the start. most: the largest number of repeats.
+    solve: calls the solver with the tolerance and the start. most: the largest number of repeats. remote: as in Timing.
     Errors: AnswerError, and whatever the solver raises.
     """
-    timing = Timing()
+    timing = Timing(remote)
     enabled = gc.isenabled()
     gc.collect()
     gc.disable()

@@ -94,7 +94,7 @@ def run_solve(cell: SolveCell, record: Record, limit: float) -> Row:
     process.reset_peak_memory()
     try:
         with process.watch_core() as core:
-            timing = _timed(solver, given, cell, limit, record.get("repeats") or MOST)
+            timing = _timed(solver, given, cell, limit, record.get("repeats") or MOST, info.remote and info.ours)
     except AnswerError as error:
         verdict = Verdict.WRONG if error.claimed else Verdict.UNSOLVED
         return _done(start_time, row | {"verdict": verdict, "reason": str(error), "claimed": error.claimed})
@@ -180,7 +180,7 @@ def _solver(variant: str) -> tuple[SolverInfo, Solver]:
     return find(variant)
 
 
-def _timed(solver: Solver, problem: FrictionProblem | LCP, cell: SolveCell, limit: float, repeats: int) -> Timing:
+def _timed(solver: Solver, problem: FrictionProblem | LCP, cell: SolveCell, limit: float, repeats: int, remote: bool) -> Timing:
     """The answers and their times. The limit holds for the first call; the repeats, few or short, may take a second more."""
     start = stored_start(_worker.folder, cell.problem, cell.origin, cell.start)
     with _worker.deadline.within(limit) as allow:
@@ -190,6 +190,7 @@ def _timed(solver: Solver, problem: FrictionProblem | LCP, cell: SolveCell, limi
             solve=lambda prepared: solver.solve(prepared, cell.tol, None, start),
             answered=lambda: allow(limit + 1.0),
             most=repeats,
+            remote=remote,
         )
 
 

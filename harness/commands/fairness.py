@@ -16,7 +16,7 @@ from frictionbench.problems.compiled import PACKAGE
 from frictionbench.solvers import SolverInfo, available, find
 
 OUTCOMES = PACKAGE.parent / "docs" / "outside.tsv"
-FIELDS = ("Licence", "Form", "Clock", "Tolerance", "Flaws", "Reference")
+FIELDS = ("Licence", "Form", "Clock", "Settings", "Tolerance", "Flaws", "Reference")
 HEAD = """# Fairness
 
 Made from the registry by `python -m frictionbench.harness.commands.fairness`; a test compares the two.

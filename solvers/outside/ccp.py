@@ -5,13 +5,16 @@ law: see problems.forms.relaxation.
 
 Licence: qpsolvers LGPL-3.0; Clarabel and OSQP Apache-2.0, ProxSuite and PIQP BSD-2-Clause, DAQP, HiGHS and SCS MIT, quadprog
     GPL-2.0-or-later, ECOS GPL-3.0, QPALM LGPL-3.0-or-later.
-Form: the dimensionless QP (solvers.outside.scaled_program), dense for DAQP, quadprog and ECOS. Setup: qpsolvers'
-    problem. Solve: qpsolvers' call, the backend's own setup inside.
+Form: the dimensionless QP (solvers.outside.scaled_program), dense for DAQP, quadprog and ECOS. Setup: qpsolvers' problem.
+    Solve: qpsolvers' call, the backend's own setup inside.
 Clock: qpsolvers', around the backend's solve, after its setup where the two can be separated.
-Tolerance: eps is tol in the units of the scaled program; complementarity requires a gap of eps^2.
-    clarabel tol_feas = eps, gaps eps^2. osqp eps_abs = eps/10, not polished. proxqp and piqp eps_abs = eps, gap eps^2, which
-    ProxQP tests only on request. daqp primal and dual eps/10. highs both feasibilities eps/10, no less than 1e-10.
-    scs and qpalm eps_abs = eps/10. ecos feastol = eps/10, gaps eps^2. quadprog takes none. Relative tolerances are 0.
+Settings: for highs qp_regularization_value is 1e-7 by default; tuned is 0. ProxQP's eps_primal_inf and eps_dual_inf, which make
+    it call solvable problems infeasible, cannot be set through qpsolvers; the solver proxsuite sets them.
+Tolerance: eps is tol in the units of the scaled program; complementarity requires a gap of eps^2, of which ProxQP and ECOS
+    reach 1e-13, PIQP 1e-15 and Clarabel 1e-16. clarabel tol_feas = eps, gaps eps^2. osqp eps_abs = eps/10, not polished.
+    proxqp and piqp eps_abs = eps, gap eps^2, which ProxQP tests only on request. daqp primal and dual eps/10. highs both
+    feasibilities eps/10, no less than 1e-10. scs and qpalm eps_abs = eps/10. ecos feastol = eps/10, gaps eps^2. quadprog takes
+    none. Relative tolerances are 0.
 Flaws: the model differs from Coulomb's law wherever boxes slide, `frictionbench solve stopping_block --solver
     'ccp[backend=daqp]'`; this is due to the relaxation, not to the libraries. quadprog and ECOS require a definite matrix and
     so do not support friction_bias. HiGHS' least feasibility of 1e-10 and ECOS' arithmetic leave the residual of some answers
@@ -31,8 +34,11 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.forms.relaxation import QP
 from frictionbench.solvers.interface import Answer, Status, solver
+from frictionbench.solvers.outside import clarabel, piqp
 from frictionbench.solvers.outside.margin import MARGIN
+from frictionbench.solvers.outside.proxsuite import LEAST_GAP
 from frictionbench.solvers.outside.scaled_program import ScaledProgram, gap_tolerance, scaled_program
+from frictionbench.solvers.outside.settings import require_settings
 
 
 class Backend(NamedTuple):
@@ -61,24 +67,30 @@ BACKENDS = {
 
 
 class Prepared(NamedTuple):
+    """The scaled program, and P, q, G, h, A and b as qpsolvers takes them, after setup its Problem of them."""
+
     scaled: ScaledProgram[QP]
-    problem: Any  # qpsolvers.Problem
+    problem: Any
 
 
-_VARIANTS = tuple(f"backend={name}" for name in BACKENDS)
+_LEAST_GAPS = {"clarabel": clarabel.LEAST_GAP, "piqp": piqp.LEAST_GAP}
+_TUNED: dict[str, dict[str, float]] = {"highs": {"qp_regularization_value": 0.0}}
+_VARIANTS = (*(f"backend={name}" for name in BACKENDS), *(f"backend={name},settings=tuned" for name in _TUNED))
 
 
 @solver("ccp", family="relaxation", model="relaxation", sparse=True, needs=("qpsolvers", "clarabel"), variants=_VARIANTS)
 class CCP:
     """The convex relaxation as a QP in the velocities, by a library through qpsolvers.
 
-    backend: which library. Work: the backend's iterations, where it reports them.
+    backend: which library. settings: default or tuned. Work: the backend's iterations, where it reports them.
     """
 
     backend: str = "clarabel"
+    settings: str = "default"
 
     def __post_init__(self) -> None:
         require(self.backend in BACKENDS, "backend", f"must be one of {', '.join(BACKENDS)}, got {self.backend!r}")
+        require_settings(self.settings, self.backend in _TUNED)
 
     @property
     def needs(self) -> tuple[str, ...]:
@@ -88,21 +100,21 @@ class CCP:
     def lacks(self) -> tuple[str, ...]:
         return ("friction_bias",) if BACKENDS[self.backend].definite else ()
 
-    def form(self, problem: FrictionProblem) -> ScaledProgram[QP]:
-        return scaled_program(problem, problem.qp())
+    def form(self, problem: FrictionProblem) -> Prepared:
+        scaled = scaled_program(problem, problem.qp())
+        P, G, A = scaled.dense if BACKENDS[self.backend].dense else (scaled.P, scaled.G, scaled.A)
+        return Prepared(scaled, (P, scaled.q, G, scaled.h, *((A, scaled.b) if len(scaled.b) else (None, None))))
 
-    def setup(self, scaled: ScaledProgram[QP]) -> Prepared:
+    def setup(self, formed: Prepared) -> Prepared:
         qpsolvers: Any = import_module("qpsolvers")
-        dense = BACKENDS[self.backend].dense
-        P, G, A = (M.toarray() if dense and M is not None else M for M in (scaled.P, scaled.G, scaled.A))
-        return Prepared(scaled, qpsolvers.Problem(P, scaled.q, G, scaled.h, A, None if A is None else scaled.b))
+        return Prepared(formed.scaled, qpsolvers.Problem(*formed.problem))
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         qpsolvers: Any = import_module("qpsolvers")
         scaled, backend = prepared.scaled, BACKENDS[self.backend]
         if not scaled.program.contacts[0]:
             return Answer(scaled.impulse(scaled.h), Status.SOLVED)
-        settings = _settings(self.backend, tol * scaled.share)
+        settings = _settings(self.backend, tol * scaled.share) | (_TUNED[self.backend] if self.settings == "tuned" else {})
         settings |= {backend.limit: limit or backend.most} if backend.limit else {}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # qpsolvers warns of a failure; the status reports it
@@ -113,10 +125,9 @@ class CCP:
 
 
 def _settings(backend: str, eps: float) -> dict[str, Any]:
-    gap = gap_tolerance(eps, round_cones=False)
+    gap = gap_tolerance(eps, _LEAST_GAPS.get(backend, LEAST_GAP))
     absolute = {"eps_abs": eps, "eps_rel": 0.0, "eps_duality_gap_abs": gap, "eps_duality_gap_rel": 0.0}
     split = {"eps_abs": eps / MARGIN, "eps_rel": 0.0}
-    feasible = max(eps / MARGIN, 1e-10)
     return {
         "clarabel": {"tol_feas": eps, "tol_gap_abs": gap, "tol_gap_rel": gap},
         "osqp": split,
@@ -124,7 +135,7 @@ def _settings(backend: str, eps: float) -> dict[str, Any]:
         "piqp": absolute,
         "daqp": {"primal_tol": eps / MARGIN, "dual_tol": eps / MARGIN},
         "quadprog": {},
-        "highs": {"primal_feasibility_tolerance": feasible, "dual_feasibility_tolerance": feasible},
+        "highs": dict.fromkeys(("primal_feasibility_tolerance", "dual_feasibility_tolerance"), max(eps / MARGIN, 1e-10)),
         "scs": split,
         "ecos": {"feastol": eps / MARGIN, "abstol": gap, "reltol": gap},
         "qpalm": split,
@@ -134,9 +145,8 @@ def _settings(backend: str, eps: float) -> dict[str, Any]:
 def _work_and_detail(extras: Mapping[str, Any]) -> tuple[dict[str, int], str]:
     """The iterations and the final status of a backend, each if it reports them."""
     info = extras.get("info", extras)
-    reported = (
-        info if isinstance(info, Mapping) else {name: getattr(info, name) for name in ("iter", "status") if hasattr(info, name)}
-    )
-    count = reported.get("iter", np.ravel(reported.get("iterations", []))[:1].tolist())
+    if not isinstance(info, Mapping):
+        info = {name: getattr(info, name) for name in ("iter", "status") if hasattr(info, name)}
+    count = info.get("iter", np.ravel(info.get("iterations", []))[:1].tolist())
     work = {"iterations": int(count[0] if isinstance(count, list) else count)} if count != [] else {}
-    return work, str(reported.get("status", reported.get("infostring", "")))
+    return work, str(info.get("status", info.get("infostring", "")))

@@ -9,8 +9,9 @@ Licence: CVXPY and Clarabel Apache-2.0, SCS MIT.
 Form: the dimensionless program (solvers.outside.scaled_program). Setup: CVXPY builds and canonicalises it. Solve: the
     backend's, its own setup inside, and CVXPY's unpacking.
 Clock: none that excludes its setup.
-Tolerance: eps is tol in the units of the scaled program. clarabel tol_feas = eps, both gaps eps^2. scs eps_abs = eps/10 for
-    both residuals and the gap, eps_rel = 0.
+Settings: Clarabel's and SCS' defaults.
+Tolerance: eps is tol in the units of the scaled program. clarabel tol_feas = eps, both gaps eps^2, no less than 1e-16. scs
+    eps_abs = eps/10 for both residuals and the gap, eps_rel = 0.
 Flaws: a gap of eps^2 is often below Clarabel's rounding on circular cones; it then reports failure although the answer is
     accurate, `frictionbench solve 'random_bodies[seed=0,contacts=4]' --solver ccp_cone`. The model differs from Coulomb's law
     where bodies slide.
@@ -29,6 +30,7 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.forms.relaxation import ConeProgram
 from frictionbench.solvers.interface import Answer, Status, solver
+from frictionbench.solvers.outside.clarabel import LEAST_GAP
 from frictionbench.solvers.outside.margin import MARGIN
 from frictionbench.solvers.outside.scaled_program import ScaledProgram, gap_tolerance, scaled_program
 
@@ -94,7 +96,7 @@ class CCPCone:
             return Answer(scaled.impulse(scaled.h), Status.SOLVED)
         data, chain, inverse = prepared.data
         eps, d = tol * scaled.share, scaled.program.contacts[1]
-        settings = self._settings(eps, gap_tolerance(eps, round_cones=d > 2), limit)
+        settings = self._settings(eps, gap_tolerance(eps, LEAST_GAP), limit)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # CVXPY warns of an inaccurate solution; the status reports it
             raw = chain.solve_via_data(built, data, solver_opts=settings)

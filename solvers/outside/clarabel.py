@@ -1,11 +1,12 @@
 """The convex relaxation by Clarabel's own Python interface: linear constraints in the plane, circular cones in space.
 
 Licence: Apache-2.0.
-Form: the dimensionless program (solvers.outside.scaled_program), A and G stacked. Setup: Clarabel's solver object, its ordering
-    and scaling; with keep=true an update of the object of the previous step, if the sparsity pattern is the same. Solve: its
-    solve. (It has no warm start.)
-Clock: none, as its solve_time includes its setup.
-Tolerance: tol_feas = eps, both gaps eps^2; eps stands for tol.
+Form: the dimensionless program (solvers.outside.scaled_program), A and G stacked, P's upper half. Setup: Clarabel's solver
+    object, its ordering and scaling; with keep=true an update of the object of the previous step, if the sparsity pattern is
+    the same. Solve: its solve. (It has no warm start.)
+Clock: its solve_time, which includes its setup, also where the object was kept.
+Settings: presolve off, which would forbid updates.
+Tolerance: tol_feas = eps, both gaps eps^2, no less than 1e-16; eps stands for tol.
 Flaws: a gap of eps^2 is often below its rounding; it then reports failure although the answer is accurate, `frictionbench
     solve 'random_bodies[seed=0,contacts=4]' --solver clarabel`.
 Reference: Goulart and Chen 2024.
@@ -25,7 +26,17 @@ from frictionbench.solvers.interface import Answer, Status, solver
 from frictionbench.solvers.outside.reused_object import ReusedObject
 from frictionbench.solvers.outside.scaled_program import ScaledProgram, gap_tolerance, scaled_program
 
+LEAST_GAP = 1e-16  # with 1e-13 errors of 3e-7 remain in the plane
 Scaled = ScaledProgram[QP] | ScaledProgram[ConeProgram]
+
+
+class Formed(NamedTuple):
+    """Clarabel's P, A and b besides the scaled program."""
+
+    scaled: Scaled
+    P: sparse.csc_matrix
+    A: sparse.csc_matrix
+    b: Array
 
 
 class Prepared(NamedTuple):
@@ -54,23 +65,23 @@ class Clarabel:
     def _reused(self) -> ReusedObject:
         return ReusedObject()
 
-    def form(self, problem: FrictionProblem) -> Scaled:
-        if problem.dimension == 2:
-            return scaled_program(problem, problem.qp())
-        return scaled_program(problem, problem.cone())
+    def form(self, problem: FrictionProblem) -> Formed:
+        scaled: Scaled
+        scaled = scaled_program(problem, problem.qp()) if problem.dimension == 2 else scaled_program(problem, problem.cone())
+        return Formed(scaled, scaled.upper, scaled.constraints, np.concatenate([scaled.h, scaled.b]))
 
-    def setup(self, scaled: Scaled) -> Prepared:
+    def setup(self, formed: Formed) -> Prepared:
         clarabel: Any = import_module("clarabel")
+        scaled, P, A, b = formed
         if not scaled.program.contacts[0]:
             return Prepared(scaled, None)
         cones = [clarabel.NonnegativeConeT(len(scaled.h))]
         if isinstance(scaled.program, ConeProgram):
             cones = [clarabel.SecondOrderConeT(3)] * (len(scaled.h) // 3)
-        P, q = sparse.triu(scaled.P, format="csc"), scaled.q
-        A, b = scaled.constraints, np.concatenate([scaled.h, scaled.b])
+        cones, q = [*cones, clarabel.ZeroConeT(len(scaled.b))] if len(scaled.b) else cones, scaled.q
 
         def make() -> Any:
-            return clarabel.DefaultSolver(P, q, A, b, [*cones, clarabel.ZeroConeT(len(scaled.b))], _settings())
+            return clarabel.DefaultSolver(P, q, A, b, cones, _settings())
 
         def update(made: Any) -> None:
             made.update(P=P, q=q, A=A, b=b)
@@ -83,7 +94,7 @@ class Clarabel:
         if made is None:
             return Answer(scaled.impulse(scaled.h), Status.SOLVED)
         eps = tol * scaled.share
-        gap = gap_tolerance(eps, round_cones=scaled.program.contacts[1] > 2)
+        gap = gap_tolerance(eps, LEAST_GAP)
         made.update(settings=_settings(tol_feas=eps, tol_gap_abs=gap, tol_gap_rel=gap, max_iter=limit or 200))
         found = made.solve()
         z = np.array(found.z)[: len(scaled.h)]

@@ -9,6 +9,7 @@ Licence: BSD-2-Clause.
 Form: the dimensionless Delassus matrix, dense; bounds and friction indices. Setup: DART's LcpProblem. Solve: a solver object
     and its solve, from x = 0.
 Clock: none.
+Settings: its defaults.
 Tolerance: absolute and complementarity tolerance of eps/10, eps as in solvers.outside.scaled_delassus; the relative one is off.
 Flaws: untested: no version 7 can be installed from the package index. 6.20 has no LcpProblem, and its BoxedLcpSolver binds
     pointers as scalars. The calls follow DART's tests of its Python interface.
@@ -58,7 +59,7 @@ class Dart:
         hi, findex = np.full(len(given.q), np.inf), np.full(len(given.q), -1, dtype=np.int32)
         hi[1::2], findex[1::2] = given.friction, normal
         lo = np.where(findex < 0, 0.0, -hi)
-        return given, (given.W.toarray(), -given.q, lo, hi, findex)
+        return given, (given.W, -given.q, lo, hi, findex)
 
     def setup(self, formed: tuple[ScaledDelassus, tuple[Any, ...]]) -> Prepared:
         dart: Any = import_module("dartpy")

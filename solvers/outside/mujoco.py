@@ -1,43 +1,49 @@
-"""MuJoCo's constraint solvers on a given friction problem, in a child process, as such calls can crash.
+"""MuJoCo's constraint solvers on a given friction problem.
 
 Its contacts are soft: Newton and CG minimise the relaxation with u = W r + q + R r, and R determines the distance from hard
 contacts. Here R = max(tol, 1e-7) s at every contact, so that a ladder of tolerances is a sweep of R; with smaller R Newton
 diverges.
 
+MuJoCo takes no matrices. A template of its own has nv bodies of unit mass on slides and nc touching spheres, so that its mass
+matrix is the identity and its constraint rows are those of nc contacts; J, R, the reference and the friction are then
+overwritten. (A call of mj_projectConstraint afterwards would crash; with island discovery on, the answer would be wrong.)
+
 Licence: Apache-2.0.
-Form: dimensionless contact rows, three a contact, on velocities whitened by the mass's Cholesky factor. Setup: MuJoCo's
-    template, once per size. Solve: mj_fwdConstraint, including the transfer of the rows into the template.
-Clock: around mj_fwdConstraint, in the child.
+Form: dimensionless contact rows, three a contact, on velocities of unit mass (solvers.outside.whitened). Setup: MuJoCo's
+    template, once per size. Solve: the transfer of the rows into it, and mj_fwdConstraint.
+Clock: around mj_fwdConstraint.
+Settings: island discovery and warm start off, as above; elliptic cones. The line search's defaults are ls_tolerance = 0.01 and
+    ls_iterations = 50; tuned are 1e-8 and 100.
 Tolerance: R as above, and MuJoCo's tolerance 0: it iterates until it makes no progress, and its gradient decides the status.
-Flaws: soft contacts. Newton stalls where R is small against W, `frictionbench solve 'random_bodies[seed=1,contacts=20]'
-    --solver 'mujoco[method=newton]'`; CG is far from the minimum after 2000 iterations, `frictionbench solve
+    Newton is given 1000 iterations and CG 2000; MuJoCo's own limit is 100.
+Flaws: soft contacts. CG is far from the minimum after 2000 iterations, `frictionbench solve
     'stack[blocks=5,friction=0.2,push=1]' --solver 'mujoco[method=cg]'`.
 Reference: Todorov 2014, "Convex and analytically-invertible dynamics with contacts and constraints".
 """
 
-from typing import NamedTuple
+from functools import cache
+from importlib import import_module
+from time import perf_counter
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.solvers.interface import Answer, Status, solver
-from frictionbench.solvers.outside.children.child import child
-from frictionbench.solvers.outside.scaled_delassus import ScaledDelassus, scaled_delassus
+from frictionbench.solvers.outside.settings import require_settings
+from frictionbench.solvers.outside.whitened import Whitened, whitened
 
 _METHODS = {"newton": "Newton", "cg": "CG"}
-_ITERATIONS = {"newton": 200, "cg": 2000}  # by default: Newton converges in tens or not at all
+_ITERATIONS = {"newton": 1000, "cg": 2000}  # by default
 _LEAST = 1e-7  # of R/s: below, MuJoCo's Newton diverges
-_SCRIPT = "mujoco_rows.py"
+_SEARCH = {"default": (0.01, 50), "tuned": (1e-8, 100)}  # ls_tolerance and ls_iterations
 
 
 class Prepared(NamedTuple):
-    """The rows J^ (3 nc, nv), v^ (nv,) and b^ (3 nc,), with W^ = J^ J^' and q^ = J^ v^ + b^."""
-
-    given: ScaledDelassus
-    J: Array
-    v: Array
-    b: Array
+    form: Whitened
+    model: Any
+    data: Any
 
 
 @solver(
@@ -47,38 +53,73 @@ class Prepared(NamedTuple):
     dimension=(2, 3),
     needs=("mujoco",),
     lacks=("friction_bias", "joints"),
-    variants=("method=newton", "method=cg"),
+    variants=("method=newton", "method=newton,settings=tuned", "method=cg", "method=cg,settings=tuned"),
 )
 class MuJoCo:
-    """MuJoCo's Newton or CG on soft contacts, in a child process. (outside)
+    """MuJoCo's Newton or CG on soft contacts. (outside)
 
-    method: newton or cg. Work: iterations.
+    method: newton or cg. settings: default or tuned. Work: iterations.
     """
 
     method: str = "newton"
+    settings: str = "default"
 
     def __post_init__(self) -> None:
         require(self.method in _METHODS, "method", f"must be one of {', '.join(_METHODS)}, got {self.method!r}")
+        require_settings(self.settings)
 
-    def form(self, problem: FrictionProblem) -> Prepared:
-        given, nc, d = scaled_delassus(problem), problem.contacts, problem.dimension
-        root = np.linalg.cholesky(problem.mass.toarray())
-        J, b = np.zeros((nc, 3, len(root))), np.zeros((nc, 3))
-        rows = given.E[:, None] * np.linalg.solve(root, problem.jacobian.toarray().T).T
-        J[:, :d], b[:, :d] = rows.reshape(nc, d, len(root)), given.E.reshape(nc, d) * problem.offset / given.theta
-        return Prepared(given, J.reshape(3 * nc, len(root)), root.T @ problem.free_velocity / given.theta, b.ravel())
+    def form(self, problem: FrictionProblem) -> Whitened:
+        return whitened(problem)
+
+    def setup(self, form: Whitened) -> Prepared:
+        nc = len(form.given.friction)
+        model, data = _template(len(form.v), nc) if nc else (None, None)
+        return Prepared(form, model, data)
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        given, J, v, b = prepared
-        if not len(given.friction):
+        mujoco: Any = import_module("mujoco")
+        (given, J, v, b), model, data = prepared
+        if model is None:
             return Answer(np.zeros(given.contacts), Status.SOLVED)
-        asked = {"solver": _METHODS[self.method], "iterations": limit or _ITERATIONS[self.method], "R": max(tol, _LEAST)}
-        found = child(_SCRIPT).ask(**asked, J=J, v=v, b=b, mu=given.friction)
+        R, mu = max(tol, _LEAST), np.maximum(given.friction, 1e-8)  # its elliptic cone needs friction
+        model.opt.solver = getattr(mujoco.mjtSolver, f"mjSOL_{_METHODS[self.method].upper()}")
+        model.opt.iterations = limit or _ITERATIONS[self.method]
+        model.opt.ls_tolerance, model.opt.ls_iterations = _SEARCH[self.settings]
+        data.efc_J[:] = J.ravel()
+        data.efc_aref[:], data.efc_R[:], data.efc_D[:] = -b, R, 1 / R
+        data.efc_margin[:] = data.efc_pos[:] = 0
+        data.contact.mu[:], data.contact.friction[:, :2] = mu, mu[:, None]
+        data.qacc_smooth[:] = data.qfrc_smooth[:] = v
+        begun = perf_counter()
+        mujoco.mj_fwdConstraint(model, data)
+        clock = perf_counter() - begun
+        f = data.efc_force.copy()
+        gradient = float(np.abs(data.qacc - v - J.T @ f).max())
         return Answer(
-            given.from_space(found["f"]),
-            Status.SOLVED if found["gradient"] <= given.share * tol else Status.STALLED,
-            {"iterations": found["iterations"]},
-            detail=f"gradient {found['gradient']:.1e}",
-            clock=found["clock"],
-            softness=max(tol, _LEAST) * np.outer(given.scale, np.ones(given.contacts[1])),
+            given.impulse(f),
+            Status.SOLVED if gradient <= given.share * tol else Status.STALLED,
+            {"iterations": int(data.solver_niter[0])},
+            detail=f"gradient {gradient:.1e}",
+            clock=clock,
+            softness=R * np.outer(given.scale, np.ones(given.contacts[1])),
         )
+
+
+@cache
+def _template(nv: int, nc: int) -> tuple[Any, Any]:
+    """MuJoCo's model and data for so many velocities and contacts."""
+    mujoco: Any = import_module("mujoco")
+    spheres = "".join(f'<geom type="sphere" size=".1" pos="{j} 0 .0999" contype="1" conaffinity="0"/>' for j in range(nc))
+    inertia = '<joint type="slide" axis="0 0 1"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
+    bodies = "".join(f"<body>{inertia}{'' if i else spheres}</body>" for i in range(nv))
+    model = mujoco.MjModel.from_xml_string(
+        '<mujoco><option gravity="0 0 0" cone="elliptic" impratio="1" jacobian="dense" tolerance="0">'
+        '<flag warmstart="disable" island="disable"/></option>'
+        '<default><geom condim="3"/></default><worldbody>'
+        f'<geom type="plane" size="9999 9999 .1" contype="0" conaffinity="1"/>{bodies}</worldbody></mujoco>'
+    )
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    if data.nefc != 3 * nc:
+        raise RuntimeError(f"MuJoCo's template has {data.nefc} constraint rows for {nc} contacts")
+    return model, data

@@ -4,6 +4,7 @@ Licence: Apache-2.0.
 Form: the dimensionless QP (solvers.outside.scaled_program), G and A stacked, P's upper half. Setup: OSQP's setup; with
     keep=true an update of the workspace of the previous step, if the sparsity pattern is the same. Solve: its solve.
 Clock: OSQP's own solve_time.
+Settings: its defaults; rho, alpha and polishing were tried and bring nothing.
 Tolerance: eps_abs = eps/10 for both residuals and the gap, eps_rel = 0, not polished; eps stands for tol.
 Flaws: another model than Coulomb's wherever boxes slide, `frictionbench solve stopping_block --solver osqp`.
 Reference: Stellato, Banjac, Goulart, Bemporad and Boyd 2020.
@@ -23,6 +24,16 @@ from frictionbench.solvers.interface import Answer, Status, solver
 from frictionbench.solvers.outside.margin import MARGIN
 from frictionbench.solvers.outside.reused_object import ReusedObject
 from frictionbench.solvers.outside.scaled_program import ScaledProgram, scaled_program
+
+
+class Formed(NamedTuple):
+    """OSQP's P, A and bounds besides the scaled program."""
+
+    scaled: ScaledProgram[QP]
+    P: sparse.csc_matrix
+    A: sparse.csc_matrix
+    lower: Array
+    upper: Array
 
 
 class Prepared(NamedTuple):
@@ -51,13 +62,14 @@ class OSQP:
     def _reused(self) -> ReusedObject:
         return ReusedObject()
 
-    def form(self, problem: FrictionProblem) -> ScaledProgram[QP]:
-        return scaled_program(problem, problem.qp())
-
-    def setup(self, scaled: ScaledProgram[QP]) -> Prepared:
-        osqp: Any = import_module("osqp")
-        P, A = sparse.triu(scaled.P, format="csc"), scaled.constraints
+    def form(self, problem: FrictionProblem) -> Formed:
+        scaled = scaled_program(problem, problem.qp())
         lower, upper = np.concatenate([np.full(len(scaled.h), -np.inf), scaled.b]), np.concatenate([scaled.h, scaled.b])
+        return Formed(scaled, scaled.upper, scaled.constraints, lower, upper)
+
+    def setup(self, formed: Formed) -> Prepared:
+        osqp: Any = import_module("osqp")
+        scaled, P, A, lower, upper = formed
 
         def make() -> Any:
             workspace = osqp.OSQP()

@@ -3,10 +3,12 @@
 Licence: BSD-2-Clause by the text that it ships.
 Form: the dimensionless Delassus matrix with three rows a contact, (t1, t2, n); the second tangent of a planar one is
     decoupled. Setup: the operator and one point contact model a contact. Solve: the solver's solve, and reading the impulses.
-Clock: none.
+Clock: the solver's getElapsedTime, with measure_timings on.
+Settings: ADMM's defaults have no Anderson acceleration, anderson_capacity = 0; tuned is 5. PGS' over_relaxation is 1; tuned is
+    1.3.
 Tolerance: absolute feasibility and complementarity of eps/10 for ADMM and eps/100 for PGS, whose criterion is weaker still,
     eps as in solvers.outside.scaled_delassus; relative tolerances are off.
-Flaws: ADMM does not converge in 20 000 iterations with large mass ratios, `frictionbench solve
+Flaws: ADMM without acceleration does not converge in 20 000 iterations with large mass ratios, `frictionbench solve
     'stack[blocks=5,mass_ratio=1e6,push=1]' --solver 'pinocchio[method=admm]'`. Without friction PGS stops at once and reports
     success, `frictionbench solve 'stack[blocks=1,friction=0,push=1]' --solver 'pinocchio[method=pgs]'`. With solve_ncp off it
     solves the relaxation, here law=ccp.
@@ -21,24 +23,28 @@ from scipy import sparse
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array, require
-from frictionbench.solvers.interface import Answer, Model, Status, impulses, solver
+from frictionbench.solvers.interface import Answer, Model, Status, solver
 from frictionbench.solvers.outside.margin import MARGIN
-from frictionbench.solvers.outside.scaled_delassus import ScaledDelassus, scaled_delassus
+from frictionbench.solvers.outside.scaled_delassus import TANGENTS_FIRST, ScaledDelassus, scaled_delassus
+from frictionbench.solvers.outside.settings import require_settings
 
 _SOLVERS = {"admm": "ADMM", "pgs": "PGS"}
 _MARGINS = {"admm": MARGIN, "pgs": 10 * MARGIN}
 _LAWS: dict[str, Model] = {"ncp": "coulomb", "ccp": "relaxation"}
 _OPERATORS = {"dense": "DelassusOperatorDense", "sparse": "DelassusOperatorSparse"}
-_VARIANTS = ("method=admm", "method=admm,operator=sparse", "method=admm,law=ccp", "method=pgs")
+_VARIANTS = tuple(
+    f"{variant}{settings}"
+    for variant in ("method=admm", "method=admm,operator=sparse", "method=admm,law=ccp", "method=pgs")
+    for settings in ("", ",settings=tuned")
+)
+_TUNED: dict[str, dict[str, float]] = {"admm": {"anderson_capacity": 5}, "pgs": {"over_relaxation": 1.3}}
 
 
 class Prepared(NamedTuple):
     given: ScaledDelassus
     operator: Any
-    g: Array
     models: Any
     datas: Any
-    order: Array
 
 
 @solver(
@@ -54,16 +60,19 @@ class Prepared(NamedTuple):
 class Pinocchio:
     """Pinocchio's ADMM or projected Gauss-Seidel. (outside)
 
-    method: admm or pgs. law: ncp, Coulomb's, or ccp, the relaxation. operator: dense or sparse. Work: iterations.
+    method: admm or pgs. law: ncp, Coulomb's, or ccp, the relaxation. operator: dense or sparse. settings: default or tuned.
+    Work: iterations.
     """
 
     method: str = "admm"
     law: str = "ncp"
     operator: str = "dense"
+    settings: str = "default"
 
     def __post_init__(self) -> None:
         for name, known in (("method", _SOLVERS), ("law", _LAWS), ("operator", _OPERATORS)):
             require(getattr(self, name) in known, name, f"must be one of {', '.join(known)}, got {getattr(self, name)!r}")
+        require_settings(self.settings)
         require(self.method == "admm" or self.operator == "dense", "operator", "PGS supports only the dense operator")
 
     @property
@@ -71,14 +80,12 @@ class Pinocchio:
         return _LAWS[self.law]
 
     def form(self, problem: FrictionProblem) -> ScaledDelassus:
-        return scaled_delassus(problem)
+        return scaled_delassus(problem, TANGENTS_FIRST, sparse=self.operator == "sparse")
 
     def setup(self, given: ScaledDelassus) -> Prepared:
         pin: Any = import_module("pinocchio")
-        W, q = given.in_space()
-        order = (3 * np.arange(len(given.friction))[:, None] + [1, 2, 0]).ravel()
-        W = np.asfortranarray(W[np.ix_(order, order)])
-        operator = getattr(pin, _OPERATORS[self.operator])(sparse.csc_matrix(W) if self.operator == "sparse" else W)
+        W = given.W.T if isinstance(given.W, np.ndarray) else sparse.csc_matrix(given.W.matrix(len(given.q)))
+        operator = getattr(pin, _OPERATORS[self.operator])(W)
         body = pin.Model()
         body.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "body")
         models, datas = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
@@ -88,22 +95,25 @@ class Pinocchio:
             model = pin.ConstraintModel(point)
             models.append(model)
             datas.append(model.createData())
-        return Prepared(given, operator, q[order], models, datas, order)
+        return Prepared(given, operator, models, datas)
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         pin: Any = import_module("pinocchio")
-        given, operator, g, models, datas, order = prepared
-        if not len(g):
+        given, operator, models, datas = prepared
+        if not len(given.q):
             return Answer(np.zeros(given.contacts), Status.SOLVED)
         name = _SOLVERS[self.method]
         settings, result = getattr(pin, f"{name}SolverSettings")(), getattr(pin, f"{name}SolverResult")()
         settings.solve_ncp, settings.max_iterations = self.law == "ncp", limit or 20_000
         settings.absolute_feasibility_tol = settings.absolute_complementarity_tol = given.share * tol / _MARGINS[self.method]
         settings.relative_feasibility_tol = settings.relative_complementarity_tol = 0.0
+        settings.measure_timings = True
+        for option, value in (_TUNED[self.method] if self.settings == "tuned" else {}).items():
+            setattr(settings, option, value)
         if start is not None:
-            result.setConstraintImpulseGuess(given.to_space(impulses(start, given.contacts))[order])
-        found = getattr(pin, f"{name}ConstraintSolver")().solve(operator, g, models, datas, settings, result)
-        r = np.empty(len(g))
-        r[order] = result.retrieveConstraintImpulses()
+            result.setConstraintImpulseGuess(given.guess(start))
+        solver = getattr(pin, f"{name}ConstraintSolver")()
+        found = solver.solve(operator, given.q, models, datas, settings, result)
+        impulse = given.impulse(np.array(result.retrieveConstraintImpulses()))
         status = Status.SOLVED if found else Status.WORK_LIMIT
-        return Answer(given.from_space(r), status, {"iterations": int(result.iterations)})
+        return Answer(impulse, status, {"iterations": int(result.iterations)}, clock=solver.getElapsedTime() * 1e-6)

@@ -1,10 +1,13 @@
 """The convex relaxation in the plane by ProxSuite's own Python interface, as a simulator uses it.
 
 Licence: BSD-2-Clause.
-Form: the dimensionless QP (solvers.outside.scaled_program), sparse or dense. Setup: the QP object and its init; with
-    keep=true an update of the object of the previous step, if the sparsity pattern is the same. Solve: its solve.
+Form: the dimensionless QP (solvers.outside.scaled_program), sparse or dense. Setup: the QP object and its init; with keep=true
+    an update of the object of the previous step, if the sparsity pattern is the same. Solve: its solve.
 Clock: ProxQP's own solve_time.
-Tolerance: eps_abs = eps for both residuals, gap eps^2, which is tested only on request; eps_rel = 0; eps stands for tol.
+Settings: compute_timings and check_duality_gap on. By default eps_primal_inf = eps_dual_inf = 1e-4, with which it calls
+    solvable problems infeasible; tuned are 1e-14.
+Tolerance: eps_abs = eps for both residuals, gap eps^2, no less than 1e-13, which is tested only on request; eps_rel = 0; eps
+    stands for tol.
 Flaws: another model than Coulomb's wherever boxes slide, `frictionbench solve stopping_block --solver proxsuite`.
 Reference: Bambade, El-Kazdadi, Taylor and Carpentier 2022.
 """
@@ -21,6 +24,17 @@ from frictionbench.problems.forms.relaxation import QP
 from frictionbench.solvers.interface import Answer, Status, solver
 from frictionbench.solvers.outside.reused_object import ReusedObject
 from frictionbench.solvers.outside.scaled_program import ScaledProgram, gap_tolerance, scaled_program
+from frictionbench.solvers.outside.settings import require_settings
+
+LEAST_GAP = 1e-13
+TUNED_INFEASIBILITY = 1e-14
+
+
+class Formed(NamedTuple):
+    """ProxQP's P, q, A, b, G, l and u besides the scaled program."""
+
+    scaled: ScaledProgram[QP]
+    parts: tuple[Any, ...]
 
 
 class Prepared(NamedTuple):
@@ -35,31 +49,40 @@ class Prepared(NamedTuple):
     warm_start=True,
     sparse=True,
     needs=("proxsuite",),
-    variants=("matrices=sparse", "matrices=dense", "matrices=sparse,keep=true"),
+    variants=tuple(
+        f"{variant}{settings}"
+        for variant in ("matrices=sparse", "matrices=dense", "matrices=sparse,keep=true")
+        for settings in ("", ",settings=tuned")
+    ),
 )
 class ProxSuite:
     """The convex relaxation as a QP by ProxSuite itself. (outside)
 
-    matrices: sparse or dense. keep: update the object of the previous problem instead of creating another. Work: iterations.
+    matrices: sparse or dense. keep: update the object of the previous problem instead of creating another.
+    settings: default or tuned. Work: iterations.
     """
 
     matrices: str = "sparse"
     keep: bool = False
+    settings: str = "default"
 
     def __post_init__(self) -> None:
         require(self.matrices in ("sparse", "dense"), "matrices", f"must be sparse or dense, got {self.matrices!r}")
+        require_settings(self.settings)
 
     @cached_property
     def _reused(self) -> ReusedObject:
         return ReusedObject()
 
-    def form(self, problem: FrictionProblem) -> ScaledProgram[QP]:
-        return scaled_program(problem, problem.qp())
+    def form(self, problem: FrictionProblem) -> Formed:
+        scaled = scaled_program(problem, problem.qp())
+        P, G, A = (scaled.P, scaled.G, scaled.A) if self.matrices == "sparse" else scaled.dense
+        equality = (A, scaled.b) if len(scaled.b) else (None, None)
+        return Formed(scaled, (P, scaled.q, *equality, G, np.full(len(scaled.h), -1e20), scaled.h))
 
-    def setup(self, scaled: ScaledProgram[QP]) -> Prepared:
+    def setup(self, formed: Formed) -> Prepared:
         proxqp: Any = import_module("proxsuite").proxqp
-        P, G, A = (M if self.matrices == "sparse" or M is None else M.toarray() for M in (scaled.P, scaled.G, scaled.A))
-        parts = (P, scaled.q, A, None if A is None else scaled.b, G, np.full(len(scaled.h), -1e20), scaled.h)
+        scaled, parts = formed
 
         def make() -> Any:
             qp = getattr(proxqp, self.matrices).QP(len(scaled.q), len(scaled.b), len(scaled.h))
@@ -80,7 +103,9 @@ class ProxSuite:
         eps, settings = tol * scaled.share, qp.settings
         settings.eps_abs, settings.eps_rel, settings.max_iter = eps, 0.0, limit or 10_000
         settings.check_duality_gap, settings.eps_duality_gap_rel = True, 0.0
-        settings.eps_duality_gap_abs = gap_tolerance(eps, round_cones=False)
+        settings.eps_duality_gap_abs = gap_tolerance(eps, LEAST_GAP)
+        if self.settings == "tuned":
+            settings.eps_primal_inf = settings.eps_dual_inf = TUNED_INFEASIBILITY
         if start is None:
             settings.initial_guess = proxqp.InitialGuess.NO_INITIAL_GUESS
             qp.solve()

@@ -3,7 +3,8 @@
 Licence: MIT.
 Form: the friction LCP's M, dense and scaled, and q. Setup: none. Solve: lcp_lemke's call.
 Clock: none.
-Tolerance: it takes none; the solution of a basis is exact up to rounding. tol_ratio_diff, its slack for ties, is 1e-13.
+Settings: tol_ratio_diff, within which two ratios are a tie, is 1e-13 by default; tuned is 1e-10.
+Tolerance: it takes none; the solution of a basis is exact up to rounding.
 Flaws: its status is unreliable in both directions: it reports a ray for problems that it has solved, `frictionbench solve
     'pyramid[rows=7,push=1]' --solver quantecon`, and success for inaccurate answers, `frictionbench solve
     'stack[blocks=5,mass_ratio=1e6,push=1]' --solver quantecon`. A dense tableau: time grows with the cube of the contacts.
@@ -16,18 +17,31 @@ from typing import Any
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer, Status, solver
+from frictionbench.solvers.outside.settings import require_settings
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 
-_TIES = 1e-13  # ratios that differ by less are a tie: some hundred units of rounding in a tableau of size 1
+_TIES = {"default": 1e-13, "tuned": 1e-10}  # ratios that differ by less are a tie
 _ENDED = {0: Status.SOLVED, 1: Status.WORK_LIMIT, 2: Status.RAY}
 
 
-@solver("quantecon", family="pivoting", model="lcp", dimension=(2, 3), needs=("quantecon",))
+@solver(
+    "quantecon",
+    family="pivoting",
+    model="lcp",
+    dimension=(2, 3),
+    needs=("quantecon",),
+    variants=("settings=default", "settings=tuned"),
+)
 class QuantEcon:
     """Lemke's method by QuantEcon, a dense tableau in numba. (outside)
 
-    Work: pivots.
+    settings: default or tuned. Work: pivots.
     """
+
+    settings: str = "default"
+
+    def __post_init__(self) -> None:
+        require_settings(self.settings)
 
     def form(self, problem: FrictionProblem | LCP) -> DenseLCP:
         return dense_lcp(problem)
@@ -35,6 +49,6 @@ class QuantEcon:
     def solve(self, prepared: DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         quantecon: Any = import_module("quantecon.optimize")
         lemke: Any = import_module("quantecon.optimize.lcp_lemke").lcp_lemke
-        options = quantecon.PivOptions(tol_ratio_diff=_TIES)
+        options = quantecon.PivOptions(tol_ratio_diff=_TIES[self.settings])
         found = lemke(prepared.M, prepared.q, None, limit or 100_000, options)
         return prepared.answer(found.z, _ENDED.get(found.status, Status.FAILED), pivots=int(found.num_iter))

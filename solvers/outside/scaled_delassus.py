@@ -12,21 +12,32 @@ velocity, so
     eps = share * tol,      share = min_i unit_i / (theta sqrt(s_i)) <= 1,
 
 keeps the residual of problems.residual within tol.
+
+W^ and q^ are written in one compiled pass, in the order and with as many rows a contact as the library takes: `rows` are the
+places of a contact's components (n, t) or (n, t1, t2) among its rows. In the plane a library of contacts in space gets three
+rows; the third is decoupled, with the tangent's diagonal.
 """
 
 from typing import NamedTuple
 
 import numpy as np
-from scipy import sparse
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import kernel
+from frictionbench.problems.rows import Rows
+from frictionbench.solvers.interface import impulses
+
+PLANE, SPACE, TANGENTS_FIRST = (0, 1), (0, 1, 2), (2, 0, 1)
 
 
 class ScaledDelassus(NamedTuple):
-    """W^ (nc*d, nc*d), q^ (nc*d,), friction (nc,), E (nc*d,), theta, share, s (nc,) and (nc, d)."""
+    """W^ (nc*m, nc*m), q^ (nc*m,), friction (nc,), E (nc,), theta, share, s (nc,), (nc, d) and rows, m of them a contact.
 
-    W: sparse.csr_array
+    W is dense, or by rows where the library takes sparse matrices.
+    """
+
+    W: Array | Rows
     q: Array
     friction: Array
     E: Array
@@ -34,44 +45,95 @@ class ScaledDelassus(NamedTuple):
     share: float
     scale: Array
     contacts: tuple[int, int]
+    rows: tuple[int, ...]
 
     def impulse(self, r: Array) -> Array:
-        """The impulses (nc, d), N s, for r^ (nc*d,)."""
-        return (self.theta * self.E * r).reshape(self.contacts)
-
-    def in_space(self) -> tuple[Array, Array]:
-        """W^ dense and q^ with three rows a contact; in the plane the third is decoupled, with the second's diagonal."""
+        """The impulses (nc, d), N s, for r^ (nc*m,)."""
         nc, d = self.contacts
-        W = self.W.toarray()
-        if d == 3:
-            return W, self.q
-        rows = np.delete(np.arange(3 * nc), np.s_[2::3])
-        raised, q = np.zeros((3 * nc, 3 * nc)), np.zeros(3 * nc)
-        raised[np.ix_(rows, rows)], q[rows] = W, self.q
-        third = 3 * np.arange(nc) + 2
-        raised[third, third] = W.diagonal()[1::2]
-        return raised, q
+        return np.ascontiguousarray(r.reshape(nc, len(self.rows))[:, self.rows[:d]] * (self.theta * self.E)[:, None])
 
-    def from_space(self, r: Array) -> Array:
-        """The impulses (nc, d) of r^ (nc*3,)."""
+    def guess(self, impulse: Array) -> Array:
+        """r^ (nc*m,) of impulses (nc, d). Errors: InputError naming start."""
         nc, d = self.contacts
-        return self.impulse(r.reshape(nc, 3)[:, :d].ravel())
-
-    def to_space(self, impulse: Array) -> Array:
-        """r^ (nc*3,) of impulses (nc, d)."""
-        nc, d = self.contacts
-        r = np.zeros((nc, 3))
-        r[:, :d] = impulse / (self.theta * self.E).reshape(nc, d)
+        r = np.zeros((nc, len(self.rows)))
+        r[:, self.rows[:d]] = impulses(impulse, self.contacts) / (self.theta * self.E)[:, None]
         return r.ravel()
 
 
-def scaled_delassus(problem: FrictionProblem) -> ScaledDelassus:
-    """The dimensionless Delassus form of a friction problem, without its friction_bias."""
+def scaled_delassus(
+    problem: FrictionProblem, rows: tuple[int, ...] | None = None, *, sparse: bool = False, matrix: bool = True
+) -> ScaledDelassus:
+    """The dimensionless Delassus form of a friction problem, without its friction_bias.
+
+    rows: as above, the d components in order by default. matrix: whether W^ is written; (0, 0) otherwise.
+    """
     nc, d = problem.contacts, problem.dimension
-    s = problem.scale
-    E = np.repeat(1 / np.sqrt(s), d)
-    size = np.linalg.norm(problem.q.reshape(nc, d), axis=1)
-    theta = float((np.minimum(size, problem.units) / np.sqrt(s)).max(initial=0.0)) or 1.0
-    share = float((problem.units / (theta * np.sqrt(s))).min()) if size.any() else 1.0
-    W = sparse.csr_array(problem.W.multiply(E[:, None]).multiply(E))
-    return ScaledDelassus(W, E * problem.q / theta, problem.friction, E, theta, share, s, (nc, d))
+    places = rows or (PLANE if d == 2 else SPACE)
+    E, q, theta, share = _scaled_vector(problem.scale, problem.q, problem.units, d, places)
+    W: Array | Rows = np.zeros((0, 0))
+    if matrix:
+        blocks = problem.blocks
+        W = Rows(*_sparse(*blocks, E, places)) if sparse else _dense(*blocks, E, places)
+    return ScaledDelassus(W, q, problem.friction, E, theta, share, problem.scale, (nc, d), places)
+
+
+@kernel
+def _scaled_vector(s, q, units, d, rows):  # type: ignore[no-untyped-def]
+    """E, q^, theta and share."""
+    nc, m, theta, least, moving = len(s), len(rows), 0.0, np.inf, False
+    E, scaled = np.empty(nc), np.zeros(nc * m)
+    for i in range(nc):
+        root, square = np.sqrt(s[i]), 0.0
+        E[i] = 1 / root
+        for a in range(d):
+            square += q[i * d + a] ** 2
+        theta, least = max(theta, min(np.sqrt(square), units[i]) / root), min(least, units[i] / root)
+        moving = moving or square > 0
+    theta = theta if theta > 0 else 1.0
+    for i in range(nc):
+        for a in range(d):
+            scaled[i * m + rows[a]] = E[i] * q[i * d + a] / theta
+    return E, scaled, theta, least / theta if moving else 1.0
+
+
+@kernel
+def _dense(first, neighbours, block, E, rows):  # type: ignore[no-untyped-def]
+    """W^ dense, symmetric in memory order wherever W is."""
+    nc, m, d = len(E), len(rows), block.shape[1]
+    W = np.zeros((nc * m, nc * m))
+    for i in range(nc):
+        for k in range(first[i], first[i + 1]):
+            j = neighbours[k]
+            for a in range(d):
+                for b in range(d):
+                    W[i * m + rows[a], j * m + rows[b]] = E[i] * block[k, a, b] * E[j]
+        for a in range(d, m):
+            W[i * m + rows[a], i * m + rows[a]] = W[i * m + rows[1], i * m + rows[1]]
+    return W
+
+
+@kernel
+def _sparse(first, neighbours, block, E, rows):  # type: ignore[no-untyped-def]
+    """W^ by rows, with the zeros of its blocks left out."""
+    nc, m, d = len(E), len(rows), block.shape[1]
+    start, most = np.zeros(nc * m + 1, np.int32), len(neighbours) * m * m
+    column, value, at = np.empty(most, np.int32), np.empty(most), 0
+    component = np.empty(m, np.int64)
+    for a in range(m):
+        component[rows[a]] = a
+    for i in range(nc):
+        for row in range(m):
+            for k in range(first[i], first[i + 1]):
+                j = neighbours[k]
+                for other in range(m):
+                    a, b = component[row], component[other]
+                    entry = 0.0
+                    if a < d and b < d:
+                        entry = E[i] * block[k, a, b] * E[j]
+                    elif a == b and i == j:
+                        entry = E[i] * block[k, 1, 1] * E[i]
+                    if entry != 0:
+                        column[at], value[at] = j * m + other, entry
+                        at += 1
+            start[i * m + row + 1] = at
+    return start, column[:at], value[:at]

@@ -14,11 +14,14 @@ velocity, so
 keeps every contact's velocity error below tol unit_i, the measure of problems.residual.
 
 The duality gap is the sum of the products r_i'u_i. Where impulse and velocity vanish together (a contact about to slide or to
-part), and all along a round cone, a gap of eps leaves an error of sqrt(eps): so the requested gap is eps^2. It is a
-difference of objectives of size 1, which rounding keeps above 1e-15; for polyhedral cones 1e-13 suffices.
+part), and all along a round cone, a gap of eps leaves an error of sqrt(eps): so the requested gap is eps^2, but not less than
+the difference of two objectives of size 1 that a library reaches in floating point; each adapter states that number.
+
+Matrices are written in compiled passes and become scipy's, or dense, only as a library takes them.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -28,6 +31,7 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel
 from frictionbench.problems.forms.relaxation import QP, ConeProgram, Program
+from frictionbench.problems.rows import Rows
 from frictionbench.solvers.interface import impulses
 
 Kind = TypeVar("Kind", QP, ConeProgram)
@@ -35,26 +39,48 @@ Kind = TypeVar("Kind", QP, ConeProgram)
 
 @dataclass(frozen=True, eq=False)
 class ScaledProgram(Generic[Kind]):
-    """The scaled P, q, G, h, A (None without joints), b; `share`, eps over tol; and multipliers' units."""
+    """The scaled program: objective and bounds are P and G by columns (start, row, value), A is None without joints.
+
+    share: eps over tol. unit: of the multipliers of G.
+    """
 
     program: Kind
-    P: sparse.csc_matrix
+    objective: Rows
     q: Array
-    G: sparse.csc_matrix
+    bounds: Rows
     h: Array
     A: sparse.csc_matrix | None
     b: Array
     unit: Array
     share: float
 
+    @cached_property
+    def P(self) -> sparse.csc_matrix:
+        return _matrix(self.objective, len(self.q))
+
+    @cached_property
+    def G(self) -> sparse.csc_matrix:
+        return _matrix(self.bounds, len(self.h))
+
+    @cached_property
+    def upper(self) -> sparse.csc_matrix:
+        """The upper half of P."""
+        return _matrix(Rows(*_upper(*self.objective)), len(self.q))
+
+    @cached_property
+    def constraints(self) -> sparse.csc_matrix:
+        """G above A."""
+        return self.G if self.A is None else sparse.vstack([self.G, self.A], format="csc")
+
+    @property
+    def dense(self) -> tuple[Array, Array, Array]:
+        """P, G and A dense, in C order; A has no rows without joints."""
+        A = np.zeros((0, len(self.q))) if self.A is None else self.A.toarray(order="C")
+        return _dense(*self.objective, len(self.q)), _dense(*self.bounds, len(self.h)), A
+
     def impulse(self, z: Array) -> Array:
         """The contact impulses (nc, d) of scaled multipliers of G."""
         return self.program.impulse(self.unit * z)
-
-    @property
-    def constraints(self) -> sparse.csc_matrix:
-        """G above A."""
-        return sparse.vstack([M for M in (self.G, self.A) if M is not None], format="csc")
 
     def multipliers(self, impulse: Array) -> Array:
         """Scaled multipliers of G that make about these planar impulses, for a warm start; the friction bias is ignored."""
@@ -66,12 +92,16 @@ class ScaledProgram(Generic[Kind]):
 
     def pattern(self) -> tuple[bytes, ...]:
         """Equal where P, G and A have their entries in the same places, so that a library can reuse its symbolic analysis."""
-        return tuple(part.tobytes() for M in (self.P, self.constraints) for part in (M.indptr, M.indices))
+        parts = (
+            *self.objective[:2],
+            *((self.constraints.indptr, self.constraints.indices) if self.A is not None else self.bounds[:2]),
+        )
+        return tuple(part.tobytes() for part in parts)
 
 
-def gap_tolerance(eps: float, round_cones: bool) -> float:
-    """The duality gap at which errors are below eps, bounded below by what rounding allows."""
-    return max(eps**2, 1e-15 if round_cones else 1e-13)
+def gap_tolerance(eps: float, least: float) -> float:
+    """The duality gap at which errors are below eps, or the least that the library reaches."""
+    return max(eps**2, least)
 
 
 def scaled_program(problem: FrictionProblem, program: Kind) -> ScaledProgram[Kind]:
@@ -80,20 +110,23 @@ def scaled_program(problem: FrictionProblem, program: Kind) -> ScaledProgram[Kin
     D, rows, theta, share = _units(
         problem.scale, problem.friction_bias, problem.q, problem.units, *problem.mass_rows, m, problem.dimension
     )
-    P, G = _scaled(*objective, D, D), _scaled(*bounds, 1 / rows, D)
     A, joint = _joints(program, D)
     return ScaledProgram(
         program,
         # copies, as some libraries require writable arrays and the columns of the mass matrix belong to the problem
-        sparse.csc_matrix((P, objective.column.copy(), objective.start), shape=(len(D), len(D))),
+        Rows(objective.start, objective.column.copy(), _scaled(*objective, D, D)),
         D * program.q / theta,
-        sparse.csc_matrix((G, bounds.column, bounds.start), shape=(len(rows), len(D))),
+        Rows(bounds.start, bounds.column, _scaled(*bounds, 1 / rows, D)),
         program.h / rows / theta,
         A,
         program.b * joint / theta,
         theta / rows,
         share,
     )
+
+
+def _matrix(columns: Rows, rows: int) -> sparse.csc_matrix:
+    return sparse.csc_matrix((columns.value, columns.column, columns.start), shape=(rows, len(columns.start) - 1))
 
 
 def _joints(program: Program, D: Array) -> tuple[sparse.csc_matrix | None, Array]:
@@ -141,3 +174,27 @@ def _units(scale, wider, q, units, m_start, m_column, m_value, m, d):  # type: i
             block += 1
     theta = theta if theta > 0 else 1.0
     return D, rows, theta, least / theta if 0 < least < np.inf else 1.0
+
+
+@kernel
+def _upper(start, row, value):  # type: ignore[no-untyped-def]
+    """The upper half of a matrix by columns, by columns."""
+    kept, at = np.zeros(len(start), np.int32), 0
+    upper_row, upper = np.empty(len(row), np.int32), np.empty(len(row))
+    for j in range(len(start) - 1):
+        for k in range(start[j], start[j + 1]):
+            if row[k] <= j:
+                upper_row[at], upper[at] = row[k], value[k]
+                at += 1
+        kept[j + 1] = at
+    return kept, upper_row[:at], upper[:at]
+
+
+@kernel
+def _dense(start, row, value, rows):  # type: ignore[no-untyped-def]
+    """A matrix by columns, dense."""
+    dense = np.zeros((rows, len(start) - 1))
+    for j in range(len(start) - 1):
+        for k in range(start[j], start[j + 1]):
+            dense[row[k], j] = value[k]
+    return dense

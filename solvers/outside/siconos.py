@@ -2,14 +2,18 @@
 
 Licence: Apache-2.0. (The metadata of Debian's 4.4.0 state 4.5.0.)
 Form: for lcp_ the friction LCP's M, dense and scaled; for friction_ the dimensionless Delassus matrix, dense, with a decoupled
-    second tangent for friction_3d_ on planar problems; for global_, in space only, M, H = J' and q, sparse and dimensionless.
-    Setup: their transfer, and Siconos' problem object. Solve: the driver's call, and some 50 µs of transfer.
-Clock: around the driver's call, in the child.
+    second tangent for friction_3d_ on planar problems; for global_, in space only, the entries of M and H = J' and q,
+    dimensionless. Setup: none. Solve: one message to the child and its reply.
+Clock: around Siconos' problem object and the driver's call, in the child. Solvers are compared by it, as a user of Siconos has
+    no child: the column solve_time is this clock, and call_time the whole call.
+Settings: tuned is for friction_3d_admm and global_friction_3d_admm the strategy RESIDUAL_BALANCING of rho, which is constant
+    by default; for friction_3d_nsgs a relaxation of 1.3, which is off by default. lcp_pivot follows Lemke's rule by default;
+    lcp_pivot_least_index is the same driver with LEAST_INDEX.
 Tolerance: eps/2 over |q^|, as Siconos divides the norm of its natural map by |q|; eps as in solvers.outside.scaled_delassus.
     Where |r^| is larger it divides by that, and is called again from its own answer with a smaller tolerance.
 Flaws: return codes are unreliable in both directions, `frictionbench solve 'pyramid[rows=3,friction=0.5,push=1]' --solver
-    'siconos[method=friction_2d_lemke]'`. friction_3d_nsn_fb and global_friction_3d_ipm end in failed assertions, and
-    the fixed points (aclmfp, tfp) take minutes on difficult problems and are then stopped at the time limit.
+    'siconos[method=friction_2d_lemke]'`. friction_3d_nsn_fb and global_friction_3d_ipm end in failed assertions, and the fixed
+    points (aclmfp, tfp) take minutes on difficult problems and are then stopped at the time limit.
 Reference: Acary, Brémond and Huber 2018; Acary, Bonnefon, Brémond, Huber, Pérignon and Sinclair 2019, Siconos.
 """
 
@@ -19,22 +23,31 @@ import numpy as np
 
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array, require
-from frictionbench.solvers.interface import Answer, Model, Status, impulses, solver
+from frictionbench.solvers.interface import Answer, Model, Status, solver
 from frictionbench.solvers.outside.children.child import child
-from frictionbench.solvers.outside.scaled_delassus import ScaledDelassus, scaled_delassus
+from frictionbench.solvers.outside.global_form import global_form
+from frictionbench.solvers.outside.scaled_delassus import PLANE, SPACE, ScaledDelassus, scaled_delassus
+from frictionbench.solvers.outside.settings import require_settings
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 
 PYTHON = "/usr/bin/python3"
-_LCP = ("lcp_lemke", "lcp_pivot", "lcp_newton_fb_fblsa", "lcp_newton_min_fblsa")
+_LCP = ("lcp_lemke", "lcp_pivot", "lcp_pivot_least_index", "lcp_newton_fb_fblsa", "lcp_newton_min_fblsa")
 _PLANAR = ("friction_2d_nsgs", "friction_2d_cpg", "friction_2d_lemke")
 _SPATIAL = tuple(f"friction_3d_{name}" for name in ("nsgs", "prox", "admm", "nsn_ac", "nsn_fb", "aclmfp", "tfp", "dsfp"))
 _GLOBAL = ("global_friction_3d_admm", "global_friction_3d_ipm")
 _METHODS = (*_LCP, *_PLANAR, *_SPATIAL, *_GLOBAL)
 _SCRIPT = "siconos_numerics.py"
+_BALANCED = {"SICONOS_FRICTION_3D_ADMM_IPARAM_RHO_STRATEGY": 2}  # SICONOS_FRICTION_3D_ADMM_RHO_STRATEGY_RESIDUAL_BALANCING
+_TUNED: dict[str, tuple[dict[str, int], dict[str, float]]] = {
+    "friction_3d_nsgs": ({"SICONOS_FRICTION_3D_NSGS_RELAXATION": 1}, {"SICONOS_FRICTION_3D_NSGS_RELAXATION_VALUE": 1.3}),
+    "friction_3d_admm": (_BALANCED, {}),
+    "global_friction_3d_admm": (_BALANCED, {}),
+}
+_LEAST_INDEX = {"SICONOS_LCP_IPARAM_PIVOTING_METHOD_TYPE": 2}  # SICONOS_LCP_PIVOT_LEAST_INDEX
 
 
 class Prepared(NamedTuple):
-    """The message to the child, and the scaling that converts its answer."""
+    """The problem in the message to the child, and the scaling that converts its answer."""
 
     kind: str
     given: DenseLCP | ScaledDelassus
@@ -49,18 +62,21 @@ class Prepared(NamedTuple):
     warm_start=True,
     needs=(f"siconos.numerics@{PYTHON}",),
     lacks=("friction_bias",),
-    variants=tuple(f"method={method}" for method in _METHODS),
+    remote=True,
+    variants=(*(f"method={method}" for method in _METHODS), *(f"method={method},settings=tuned" for method in _TUNED)),
 )
 class Siconos:
     """Siconos' solvers of LCPs and friction problems, in a child process. (outside)
 
-    method: the name of Siconos' constant without SICONOS_, in small letters. Work: iterations.
+    method: the name of Siconos' constant without SICONOS_, in small letters. settings: default or tuned. Work: iterations.
     """
 
     method: str = "friction_3d_prox"
+    settings: str = "default"
 
     def __post_init__(self) -> None:
         require(self.method in _METHODS, "method", f"must be one of {', '.join(_METHODS)}, got {self.method!r}")
+        require_settings(self.settings, self.method in _TUNED)
 
     @property
     def model(self) -> Model:
@@ -81,44 +97,30 @@ class Siconos:
             given = dense_lcp(problem)
             message: dict[str, Any] = {"M": given.M, "q": given.q}
         else:
-            given = scaled_delassus(problem)
-            W, q = (given.W.toarray(), given.q) if kind == "friction_2d" else given.in_space()
-            message = _global(problem, given) if kind == "global" else {"W": W, "q": q}
+            given = scaled_delassus(problem, PLANE if kind == "friction_2d" else SPACE, matrix=kind != "global")
+            message = global_form(problem, given) if kind == "global" else {"W": given.W, "q": given.q}
             message["mu"] = problem.friction
         return Prepared(kind, given, message)
 
-    def setup(self, formed: Prepared) -> Prepared:
-        if len(formed.given.q):
-            child(_SCRIPT, PYTHON).store(formed, kind=formed.kind, **formed.message)
-        return formed
-
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        given, message = prepared.given, prepared.message
+        kind, given, message = prepared
         if not len(given.q):
             z = np.zeros(0)
             return given.answer(z, Status.SOLVED) if isinstance(given, DenseLCP) else Answer(given.impulse(z), Status.SOLVED)
-        self.setup(prepared)
-        size = len(message["b" if prepared.kind == "global" else "q"])
-        eps = tol if isinstance(given, DenseLCP) else tol * given.share
-        guess = np.zeros(size)
-        if start is not None and isinstance(given, ScaledDelassus):
-            start = impulses(start, given.contacts)
-            own = start.ravel() / (given.theta * given.E)
-            guess = given.to_space(start) if size == 3 * len(start) else own
-        most = limit or (1000 if "new" in self.method or "nsn" in self.method else 100_000)
-        norm = float(np.linalg.norm(given.q)) or 1.0
-        found = child(_SCRIPT, PYTHON).ask(solver=self.method, eps=eps / 2, size=norm, limit=most, start=guess)
+        integers, reals = _TUNED[self.method] if self.settings == "tuned" else ({}, {})
+        asked = {
+            "kind": kind,
+            "solver": self.method.removesuffix("_least_index"),
+            "integers": _LEAST_INDEX if self.method == "lcp_pivot_least_index" else integers,
+            "reals": reals,
+            "eps": (tol if isinstance(given, DenseLCP) else tol * given.share) / 2,
+            "size": float(np.linalg.norm(given.q)) or 1.0,
+            "limit": limit or (1000 if "new" in self.method or "nsn" in self.method else 100_000),
+            "start": np.zeros(len(given.q)) if start is None or isinstance(given, DenseLCP) else given.guess(start),
+        }
+        found = child(_SCRIPT, PYTHON).ask(**asked, **message)
         status, detail = (Status.FAILED if found["code"] else Status.SOLVED), f"Siconos' code {found['code']}"
-        work, r = {"iterations": found["iterations"]}, found["r"]
+        work = {"iterations": found["iterations"]}
         if isinstance(given, DenseLCP):
-            return given.answer(r, status, detail, found["clock"], **work)
-        impulse = given.from_space(r) if size == 3 * len(given.friction) else given.impulse(r)
-        return Answer(impulse, status, work, detail=detail, clock=found["clock"])
-
-
-def _global(problem: FrictionProblem, given: ScaledDelassus) -> dict[str, Array]:
-    """M v = H r + q, u = H'v + b in pure numbers: v = theta D v^ with D = 1/sqrt(M_ii)."""
-    D = 1 / np.sqrt(problem.mass.diagonal())
-    H = (problem.jacobian.multiply(given.E[:, None]).multiply(D)).toarray().T
-    M, q = problem.mass.toarray() * D * D[:, None], D * (problem.mass @ problem.free_velocity) / given.theta
-    return {"M": M, "H": H, "q": q, "b": given.E * problem.offset.ravel() / given.theta}
+            return given.answer(found["r"], status, detail, found["clock"], **work)
+        return Answer(given.impulse(found["r"]), status, work, detail=detail, clock=found["clock"])

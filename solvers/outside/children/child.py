@@ -22,22 +22,11 @@ class DiedError(RuntimeError):
 
 
 class Child:
-    """A script of this folder, or any script by its absolute path, in a process of the given Python.
-
-    stored: what the child received last through `store`; None after it has died.
-    """
+    """A script of this folder, or any script by its absolute path, in a process of the given Python."""
 
     def __init__(self, script: str, python: str) -> None:
         self._command = [python, str(_FOLDER / script), str(os.getpid())]
         self._process: subprocess.Popen[bytes] | None = None
-        self.stored: object = None
-
-    def store(self, what: object, **message: Any) -> None:
-        """Send a message about `what` for the child to store, unless it has stored it already."""
-        if self.pid is not None and self.stored is what:
-            return
-        self.ask(**message)
-        self.stored = what
 
     def ask(self, **message: Any) -> dict[str, Any]:
         """The reply to a message. Errors: DiedError, with the signal or exit code."""
@@ -73,7 +62,7 @@ class Child:
             for pipe in (self._process.stdin, self._process.stdout):
                 with suppress(BrokenPipeError):
                     pipe.close()  # type: ignore[union-attr]
-        self._process, self.stored = None, None
+        self._process = None
 
     @property
     def pid(self) -> int | None:

@@ -87,7 +87,7 @@ def test_no_times_if_every_call_loads(clock):
 
 
 def test_simulation_discards_loading_calls(clock):
-    info = SolverInfo("late", "", "coulomb", (2,), False, False, (), (), (), (), Late)
+    info = SolverInfo("late", "", "coulomb", (2,), False, False, (), (), False, (), (), Late)
     cell = SimulationCell("stopping_block", {}, "late", 1e-8, steps=3)
     found = simulation.run_closed_loop(cell, info, Late(clock, loads=2))
     assert found["solver_time"] == 7.0 * found["problems"]

@@ -33,6 +33,7 @@ from frictionbench.solvers.needs import installed_version
 from frictionbench.solvers.outside.children.child import Child, DiedError, child
 from frictionbench.solvers.outside.scaled_delassus import scaled_delassus
 from frictionbench.solvers.outside.siconos import PYTHON
+from frictionbench.solvers.outside.whitened import whitened
 from tests.helpers.friction_problems import block, nothing, spatial, with_joints
 from tests.helpers.paths import HELPERS, ROOT
 
@@ -58,6 +59,11 @@ UNABLE = {
     ("siconos[method=lcp_newton_fb_fblsa]", "two boxes"),
     ("siconos[method=friction_3d_dsfp]", "two boxes"),
     ("pinocchio[method=pgs]", "in space"),
+    ("pinocchio[method=pgs,settings=tuned]", "in space"),
+    ("mujoco[method=cg,settings=tuned]", "two boxes"),
+    ("siconos[method=lcp_pivot_least_index]", "two boxes"),
+    ("siconos[method=lcp_pivot_least_index]", "jointed"),
+    ("siconos[method=lcp_pivot_least_index]", "in space"),
 }
 
 
@@ -99,12 +105,41 @@ def test_scaled_problem_unit_invariance() -> None:
     problem = spatial(5)
     heavy = type(problem).from_delassus(problem.W / 1e6, problem.q / 10, problem.friction, 3)
     one, other = scaled_delassus(problem), scaled_delassus(heavy)
-    assert one.W.toarray() == pytest.approx(other.W.toarray(), abs=1e-12)
+    assert pytest.approx(other.W, abs=1e-12) == one.W
     assert one.q == pytest.approx(other.q, abs=1e-12)
     assert np.abs(one.q.reshape(-1, 3)).max() <= 1
     assert one.W.diagonal().reshape(-1, 3).mean(axis=1) == pytest.approx(1.0)
     r = np.arange(15.0).reshape(5, 3)
-    assert one.from_space(one.to_space(r)) == pytest.approx(r)
+    assert one.impulse(one.guess(r)) == pytest.approx(r)
+
+
+@pytest.mark.parametrize(("rows", "d"), [((0, 1), 2), ((0, 1, 2), 2), ((0, 1, 2), 3), ((2, 0, 1), 2), ((2, 0, 1), 3)])
+def test_scaled_delassus_is_E_W_E_in_the_order_asked_for(rows, d) -> None:
+    problem = spatial(5) if d == 3 else scene("stack", blocks=2, push=1.0).problem()
+    nc, m = problem.contacts, len(rows)
+    E = np.repeat(1 / np.sqrt(problem.scale), d)
+    scaled, q = E[:, None] * problem.W.toarray() * E, E * problem.q
+    found = scaled_delassus(problem, rows)
+    place = np.add.outer(m * np.arange(nc), rows[:d]).ravel()
+    third = np.setdiff1d(np.arange(nc * m), place)
+    assert found.W[np.ix_(place, place)] == pytest.approx(scaled, abs=1e-14)
+    assert found.q[place] * found.theta == pytest.approx(q)
+    assert found.W[third][:, third] == pytest.approx(np.diag(scaled.diagonal()[1::2][: len(third)]))
+    assert not found.W[third][:, place].any()
+    assert not found.q[third].any()
+    sparse_rows = scaled_delassus(problem, rows, sparse=True).W
+    assert sparse_rows.matrix(nc * m).toarray() == pytest.approx(found.W, abs=1e-14)
+    assert found.impulse(found.guess(np.arange(1.0 * nc * d).reshape(nc, d))) == pytest.approx(
+        np.arange(1.0 * nc * d).reshape(nc, d)
+    )
+
+
+def test_whitened_rows_make_the_scaled_delassus_form() -> None:
+    for problem in (spatial(5), scene("stack", blocks=2, push=1.0).problem()):
+        form, dense = whitened(problem), scaled_delassus(problem, (0, 1, 2))
+        d, own = problem.dimension, np.arange(3 * problem.contacts) % 3 < problem.dimension
+        assert (form.J @ form.J.T)[np.ix_(own, own)] == pytest.approx(dense.W[np.ix_(own, own)], abs=1e-12), d
+        assert form.J @ form.v + form.b == pytest.approx(dense.q, abs=1e-12)
 
 
 def test_every_adapter_is_short() -> None:
@@ -184,13 +219,10 @@ def test_missing_requirements() -> None:
 
 def test_crashed_child_is_restarted() -> None:
     child = Child(str(HELPERS / "fake_library_child.py"), os.sys.executable)
-    child.store("what", do="")
-    assert child.stored == "what"
     for how, named in (("abort", "SIGABRT"), ("exit", "exit code 0")):
         with pytest.raises(DiedError, match=named):
             child.ask(do=how)
         assert child.ask(do="", n=3)["r"].tolist() == [0, 0, 0]
-        assert child.stored is None
     child.end()
 
 
@@ -272,6 +304,11 @@ def fclib_matrix(file: h5py.File, name: str) -> np.ndarray:
     return (made((x, i, p), shape=(m, n)) if made else sparse.coo_array((x, (i, p)), shape=(m, n))).toarray()
 
 
+def entries(matrix: np.ndarray) -> np.ndarray:
+    """(row, column, value) of each entry."""
+    return np.column_stack([*np.nonzero(matrix), matrix[np.nonzero(matrix)]])
+
+
 @pytest.mark.parametrize("form", ["global", "friction_3d", "friction_2d"])
 def test_siconos_solves_an_exported_file(tmp_path, form) -> None:
     """What stands in the file goes to Siconos as it is, unscaled; its impulses solve the problem that was exported."""
@@ -288,11 +325,12 @@ def test_siconos_solves_an_exported_file(tmp_path, form) -> None:
         group = "fclib_global" if form == "global" else "fclib_local"
         names = {"mu": "mu", **({"q": "f", "b": "w"} if form == "global" else {"q": "q"})}
         told = {name: file[f"{group}/vectors/{stored}"][:].ravel() for name, stored in names.items()}
-        told |= {name: fclib_matrix(file, f"{group}/{name}") for name in (("M", "H") if form == "global" else ("W",))}
+        matrices = {name: fclib_matrix(file, f"{group}/{name}") for name in (("M", "H") if form == "global" else ("W",))}
+    told |= {name: entries(matrix) for name, matrix in matrices.items()} if form == "global" else matrices
     siconos = child("siconos_numerics.py", PYTHON)
-    siconos.ask(kind=form, **told)
     method = {"global": "global_friction_3d_admm", "friction_3d": "friction_3d_nsgs", "friction_2d": "friction_2d_nsgs"}[form]
-    found = siconos.ask(solver=method, eps=1e-10, size=1.0, limit=100_000, start=np.zeros(problem.contacts * d))
+    asked = {"kind": form, "solver": method, "integers": {}, "reals": {}, "eps": 1e-10, "size": 1.0, "limit": 100_000}
+    found = siconos.ask(**asked, start=np.zeros(problem.contacts * d), **told)
     siconos.end()
     assert found["code"] == 0
     assert residual(problem, found["r"].reshape(-1, d)) <= 1e-8
