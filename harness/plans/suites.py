@@ -151,6 +151,7 @@ def maps() -> Plan:
         simulation_tol=1e-6,
         time_limit=1.0,
         simulation_limit=10.0,
+        expects="a quarter of an hour",
     )
 
 

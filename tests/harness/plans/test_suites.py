@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from frictionbench.harness.cells.collect import collect, stored_friction
+from frictionbench.harness.commands import listing
 from frictionbench.harness.plans import families
+from frictionbench.harness.plans.choose import choose
 from frictionbench.harness.plans.lineups import SPATIAL, every
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.plans.suites import SUITES
@@ -124,6 +126,14 @@ def test_no_solver_of_a_lineup_can_only_refuse() -> None:
     assert not {"osqp[keep=false]", "ccp[backend=osqp]"} & set(every(3))
     assert set(SUITES["spatial"]().lineup(3)) == set(every(3))
     assert set(SUITES["recorded"]().lineup(2)) == set(every(2))
+
+
+def test_suites_say_how_long_they_take(capsys: pytest.CaptureFixture[str]) -> None:
+    listing.show("suites")
+    assert "takes three minutes with one worker on two cores" in capsys.readouterr().out
+    whole, part = choose("standard", [], (), None, None), choose("standard", ["stack"], (), None, None)
+    assert (whole.expects, part.expects) == ("three minutes", "")
+    assert "expects" not in whole.settings()
 
 
 def test_lineups_by_dimension() -> None:
