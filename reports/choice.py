@@ -86,7 +86,7 @@ def kinds(run: Run) -> list[tuple[str, set[int], set[str]]]:
             f"up to {SMALL} contacts": contacts <= SMALL,
             f"{SMALL + 1} to {MEDIUM} contacts": (contacts > SMALL) & (contacts <= MEDIUM),
             f"more than {MEDIUM} contacts": contacts > MEDIUM,
-            f"condition above {ILL:.0e}".replace("e+0", "e"): own["condition"] > ILL,
+            f"ill-conditioned, above {ILL:.0e}".replace("e+0", "e"): own["condition"] > ILL,
         }
         found.append((where, set(own.index), cold))
         found += [(f"{where}, {name}", set(own.index[at]), cold) for name, at in parts.items() if at.any() and not at.all()]

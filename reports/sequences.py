@@ -1,6 +1,6 @@
 """Times over the steps of one motion, for those who have to finish each step within a budget.
 
-A motion is a scene of which several steps were solved, or a collection of recorded files. Every step counts the same.
+A motion is a scene, or a folder of recorded files in order, of which many steps were solved. Every problem counts the same.
 """
 
 from typing import NamedTuple
@@ -16,10 +16,10 @@ FEWEST = 20  # steps: of fewer the 99th percentile is the longest time
 
 
 class Motion(NamedTuple):
-    """A motion: its title, its number of steps, and its table of reports.accuracy.percentiles at the finest target."""
+    """A motion: its title, its number of problems, and its table of reports.accuracy.percentiles at the finest target."""
 
     title: str
-    steps: int
+    problems: int
     table: pd.DataFrame
 
 
@@ -29,12 +29,11 @@ def motions(run: Run) -> list[Motion]:
     recorded = rows["parameters"].map(file_of) != ""
     titles = [scene_title(*names) for names in zip(rows["scene"], rows["parameters"], strict=True)]
     title = rows["scene"].where(recorded, pd.Series(titles, index=rows.index, dtype=object))
-    of = title.groupby(rows["problem_id"]).first()
+    of = pd.DataFrame({"title": title, "step": rows["step"]}).groupby(rows["problem_id"]).first()
     times = run.times[run.outer_targets[-1]]
     found = []
-    for name, own in times.groupby(times["problem_id"].map(of), sort=False):
-        steps = own["problem_id"].nunique()
-        if steps >= FEWEST:
+    for name, own in times.groupby(times["problem_id"].map(of["title"]), sort=False):
+        if own["problem_id"].map(of["step"]).nunique() >= FEWEST:
             table = percentiles(own, run.budget, weighted=False).sort_values(["p99", "p50"], kind="stable")
-            found.append(Motion(str(name), steps, table))
+            found.append(Motion(str(name), own["problem_id"].nunique(), table))
     return found

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from frictionbench.reports.run import Run
+from frictionbench.results.laws import endings
 from frictionbench.results.verdicts import Verdict, measured
 
 MOST_FAILURES = 12  # kinds of failure listed for one solver, the most frequent ones
@@ -80,6 +81,7 @@ def _failures(run: Run) -> pd.DataFrame:
     """A row per label, class and verdict other than solved and skipped, see Failure, the most frequent first."""
     ran = run.ranked[measured(run.ranked)]
     of = ran.groupby(["label", "problem_class"]).size().rename("of")
+    ran = ran.assign(verdict=endings(ran))
     failed = ran[ran["verdict"] != Verdict.SOLVED].sort_values(["contacts", "tol"], kind="stable")
     columns = ["contacts", "residual", "reason", "key"]
     kinds = failed.groupby(["label", "problem_class", "verdict"], sort=False)

@@ -40,6 +40,7 @@ def wrong_claims(run: Run) -> pd.DataFrame:
 def reasons(run: Run) -> pd.DataFrame:
     """A row per label, verdict and reason: cells."""
     given = run.rows[run.rows["reason"] != ""]
+    given = given.assign(verdict=endings(given))
     return given.groupby(["label", "verdict", "reason"], sort=False).size().rename("cells").reset_index()
 
 

@@ -21,11 +21,13 @@ from frictionbench.reports.drawing.tiles import Drawing, Grid, Tile
 from frictionbench.reports.robustness import MapCells, map_cells
 from frictionbench.reports.run import Run
 from frictionbench.results.cells import counts
+from frictionbench.results.laws import ANOTHER_LAW, POLYGON, endings
 from frictionbench.results.map_spec import Axis
 from frictionbench.results.verdicts import Verdict
 
 VERDICT = {
-    Verdict.SOLVED: "#a9d8b8", Verdict.RELAXED: "#f0d264", Verdict.NEAR_MISS: "#f4a259", Verdict.UNSOLVED: "#7b6fb0",
+    Verdict.SOLVED: "#a9d8b8", ANOTHER_LAW: "#f0d264", POLYGON: "#cdb27a",
+    Verdict.NEAR_MISS: "#f4a259", Verdict.UNSOLVED: "#7b6fb0",
     Verdict.WRONG: "#d62728", Verdict.TIMEOUT: "#6b6b6b", Verdict.CRASHED: "#111111", Verdict.UNJUDGEABLE: "#c8ccd2",
     Verdict.SKIPPED: "#eef0f2",
 }  # fmt: skip
@@ -129,7 +131,8 @@ def _verdicts(cells: MapCells) -> dict[str, Field]:
         tooltips = _at(cells, rows) + ": " + rows["verdict"] + residual.map(lambda value: f", residual {value:.1e}")
         tooltips += rows["reason"].map(lambda reason: f"; {reason}" if reason else "") + " · " + rows["key"]
         tooltips = tooltips.where(rows["verdict"] != Verdict.RELAXED, "")  # no failure: the model is solved
-        fields[label] = Field(label + share, rows, rows["verdict"].map(VERDICT).fillna(INK), VERDICT[Verdict.SOLVED], tooltips)
+        ended = pd.Series(endings(rows), index=rows.index)
+        fields[label] = Field(label + share, rows, ended.map(VERDICT).fillna(INK), VERDICT[Verdict.SOLVED], tooltips)
     return fields
 
 

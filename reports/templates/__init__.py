@@ -17,7 +17,7 @@ from frictionbench.reports.drawing.svg import on_page
 from frictionbench.reports.drawing.text import power, residual, seconds
 from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.results.cells import scene_title
-from frictionbench.results.laws import ENDINGS
+from frictionbench.results.laws import ENDINGS, ending
 
 
 def script(name: str) -> tuple[Markup, str]:
@@ -55,6 +55,7 @@ def environment() -> Environment:
         "records": lambda table: table.to_dict("records"),
         "rerun": lambda key, run: shlex.join(["frictionbench", "rerun", str(run.folder), key]),
         "scene": lambda row: scene_title(row["scene"], row["parameters"]),
+        "ending": ending,
         "svg": _svg,
         "json": as_json,
     }

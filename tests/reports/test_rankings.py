@@ -141,7 +141,7 @@ def test_percentiles_and_budget_by_hand(tmp_path):
     table = accuracy.percentiles(accuracy.overall(run.times[1e-8])[PLANE], 40e-3).loc["a"]
     assert table.tolist() == pytest.approx([50e-3, 99e-3, np.inf, 0.4])
     (motion,) = motions(read_run(write_folder(tmp_path / "run", rows), budget=40e-3))
-    assert (motion.steps, motion.table.loc["a", "p99"]) == (100, pytest.approx(99e-3))
+    assert (motion.problems, motion.table.loc["a", "p99"]) == (100, pytest.approx(99e-3))
     page = write_report(tmp_path / "run", read_run(tmp_path / "run", budget=40e-3)).read_text(encoding="utf-8")
     assert "within 40 ms" in page
     assert "100 problems of a motion" in page
