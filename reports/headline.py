@@ -45,4 +45,4 @@ def _winner(by: RankBy, choice: Choice) -> str:
     name = f"{best.label} ({best.law})" if best.law else best.label
     mean, solved = f"with a mean of {seconds(best.mean)}{form}", f"{best.reached} of {choice.problems} solved"
     told = f"{by.words} {name} is the fastest, {mean}, {solved}"
-    return told + (f", {choice.lead:.2g} times ahead of {choice.places[1].label}" if choice.lead else "")
+    return told + (f", {choice.lead:.3g} times ahead of {choice.places[1].label}" if choice.lead else "")

@@ -47,7 +47,7 @@ def noise(run: Run) -> Noise | None:
 
 def sentence(found: Noise, cells: int) -> str:
     """The noise in words; without what has changed. cells: how many were run."""
-    told = f"Timing noise: median +{100 * (found.median - 1):.0f} %, worst ×{found.worst:.2g}, "
+    told = f"Timing noise: median +{100 * (found.median - 1):.0f} %, worst ×{found.worst:.3g}, "
     told += f"of the {found.cells} of {cells} cells that shared their core"
     if found.once:
         told += f" ({found.once} of them timed once, whose noise is not known)"
