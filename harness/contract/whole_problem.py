@@ -25,8 +25,8 @@ def friction_bias(subject: Subject) -> Violations:
 @check("Satisfy F v + joint_bias = 0 exactly (problem.W contains the joints), or declare lacks=('joints',).")
 def joints(subject: Subject) -> Violations:
     for d in (2, 3):
-        held = changed(contact(d), joints=np.eye(d)[1:2], joint_bias=np.array([0.5]))
-        yield from _claimed(subject, held, "that a joint moves at 0.5 m/s")
+        held = changed(contact(d), joints=np.array([[0.6, 1.0, 0.0]])[:, :d], joint_bias=np.array([0.5]))
+        yield from _claimed(subject, held, "with a joint that moves at 0.5 m/s")
     for problem in ordinary():
         random, nv = np.random.default_rng(0), len(problem.free_velocity)
         rows = random.standard_normal((2, nv)) * np.sqrt(problem.mass.diagonal())

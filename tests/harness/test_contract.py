@@ -9,9 +9,10 @@ import pytest
 from typer.testing import CliRunner
 
 from frictionbench.harness.cli import app
+from frictionbench.harness.contract.change import changed as with_fields
 from frictionbench.harness.contract.check import CHECKS, Subject
 from frictionbench.harness.contract.examine import GROUPS
-from frictionbench.solvers import Answer, Status, find
+from frictionbench.solvers import Answer, Status, find, solve
 
 GOOD = "interior_point"
 
@@ -53,6 +54,10 @@ SPOILT = {
     "answer_format": lambda self, problem, answer, *_: Answer(np.vstack([answer.impulse, answer.impulse]), answer.status),
     "no_contacts": lambda self, problem, answer, *_: None if problem.contacts else Answer(np.zeros(0), Status.FAILED),
     "single_contact": lie_where(lambda problem: problem.contacts == 1),
+    "friction_bias": lie_where(lambda problem: problem.friction_bias.any()),
+    "joints": lie_where(lambda problem: len(problem.joint_bias)),
+    "bias": lie_where(lambda problem: (problem.bias < 0).any()),
+    "islands": lie_where(lambda problem: problem.velocity_scale > 1e5),
     "redundant_contacts": lie_where(lambda problem: problem.contacts > 8),
     "duplicated_contacts": lie_where(lambda problem: len(problem.friction) > 2 and problem.bias[0] == problem.bias[1]),
     "frictionless": lie_where(lambda problem: not problem.friction.any()),
@@ -71,7 +76,7 @@ SPOILT = {
 
 def test_each_check_has_a_failing_solver() -> None:
     assert SPOILT.keys() == CHECKS.keys()
-    assert len(GROUPS) == 4
+    assert len(GROUPS) == 5
 
 
 @pytest.mark.parametrize("name", CHECKS)
@@ -83,6 +88,37 @@ def test_good_solver_passes(name) -> None:
 def test_failing_solver_is_reported(name) -> None:
     subject = Subject(find(GOOD)[0], Spoiled(SPOILT[name]))
     assert list(CHECKS[name].violations(subject))
+
+
+def less_accurate(self, problem, answer, *_):
+    """As of a solver that stops by the largest velocity of the whole problem."""
+    off = 1e-7 * problem.velocity_scale / problem.scale
+    return changed(answer, impulse=answer.impulse + off[:, None] * np.eye(problem.dimension)[0])
+
+
+IGNORANT = {
+    "friction_bias": lambda problem: with_fields(problem, friction_bias=0 * problem.friction_bias),
+    "joints": lambda problem: with_fields(problem, joints=None, joint_bias=None),
+    "bias": lambda problem: with_fields(problem, bias=np.maximum(problem.bias, 0)),
+}
+
+
+@pytest.mark.parametrize("field", IGNORANT)
+def test_solver_that_ignores_a_field_is_told(field) -> None:
+    def ignore(self, problem, *_):
+        return solve(IGNORANT[field](problem), GOOD, tol=1e-8)
+
+    found = list(CHECKS[field].violations(Subject(find(GOOD)[0], Spoiled(ignore))))
+    assert found
+    assert all("claimed solved within 1e-06; the residual is" in violation for violation in found)
+    assert field.replace("_", " ") in CHECKS[field].advice.replace("_", " ")
+
+
+def test_solver_that_stops_by_the_fastest_island_is_told() -> None:
+    found = list(CHECKS["islands"].violations(Subject(find(GOOD)[0], Spoiled(less_accurate))))
+    assert any("beside an island" in violation for violation in found)
+    assert any("are open by" in violation for violation in found)
+    assert "problem.units" in CHECKS["islands"].advice
 
 
 def test_crashing_solver_is_reported(tmp_path: Path) -> None:
