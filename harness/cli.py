@@ -43,6 +43,16 @@ def about(
     pass
 
 
+@app.command()
+def fairness(solver: options.Solvers = None) -> None:
+    """Time each outside solver beside a call of its library by hand: what it is charged over what it costs its user."""
+    from rich.console import Console
+
+    from frictionbench.harness.commands.charged import charged_table
+
+    Console().print(charged_table(solver or []))
+
+
 @app.command("list")
 def list_(what: options.Listing) -> None:
     """List the scenes, the solvers or the suites."""

@@ -34,6 +34,14 @@ invariance. The checks that each solver fails, with the first violation, and the
 in docs/outside.tsv by `python -m frictionbench.harness.commands.outcomes`. A solver of a relaxation or of regularised contacts
 is checked against its own model.
 
+`frictionbench fairness` times each adapter in turn with a call of its library by hand (harness/direct.py) at 2, 10 and 40
+contacts; tests/solvers/outside/test_direct.py compares their answers. `daqp` and `quadprog`, whose calls take some ten µs at
+two contacts, are charged about twice a call by hand up to 10 contacts: the dimensionless program, which gives tolerances one
+meaning, has a fixed cost. A library in another process (Siconos, GAMS' PATH) is compared by its own clock.
+
+`default` and `tuned` are a library's options as a user gets them and as its documentation allows; tolerances and work limits
+are set in both.
+
 **To dispute a section**: open an issue with a problem file (`frictionbench export`, or any that `frictionbench solve` reads)
 and the result that the solver should give, or a pull request for its file, which is under 80 lines; the figures are then
 computed again.
