@@ -39,9 +39,10 @@ def __dir__() -> list[str]:
 
 
 def profiles(results: Results | str | Path, *, ax: Axes | None = None, panel: str | int = 0) -> Axes:
-    """Performance profiles: the share of problems brought within a residual in at most tau times the fastest solver's time.
+    """Performance profiles: the weighted share of problems brought within a residual in at most tau times the least time.
 
-    A panel per target, the coarsest first. Bands hold 95 % of bootstrap profiles and are drawn for up to three solvers.
+    A panel per target and dimension, the coarsest target first. Bands hold 95 % of bootstrap profiles and are drawn for up to
+    three solvers.
 
     results: a results folder, or what `read_results` returns. ax: by default pyplot's current axes. panel: a title of
     `titles`, or its position.
@@ -56,7 +57,9 @@ def profiles(results: Results | str | Path, *, ax: Axes | None = None, panel: st
 
 
 def work(results: Results | str | Path, *, ax: Axes | None = None, panel: str | int = 0) -> Axes:
-    """Performance profiles on deterministic counts in place of times, within the tightest target; a panel per counter.
+    """Performance profiles on deterministic counts in place of times, within the tightest target.
+
+    A panel per dimension and counter.
 
     results: a results folder, or what `read_results` returns. ax: by default pyplot's current axes. panel: a title of
     `titles`, or its position.
