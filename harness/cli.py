@@ -17,6 +17,7 @@ import typer
 from frictionbench.harness.commands import options
 from frictionbench.harness.streams import Unwritable, standard_streams
 from frictionbench.results.conventions import DEFAULT_SCHEME
+from frictionbench.results.printable import printable
 from frictionbench.results.rank_by import RankBy
 
 app = typer.Typer(
@@ -464,5 +465,5 @@ def _command() -> None:
 def _message(error: Exception) -> str:
     """The error's message; of an error of the system the file and the reason."""
     if isinstance(error, OSError) and error.filename and error.strerror:
-        return f"{error.filename}: {error.strerror}"
-    return str(error)
+        return printable(f"{error.filename}: {error.strerror}")
+    return "\n".join(map(printable, str(error).splitlines()))

@@ -11,10 +11,11 @@ import pandas as pd
 
 from frictionbench.reports import choice, leave_out, noise, tables
 from frictionbench.reports.accuracy import overall, percentiles
-from frictionbench.reports.drawing.text import power, seconds
+from frictionbench.reports.drawing.text import code, escaped, power, seconds
 from frictionbench.reports.headline import headline
 from frictionbench.reports.reliability import reliabilities, sentences
 from frictionbench.reports.run import Run
+from frictionbench.results.files import write_text
 from frictionbench.results.verdicts import Verdict, measured
 
 BANDS = ((0, 4), (4, 20), (20, 100), (100, np.inf))  # contacts
@@ -24,17 +25,17 @@ def write_markdown(folder: Path, run: Run) -> Path:
     """Write DIR/report.md; return its path."""
     parts = [
         _head(run),
-        *(f"{line}\n" for line in _first(run)),
+        *(f"{escaped(line)}\n" for line in _first(run)),
         _which(run),
         *(_percentiles(run, where, times) for where, times in overall(run.times[run.outer_targets[-1]]).items()),
-        *(f"**{what}**: {names}.\n" for what, names in sentences(run)),
+        *(f"**{what}**: {escaped(names)}.\n" for what, names in sentences(run)),
         _exact(run),
         *(_times(run, dimension) for dimension in (2, 3)),
         _clocks(run),
         _skipped(run),
     ]
     path = folder / "report.md"
-    path.write_text("\n".join(part for part in parts if part), encoding="utf-8")
+    write_text(path, "\n".join(part for part in parts if part).replace("<", "&lt;"))  # it holds no HTML of our own
     return path
 
 
@@ -42,9 +43,12 @@ def _head(run: Run) -> str:
     settings, machine = run.manifest.get("settings", {}), run.manifest.get("machine", {})
     problems = run.ranked.drop_duplicates("problem_id")
     return (
-        f"Suite {settings.get('suite')}, finished {run.manifest.get('finished', 'never')}, {machine.get('processor')}, "
-        f"{machine.get('cores')} cores: {len(problems)} ranked problems, "
-        f"{run.ranked['label'].nunique()} solvers, time limit {settings.get('time_limit')} s.\n"
+        escaped(
+            f"Suite {settings.get('suite')}, finished {run.manifest.get('finished', 'never')}, {machine.get('processor')}, "
+            f"{machine.get('cores')} cores: {len(problems)} ranked problems, "
+            f"{run.ranked['label'].nunique()} solvers, time limit {settings.get('time_limit')} s."
+        )
+        + "\n"
     )
 
 
@@ -83,9 +87,9 @@ def _describe(found: choice.Choice | None) -> str:
     if found is None or found.winner is None:
         return "too few to rank" if found else "none"
     best, rate = found.winner, f", wins {found.win_rate:.0%} of bootstrap samples"
-    lead = "" if found.lead is None else f", {found.lead:.1f} times ahead of {_name(found.places[1].label)}{rate}"
+    lead = "" if found.lead is None else f", {found.lead:.1f} times ahead of {code(found.places[1].label)}{rate}"
     law = f" ({best.law})" if best.law else ""
-    return f"**{_name(best.label)}**{law} {seconds(best.mean)}{lead} ({best.reached}/{found.problems})"
+    return f"**{code(best.label)}**{law} {seconds(best.mean)}{lead} ({best.reached}/{found.problems})"
 
 
 def _percentiles(run: Run, where: str, times: pd.DataFrame) -> str:
@@ -95,7 +99,7 @@ def _percentiles(run: Run, where: str, times: pd.DataFrame) -> str:
     body = []
     for label, row in zip(table.index, table.to_dict("records"), strict=True):
         within = [] if run.budget is None else [f"{100 * row['within']:.3g} %"]
-        body.append([_name(str(label)), *(seconds(row[name], 3) for name in shown), *within])
+        body.append([code(str(label)), *(seconds(row[name], 3) for name in shown), *within])
     budget = [] if run.budget is None else [f"within {seconds(run.budget)}"]
     title = f"## Percentiles {where}, {run.rank_by.words} ({run.rank_by.parts}), to {power(run.outer_targets[-1])}"
     return _table(title, ["solver", *shown, *budget], body)
@@ -104,7 +108,7 @@ def _percentiles(run: Run, where: str, times: pd.DataFrame) -> str:
 def _exact(run: Run) -> str:
     """For each label the number of problems at the tightest tolerance, and how many ended with each result."""
     names = ["problems", "exact", "own model", Verdict.NEAR_MISS, Verdict.WRONG, Verdict.TIMEOUT, Verdict.CRASHED]
-    body = [[_name(one.label), *map(str, one[1:])] for one in reliabilities(run)]
+    body = [[code(one.label), *map(str, one[1:])] for one in reliabilities(run)]
     return _table(f"## Reliability at {power(run.ranked['tol'].min())}", ["solver", "model", *names], body)
 
 
@@ -122,7 +126,7 @@ def _times(run: Run, dimension: int) -> str:
             parts = [good[f"{step}_time"].median() for step in ("form", "setup", "solve")]
             shown = " + ".join(f"{1e3 * part:.2g}" for part in parts)
             cells.append(f"{shown} ({len(good)}/{band.sum()})" if len(good) else f"– (0/{band.sum()})")
-        body.append([_name(str(label)), *cells])
+        body.append([code(str(label)), *cells])
         order.append((-own["own_solved"].sum(), own.loc[own["own_solved"], "time"].median()))
     body = [body[i] for i in sorted(range(len(body)), key=order.__getitem__)]
     where = "the plane" if dimension == 2 else "space"
@@ -141,7 +145,7 @@ def _clocks(run: Run) -> str:
         for low, high in BANDS:
             times = own.loc[(own["contacts"] > low) & (own["contacts"] <= high), ["solve_time", "clock_time"]].median() * 1e3
             shown.append("–" if times.isna().any() else f"{times['solve_time']:.2g} / {times['clock_time']:.2g}")
-        body.append([_name(str(label)), *shown, f"{ratio:.2g}"])
+        body.append([code(str(label)), *shown, f"{ratio:.2g}"])
     title = "## Solve times measured by the benchmark / by the library, ms, where they differ by more than a tenth"
     return _table(title, ["solver", *_bands(), "ratio"], body) if body else ""
 
@@ -153,11 +157,7 @@ def _bands() -> list[str]:
 def _skipped(run: Run) -> str:
     found = tables.reasons(run)
     found = found[(found["verdict"] == Verdict.SKIPPED) & found["reason"].str.contains("not installed")]
-    return "".join(f"Skipped: {_name(row['label'])}, {row['reason']}.  \n" for _, row in found.iterrows())
-
-
-def _name(label: str) -> str:
-    return f"`{label}`"
+    return "".join(f"Skipped: {code(row['label'])}, {escaped(row['reason'])}.  \n" for _, row in found.iterrows())
 
 
 def _table(title: str, heads: list[str], rows: list[list[str]]) -> str:

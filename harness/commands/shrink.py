@@ -3,11 +3,11 @@
 from math import inf
 from pathlib import Path
 
+from frictionbench.harness.commands.stored_cell import stored_cell
 from frictionbench.harness.commands.trusted import trusted
 from frictionbench.harness.shrink import shrink_rows
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.recorded.own import load
-from frictionbench.results import store
 from frictionbench.results.shrunk import FOLDER
 from frictionbench.results.verdicts import Verdict
 
@@ -18,12 +18,11 @@ def shrink(folder: Path, key: str, named: list[str]) -> tuple[Path, FrictionProb
     named: outside solvers that the user trusts. Errors: as of store.find_row, and InputError where the row did not fail, or its
     solver is neither ours nor among the named.
     """
-    settings = store.read_manifest(folder)["settings"]
-    _, row = store.find_row(folder, key, ["solves"])
+    _, row, settings, memory_limit = stored_cell(folder, key, ["solves"])
     key = row["key"]
     if row["verdict"] in (Verdict.SOLVED, Verdict.SKIPPED):
         raise InputError(f"row: {key} is {row['verdict']}; only failing rows can be shrunk")
-    ((_, found),) = shrink_rows(folder, [row], trusted(row, settings, named), settings["memory_limit"], 1, inf)
+    ((_, found),) = shrink_rows(folder, [row], trusted(row, settings, named), memory_limit, 1, inf)
     if not found.file:
         raise InputError(f"row: {key} does not fail again from a cold start; it was not shrunk")
     path = folder / FOLDER / found.file

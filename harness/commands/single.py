@@ -12,6 +12,7 @@ import numpy as np
 from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.collect import Record, collect, stored
 from frictionbench.harness.cells.rows import PROBLEM_FACTS
+from frictionbench.harness.commands.stored_cell import stored_cell
 from frictionbench.harness.commands.table import columns, paragraph, screen
 from frictionbench.harness.commands.trusted import trusted
 from frictionbench.harness.plans.plan import Plan, Plugin, SimulationCell, SolveCell, Source, origin, owner
@@ -22,10 +23,10 @@ from frictionbench.harness.workers.pool import Pool
 from frictionbench.harness.workers.task import Task
 from frictionbench.problems import InputError
 from frictionbench.problems.spec import parse
-from frictionbench.results import store
+from frictionbench.results.cells import counts
 from frictionbench.results.laws import ending
+from frictionbench.results.printable import printable
 from frictionbench.results.rank_by import RankBy
-from frictionbench.results.schema import TABLES
 from frictionbench.results.store import Row
 from frictionbench.results.verdicts import RANK, Verdict
 from frictionbench.solvers import available, find
@@ -121,9 +122,7 @@ def rerun_row(folder: Path, key: str, named: list[str]) -> tuple[Row, Row]:
 
     Errors: as of store.find_row, and InputError where the row has no problem, or its solver is neither ours nor among named.
     """
-    settings = store.read_manifest(folder)["settings"]
-    table, row = store.find_row(folder, key)
-    row = dict.fromkeys(column.name for column in TABLES[table]) | row  # shards leave out nulls
+    table, row, settings, memory_limit = stored_cell(folder, key)
     if table == "solves" and not row["problem"]:
         raise InputError(f"row: {row['key']} has no problem to run again: {row['reason']}")
     plugins = trusted(row, settings, named)
@@ -131,7 +130,7 @@ def rerun_row(folder: Path, key: str, named: list[str]) -> tuple[Row, Row]:
     with tempfile.TemporaryDirectory() as name:
         if table == "solves":
             (Path(name) / "problems").symlink_to((folder / "problems").resolve())
-        with Pool(Path(name), 1, plugins, settings["memory_limit"]) as pool:
+        with Pool(Path(name), 1, plugins, memory_limit) as pool:
             (outcome,) = pool.run([task])
     return row, row_of(outcome, plugins)
 
@@ -139,7 +138,8 @@ def rerun_row(folder: Path, key: str, named: list[str]) -> tuple[Row, Row]:
 def show_rerun(folder: Path, key: str, named: list[str]) -> None:
     """Run the cell of a row again and print both rows. Errors: as of rerun_row."""
     row, again = rerun_row(folder, key, named)
-    _show(f"{row['key']}: {row['scene']} {row['parameters']}, tolerance {row['tol']:g}", {"stored": row, "rerun": again})
+    title = printable(f"{row['key']}: {row['scene']} {row['parameters']}, tolerance {row['tol']:g}")
+    _show(title, {"stored": row, "rerun": again})
 
 
 def _collect(problem: str, folder: Path) -> Record:
@@ -171,12 +171,13 @@ def _show(title: str, rows: dict[str, Row], rank_by: RankBy = RankBy.BODIES) -> 
     lines, remarks = [], []
     for label, row in rows.items():
         times = [_time(row.get(name)) for name in ("form_time", "setup_time", "solve_time")]
-        work = ", ".join(f"{key} {value}" for key, value in json.loads(row.get("work") or "{}").items())
+        work = ", ".join(f"{key} {value}" for key, value in counts(row.get("work")).items())
         verdict = ending(row["verdict"], row["model"])
         results = (verdict, _number(row.get("residual")), _time(_seconds(row, rank_by)), _number(row.get("model_residual")))
-        lines.append((label, row["variant"], *results, *times, (row.get("status") or "").lower(), work))
+        told = (label, row["variant"], *results, *times, (row.get("status") or "").lower(), work)
+        lines.append(tuple(map(printable, told)))
         if row.get("reason"):
-            remarks.append(f"{label} {row['variant']}: {row['reason']}")
+            remarks.append(printable(f"{label} {row['variant']}: {row['reason']}"))
     header = ("", "solver", "verdict", "residual", "time", "model residual", "form", "setup", "solve", "status", "work")
     width = screen()
     print(title, *columns(header, lines, width, ("work", "status", "model residual", "form", "setup", "solve")), sep="\n")

@@ -13,6 +13,7 @@ from rich.text import Text
 from frictionbench.reports.drawing.text import seconds
 from frictionbench.results.cells import format_counts, parse_counts, read
 from frictionbench.results.files import ResultsError
+from frictionbench.results.printable import printable
 from frictionbench.results.verdicts import ACCEPTED
 
 
@@ -31,8 +32,10 @@ def history(paths: Iterable[Path]) -> Table:
         common = _common([cells for _, cells in own])
         good = [key for key in common if all(cells["verdict"][key] in ACCEPTED for _, cells in own)]
         for i, (run, cells) in enumerate(own):
-            first = Text("" if i else variant)
-            table.add_row(first, Text(str(run.path)), run.made[:10], Text(run.code), *_line(cells.loc[common], good))
+            first = Text("" if i else printable(variant))
+            table.add_row(
+                first, Text(str(run.path)), printable(run.made[:10]), Text(printable(run.code)), *_line(cells.loc[common], good)
+            )
     if not table.row_count:
         raise ResultsError("history: no cell was measured in these runs")
     return table

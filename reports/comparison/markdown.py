@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from frictionbench.reports.drawing.text import seconds
+from frictionbench.reports.drawing.text import code, escaped, seconds
 from frictionbench.results.changes import GONE, Change, Flip, Growth
 from frictionbench.results.compare import Comparison
 from frictionbench.results.times import Time, overall
@@ -19,11 +19,11 @@ LONGEST = 60_000  # characters; a comment on GitHub may have 65 536
 
 def markdown(comparison: Comparison) -> str:
     """The comparison as a page of Markdown."""
-    runs = f"{_code(str(comparison.current))} against {_code(str(comparison.baseline))}"
+    runs = f"{code(str(comparison.current))} against {code(str(comparison.baseline))}"
     if comparison.unusable:
-        return f"## Not comparable\n\n{runs}: {_code(comparison.unusable)}\n"
+        return f"## Not comparable\n\n{runs}: {code(comparison.unusable)}\n"
     counts = " · ".join(f"{name} {count}" for name, count in comparison.counts.items())
-    parts = [f"## {counts}", f"{runs}.", *map(_text, comparison.notes)]
+    parts = [f"## {counts}", f"{runs}.", *map(escaped, comparison.notes)]
     if comparison.untimed:
         parts.append(
             f"Times are not compared: {comparison.untimed}. `--confirm --code` runs both versions alternately on this machine."
@@ -35,7 +35,7 @@ def markdown(comparison: Comparison) -> str:
             if found.variant == variant
         ]
         if own:
-            parts += [f"### {_code(variant)}{_state(own)}", *_changes(comparison, own)]
+            parts += [f"### {code(variant)}{_state(own)}", *_changes(comparison, own)]
     if comparison.times:
         parts += ["### Times", *_times(comparison)]
     whole = list(takewhile(lambda size: size < LONGEST, accumulate(len(part) + 2 for part in parts)))
@@ -92,19 +92,19 @@ def _changes(comparison: Comparison, own: Sequence[Change]) -> Iterator[str]:
 def _flip(comparison: Comparison, flip: Flip) -> list[str]:
     residuals = [f"{value:.1e}" if np.isfinite(value) else "–" for value in (flip.residual_before, flip.residual_after)]
     command = rerun_command(comparison, flip)
-    cell = [_code(flip.scene), flip.step or flip.table, f"{flip.tol:g}"]
-    return [_bold(format_verdicts(flip), flip), *cell, " → ".join(residuals), _code(command) if command else ""]
+    cell = [code(flip.scene), flip.step or flip.table, f"{flip.tol:g}"]
+    return [_bold(format_verdicts(flip), flip), *cell, " → ".join(residuals), code(command) if command else ""]
 
 
 def _growth(growth: Growth) -> list[str]:
     ratio = f"×{growth.ratio:.2f}" if np.isfinite(growth.ratio) else ""
     sums = ["none" if count is None else str(count) for count in (growth.before, growth.after)]
-    return [_bold(_text(growth.counter), growth), *sums, ratio, str(growth.cells)]
+    return [_bold(escaped(growth.counter), growth), *sums, ratio, str(growth.cells)]
 
 
 def _remark(found: Change) -> str:
     reason = found.reason if isinstance(found, Flip) else ""
-    return _code(f"acknowledged: {found.known}" if found.known else reason) if found.known or reason else ""
+    return code(f"acknowledged: {found.known}" if found.known else reason) if found.known or reason else ""
 
 
 def _times(comparison: Comparison) -> Iterator[str]:
@@ -124,10 +124,10 @@ def _times(comparison: Comparison) -> Iterator[str]:
 def _time(time: Time) -> list[str]:
     ratio = f"×{time.ratio:.2f}"
     interval = f"{time.low:.2f} to {time.high:.2f}" if np.isfinite(time.high) else "~"
-    known = f", acknowledged: {_text(time.known)}" if time.known else ""
+    known = f", acknowledged: {escaped(time.known)}" if time.known else ""
     p = f"{time.p:.2g}" if np.isfinite(time.p) else ""
     shown = f"{ratio} {'' if time.significant else '~'}".strip()
-    names = [_code(time.variant), seconds(time.before), seconds(time.after)]
+    names = [code(time.variant), seconds(time.before), seconds(time.after)]
     return [*names, _bold(shown, time) + known, interval, p, str(time.n), str(time.cells)]
 
 
@@ -144,13 +144,3 @@ def _table(heads: list[str], rows: list[list[str]], last: list[str] | None = Non
     if rest := lines[LISTED:]:
         cut = ["", f"and {len(rest) - FOLDED} more."] if len(rest) > FOLDED else []
         yield "\n".join([f"<details><summary>{len(rest)} more</summary>", "", *head, *rest[:FOLDED], *cut, "", "</details>"])
-
-
-def _code(text: str) -> str:
-    """Text as Markdown code that cannot leave its table cell."""
-    return "`" + " ".join(text.split()).replace("`", "'").replace("|", "\\|") + "`"
-
-
-def _text(text: str) -> str:
-    """Text with Markdown's table and HTML characters escaped."""
-    return " ".join(text.split()).replace("|", "\\|").replace("<", "&lt;")

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from frictionbench.results.printable import printable
+
 
 def plain(text: str, longest: int = 48) -> str:
     """Text for a figure: cut to length, characters that the font or XML lacks replaced, and a leading underscore, which would
@@ -10,6 +12,16 @@ def plain(text: str, longest: int = 48) -> str:
     shown = "".join(c if c.isprintable() else "?" for c in latin)
     shown = shown if len(shown) <= longest else shown[: longest - 3] + "..."
     return " " + shown if shown.startswith("_") else shown
+
+
+def code(text: str) -> str:
+    """Text as Markdown code that cannot leave its table cell."""
+    return "`" + printable(text).replace("`", "'").replace("|", "\\|") + "`"
+
+
+def escaped(text: str) -> str:
+    """Text with the characters escaped that begin tables, links and tags in Markdown."""
+    return printable(text).replace("|", "\\|").replace("[", "\\[").replace("<", "&lt;")
 
 
 def seconds(value: float, digits: int = 2) -> str:

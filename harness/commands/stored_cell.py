@@ -1,0 +1,64 @@
+"""A cell of a results folder that is to run again: what it needs, checked, because the folder may come from someone else."""
+
+import json
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from frictionbench.problems.check import require
+from frictionbench.problems.scenes.catalogue import scenes
+from frictionbench.problems.schemes import require_scheme
+from frictionbench.results import store
+from frictionbench.results.conventions import KEEP_ANSWER, KEEP_VELOCITY, RELAX
+from frictionbench.results.schema import TABLES
+from frictionbench.results.store import Row
+
+# Limits within which a solver can be judged: with less than these, a fault of the folder would be told as the solver's.
+LEAST_SECONDS, MOST_SECONDS = 1e-3, 1e6
+LEAST_MEMORY, MOST_STEPS = 2**28, 10**6  # bytes, steps
+
+
+class StoredCell(NamedTuple):
+    """A row with all columns, its table, and the settings of its run with a memory limit in bytes."""
+
+    table: str
+    row: Row
+    settings: dict[str, Any]
+    memory_limit: int
+
+
+def stored_cell(folder: Path, key: str, tables: Sequence[str] = tuple(TABLES)) -> StoredCell:
+    """The cell of a row. Errors: as of store.find_row, and InputError naming the setting or column that cannot be used."""
+    settings = store.read_manifest(folder)["settings"]
+    table, row = store.find_row(folder, key, tables)
+    row = dict.fromkeys(column.name for column in TABLES[table]) | row  # shards leave out nulls
+    memory = settings.get("memory_limit")
+    require(type(memory) is int and LEAST_MEMORY <= memory < 2**60, "settings.memory_limit", f"cannot be {memory!r:.100}")
+    for name in ("variant", "scene", "verdict", "parameters", *(["scheme"] if table == "simulations" else ["start"])):
+        require(isinstance(row[name], str), name, "is missing from the row")
+    _positive(row, "tol", 0.0, 1e300)
+    _positive(row, "time_limit", LEAST_SECONDS, MOST_SECONDS)
+    try:
+        parameters = json.loads(row["parameters"])
+    except (ValueError, RecursionError):
+        parameters = None
+    require(isinstance(parameters, dict), "parameters", "not a JSON object")
+    if table == "simulations":
+        require_scheme(row["scheme"])
+        require(
+            row["after_failure"] in (KEEP_ANSWER, KEEP_VELOCITY, RELAX),
+            "after_failure",
+            f"unknown: {row['after_failure']!r:.100}",
+        )
+        steps = row["steps"]
+        require(steps is None or 0 < steps <= MOST_STEPS, "steps", f"cannot be {steps}")
+        require(row["scene"] in scenes(), "scene", f"unknown scene {row['scene']!r:.100}")
+    elif row["problem"]:
+        require(re.fullmatch("[0-9a-f]+", row["problem"]) is not None, "problem", f"not a hash: {row['problem']!r:.100}")
+    return StoredCell(table, row, settings, memory)
+
+
+def _positive(row: Row, name: str, least: float, most: float) -> None:
+    value = row[name]
+    require(value is not None and value > 0 and least <= value <= most, name, f"cannot be {value}")

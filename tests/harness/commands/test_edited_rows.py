@@ -1,0 +1,101 @@
+"""rerun and shrink on rows and manifests that someone edited: exit 0 or 2 with one line."""
+
+import json
+import shutil
+
+import pytest
+
+from frictionbench.problems import scene
+from frictionbench.problems.recorded.own import save
+from frictionbench.results import store
+from frictionbench.results.conventions import DEFAULT_SCHEME, KEEP_ANSWER
+from tests.helpers.command_line import frictionbench
+from tests.helpers.made_results import SETTINGS, simulation_row, solve_row, write_folder
+
+KEEP = object()
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    problem = scene("stack", blocks=1).problem()
+    given = {"scene": "stack", "parameters": '{"blocks": 1}', "verdict": "unsolved", "time_limit": 5.0}
+    simulation = simulation_row("lemke", **given, scheme=DEFAULT_SCHEME, after_failure=KEEP_ANSWER, steps=2)
+    folder = write_folder(
+        tmp_path_factory.mktemp("run"),
+        [solve_row("lemke", problem.hash, **given)],
+        [simulation],
+        settings=SETTINGS | {"memory_limit": 2**32},
+    )
+    (folder / "problems").mkdir()
+    save(problem, folder / "problems" / f"{problem.hash}.npz")
+    return folder
+
+
+def edited(finished, tmp_path, table, settings, **columns):
+    """A copy of the run with one row of the table and the settings changed; the row's key."""
+    folder = shutil.copytree(finished, tmp_path / "run")
+    manifest = store.read_manifest(folder)
+    manifest["settings"] |= settings
+    for name in [name for name, value in settings.items() if value is KEEP]:
+        del manifest["settings"][name]
+    store.write_manifest(folder, manifest)
+    row = next(iter(store.rows(folder, table))) | columns
+    for shard in (folder / "shards").glob(f"{table}-*"):
+        shard.unlink()
+    (folder / "shards" / f"{table}-0.jsonl").write_text(json.dumps(row) + "\n", encoding="utf-8")
+    return folder, row["key"]
+
+
+COLUMNS = [
+    *(
+        {name: value}
+        for name in ("tol", "time_limit")
+        for value in (None, -1.0, 0.0, float("nan"), float("inf"), 1e-200, 1e300)
+    ),
+    *(
+        {name: value}
+        for name in ("variant", "scene", "parameters", "work")
+        for value in (None, "", "{", "[", "[1]", "\x1b[31m")
+    ),
+    *({"problem": value} for value in (None, "../../etc/passwd", "abc", "\x00")),
+    *({"start": value} for value in (None, "warmest", "")),
+    *({"verdict": value} for value in (None, "fine")),
+]
+
+
+@pytest.mark.parametrize("columns", COLUMNS, ids=str)
+def test_edited_solve_rows(finished, tmp_path, columns) -> None:
+    folder, key = edited(finished, tmp_path, "solves", {}, **({"verdict": "unsolved"} | columns))
+    for command in ("rerun", "shrink"):
+        done = frictionbench(command, str(folder), key)
+        assert done.returncode in (0, 2), done
+        assert len(done.stderr.strip().splitlines()) == (done.returncode == 2), done
+        assert "\x1b" not in done.stdout + done.stderr
+
+
+@pytest.mark.parametrize(
+    "columns",
+    [
+        {"scheme": None},
+        {"scheme": "x"},
+        {"after_failure": "x"},
+        {"steps": -3},
+        {"steps": 10**15},
+        {"scene": "x"},
+        {"tol": None},
+    ],
+    ids=str,
+)
+def test_edited_simulation_rows(finished, tmp_path, columns) -> None:
+    folder, key = edited(finished, tmp_path, "simulations", {}, **columns)
+    done = frictionbench("rerun", str(folder), key)
+    assert (done.returncode, len(done.stderr.strip().splitlines())) == (2, 1), done
+
+
+@pytest.mark.parametrize("limit", [KEEP, None, True, "much", -1, 0, 1, 10**40, 1.5, [], float("nan")], ids=str)
+def test_edited_memory_limit(finished, tmp_path, limit) -> None:
+    folder, key = edited(finished, tmp_path, "solves", {"memory_limit": limit}, verdict="unsolved")
+    for command in ("rerun", "shrink"):
+        done = frictionbench(command, str(folder), key)
+        assert done.returncode == 2, done
+        assert done.stderr.startswith("frictionbench: settings.memory_limit: cannot be"), done
