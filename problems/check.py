@@ -64,12 +64,12 @@ def rows(field: str, value: Any, shape: tuple[int | None, int]) -> Rows:
     Errors: InputError naming the field.
     """
     if isinstance(value, Rows):
-        good, *parts = copied(*value, shape[1])
+        good, *parts = copied(*value, shape[1]) if len(value.start) else (False,)
         if good and shape[0] in (None, len(value.start) - 1):
             return Rows(*parts)
         raise InputError(f"{field}: expected {_show(shape)} with finite entries by rows, columns ascending and without zeros")
     if sparse.issparse(value) and value.format == "csr" and value.dtype == np.float64 and value.indptr.dtype == np.int32:
-        if shape in (value.shape, (None, value.shape[1])):
+        if shape in (value.shape, (None, *value.shape[1:])) and len(value.indptr) == value.shape[0] + 1:
             good, *parts = copied(value.indptr, value.indices, value.data, shape[1])
             if good:
                 return Rows(*parts)
@@ -84,6 +84,7 @@ def matrix(field: str, value: Any, shape: tuple[int | None, int | None]) -> spar
     """A canonical sparse matrix (rows sorted, duplicates summed, no stored zeros) with finite entries."""
     if sparse.issparse(value):
         require(value.dtype.kind in REAL, field, f"not a matrix of real numbers, but of {value.dtype}")
+        _require_consistent(field, value)
     else:
         value = floats(field, value)
     require(value.ndim == 2, field, f"expected a matrix, got shape {value.shape}")
@@ -96,6 +97,21 @@ def matrix(field: str, value: Any, shape: tuple[int | None, int | None]) -> spar
     for part in (result.data, result.indices, result.indptr):
         part.setflags(write=False)
     return result
+
+
+def _require_consistent(field: str, value: Any) -> None:
+    """Refuse a sparse matrix whose arrays do not fit together: SciPy's compiled code would read outside them."""
+    try:
+        if value.format in ("csr", "csc", "bsr"):
+            value.copy().check_format(full_check=True)  # of a copy, because it shortens arrays
+        elif value.format == "coo":
+            for index, size in zip(value.coords, value.shape, strict=True):
+                require(len(index) == len(value.data), field, "as many indices as entries are needed")
+                require(bool(((index >= 0) & (index < size)).all()), field, f"an index is not between 0 and {size - 1}")
+    except InputError:
+        raise
+    except (ValueError, TypeError, IndexError, AttributeError) as error:
+        raise InputError(f"{field}: not a sparse matrix ({error})") from None
 
 
 def floats(field: str, value: Any) -> Array:

@@ -78,7 +78,7 @@ class FrictionProblem:
         joint_bias: Any = None,
         dimension: int = 2,
     ) -> None:
-        require(dimension in (2, 3), "dimension", f"must be 2 or 3, got {dimension!r}")
+        require(_is_dimension(dimension), "dimension", f"must be 2 or 3, got {dimension!r:.100}")
         mechanics = {
             "normal": normal,
             "tangent": tangent,
@@ -104,7 +104,7 @@ class FrictionProblem:
         >>> fb.FrictionProblem.from_delassus([[0.5, 0.0], [0.0, 0.5]], [-0.1, 1.0], [0.5], d=2).contacts
         1
         """
-        require(d in (2, 3), "d", f"must be 2 or 3, got {d!r}")
+        require(_is_dimension(d), "d", f"must be 2 or 3, got {d!r:.100}")
         sizes.agree(d, {"W": W, "q": q, "friction": friction, "friction_bias": friction_bias}, {"dimension": "d"})
         law = _law(friction, friction_bias)
         return object.__new__(cls)._assign(d, *law, DelassusOperator.checked(len(law[0]), d, W, q, law[1]))
@@ -342,6 +342,10 @@ class FrictionProblem:
     def _repr_html_(self) -> str:
         rows = {"size": self.summary, "friction": extent(self.friction), "free speeds up to": self.velocity_scale}
         return html_table("FrictionProblem", rows | {"hash": self.hash})
+
+
+def _is_dimension(value: object) -> bool:
+    return isinstance(value, int | np.integer) and value in (2, 3)
 
 
 def _law(friction: Any, friction_bias: Any) -> tuple[Array, Array]:

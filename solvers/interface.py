@@ -272,6 +272,8 @@ def find(spec: str) -> tuple[SolverInfo, Solver]:
 
     Errors: InputError naming the solver or the setting that is unknown or has a value of the wrong type.
     """
+    if not isinstance(spec, str):
+        raise InputError(f"solver: expected its name as text, got {spec!r:.100}")
     if spec in _found and _found[spec][0].name in _solvers:
         return _found[spec]
     name, settings = split("solver", spec)

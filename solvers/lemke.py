@@ -29,7 +29,7 @@ from functools import lru_cache
 import numpy as np
 
 from frictionbench.problems import LCP, FrictionProblem
-from frictionbench.problems.check import Array
+from frictionbench.problems.check import Array, require
 from frictionbench.problems.compiled import kernel, part
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.interface import Answer, impulses, solver
@@ -151,6 +151,9 @@ class Lemke:
 
     restarts: int = 8
     facets: int = 8
+
+    def __post_init__(self) -> None:
+        require(self.restarts >= 0, "restarts", f"must not be negative, got {self.restarts!r}")
 
     def form(self, problem: FrictionProblem | LCP) -> ScaledLCP:
         return scaled_lcp(problem, self.facets)

@@ -21,6 +21,7 @@ from frictionbench.problems.forms.islands import delassus_graph, delassus_units,
 from frictionbench.problems.operators.operator import NO_ROWS, Operator
 from frictionbench.problems.rows import ByContact, Index64, Rows, by_contact
 
+LARGEST = 1e150  # 1/kg, of an entry; squares of larger ones overflow
 INDEFINITE = 1e-6  # of W's largest eigenvalue: recorded problems are indefinite by that much, as their files round W's digits
 
 
@@ -43,6 +44,7 @@ class DelassusOperator(Operator):
         """The operator of nc contacts of dimension d, of checked copies. Errors: InputError naming the field."""
         vector = check.vector("q", q, nc * d)
         matrix = check.matrix("W", W, (nc * d, nc * d))
+        require(abs(matrix).max() < LARGEST if matrix.nnz else True, "W", f"its entries must be below {LARGEST:g}")
         least, largest = spectrum_ends(matrix)
         require(least >= -INDEFINITE * max(largest, 0.0), "W", "not positive semidefinite")
         return cls(matrix, vector, d, friction_bias)
