@@ -1,7 +1,7 @@
 """The suite `hard`, which ranks robustness: problems with a known solution on which at least one serious method fails.
 
-The candidates are families at their edges, and no family was made with one method in mind. Which of them are in the suite
-follows from a run of all methods on all candidates at one tolerance:
+The candidates are families at their edges. The families, their grids and FEWEST were settled after a look at which problems
+fail, so that there are enough; which candidates are in the suite follows from a run of all methods at one tolerance:
 
     python -m frictionbench.harness.commands.admit DIR     runs the candidates in DIR, or goes on, and writes hard.tsv
 
