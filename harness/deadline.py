@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from mmap import mmap
 from time import monotonic
 
-COMPILE_SECONDS = 600.0  # seconds for one compilation by numba: far above any kernel's, a bound in case it hangs
+COMPILE_SECONDS = 600.0  # seconds for all that our own code compiles in a block: far above any kernel's, in case one hangs
 HARNESS_SECONDS = 600.0  # seconds for the harness's own work, such as reading and verifying: likewise a bound in case it hangs
 
 
@@ -36,9 +36,11 @@ class Deadline:
         self._moment[0] = monotonic() + seconds
 
     @contextmanager
-    def within(self, seconds: float) -> Iterator[Callable[[float], None]]:
-        """End this process if the block takes longer; the time in which numba compiles or reads its cache does not count.
+    def within(self, seconds: float, compiling: float = COMPILE_SECONDS) -> Iterator[Callable[[float], None]]:
+        """End this process if the block takes longer.
 
+        compiling: seconds in which numba may compile or read its cache and which do not count; more than so many do. They are 0
+        for the code of others, because whoever sends numba's event could stop the clock with it.
         Yields a function that resets the time left, in seconds.
         """
         from numba.core import event
@@ -46,20 +48,21 @@ class Deadline:
         deadline = self
 
         class Pause(event.Listener):
-            depth, left = 0, 0.0  # compilations nest
+            depth, left, begun, budget = 0, 0.0, 0.0, compiling  # compilations nest
 
             def on_start(self, _: object) -> None:
-                if not self.depth:
-                    self.left = deadline.left
-                    deadline.allow(COMPILE_SECONDS)
+                if not self.depth and self.budget > 0:
+                    self.left, self.begun = deadline.left, monotonic()
+                    deadline.allow(self.left + self.budget)
                     deadline._moment[1] = 1.0
                 self.depth += 1
 
             def on_end(self, _: object) -> None:
                 self.depth -= 1
-                if not self.depth:
+                if not self.depth and self.budget > 0:
                     deadline._moment[1] = 0.0
-                    deadline.allow(self.left)
+                    self.budget -= monotonic() - self.begun
+                    deadline.allow(self.left + min(self.budget, 0.0))
 
         try:
             with event.install_listener("numba:compiler_lock", Pause()):

@@ -18,27 +18,33 @@ def duplicate(problem: Problem) -> Problem:
     return _own(problem.fresh())
 
 
+def nudged(problem: Problem, ulps: int) -> Problem:
+    """A copy of the problem with every number larger by so many units in its last place, or twice as many; zeros stay zero."""
+    return _own(problem.fresh(), 1.0 + ulps * np.finfo(float).eps)
+
+
 def same(one: FrictionProblem | LCP, other: FrictionProblem | LCP) -> bool:
     """Whether the two problems are defined by bitwise equal data."""
     return _equal(one.fresh(), other.fresh())
 
 
-def _own(value: Any) -> Any:
+def _own(value: Any, factor: float = 1.0) -> Any:
+    """A copy of the value, its real numbers multiplied by the factor."""
     if isinstance(value, np.ndarray):
-        array = value.copy()
+        array = value * factor if value.dtype == float and factor != 1.0 else value.copy()
         array.setflags(write=False)
         return array
     if isinstance(value, tuple) and hasattr(value, "_fields"):  # a matrix by rows
-        return type(value)(*map(_own, value))
+        return type(value)(*(_own(part, factor) for part in value))
     if sparse.issparse(value):
         matrix = copy.copy(value)
         for part in _PARTS:
-            setattr(matrix, part, _own(getattr(value, part)))
+            setattr(matrix, part, _own(getattr(value, part), factor))
         return matrix
     if hasattr(value, "__dict__"):  # a problem or its operator
         again = object.__new__(type(value))
         for name, part in vars(value).items():
-            object.__setattr__(again, name, _own(part))
+            object.__setattr__(again, name, _own(part, factor))
         return again
     return value
 

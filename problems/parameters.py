@@ -6,6 +6,8 @@ import numpy as np
 
 from frictionbench.problems.check import require
 
+MOST = 10**8  # of whatever is counted: no machine holds a problem of more
+
 
 def number(name: str, value: Any, above: float = -np.inf, least: float = -np.inf, most: float = np.inf) -> float:
     """A finite number with above < value, least <= value <= most. Errors: InputError naming the parameter."""
@@ -22,8 +24,9 @@ def number(name: str, value: Any, above: float = -np.inf, least: float = -np.inf
 
 
 def count(name: str, value: Any, least: int = 1) -> int:
-    """An integer of at least `least`. Errors: InputError naming the parameter."""
+    """An integer from `least` to MOST. Errors: InputError naming the parameter."""
     require(isinstance(value, (int, np.integer)) and not isinstance(value, bool), name, f"expected an integer, got {value!r}")
     require(abs(value) < 2**31, name, f"must be below 2147483648, got {value!r:.100}")
     require(value >= least, name, f"must be at least {least}, got {value!r}")
+    require(value <= MOST, name, f"must be at most {MOST}, got {value!r}")
     return int(value)

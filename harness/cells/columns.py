@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 
-from frictionbench.harness.cells.timing import Timing
+from frictionbench.harness.cells.timing import SLOW_FIRST, Timing
 from frictionbench.harness.verify import Finding, verify, verify_lcp
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.analysis.mode import mode
@@ -15,8 +15,7 @@ from frictionbench.results.verdicts import RANK, Verdict
 from frictionbench.solvers import Answer, SolverInfo, Status
 
 MOST_IN_MODE = 24  # contacts whose mode a row holds: a letter each, in a column that is read by eye
-# A first call this many times as long as the repeats, and at least this many seconds, has a remark; caches alone explain less.
-SLOW_FIRST, NOTICEABLE = 5.0, 1e-3
+NOTICEABLE = 1e-3  # seconds: a first call at least as long, and SLOW_FIRST times the repeats, has a remark
 
 
 def finding_columns(
@@ -50,7 +49,12 @@ def finding_columns(
     row |= _times(timing)
     median = row["form_time"] + row["setup_time"] + row["solve_time"]
     row["first_time"] = timing.first
-    if timing.first and timing.first > max(SLOW_FIRST * median, NOTICEABLE) and not disturbed:
+    if timing.reused:
+        remarks.append(
+            f"it reuses earlier results: a problem that differs in the last bits takes {timing.reused:.0f} times as long as "
+            "the repeats; the times are those of such problems"
+        )
+    elif timing.first and timing.first > max(SLOW_FIRST * median, NOTICEABLE) and not disturbed:
         remarks.append(
             f"the first call took {timing.first / median:.0f} times as long as the repeats; it may reuse earlier results"
         )

@@ -8,11 +8,18 @@ copied when they are returned, so that each timed answer can be verified.
 
 A library in another process, which a user of it would not need, is timed by its own clock there (SolverInfo.remote): setup and
 solve are then that clock, but no more than the call took, and the call's time is kept beside them.
+
+Repeats could be answered from a cache, also innocently, by a memoised matrix, and so could a first call, where the solver met
+the problem in an earlier cell. A last call is therefore made on a problem that differs in the last bits. If it takes much
+longer, the same problem is solved again, and then both with another such problem: where each is slow once and quick
+afterwards, the solver reuses results, and the samples are the calls on the problems that it had not met.
 """
 
 import gc
+import statistics
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from time import perf_counter  # bound here: a solver may replace the attributes of `time`
 from typing import Any, NamedTuple
@@ -20,10 +27,13 @@ from typing import Any, NamedTuple
 from frictionbench.harness.cells.answers import checked_copy, identical
 from frictionbench.harness.process import no_forked_child
 from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems.copies import nudged
 from frictionbench.solvers import Answer, Solver
 
 BUDGET = 0.1  # seconds of repeats for a cell: suites have thousands
 FEWEST, MOST = 3, 15  # repeats: a median needs three, and more than fifteen change it little
+SLOW_FIRST = 5.0  # times as long as the repeats: a first call that is slower may have been followed by reuse of its results
+SLOW_NEW = 2e-4  # seconds: a call on a new problem that is shorter is not questioned, because interruptions are as long
 LOADS = 5  # successive calls that load something, after which the next is expected to as well
 
 
@@ -41,7 +51,8 @@ class Timing:
 
     first: of the first call, None if it loaded something. spent: of all calls. clock: the samples' times by the library's own
     clock, if it has one. answers: the distinct answers of the first call and of the samples. remote: as above; calls: the time
-    of setup and solve with the transfer, of each such sample.
+    of setup and solve with the transfer, of each such sample. reused: how many times as long a problem took that the solver had
+    not met, where it reuses results; else None.
     """
 
     remote: bool = False
@@ -54,6 +65,7 @@ class Timing:
     calls: list[float] = field(default_factory=list)
     spent: float = 0.0
     answers: list[Answer] = field(default_factory=list)
+    reused: float | None = None
 
     def add_answer(self, answer: Answer) -> None:
         if not any(identical(answer, known) for known in self.answers):
@@ -79,10 +91,12 @@ def time_solver(
     answered: Callable[[], None],
     most: int = MOST,
     remote: bool = False,
+    met: bool = False,
 ) -> Timing:
-    """The answers to the problem and their times; answered() is called between the first call and the repeats.
+    """The answers to the problem and their times; answered() is called before the repeats and before each new problem.
 
-    solve: calls the solver with the tolerance and the start. most: the largest number of repeats. remote: as in Timing.
+    solve: calls the solver with the tolerance and the start. most: the largest number of repeats. remote: as in Timing. met:
+    whether the solver may have met the problem before, so that a long call is questioned as well.
     Errors: AnswerError, and whatever the solver raises.
     """
     timing = Timing(remote)
@@ -101,10 +115,29 @@ def time_solver(
         else:
             for _ in range(max(min(FEWEST, most), min(most, int(BUDGET / max(seconds, 1e-9))))):
                 timing.add_sample(clean_call(lambda: _timed(solver, problem, solve, timing)))
+        if timing.solve and (seconds <= BUDGET or met):
+            _question(timing, problem, lambda other: _timed(solver, other, solve, timing), answered)
     finally:
         if enabled:
             gc.enable()
     return timing
+
+
+def _question(
+    timing: Timing, problem: FrictionProblem | LCP, call: Callable[[Any], Call], answered: Callable[[], None]
+) -> None:
+    """Replace the samples where the solver is found to reuse results: see above."""
+    usual, new = statistics.median(map(sum, zip(timing.form, timing.setup, timing.solve, strict=True))), []
+    with suppress(Exception):  # it may fail on the new problem, which is not its cell's
+        for ulps in (1, 2):
+            other = nudged(problem, ulps)
+            answered()
+            made = call(other)
+            if sum(made.times) <= max(SLOW_FIRST * usual, SLOW_NEW) or sum(made.times) <= SLOW_FIRST * sum(call(other).times):
+                return
+            new.append(made.times)
+        timing.form, timing.setup, timing.solve = map(list, zip(*new, strict=True))
+        timing.reused, timing.clock, timing.calls = min(map(sum, new)) / max(usual, 1e-9), [], []
 
 
 def clean_call(call: Callable[[], Call]) -> Call:

@@ -26,7 +26,7 @@ from frictionbench.harness.cells.polygon import measure
 from frictionbench.harness.cells.rows import simulation_row, solve_row, solver_facts
 from frictionbench.harness.cells.simulation import refusal, run_closed_loop
 from frictionbench.harness.cells.timing import MOST, Timing, time_solver
-from frictionbench.harness.deadline import Deadline
+from frictionbench.harness.deadline import COMPILE_SECONDS, Deadline
 from frictionbench.harness.plans.plan import Plugin, SimulationCell, SolveCell, Source
 from frictionbench.problems import LCP, FrictionProblem, InputError, scene
 from frictionbench.problems.copies import duplicate, same
@@ -46,6 +46,7 @@ class _Worker:
     folder: Path
     plugins: tuple[Plugin, ...]
     warm: set[tuple[str, int, bool]] = field(default_factory=set)
+    met: set[tuple[str, str]] = field(default_factory=set)
 
 
 _worker: _Worker
@@ -78,6 +79,15 @@ def run_source(source: Source, limit: float) -> list[Record]:
     """Collect a source's problems."""
     with _worker.deadline.within(limit):
         return collect(_worker.folder, source)
+
+
+def run_problem(source: Source, limit: float) -> dict[str, Any]:
+    """Collect a source's first problem: its record and its summary; or why it is refused."""
+    try:
+        (record, *_) = run_source(source, limit)
+        return {"record": record, "summary": stored(_worker.folder, record["problem"]).summary}
+    except InputError as error:
+        return {"refused": str(error)}
 
 
 def run_solve(cell: SolveCell, record: Record, limit: float) -> Row:
@@ -118,7 +128,7 @@ def run_simulation(cell: SimulationCell, limit: float) -> Row:
     start_time += _warm_up(cell.variant, 2, bool(scene(cell.scene, **cell.parameters).hinges), limit)
     process.reset_peak_memory()
     try:
-        with _worker.deadline.within(limit), process.watch_core() as core:
+        with _worker.deadline.within(limit, _compiling(cell.variant)), process.watch_core() as core:
             simulated = run_closed_loop(cell, info, solver)
     except BaseException as error:
         return _done(start_time, row | {"verdict": Verdict.CRASHED, "reason": plugins.describe_error(error)})
@@ -182,8 +192,11 @@ def _solver(variant: str) -> tuple[SolverInfo, Solver]:
 
 def _timed(solver: Solver, problem: FrictionProblem | LCP, cell: SolveCell, limit: float, repeats: int, remote: bool) -> Timing:
     """The answers and their times. The limit holds for the first call; the repeats, few or short, may take a second more."""
+    case = cell.variant, cell.problem
+    met = _foreign(cell.variant) and case in _worker.met
+    _worker.met.add(case)
     start = stored_start(_worker.folder, cell.problem, cell.origin, cell.start)
-    with _worker.deadline.within(limit) as allow:
+    with _worker.deadline.within(limit, _compiling(cell.variant)) as allow:
         return time_solver(
             solver,
             problem,
@@ -191,6 +204,7 @@ def _timed(solver: Solver, problem: FrictionProblem | LCP, cell: SolveCell, limi
             answered=lambda: allow(limit + 1.0),
             most=repeats,
             remote=remote,
+            met=met,
         )
 
 
@@ -207,6 +221,16 @@ def _core_columns(core: process.Core, spent: float) -> Row:
 
 def _done(start_time: float, row: Row) -> Row:
     return row | {"core": _worker.core, "wall_time": perf_counter() - start_time}
+
+
+def _foreign(variant: str) -> bool:
+    """Whether the solver is a plug-in's."""
+    return any(variant in plugin.solvers for plugin in _worker.plugins)
+
+
+def _compiling(variant: str) -> float:
+    """The seconds in which numba may compile that do not count: none for a plug-in, which compiles when it is warmed up."""
+    return 0.0 if _foreign(variant) else COMPILE_SECONDS
 
 
 def _kind(problem: FrictionProblem | LCP) -> tuple[int, bool]:
@@ -226,7 +250,8 @@ def _warm_up(variant: str, dimension: int, jointed: bool, limit: float) -> float
     info, solver = find(variant)
     gc.disable()  # compilation keeps most objects it creates; collections would free little and take a tenth of the time
     seconds = max(limit, LOAD_SECONDS) if info.needs else limit
-    with suppress(BaseException), _worker.deadline.within(seconds), process.no_forked_child():
+    compiling = LOAD_SECONDS if _foreign(variant) else COMPILE_SECONDS
+    with suppress(BaseException), _worker.deadline.within(seconds, compiling), process.no_forked_child():
         solver.solve(solver.prepare(_smallest(dimension, jointed)), 1e-6, None)
     gc.enable()
     gc.collect()

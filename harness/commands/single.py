@@ -10,14 +10,14 @@ from pathlib import Path
 import numpy as np
 
 from frictionbench.harness.cells import worker
-from frictionbench.harness.cells.collect import Record, collect, stored
+from frictionbench.harness.cells.collect import Record
 from frictionbench.harness.cells.rows import PROBLEM_FACTS
 from frictionbench.harness.commands.stored_cell import stored_cell
 from frictionbench.harness.commands.table import columns, paragraph, screen
 from frictionbench.harness.commands.trusted import trusted
 from frictionbench.harness.plans.plan import Plan, Plugin, SimulationCell, SolveCell, Source, origin, owner
 from frictionbench.harness.progress import Progress
-from frictionbench.harness.run import row_of
+from frictionbench.harness.run import COLLECT_SECONDS, row_of
 from frictionbench.harness.workers.plugins import load_plugins
 from frictionbench.harness.workers.pool import Pool
 from frictionbench.harness.workers.task import Task
@@ -51,16 +51,15 @@ def solve_one(
     """
     variants, plugins, unusable = (*load_plugins(solver_specs), []) if solver_specs else all_variants()
     plan = Plan("solve", (), variants, (tol,), time_limit=time_limit, plugins=plugins)
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        record = _collect(problem, folder)
-        print(f"{problem}: {stored(folder, record['problem']).summary}", flush=True)
+    with tempfile.TemporaryDirectory() as name, Pool(Path(name), jobs, plugins, plan.memory_limit) as pool:
+        record, summary = _collect(problem, pool)
+        print(f"{problem}: {summary}", flush=True)
         tasks = [
             Task(cell.variant, worker.run_solve, (cell, record, time_limit), time_limit, plan.owner(cell.variant))
             for cell in plan.solve_cells([record])
         ]
         rows: list[Row] = []
-        with Pool(folder, jobs, plugins, plan.memory_limit) as pool, Progress().stage("solvers", len(tasks), 0) as stage:
+        with Progress().stage("solvers", len(tasks), 0) as stage:
             for outcome in pool.run(tasks, stage.started, stage.compiling):
                 rows.append(row_of(outcome, plugins))
                 stage.finished(outcome.task)
@@ -142,17 +141,23 @@ def show_rerun(folder: Path, key: str, named: list[str]) -> None:
     _show(title, {"stored": row, "rerun": again})
 
 
-def _collect(problem: str, folder: Path) -> Record:
-    """The record of a problem, stored under folder: of a file, of an instance, or the first of a scene.
+def _collect(problem: str, pool: Pool) -> tuple[Record, str]:
+    """The record and the summary of a problem, which a worker makes: of a file, of an instance, or the first of a scene.
 
-    Errors: InputError naming problem for a folder, and as of collect.
+    Errors: InputError naming problem for a folder or where it takes too much memory or time, and as of collect.
     """
     path = Path(problem)
     if path.is_dir():
         advice = f"run recorded --data {problem}` solves each problem in it, `frictionbench run replay --data {problem}"
         raise InputError(f"problem: {problem} is a folder; `frictionbench {advice}` a sequence of steps")
     named = path.is_file() or Path(problem.partition("[")[0]).suffix
-    return collect(folder, Source(path.name, file=str(path.absolute())) if named else Source(*parse("scene", problem)))[0]
+    source = Source(path.name, file=str(path.absolute())) if named else Source(*parse("scene", problem))
+    (outcome,) = pool.run([Task(problem, worker.run_problem, (source, COLLECT_SECONDS), COLLECT_SECONDS)])
+    if outcome.failure:
+        raise InputError(f"problem: {problem} cannot be made ({outcome.reason})")
+    if reason := outcome.value.get("refused"):
+        raise InputError(reason)
+    return outcome.value["record"], outcome.value["summary"]
 
 
 def _task_again(row: Row, table: str, plugins: tuple[Plugin, ...]) -> Task:

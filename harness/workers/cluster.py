@@ -6,15 +6,18 @@ A dask worker must run the same code of this project as the main process:
     dask worker tcp://127.0.0.1:8786 --nthreads 1        (as many as there are cores)
     frictionbench run standard --cluster tcp://127.0.0.1:8786
 
-A task whose dask worker ends goes to another one. Rows hold the name of the host that timed them.
+A dask worker that joins later is checked as well, with every outcome. A task whose dask worker ends is tried once more. Rows
+hold the name of the host that timed them.
 """
 
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import CancelledError
+from contextlib import suppress
 from dataclasses import replace
 from functools import cache
 from itertools import islice
 from pathlib import Path
+from queue import Empty, SimpleQueue
 from typing import Any
 
 from frictionbench.harness import machine
@@ -28,6 +31,8 @@ from frictionbench.solvers.plugins import is_file
 
 AHEAD = 4  # tasks submitted per worker: enough that none waits for the network, few enough to be balanced at the end
 ANSWER_SECONDS = 10.0  # seconds for a scheduler to answer: one that is reachable needs far less
+TRIES = 2  # of a task whose dask worker ends: it may have been an accident, or the task's doing
+LOST = "cluster: lost the connection to its scheduler; run the same command again to resume"
 Files = dict[str, bytes]
 Settings = tuple[tuple[tuple[Plugin, Files], ...], int]
 _pools: dict[tuple[Any, ...], Pool] = {}  # of a dask worker process, by the plug-ins' content and the memory limit
@@ -58,40 +63,69 @@ class Cluster:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._client.close()
+        with suppress(Exception):  # a scheduler that does not answer cannot be told
+            self._client.close(timeout=1.0)
 
     def run(
         self, tasks: Iterable[Task], started: Callable[[Task], None] = lambda task: None, _: object = None
     ) -> Iterator[Outcome]:
         """The outcomes of the tasks as they arrive. started is called when a task is submitted; compilation is not reported.
 
-        Errors: ResultsError where the scheduler ends.
+        Errors: ResultsError where the scheduler ends or does not answer, or a dask worker runs other code.
         """
-        from distributed import as_completed
-
         queue = iter(tasks)
-        waiting: dict[Any, Task] = {}
+        done: SimpleQueue[Any] = SimpleQueue()
+        waiting: dict[Any, tuple[Any, Task, int]] = {}  # a future is forgotten by the scheduler unless it is kept
 
-        def submit(task: Task) -> Any:
+        def submit(task: Task, tries: int = 1) -> None:
+            future = self._client.submit(_isolated, task, self._files(task), self._settings, pure=False)
+            waiting[future.key] = future, task, tries
+            future.add_done_callback(done.put)
+
+        ahead = AHEAD * len(self._identity()["workers"])
+        for task in islice(queue, ahead):
             started(task)
-            future = self._client.submit(_isolated, task, self._files(task), self._settings, pure=False, retries=3)
-            waiting[future.key] = task
-            return future
-
-        ahead = AHEAD * len(self._client.scheduler_info(n_workers=-1)["workers"])
-        completed = as_completed([submit(task) for task in islice(queue, ahead)])
-        for future in completed:
-            task = waiting.pop(future.key)
+            submit(task)
+        while waiting:
             try:
-                error = future.exception()
-                outcome = future.result() if error is None else None
-            except (CancelledError, OSError):
-                raise ResultsError(
-                    "cluster: lost the connection to its scheduler; run the same command again to resume"
-                ) from None
-            yield outcome or Outcome(task, failure=Verdict.CRASHED, reason=f"on the cluster: {error}"[:500])
+                future = done.get(timeout=ANSWER_SECONDS)
+            except Empty:
+                self._identity()
+                continue
+            _, task, tries = waiting.pop(future.key)
+            if future.status in ("cancelled", "lost"):
+                raise ResultsError(LOST)
+            if future.status == "error" and tries < TRIES:
+                submit(task, tries + 1)
+                continue
+            yield self._outcome(task, future)
             if (following := next(queue, None)) is not None:
-                completed.add(submit(following))
+                started(following)
+                submit(following)
+
+    def _outcome(self, task: Task, future: Any) -> Outcome:
+        """The outcome of a finished task. Errors: ResultsError as of run."""
+        if future.status == "error":
+            return Outcome(task, failure=Verdict.CRASHED, reason=f"on the cluster: {self._answer(future._exception)}"[:500])
+        code, host, outcome = self._answer(future._result)
+        if code != machine.content():
+            raise ResultsError(
+                f"cluster: a dask worker on {host} runs other code, {code}, than this process, {machine.content()}; "
+                "update or end it, and run the same command again to resume"
+            )
+        return outcome
+
+    def _identity(self) -> Any:
+        """The scheduler's description of itself and its workers. Errors: ResultsError where it does not answer."""
+        assert self._client.scheduler is not None
+        return self._answer(self._client.scheduler.identity)
+
+    def _answer(self, ask: Callable[..., Any]) -> Any:
+        """What a coroutine of the client returns. Errors: ResultsError where the scheduler does not answer."""
+        try:
+            return self._client.sync(ask, callback_timeout=ANSWER_SECONDS)
+        except (CancelledError, OSError, TimeoutError):
+            raise ResultsError(LOST) from None
 
     def _files(self, task: Task) -> Files:
         """The files that the task reads: its problem, and its starts if it has any."""
@@ -106,8 +140,8 @@ def _files_of(plugin: Plugin) -> Files:
     return {Path(plugin.source).name: Path(plugin.source).read_bytes()} if is_file(plugin.source) else {}
 
 
-def _isolated(task: Task, files: Files, settings: Settings) -> Outcome:
-    """Run a task on a dask worker in a pool of one process, which is reused for the next task."""
+def _isolated(task: Task, files: Files, settings: Settings) -> tuple[str, str, Outcome]:
+    """Run a task on a dask worker in a pool of one process, which is reused for the next task: its code, host, and outcome."""
     sent, memory_limit = settings
     folder = _scratch()
     _write(folder / "problems", files)
@@ -120,7 +154,7 @@ def _isolated(task: Task, files: Files, settings: Settings) -> Outcome:
     if key not in _pools:
         _pools[key] = Pool(folder, 1, tuple(plugins), memory_limit)
     (outcome,) = _pools[key].run([task])
-    return outcome
+    return machine.content(), machine.host(), outcome
 
 
 @cache

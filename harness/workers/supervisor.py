@@ -35,6 +35,7 @@ from frictionbench.solvers import plugins
 from frictionbench.solvers.outside.children.child import living
 
 POLL = 0.25  # seconds between checks of a deadline, which the worker may have moved
+FOREIGN_SECONDS = 180.0  # seconds of a plug-in's task beyond three limits: to import it, to warm it up and to verify it
 POLL_CLOSED = 0.01  # seconds between checks for the exit code of a worker that has closed its pipe: it is about to exit
 
 
@@ -161,7 +162,7 @@ class _Worker:
         """The reply to a task, a line, and whether the worker can be reused. Errors: EOFError if the main process has ended."""
         self.deadline.allow(HARNESS_SECONDS)
         last = Deadline()  # holds even if the worker extends its own without end
-        last.allow(3 * (task.limit + COMPILE_SECONDS) + HARNESS_SECONDS)
+        last.allow(3 * task.limit + (FOREIGN_SECONDS if task.owner else 3 * COMPILE_SECONDS + HARNESS_SECONDS))
         with suppress(OSError):
             self._tasks.send(task)
         reply, poll, compiling = bytearray(), POLL, False

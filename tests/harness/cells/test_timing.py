@@ -86,6 +86,40 @@ def test_no_times_if_every_call_loads(clock):
     assert (found.form, found.setup, found.solve) == ([], [], [])
 
 
+class Memoises(Late):
+    """Takes 7 s for each problem it has not met, or 7 ms, and a thousandth of it afterwards."""
+
+    def __init__(self, clock, seconds, loads=0, known=()):
+        super().__init__(clock, loads, seconds=seconds)
+        self.usual, self.known = seconds, set(known)
+
+    def form(self, problem):
+        self.seconds = self.usual / 1000 if problem.hash in self.known else self.usual
+        self.known.add(problem.hash)
+        return super().form(problem)
+
+
+@pytest.mark.parametrize("seconds", [1.0, 2.0**-10])
+@pytest.mark.parametrize("loads", [0, 1])
+@pytest.mark.parametrize("known", [False, True])
+def test_reused_results_are_not_timed(clock, seconds, loads, known):
+    """Also where the first call is not told from loading, or the problem was met in an earlier cell."""
+    timed(Memoises(clock, seconds))  # loads what a problem's hash needs
+    method = Memoises(clock, seconds, loads, [block().hash] if known else [])
+    found = timed(method)
+    if seconds == 1.0 and not loads and not known:
+        assert (found.solve, found.reused) == ([4.0], None)  # its first call is its sample
+    else:
+        assert found.solve == pytest.approx([4 * seconds] * 2)
+        assert found.reused == pytest.approx(1000)
+
+
+def test_long_call_on_a_problem_met_before_is_questioned(clock):
+    method = Memoises(clock, 1000.0, known=[block().hash])
+    found = timing.time_solver(method, block(), lambda ready: method.solve(ready, 1e-8, None), lambda: None, met=True)
+    assert found.solve == [4000.0] * 2
+
+
 def test_simulation_discards_loading_calls(clock):
     info = SolverInfo("late", "", "coulomb", (2,), False, False, (), (), False, (), (), Late)
     cell = SimulationCell("stopping_block", {}, "late", 1e-8, steps=3)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from frictionbench.harness import machine
 from frictionbench.harness.progress import Progress, Stage
 from frictionbench.harness.run import run
 from frictionbench.harness.workers import cluster
@@ -55,11 +56,11 @@ def dask_cluster(folder: Path) -> Iterator[tuple[str, list[subprocess.Popen]]]:
 
 
 class KillAfter(Progress):
-    """Kills a worker, or the scheduler, after a few cells."""
+    """Kills a worker or the scheduler, or stops it, after a few cells."""
 
-    def __init__(self, killed: subprocess.Popen, cells: int) -> None:
+    def __init__(self, killed: subprocess.Popen, cells: int, number: int = signal.SIGKILL) -> None:
         super().__init__(quiet()._console)
-        self.killed, self.left = killed, cells
+        self.killed, self.left, self.number = killed, cells, number
 
     @contextmanager
     def stage(self, name: str, total: int, done: int) -> Iterator[Stage]:
@@ -70,7 +71,7 @@ class KillAfter(Progress):
                 def count(task):
                     self.left -= 1
                     if self.left == 0:
-                        os.killpg(self.killed.pid, signal.SIGKILL)
+                        os.killpg(self.killed.pid, self.number)
                     finished(task)
 
                 stage.finished = count
@@ -106,3 +107,29 @@ def test_missing_cluster(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(cluster, "ANSWER_SECONDS", 0.5)
     with pytest.raises(InputError, match="cluster: no scheduler answers"):
         run(small_plan(), tmp_path / "run", 1, quiet(), cluster=f"tcp://127.0.0.1:{free_port()}")
+
+
+@pytest.mark.filterwarnings("default")
+def test_frozen_scheduler_and_late_worker_of_other_code(tmp_path, monkeypatch) -> None:
+    pytest.importorskip("distributed")
+    monkeypatch.setattr(cluster, "ANSWER_SECONDS", 5.0)
+    (tmp_path / "scratch").mkdir()
+    with dask_cluster(tmp_path / "scratch") as (address, (scheduler, *_)):
+        wait_for_workers(address, 2)
+        checked = cluster.Cluster.__init__
+
+        def joins_late(self, *arguments) -> None:
+            """After the workers were checked, this process turns out to run other code than theirs."""
+            checked(self, *arguments)
+            monkeypatch.setattr(machine, "content", lambda: "another")
+
+        with monkeypatch.context() as patched:
+            patched.setattr(cluster.Cluster, "__init__", joins_late)
+            with pytest.raises(
+                ResultsError, match=r"cluster: a dask worker on .* runs other code, .*, than this process, another"
+            ):
+                run(small_plan(simulations=()), tmp_path / "late", 1, quiet(), cluster=address)
+        monkeypatch.undo()
+        monkeypatch.setattr(cluster, "ANSWER_SECONDS", 5.0)
+        with pytest.raises(ResultsError, match="cluster: lost the connection to its scheduler"):
+            run(small_plan(), tmp_path / "frozen", 1, KillAfter(scheduler, 2, signal.SIGSTOP), cluster=address)

@@ -1,0 +1,88 @@
+"""Limits hold: those of the shell, those on memory, and the clock of a plug-in."""
+
+import resource
+import subprocess
+import sys
+
+import pytest
+
+from frictionbench.harness.cells import worker
+from frictionbench.harness.commands.single import solve_one
+from frictionbench.harness.deadline import Deadline
+from tests.helpers.command_line import frictionbench
+from tests.helpers.paths import ROOT
+
+BOUNDED = """
+import resource
+from frictionbench.harness import process
+from frictionbench.harness.cells import worker
+from frictionbench.harness.commands.single import solve_one
+print(process.bound_memory(2**28))
+soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+print(soft == hard)
+"""
+
+
+def limited(limit: int) -> list[str]:
+    """What a process prints that bounds its memory to 256 MiB under a limit on address space."""
+    done = subprocess.run(
+        [sys.executable, "-c", BOUNDED],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=ROOT,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)),
+    )
+    return done.stdout.split() or [done.stderr.strip().splitlines()[-1]]
+
+
+def test_the_lesser_of_two_memory_limits_holds() -> None:
+    assert limited(resource.RLIM_INFINITY) == [str(2**28), "True"]
+    given, hard = limited(2**30)
+    assert (0 < int(given) <= 2**28, hard) == (True, "True")
+
+
+def test_worker_that_cannot_start_ends_the_command() -> None:
+    limit = 700 * 2**20
+    command = [sys.executable, "-m", "frictionbench", "solve", "stack[blocks=1]", "--solver", "lemke"]
+    done = subprocess.run(
+        command,
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=ROOT,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)),
+    )
+    assert done.returncode == 2
+    assert "ulimit -v" in done.stderr or "MemoryError" in done.stderr
+    assert "crashed" not in done.stdout
+
+
+@pytest.mark.parametrize("spec", ["stack[blocks=100000000000000000000]", "stack[blocks=1180591620717411303424]"])
+def test_huge_counts_are_refused(spec) -> None:
+    done = frictionbench("solve", spec, "--solver", "lemke")
+    assert done.returncode == 2
+    assert "blocks: must be at most" in done.stderr
+
+
+def test_scenes_are_built_in_a_worker(monkeypatch, capsys) -> None:
+    monkeypatch.setattr(worker, "collect", lambda *_: 1 / 0)  # in this process; workers are not its copies
+    solve_one("stack[blocks=1]", ["lemke"], 1e-6, 10.0, 1)
+    assert "solved" in capsys.readouterr().out
+
+
+def test_compiler_event_does_not_stop_the_clock() -> None:
+    """An event of numba's lock pauses the deadline for the seconds allowed, in all, and for a plug-in's cell not at all."""
+    from numba.core import event
+
+    deadline = Deadline()
+    with deadline.within(5.0, compiling=0.0), event.trigger_event("numba:compiler_lock"):
+        assert deadline.left <= 5.0
+        assert not deadline.compiling
+    with deadline.within(5.0, compiling=7.0):
+        with event.trigger_event("numba:compiler_lock"):
+            assert 5.0 < deadline.left <= 12.0
+            assert deadline.compiling
+        assert deadline.left <= 5.0
+        with event.trigger_event("numba:compiler_lock"):
+            assert deadline.left <= 12.0
