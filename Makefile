@@ -1,6 +1,7 @@
 # make bench   install, run the standard suite, write its results and report, and say where the report is
 # make quick   install, check the style and the types, run the tests that matter for most changes: half a minute with kernels compiled
 # make test    install, check the style and the types, run all tests
+# make test-peers  the outside solvers as in make peers, and the tests of their adapters; what is missing is skipped with its reason
 # make timing  install, time the kernels with pytest-benchmark, a file in runs/timing-REVISION each time
 # make peers   the outside solvers into an environment of their own, as far as they can be had; run the peers suite, report,
 #              and put its tables into docs/peers.md
@@ -21,7 +22,7 @@ QUICK := tests/problems --ignore=tests/problems/recorded --ignore=tests/problems
 	tests/results/test_baselines.py tests/api tests/project/test_structure.py tests/project/test_documents.py
 PYTEST = $(BIN)/python -m pytest --numprocesses=2 --dist=loadfile --no-loadscope-reorder
 
-.PHONY: bench quick test timing peers regress install clean
+.PHONY: bench quick test test-peers timing peers regress install clean
 install: .venv/installed
 
 .venv/installed: pyproject.toml constraints.txt
@@ -53,11 +54,14 @@ timing: install
 
 $(PEERS)/installed: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(PEERS)
-	$(PEERS)/bin/pip install --quiet --constraint constraints.txt --editable .
+	$(PEERS)/bin/pip install --quiet --constraint constraints.txt --editable '.[test]'
 	for peer in $$($(PEERS)/bin/python -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["peers"])'); do \
 		$(PEERS)/bin/pip install --quiet $$peer || echo "$$peer cannot be had here; its solvers are skipped"; \
 	done
 	touch $@
+
+test-peers: $(PEERS)/installed
+	$(PEERS)/bin/python -m pytest --numprocesses=2 -rs tests/solvers/outside
 
 peers: $(PEERS)/installed
 	@/usr/bin/python3 -c 'import siconos.numerics' 2>/dev/null || echo 'Siconos is missing: apt-get install python3-siconos (Debian); its solvers are skipped'
