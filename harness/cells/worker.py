@@ -52,6 +52,7 @@ class _Worker:
 _worker: _Worker
 IMPORT_SECONDS = 60.0  # seconds for a plug-in's import: large libraries take ten or more from a cold disk
 LOAD_SECONDS = 30.0  # seconds for an outside library to load and solve a single contact, whatever the limit: as for imports
+FOREIGN_COMPILING = 120.0  # seconds for a plug-in to compile its kernels, and ours that it calls, when it is warmed up
 SHARED = 0.02  # of the timed seconds: a cell that waited longer for its core is marked as disturbed
 SHOWN = Path("motion") / "shown.json"  # the motion that `frictionbench show` asks for
 
@@ -250,7 +251,7 @@ def _warm_up(variant: str, dimension: int, jointed: bool, limit: float) -> float
     info, solver = find(variant)
     gc.disable()  # compilation keeps most objects it creates; collections would free little and take a tenth of the time
     seconds = max(limit, LOAD_SECONDS) if info.needs else limit
-    compiling = LOAD_SECONDS if _foreign(variant) else COMPILE_SECONDS
+    compiling = FOREIGN_COMPILING if _foreign(variant) else COMPILE_SECONDS
     with suppress(BaseException), _worker.deadline.within(seconds, compiling), process.no_forked_child():
         solver.solve(solver.prepare(_smallest(dimension, jointed)), 1e-6, None)
     gc.enable()

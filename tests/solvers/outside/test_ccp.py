@@ -59,7 +59,9 @@ def test_a_sliding_block_hops(spec) -> None:
 
 
 @pytest.mark.parametrize("spec", PLANAR)
-@pytest.mark.parametrize("problem", [block(speed=1.0, friction=0.0), block(speed=0.01), scene("stack", blocks=4, push=0.0).problem()])
+@pytest.mark.parametrize(
+    "problem", [block(speed=1.0, friction=0.0), block(speed=0.01), scene("stack", blocks=4, push=0.0).problem()]
+)
 def test_exact_without_sliding_or_friction(spec, problem) -> None:
     assert residual(problem, solve(problem, spec).impulse) <= 1e-8
 
