@@ -39,8 +39,8 @@ class Deadline:
     def within(self, seconds: float, compiling: float = COMPILE_SECONDS) -> Iterator[Callable[[float], None]]:
         """End this process if the block takes longer.
 
-        compiling: seconds in which numba may compile or read its cache and which do not count; more than so many do. They are 0
-        for the code of others, because whoever sends numba's event could stop the clock with it.
+        compiling: seconds in which numba may compile or read its cache and which do not count; more than so many do. They are
+        few for the code of others, because whoever sends numba's event can stop the clock for so long.
         Yields a function that resets the time left, in seconds.
         """
         from numba.core import event

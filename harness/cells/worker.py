@@ -53,6 +53,7 @@ _worker: _Worker
 IMPORT_SECONDS = 60.0  # seconds for a plug-in's import: large libraries take ten or more from a cold disk
 LOAD_SECONDS = 30.0  # seconds for an outside library to load and solve a single contact, whatever the limit: as for imports
 FOREIGN_COMPILING = 120.0  # seconds for a plug-in to compile its kernels, and ours that it calls, when it is warmed up
+FOREIGN_LOADING = 10.0  # seconds for a plug-in to load kernels in a cell: it could stop the clock for so long, and no longer
 SHARED = 0.02  # of the timed seconds: a cell that waited longer for its core is marked as disturbed
 SHOWN = Path("motion") / "shown.json"  # the motion that `frictionbench show` asks for
 
@@ -230,8 +231,8 @@ def _foreign(variant: str) -> bool:
 
 
 def _compiling(variant: str) -> float:
-    """The seconds in which numba may compile that do not count: none for a plug-in, which compiles when it is warmed up."""
-    return 0.0 if _foreign(variant) else COMPILE_SECONDS
+    """The seconds of a cell in which numba may compile or read its cache that do not count."""
+    return FOREIGN_LOADING if _foreign(variant) else COMPILE_SECONDS
 
 
 def _kind(problem: FrictionProblem | LCP) -> tuple[int, bool]:
