@@ -86,12 +86,12 @@ def verify(problem: FrictionProblem, answer: Answer, info: SolverInfo, tol: floa
     exact, model, floor = (largest(part) for part in parts)
     told = claimed or answer.status is Status.ROUNDING
     by_island = [_by_island(problem, part) for part in parts]
-    verdict = _verdict(by_island[0], by_island[1], by_island[2], claimed, told, tol)
+    verdict, why = _verdict(by_island[0], by_island[1], by_island[2], claimed, told, tol)
     accepted = claimed and verdict in ACCEPTED
     with np.errstate(over="ignore", invalid="ignore"):
         defect = ledger_defect(problem, impulse)
     reasons = [
-        _reason(verdict, exact, model, floor, tol),
+        why,
         soft,
         "" if accepted and info.needs else answer.detail,  # of a library's success the detail says nothing more
         answer.status.value if verdict == Verdict.UNSOLVED and not answer.detail else "",
@@ -149,31 +149,25 @@ def verify_lcp(lcp: LCP, answer: Answer, tol: float) -> Finding:
     if answer.z is None or np.shape(answer.z) != (lcp.size,):
         return Finding(Verdict.WRONG if claimed else Verdict.UNSOLVED, "z is missing or of the wrong shape", *(np.inf,) * 5)
     found = lcp.residual(answer.z)
-    verdict = _verdict(np.array([found]), np.array([found]), np.zeros(1), claimed, claimed, tol)
-    reason = "; ".join(filter(None, (_reason(verdict, found, found, 0.0, tol), answer.detail)))
-    return Finding(verdict, reason, found, found, 0.0, np.nan, np.nan)
+    verdict, why = _verdict(np.array([found]), np.array([found]), np.zeros(1), claimed, claimed, tol)
+    return Finding(verdict, "; ".join(filter(None, (why, answer.detail))), found, found, 0.0, np.nan, np.nan)
 
 
-def _verdict(exact: Array, model: Array, floor: Array, claimed: bool, told: bool, tol: float) -> Verdict:
-    """The verdict on the residuals and floors of all islands; told: the answer says that it is as good as rounding allows."""
+def _verdict(exact: Array, model: Array, floor: Array, claimed: bool, told: bool, tol: float) -> tuple[Verdict, str]:
+    """The verdict on the residuals and floors of all islands, and its reason, with the numbers of the islands that decide.
+
+    told: the answer says that it is as good as rounding allows.
+    """
     unknown = (floor > tol) & (np.minimum(exact, model) <= floor) & np.isfinite(floor)
     worst, of_model = largest(exact[~unknown]), largest(model[~unknown])
-    if min(worst, of_model) <= tol and unknown.any():
-        return Verdict.UNJUDGEABLE if told else Verdict.UNSOLVED
-    if worst <= tol:
-        return Verdict.SOLVED
-    if of_model <= tol:
-        return Verdict.RELAXED
+    nearest = min(worst, of_model)
+    if nearest <= tol and unknown.any():
+        why = f"rounding alone may cause a residual of {largest(floor[unknown]):.2g}, above the tolerance {tol:g}"
+        return (Verdict.UNJUDGEABLE, why) if told else (Verdict.UNSOLVED, "")
+    if nearest <= tol:
+        return Verdict.SOLVED if worst <= tol else Verdict.RELAXED, ""
     if not claimed:
-        return Verdict.UNSOLVED
-    return Verdict.NEAR_MISS if min(worst, of_model) < NEAR * tol else Verdict.WRONG
-
-
-def _reason(verdict: Verdict, exact: float, model: float, floor: float, tol: float) -> str:
-    if verdict == Verdict.UNJUDGEABLE:
-        return f"rounding alone may cause a residual of {floor:.2g}, above the tolerance {tol:g}"
-    if verdict in (Verdict.NEAR_MISS, Verdict.WRONG):
-        nearest = min(exact, model)
-        of = "" if nearest == exact else " of its model"
-        return f"claimed solved within {tol:g}; the residual{of} is {nearest:.2g}, {nearest / tol:.2g} times that"
-    return ""
+        return Verdict.UNSOLVED, ""
+    of = "" if nearest == worst else " of its model"
+    why = f"claimed solved within {tol:g}; the residual{of} is {nearest:.2g}, {nearest / tol:.2g} times that"
+    return Verdict.NEAR_MISS if nearest < NEAR * tol else Verdict.WRONG, why

@@ -90,8 +90,15 @@ SOLVES = (
     Column(
         "indefiniteness", _real, "1", "estimate of the most negative eigenvalue of W over the largest, for problems given by W"
     ),
-    Column("islands", _whole, "", "number of parts of the contact graph, between which W is zero"),
-    Column("island_ratio", _real, "1", "largest over smallest velocity of an island, its largest free contact velocity"),
+    Column(
+        "islands", _whole, "", "number of connected components of the contact graph, between which no velocity is transmitted"
+    ),
+    Column(
+        "island_ratio",
+        _real,
+        "1",
+        "largest over smallest unit of velocity of a contact, the largest free velocity in its island; 1 where nothing moves",
+    ),
     Column("trivial", _flag, "", "no contact, no friction, or zero impulses are the answer"),
     Column("idle", _flag, "", "friction is not needed: the answer without friction satisfies Coulomb's law to 1e-8"),
     Column("sticking", _whole, "", "number of contacts that stick in the reference answer; null without one"),

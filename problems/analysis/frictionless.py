@@ -21,7 +21,7 @@ from frictionbench.problems.residual import residual, residual_floor
 WITHIN = (
     1e-8  # the largest residual of a frictionless answer that satisfies Coulomb's law: the tightest tolerance of most suites
 )
-SLIDES = 1e-6  # of the largest free contact velocity: a tangential velocity above it is sliding
+SLIDES = 1e-6  # of the contact's unit of velocity: a tangential velocity above it is sliding
 
 Solve = Callable[[FrictionProblem], Array]
 
@@ -36,7 +36,7 @@ def idle(problem: FrictionProblem, solve: Solve) -> bool:
     if _satisfies(problem, r):
         return True
     u = problem.contact_velocity(r)
-    slides = np.linalg.norm(u[:, 1:], axis=1) > SLIDES * problem.velocity_scale
+    slides = np.linalg.norm(u[:, 1:], axis=1) > SLIDES * problem.units
     if not (slides & (r[:, 0] > 0)).any() or slides.all():
         return False
     second = np.zeros_like(r)

@@ -11,7 +11,6 @@ import numpy as np
 from scipy import sparse
 from scipy.linalg import cholesky, svdvals
 from scipy.optimize import linprog
-from scipy.sparse.csgraph import connected_components
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.forms.definite import spectrum_ends
@@ -40,7 +39,8 @@ class Labels:
     asymmetry: the largest entry of |W - W'| over that of |W|, and indefiniteness: the most negative eigenvalue of W's symmetric
     part over the largest, positive where there is one, as estimated by problems.forms.definite; for problems of
     which only W is known, as recorded ones. 0 where the mechanics are given.
-    islands, island_ratio: see islands().
+    islands: how many the contact graph has (problems.forms.islands). island_ratio: the largest over the smallest of the
+    contacts' units of velocity, those of their islands; 1 where nothing moves.
     trivial: why there is nothing to solve, or "": "no contact", "no friction", or "no impulse" where r = 0 is the answer. Where
     the friction cone of the contacts that are closed at r = 0 is not pointed, as in a jam, r = 0 is one answer of several.
     """
@@ -67,23 +67,8 @@ def labels(problem: FrictionProblem) -> Labels:
     size = nc * ((2 if d == 2 else FACETS) + 2)
     largest = float(problem.friction.max(initial=0.0))
     shape = pointedness(problem), p0_margin(problem), float(ratio), largest, *_as_given(problem)
-    return Labels(size, rank, condition, *shape, *islands(problem), _trivial(problem))
-
-
-def islands(problem: FrictionProblem) -> tuple[int, float]:
-    """The number of parts of the contact graph, between which W is zero, and the ratio of the fastest to the slowest.
-
-    A part's velocity is its largest free contact velocity |q_i|; parts without any are left out; 1 without contacts.
-    """
-    nc = problem.contacts
-    if not nc:
-        return 0, 1.0
-    block = sparse.csr_array(sparse.kron(sparse.eye_array(nc), np.ones((1, problem.dimension))))
-    count, part = connected_components(block @ abs(problem.W) @ block.T, directed=False)
-    velocity = np.zeros(count)
-    np.maximum.at(velocity, part, np.linalg.norm(problem.q.reshape(nc, -1), axis=1))
-    velocity = velocity[velocity > 0]
-    return int(count), float(velocity.max() / velocity.min()) if len(velocity) else 1.0
+    islands = int(problem.islands.max(initial=-1)) + 1
+    return Labels(size, rank, condition, *shape, islands, problem.spread, _trivial(problem))
 
 
 def _as_given(problem: FrictionProblem) -> tuple[float, float]:
@@ -113,7 +98,7 @@ def _trivial(problem: FrictionProblem) -> str:
         return "no friction"
     if residual(problem, np.zeros((problem.contacts, problem.dimension))) > NOTHING:
         return ""
-    closed = problem.q[:: problem.dimension] <= NOTHING * problem.velocity_scale
+    closed = problem.q[:: problem.dimension] <= NOTHING * problem.units
     squeezed = pointedness(keep_contacts(problem, np.flatnonzero(closed).tolist()))
     return "" if squeezed > POINTED else "no impulse"
 

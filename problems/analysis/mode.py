@@ -33,7 +33,7 @@ def mode(problem: FrictionProblem, impulse: Array, tol: float = 1e-6) -> str:
 def mode_counts(problem: FrictionProblem, impulse: Array, tol: float = 1e-6) -> ModeCounts:
     """How many contacts stick, slide and are open in an answer (nc, d).
 
-    An impulse below tol |q|/s and a velocity below tol |q| count as zero, q the largest free contact velocity.
+    An impulse up to tol unit/s and a velocity up to tol unit count as zero, in the contact's own s and unit, problem.units.
     """
     opened, slides = _open_sliding(problem, impulse, tol)
     return ModeCounts(int(np.sum(~opened & ~slides)), int(np.sum(~opened & slides)), int(np.sum(opened)))
@@ -41,23 +41,22 @@ def mode_counts(problem: FrictionProblem, impulse: Array, tol: float = 1e-6) -> 
 
 def _open_sliding(problem: FrictionProblem, impulse: Array, tol: float) -> tuple[Flags, Flags]:
     """Which contacts (nc,) have no impulse, and which have a tangential velocity."""
-    free = problem.velocity_scale
-    opened = problem.scale * np.abs(impulse).max(axis=1, initial=0.0) <= tol * free
-    return opened, np.linalg.norm(problem.contact_velocity(impulse)[:, 1:], axis=1) > tol * free
+    least = tol * problem.units
+    opened = problem.scale * np.abs(impulse).max(axis=1, initial=0.0) <= least
+    return opened, np.linalg.norm(problem.contact_velocity(impulse)[:, 1:], axis=1) > least
 
 
 def distance_to_next_mode(problem: FrictionProblem, impulse: Array) -> float:
-    """The distance of a solution (nc, 2) from the nearest change of mode, as a velocity over the largest free one; 0 on a tie.
+    """The distance of a solution (nc, 2) from the nearest change of mode, as a velocity over the contact's unit; 0 on a tie.
 
     An open contact changes where u_n reaches 0, a closed one where s r_n does; a sticking one where s |r_t| reaches its limit,
     a sliding one where u_t reaches 0. Infinity without contacts.
     """
     require(problem.dimension == 2, "dimension", "modes are for planar problems, dimension 2")
-    free = np.abs(problem.q).max(initial=0.0)
-    if not free:
+    if not problem.velocity_scale:
         return np.inf
     u, felt = problem.contact_velocity(impulse), problem.scale[:, None] * impulse
     limit = problem.friction * felt[:, 0] + problem.scale * problem.friction_bias - np.abs(felt[:, 1])
     slides = np.abs(u[:, 1]) > np.abs(limit)
     closed = np.minimum(felt[:, 0], np.where(slides, np.abs(u[:, 1]), limit))
-    return float(np.maximum(np.where(felt[:, 0] > u[:, 0], closed, u[:, 0]), 0.0).min() / free)
+    return float((np.maximum(np.where(felt[:, 0] > u[:, 0], closed, u[:, 0]), 0.0) / problem.units).min())

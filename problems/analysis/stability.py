@@ -60,8 +60,8 @@ def _least_change(problem: FrictionProblem, impulse: Array, scale: Array) -> flo
 def sensitivity(
     problem: FrictionProblem, solve: Callable[[FrictionProblem], Array], change: float = 1e-7, draws: int = 3, seed: int = 0
 ) -> float:
-    """The largest |du| / |dq| over random relative changes of q, in contact velocities; infinity where a perturbed problem
-    is not solved.
+    """The largest |du| / |dq| over random relative changes of q, in contact velocities over the contacts' units; infinity where
+    a perturbed problem is not solved.
 
     solve gives the impulses (nc, d) of a problem; their residuals must be at most change / 100. Where a problem has several
     isolated solutions, a jump between them counts as ill-posedness.
@@ -70,15 +70,18 @@ def sensitivity(
     if not nc:
         return 0.0
     random = np.random.default_rng(seed)
-    scale = float(np.max(np.abs(problem.q)))
+    scale = problem.units[:, None]
+    if not scale.all():
+        return 0.0
     before = solve(problem)
     worst = 0.0
     for _ in range(draws):
-        dq = change * scale * random.uniform(-1, 1, nc * d)
-        moved = FrictionProblem.from_delassus(problem.W, problem.q + dq, problem.friction, d, problem.friction_bias)
+        share = change * random.uniform(-1, 1, (nc, d))
+        q = problem.q + (share * scale).ravel()
+        moved = FrictionProblem.from_delassus(problem.W, q, problem.friction, d, problem.friction_bias)
         after = solve(moved)
         if max(residual(problem, before), residual(moved, after)) > change / 100:
             return np.inf
         du = moved.contact_velocity(after) - problem.contact_velocity(before)
-        worst = max(worst, float(np.max(np.abs(du)) / np.max(np.abs(dq)))) if scale else 0.0
+        worst = max(worst, float(np.max(np.abs(du) / scale) / np.max(np.abs(share))))
     return worst

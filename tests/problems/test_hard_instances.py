@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from frictionbench.problems import FrictionProblem, InputError
-from frictionbench.problems.analysis.labels import islands, labels, pointedness
+from frictionbench.problems.analysis.labels import labels, pointedness
 from frictionbench.problems.analysis.thresholds import POINTED, gaps_only
 from frictionbench.problems.instances import make_instance
 from frictionbench.problems.instances.recorded_step import recorded_steps
@@ -15,8 +15,7 @@ from frictionbench.solvers import solve
 @pytest.mark.parametrize("ratio", [1e-3, 1.0, 1e6])
 def test_islands_share_nothing_but_the_file(ratio) -> None:
     problem = make_instance("unlike_islands", islands=3, contacts=4, velocity_ratio=ratio)
-    count, _ = islands(problem)
-    assert count >= 3
+    assert labels(problem).islands >= 3
     same = make_instance("unlike_islands", islands=3, contacts=4, velocity_ratio=1.0)
     share = problem.q.reshape(3, -1) / same.q.reshape(3, -1)
     assert np.allclose(share, np.array([ratio, np.sqrt(ratio), 1.0])[:, None])
@@ -25,9 +24,28 @@ def test_islands_share_nothing_but_the_file(ratio) -> None:
 def test_island_ratio() -> None:
     two = {"mass": np.eye(4), "normal": np.eye(4)[[1, 3]], "tangent": np.eye(4)[[0, 2]], "bias": np.zeros(2)}
     problem = FrictionProblem(**two, friction=np.ones(2), free_velocity=np.array([3.0, -4.0, 0.0, -1e-3]))
-    assert islands(problem) == (2, pytest.approx(5e3))
-    assert labels(problem).island_ratio == pytest.approx(5e3)
-    assert islands(problem.replace(free_velocity=np.array([3.0, -4.0, 0.0, 0.0]))) == (2, 1.0)
+    assert _islands(problem) == (2, pytest.approx(5e3))
+    assert _islands(problem.replace(free_velocity=np.array([3.0, -4.0, 0.0, 0.0]))) == (2, 1.0)
+
+
+def test_islands_are_those_that_the_residual_is_judged_by() -> None:
+    """Two bodies on a third that is 1e14 times as heavy are apart, though W is not zero between them."""
+    normal = np.array([[1.0, 0.0, -1.0], [0.0, 1.0, -1.0]])
+    problem = FrictionProblem(
+        mass=np.diag([1.0, 1.0, 1e14]),
+        normal=normal,
+        tangent=np.zeros((2, 3)),
+        friction=np.ones(2),
+        free_velocity=np.array([-1.0, -1e-3, 0.0]),
+        bias=np.zeros(2),
+    )
+    assert problem.W[0, 2] > 0
+    assert _islands(problem) == (2, pytest.approx(1e3))
+
+
+def _islands(problem: FrictionProblem) -> tuple[int, float]:
+    found = labels(problem)
+    return found.islands, found.island_ratio
 
 
 @pytest.mark.parametrize("tilt", [0.05, 1.5])

@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 
 from frictionbench.harness.cells.reference import Reference
+from frictionbench.harness.contract.change import changed, side_by_side
 from frictionbench.problems import FrictionProblem, scene
 from frictionbench.problems.analysis.frictionless import frictionless_answer, idle
-from frictionbench.problems.analysis.mode import mode_counts
+from frictionbench.problems.analysis.mode import distance_to_next_mode, mode, mode_counts
 from frictionbench.problems.instances import make_instance
 from frictionbench.solvers import solve
+from tests.helpers.friction_problems import block
 
 
 def _solve(problem):
@@ -63,3 +65,14 @@ def test_contacts_are_counted_by_mode():
     cube = make_instance("cubes", boxes=1, push=0.0)
     assert mode_counts(cube, _solve(cube)).sticking + mode_counts(cube, _solve(cube)).open == 4
     assert mode_counts(cube, np.zeros((4, 3))) == (0, 0, 4)
+
+
+def test_a_slow_part_beside_a_fast_one_has_its_own_modes():
+    slow = changed(block(speed=1.0, friction=0.1), free_velocity=[1e-7, -1e-7])
+    fast = block(speed=1e3)
+    problem = side_by_side(slow, fast)
+    assert mode_counts(problem, _solve(problem)) == (0, 2, 0)
+    assert mode(problem, _solve(problem)) == "rr"
+    alone = min(distance_to_next_mode(part, _solve(part)) for part in (slow, fast))
+    assert distance_to_next_mode(problem, _solve(problem)) == pytest.approx(alone, rel=1e-6)
+    assert not idle(problem, _solve)

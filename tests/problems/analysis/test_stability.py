@@ -51,3 +51,13 @@ def test_sensitivity_of_well_and_ill_posed_instances() -> None:
     near = [FrictionProblem.from_delassus(W, [q_n, -1.0], [1.5], 2) for q_n in (1e-9, 0.5)]
     assert sensitivity(near[0], lemke) > 1e3 * sensitivity(near[1], lemke)
     assert sensitivity(nothing(), lemke) == 0
+
+
+def test_sensitivity_of_a_slow_part_beside_a_fast_one() -> None:
+    """As above, where q is changed by 1e-7 of each part's own velocity."""
+    ill, well = np.array([[1.6, -1.2], [-1.2, 3.4]]), np.eye(2)
+    W = np.block([[ill, np.zeros((2, 2))], [np.zeros((2, 2)), well]])
+    whole = FrictionProblem.from_delassus(W, [0.5, -1.0, -1e9, 1e9], [1.5, 0.5], 2)
+    near = FrictionProblem.from_delassus(W, [1e-9, -1.0, -1e9, 1e9], [1.5, 0.5], 2)
+    assert sensitivity(whole, lemke) < 1e2
+    assert sensitivity(near, lemke, seed=1) > 1e4
