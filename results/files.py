@@ -40,7 +40,7 @@ def opened(path: Path, most: int) -> Iterator[BinaryIO]:
     except FileNotFoundError:
         raise
     except OSError as error:
-        raise ResultsError(f"{path}: cannot be read ({error.strerror or error})") from None
+        raise ResultsError(f"{path}: cannot be read ({' '.join(str(error.strerror or error).split())})") from None
 
 
 def _require_regular(path: Path, found: os.stat_result, most: int) -> None:

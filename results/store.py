@@ -262,7 +262,10 @@ def read_table(folder: Path, table: str) -> pd.DataFrame:
         return _table(list(_rows([positions[key] for key in sorted(positions)])), schema).to_pandas()
     try:
         with opened(path, LARGEST_TABLE) as file:
-            data = _read_parquet(path, pq.ParquetFile(file, read_dictionary=_texts(schema)), schema)
+            found = set(pq.read_schema(file).names)
+            file.seek(0)
+            texts = [name for name in _texts(schema) if name in found]
+            data = _read_parquet(path, pq.ParquetFile(file, read_dictionary=texts), schema)
     except (OSError, pa.ArrowException, ValueError, TypeError, LookupError, OverflowError, MemoryError) as error:
         if isinstance(error, ResultsError):
             raise

@@ -26,7 +26,8 @@ MAY_IMPORT = {
     "problems.recorded": {"problems.check", "problems.forms", "problems.friction", "problems.sizes"},
     "problems": {"problems"},
     "solvers.needs": set(),
-    "solvers.interface": {"problems", "solvers.needs"},
+    "solvers.balanced": {"problems"},
+    "solvers.interface": {"problems", "solvers.needs", "solvers.balanced"},
     "solvers.pivots": {"problems", "solvers.interface"},
     "solvers.sweeps": {"problems", "solvers.interface"},
     "solvers.sparse_lu": {"problems.check", "problems.compiled"},
@@ -129,7 +130,7 @@ def test_module_docstrings(module: str) -> None:
 
 
 def test_solver_modules_register_solvers() -> None:
-    others = ("__init__", "interface", "needs", "plugins")
+    others = ("__init__", "balanced", "interface", "needs", "plugins")
     methods = [path.stem for path in (ROOT / "solvers").glob("*.py") if path.stem not in others]
     decorated = [
         path
