@@ -40,7 +40,7 @@ def residual(problem: FrictionProblem, impulse: Array) -> float:
     >>> fb.residual(problem, fb.solve(problem, "lemke").impulse) <= 1e-8
     True
     """
-    return largest(contact_residuals(problem, impulse))
+    return float(largest(contact_residuals(problem, impulse)))
 
 
 def relaxation_residual(problem: FrictionProblem, impulse: Array, softness: Array | None = None) -> float:
@@ -48,7 +48,7 @@ def relaxation_residual(problem: FrictionProblem, impulse: Array, softness: Arra
 
     softness: (nc, d), R >= 0 in 1/kg, the compliance of regularised contacts, u = W r + q + R r.
     """
-    return largest(contact_residuals(problem, impulse, 0.0, softness))
+    return float(largest(contact_residuals(problem, impulse, 0.0, softness)))
 
 
 def contact_residuals(problem: FrictionProblem, impulse: Array, shift: float = 1.0, softness: Array | None = None) -> Array:
@@ -68,7 +68,7 @@ def polygon_residual(problem: FrictionProblem, lcp: LCP, z: Array) -> float:
 
     max |min(s z, w)| over the impulses c and beta, |min(z, s w)| over the sliding speeds lambda, s that of the contact.
     """
-    return largest(polygon_residuals(problem, lcp, z))
+    return float(largest(polygon_residuals(problem, lcp, z)))
 
 
 def polygon_residuals(problem: FrictionProblem, lcp: LCP, z: Array) -> Array:
@@ -85,9 +85,13 @@ def polygon_residuals(problem: FrictionProblem, lcp: LCP, z: Array) -> Array:
     return relative(np.where(np.isfinite(worst), worst, np.inf), problem.units)
 
 
-def largest(values: Array) -> float:
-    """The largest of the contacts' values, 0 for none."""
-    return float(values.max(initial=0.0))
+@kernel
+def largest(values):  # type: ignore[no-untyped-def]
+    """The largest of the contacts' values (nc,) >= 0, 0 for none."""
+    most = 0.0
+    for value in values:
+        most = max(most, value)
+    return most
 
 
 def relative(velocity: Array, units: Array) -> Array:
@@ -106,7 +110,14 @@ def residual_floor(problem: FrictionProblem, impulse: Array) -> float:
     >>> fb.residual_floor(problem, fb.solve(problem, "lemke").impulse) < 1e-12
     True
     """
-    return largest(contact_floors(problem, impulse))
+    return float(largest(contact_floors(problem, impulse)))
+
+
+def residual_with_floor(problem: FrictionProblem, impulse: Array) -> tuple[float, float]:
+    """The residual and its floor together, of finite impulses (nc, d), for solvers that stop by both."""
+    u, terms = problem.contact_velocity(impulse), problem.velocity_size(impulse)
+    found, floor = _largest_with_floor(impulse, u, terms, problem.scale, problem.friction, problem.friction_bias, problem.units)
+    return found, floor
 
 
 def contact_floors(problem: FrictionProblem, impulse: Array, shift: float = 1.0) -> Array:
@@ -148,6 +159,12 @@ def relative_defect(defect: float, unit: float) -> float:
     """defect / unit; infinity where that is NaN, and where nothing moves but the defect is not 0."""
     share = defect / unit if unit > 0 or defect > 0 else 0.0
     return share if share < np.inf else np.inf
+
+
+@kernel
+def _largest_with_floor(r, u, terms, s, mu, b, units):  # type: ignore[no-untyped-def]
+    """The largest of _residuals and of _floors, of Coulomb's law."""
+    return largest(_residuals(r, u, s, mu, b, units, 1.0)), largest(_floors(r, u, terms, s, mu, b, units, 1.0))
 
 
 @kernel

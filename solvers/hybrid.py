@@ -17,7 +17,7 @@ import numpy as np
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
-from frictionbench.problems.residual import residual, residual_floor
+from frictionbench.problems.residual import residual_with_floor
 from frictionbench.solvers.interface import Answer, Solver, SolverInfo, Status, find, solver
 
 PLANAR = ("lemke", "interior_point", "path_search", "staggered", "anitescu_hart", "fischer_newton")
@@ -69,12 +69,12 @@ class Hybrid:
             guess = impulse if least <= CLOSE else start
             answer = member.solve(stage, tol, own_limit, guess if info.warm_start else None)
             work |= {f"{info.name} {unit}": count for unit, count in answer.work.items()} | {"members": tried}
-            found = residual(problem, answer.impulse)
+            found, floor = residual_with_floor(problem, answer.impulse)
             if found < least:
                 impulse, least, found_by = answer.impulse, found, info.name
             if least <= tol:
-                known = residual_floor(problem, impulse) <= tol  # another member's answer has the same impulses to hold
-                return Answer(impulse, Status.SOLVED if known else Status.ROUNDING, work, detail=found_by)
+                status = Status.SOLVED if floor <= tol else Status.ROUNDING  # other members' impulses would be as large
+                return Answer(impulse, status, work, detail=found_by)
         return Answer(impulse, Status.STALLED, work, detail=found_by)
 
 

@@ -25,6 +25,7 @@ from frictionbench.problems import check
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
 from frictionbench.problems.display import count, html_table
+from frictionbench.problems.forms.delassus import LOCKED
 from frictionbench.problems.rows import Index32, Rows
 
 
@@ -134,6 +135,7 @@ def tangent_basis(dimension: int, facets: int = 8) -> Array:
     else:
         angle = 2 * np.pi * np.arange(facets) / facets
         basis[1:, 1:] = np.cos(angle), np.sin(angle)
+        basis[np.abs(basis) < 1e-15] = 0.0  # rounding of right angles: a direction that is locked must have no diagonal
     return basis
 
 
@@ -208,7 +210,7 @@ def friction_rows(first, neighbours, block, q, friction, friction_bias, basis): 
 
 @part
 def _in_basis(block, basis):  # type: ignore[no-untyped-def]
-    """basis' B basis for each block B."""
+    """basis' B basis for each block B; diagonal entries that cancel to rounding, of directions that joints lock, are 0."""
     d, width = basis.shape
     part = np.zeros((len(block), width, width))
     for k in range(len(block)):
@@ -223,6 +225,13 @@ def _in_basis(block, basis):  # type: ignore[no-untyped-def]
                     if basis[s, a] != 0:
                         for b in range(width):
                             part[k, a, b] += basis[s, a] * block[k, s, t] * basis[t, b]
+        for a in range(width):
+            size = 0.0
+            for s in range(d):
+                for t in range(d):
+                    size += abs(basis[s, a] * block[k, s, t] * basis[t, a])
+            if abs(part[k, a, a]) <= LOCKED * size:
+                part[k, a, a] = 0.0
     return part
 
 

@@ -26,14 +26,12 @@ from frictionbench.problems.forms.mass import inverse_mass
 from frictionbench.problems.operators.operator import NO_ROWS, Operator
 from frictionbench.problems.rows import ByContact, Index64, Rows, by_contact
 
-# Of the terms that add up to a diagonal entry of W: below this the joints lock the direction. The rounding errors observed were
-# up to 160 eps, and the entries of directions that move were above 1e9 eps.
-LOCKED = 1000 * float(np.finfo(float).eps)
-
 # Of the terms of a joint equation: a larger defect is a contradiction. It is the tightest tolerance of the suites.
 CONTRADICTION = 1e-8
 # Of the largest such terms of any joint, as speeds of unit kinetic energy: what rounding leaves in a joint at rest.
 ROUNDING = 1e-12
+
+_NO_TERMS = np.zeros((0, 0))
 
 
 @dataclass(eq=False, repr=False)
@@ -155,12 +153,11 @@ class MechanicalOperator(Operator):
         return u
 
     def velocity_size(self, r: Array) -> Array:
-        size = delassus.velocity_size(*self.contact_rows, *self.inverse_rows, self.free_velocity, r)
+        size: Array = delassus.velocity_size(*self.contact_rows, *self.inverse_rows, self.free_velocity, r, self.bias)
         if self._has_joints:
             response, inverse = self._joint_response
             held = abs(self.joints) @ np.abs(super().velocity(r)) + np.abs(self.joint_bias)
             size += (abs(self.jacobian) @ (np.abs(response) @ (np.abs(inverse) @ held))).reshape(size.shape)
-        size[:, 0] += np.abs(self.bias)
         return size
 
     @property
@@ -210,16 +207,20 @@ class MechanicalOperator(Operator):
     def _measures(self) -> tuple[Array, Array, float, Array, float]:
         """(q, scale, velocity_scale, units and their spread), which one pass over the contacts computes together."""
         free = self._on_joints(self.free_velocity)
-        q, scale, velocity_scale, units, unlike = delassus.measures(*self._bodies, free, self.bias, self.friction_bias)
+        q, scale, velocity_scale, units = delassus.measures(*self.contact_rows, *self.inverse_rows, free, self.bias)
+        unlike = 1.0
         if self._has_joints:
             diagonal, d = self._held_diagonal(), self.contact_rows.value.shape[1]
             by_contact = q.reshape(-1, d)
-            rounding = np.abs(by_contact) <= LOCKED * self.velocity_size(np.zeros_like(by_contact))
+            rounding = np.abs(by_contact) <= delassus.LOCKED * self.velocity_size(np.zeros_like(by_contact))
             by_contact[self._locked & rounding] = 0.0
             scale, velocity_scale = delassus.mean_diagonal(diagonal), delassus.largest(q, d)
             terms = self.velocity_size(np.zeros_like(by_contact))
             velocities = self.free_velocity, self.bias, q, scale, self.friction_bias, terms
             units = mechanical_units(*self._bodies, *velocities)
+            unlike = spread(units)
+        elif not len(units):
+            units = mechanical_units(*self._bodies, free, self.bias, q, scale, self.friction_bias, _NO_TERMS)
             unlike = spread(units)
         q.setflags(write=False)
         units.setflags(write=False)
@@ -241,7 +242,7 @@ class MechanicalOperator(Operator):
         diagonal = delassus.diagonal(*self.contact_rows, *self.inverse_rows)
         held = np.einsum("ji,jk,ki->i", coupling, inverse, coupling).reshape(diagonal.shape)
         size = diagonal + np.einsum("ji,jk,ki->i", np.abs(coupling), np.abs(inverse), np.abs(coupling)).reshape(diagonal.shape)
-        return diagonal - held <= LOCKED * size
+        return diagonal - held <= delassus.LOCKED * size
 
 
 def _generalised_inverse(G: Array) -> Array:

@@ -15,6 +15,7 @@ import numpy as np
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
 from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.residual import largest
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.sparse_lu.multifrontal import Fronts, Place, analyse, position_in_front
 
@@ -107,7 +108,7 @@ def in_velocities(problem: FrictionProblem) -> FrictionProblem:
 
 def build_system(problem: FrictionProblem, relaxed: bool = False) -> System:
     """Scale a problem, or its convex relaxation, find the order of elimination and lay out its matrices."""
-    nc, scale, speed = problem.contacts, problem.scale, float(problem.units.max(initial=0.0)) or 1.0
+    nc, scale, speed = problem.contacts, problem.scale, float(largest(problem.units)) or 1.0
     impulse = speed / float(np.exp(np.add.reduce(np.log(scale)) / nc)) if nc else speed
     if not problem.mechanical:
         contacts, own, ratio = _delassus_elements(*problem.blocks, impulse / speed), 1.0, 1.0

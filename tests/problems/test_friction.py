@@ -169,12 +169,11 @@ def test_residual_formula(seed) -> None:
     for problem in (random_problem(seed, contacts=6), spatial(seed, contacts=4, friction_bias=bool(seed % 2))):
         r = random.standard_normal((problem.contacts, problem.dimension)) * 10 ** random.uniform(-3, 2)
         s, mu = problem.scale[:, None], problem.friction
-        q = np.linalg.norm(problem.q.reshape(r.shape), axis=1).max()
         for measure, shift in ((residual, 1.0), (relaxation_residual, 0.0)):
             g = problem.contact_velocity(r)
             g[:, 0] += shift * mu * np.linalg.norm(g[:, 1:], axis=1)
             defect = r - project_cone(r - g / s, mu, problem.friction_bias)
-            assert measure(problem, r) == pytest.approx(np.linalg.norm(s * defect, axis=1).max() / q, rel=1e-12)
+            assert measure(problem, r) == pytest.approx(np.max(np.linalg.norm(s * defect, axis=1) / problem.units), rel=1e-12)
 
 
 def test_friction_bias_widens_the_cone() -> None:

@@ -6,10 +6,11 @@ import pytest
 from frictionbench.harness.contract.change import changed, in_units, permuted, side_by_side
 from frictionbench.problems import FrictionProblem, scene
 from frictionbench.problems.analysis.stability import backward_error
-from frictionbench.problems.forms.islands import COUPLED, FAR
+from frictionbench.problems.forms.delassus import measures
+from frictionbench.problems.forms.islands import COUPLED, FAR, mechanical_units
 from frictionbench.problems.measures import defects
 from frictionbench.problems.random_problem import random_problem
-from frictionbench.problems.residual import energy_within, relaxation_residual, residual, residual_floor
+from frictionbench.problems.residual import energy_within, polygon_residual, relaxation_residual, residual, residual_floor
 from frictionbench.solvers import available, solve
 from tests.helpers.friction_problems import block, spatial, with_joints
 
@@ -24,11 +25,12 @@ def by_definition(problem):
     share = np.linalg.norm(problem.W.toarray().reshape(nc, d, nc, d), axis=(1, 3)) / problem.scale  # of j's velocity, to i
     q, s = problem.q.reshape(nc, d), problem.scale
     size, linked = np.linalg.norm(q, axis=1), share > COUPLED
+    stopped = np.hypot(np.minimum(q[:, 0], 0.0), np.linalg.norm(q[:, 1:], axis=1))
     island = np.linalg.matrix_power((linked | linked.T) * 1.0 + np.eye(nc), nc) > 0
     bears = np.ones(nc, bool)
     for i in sorted(range(nc), key=lambda i: -q[i, 0] / np.sqrt(s[i])):
         others = [j for j in range(nc) if j != i and bears[j] and island[i, j]]
-        if q[i, 0] <= FAR * np.sqrt(s[i] * (size[others] ** 2 / s[others]).sum()) or problem.friction_bias[i] > 0:
+        if q[i, 0] <= FAR * np.sqrt(s[i] * (stopped[others] ** 2 / s[others]).sum()) or problem.friction_bias[i] > 0:
             continue
         if all(not bears[j] or q[j, 0] / np.sqrt(s[j]) <= q[i, 0] / np.sqrt(s[i]) for j in others):
             bears[i] = False
@@ -147,3 +149,49 @@ def test_our_solvers_claim_no_more_than_they_solved_of_unlike_islands(name) -> N
         if name in ("hybrid", "interior_point", "nsgs", "lemke", "path_search"):
             assert answer.status.name == "SOLVED"
         assert answer.status.name != "SOLVED" or residual(problem, answer.impulse) <= 1e-8
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("opening", [0.0, 1.0])
+def test_what_is_found_without_the_graph_is_what_the_graph_gives(dimension, opening) -> None:
+    graphs, seeds = 0, range(20)
+    for seed in seeds:
+        made = random_problem(seed, contacts=8) if dimension == 2 else spatial(seed, contacts=8, nv=30)
+        problem = changed(made, bias=made.bias + opening * np.linspace(0, 1, 8))
+        given = *problem.contact_rows, *problem.inverse_rows
+        found = measures(*given, problem.free_velocity, problem.bias)[3]
+        bodies = *given, np.zeros(1, np.int32), np.zeros(0, np.int32), problem.free_velocity, problem.bias
+        graph = mechanical_units(*bodies, problem.q, problem.scale, problem.friction_bias, np.zeros((0, 0)))
+        assert found == pytest.approx(graph if len(found) else [], rel=1e-15)
+        graphs += len(found) == 0 and np.ptp(graph) == 0
+    assert graphs <= len(seeds) / 4  # of problems in one unit
+
+
+def test_contacts_that_are_open_by_as_much_do_not_count_as_energy() -> None:
+    resting = block(speed=0.0)
+    twice = changed(permuted(resting, np.array([0, 0, 0])), bias=[0.0, 1e6, 1e6])
+    for problem in (twice, in_contact_space(twice)):
+        assert problem.units[0] == pytest.approx(resting.velocity_scale)
+        assert residual(problem, np.zeros((3, 2))) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7, np.pi / 4])
+def test_a_locked_tangent_is_no_diagonal_of_the_lcp(angle) -> None:
+    """Rounding of a diagonal that vanishes misled the scaling, and with it the claims, of methods on the LCP."""
+    locked = [[0.0, np.cos(angle), np.sin(angle)]]
+    problem = FrictionProblem(
+        mass=np.eye(3),
+        normal=[[1.0, 0.0, 0.0]],
+        tangent=[[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        friction=[0.5],
+        free_velocity=[-0.1, 1.0, 0.3],
+        bias=[0.0],
+        joints=locked,
+        joint_bias=[0.5],
+        dimension=3,
+    )
+    diagonal = problem.lcp().dense.diagonal()
+    assert ((diagonal == 0) | (diagonal > 1e-3)).all()
+    for name in ("lemke", "path_search", "fischer_newton", "minmap_newton", "dantzig", "murty"):
+        answer = solve(problem, name)
+        assert answer.status.name != "SOLVED" or polygon_residual(problem, problem.lcp(), answer.z) <= 1e-8
