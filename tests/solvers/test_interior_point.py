@@ -10,7 +10,7 @@ from frictionbench.problems.instances.random_bodies import random_bodies
 from frictionbench.problems.instances.spheres import sphere_pyramid
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.recorded import read
-from frictionbench.problems.residual import relaxation_residual, residual
+from frictionbench.problems.residual import contact_residuals, relaxation_residual, residual
 from frictionbench.problems.scenes import scene
 from frictionbench.solvers import Status, solve
 from frictionbench.solvers.interface import find
@@ -48,7 +48,7 @@ def changed(problem, **fields):
 def assert_solved(problem, spec, tol=1e-8, at_most=2000) -> None:
     answer = solve(problem, spec, tol=tol)
     measure = relaxation_residual if spec == "relaxation_ip" else residual
-    assert answer.status is Status.SOLVED
+    assert answer.status in (Status.SOLVED, Status.ROUNDING)  # of extreme masses and near jams
     assert measure(problem, answer.impulse) <= tol
     assert answer.work["factorisations"] <= at_most
     assert len(answer.history) == answer.work["iterations"]
@@ -372,7 +372,8 @@ def test_newton_step_removes_defect(joints, accuracy, relaxed, dimension) -> Non
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_internal_residual_equals_residual(dimension) -> None:
     problem = with_every_kind_of_contact(dimension)
-    for relaxed, measure in ((False, residual), (True, relaxation_residual)):
+    share = problem.units / problem.units.max()  # the system has one unit of velocity
+    for relaxed in (False, True):
         system = build_system(problem, relaxed)
         space = space_of(system)
         point, work = start_point(system, 1.0, 1.0), new_work(system)
@@ -381,7 +382,8 @@ def test_internal_residual_equals_residual(dimension) -> None:
                 np.random.default_rng(seed).uniform(0, 3, point.x.shape) * np.where(system.pairs > 1, 1, [[1], [0], [0], [0]]).T
             )
             inside = evaluate_point(system, space, point, new_point(system), work)
-            assert inside == pytest.approx(measure(problem, work.impulse * system.impulse), rel=1e-10)
+            found = contact_residuals(problem, work.impulse * system.impulse, 0.0 if relaxed else 1.0)
+            assert inside == pytest.approx((found * share).max(), rel=1e-10)
 
 
 @pytest.mark.parametrize("dimension", [2, 3])

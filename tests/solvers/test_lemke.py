@@ -69,7 +69,7 @@ def pyramid(rows, mu=0.5, **how):
 
 
 def assert_solved(problem, answer, tol=1e-11):
-    assert answer.status is Status.SOLVED
+    assert answer.status in (Status.SOLVED, Status.ROUNDING)  # of extreme masses and near jams
     if isinstance(problem, LCP):
         assert problem.residual(answer.z) <= tol
     else:

@@ -56,7 +56,7 @@ LITERATURE = {
 
 def assert_solved(problem, spec="path_search") -> dict[str, int]:
     answer = solve(problem, spec)
-    assert answer.status is Status.SOLVED
+    assert answer.status in (Status.SOLVED, Status.ROUNDING)  # of extreme masses and near jams
     assert residual(problem, answer.impulse) < 1e-8
     return answer.work
 
