@@ -12,7 +12,7 @@ from frictionbench.results.conventions import DEFAULT_SCHEME, KEEP_ANSWER
 from tests.helpers.command_line import frictionbench
 from tests.helpers.made_results import SETTINGS, simulation_row, solve_row, write_folder
 
-KEEP = object()
+KEEP = "<kept>"
 
 
 @pytest.fixture(scope="module")
