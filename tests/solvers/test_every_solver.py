@@ -10,7 +10,7 @@ from frictionbench import solvers
 from frictionbench.problems import FrictionProblem, InputError, scene
 from frictionbench.problems.copies import duplicate
 from frictionbench.problems.random_problem import random_problem
-from frictionbench.problems.residual import relaxation_residual, residual
+from frictionbench.problems.residual import relaxation_residual, residual, residual_floor
 from frictionbench.solvers import Answer, Status, available, find, solve
 from tests.helpers.friction_problems import block, nothing, spatial, with_joints
 
@@ -43,7 +43,7 @@ def own_residual(name: str, problem: FrictionProblem, answer: Answer) -> float:
 def test_solver_facts() -> None:
     defining = {Path(sys.modules[info.make.__module__].__file__) for info in available().values()}
     methods = set(Path(solvers.__file__).parent.glob("*.py")) - {Path(solvers.__file__)}
-    assert {path.name for path in methods - defining} == {"interface.py", "needs.py", "plugins.py"}
+    assert {path.name for path in methods - defining} == {"balanced.py", "interface.py", "needs.py", "plugins.py"}
     for info in available().values():
         assert info.summary.endswith((".", ")"))
         assert info.model in ("coulomb", "lcp", "relaxation", "regularised")
@@ -107,3 +107,12 @@ def test_portfolio_continues_after_gauss_seidel(limit) -> None:
     assert answer.status is Status.SOLVED
     assert answer.detail == "interior_point"
     assert answer.work["nsgs sweeps"] <= (limit or 30)
+
+
+@pytest.mark.parametrize("push", [0.0, 1.0])
+def test_an_answer_that_rounding_cannot_tell_from_others_is_not_claimed(push) -> None:
+    """Under heavy blocks what the lightest feels is known to 1e-16 times the ratio of their masses."""
+    for blocks in (2, 5, 8):
+        problem = scene("stack", blocks=blocks, push=push, mass_ratio=1e10).problem()
+        answer = solve(problem, "hybrid", tol=1e-9)
+        assert answer.status is not Status.SOLVED or residual_floor(problem, answer.impulse) <= 1e-9
