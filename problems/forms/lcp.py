@@ -135,7 +135,6 @@ def tangent_basis(dimension: int, facets: int = 8) -> Array:
     else:
         angle = 2 * np.pi * np.arange(facets) / facets
         basis[1:, 1:] = np.cos(angle), np.sin(angle)
-        basis[np.abs(basis) < 1e-15] = 0.0  # rounding of right angles: a direction that is locked must have no diagonal
     return basis
 
 
@@ -210,7 +209,7 @@ def friction_rows(first, neighbours, block, q, friction, friction_bias, basis): 
 
 @part
 def _in_basis(block, basis):  # type: ignore[no-untyped-def]
-    """basis' B basis for each block B; diagonal entries that cancel to rounding, of directions that joints lock, are 0."""
+    """basis' B basis for each block B; diagonal entries that are rounding, of directions that joints lock, are 0."""
     d, width = basis.shape
     part = np.zeros((len(block), width, width))
     for k in range(len(block)):
@@ -225,12 +224,11 @@ def _in_basis(block, basis):  # type: ignore[no-untyped-def]
                     if basis[s, a] != 0:
                         for b in range(width):
                             part[k, a, b] += basis[s, a] * block[k, s, t] * basis[t, b]
+        trace = 0.0
+        for s in range(d):
+            trace += abs(block[k, s, s])
         for a in range(width):
-            size = 0.0
-            for s in range(d):
-                for t in range(d):
-                    size += abs(basis[s, a] * block[k, s, t] * basis[t, a])
-            if abs(part[k, a, a]) <= LOCKED * size:
+            if abs(part[k, a, a]) <= LOCKED * trace:
                 part[k, a, a] = 0.0
     return part
 
