@@ -46,7 +46,7 @@ def about(
 
 @app.command()
 def fairness(solver: options.Solvers = None) -> None:
-    """Time each outside solver beside a call of its library by hand: what it is charged over what it costs its user."""
+    """Time each outside solver beside a call of its library by hand."""
     from rich.console import Console
 
     from frictionbench.harness.commands.charged import charged_table

@@ -75,7 +75,12 @@ class Motion:
 def write_motion(path: Path, motion: Motion) -> None:
     """Write the motion atomically."""
     subfolder(path.parent.parent, path.parent.name)
-    write_text(path, json.dumps(plain(asdict(motion), DIGITS), separators=(",", ":")))
+    write_text(path, json.dumps(encoded(motion), separators=(",", ":")))
+
+
+def encoded(motion: Motion) -> dict[str, Any]:
+    """The motion in types that JSON has, as in its file."""
+    return {name: plain(value, DIGITS) for name, value in asdict(motion).items()}
 
 
 def plain(value: Any, digits: int) -> Any:
@@ -90,8 +95,12 @@ def plain(value: Any, digits: int) -> Any:
 
 
 def read_motion(path: Path) -> Motion:
-    """The motion in a file. Errors: ResultsError if the file is not a recorded motion."""
-    found = read_json(path)
+    """The motion in a file. Errors: ResultsError naming the file, if it is not a recorded motion."""
+    return decoded(read_json(path), str(path))
+
+
+def decoded(found: Any, origin: str) -> Motion:
+    """The motion that was encoded. Errors: ResultsError naming the origin of what is not a recorded motion."""
     try:
         fields: dict[str, Any] = {name: str(found[name]) for name in ("scene", "solver", "scheme", "ended")}
         fields |= {name: float(found[name]) for name in ("step", "coefficient", "restitution")}
@@ -106,7 +115,7 @@ def read_motion(path: Path) -> Motion:
         motion = Motion(**fields)
         _check(motion)
     except (ValueError, TypeError, LookupError, AttributeError, OverflowError) as error:
-        raise ResultsError(f"{path}: not a recorded motion ({type(error).__name__}: {error})") from None
+        raise ResultsError(f"{origin}: not a recorded motion ({type(error).__name__}: {error})") from None
     return motion
 
 

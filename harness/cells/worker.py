@@ -32,7 +32,7 @@ from frictionbench.problems import LCP, FrictionProblem, InputError, scene
 from frictionbench.problems.copies import duplicate, same
 from frictionbench.problems.spec import split
 from frictionbench.results.conventions import COLD
-from frictionbench.results.motion import write_motion
+from frictionbench.results.motion import encoded
 from frictionbench.results.polygon import read_deviations, write_deviations
 from frictionbench.results.store import Row
 from frictionbench.results.verdicts import Verdict
@@ -55,7 +55,6 @@ LOAD_SECONDS = 30.0  # seconds for an outside library to load and solve a single
 FOREIGN_COMPILING = 120.0  # seconds for a plug-in to compile its kernels, and ours that it calls, when it is warmed up
 FOREIGN_LOADING = 10.0  # seconds for a plug-in to load kernels in a cell: it could stop the clock for so long, and no longer
 SHARED = 0.02  # of the timed seconds: a cell that waited longer for its core is marked as disturbed
-SHOWN = Path("motion") / "shown.json"  # the motion that `frictionbench show` asks for
 
 
 def start(deadline: Deadline, core: int | None, folder: Path, plugin_files: tuple[Plugin, ...], memory_limit: int) -> None:
@@ -167,11 +166,11 @@ def run_motion(source: Source, limit: float) -> None:
         store_motion(_worker.folder, source)
 
 
-def run_show(name: str, settings: dict[str, Any], variant: str, scheme: str, steps: int | None, limit: float) -> None:
-    """Record the motion of a scene by a solver in folder/SHOWN."""
+def run_show(name: str, settings: dict[str, Any], variant: str, scheme: str, steps: int | None, limit: float) -> dict[str, Any]:
+    """The motion of a scene by a solver, encoded: behind its walls a plug-in's worker writes no file."""
     _solver(variant)
     with _worker.deadline.within(limit):
-        write_motion(_worker.folder / SHOWN, record_motion(scene(name, **settings), variant, scheme, steps))
+        return encoded(record_motion(scene(name, **settings), variant, scheme, steps))
 
 
 def run_polygon(limit: float) -> None:

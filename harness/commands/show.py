@@ -13,7 +13,7 @@ from frictionbench.harness.workers.task import Task
 from frictionbench.problems import InputError, scene
 from frictionbench.problems.schemes import require_scheme
 from frictionbench.problems.spec import parse
-from frictionbench.results.motion import Motion, read_motion
+from frictionbench.results.motion import Motion, decoded
 
 MAX_SECONDS = 3600.0  # seconds for a plug-in to simulate a scene: the user can interrupt it earlier
 
@@ -34,4 +34,4 @@ def recorded(scene_spec: str, solver_spec: str, scheme: str, steps: int | None) 
         (outcome,) = pool.run([Task(variant, worker.run_show, call, MAX_SECONDS, plugins[0].source)])
         if outcome.failure:
             raise outcome.input_error(f"solver: {variant}: {outcome.reason}")
-        return replace(read_motion(Path(scratch) / worker.SHOWN), scene=stage.name, solver=variant)
+        return replace(decoded(outcome.value, f"solver: {variant}"), scene=stage.name, solver=variant)

@@ -278,7 +278,7 @@ def test_after_failure_policies(tmp_path) -> None:
         tolerances=(1e-6,),
         simulations=(
             Source("two_corner_block", {"velocity": 0.0, "fall": 1.0}, steps=3),
-            Source("stack", {"blocks": 2}, steps=3),
+            Source("stack", {"blocks": 2, "push": 0.0}, steps=3),
         ),
         simulation_solvers=("reports_stalled", "lemke"),
         after_failure=("answer", "velocity", "relaxation"),

@@ -83,7 +83,7 @@ def test_recorded_contacts_equal_scene_contacts(name: str) -> None:
 
 
 def test_recorded_impulses() -> None:
-    stage = scene("stack", blocks=4)
+    stage = scene("stack", blocks=4, push=0.0)
     motion = record_motion(stage, "lemke", steps=5)
     for contacts in motion.contacts[:-1]:
         ground = contacts[:, 1] < stage.touch
@@ -163,7 +163,10 @@ def test_invalid_motion_files_are_refused(tmp_path) -> None:
         {"contacts": [[1], [], []]},
     ]
     bad += [{"parameters": 3}, {"hinges": [[7, 0, 0]]}, {"poses": []}]
-    for text in ("", "[]", "{}", *(json.dumps(good | change) for change in bad)):
+    path.write_text("")
+    with pytest.raises(ResultsError, match=r"m\.json: cannot be read"):
+        read_motion(path)
+    for text in ("[]", "{}", *(json.dumps(good | change) for change in bad)):
         path.write_text(text)
         with pytest.raises(ResultsError, match="not a recorded motion"):
             read_motion(path)
