@@ -26,7 +26,6 @@ def number(name: str, value: Any, above: float = -np.inf, least: float = -np.inf
 def count(name: str, value: Any, least: int = 1) -> int:
     """An integer from `least` to MOST. Errors: InputError naming the parameter."""
     require(isinstance(value, (int, np.integer)) and not isinstance(value, bool), name, f"expected an integer, got {value!r}")
-    require(abs(value) < 2**31, name, f"must be below 2147483648, got {value!r:.100}")
-    require(value >= least, name, f"must be at least {least}, got {value!r}")
-    require(value <= MOST, name, f"must be at most {MOST}, got {value!r}")
+    require(value >= least, name, f"must be at least {least}, got {value!r:.100}")
+    require(value <= MOST, name, f"must be at most {MOST}, got {value!r:.100}")
     return int(value)

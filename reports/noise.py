@@ -17,11 +17,12 @@ PARTS = ("form", "setup", "solve")
 
 
 class Noise(NamedTuple):
-    """Of the disturbed cells: their number, the number of those that were timed once; the ratio of the recorded time to the
-    fastest repeat, its median and its largest value, 1 without repeats; and the kinds of problems whose winner changes without
-    the disturbance, each with a winner and the other one."""
+    """Of the disturbed cells: their number, the numbers of those for which no core was left and of those that were timed once;
+    the ratio of the recorded time to the fastest repeat, its median and its largest value, 1 without repeats; and the kinds of
+    problems whose winner changes without the disturbance, each with a winner and the other one."""
 
     cells: int
+    without_core: int
     once: int
     median: float
     worst: float
@@ -42,13 +43,16 @@ def noise(run: Run) -> Noise | None:
     quiet.loc[disturbed.index[several], [f"{part}_time" for part in PARTS]] = fastest[several]
     changed = _changed(run, replace(run, rows=quiet.assign(time=run.rank_by.time(quiet))))
     levels = (float(np.median(ratio)), float(ratio.max())) if len(ratio) else (1.0, 1.0)
-    return Noise(len(disturbed), int((~several).sum()), *levels, changed)
+    without_core = int(disturbed["core"].isna().sum())
+    return Noise(len(disturbed), without_core, int((~several).sum()), *levels, changed)
 
 
 def sentence(found: Noise, cells: int) -> str:
     """The noise in words; without what has changed. cells: how many were run."""
     told = f"Timing noise: median +{100 * (found.median - 1):.0f} %, worst ×{found.worst:.3g}, "
     told += f"of the {found.cells} of {cells} cells that shared their core"
+    if found.without_core:
+        told += f", {found.without_core} of them because no core was left"
     if found.once:
         told += f" ({found.once} of them timed once, whose noise is not known)"
     return told + ("; the ranking is the same without the disturbance." if not found.changed else ".")

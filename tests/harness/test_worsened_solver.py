@@ -45,7 +45,7 @@ def rows(tmp_path_factory) -> dict[str, list[store.Row]]:
     home = tmp_path_factory.mktemp("worsened")
     (home / "jacobi.py").write_text(SOLVER, encoding="utf-8")
     named = [part for fault in FAULTS for part in ("--solver", f"jacobi[fault={fault}]")]
-    given = ("--scene", "stack", "--solver", str(home / "jacobi.py"), *named)
+    given = ("--scene", "stack", "--scene", "stack[blocks=1]", "--solver", str(home / "jacobi.py"), *named)
     done = frictionbench("run", "smoke", *given, "--out", str(home / "run"))
     assert done.returncode == 0, done.stderr
     found: dict[str, list[store.Row]] = {fault: [] for fault in FAULTS}

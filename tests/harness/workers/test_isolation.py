@@ -176,8 +176,7 @@ def test_shared_core_is_recorded(tmp_path) -> None:
     assert (row["verdict"], row["disturbed"], row["core"]) == ("solved", True, pytest.approx(float("nan"), nan_ok=True))
     assert len(row["load"]) == 2
     page = write_report(tmp_path).read_text(encoding="utf-8")
-    assert "1 of 1 cells shared their core" in page
-    assert "1 of them because no core was left" in page
+    assert "1 of 1 cells that shared their core, 1 of them because no core was left" in page
 
 
 def test_disturbed_rows_are_repeated(tmp_path) -> None:
@@ -226,7 +225,7 @@ def test_run_survives_killed_processes(tmp_path) -> None:
     plugin = tmp_path / "naps.py"
     plugin.write_text(NAPS, encoding="utf-8")
     command = [sys.executable, "-c", "from frictionbench.harness.cli import main; main()", "run", "smoke", "--jobs", "1"]
-    command += ["--scene", "stack", "--solver", str(plugin), "--out", str(tmp_path / "run")]
+    command += ["--scene", "stack", "--scene", "pyramid", "--solver", str(plugin), "--out", str(tmp_path / "run")]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
         for depth in (1, 3, 2, 1, 3):  # below the run: the server, supervisors, workers
             while process.poll() is None and not (victims := below(process.pid, depth)):
