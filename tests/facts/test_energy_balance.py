@@ -72,7 +72,7 @@ def test_energy_balance_and_passivity_of_lemke(seed) -> None:
     """b >= 0: contacts take energy and give none."""
     problem = random_problem(seed, contacts=1 + seed % 12)
     answer = solve(problem, "lemke", tol=1e-12)
-    assert answer.status is Status.SOLVED
+    assert answer.status in (Status.SOLVED, Status.ROUNDING)
     before, after = kinetic(problem, problem.free_velocity), kinetic(problem, problem.velocity(answer.impulse))
     assert after == pytest.approx(law(problem, answer.impulse), abs=2e-11 * before)
     assert after <= before * (1 + 1e-12)
