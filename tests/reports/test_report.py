@@ -15,6 +15,7 @@ import pytest
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
+from frictionbench.harness.workers import walls
 from frictionbench.reports import accuracy, balance, choice, tables
 from frictionbench.reports.charts import CHARTS, MAPS, classes, growth, pareto, speed_accuracy
 from frictionbench.reports.charts import work as work_chart
@@ -28,7 +29,7 @@ from frictionbench.reports.paper import write_paper
 from frictionbench.reports.recorded import recorded_problems
 from frictionbench.reports.reliability import reliabilities, sentences
 from frictionbench.reports.run import Run, annotate, annotate_simulations, read_run
-from frictionbench.reports.settings import settings
+from frictionbench.reports.settings import WALLS, settings
 from frictionbench.reports.sheets import sheets
 from frictionbench.reports.tables import problem_classes
 from frictionbench.reports.templates import script
@@ -627,6 +628,15 @@ def test_run_settings_list():
     told = dict(settings({"settings": {"sources": sources, "time_limit": 2.0, "memory_limit": 2**32}, "started": "now"}))
     assert told["settings"][0] == ("sources", ", ".join(["stack[blocks=2,friction=0.5], 3 steps of its motion"] * 9), 9)
     assert [line.text for line in told["settings"][1:]] == ["2", "4 GiB"]
+    assert told["run"] == [("started", "now", 0)]
+
+
+def test_walls_around_plugins_are_told_with_the_machine(tmp_path):
+    assert set(WALLS) == {walls.NAMESPACES, walls.LANDLOCK, walls.FILES_ONLY, walls.GROUPS}
+    page = _Page(write_report(write_folder(tmp_path / "run", [solve_row("a", "p")], walls=walls.GROUPS))).text
+    assert f"walls around plug-ins{walls.GROUPS}: {WALLS[walls.GROUPS]}" in page
+    told = dict(settings({"machine": {"host": "here"}, "walls": "of another version", "started": "now"}))
+    assert told["machine"][1:] == [("walls around plug-ins", "of another version", 0)]
     assert told["run"] == [("started", "now", 0)]
 
 
