@@ -136,7 +136,7 @@ def test_repeatedly_killed_run_resumes(tmp_path) -> None:
     python = [sys.executable, "-c", "from frictionbench.harness.cli import main; main()"]
     random = np.random.default_rng(0)
     killed, interrupted = tmp_path / "killed", 0
-    for _ in range(8):
+    for _ in range(5):
         before, left = written(killed), random.integers(2, 9)
         process = subprocess.Popen([*python, *command, str(killed)], start_new_session=True, stderr=subprocess.DEVNULL)
         while process.poll() is None and left:
@@ -148,7 +148,7 @@ def test_repeatedly_killed_run_resumes(tmp_path) -> None:
             interrupted += 1
             os.killpg(process.pid, signal.SIGKILL)
         process.wait()
-    assert interrupted > 3
+    assert interrupted > 2
     for folder in ("killed", "whole"):
         assert frictionbench(*command, str(tmp_path / folder)).returncode == 0
     assert verdicts(tmp_path / "killed") == verdicts(tmp_path / "whole")
