@@ -113,9 +113,12 @@ def ranking(summaries: dict[float, pd.DataFrame], problem_class: str) -> list[tu
 
 
 def gaps(run: Run) -> int:
-    """The number of pairs of a problem and a label that have no row, as in a run that has not finished."""
-    rows = run.ranked
-    return rows["problem_id"].nunique() * rows["label"].nunique() - len(rows.drop_duplicates(["problem_id", "label"]))
+    """The number of pairs of a problem and a label that have no row, as in a run that has not finished.
+
+    In the plane and in space a plan may have other solvers: pairs are counted for each dimension.
+    """
+    pairs = run.ranked.drop_duplicates(["problem_id", "label"])
+    return sum(rows["problem_id"].nunique() * rows["label"].nunique() - len(rows) for _, rows in pairs.groupby("dimension"))
 
 
 def clocks(run: Run) -> pd.DataFrame:

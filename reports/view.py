@@ -136,7 +136,7 @@ class Page:
     errors: dict[str, dict[str, float]]
     clocks: pd.DataFrame
     solved: Solved
-    hard: HardShares | None
+    hard: list[HardShares]
     maps: Maps
     recorded: list[Recorded]
     classes: list[SceneClass]

@@ -5,6 +5,7 @@ import pytest
 from frictionbench.reports.hard import hard_shares
 from frictionbench.reports.page import write_report
 from frictionbench.reports.run import read_run
+from frictionbench.reports.tables import gaps
 from tests.helpers.made_results import solve_row, unanswered_row, write_folder
 
 HEAVY, LARGE = {"mass_ratio": 1e6}, {"contacts": 200}
@@ -20,8 +21,7 @@ ROWS = [
 
 
 def test_shares_by_label(tmp_path) -> None:
-    found = hard_shares(read_run(write_folder(tmp_path, ROWS)))
-    assert found is not None
+    (found,) = hard_shares(read_run(write_folder(tmp_path, ROWS)))
     assert found.problems == {"all": 3, "masses": 2, "large": 1, "none of these": 1}
     table = found.table.set_index("label")
     assert list(table.index) == ["one", "two"]  # a solver that was skipped everywhere has no share
@@ -31,8 +31,19 @@ def test_shares_by_label(tmp_path) -> None:
 
 def test_no_table_without_labels(tmp_path) -> None:
     folder = write_folder(tmp_path, [solve_row("one", "a")])
-    assert hard_shares(read_run(folder)) is None
+    assert hard_shares(read_run(folder)) == []
     assert 'id="hard"' not in write_report(folder).read_text(encoding="utf-8")
+
+
+def test_plane_and_space_have_a_table_each(tmp_path) -> None:
+    """Solvers of the plane alone leave no gap in space."""
+    rows = [*ROWS, *(solve_row(name, "d", step=3, dimension=3, **HEAVY) for name in ("one", "four"))]
+    run = read_run(write_folder(tmp_path, rows))
+    plane, space = hard_shares(run)
+    assert (plane.where, space.where) == ("in the plane", "in space")
+    assert (plane.problems["all"], space.problems["all"]) == (3, 1)
+    assert set(space.table["label"]) == {"one", "four"}
+    assert gaps(run) == 2  # solver three has a row of one planar problem of three
 
 
 def test_the_page_has_the_table(tmp_path) -> None:
