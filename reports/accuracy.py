@@ -82,7 +82,7 @@ def times_to(rows: pd.DataFrame, target: float, rank_by: RankBy = RankBy.BODIES)
 def summary(times: pd.DataFrame) -> pd.DataFrame:
     """A row per class and label, and per label over all of the plane and of space: problems, reached (how many within the
     target), share and mean (s), both weighted, the medians of form, setup and solve (s) over the problems reached, written: the
-    share of form in form, setup and solve, and law: what the label solves in place of Coulomb's law."""
+    share of form, and law: what the label solves in place of Coulomb's law."""
     both = pd.concat([*overall(times).values(), times], ignore_index=True)
     both["weight"] = weights(both, ["problem_class", "label"])
     groups = both.groupby(["problem_class", "label"], sort=False)
@@ -96,10 +96,19 @@ def summary(times: pd.DataFrame) -> pd.DataFrame:
         dimension=("dimension", "first"),
     )
     table["share"] = (both["weight"] * both["reached"]).groupby([both["problem_class"], both["label"]], sort=False).sum()
-    table["written"] = groups["form_time"].sum() / groups[["form_time", "setup_time", "solve_time"]].sum().sum(axis=1)
+    table["written"] = share_of_form(both, ["problem_class", "label"])
     table["mean"] = _means(both, ["problem_class", "label"])
     table["law"] = [law(*what) for what in zip(table["model"], table["dimension"], strict=True)]
     return table.drop(columns=["model", "dimension"]).reset_index()
+
+
+def share_of_form(times: pd.DataFrame, by: list[str]) -> "pd.Series[float]":
+    """The weighted mean, over the problems reached, of the share of form in form, setup and solve; by groups."""
+    reached = times[times["reached"]]
+    reached = reached.assign(weight=weights(reached, by))
+    parts = reached[["form_time", "setup_time", "solve_time"]].fillna(0.0)
+    share = reached["weight"] * parts["form_time"] / parts.sum(axis=1)
+    return share.groupby([reached[name] for name in by], sort=False).sum()
 
 
 def overall(times: pd.DataFrame) -> dict[str, pd.DataFrame]:

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from frictionbench.reports.accuracy import OVERALL, percentiles
+from frictionbench.reports.accuracy import OVERALL, percentiles, share_of_form
 from frictionbench.reports.balance import SHIFT, effective, weights
 from frictionbench.reports.run import Run
 from frictionbench.results.conventions import COLD, WARM
@@ -24,6 +24,7 @@ SMALL, MEDIUM = 10, 100  # contacts: the largest problems of these two kinds, a 
 ILL = 1e8  # condition of W on its range, at which a factorisation loses half of the digits of double precision
 DRAWS = 1000  # bootstrap samples: the standard error of a win rate is below 2 %
 FEW = 5  # problems, by n_eff; of so few the bootstrap gives no meaningful win rate, and none is the winner
+MAJORITY = 0.5  # the least win rate of a winner
 
 
 class Place(NamedTuple):
@@ -44,7 +45,7 @@ class Place(NamedTuple):
 
 class Choice(NamedTuple):
     """The solvers that ran on all problems of a kind, the fastest first. win_rate: of the first, None where the problems are
-    too few to name a winner."""
+    too few to name a winner; below MAJORITY none is named either."""
 
     places: list[Place]
     problems: int
@@ -52,7 +53,14 @@ class Choice(NamedTuple):
 
     @property
     def winner(self) -> Place | None:
-        return self.places[0] if self.win_rate is not None else None
+        return None if self.unclear else self.places[0]
+
+    @property
+    def unclear(self) -> str:
+        """Why no winner is named, or ""."""
+        if self.win_rate is None:
+            return "too few to rank"
+        return "no clear winner" if self.win_rate < MAJORITY else ""
 
     @property
     def lead(self) -> float | None:
@@ -116,8 +124,7 @@ def choose(times: pd.DataFrame, problems: set[int], labels: set[str], budget: fl
     means = (weight @ logs).sort_values(kind="stable")
     own = own[own["label"].isin(means.index)]
     groups = own.groupby("label")
-    parts = groups[["form_time", "setup_time", "solve_time"]].sum()
-    facts = percentiles(own, budget).assign(reached=groups["reached"].sum(), form=parts["form_time"] / parts.sum(axis=1))
+    facts = percentiles(own, budget).assign(reached=groups["reached"].sum(), form=share_of_form(own, ["label"]))
     facts["law"] = [law(*what) for what in groups[["model", "dimension"]].first().reindex(facts.index).itertuples(index=False)]
     facts["mean"] = np.exp(means) - SHIFT
     places = [Place(label=str(label), **facts.loc[label].to_dict()) for label in means.index]

@@ -33,7 +33,7 @@ def _sentence(kinds: dict[RankBy, Kind], target: float) -> str:
         return f"{where}no solver that ran on all of them reaches it."
     mine, theirs = one.choices[target], other.choices[target]
     if mine.winner is None:
-        return f"{where}too few to rank."
+        return f"{where}{mine.unclear}."
     if mine.order == theirs.order:
         return f"{where}{_winner(first, mine)}; {second.words} the first three are the same."
     return f"{where}{_winner(first, mine)}; {_winner(second, theirs)}."
@@ -41,7 +41,7 @@ def _sentence(kinds: dict[RankBy, Kind], target: float) -> str:
 
 def _winner(by: RankBy, choice: Choice) -> str:
     best = choice.places[0]
-    form = f", {100 * best.form:.0f} % of it form" if by is RankBy.BODIES else ""
+    form = f", {100 * best.form:.0f} % of the time form" if by is RankBy.BODIES else ""
     name = f"{best.label} ({best.law})" if best.law else best.label
     mean, solved = f"with a mean of {seconds(best.mean)}{form}", f"{best.reached} of {choice.problems} solved"
     told = f"{by.words} {name} is the fastest, {mean}, {solved}"

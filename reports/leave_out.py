@@ -11,6 +11,7 @@ import pandas as pd
 from frictionbench.reports.balance import effective, weights
 from frictionbench.reports.choice import FEW, compared, kinds
 from frictionbench.reports.run import Run
+from frictionbench.results.rank_by import RankBy
 
 
 class LeftOut(NamedTuple):
@@ -50,13 +51,14 @@ def _order(logs: pd.DataFrame, weight: "pd.Series[float]") -> list[str]:
     return list((weight @ logs).nsmallest(3).index)
 
 
-def sentence(name: str, lines: list[LeftOut]) -> str:
+def sentence(name: str, lines: list[LeftOut], by: RankBy) -> str:
     """Which scenes decide the ranking of a class, in words."""
     if not lines:
         return ""
+    where = f"{name.capitalize()}, {by.words}"
     winners = [f"{one.scene} (then {one.winner})" for one in lines if not one.same_winner]
     if winners:
-        return f"{name.capitalize()}, another solver is the first without {', '.join(winners)}."
+        return f"{where}, another solver is the first without {', '.join(winners)}."
     orders = [one.scene for one in lines if not one.same_order]
     rest = f"; the order of the first three changes without {', '.join(orders)}" if orders else ", and so do the first three"
-    return f"{name.capitalize()}, the winner stays the same whichever scene is left out{rest}."
+    return f"{where}, the winner stays the same whichever scene is left out{rest}."

@@ -56,7 +56,11 @@ def _first(run: Run) -> list[str]:
     """The sentences of the page's first screen: winners by both rankings, what scenes decide them, and noise."""
     target = run.outer_targets[-1]
     ranked = {one.rank_by: choice.choices(one) for one in (run, run.ranked_by(run.rank_by.other))}
-    families = [leave_out.sentence(name, lines) for name, lines in leave_out.left_out(run).items()]
+    families = [
+        leave_out.sentence(name, lines, one.rank_by)
+        for one in (run, run.ranked_by(run.rank_by.other))
+        for name, lines in leave_out.left_out(one).items()
+    ]
     found = noise.noise(run)
     noisy = [noise.sentence(found, len(run.rows)), *found.changed] if found else []
     return [line for line in (*headline(ranked, run.overall, target), *families, *noisy) if line]
@@ -85,7 +89,7 @@ def outside(run: Run) -> set[str]:
 
 def _describe(found: choice.Choice | None) -> str:
     if found is None or found.winner is None:
-        return "too few to rank" if found else "none"
+        return found.unclear if found else "none"
     best, rate = found.winner, f", wins {found.win_rate:.0%} of bootstrap samples"
     lead = "" if found.lead is None else f", {found.lead:.1f} times ahead of {code(found.places[1].label)}{rate}"
     law = f" ({best.law})" if best.law else ""

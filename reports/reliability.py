@@ -7,6 +7,7 @@ tolerance; its error is its residual by Coulomb's law.
 from collections.abc import Callable
 from typing import NamedTuple
 
+from frictionbench.reports.accuracy import OVERALL
 from frictionbench.reports.drawing.text import power, residual
 from frictionbench.reports.run import Run
 from frictionbench.reports.tables import model_errors
@@ -67,8 +68,11 @@ def sentences(run: Run) -> list[tuple[str, str]]:
             lambda one: residual(errors.get(one.label, float("nan"))),
         ),
     }
+    ran = run.tightest.groupby("label")["dimension"].agg(set)
+    several = run.ranked["dimension"].nunique() > 1
+    only = {label: f" ({OVERALL[min(found)]})" if several and len(found) == 1 else "" for label, found in ran.items()}
     return [
-        (what, ", ".join(f"{one.label} ({count(one)})" if count else one.label for one in solvers))
+        (what, ", ".join(f"{one.label} ({count(one)})" if count else one.label + only[one.label] for one in solvers))
         for what, (solvers, count) in claims.items()
         if solvers
     ]

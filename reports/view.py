@@ -57,6 +57,7 @@ class Head:
     noise_told: str
     oversubscribed: int
     gaps: int
+    other_law: int
     overhead: float | None
     headline: list[str]
     differs: bool
@@ -197,10 +198,16 @@ def _head(run: Run, rankings: list[Ranked]) -> Head:
         noise_told=sentence(disturbance, len(run.rows)) if disturbance else "",
         oversubscribed=workers_on_all_cores(run.manifest),
         gaps=tables.gaps(run),
+        other_law=int((run.rows["claimed"] & (run.rows["verdict"] == Verdict.RELAXED)).sum()),
         overhead=tables.overhead(run),
         headline=headline(kinds, run.overall, target),
         differs=differs(kinds, target),
-        families=[told for name, lines in rankings[0].left_out.items() if (told := leave_out.sentence(name, lines))],
+        families=[
+            told
+            for one in rankings
+            for name, lines in one.left_out.items()
+            if (told := leave_out.sentence(name, lines, one.by))
+        ],
         reliability=sentences(run),
         idle_share=mix.idle_share(run),
     )

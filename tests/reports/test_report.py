@@ -140,7 +140,7 @@ def test_skipped_classes_are_charged(tmp_path):
     folder = write_folder(tmp_path / "run", [*slow, *quick, *warm])
     assert "b & 5/10 &" in (write_paper(folder, read_run(folder)) / "times.tex").read_text()
     assert (
-        "from bodies a is the fastest, with a mean of 31 ms, 2 % of it form, 10 of 10 solved"
+        "from bodies a is the fastest, with a mean of 31 ms, 2 % of the time form, 10 of 10 solved"
         in _Page(write_report(folder)).text
     )
 
@@ -703,6 +703,6 @@ def test_untested_targets_are_not_missed(tmp_path) -> None:
 def test_page_counts_simulations_with_wrong_steps(tmp_path):
     simulations = [simulation_row("nsgs", verdict="wrong"), simulation_row("lemke")]
     page = write_report(write_folder(tmp_path / "wrong", RUN, simulations)).read_text(encoding="utf-8")
-    assert "1 of 2 simulations contain a step with a wrong claim" in page
+    assert "1 of 2 simulations contains a step with a wrong claim" in page
     page = write_report(write_folder(tmp_path / "none", RUN, simulations[1:])).read_text(encoding="utf-8")
     assert "contain a step with a wrong claim" not in page
