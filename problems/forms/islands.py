@@ -13,7 +13,8 @@ So i is left out, as a velocity and as a link, where
     q_n,i > FAR sqrt(s_i) sqrt(sum_j (min(q_n,j, 0)^2 + |q_t,j|^2) / s_j),      over the contacts j of its island left in.
 
 The sum is an estimate of that energy, invariant under changes of frame, of units and of the observer's velocity. One left out
-although it bears makes the measure stricter; one kept although it is open makes it more lenient, by a factor of about FAR.
+although it bears makes the measure stricter; one kept although it is open makes it more lenient, as one that slides fast and
+opens slowly may be.
 
 q is a sum of terms J v* and b, and known to rounding only: a contact's velocity counts as at least CANCELLED of their size, and
 a unit is at least NOISE of the largest. Where nothing in an island moves, its unit is the largest of the problem.
