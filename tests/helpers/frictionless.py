@@ -13,18 +13,23 @@ NEEDED = 1e-4  # of the largest change of a velocity: what no frictionless impul
 
 
 def friction_at_work(problem: FrictionProblem) -> bool:
-    """Whether no frictionless answer satisfies Coulomb's law: whether contacts that bear in all of them slide.
+    """Whether no frictionless answer satisfies Coulomb's law: whether contacts with friction that bear in all of them slide.
 
     The velocities v minimise (v - v*)'M(v - v*)/2 with N v + b >= 0 and F v + b_F = 0, and are unique. They satisfy the law iff
-    M (v - v*) = N'r + F'lam with r >= 0 only at contacts that neither open nor slide.
+    M (v - v*) = N'r + F'lam with r >= 0 only at contacts that neither open nor, unless they are smooth, slide, and no contact
+    slides that has a friction bias.
     """
     v = _velocities(problem)
     u = (problem.jacobian @ v).reshape(problem.contacts, -1)
     u[:, 0] += problem.bias
-    rests = np.linalg.norm(u, axis=1) <= SLIDES * max(np.abs(problem.q).max(), np.abs(v).max())
+    unit = SLIDES * max(np.abs(problem.q).max(), np.abs(v).max())
+    slides = np.linalg.norm(u[:, 1:], axis=1) > unit
+    if (slides & (problem.friction_bias > 0)).any():
+        return True
+    bears = (np.abs(u[:, 0]) <= unit) & ~(slides & (problem.friction > 0))
     root = np.sqrt(problem.mass.diagonal())
     change = root * (v - problem.free_velocity)
-    N, F = problem.normal.toarray()[rests] / root, problem.joints.toarray() / root
+    N, F = problem.normal.toarray()[bears] / root, problem.joints.toarray() / root
     _, left = nnls(np.vstack([N, F, -F]).T, change) if len(N) + len(F) else (None, np.linalg.norm(change))
     return bool(left > NEEDED * np.abs(change).max(initial=0.0) and left > NEEDED * SLIDES)
 

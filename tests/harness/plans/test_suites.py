@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from frictionbench.harness.cells.collect import collect, stored_friction
+from frictionbench.harness.cells.reference import Reference
 from frictionbench.harness.commands import listing
 from frictionbench.harness.plans import families
 from frictionbench.harness.plans.choose import choose
@@ -13,11 +14,13 @@ from frictionbench.harness.plans.lineups import SPATIAL, every
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.plans.suites import SUITES
 from frictionbench.problems import FrictionProblem, scene, scenes
+from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.instances import instances, make_instance
 from frictionbench.solvers import find, solve
 from tests.helpers.frictionless import friction_at_work
 
 MOST = 130  # contacts of problems that are built and solved here; larger ones differ from these in size alone
+MOST_LABELLED = 40
 CHOSEN = ("smoke", "standard", "scaling", "spatial", "peers")
 BANDS = (1, 10, 100, 10**6)
 # Of these not even the motion needs friction, or there is none: a pendulum, a ball that bounces straight up and down.
@@ -45,6 +48,15 @@ def first_problems(suite: str) -> list[tuple[Source, FrictionProblem]]:
 def test_friction_is_at_work_in_every_problem(suite: str) -> None:
     idle = [source for source, problem in first_problems(suite) if not friction_at_work(problem)]
     assert idle == []
+
+
+@pytest.mark.parametrize("suite", ["smoke", "standard", "spatial"])
+def test_the_label_agrees(suite: str) -> None:
+    """On every third problem, and on it without friction at every second contact."""
+    for _, problem in [one for one in first_problems(suite) if one[1].contacts <= MOST_LABELLED][::3]:
+        smooth = problem.replace(friction=problem.friction * (np.arange(problem.contacts) % 2))
+        assert idle(problem, Reference()) == (not friction_at_work(problem))
+        assert idle(smooth, Reference()) == (not friction_at_work(smooth))
 
 
 @pytest.mark.parametrize("source", [Source("two_blocks", {"friction": 0.1}, 2), Source("long_bar", {"friction": 0.2}, 2)])

@@ -11,10 +11,16 @@ from frictionbench.problems.analysis.mode import distance_to_next_mode, mode, mo
 from frictionbench.problems.instances import make_instance
 from frictionbench.solvers import solve
 from tests.helpers.friction_problems import block
+from tests.helpers.frictionless import friction_at_work
 
 
 def _solve(problem):
     return solve(problem, "hybrid", tol=1e-12).impulse
+
+
+def _shared(problem):
+    """Of contacts across one body that stop 1 N s together, each takes an equal part."""
+    return np.array([[1.0 / problem.contacts, 0.0]] * problem.contacts)
 
 
 @pytest.mark.parametrize("name", ["stack", "pyramid", "wall"])
@@ -46,11 +52,40 @@ def test_another_frictionless_answer_is_tried_where_the_impulses_are_not_unique(
         bias=[0.0, 0.0],
     )
 
-    def shared(problem):
-        return np.array([[1.0 / problem.contacts, 0.0]] * problem.contacts)
+    assert idle(twice, _shared)
+    assert not idle(twice.replace(tangent=[[1.0, 0.0], [1.0, 0.0]]), _shared)
 
-    assert idle(twice, shared)
-    assert not idle(twice.replace(tangent=[[1.0, 0.0], [1.0, 0.0]]), shared)
+
+def test_smooth_contacts_that_slide_may_bear():
+    """A body across three equal contacts that all slide, one of them smooth: that one can bear alone."""
+    problem = FrictionProblem(
+        mass=np.eye(2),
+        normal=[[0.0, 1.0]] * 3,
+        tangent=[[1.0, 0.0]] * 3,
+        friction=[0.5, 0.0, 0.5],
+        free_velocity=[1.0, -1.0],
+        bias=[0.0] * 3,
+    )
+    assert idle(problem, _shared)
+    assert not idle(problem.replace(friction=[0.5, 0.1, 0.5]), _shared)
+    assert not idle(problem.replace(friction_bias=[0.0, 0.1, 0.0]), _shared)
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_found_wherever_an_independent_search_finds_it(seed):
+    """One or two bodies, contacts of which many are multiples of others, rough, smooth, at rest, sliding and opening."""
+    draw = np.random.default_rng(seed)
+    nv, nc = int(draw.integers(2, 5)), int(draw.integers(2, 7))
+    problem = FrictionProblem(
+        mass=np.diag(draw.uniform(0.5, 2.0, nv)),
+        normal=draw.normal(size=(2, nv))[draw.integers(0, 2, nc)] * draw.uniform(0.5, 2.0, (nc, 1)),
+        tangent=draw.normal(size=(2 * nc, nv)) * np.repeat(draw.random(nc) < 0.5, 2)[:, None],
+        friction=draw.choice([0.0, 0.5, 3.0], nc),
+        free_velocity=draw.normal(size=nv),
+        bias=np.zeros(nc),
+        dimension=3,
+    )
+    assert idle(problem, Reference()) == (not friction_at_work(problem))
 
 
 def test_the_frictionless_answer_has_normal_impulses_alone():
