@@ -4,7 +4,7 @@ Without friction the impulses are normal and minimise the kinetic energy: with t
 
     0 <= u_n  ⟂  r_n >= 0,      u = W r + q.
 
-Such an answer satisfies Coulomb's law where no contact with friction that bears slides; a stack at rest is an example. A friction
+Such an answer satisfies Coulomb's law where no contact with friction that bears slides, as in a stack at rest. A friction
 problem with such an answer tests a solver of linear complementarity problems without friction, and is called idle. The
 frictionless velocities are unique, the impulses of hyperstatic contacts are not: the problem is idle if any of them satisfies
 the law.

@@ -15,6 +15,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
+from scipy.linalg import lstsq
 
 from frictionbench.problems import check
 from frictionbench.problems.check import Array
@@ -26,10 +27,10 @@ from frictionbench.problems.forms.mass import inverse_mass
 from frictionbench.problems.operators.operator import NO_ROWS, Operator
 from frictionbench.problems.rows import ByContact, Index64, Rows, by_contact
 
-# Of the terms of a joint equation: a larger defect is a contradiction. It is the tightest tolerance of the suites.
+# Of a joint's bias: a larger defect is a contradiction. It is the tightest tolerance of the suites.
 CONTRADICTION = 1e-8
-# Of the largest such terms of any joint, as speeds of unit kinetic energy: what rounding leaves in a joint at rest.
-ROUNDING = 1e-12
+# Of the largest terms of any joint equation, as speeds of unit kinetic energy: what rounding leaves.
+ROUNDING = 1000 * float(np.finfo(float).eps)
 
 _NO_TERMS = np.zeros((0, 0))
 
@@ -189,18 +190,22 @@ class MechanicalOperator(Operator):
         return velocity - response @ (inverse @ (joint_velocity + self.joint_bias))
 
     def _require_consistent_joints(self) -> None:
-        """Errors: InputError naming joint_bias where no velocity satisfies F v + b_F = 0, by more than rounding explains."""
-        F, free = self.joints, self.free_velocity
-        defect = np.abs(F @ self._on_joints(free) + self.joint_bias)
-        size = np.abs(F) @ np.abs(free) + np.abs(self.joint_bias)
-        kinetic = np.sqrt(
-            F.multiply(F @ self.inverse_mass).sum(axis=1)
-        )  # the speed that a unit of kinetic energy gives a joint
-        unit = np.where(kinetic > 0, kinetic, 1.0)
-        allowed = np.maximum(CONTRADICTION * size, ROUNDING * unit * np.max(size / unit))
-        bad = np.flatnonzero(~(defect <= allowed))
+        """Errors: InputError naming joint_bias where no velocity satisfies F v + b_F = 0, by more than rounding explains.
+
+        Whether one does depends on F and b_F alone. Each row is divided by the speed that a unit of kinetic energy gives its
+        joint, and the velocity of least squares is compared with the rounding of its terms and of those of F v*.
+        """
+        root = np.sqrt(self.inverse_mass.diagonal())
+        F = self.joints.toarray() * root
+        size = np.linalg.norm(F, axis=1)
+        unit = np.where(size > 0, size, 1.0)
+        F, bias = F / unit[:, None], self.joint_bias / unit
+        v = lstsq(F, -bias, cond=np.sqrt(_dependent(len(F))), lapack_driver="gelsy")[0]
+        terms = np.abs(F) @ (np.abs(v) + np.abs(self.free_velocity) / root) + np.abs(bias)
+        defect = np.abs(F @ v + bias)
+        bad = np.flatnonzero(~(defect <= np.maximum(CONTRADICTION * np.abs(bias), ROUNDING * terms.max())))
         listed = ", ".join(map(str, bad[:6].tolist())) + ", ..." * (len(bad) > 6)
-        missed = f"rows {listed} are missed by up to {defect[bad].max(initial=0.0):.2g} m/s"
+        missed = f"rows {listed} are missed by up to {(defect * unit)[bad].max(initial=0.0):.2g} m/s"
         check.require(not len(bad), "joint_bias", f"the joint equations contradict each other: {missed}")
 
     @cached_property
@@ -252,8 +257,10 @@ def _generalised_inverse(G: Array) -> Array:
     """
     diagonal = G.diagonal()
     unit = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
-    smallest = (
-        10 * len(G) * float(np.finfo(float).eps)
-    )  # eigenvalues of dependent rows come out as rounding errors of that size
-    inverse = np.linalg.pinv(unit[:, None] * G * unit, rcond=smallest, hermitian=True)
+    inverse = np.linalg.pinv(unit[:, None] * G * unit, rcond=_dependent(len(G)), hermitian=True)
     return np.asarray(unit[:, None] * inverse * unit)
+
+
+def _dependent(nj: int) -> float:
+    """The share of the largest eigenvalue of F M^-1 F' up to which those of dependent rows come out as rounding errors."""
+    return 10 * nj * float(np.finfo(float).eps)

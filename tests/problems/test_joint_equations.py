@@ -68,6 +68,29 @@ def test_rounding_in_a_joint_at_rest_is_no_contradiction() -> None:
     assert residual(problem, solve(problem, "lemke", tol=1e-10).impulse) <= 1e-10
 
 
+@pytest.mark.parametrize("again", [False, True])
+@pytest.mark.parametrize("angle", [1e-3, 1e-5])
+def test_rows_that_are_nearly_parallel_are_independent(angle: float, again: bool) -> None:
+    """Their velocity is large, but there is one; again: beside a row that is there twice."""
+    joints = np.array([[1.0, 0.0, 0.0], [np.cos(angle), np.sin(angle), 0.0], [1.0, 0.0, 0.0]][: 3 if again else 2])
+    bias = np.array([0.3, 0.2, 0.3][: len(joints)])
+    v = FrictionProblem(**FIELDS, joints=joints, joint_bias=bias).velocity(np.zeros((2, 2)))
+    assert np.abs(joints @ v + bias).max() < 1e-4
+    assert v[1] == pytest.approx(0.1 / angle, rel=1e-3)
+
+
+@pytest.mark.parametrize("speed", [1e8, 1e12])
+def test_no_speed_hides_a_contradiction(speed: float) -> None:
+    with pytest.raises(InputError, match=r"^joint_bias: the joint equations contradict each other: rows 0, 1 are missed by"):
+        FrictionProblem(**FIELDS | {"free_velocity": [speed, speed, 0.0]}, joints=[[1.0, 0.0, 0.0]] * 2, joint_bias=[-0.5, 0.5])
+
+
+def test_rounding_of_joints_that_move_fast_is_no_contradiction() -> None:
+    joints, moving = np.array([[0.1, 0.7, 0.3]] * 2), np.array([1e9, 1e9, 1e9])
+    bias = -joints @ moving * [1.0, 1.0 + 1e-15]
+    assert FrictionProblem(**FIELDS | {"free_velocity": moving}, joints=joints, joint_bias=bias).contacts == 2
+
+
 def test_joints_of_a_scene_that_have_drifted() -> None:
     problem = scene("slider_crank").problem()
     assert problem.replace(joint_bias=np.full(6, 1e-3)).velocity(np.zeros((problem.contacts, 2))).shape == (9,)
