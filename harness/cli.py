@@ -387,9 +387,10 @@ def shrink(folder: options.Folder, row: options.Row, solver: options.Trusted = N
     """
     from frictionbench.harness.commands.shrink import shrink as shrink_row
 
-    path, problem, trials = shrink_row(folder, row, solver or [])
-    typer.echo(f"reduced to {problem.contacts} contacts and {len(problem.free_velocity)} velocities in {trials} trials: {path}")
-    typer.echo(f"solve it: frictionbench solve {path}")
+    small = shrink_row(folder, row, solver or [])
+    size = f"{small.problem.contacts} contacts and {len(small.problem.free_velocity)} velocities"
+    typer.echo(f"reduced to {size} in {small.trials} trials: {small.path}")
+    typer.echo(f"solve it: {small.command}")
 
 
 def _jobs(jobs: int | None) -> int:

@@ -22,6 +22,7 @@ from scipy import sparse
 from frictionbench.problems import check, sizes
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.display import count, extent, html_table
+from frictionbench.problems.forms.arrays import CSR, Dense
 from frictionbench.problems.forms.delassus import Blocks
 from frictionbench.problems.forms.lcp import LCP, content_hash, friction_lcp, tangent_basis
 from frictionbench.problems.forms.relaxation import QP, ConeProgram, VelocityForm, relaxation_cone, relaxation_qp
@@ -214,6 +215,20 @@ class FrictionProblem:
     def W(self) -> sparse.csr_array:
         """The Delassus matrix J P J' (nc*d, nc*d)."""
         return self.operator.W
+
+    def dense(self) -> Dense:
+        """W and q as dense C-contiguous arrays, for code in C or Fortran: formed once, by a compiled pass, and read-only.
+
+        >>> import frictionbench as fb
+        >>> W, q = fb.scene("stack", blocks=2).problem().dense()
+        >>> W.shape, q.shape, W.flags.c_contiguous
+        ((8, 8), (8,), True)
+        """
+        return self.operator.dense
+
+    def csr(self) -> CSR:
+        """W in compressed rows and q, as plain arrays: indptr, indices, data, q; formed once and read-only."""
+        return self.operator.csr
 
     @property
     def blocks(self) -> Blocks:

@@ -4,7 +4,6 @@ Names and reasons in a results folder may come from an untrusted source: the tem
 the only script that it runs is templates/page.js, by its hash, and figures are drawn without interpreting names.
 """
 
-import shlex
 from dataclasses import fields
 from pathlib import Path
 
@@ -14,6 +13,7 @@ from frictionbench.reports.animation import write_animations
 from frictionbench.reports.run import Run, read_run
 from frictionbench.reports.templates import environment, script
 from frictionbench.reports.view import Page, view
+from frictionbench.results.commands import Sources, rerun
 from frictionbench.results.files import write_text
 
 
@@ -25,7 +25,7 @@ def write_report(folder: Path, run: Run | None = None) -> Path:
     """
     page = view(run or read_run(folder), write_animations(folder))
     if len(page.maps.failed):
-        write_text(folder / "failures.txt", failures(folder, page.maps.failed))
+        write_text(folder / "failures.txt", failures(folder, page.maps.failed, page.run.plugins))
     path = folder / "report.html"
     write_text(path, render(page))
     return path
@@ -38,10 +38,10 @@ def render(page: Page) -> str:
     return environment().get_template("page.html").render(values, script=text, script_hash=digest)
 
 
-def failures(folder: Path, failed: pd.DataFrame) -> str:
+def failures(folder: Path, failed: pd.DataFrame, plugins: Sources) -> str:
     """A line for each failed cell: the command that runs it again, and what it is."""
     return "".join(
-        f"{shlex.join(['frictionbench', 'rerun', str(folder), row['key']])}"
+        f"{rerun(folder, row['key'], row['variant'], plugins)}"
         f"  # {row['label']}: {row['verdict']}, {row['scene']} {row['parameters']}, {row['contacts']:.0f} contacts\n"
         for row in failed.to_dict("records")
     )

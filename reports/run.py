@@ -26,6 +26,7 @@ import pandas as pd
 from frictionbench.reports.accuracy import OVERALL, summary, targets, times_to
 from frictionbench.reports.balance import strata
 from frictionbench.reports.drawing.style import Look, looks
+from frictionbench.results.commands import sources
 from frictionbench.results.conventions import COLD, KEEP_ANSWER
 from frictionbench.results.convergence import ConvergenceHistory, read_histories
 from frictionbench.results.map_spec import GridPoint, maps_of, read_thresholds
@@ -78,6 +79,11 @@ class Run:
     def tightest(self) -> pd.DataFrame:
         """The rows of `ranked` at the tightest tolerance."""
         return self.ranked[self.ranked["tol"] == self.ranked["tol"].min()]
+
+    @cached_property
+    def plugins(self) -> dict[str, str]:
+        """Where the solvers of plug-ins come from: see results.commands."""
+        return sources(self.manifest["settings"])
 
     @cached_property
     def looks(self) -> dict[str, Look]:

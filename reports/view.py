@@ -1,6 +1,5 @@
 """What the report's page shows, as values: built from a run alone, without writing anything. templates/page.html draws it."""
 
-import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -26,6 +25,7 @@ from frictionbench.reports.sequences import Motion, motions
 from frictionbench.reports.settings import Setting, settings, workers_on_all_cores
 from frictionbench.reports.sheets import Sheet, sheets
 from frictionbench.results.cells import scene_title
+from frictionbench.results.commands import solve
 from frictionbench.results.rank_by import RankBy
 from frictionbench.results.shrunk import FOLDER
 from frictionbench.results.verdicts import Verdict
@@ -290,7 +290,7 @@ def _maps(run: Run) -> Maps:
     smallest = robustness.smallest(failed, run.shrunk).to_dict("records")
     for row in smallest:
         file = str(run.folder / FOLDER / row["file"])
-        row["solve"] = shlex.join(["frictionbench", "solve", file, "--solver", row["variant"]]) if row["file"] else ""
+        row["solve"] = solve(file, row["variant"], row["tol"], run.plugins) if row["file"] else ""
     changes = {one.spec.name: robustness.changes(one) for one in cells if one.spec.constant}
     return Maps(robustness.robustness(cells), changes, failed, smallest, robustness.costs(run))
 

@@ -8,7 +8,6 @@ a time, and some of many short repeats are free of it; a cell counts as disturbe
 """
 
 import json
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ import numpy as np
 import pandas as pd
 
 from frictionbench.results import baseline
+from frictionbench.results.commands import sources
 from frictionbench.results.files import ResultsError
 from frictionbench.results.store import read_manifest, read_table
 from frictionbench.results.verdicts import RANK, measured
@@ -94,7 +94,7 @@ def _of_folder(folder: Path) -> Cells:
         machine if isinstance(machine, dict) else {},
         str(versions.get("frictionbench", "")) if isinstance(versions, dict) else "",
         str(manifest.get("finished") or manifest.get("started") or ""),
-        dict(_sources(settings.get("plugins"))),
+        sources(settings),
     )
 
 
@@ -103,12 +103,6 @@ def _repeats(*steps: Any) -> np.ndarray:
     times = [np.asarray([] if step is None else step, dtype=float) for step in steps]
     total = sum(times[1:], times[0]) if len({len(one) for one in times}) == 1 else np.empty(0)
     return total[np.isfinite(total)]
-
-
-def _sources(plugins: Any) -> Iterator[tuple[str, str]]:
-    for plugin in plugins if isinstance(plugins, list) else []:
-        if isinstance(plugin, dict) and isinstance(plugin.get("solvers"), dict):
-            yield from ((str(variant), str(plugin.get("source"))) for variant in plugin["solvers"])
 
 
 def _typed(rows: pd.DataFrame) -> pd.DataFrame:

@@ -2,18 +2,29 @@
 
 from math import inf
 from pathlib import Path
+from typing import NamedTuple
 
 from frictionbench.harness.commands.stored_cell import stored_cell
 from frictionbench.harness.commands.trusted import trusted
 from frictionbench.harness.shrink import shrink_rows
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.recorded.own import load
+from frictionbench.results.commands import solve, sources
 from frictionbench.results.shrunk import FOLDER
 from frictionbench.results.verdicts import Verdict
 
 
-def shrink(folder: Path, key: str, named: list[str]) -> tuple[Path, FrictionProblem, int]:
-    """Shrink the problem of a failing solve row into folder/shrunk; the file, the problem, and the number of trials.
+class Reduced(NamedTuple):
+    """The file of the reduced problem, the problem, the number of trials, and the command that shows the failure."""
+
+    path: Path
+    problem: FrictionProblem
+    trials: int
+    command: str
+
+
+def shrink(folder: Path, key: str, named: list[str]) -> Reduced:
+    """Shrink the problem of a failing solve row into folder/shrunk.
 
     named: outside solvers that the user trusts. Errors: as of store.find_row, and InputError where the row did not fail, or its
     solver is neither ours nor among the named.
@@ -28,4 +39,5 @@ def shrink(folder: Path, key: str, named: list[str]) -> tuple[Path, FrictionProb
     path = folder / FOLDER / found.file
     small = load(path)
     assert isinstance(small, FrictionProblem)
-    return path, small, found.trials
+    command = solve(path, row["variant"], row["tol"], sources(settings))
+    return Reduced(path, small, found.trials, command)

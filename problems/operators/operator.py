@@ -13,6 +13,7 @@ from scipy import sparse
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.forms import delassus
+from frictionbench.problems.forms.arrays import CSR, Dense, csr, dense
 from frictionbench.problems.forms.delassus import Blocks
 from frictionbench.problems.rows import ByContact, Index64, Rows, by_row
 
@@ -47,6 +48,16 @@ class Operator(ABC):
     @abstractmethod
     def blocks(self) -> Blocks:
         """W by blocks of contacts (problems.forms.delassus)."""
+
+    @cached_property
+    def dense(self) -> Dense:
+        """W and q as dense arrays (problems.forms.arrays)."""
+        return dense(self.blocks, self.q)
+
+    @cached_property
+    def csr(self) -> CSR:
+        """W in compressed rows, and q (problems.forms.arrays)."""
+        return csr(self.blocks, self.q)
 
     @property
     @abstractmethod

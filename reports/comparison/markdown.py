@@ -1,15 +1,14 @@
 """A comparison as Markdown, for a terminal and for a pull request: counts, the changes of each solver, and times."""
 
 import os
-import shlex
 from collections.abc import Iterator, Sequence
 from itertools import accumulate, takewhile
-from pathlib import Path
 
 import numpy as np
 
 from frictionbench.reports.drawing.text import code, escaped, seconds
 from frictionbench.results.changes import GONE, Change, Flip, Growth
+from frictionbench.results.commands import rerun
 from frictionbench.results.compare import Comparison
 from frictionbench.results.times import Time, overall
 
@@ -60,9 +59,7 @@ def rerun_command(comparison: Comparison, flip: Flip) -> str:
     """The command that runs the cell again; empty if it is gone."""
     if flip.after == GONE:
         return ""
-    source = comparison.sources.get(flip.variant, "")
-    given = ["--solver", os.path.relpath(source) if Path(source).is_absolute() else source] if source else []
-    return shlex.join(["frictionbench", "rerun", str(comparison.current), flip.key, *given])
+    return rerun(comparison.current, flip.key, flip.variant, comparison.sources)
 
 
 def format_verdicts(flip: Flip) -> str:

@@ -2,7 +2,6 @@
 
 import json
 import math
-import shlex
 from base64 import b64encode
 from hashlib import sha256
 from pathlib import Path
@@ -17,6 +16,7 @@ from frictionbench.reports.drawing.svg import on_page
 from frictionbench.reports.drawing.text import power, residual, seconds
 from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.results.cells import scene_title
+from frictionbench.results.commands import rerun
 from frictionbench.results.laws import ENDINGS, ending
 
 
@@ -53,7 +53,7 @@ def environment() -> Environment:
         "whole": lambda value: "–" if _absent(value) else f"{value:.0f}",
         "breakable": lambda name: Markup("_<wbr>").join(str(name).split("_")),
         "records": lambda table: table.to_dict("records"),
-        "rerun": lambda key, run: shlex.join(["frictionbench", "rerun", str(run.folder), key]),
+        "rerun": lambda row, run: rerun(run.folder, row["key"], row["variant"], run.plugins),
         "scene": lambda row: scene_title(row["scene"], row["parameters"]),
         "ending": ending,
         "svg": _svg,

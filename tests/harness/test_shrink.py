@@ -1,5 +1,7 @@
 """Failing cells are reduced to smaller problems that still fail."""
 
+import os
+import shlex
 from contextlib import suppress
 
 import numpy as np
@@ -65,9 +67,10 @@ def test_shrink_writes_a_file(tmp_path) -> None:
     folder = tmp_path / "run"
     run(plan, folder, 1, quiet())
     rows = store.read_table(folder, "solves").set_index("solver")
-    path, problem, _ = shrink(folder, rows.loc["wrong_zero", "key"], [str(BAD_SOLVERS)])
+    path, problem, _, command = shrink(folder, rows.loc["wrong_zero", "key"], [str(BAD_SOLVERS)])
     assert (problem.contacts, len(problem.free_velocity)) == (1, 3)
     assert load(path).hash == problem.hash
+    assert shlex.split(command)[2:] == [str(path), "--solver", os.path.relpath(BAD_SOLVERS), "--tol", "1e-08"]
     with pytest.raises(InputError, match="only failing rows can be shrunk"):
         shrink(folder, rows.loc["lemke", "key"], [])
     with pytest.raises(ResultsError, match="no row has the key"):

@@ -110,7 +110,7 @@ def test_rerun_and_shrink_spatial_row(tmp_path) -> None:
     row, again = rerun_row(tmp_path, key, [])
     assert row["verdict"] == again["verdict"] == "unsolved"
     assert again["residual"] == row["residual"]
-    path, small, _ = shrink(tmp_path, key, [])
+    path, small, *_ = shrink(tmp_path, key, [])
     assert read(path).hash == small.hash
     assert (small.dimension, small.contacts < 8) == (3, True)
 

@@ -114,7 +114,7 @@ def test_rerun_and_shrink_require_plugin_argument(tmp_path) -> None:
     assert not trace.exists()
     _, again = rerun_row(folder, row["key"], [str(plugin)])
     assert (again["verdict"], again["solver"]) == ("crashed", "guest")
-    _, problem, _ = shrink(folder, row["key"], [str(plugin)])
+    _, problem, *_ = shrink(folder, row["key"], [str(plugin)])
     assert problem.contacts == 2
 
 

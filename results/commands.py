@@ -1,0 +1,38 @@
+"""The commands that reports and the command line tell a reader to run, with the options without which they would not do what is
+said: a solver of a plug-in is known only where its file or installed name is given."""
+
+import os
+import shlex
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+Sources = Mapping[str, str]  # of the solvers of plug-ins, by variant: a file or an installed name
+
+
+def sources(settings: Mapping[str, Any]) -> dict[str, str]:
+    """The plug-ins of a run by variant, from the settings in its manifest."""
+    plugins = settings.get("plugins")
+    return {
+        str(variant): str(plugin.get("source"))
+        for plugin in (plugins if isinstance(plugins, list) else [])
+        if isinstance(plugin, dict) and isinstance(plugin.get("solvers"), dict)
+        for variant in plugin["solvers"]
+    }
+
+
+def rerun(folder: Path, key: str, variant: str, plugins: Sources) -> str:
+    """The command that runs a cell again."""
+    return shlex.join(["frictionbench", "rerun", str(folder), key, *_plugin(variant, plugins)])
+
+
+def solve(problem: Path | str, variant: str, tol: float, plugins: Sources) -> str:
+    """The command that solves a problem, a file or a scene, by a variant to a tolerance."""
+    named = [] if variant in plugins and "[" not in variant else ["--solver", variant]
+    options = [*_plugin(variant, plugins), *named, "--tol", f"{tol:g}"]
+    return shlex.join(["frictionbench", "solve", str(problem), *options])
+
+
+def _plugin(variant: str, plugins: Sources) -> list[str]:
+    source = plugins.get(variant, "")
+    return ["--solver", os.path.relpath(source) if Path(source).is_absolute() else source] if source else []
