@@ -30,6 +30,8 @@ from frictionbench.problems.operators.delassus import DelassusOperator
 from frictionbench.problems.operators.mechanical import MechanicalOperator
 from frictionbench.problems.rows import ByContact, Index64, Rows
 
+DIGITS = 1e-6  # asymmetry of W up to which it counts as rounding in a file
+
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class FrictionProblem:
@@ -98,7 +100,9 @@ class FrictionProblem:
     def from_delassus(cls, W: Any, q: Any, friction: Any, d: int, friction_bias: Any = None) -> Self:
         """The problem of which only u = W r + q is known; rows per contact, normal first (FCLIB's order).
 
-        W: (nc*d, nc*d), 1/kg, stored as given, also where it is slightly unsymmetric. q: (nc*d,), m/s. friction: (nc,).
+        W: (nc*d, nc*d), 1/kg, its symmetric part positive semidefinite; stored as given, also where it is unsymmetric, by what
+        `asymmetry` and the summary tell. Methods that work in velocities do not take it then. q: (nc*d,), m/s.
+        friction: (nc,).
         Errors: InputError naming the field.
 
         >>> import frictionbench as fb
@@ -236,6 +240,11 @@ class FrictionProblem:
         return self.operator.blocks
 
     @property
+    def asymmetry(self) -> float:
+        """The largest |W - W'| over the largest |W|; 0 where the mechanics are given."""
+        return self.operator.asymmetry
+
+    @property
     def scale(self) -> Array:
         """s (nc,), 1/kg: the mean diagonal of each contact's block of W, where joints lock it of W without joints; 1 where
         that vanishes, too."""
@@ -346,7 +355,8 @@ class FrictionProblem:
         """Its size in words: 9 contacts in space, 40 joint equations, 54 velocities."""
         size = [f"{count(self.contacts, 'contact')} in {'the plane' if self.dimension == 2 else 'space'}"]
         if not self.mechanical:
-            return f"{size[0]}, known by W"
+            off = self.asymmetry
+            return f"{size[0]}, known by W" + (f", unsymmetric by {off:.1g}" if off > DIGITS else "")
         if len(self.joint_bias):
             size.append(count(len(self.joint_bias), "joint equation"))
         return ", ".join([*size, count(len(self.free_velocity), "velocity")])

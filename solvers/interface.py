@@ -40,7 +40,7 @@ import numpy as np
 from frictionbench.problems import LCP, FrictionProblem, InputError, check
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.display import html_table
-from frictionbench.problems.friction import require_problem
+from frictionbench.problems.friction import DIGITS, require_problem
 from frictionbench.problems.residual import residual_floor
 from frictionbench.problems.spec import split
 from frictionbench.solvers.balanced import with_balance
@@ -129,7 +129,8 @@ class SolverInfo:
     space; such a solver also takes a bare LCP), "relaxation" the convex relaxation, "regularised" that with soft contacts.
     dimension: of the contacts, 2 or 3 or both. warm_start: whether it uses a start.
     sparse: whether it stays sparse on large problems. needs: required distributions, in the syntax of solvers.needs.
-    lacks: fields of a problem that are not supported, friction_bias or joints; problems where they are not zero are refused.
+    lacks: what is not supported: friction_bias, joints, or asymmetry (of W, by methods that work in velocities: the Jacobian of
+    an unsymmetric W is that of its symmetric part); problems where it is not zero, asymmetry up to DIGITS, are refused.
     remote: whether the library runs in another process, for reasons of ours: it is then timed by its own clock (Answer.clock).
     variants: settings that count as solvers of their own, as in `ccp[backend=clarabel]`. A variant with another model,
     dimension, needs or lacks has an attribute of that name. members: the solvers that a portfolio may run.
@@ -184,7 +185,8 @@ class SolverInfo:
             return None if self.model == "lcp" else f"{self.name} solves friction problems, not bare LCPs"
         if problem.dimension not in self.dimension:
             return f"{self.name} does not take contacts of dimension {problem.dimension}"
-        present = [field for field in self.lacks if abs(getattr(problem, field)).sum() > 0]
+        digits = {"asymmetry": DIGITS}
+        present = [field for field in self.lacks if np.sum(abs(getattr(problem, field))) > digits.get(field, 0.0)]
         return f"{self.name} does not support {', '.join(present)}" if present else None
 
 

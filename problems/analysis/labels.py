@@ -36,7 +36,7 @@ class Labels:
     makes a P0 matrix iff it is not negative (in space |b| is a norm, and the margin a lower bound); 1 without contacts.
     mass_ratio: the largest over the smallest effective mass at a contact, 1/s of FrictionProblem.scale; 1 without contacts.
     largest_friction: the largest coefficient of friction; 0 without contacts.
-    asymmetry: the largest entry of |W - W'| over that of |W|, and indefiniteness: the most negative eigenvalue of W's symmetric
+    asymmetry: that of FrictionProblem, and indefiniteness: the most negative eigenvalue of W's symmetric
     part over the largest, positive where there is one, as estimated by problems.forms.definite; for problems of
     which only W is known, as recorded ones. 0 where the mechanics are given.
     islands: how many the contact graph has (problems.forms.islands). island_ratio: the largest over the smallest of the
@@ -76,8 +76,7 @@ def _as_given(problem: FrictionProblem) -> tuple[float, float]:
     if problem.mechanical or not problem.contacts:
         return 0.0, 0.0
     least, largest = spectrum_ends(problem.W)
-    size = abs(problem.W).max()
-    return float(abs(problem.W - problem.W.T).max() / size) if size else 0.0, max(0.0, -least / largest) if largest > 0 else 0.0
+    return problem.asymmetry, max(0.0, -least / largest) if largest > 0 else 0.0
 
 
 def p0_margin(problem: FrictionProblem) -> float:

@@ -29,8 +29,9 @@ INDEFINITE = 1e-6  # of W's largest eigenvalue: recorded problems are indefinite
 class DelassusOperator(Operator):
     """The operator of a given W (nc*d, nc*d) and q (nc*d,), rows per contact, normal first.
 
-    W is stored as given, also where it is slightly unsymmetric or has negative eigenvalues down to -INDEFINITE of the largest
-    (as far as problems.forms.definite finds them).
+    W is stored as given, also where it is unsymmetric, as gyroscopic or follower forces make it, or where its symmetric part
+    has negative eigenvalues down to -INDEFINITE of the largest (as far as problems.forms.definite finds them). J is that of
+    the symmetric part.
     """
 
     FIELDS: ClassVar[tuple[str, ...]] = ("W", "q", "friction", "friction_bias")
@@ -45,12 +46,18 @@ class DelassusOperator(Operator):
         vector = check.vector("q", q, nc * d)
         matrix = check.matrix("W", W, (nc * d, nc * d))
         require(abs(matrix).max() < LARGEST if matrix.nnz else True, "W", f"its entries must be below {LARGEST:g}")
+        _require_both_triangles(matrix)
         least, largest = spectrum_ends(matrix)
         require(least >= -INDEFINITE * max(largest, 0.0), "W", "not positive semidefinite")
         return cls(matrix, vector, d, friction_bias)
 
     def fresh(self) -> Self:
         return type(self)(self.W, self.q, self.dimension, self.friction_bias)
+
+    @cached_property
+    def asymmetry(self) -> float:
+        """The largest |W - W'| over the largest |W|."""
+        return float(abs(self.W - self.W.T).max() / abs(self.W).max()) if self.W.nnz else 0.0
 
     @cached_property
     def scale(self) -> Array:
@@ -131,3 +138,13 @@ class DelassusOperator(Operator):
         normal, tangent = root[:, :1].reshape(-1, len(value)), root[:, 1:].reshape(-1, len(value))
         rows = *check.rows("W", normal, normal.shape), *check.rows("W", tangent, tangent.shape)
         return ByContact(*by_contact(*rows, self.dimension))
+
+
+def _require_both_triangles(W: sparse.csr_array) -> None:
+    """Errors: InputError naming W where it has entries on one side of its diagonal alone, as one stored by a triangle does."""
+    sides = sparse.tril(W, -1, format="coo"), sparse.triu(W, 1, format="coo")
+    for side, other in (sides, sides[::-1]):
+        if side.nnz and not other.nnz:
+            most = abs(side.data).argmax()
+            i, j = side.row[most], side.col[most]
+            raise check.InputError(f"W: holds one triangle: entry ({i}, {j}) is {side.data[most]:.3g}, but ({j}, {i}) is 0")

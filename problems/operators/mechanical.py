@@ -75,6 +75,10 @@ class MechanicalOperator(Operator):
             operator._require_consistent_joints()
         return operator
 
+    @property
+    def asymmetry(self) -> float:
+        return 0.0
+
     def fresh(self) -> Self:
         rows = self.mass_rows, self.inverse_rows, self.joint_rows, self.contact_rows
         return type(self)(*rows, self.free_velocity, self.bias, self.friction_bias, self.joint_bias)

@@ -61,6 +61,11 @@ class Operator(ABC):
 
     @property
     @abstractmethod
+    def asymmetry(self) -> float:
+        """The largest |W - W'| over the largest |W|; 0 where the mechanics are given."""
+
+    @property
+    @abstractmethod
     def scale(self) -> Array:
         """s (nc,), 1/kg: the mean diagonal of each contact's block of W; positive."""
 

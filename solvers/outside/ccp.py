@@ -98,7 +98,7 @@ class CCP:
 
     @property
     def lacks(self) -> tuple[str, ...]:
-        return ("friction_bias",) if BACKENDS[self.backend].definite else ()
+        return ("friction_bias", "asymmetry") if BACKENDS[self.backend].definite else ("asymmetry",)
 
     def form(self, problem: FrictionProblem) -> Prepared:
         scaled = scaled_program(problem, problem.qp())

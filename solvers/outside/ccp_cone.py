@@ -53,6 +53,7 @@ class Prepared:
     dimension=(2, 3),
     sparse=True,
     needs=("cvxpy", "clarabel"),
+    lacks=("asymmetry",),
     variants=tuple(f"backend={name}" for name in _BACKENDS),
 )
 class CCPCone:

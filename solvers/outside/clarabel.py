@@ -51,6 +51,7 @@ class Prepared(NamedTuple):
     dimension=(2, 3),
     sparse=True,
     needs=("clarabel",),
+    lacks=("asymmetry",),
     variants=("keep=false", "keep=true"),
 )
 class Clarabel:

@@ -32,7 +32,7 @@ class Formed(NamedTuple):
     parts: tuple[Any, ...]
 
 
-@solver("daqp", family="relaxation", model="relaxation", needs=("daqp",))
+@solver("daqp", family="relaxation", model="relaxation", needs=("daqp",), lacks=("asymmetry",))
 class DAQP:
     """The convex relaxation as a QP by DAQP itself. (outside)
 

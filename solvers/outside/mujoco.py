@@ -52,7 +52,7 @@ class Prepared(NamedTuple):
     model="regularised",
     dimension=(2, 3),
     needs=("mujoco",),
-    lacks=("friction_bias", "joints"),
+    lacks=("friction_bias", "joints", "asymmetry"),
     variants=("method=newton", "method=newton,settings=tuned", "method=cg", "method=cg,settings=tuned"),
 )
 class MuJoCo:

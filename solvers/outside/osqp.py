@@ -48,6 +48,7 @@ class Prepared(NamedTuple):
     warm_start=True,
     sparse=True,
     needs=("osqp",),
+    lacks=("asymmetry",),
     variants=("keep=false", "keep=true"),
 )
 class OSQP:

@@ -36,7 +36,7 @@ class Prepared(NamedTuple):
     solver: Any
 
 
-@solver("piqp", family="relaxation", model="relaxation", sparse=True, needs=("piqp",))
+@solver("piqp", family="relaxation", model="relaxation", sparse=True, needs=("piqp",), lacks=("asymmetry",))
 class PIQP:
     """The convex relaxation as a QP by PIQP itself. (outside)
 

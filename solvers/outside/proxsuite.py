@@ -49,6 +49,7 @@ class Prepared(NamedTuple):
     warm_start=True,
     sparse=True,
     needs=("proxsuite",),
+    lacks=("asymmetry",),
     variants=tuple(
         f"{variant}{settings}"
         for variant in ("matrices=sparse", "matrices=dense", "matrices=sparse,keep=true")

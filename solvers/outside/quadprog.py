@@ -29,7 +29,7 @@ class Formed(NamedTuple):
     parts: tuple[Array, ...]
 
 
-@solver("quadprog", family="relaxation", model="relaxation", needs=("quadprog",), lacks=("friction_bias",))
+@solver("quadprog", family="relaxation", model="relaxation", needs=("quadprog",), lacks=("friction_bias", "asymmetry"))
 class Quadprog:
     """The convex relaxation as a QP by quadprog itself. (outside)
 

@@ -88,7 +88,9 @@ class Siconos:
 
     @property
     def lacks(self) -> tuple[str, ...]:
-        return () if self.method in _LCP else ("friction_bias", "joints") if self.method in _GLOBAL else ("friction_bias",)
+        if self.method in _GLOBAL:
+            return "friction_bias", "joints", "asymmetry"
+        return () if self.method in _LCP else ("friction_bias",)
 
     def form(self, problem: FrictionProblem | LCP) -> Prepared:
         kind = next(kind for kind in ("lcp", "friction_2d", "friction_3d", "global") if self.method.startswith(kind))

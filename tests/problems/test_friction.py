@@ -337,3 +337,24 @@ def test_fields_cannot_be_reassigned() -> None:
         for name in ("friction", "operator", "q", "mass"):
             with pytest.raises(AttributeError):
                 setattr(problem, name, None)
+
+
+def test_one_triangle_of_a_delassus_matrix_is_refused() -> None:
+    W = np.array([[1.0, 0.3, 0.1, 0.0], [0.3, 1.0, 0.0, 0.2], [0.1, 0.0, 1.0, 0.0], [0.0, 0.2, 0.0, 1.0]])
+    for side, entry in (
+        (np.triu(W), r"\(0, 1\) is 0.3, but \(1, 0\) is 0"),
+        (np.tril(W), r"\(1, 0\) is 0.3, but \(0, 1\) is 0"),
+    ):
+        with pytest.raises(InputError, match=f"^W: holds one triangle: entry {entry}"):
+            FrictionProblem.from_delassus(side, -np.ones(4), [0.5, 0.5], 2)
+    assert FrictionProblem.from_delassus(np.diag(np.diag(W)), -np.ones(4), [0.5, 0.5], 2).asymmetry == 0
+
+
+def test_asymmetry_of_a_delassus_matrix_is_told() -> None:
+    W = np.array([[2.0, 0.5], [0.1, 1.0]])
+    problem = FrictionProblem.from_delassus(W, [-1.0, 0.3], [0.5], 2)
+    assert problem.asymmetry == pytest.approx(0.2)
+    assert problem.summary == "1 contact in the plane, known by W, unsymmetric by 0.2"
+    rounded = FrictionProblem.from_delassus([[2.0, 0.5], [0.5 + 1e-7, 1.0]], [-1.0, 0.3], [0.5], 2)
+    assert rounded.summary == "1 contact in the plane, known by W"
+    assert FrictionProblem(**fields()).asymmetry == 0

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from frictionbench.harness.cells.collect import stored_start
-from frictionbench.problems import LCP, InputError
+from frictionbench.harness.verify import verify
+from frictionbench.problems import LCP, FrictionProblem, InputError
 from frictionbench.problems.residual import fclib_error, relaxation_residual, residual, residual_floor
 from frictionbench.solvers import Answer, Status, available, find, solve
 from tests.helpers.friction_problems import block, spatial
@@ -29,6 +30,20 @@ def test_start_as_list():
     assert np.array_equal(solve(block(), "nsgs", start=[[0, 0]]).impulse, solve(block(), "nsgs").impulse)
     with pytest.raises(InputError, match=r"^start: "):
         solve(LCP(np.eye(2), [-1.0, -1.0]), "lemke", start=np.zeros((2, 2)))
+
+
+@pytest.mark.parametrize("name", [*available()])
+def test_an_unsymmetric_delassus_matrix_is_refused_by_methods_in_velocities(name):
+    """Others solve their model with W as it is: its asymmetry is told from an error by a residual well below it."""
+    W = np.array([[1.0, 0.3, 0.0, 0.1], [0.1, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.2], [0.1, 0.0, 0.0, 1.0]])
+    problem = FrictionProblem.from_delassus(W, [-1.0, 0.4, -0.5, 0.3], [0.2, 0.4], 2)
+    info = find(available()[name].specs[0])[0]
+    if info.missing or info.refuses(block()):
+        pytest.skip("cannot be used here")
+    if "asymmetry" in info.lacks:
+        assert info.refuses(problem) == f"{name} does not support asymmetry"
+    elif (answer := solve(problem, info.specs[0], tol=1e-6)).status is Status.SOLVED:
+        assert verify(problem, answer, info, 1e-6).verdict in ("solved", "relaxed")
 
 
 @pytest.mark.parametrize("limit", [0, -1, 1.5, True, "10", 10**9, float("nan")])
