@@ -180,6 +180,7 @@ def compare(
         typer.Option("--alpha", metavar="P", min=0, max=1, help="Error probability of the confidence intervals of times."),
     ] = 0.05,
     no_times: Annotated[bool, typer.Option("--no-times", help="Do not compare times.")] = False,
+    rank_by: options.By = RankBy.BODIES,
     known: Annotated[
         Path | None, typer.Option("--known", metavar="FILE", help="Acknowledged changes with their reasons, in TOML.")
     ] = None,
@@ -199,7 +200,7 @@ def compare(
     from frictionbench.results.known import acknowledge, read
 
     acknowledged = read(known) if known else []
-    limits = Limits(slowdown, growth, alpha, not no_times)
+    limits = Limits(slowdown, growth, alpha, not no_times, rank_by)
     comparison = compare_runs(baseline, folder, limits)
     if confirm:
         from frictionbench.harness.commands.confirm import confirmed

@@ -153,6 +153,13 @@ def verify_lcp(lcp: LCP, answer: Answer, tol: float) -> Finding:
     return Finding(verdict, "; ".join(filter(None, (why, answer.detail))), found, found, 0.0, np.nan, np.nan)
 
 
+def _above(residual: float, tol: float) -> str:
+    """A residual above the tolerance, with as many digits as show that it is."""
+    if residual < 1.05 * tol:
+        return f"above it by {100 * (residual / tol - 1):.1g} %"
+    return f"{residual:.2g}, {residual / tol:.2g} times that"
+
+
 def _verdict(exact: Array, model: Array, floor: Array, claimed: bool, told: bool, tol: float) -> tuple[Verdict, str]:
     """The verdict on the residuals and floors of all islands, and its reason, with the numbers of the islands that decide.
 
@@ -169,5 +176,5 @@ def _verdict(exact: Array, model: Array, floor: Array, claimed: bool, told: bool
     if not claimed:
         return Verdict.UNSOLVED, ""
     of = "" if nearest == worst else " of its model"
-    why = f"claimed solved within {tol:g}; the residual{of} is {nearest:.2g}, {nearest / tol:.2g} times that"
+    why = f"claimed solved within {tol:g}; the residual{of} is {_above(nearest, tol)}"
     return Verdict.NEAR_MISS if nearest < NEAR * tol else Verdict.WRONG, why

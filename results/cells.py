@@ -3,8 +3,9 @@
 Columns, indexed by key: table, variant, scene (in the notation of the command line), step, phase, start, tol, verdict, reason,
 residual, work (the counters as `name count, ...`), seconds, disturbed, limit.
 
-seconds: form, setup and solve together, the minimum over the repeats of a process. Other load on the machine can only increase
-a time, and some of many short repeats are free of it; a cell counts as disturbed if it waited for its core and had few repeats.
+seconds: form, setup and solve together, or setup and solve alone (results.rank_by), the minimum over the repeats of a process.
+Other load on the machine can only increase a time, and some of many short repeats are free of it; a cell counts as disturbed if
+it waited for its core and had few repeats.
 """
 
 import json
@@ -18,6 +19,7 @@ import pandas as pd
 from frictionbench.results import baseline
 from frictionbench.results.commands import sources
 from frictionbench.results.files import ResultsError
+from frictionbench.results.rank_by import RankBy
 from frictionbench.results.store import read_manifest, read_table
 from frictionbench.results.verdicts import RANK, measured
 
@@ -46,9 +48,11 @@ class Cells:
         return self.table[measured(self.table)]
 
 
-def read(path: Path) -> Cells:
-    """The cells of a results folder or a baseline. Errors: ResultsError naming the file and what is wrong with it."""
-    found = _of_text(path) if path.is_file() else _of_folder(path)
+def read(path: Path, rank_by: RankBy = RankBy.BODIES) -> Cells:
+    """The cells of a results folder or a baseline; rank_by: the parts of a time that are compared.
+
+    Errors: ResultsError naming the file and what is wrong with it."""
+    found = _of_text(path) if path.is_file() else _of_folder(path, rank_by)
     if unknown := set(found.table["verdict"]) - RANK.keys():
         raise ResultsError(f"{path}: unknown verdict {min(unknown)!r}")
     if found.table.index.has_duplicates:
@@ -63,11 +67,11 @@ def _of_text(path: Path) -> Cells:
     return Cells(path, table, facts["suite"], _numbers(facts["tolerances"].split()), code=facts["code"], made=facts["made"])
 
 
-def _of_folder(folder: Path) -> Cells:
+def _of_folder(folder: Path, rank_by: RankBy) -> Cells:
     manifest = read_manifest(folder)
     settings, versions, machine = manifest["settings"], manifest.get("versions"), manifest.get("machine")
     solves, simulations = read_table(folder, "solves"), read_table(folder, "simulations")
-    repeats = list(map(_repeats, *(solves[f"{step}_times"] for step in ("form", "setup", "solve"))))
+    repeats = list(map(_repeats, *(solves[f"{column}s"] for column in rank_by.columns)))
     least = [times.min() if len(times) else np.nan for times in repeats]
     few = np.array([len(times) < ENOUGH for times in repeats], dtype=bool)
     parts = [solves.assign(table="solve", seconds=least, disturbed=solves["disturbed"].fillna(False).astype(bool) & few)]
@@ -99,7 +103,7 @@ def _of_folder(folder: Path) -> Cells:
 
 
 def _repeats(*steps: Any) -> np.ndarray:
-    """Form, setup and solve of each repeat together; empty if the three do not have the same number of repeats."""
+    """The steps of each repeat together; empty if they do not have the same number of repeats."""
     times = [np.asarray([] if step is None else step, dtype=float) for step in steps]
     total = sum(times[1:], times[0]) if len({len(one) for one in times}) == 1 else np.empty(0)
     return total[np.isfinite(total)]

@@ -18,18 +18,21 @@ from frictionbench.results import benchmarks, changes
 from frictionbench.results.cells import Cells, read
 from frictionbench.results.changes import GONE, Change, Flip, Growth
 from frictionbench.results.files import ResultsError
+from frictionbench.results.rank_by import RankBy
 from frictionbench.results.times import Pair, Time, times
 from frictionbench.results.verdicts import Verdict, measured
 
 
 class Limits(NamedTuple):
-    """The largest ratios of time and work that are not a regression, the error probability of intervals, and whether times are
-    compared. The defaults are above the repeatability of times and let work grow by rounding effects only."""
+    """The largest ratios of time and work that are not a regression, the error probability of intervals, whether times are
+    compared, and which parts of them. The defaults are above the repeatability of times and let work grow by rounding effects
+    only."""
 
     slowdown: float = 1.10
     growth: float = 1.05
     alpha: float = 0.05
     times: bool = True
+    rank_by: RankBy = RankBy.BODIES
 
 
 @dataclass(frozen=True)
@@ -90,7 +93,7 @@ def compare(baseline: Path, current: Path, limits: Limits = Limits()) -> Compari
     Input that cannot be compared is reported in `unusable`, not raised.
     """
     try:
-        (old, *more_old), (new, *more_new) = _processes(baseline), _processes(current)
+        (old, *more_old), (new, *more_new) = _processes(baseline, limits.rank_by), _processes(current, limits.rank_by)
     except ResultsError as error:
         return Comparison(baseline, current, unusable=str(error))
     for name in ("suite", "tolerances"):
@@ -121,11 +124,13 @@ def compare(baseline: Path, current: Path, limits: Limits = Limits()) -> Compari
 
 
 def _untimed(old: Cells) -> str:
-    return "they were measured on different machines" if old.machine else "baseline files contain no comparable times"
+    return (
+        "they were measured on different machines" if old.machine else "those of a baseline file are of one process, elsewhere"
+    )
 
 
-def _processes(path: Path) -> list[Cells]:
-    return benchmarks.read(path) if benchmarks.is_benchmark(path) else [read(path)]
+def _processes(path: Path, rank_by: RankBy) -> list[Cells]:
+    return benchmarks.read(path) if benchmarks.is_benchmark(path) else [read(path, rank_by)]
 
 
 def _differences(before: pd.DataFrame, after: pd.DataFrame, alike: bool, limits: Limits) -> tuple[dict[str, Any], int]:

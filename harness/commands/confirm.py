@@ -22,6 +22,7 @@ from frictionbench.problems.compiled import PACKAGE
 from frictionbench.results import cells, store
 from frictionbench.results.compare import Comparison, Limits, confirm, suspects
 from frictionbench.results.files import ResultsError
+from frictionbench.results.rank_by import RankBy
 from frictionbench.results.times import Pair
 from frictionbench.solvers import plugins
 
@@ -68,7 +69,10 @@ def confirmed(
         pairs: list[Pair] = []
         for i in range(PAIRS if timed else PAIRS_UNTIMED):
             tell(f"confirm: pair {i + 1} of {PAIRS if timed else PAIRS_UNTIMED}")
-            found = {id(side): _cells(side, options, scratch / f"{i}-{sides.index(side)}") for side in sides[:: (-1) ** i]}
+            found = {
+                id(side): _cells(side, options, scratch / f"{i}-{sides.index(side)}", limits.rank_by)
+                for side in sides[:: (-1) ** i]
+            }
             base = found[id(before)] if before else stored
             pairs.append((base.table, found[id(now)].table))
     return confirm(comparison, pairs, before is not None, limits)
@@ -89,7 +93,7 @@ def _options(settings: dict[str, Any]) -> list[str]:
     return [suite, *limits, *(part for scene in chosen for part in ("--scene", scene))]
 
 
-def _cells(code: Code, options: list[str], folder: Path) -> cells.Cells:
+def _cells(code: Code, options: list[str], folder: Path, rank_by: RankBy) -> cells.Cells:
     """Run with these options and a version of the code. Errors: ResultsError with the last line of its error output."""
     given = [part for spec in code.solvers for part in ("--solver", spec)]
     done = subprocess.run(
@@ -98,7 +102,7 @@ def _cells(code: Code, options: list[str], folder: Path) -> cells.Cells:
     if done.returncode:
         last_line = (done.stderr.strip().splitlines() or ["no error output"])[-1]
         raise ResultsError(f"confirm: {code.command[0]} exited with {done.returncode}: {last_line[:300]}")
-    return cells.read(folder)
+    return cells.read(folder, rank_by)
 
 
 def baseline_code(code: str, named: list[str], scratch: Path) -> Code:

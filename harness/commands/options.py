@@ -92,6 +92,8 @@ Budget = Annotated[
 ]
 By = Annotated[
     RankBy,
-    typer.Option("--rank-by", help="The time that ranks: bodies: form, setup and solve; form: setup and solve alone."),
+    typer.Option(
+        "--rank-by", help="The time that ranks or is compared: bodies: form, setup and solve; form: setup and solve alone."
+    ),
 ]
 Scheme = Annotated[str, typer.Option("--scheme", metavar="SCHEME", help="Time-stepping scheme.")]

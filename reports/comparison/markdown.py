@@ -110,6 +110,11 @@ def _times(comparison: Comparison) -> Iterator[str]:
     order = sorted(comparison.times, key=lambda time: (not time.worse, not time.significant, -time.ratio))
     mean = ["geometric mean", "", "", f"×{overall(comparison.times):.2f}", "", "", "", ""]
     yield from _table(heads, [_time(time) for time in order], mean)
+    if any(time.n > 1 for time in comparison.times):
+        yield (
+            "The ratio is estimated from the n pairs of processes, one of each code, that ran one after the other (Hodges and "
+            "Lehmann 1963). Before and after are medians over the processes of each code, whose quotient is as a rule another."
+        )
     if any(time.n == 1 for time in comparison.times):
         yield "`~`: not significant. One process per code (n = 1) gives no interval, because its repeats are not independent."
         if comparison.benchmarks:

@@ -14,6 +14,7 @@ from frictionbench.reports.comparison.markdown import markdown, summarise
 from frictionbench.results import cells
 from frictionbench.results.changes import Flip
 from frictionbench.results.compare import Limits, compare, confirm, suspects
+from frictionbench.results.rank_by import RankBy
 from frictionbench.results.times import estimate
 from tests.helpers.made_results import MACHINE, SETTINGS, simulation_row, solve_row, unanswered_row, write_folder
 
@@ -249,6 +250,14 @@ def test_slowdown_is_detected_through_noise(runs, tmp_path, solve, worse, better
     assert ("**×1.3" in markdown(result)) is bool(worse)
     assert confirm(seen, pairs, both=True, limits=Limits(slowdown=1.5)).exit_code == 0
     assert confirm(seen, pairs, both=False, limits=Limits()).times == seen.times
+
+
+def test_times_from_the_form(runs):
+    """A solver whose solve is twice as slow, and its form a hundred times as long as that."""
+    parts = {"form_times": [0.2] * 5, "setup_times": [0.0] * 5}
+    sides = [rows(["solved"] * 3, solve_times=[time] * 5, **parts) for time in (1e-3, 2e-3)]
+    ratios = [runs(*sides, Limits(rank_by=rank_by)).times[0].ratio for rank_by in RankBy]
+    assert ratios == pytest.approx([0.202 / 0.201, 2.0])
 
 
 def test_disturbed_times(runs):
