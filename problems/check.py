@@ -84,7 +84,7 @@ def matrix(field: str, value: Any, shape: tuple[int | None, int | None]) -> spar
     """A canonical sparse matrix (rows sorted, duplicates summed, no stored zeros) with finite entries."""
     if sparse.issparse(value):
         require(value.dtype.kind in REAL, field, f"not a matrix of real numbers, but of {value.dtype}")
-        _require_consistent(field, value)
+        require_consistent(field, value)
     else:
         value = floats(field, value)
     require(value.ndim == 2, field, f"expected a matrix, got shape {value.shape}")
@@ -99,10 +99,12 @@ def matrix(field: str, value: Any, shape: tuple[int | None, int | None]) -> spar
     return result
 
 
-def _require_consistent(field: str, value: Any) -> None:
-    """Refuse a sparse matrix whose arrays do not fit together: SciPy's compiled code would read outside them."""
+def require_consistent(field: str, value: Any) -> None:
+    """Refuse a sparse matrix whose arrays do not fit together: SciPy's compiled code would read or write outside them."""
     try:
         if value.format in ("csr", "csc", "bsr"):
+            start = value.indptr  # SciPy compares by differences, which overflow
+            require(bool((start[1:] >= start[:-1]).all()), field, "not a sparse matrix (its indptr decreases)")
             value.copy().check_format(full_check=True)  # of a copy, because it shortens arrays
         elif value.format == "coo":
             for index, size in zip(value.coords, value.shape, strict=True):

@@ -330,4 +330,7 @@ def read_manifest(folder: Path) -> Row:
     if manifest.get("schema") != VERSION:
         version = manifest.get("schema", 1)
         raise ResultsError(f"{folder}: has schema version {version!r}, but this program reads version {VERSION}; run it again")
+    for name in ("machine", "versions", "solvers"):
+        if not isinstance(manifest.get(name, {}), dict):
+            raise ResultsError(f"{path}: {name} is no object")
     return manifest

@@ -93,10 +93,11 @@ def _solve(M: sparse.csr_array, right: Array) -> Array:
     """M^-1 right."""
     diagonal = M.diagonal()
     if M.nnz == np.count_nonzero(diagonal) == len(diagonal):
-        return (right.T / diagonal).T
+        with np.errstate(over="ignore"):  # what is not finite is refused later
+            return (right.T / diagonal).T
     try:
         solution = splu(sparse.csc_array(M)).solve(right)
     except RuntimeError as error:
-        raise InputError(f"M: {error}") from None
+        raise InputError(f"M: {' '.join(str(error).split())}") from None
     require(bool(np.isfinite(solution).all()), "M", "singular")
     return solution

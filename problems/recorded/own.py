@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from scipy import sparse
 
-from frictionbench.problems.check import Array, InputError, require
+from frictionbench.problems.check import Array, InputError, require, require_consistent
 from frictionbench.problems.forms.lcp import LCP
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.recorded.archive import read_arrays
@@ -91,7 +91,7 @@ def _matrix(arrays: dict[str, Array], name: str) -> sparse.csr_array:
     data, indices, indptr, shape = (arrays[f"{name}_{part}"] for part in _PARTS)
     try:
         matrix = sparse.csr_array((data, indices, indptr), shape=tuple(int(n) for n in shape))
-        matrix.check_format(full_check=True)
-    except (ValueError, TypeError, IndexError) as error:
+    except (ValueError, TypeError, IndexError, OverflowError) as error:
         raise InputError(f"{name}: not a sparse matrix ({error})") from None
+    require_consistent(name, matrix)
     return matrix

@@ -34,6 +34,7 @@ from frictionbench.problems.recorded.regular import opened
 
 MAX_BYTES = 2**29  # bytes of text; a larger file is refused without reading it
 CHUNK = 2**20
+DIGITS = 20  # of a number of entries and a comma: those of 64 bits
 Index = NDArray[np.int64]
 
 
@@ -156,7 +157,8 @@ def _blocks(numbers: _Numbers, name: str, m: int, n: int) -> sparse.csr_array:
     require(filled == (shape[0] + 1, count), f"{name}, filled", f"expected {(shape[0] + 1, count)}, got {filled}")
     start = numbers.wholes(f"{name}, block pattern", shape[0] + 1, count)
     column = numbers.wholes(f"{name}, block pattern", count, shape[1] - 1)
-    require(start[-1] == count and bool((np.diff(start) >= 0).all()), f"{name}, block pattern", "not in order")
+    ordered = start[0] == 0 and start[-1] == count and bool((np.diff(start) >= 0).all())
+    require(ordered, f"{name}, block pattern", "not in order")
     row = np.repeat(np.arange(shape[0]), np.diff(start))
     rows, columns, values = [np.empty(0, np.int64)], [np.empty(0, np.int64)], [np.empty(0)]
     for k in range(count):
@@ -185,7 +187,7 @@ def _sparse(numbers: _Numbers, name: str, m: int, n: int) -> sparse.csr_array:
             numbers.word(name), numbers.word(name), numbers.word(name), numbers.word(name)  # col j : locations
             first = numbers.whole(f"{name}, locations")
             numbers.word(name)  # to
-            last = int(numbers.real(f"{name}, locations"))
+            last = numbers.whole(f"{name}, locations", least=-1)
             entries += [(numbers.whole(name), column, _after_colon(numbers, name)) for _ in range(first, last + 1)]
         require(len(entries) == count, name, f"has {len(entries)} entries, but {count} by its header")
     parts = np.array(entries, dtype=float).reshape(-1, 3)
@@ -194,7 +196,7 @@ def _sparse(numbers: _Numbers, name: str, m: int, n: int) -> sparse.csr_array:
 
 def _before_comma(numbers: _Numbers, name: str) -> int:
     word = numbers.word(name)
-    require(word.rstrip(",").isdigit(), name, f"expected a number of entries, got {word[:40]!r}")
+    require(word.rstrip(",").isdigit() and len(word) < DIGITS, name, f"expected a number of entries, got {word[:40]!r}")
     return int(word.rstrip(","))
 
 

@@ -24,6 +24,7 @@ MATRICES = {
     "too long": damaged(indptr=np.append(START, START[-1])),
     "too short": damaged(indptr=START[:-1]),
     "empty": damaged(indptr=START[:0]),
+    "overflowing": damaged(indptr=np.append(START[:-1], np.int32(-(2**31)))),  # its last difference is positive again
     "beyond the end": damaged(indptr=np.append(START[:-1], np.int32(10**6))),
     "large index": damaged(indices=START[:-1] + 100),
     "negative index": damaged(indices=START[:-1] - 100),

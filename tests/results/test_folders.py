@@ -1,7 +1,6 @@
 """Damaged and malicious results folders are rejected with one-line errors."""
 
 import json
-import os
 import re
 import subprocess
 import sys
@@ -21,9 +20,10 @@ from frictionbench.reports.page import write_report
 from frictionbench.results import files, store
 from frictionbench.results.compare import compare
 from frictionbench.results.files import ResultsError
-from frictionbench.results.schema import arrow_schema
+from frictionbench.results.schema import VERSION, arrow_schema
 from frictionbench.results.store import ShardWriter
 from tests.helpers.command_line import frictionbench
+from tests.helpers.edits import CASES, mutated
 from tests.helpers.made_results import solve_row, write_folder
 from tests.helpers.runs import quiet, small_plan
 
@@ -133,30 +133,20 @@ def _with_text(table: pa.Table, length: int, rows: int) -> pa.Table:
 
 
 @pytest.mark.parametrize(
-    "text", ["[" * 10**6, '{"settings": {"suite": "\\ud800"}}', '{"settings": 1}', '{"settings": {"a": ' + "9" * 5000]
+    "text",
+    [
+        "[" * 10**6,
+        '{"settings": {"suite": "\\ud800"}}',
+        '{"settings": 1}',
+        '{"settings": {"a": ' + "9" * 5000,
+        f'{{"settings": {{}}, "schema": {VERSION}, "machine": "x"}}',
+        f'{{"settings": {{}}, "schema": {VERSION}, "versions": []}}',
+    ],
 )
 def test_invalid_manifest(tmp_path, text) -> None:
     (tmp_path / "manifest.json").write_text(text, encoding="utf-8")
     with pytest.raises(ResultsError, match=r"manifest\.json: "):
         store.read_manifest(tmp_path)
-
-
-def mutated(content: bytes, random: np.random.Generator) -> bytes:
-    """A few bytes changed, a piece cut out, doubled, or moved."""
-    data = bytearray(content)
-    for _ in range(random.integers(1, 4)):
-        a, b = sorted(random.integers(0, len(data), 2).tolist())
-        kind = random.integers(4)
-        if kind == 0:
-            for i in random.integers(0, len(data), 8):
-                data[i] = random.integers(256)
-        elif kind == 1 and b - a < len(data) - 1:
-            del data[a:b]
-        elif kind == 2:
-            data[a:a] = data[a : min(b, a + 1000)]
-        else:
-            data[a:b] = bytes(b - a)
-    return bytes(data)
 
 
 def complaints(*reads: Callable[[], object]) -> list[str]:
@@ -177,7 +167,7 @@ def test_mutated_files(tmp_path, kind) -> None:
     own.save(scene("stack", blocks=2).problem(), folder / "problem.npz")
     content = (folder / kind).read_bytes()
     told = []
-    for _ in range(int(os.environ.get("FRICTIONBENCH_MUTATIONS", "8"))):
+    for _ in range(CASES):
         (folder / kind).write_bytes(mutated(content, random))
         if kind == "problem.npz":
             told += complaints(lambda: own.load(folder / kind))
