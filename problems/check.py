@@ -91,7 +91,8 @@ def matrix(field: str, value: Any, shape: tuple[int | None, int | None]) -> spar
     result = sparse.csr_array(value, dtype=np.float64, copy=True)
     for axis, expected in enumerate(shape):
         require(expected is None or result.shape[axis] == expected, field, f"expected shape {_show(shape)}, got {result.shape}")
-    _require_finite(field, result.data)
+    if not np.isfinite(result.data).all():
+        _require_finite(field, result.data, result.tocoo().coords)
     result.sum_duplicates()
     result.eliminate_zeros()
     for part in (result.data, result.indices, result.indptr):
@@ -157,10 +158,12 @@ def _any_negative(array):  # type: ignore[no-untyped-def]
     return False
 
 
-def _require_finite(field: str, array: Array) -> None:
-    bad = np.argwhere(~np.isfinite(array))
+def _require_finite(field: str, values: Array, places: tuple[Any, ...] = ()) -> None:
+    """Errors: InputError naming the field and its first entry that is not finite. places: the indices of a matrix's values."""
+    bad = np.flatnonzero(~np.isfinite(values))
     if len(bad):
-        raise InputError(f"{field}: entry {tuple(bad[0].tolist())} is {array[tuple(bad[0])]}; all must be finite")
+        place = f"({', '.join(str(axis[bad[0]]) for axis in places)})" if places else str(bad[0])
+        raise InputError(f"{field}: entry {place} is {values[bad[0]]}; all must be finite")
 
 
 def _show(shape: tuple[int | None, int | None]) -> str:

@@ -12,6 +12,7 @@ A file with bodies may also hold their W and q, which are compared with those of
 refused, but for found answers: r, u and names that begin with r_ or u_ are not read.
 """
 
+from collections import Counter
 from collections.abc import Callable
 from typing import Any
 
@@ -62,7 +63,7 @@ def mechanical(arrays: Arrays) -> FrictionProblem:
         require(letter in arrays, letter, "missing")
     d = _dimension(arrays, default=2)
     fields: dict[str, Any] = {field: arrays.get(letter) for field, letter in letters.items() if field != "dimension"}
-    normal, tangent = _by_rows(arrays["N"], arrays["T"], arrays[letters["free_velocity"]].size)
+    normal, tangent = _by_rows(arrays["N"], arrays["T"], [*arrays["M"].shape, arrays[letters["free_velocity"]].size])
     fields |= {"normal": normal, "tangent": tangent}
     with in_letters(letters):
         sizes.agree(d, fields, letters)
@@ -92,14 +93,20 @@ def lcp(arrays: Arrays) -> LCP:
     return LCP(M, q)
 
 
-def _by_rows(N: Array, T: Array, nv: int) -> tuple[Array, Array]:
-    """Both with the contacts in rows. Errors: InputError naming the one that is no matrix, or not as the other is."""
+def _by_rows(N: Array, T: Array, velocities: list[int]) -> tuple[Array, Array]:
+    """Both with the contacts in rows. velocities: the numbers that M and v state, of which the most frequent that fits decides.
+
+    Errors: InputError naming the one that is no matrix, or that has its contacts in columns where the other has them in rows.
+    """
     for name, matrix in {"N": N, "T": T}.items():
         require(matrix.ndim == 2, name, f"expected a matrix, got shape {matrix.shape}")
-    in_rows, in_columns = ([matrix.shape[axis] == nv != matrix.shape[1 - axis] for matrix in (N, T)] for axis in (1, 0))
-    unlike = ("rows", "columns") if in_rows[1] else ("columns", "rows")
-    require(not (any(in_rows) and any(in_columns)), "T", f"has its contacts in {unlike[0]}, and N in {unlike[1]}")
-    return (N.T, T.T) if any(in_columns) else (N, T)
+    for nv, _ in Counter(velocities).most_common():
+        in_rows, in_columns = ([matrix.shape[axis] == nv != matrix.shape[1 - axis] for matrix in (N, T)] for axis in (1, 0))
+        if any(in_rows) or any(in_columns):
+            columns, other = ("N", "T") if in_columns[0] else ("T", "N")
+            require(not (any(in_rows) and any(in_columns)), columns, f"has its contacts in columns, and {other} in rows")
+            return (N.T, T.T) if any(in_columns) else (N, T)
+    return N, T
 
 
 def _for_each(mu: Array, nc: int) -> Array:

@@ -54,6 +54,15 @@ def test_fields_of_other_forms(kind) -> None:
             LCP(*fields)
 
 
+@pytest.mark.parametrize("make", [np.array, sparse.csr_array, sparse.csc_array, sparse.coo_array])
+def test_the_entry_that_is_not_finite_is_named(make) -> None:
+    mass = np.array([[2.0, 0.5, 0.0], [0.5, np.nan, 0.0], [0.0, 0.0, np.inf]])
+    with pytest.raises(InputError, match=r"^M: entry \(1, 1\) is nan; all must be finite"):
+        LCP(make(mass), np.ones(3))
+    with pytest.raises(InputError, match=r"^q: entry 2 is -inf; all must be finite"):
+        LCP(make(np.eye(3)), [0.0, 1.0, -np.inf])
+
+
 @pytest.mark.parametrize("convert", [lambda x: x.astype(complex), lambda x: x.astype(bool)], ids=["complex", "truth values"])
 def test_sparse_matrices(convert) -> None:
     with pytest.raises(InputError, match=r"^mass: not a matrix of real numbers"):

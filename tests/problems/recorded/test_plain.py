@@ -151,10 +151,22 @@ def test_values_are_blamed_on_their_array(tmp_path) -> None:
     assert complaint(tmp_path, BODIES | {"vfree": BODIES["v"]}).startswith("vfree: another name of v")
 
 
+@pytest.mark.parametrize("columns", [False, True])
+def test_velocities_of_another_number_are_blamed_on_their_array(tmp_path, columns) -> None:
+    """Also where it is that of the contacts, by which N and T could be taken to have these in columns."""
+    plane = {"M": np.eye(3), "N": np.eye(3)[:2], "T": np.eye(3)[1:], "mu": np.full(2, 0.5), "b": np.zeros(2)}
+    if columns:
+        plane |= {"N": plane["N"].T, "T": plane["T"].T}
+    for size in (1, 2, 4):
+        told = complaint(tmp_path, plane | {"v": np.ones(size)})
+        assert told == f"v: states {size} velocities by its shape ({size},), but N, T and M 3"
+    assert complaint(tmp_path, plane | {"v": np.ones((3, 1))}) == "v: expected a vector, got shape (3, 1)"
+
+
 def test_contacts_in_columns(tmp_path) -> None:
     rows = read(written(tmp_path, BODIES))
     assert read(written(tmp_path, BODIES | {"N": BODIES["N"].T, "T": BODIES["T"].T})).hash == rows.hash
-    assert complaint(tmp_path, BODIES | {"N": BODIES["N"].T}) == "T: has its contacts in rows, and N in columns"
+    assert complaint(tmp_path, BODIES | {"N": BODIES["N"].T}) == "N: has its contacts in columns, and T in rows"
     assert complaint(tmp_path, BODIES | {"T": BODIES["T"].T}) == "T: has its contacts in columns, and N in rows"
     assert complaint(tmp_path, BODIES | {"N": BODIES["N"][0]}).startswith("N: expected a matrix")
 
