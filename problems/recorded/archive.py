@@ -7,7 +7,7 @@ MOST arrays, and methods of compression other than numpy's.
 import zipfile
 from io import BytesIO
 from pathlib import Path
-from typing import IO
+from typing import IO, BinaryIO
 
 import numpy as np
 from numpy.lib import format as npy
@@ -18,15 +18,20 @@ from frictionbench.problems.recorded.regular import opened
 COMPRESSION = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # those of numpy; others can need much memory to unpack
 MOST = 1000  # arrays: far more than a problem has
 LONGEST_HEADER = 2**16  # bytes of an array's header, which is read before its size is known
+ENTRY = b"PK\x01\x02"  # begins each entry of an archive's directory
+CHUNK = 2**24
 MAX_BYTES = 4 * 2**30  # bytes unpacked; a larger archive is refused without unpacking it
 
 
 def read_arrays(path: Path) -> dict[str, Array]:
     """All arrays by name. Errors: InputError naming the file, or the array that cannot be used."""
     try:
-        with opened(path, MAX_BYTES) as file, zipfile.ZipFile(file) as archive:
+        with opened(path, MAX_BYTES) as file:
+            require(_listed(file) <= 2 * MOST, "archive", f"holds more than {MOST} arrays")
+            archive = zipfile.ZipFile(file)
             names = {entry.filename.removesuffix(".npy"): entry for entry in archive.infolist()}
             require(len(names) == len(archive.infolist()), "names", "several arrays have the same name")
+            require(all(map(str.isprintable, names)), "names", "hold control characters")
             require(len(names) <= MOST, "archive", f"holds more than {MOST} arrays")
             left = MAX_BYTES
             for name, entry in names.items():
@@ -43,6 +48,18 @@ def read_arrays(path: Path) -> dict[str, Array]:
         raise InputError(str(error) if str(error).startswith(str(path)) else f"{path}: {error}") from None
     except Exception:  # a damaged archive raises errors of zipfile, zlib, struct, tokenize and others
         raise InputError(f"{path}: not a problem file, or damaged") from None
+
+
+def _listed(file: BinaryIO) -> int:
+    """How often the mark of an entry of the archive's directory occurs in the file, about as often as there are entries.
+
+    zipfile reads the whole directory before it tells their number.
+    """
+    found, end = 0, b""
+    while part := file.read(CHUNK):
+        found += (end + part).count(ENTRY)
+        end = part[1 - len(ENTRY) :]
+    return found
 
 
 def _claimed(name: str, stream: IO[bytes]) -> int:

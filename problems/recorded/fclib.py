@@ -68,10 +68,10 @@ def _unpack(path: Path) -> Arrays:
     except subprocess.TimeoutExpired:
         raise InputError(f"HDF5: reading was aborted after {MAX_SECONDS:g} s") from None
     if done.returncode == 2:
-        raise InputError(done.stderr.decode(errors="replace"))
+        raise InputError(repr(done.stderr.decode(errors="replace"))[1:-1])  # the names in a file may hold line ends
     require(done.returncode == 0, "HDF5", "the library crashed while reading the file")
     with np.load(BytesIO(done.stdout), allow_pickle=False) as stored:
-        return {name.replace("|", "/"): stored[name] for name in stored.files}
+        return {name.replace("|", "/")[1:]: stored[name] for name in stored.files}
 
 
 def _local(arrays: Arrays, form: str) -> FrictionProblem:

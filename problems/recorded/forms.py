@@ -18,6 +18,7 @@ from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.recorded.names import in_letters
 
 MOST_COUPLED = 4000  # coordinates of one block of M, or joints of a local problem: a dense inverse takes 128 MB
+MOST_DENSE = 2**27  # entries of a matrix that is needed dense: 1 GiB
 SYMMETRIC = 1e-12  # relative, as FrictionProblem requires of its mass
 LETTERS = {"mass": "M", "normal": "H", "tangent": "H", "friction": "mu", "bias": "w", "joints": "G", "joint_bias": "b"}
 
@@ -59,11 +60,11 @@ def from_global(
                 joint_bias=np.zeros(0) if b is None else b,
                 dimension=d,
             )
-    response = _solve(M, H.toarray())
+    response = _solve(M, _dense("H", H))
     W, q = sparse.csr_array(H.T @ response), H.T @ free + w
     if G is None or b is None:
         return FrictionProblem.from_delassus(W, q, mu, d)
-    held = _solve(M, G.toarray())
+    held = _solve(M, _dense("G", G))
     return from_local(W, q, mu, d, sparse.csr_array(H.T @ held), sparse.csr_array(G.T @ held), G.T @ free + b)
 
 
@@ -86,7 +87,14 @@ def from_local(
     for name, value in {"V": V.data, "R": R.data, "s": s}.items():
         require(bool(np.isfinite(value).all()), name, "all entries must be finite")
     inverse = np.linalg.pinv(R.toarray())  # joints may be redundant
-    return FrictionProblem.from_delassus(W - V @ sparse.csr_array(inverse @ V.T.toarray()), q - V @ (inverse @ s), mu, d)
+    return FrictionProblem.from_delassus(W - V @ sparse.csr_array(inverse @ _dense("V", V).T), q - V @ (inverse @ s), mu, d)
+
+
+def _dense(name: str, matrix: sparse.csr_array) -> Array:
+    """The matrix as an array. Errors: InputError naming it where that would be too large."""
+    m, n = matrix.shape
+    require(m * n <= MOST_DENSE, name, f"of shape {(m, n)} is needed dense; at most {MOST_DENSE} entries are")
+    return matrix.toarray()
 
 
 def _solve(M: sparse.csr_array, right: Array) -> Array:

@@ -4,11 +4,12 @@
 
 A damaged or malicious file can crash the HDF5 library or make it run for ever, which here ends only this process. Only plain
 data are read: no links (also to other files), no data outside the file, no virtual data, no filters but those of the library
-itself, no types but numbers, and no more than BYTES in all by the shapes stated in the file. A data set that was created and
-never written is left out. A refused file is reported by one line on the standard error and exit code 2.
+itself, no types but numbers, and no more than BYTES in all by the shapes and chunks stated in the file. A data set that was
+created and never written is left out. A refused file is reported by one line on the standard error and exit code 2.
 """
 
 import io
+import math
 import resource
 import sys
 
@@ -44,10 +45,15 @@ def read(path: str, most: int) -> dict[str, np.ndarray]:
                 if isinstance(data, h5py.Group):
                     groups.append((field, data, depth + 1))
                 elif isinstance(data, h5py.Dataset) and data.dtype.kind in "fiu" and _is_written(data):
-                    left -= data.size * data.dtype.itemsize
+                    left -= _needed(data)
                     _check(field, data, left)
                     arrays[field] = data[()]
     return arrays
+
+
+def _needed(data: h5py.Dataset) -> int:
+    """The bytes to read the data set: of its shape, or of one of its chunks, which are unpacked whole and may be larger."""
+    return data.dtype.itemsize * max(math.prod(data.shape), math.prod(data.chunks or ()))
 
 
 def _check(field: str, data: h5py.Dataset, left: int) -> None:
@@ -56,7 +62,7 @@ def _check(field: str, data: h5py.Dataset, left: int) -> None:
     if len(data.shape) > 2:
         raise Refused(f"{field}: expected a number, a vector or a matrix, got shape {data.shape}")
     if left < 0:
-        raise Refused(f"{field}: has shape {data.shape}, with which the file is larger than the limit")
+        raise Refused(f"{field}: has shape {data.shape} and chunks {data.chunks}, with which the file is larger than the limit")
     properties = data.id.get_create_plist()
     for k in range(properties.get_nfilters()):
         if properties.get_filter(k)[0] not in FILTERS:
@@ -82,7 +88,7 @@ def main() -> int:
         sys.stderr.write("not a readable HDF5 file: " + " ".join(str(error).split())[:300])
         return 2
     out = io.BytesIO()
-    np.savez(out, allow_pickle=False, **{name.replace("/", "|"): value for name, value in arrays.items()})
+    np.savez(out, allow_pickle=False, **{"|" + name.replace("/", "|"): value for name, value in arrays.items()})
     sys.stdout.buffer.write(out.getbuffer())
     return 0
 

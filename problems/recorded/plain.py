@@ -117,8 +117,10 @@ def _compare(problem: FrictionProblem, arrays: Arrays) -> None:
     """Errors: InputError naming W or q where it is given beside bodies and is not theirs."""
     for name in ("W", "q"):
         if name in arrays:
-            given, own = arrays[name], problem.W.toarray() if name == "W" else problem.q
-            require(given.shape == own.shape, name, f"expected shape {own.shape} as of the bodies, got {given.shape}")
+            given, n = arrays[name], len(problem.q)
+            shape = (n, n) if name == "W" else (n,)
+            require(given.shape == shape, name, f"expected shape {shape} as of the bodies, got {given.shape}")
+            own = problem.W.toarray() if name == "W" else problem.q
             off, most = (float(np.abs(part).max(initial=0.0)) for part in (given - own, own))
             require(off <= SAME * most, name, f"differs from that of the bodies by up to {off:.2g}; give one of the two")
 

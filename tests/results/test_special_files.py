@@ -2,6 +2,8 @@
 
 import io
 import os
+import struct
+import tracemalloc
 import zipfile
 from contextlib import suppress
 from pathlib import Path
@@ -143,6 +145,24 @@ def test_archives_that_unpack_to_much(tmp_path, monkeypatch) -> None:
             read(npz(tmp_path / "a.npz", {"W": header(described("(3,)")) + bytes(24)}, method))
     with pytest.raises(InputError, match="holds more than 1000 arrays"):
         read(npz(tmp_path / "a.npz", {f"a{i}": b"" for i in range(1001)}))
+
+
+def test_directory_of_an_archive(tmp_path) -> None:
+    """An archive whose directory alone has a hundred thousand entries takes no memory to refuse."""
+    entry, path = struct.pack("<4s4B4HL2L5H2L", b"PK\1\2", 20, 3, 20, *[0] * 8, 7, *[0] * 6), tmp_path / "a.npz"
+    directory = b"".join(entry + b"%07d" % i for i in range(10**5))
+    end = struct.pack("<4s4H2LH", b"PK\5\6", 0, 0, 65535, 65535, len(directory), 30, 0)
+    path.write_bytes(b"PK\3\4" + bytes(26) + directory + end)
+    tracemalloc.start()
+    with pytest.raises(InputError, match="holds more than 1000 arrays"):
+        read(path)
+    assert tracemalloc.get_traced_memory()[1] < 4 * archive.CHUNK
+    tracemalloc.stop()
+
+
+def test_names_with_control_characters(tmp_path) -> None:
+    with pytest.raises(InputError, match="names: hold control characters"):
+        read(npz(tmp_path / "a.npz", {"W\x1b[31m\n": b""}))
 
 
 def test_damaged_compression(tmp_path) -> None:

@@ -2,6 +2,7 @@
 
 import json
 import struct
+import zlib
 from pathlib import Path
 
 import h5py
@@ -12,7 +13,7 @@ from scipy import sparse
 from frictionbench.problems import LCP, FrictionProblem, InputError
 from frictionbench.problems.instances.cubes import cubes
 from frictionbench.problems.random_problem import random_problem
-from frictionbench.problems.recorded import fclib, own, read
+from frictionbench.problems.recorded import fclib, forms, own, read
 from frictionbench.problems.residual import residual
 from frictionbench.solvers import available, find, solve
 from tests.helpers.friction_problems import spatial, with_joints
@@ -226,6 +227,9 @@ def hostile(path: Path, kind: str) -> None:
         elif kind == "bomb":
             bomb = vectors.create_dataset("q", shape=(10**9,), dtype=float, chunks=(10**6,), compression="gzip")
             bomb[:10] = 1.0
+        elif kind == "chunk":  # nine numbers, for which a chunk of 1 GiB would be unpacked
+            bomb = vectors.create_dataset("q", (9,), float, maxshape=(None,), chunks=(2**27,), compression="gzip")
+            bomb.id.write_direct_chunk((0,), zlib.compress(bytes(8)))
         elif kind == "foreign filter":
             vectors.create_dataset("q", data=SPATIAL.q, chunks=(9,), compression="lzf")
         elif kind == "cube":
@@ -241,7 +245,8 @@ def hostile(path: Path, kind: str) -> None:
             vectors.create_dataset("q", shape=(9,), dtype=float)
 
 
-HOSTILE = ("external link", "soft link", "external storage", "virtual", "bomb", "foreign filter", "cube", "nested", "crowd")
+HOSTILE = ("external link", "soft link", "external storage", "virtual", "bomb", "chunk", "foreign filter", "cube")
+HOSTILE += ("nested", "crowd")
 
 
 @pytest.mark.parametrize("kind", [*HOSTILE, "never written"])
@@ -250,6 +255,27 @@ def test_malicious_fclib_file_is_refused(tmp_path, kind) -> None:
     field = {"nested": "a/b/c", "crowd": "many"}.get(kind, "fclib_local/vectors/q")
     with pytest.raises(InputError, match=rf"p\.hdf5: {field}"):
         read(tmp_path / "p.hdf5")
+
+
+def test_names_within_hdf5(tmp_path) -> None:
+    """They may be those of arguments of np.savez, and what they hold of control characters is shown as its code."""
+    path = tmp_path / "p.hdf5"
+    fclib.write(known_by_W(SPATIAL), path)
+    with h5py.File(path, "a") as file:
+        file["file"] = file["allow_pickle"] = np.ones(2)
+    assert read(path).hash == known_by_W(SPATIAL).hash
+    with h5py.File(path, "a") as file:
+        file["a\x1b[31m\n"] = h5py.SoftLink("/x")
+    with pytest.raises(InputError, match=r"p\.hdf5: a\\x1b\[31m\\n: is a link"):
+        read(path)
+
+
+def test_matrices_that_are_needed_dense_are_bounded() -> None:
+    n = 2**20
+    w = np.zeros(n)
+    w[1] = 1.0  # on a tangential velocity: the local form is made, from a dense H
+    with pytest.raises(InputError, match=rf"^H: of shape \({n}, {n}\) is needed dense"):
+        forms.from_global(sparse.eye_array(n, format="csr"), sparse.csr_array((n, n)), np.ones(n), w, np.zeros(n // 2), 2)
 
 
 def test_recursive_groups(tmp_path) -> None:
@@ -315,6 +341,9 @@ BAD_TEXT = {
     "long word": ("2\n2\n" + "1" * 3_000_000, "text"),
     "block ends": ("2\n2\n1\n4\n4\n1\n2\n2\n4 2\n2 4\n3 1\n0 1 1\n0\n0\n1 0 0 1\n", "first matrix, ends"),
     "block pattern": ("2\n2\n1\n4\n4\n1\n2\n2\n2 4\n2 4\n3 1\n0 1 1\n7\n0\n1 0 0 1\n", "first matrix, block pattern"),
+    "pattern's begin": ("2\n2\n1\n4\n4\n2\n2\n2\n2 4\n2 4\n3 2\n1 1 2\n0 1\n0\n1 0 0 1\n", "first matrix, block pattern"),
+    "long count": (f"2\n2\n2\n4\n4\n1\nCSparse\ntriplet: 4-by-4, nzmax: 9 nnz: {'9' * 5000}\n 0 0 : 1\n", "first matrix"),
+    "endless": ("2\n1\n2\n2\n2\n2\nCSparse\n2-by-2, nzmax: 1 nnz: 1, 1-norm: 1\n col 0 : locations 0 to inf\n", "first matrix"),
     "lcp cut": ("3\n0\n3\n3\n3 3\n1 0 0 0 1 0 0 0 1\n1 1", "q"),
 }
 

@@ -188,3 +188,6 @@ def test_W_beside_bodies_is_compared_with_theirs(tmp_path) -> None:
         "W: differs from that of the bodies by up to 0.1"
     )
     assert complaint(tmp_path, BODIES | {"q": q[:-1]}).startswith("q: expected shape (6,)")
+    n = 20_000  # contacts, all of one body: their W would not fit into any memory
+    many = {"N": np.ones((n, 1)), "T": np.ones((n, 1)), "mu": np.array(0.5), "M": np.eye(1), "v": np.ones(1)}
+    assert complaint(tmp_path, many | {"W": np.eye(2)}).startswith(f"W: expected shape {(2 * n, 2 * n)}")
