@@ -41,7 +41,7 @@ def clarabel(given: Arrays, tol: float) -> Array:
     library: Any = import_module("clarabel")
     P, q, G, h = _qp(given)
     settings = library.DefaultSettings()
-    settings.verbose, settings.tol_feas, settings.tol_gap_abs, settings.tol_gap_rel = False, tol, 1e-16, 1e-16
+    settings.verbose, settings.tol_feas, settings.tol_gap_abs, settings.tol_gap_rel = False, tol, 1e-17, 1e-17
     upper, bounds = sparse.csc_matrix(np.triu(P)), sparse.csc_matrix(G)
     found = library.DefaultSolver(upper, q, bounds, h, [library.NonnegativeConeT(len(h))], settings).solve()
     return _impulses(given, np.array(found.z))
@@ -72,7 +72,7 @@ def proxsuite(given: Arrays, tol: float) -> Array:
     qp = library.sparse.QP(len(q), 0, len(h))
     settings = qp.settings
     settings.eps_abs, settings.eps_rel, settings.check_duality_gap = tol, 0.0, True
-    settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = 1e-13, 0.0
+    settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = 1e-14, 0.0
     settings.initial_guess = library.InitialGuess.NO_INITIAL_GUESS
     qp.init(sparse.csc_matrix(P), q, None, None, sparse.csc_matrix(G), np.full(len(h), -1e20), h)
     qp.solve()
@@ -85,7 +85,7 @@ def piqp(given: Arrays, tol: float) -> Array:
     made = library.SparseSolver()
     settings = made.settings
     settings.eps_abs, settings.eps_rel = tol, 0.0
-    settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = 1e-15, 0.0
+    settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = 1e-17, 0.0
     made.setup(sparse.csc_matrix(P), q, None, None, sparse.csc_matrix(G), None, h)
     made.solve()
     return _impulses(given, np.array(made.result.z_u))

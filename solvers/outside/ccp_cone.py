@@ -1,8 +1,8 @@
-"""The convex relaxation as a second-order cone program, solved by an outside library through CVXPY.
+"""The convex relaxation as a cone program, solved by an outside library through CVXPY.
 
     min  ½ x'Px + q'x    subject to    h - G x in {s_0 >= |s_1:|} for every contact,    A x = b
 
-with the circular cone in space and Coulomb's cone in the plane. The relaxation differs from Coulomb's law: see
+with the circular cone in space; in the plane h - G x >= 0, which is the same. The relaxation differs from Coulomb's law: see
 problems.forms.relaxation.
 
 Licence: CVXPY and Clarabel Apache-2.0, SCS MIT.
@@ -10,7 +10,7 @@ Form: the dimensionless program (solvers.outside.scaled_program). Setup: CVXPY b
     backend's, its own setup inside, and CVXPY's unpacking.
 Clock: none that excludes its setup.
 Settings: Clarabel's and SCS' defaults.
-Tolerance: eps is tol in the units of the scaled program. clarabel tol_feas = eps, both gaps eps^2, no less than 1e-16. scs
+Tolerance: eps is tol in the units of the scaled program. clarabel tol_feas = eps, both gaps eps^2, no less than 1e-17. scs
     eps_abs = eps/10 for both residuals and the gap, eps_rel = 0.
 Flaws: a gap of eps^2 is often below Clarabel's rounding on circular cones; it then reports failure although the answer is
     accurate, `frictionbench solve 'random_bodies[seed=0,contacts=4]' --solver ccp_cone`. The model differs from Coulomb's law
@@ -28,20 +28,21 @@ import numpy as np
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array, require
-from frictionbench.problems.forms.relaxation import ConeProgram
+from frictionbench.problems.forms.relaxation import QP, ConeProgram
 from frictionbench.solvers.interface import Answer, Status, solver
 from frictionbench.solvers.outside.clarabel import LEAST_GAP
 from frictionbench.solvers.outside.margin import MARGIN
 from frictionbench.solvers.outside.scaled_program import ScaledProgram, gap_tolerance, scaled_program
 
 _BACKENDS = ("clarabel", "scs")
+Scaled = ScaledProgram[QP] | ScaledProgram[ConeProgram]
 
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
     """The scaled program, the CVXPY problem and its canonical data; the latter two are None without contacts."""
 
-    scaled: ScaledProgram[ConeProgram]
+    scaled: Scaled
     problem: Any = None
     data: tuple[Any, Any, Any] = (None, None, None)
 
@@ -57,7 +58,7 @@ class Prepared:
     variants=tuple(f"backend={name}" for name in _BACKENDS),
 )
 class CCPCone:
-    """The convex relaxation with circular cones, by CVXPY with Clarabel or SCS.
+    """The convex relaxation, with circular cones in space, by CVXPY with Clarabel or SCS.
 
     backend: clarabel or scs. Work: the backend's iterations.
     """
@@ -71,10 +72,10 @@ class CCPCone:
     def needs(self) -> tuple[str, ...]:
         return "cvxpy", self.backend
 
-    def form(self, problem: FrictionProblem) -> ScaledProgram[ConeProgram]:
-        return scaled_program(problem, problem.cone())
+    def form(self, problem: FrictionProblem) -> Scaled:
+        return scaled_program(problem, problem.qp()) if problem.dimension == 2 else scaled_program(problem, problem.cone())
 
-    def setup(self, scaled: ScaledProgram[ConeProgram]) -> Prepared:
+    def setup(self, scaled: Scaled) -> Prepared:
         cvxpy: Any = import_module("cvxpy")
 
         nc, d = scaled.program.contacts
@@ -82,7 +83,7 @@ class CCPCone:
             return Prepared(scaled)
         x = cvxpy.Variable(len(scaled.q))
         s = scaled.h - scaled.G @ x
-        constraints = [cvxpy.SOC(s[::d], cvxpy.vstack([s[j::d] for j in range(1, d)]))]
+        constraints = [s >= 0 if d == 2 else cvxpy.SOC(s[::d], cvxpy.vstack([s[j::d] for j in range(1, d)]))]
         if scaled.A is not None:
             constraints.append(scaled.A @ x == scaled.b)
         objective = cvxpy.Minimize(cvxpy.quad_form(x, scaled.P, assume_PSD=True) / 2 + scaled.q @ x)
@@ -108,9 +109,9 @@ class CCPCone:
         status = Status.SOLVED if built.status == cvxpy.OPTIMAL else Status.FAILED
         work = {"iterations": int(built.solver_stats.num_iters)}
         multiplier = built.constraints[0].dual_value
-        if multiplier[0] is None:
+        if multiplier is None or multiplier[0] is None:
             return Answer(np.zeros(scaled.program.contacts), Status.FAILED, work, detail=built.status)
-        z = np.column_stack([np.ravel(multiplier[0]), np.reshape(multiplier[1], (d - 1, -1)).T])
+        z = multiplier if d == 2 else np.column_stack([np.ravel(multiplier[0]), np.reshape(multiplier[1], (d - 1, -1)).T])
         return Answer(scaled.impulse(z.ravel()), status, work, detail=built.status)
 
     def _settings(self, eps: float, gap: float, limit: int | None) -> dict[str, float]:

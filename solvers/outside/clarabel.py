@@ -5,10 +5,13 @@ Form: the dimensionless program (solvers.outside.scaled_program), A and G stacke
     object, its ordering and scaling; with keep=true an update of the object of the previous step, if the sparsity pattern is
     the same. Solve: its solve. (It has no warm start.)
 Clock: its solve_time, which includes its setup, also where the object was kept.
-Settings: presolve off, which would forbid updates.
-Tolerance: tol_feas = eps, both gaps eps^2, no less than 1e-16; eps stands for tol.
-Flaws: a gap of eps^2 is often below its rounding; it then reports failure although the answer is accurate, `frictionbench
-    solve 'random_bodies[seed=0,contacts=4]' --solver clarabel`.
+Settings: presolve off, which would forbid updates. tuned is for programs that are already scaled, as these are:
+    equilibrate_enable off, static_regularization_constant = 1e-12 instead of 1e-8, and iterative_refinement_abstol and
+    iterative_refinement_reltol 1e-16 instead of 1e-12 and 1e-13.
+Tolerance: tol_feas = eps, both gaps eps^2, no less than 1e-17; eps stands for tol.
+Flaws: its gap is the difference of two objectives, which rounding can make 0 before the answer is accurate: some answers that
+    it calls Solved are off by a few times 1e-8. Or it stays above eps^2, and it reports failure although the answer is
+    accurate, `frictionbench solve 'random_bodies[seed=0,contacts=4]' --solver clarabel`.
 Reference: Goulart and Chen 2024.
 """
 
@@ -25,8 +28,15 @@ from frictionbench.problems.forms.relaxation import QP, ConeProgram
 from frictionbench.solvers.interface import Answer, Status, solver
 from frictionbench.solvers.outside.reused_object import ReusedObject
 from frictionbench.solvers.outside.scaled_program import ScaledProgram, gap_tolerance, scaled_program
+from frictionbench.solvers.outside.settings import require_settings
 
-LEAST_GAP = 1e-16  # with 1e-13 errors of 3e-7 remain in the plane
+LEAST_GAP = 1e-17  # with 1e-13 errors of 3e-7 remain in the plane
+_TUNED = {
+    "equilibrate_enable": False,
+    "static_regularization_constant": 1e-12,
+    "iterative_refinement_abstol": 1e-16,
+    "iterative_refinement_reltol": 1e-16,
+}
 Scaled = ScaledProgram[QP] | ScaledProgram[ConeProgram]
 
 
@@ -52,15 +62,20 @@ class Prepared(NamedTuple):
     sparse=True,
     needs=("clarabel",),
     lacks=("asymmetry",),
-    variants=("keep=false", "keep=true"),
+    variants=("keep=false", "keep=false,settings=tuned", "keep=true"),
 )
 class Clarabel:
     """The convex relaxation by Clarabel itself, with circular cones in space. (outside)
 
-    keep: update the object of the previous problem instead of creating another. Work: iterations.
+    keep: update the object of the previous problem instead of creating another. settings: default or tuned.
+    Work: iterations.
     """
 
     keep: bool = False
+    settings: str = "default"
+
+    def __post_init__(self) -> None:
+        require_settings(self.settings)
 
     @cached_property
     def _reused(self) -> ReusedObject:
@@ -82,7 +97,7 @@ class Clarabel:
         cones, q = [*cones, clarabel.ZeroConeT(len(scaled.b))] if len(scaled.b) else cones, scaled.q
 
         def make() -> Any:
-            return clarabel.DefaultSolver(P, q, A, b, cones, _settings())
+            return clarabel.DefaultSolver(P, q, A, b, cones, self._settings())
 
         def update(made: Any) -> None:
             made.update(P=P, q=q, A=A, b=b)
@@ -96,7 +111,7 @@ class Clarabel:
             return Answer(scaled.impulse(scaled.h), Status.SOLVED)
         eps = tol * scaled.share
         gap = gap_tolerance(eps, LEAST_GAP)
-        made.update(settings=_settings(tol_feas=eps, tol_gap_abs=gap, tol_gap_rel=gap, max_iter=limit or 200))
+        made.update(settings=self._settings(tol_feas=eps, tol_gap_abs=gap, tol_gap_rel=gap, max_iter=limit or 200))
         found = made.solve()
         z = np.array(found.z)[: len(scaled.h)]
         status = Status.SOLVED if found.status == clarabel.SolverStatus.Solved else Status.FAILED
@@ -104,10 +119,10 @@ class Clarabel:
             scaled.impulse(z), status, {"iterations": found.iterations}, detail=str(found.status), clock=found.solve_time
         )
 
-
-def _settings(**chosen: Any) -> Any:
-    """Clarabel's settings: quiet, and without the presolve that would forbid updates."""
-    settings = import_module("clarabel").DefaultSettings()
-    for name, value in {"verbose": False, "presolve_enable": False, **chosen}.items():
-        setattr(settings, name, value)
-    return settings
+    def _settings(self, **chosen: Any) -> Any:
+        """Clarabel's settings: quiet, and without the presolve that would forbid updates."""
+        settings = import_module("clarabel").DefaultSettings()
+        tuned = _TUNED if self.settings == "tuned" else {}
+        for name, value in {"verbose": False, "presolve_enable": False, **tuned, **chosen}.items():
+            setattr(settings, name, value)
+        return settings

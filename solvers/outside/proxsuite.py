@@ -6,7 +6,7 @@ Form: the dimensionless QP (solvers.outside.scaled_program), sparse or dense. Se
 Clock: ProxQP's own solve_time.
 Settings: compute_timings and check_duality_gap on. By default eps_primal_inf = eps_dual_inf = 1e-4, with which it calls
     solvable problems infeasible; tuned are 1e-14.
-Tolerance: eps_abs = eps for both residuals, gap eps^2, no less than 1e-13, which is tested only on request; eps_rel = 0; eps
+Tolerance: eps_abs = eps for both residuals, gap eps^2, no less than 1e-14, which is tested only on request; eps_rel = 0; eps
     stands for tol.
 Flaws: another model than Coulomb's wherever boxes slide, `frictionbench solve stopping_block --solver proxsuite`.
 Reference: Bambade, El-Kazdadi, Taylor and Carpentier 2022.
@@ -26,7 +26,7 @@ from frictionbench.solvers.outside.reused_object import ReusedObject
 from frictionbench.solvers.outside.scaled_program import ScaledProgram, gap_tolerance, scaled_program
 from frictionbench.solvers.outside.settings import require_settings
 
-LEAST_GAP = 1e-13
+LEAST_GAP = 1e-14
 TUNED_INFEASIBILITY = 1e-14
 
 

@@ -1,17 +1,21 @@
 """The dimensionless convex relaxation, in which the tolerances of all outside libraries have the same meaning.
 
-The program  min ½ x'Px + q'x,  h - G x in a cone,  A x = b  of problems.forms.relaxation becomes, with x = theta D x^,
+The program  min ½ x'Px + q'x,  h - G x in a cone,  A x = b  of problems.forms.relaxation becomes, with x = x* + theta D x^,
 
-    P^ = D P D,    q^ = D q / theta,    G^ = E G D,    h^ = E h / theta,    A^ = E_A A D,    b^ = E_A b / theta,
+    P^ = D P D,    q^ = D (q + P x*) / theta,    G^ = E G D,    h^ = E (h - G x*) / theta,
+    A^ = E_A A D,    b^ = E_A (b - A x*) / theta,
 
-D = 1/sqrt(M_ii) on velocities and E_i = 1/sqrt(s_i) on contact i's rows: a unit diagonal in the objective, rows of about unit
-length, and theta = max_i min(|q_i|, unit_i) / sqrt(s_i), unit_i that of problems.residual, makes the free contact velocities at
-most 1 but where a contact is open by far. Then z = theta E z^. An error eps in a scaled row is eps theta sqrt(s_i) of contact
-velocity, so
+x* = (v*, 0) the free velocity, so that q^ is 0 on velocities and the objective is the energy of the change of velocity: no
+library's test subtracts objectives in which a motion that the contacts leave alone is the larger part. D = 1/sqrt(M_ii) on
+velocities and E_i = 1/sqrt(s_i) on contact i's rows: a unit diagonal in the objective, rows of about unit length, and
+theta = max_i min(|q_i|, unit_i) / sqrt(s_i), unit_i that of problems.residual, makes h^, the free contact velocities, at most
+about 1 but where a contact is open by far. Then z = theta E z^. Rows are u_n + mu_i d.u_t, so an error eps in a scaled row is
+eps theta sqrt(s_i) of normal and 1/mu_i times that of tangential velocity, and
 
-    eps = tol min_i unit_i / (theta sqrt(s_i))  <=  tol
+    eps = tol min_i min(1, mu_i) unit_i / (theta sqrt(s_i))  <=  tol
 
-keeps every contact's velocity error below tol unit_i, the measure of problems.residual.
+keeps every contact's velocity error below tol unit_i, the measure of problems.residual. (Below mu_i = 0.01 it is 0.01 that
+counts, the tangential impulse being next to nothing, and without friction 1.)
 
 The duality gap is the sum of the products r_i'u_i. Where impulse and velocity vanish together (a contact about to slide or to
 part), and all along a round cone, a gap of eps leaves an error of sqrt(eps): so the requested gap is eps^2, but not less than
@@ -34,6 +38,7 @@ from frictionbench.problems.forms.relaxation import QP, ConeProgram, Program
 from frictionbench.problems.rows import Rows
 from frictionbench.solvers.interface import impulses
 
+LEAST_FRICTION = 0.01
 Kind = TypeVar("Kind", QP, ConeProgram)
 
 
@@ -108,18 +113,27 @@ def scaled_program(problem: FrictionProblem, program: Kind) -> ScaledProgram[Kin
     """Scale a problem's relaxation, as a QP or as a cone program."""
     objective, bounds, m = program.objective, program.bounds, len(program.section)
     D, rows, theta, share = _units(
-        problem.scale, problem.friction_bias, problem.q, problem.units, *problem.mass_rows, m, problem.dimension
+        problem.scale,
+        program.friction,
+        problem.friction_bias,
+        problem.q,
+        problem.units,
+        *problem.mass_rows,
+        m,
+        problem.dimension,
     )
     A, joint = _joints(program, D)
+    free = problem.free_velocity
+    q, h = _from_free(program.q, program.h, *bounds, free)
     return ScaledProgram(
         program,
         # copies, as some libraries require writable arrays and the columns of the mass matrix belong to the problem
         Rows(objective.start, objective.column.copy(), _scaled(*objective, D, D)),
-        D * program.q / theta,
+        D * q / theta,
         Rows(bounds.start, bounds.column, _scaled(*bounds, 1 / rows, D)),
-        program.h / rows / theta,
+        h / rows / theta,
         A,
-        program.b * joint / theta,
+        (program.b - program.A[:, : len(free)] @ free) * joint / theta,
         theta / rows,
         share,
     )
@@ -139,6 +153,17 @@ def _joints(program: Program, D: Array) -> tuple[sparse.csc_matrix | None, Array
 
 
 @kernel
+def _from_free(q, h, start, row, value, free):  # type: ignore[no-untyped-def]
+    """q + P x*, which is 0 on velocities, and h - G x*."""
+    linear, bounds = q.copy(), h.copy()
+    for v in range(len(free)):
+        linear[v] = 0.0
+        for k in range(start[v], start[v + 1]):
+            bounds[row[k]] -= value[k] * free[v]
+    return linear, bounds
+
+
+@kernel
 def _scaled(start, row, value, left, right):  # type: ignore[no-untyped-def]
     """The values of diag(left) A diag(right), for A by columns."""
     scaled = np.empty(len(value))
@@ -149,7 +174,7 @@ def _scaled(start, row, value, left, right):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _units(scale, wider, q, units, m_start, m_column, m_value, m, d):  # type: ignore[no-untyped-def]
+def _units(scale, mu, wider, q, units, m_start, m_column, m_value, m, d):  # type: ignore[no-untyped-def]
     """D, 1/E on the rows of G, theta and share."""
     nc, nv, wide, least, theta = len(scale), len(m_start) - 1, 0, np.inf, 0.0
     for i in range(nc):
@@ -164,7 +189,9 @@ def _units(scale, wider, q, units, m_start, m_column, m_value, m, d):  # type: i
         root, square = np.sqrt(scale[i]), 0.0
         for a in range(d):
             square += q[i * d + a] * q[i * d + a]
-        least, theta = min(least, units[i] / root), max(theta, min(np.sqrt(square), units[i]) / root)
+        slip = min(1.0, max(mu[i], LEAST_FRICTION)) if mu[i] > 0 else 1.0
+        least = min(least, slip * units[i] / root)
+        theta = max(theta, min(np.sqrt(square), units[i]) / root)
         for k in range(m):
             rows[i * m + k] = root
         if wider[i] > 0:

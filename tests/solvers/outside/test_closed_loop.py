@@ -1,0 +1,69 @@
+"""Libraries of the relaxation in closed loop: what they claim is as accurate as their own criteria can tell."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.residual import relaxation_residual
+from frictionbench.problems.schemes import SCHEMES
+from frictionbench.problems.simulate import simulate
+from frictionbench.solvers import Status, find, solve
+from frictionbench.solvers.outside.scaled_program import scaled_program
+from tests.helpers.friction_problems import spatial
+
+TOL = 1e-8
+
+
+@cache
+def steps() -> list[FrictionProblem]:
+    """Every third problem of a motion with impacts, whose contacts are often about to slide or to part."""
+    stage, met = scene("three_blocks"), []
+
+    def record(problem: FrictionProblem) -> np.ndarray:
+        met.append(problem)
+        return solve(problem, "hybrid", tol=TOL).impulse
+
+    for _ in simulate(stage, record, SCHEMES["anitescu_potra"], 150):
+        pass
+    return met[::3]
+
+
+@pytest.mark.parametrize(
+    "spec",
+    [
+        *("clarabel[keep=false]", "clarabel[keep=false,settings=tuned]", "ccp[backend=clarabel]", "ccp_cone", "osqp"),
+        *("ccp[backend=proxqp]", "proxsuite[matrices=sparse,settings=tuned]", "piqp", "daqp"),
+    ],
+)
+def test_claims_hold_in_closed_loop(spec) -> None:
+    if missing := find(spec)[0].missing:
+        pytest.skip(missing)
+    answers = [solve(problem, spec, tol=TOL) for problem in steps()]
+    claimed = np.array([answer.status in (Status.SOLVED, Status.ROUNDING) for answer in answers])
+    residuals = np.array([relaxation_residual(p, answer.impulse) for p, answer in zip(steps(), answers, strict=True)])
+    assert residuals[claimed].max() <= 10 * TOL
+    assert (residuals[claimed] > TOL).mean() <= 0.01
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_a_motion_of_the_bodies_with_the_same_contact_velocities_is_the_same_program(d) -> None:
+    problem = random_problem(3, contacts=4, bodies=6) if d == 2 else spatial(3, contacts=3)
+    J = np.vstack([problem.normal.toarray(), problem.tangent.toarray()])
+    null = np.linalg.svd(J)[2][np.linalg.matrix_rank(J) :]
+    moved = FrictionProblem(
+        mass=problem.mass,
+        normal=problem.normal,
+        tangent=problem.tangent,
+        friction=problem.friction,
+        free_velocity=problem.free_velocity + 1e3 * null[-1],
+        bias=problem.bias,
+        dimension=d,
+    )
+    assert np.abs(J @ null[-1]).max() < 1e-12
+    one, other = (scaled_program(p, p.qp() if d == 2 else p.cone()) for p in (problem, moved))
+    assert not one.q.any()
+    assert not other.q.any()
+    assert one.h == pytest.approx(other.h, abs=1e-9)
