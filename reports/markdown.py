@@ -61,7 +61,7 @@ def _first(run: Run) -> list[str]:
         for one in (run, run.ranked_by(run.rank_by.other))
         for name, lines in leave_out.left_out(one).items()
     ]
-    found = noise.noise(run)
+    found = noise.noise(run, ranked)
     noisy = [noise.sentence(found, len(run.rows)), *found.changed] if found else []
     return [line for line in (*headline(ranked, run.overall, target), *families, *noisy) if line]
 

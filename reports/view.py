@@ -186,7 +186,7 @@ def view(run: Run, animations: Sequence[Animation] = ()) -> Page:
 
 def _head(run: Run, rankings: list[Ranked]) -> Head:
     kinds, target = {one.by: one.kinds for one in rankings}, run.outer_targets[-1]
-    disturbance = noise(run)
+    disturbance = noise(run, kinds)
     return Head(
         setup=_setup(run.manifest),
         finished="finished" in run.manifest,
