@@ -28,6 +28,8 @@ from frictionbench.results.verdicts import measured
 
 TARGETS = (1e-4, 1e-6, 1e-8)  # two decades apart: from the accuracy of real-time simulation to that of reference solutions
 CHARGES = (1, 3, 10)  # time limits charged for a problem not solved, up to a decade
+LEVELS = {"p50": 0.5, "p99": 0.99, "worst": 1.0}
+HUNDRED = 100  # problems, of which the 99th percentile leaves out one
 DRAWS = 500  # bootstrap samples: enough for percentiles 2.5 and 97.5, which rest on a dozen samples each
 OVERALL = {2: "in the plane", 3: "in space"}  # the classes of all problems of a dimension
 
@@ -146,7 +148,8 @@ def profiles(times: pd.DataFrame, cost: str = "charged", *, relative: bool = Tru
 
 def percentiles(times: pd.DataFrame, budget: float | None = None, *, weighted: bool = True) -> pd.DataFrame:
     """A row per label: the times within which half and 99 % of the problems are solved (p50, p99) and the longest (worst), s,
-    infinite if not solved; within: the share solved within the budget, s, nan without one.
+    infinite if not solved; p99 is nan below HUNDRED problems, where it would be the longest; within: the share solved within
+    the budget, s, nan without one.
 
     times: one of `overall`, or of the steps of one motion. weighted: by reports.balance; else each problem counts the same.
     """
@@ -155,9 +158,20 @@ def percentiles(times: pd.DataFrame, budget: float | None = None, *, weighted: b
     rows = {}
     for label, at in times.groupby("label", sort=False).indices.items():
         own, share = cost[at], weight[at] / weight[at].sum()
-        levels = {name: quantile(own, share, level) for name, level in (("p50", 0.5), ("p99", 0.99), ("worst", 1.0))}
+        levels = {name: quantile(own, share, level) for name, level in LEVELS.items()}
+        levels["p99"] = levels["p99"] if len(own) >= HUNDRED else np.nan
         rows[label] = levels | {"within": np.nan if budget is None else float(share[own <= budget].sum())}
-    return pd.DataFrame.from_dict(rows, orient="index", columns=["p50", "p99", "worst", "within"]).rename_axis("label")
+    return pd.DataFrame.from_dict(rows, orient="index", columns=[*LEVELS, "within"]).rename_axis("label")
+
+
+def in_order(table: pd.DataFrame) -> pd.DataFrame:
+    """A table of `percentiles` in the order of p99, or where there is none of the longest time."""
+    return table.sort_values(["p99", "worst", "p50"], kind="stable")
+
+
+def shown_levels(table: pd.DataFrame) -> list[str]:
+    """The percentiles that a table of them has: p99 only where some row has one."""
+    return [name for name in LEVELS if name != "p99" or table["p99"].notna().any()]
 
 
 def by_charge(times: pd.DataFrame) -> pd.DataFrame:

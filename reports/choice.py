@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from frictionbench.reports.accuracy import OVERALL, percentiles, share_of_form
+from frictionbench.reports.accuracy import HUNDRED, OVERALL, percentiles, share_of_form
 from frictionbench.reports.balance import SHIFT, effective, weights
 from frictionbench.reports.run import Run
 from frictionbench.results.conventions import COLD, WARM
@@ -66,6 +66,11 @@ class Choice(NamedTuple):
     def lead(self) -> float | None:
         """The mean of the second over that of the first; None without a second."""
         return self.places[1].mean / self.places[0].mean if len(self.places) > 1 else None
+
+    @property
+    def tail(self) -> bool:
+        """Whether the problems are enough for a 99th percentile."""
+        return self.problems >= HUNDRED
 
     @property
     def order(self) -> list[str]:

@@ -2,7 +2,7 @@
 own form."""
 
 from frictionbench.reports.choice import Choice, Kind
-from frictionbench.reports.drawing.text import power, seconds
+from frictionbench.reports.drawing.text import ahead, count, percent, power, seconds
 from frictionbench.results.rank_by import RankBy
 
 
@@ -27,22 +27,29 @@ def differs(ranked: dict[RankBy, list[Kind]], target: float) -> bool:
 
 def _sentence(kinds: dict[RankBy, Kind], target: float) -> str:
     (first, one), (second, other) = kinds.items()
-    problems = f"{one.problems} problem{'s' * (one.problems != 1)}"
-    where = f"{one.name.capitalize()}, {problems}, to a verified residual of {power(target)}: "
+    where = f"{one.name.capitalize()}, {count(one.problems, 'problem')}, to a verified residual of {power(target)}: "
     if target not in one.choices:
         return f"{where}no solver that ran on all of them reaches it."
     mine, theirs = one.choices[target], other.choices[target]
-    if mine.winner is None:
+    if mine.winner and theirs.winner and mine.order == theirs.order:
+        same = f"{second.words} the first three are the same, the fastest {_figures(second, theirs)}"
+        return f"{where}{_winner(first, mine)}; {same}."
+    if mine.unclear == theirs.unclear != "":
         return f"{where}{mine.unclear}."
-    if mine.order == theirs.order:
-        return f"{where}{_winner(first, mine)}; {second.words} the first three are the same."
     return f"{where}{_winner(first, mine)}; {_winner(second, theirs)}."
 
 
 def _winner(by: RankBy, choice: Choice) -> str:
-    best = choice.places[0]
-    form = f", {100 * best.form:.0f} % of the time form" if by is RankBy.BODIES else ""
+    best = choice.winner
+    if best is None:
+        return f"{by.words} {choice.unclear}"
     name = f"{best.label} ({best.law})" if best.law else best.label
-    mean, solved = f"with a mean of {seconds(best.mean)}{form}", f"{best.reached} of {choice.problems} solved"
-    told = f"{by.words} {name} is the fastest, {mean}, {solved}"
-    return told + (f", {choice.lead:.3g} times ahead of {choice.places[1].label}" if choice.lead else "")
+    return f"{by.words} {name} is the fastest, {_figures(by, choice)}"
+
+
+def _figures(by: RankBy, choice: Choice) -> str:
+    """The mean of the first, the share of form in it, how many problems it solved, and how far it is ahead of the second."""
+    best = choice.places[0]
+    form = f", {percent(best.form)} of the time form" if by is RankBy.BODIES else ""
+    told = f"with a mean of {seconds(best.mean)}{form}, {best.reached} of {choice.problems} solved"
+    return told + (f", {ahead(choice.lead, choice.places[1].label)}" if choice.lead else "")

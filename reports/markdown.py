@@ -10,8 +10,8 @@ import numpy as np
 import pandas as pd
 
 from frictionbench.reports import choice, leave_out, noise, tables
-from frictionbench.reports.accuracy import overall, percentiles
-from frictionbench.reports.drawing.text import code, escaped, power, seconds
+from frictionbench.reports.accuracy import in_order, overall, percentiles, shown_levels
+from frictionbench.reports.drawing.text import ahead, code, count, escaped, percent, power, seconds
 from frictionbench.reports.headline import headline
 from frictionbench.reports.reliability import reliabilities, sentences
 from frictionbench.reports.run import Run
@@ -45,8 +45,8 @@ def _head(run: Run) -> str:
     return (
         escaped(
             f"Suite {settings.get('suite')}, finished {run.manifest.get('finished', 'never')}, {machine.get('processor')}, "
-            f"{machine.get('cores')} cores: {len(problems)} ranked problems, "
-            f"{run.ranked['label'].nunique()} solvers, time limit {settings.get('time_limit')} s."
+            f"{machine.get('cores')} cores: {count(len(problems), 'ranked problem')}, "
+            f"{count(run.ranked['label'].nunique(), 'solver')}, time limit {settings.get('time_limit')} s."
         )
         + "\n"
     )
@@ -72,7 +72,9 @@ def _which(run: Run) -> str:
     rows = []
     for kind, other in zip(choice.choices(run), theirs, strict=True):
         best = [_describe(kind.choices.get(target)) for target in run.outer_targets]
-        rows.append([f"{kind.name} ({kind.problems} problems)", *best, _describe(other.choices.get(run.outer_targets[-1]))])
+        rows.append(
+            [f"{kind.name} ({count(kind.problems, 'problem')})", *best, _describe(other.choices.get(run.outer_targets[-1]))]
+        )
     heads = [
         "for",
         *(f"to {power(target)}" for target in run.outer_targets),
@@ -90,19 +92,19 @@ def outside(run: Run) -> set[str]:
 def _describe(found: choice.Choice | None) -> str:
     if found is None or found.winner is None:
         return found.unclear if found else "none"
-    best, rate = found.winner, f", wins {found.win_rate:.0%} of bootstrap samples"
-    lead = "" if found.lead is None else f", {found.lead:.1f} times ahead of {code(found.places[1].label)}{rate}"
+    best, rate = found.winner, f", wins {percent(found.win_rate or 0.0)} of bootstrap samples"
+    lead = "" if found.lead is None else f", {ahead(found.lead, code(found.places[1].label))}{rate}"
     law = f" ({best.law})" if best.law else ""
     return f"**{code(best.label)}**{law} {seconds(best.mean)}{lead} ({best.reached}/{found.problems})"
 
 
 def _percentiles(run: Run, where: str, times: pd.DataFrame) -> str:
     """The percentiles over the problems, by weight, at the finest target."""
-    table = percentiles(times, run.budget).sort_values(["p99", "p50"], kind="stable")
-    shown = ["p50", "p99", "worst"]
+    table = in_order(percentiles(times, run.budget))
+    shown = shown_levels(table)
     body = []
     for label, row in zip(table.index, table.to_dict("records"), strict=True):
-        within = [] if run.budget is None else [f"{100 * row['within']:.3g} %"]
+        within = [] if run.budget is None else [percent(row["within"], 1)]
         body.append([code(str(label)), *(seconds(row[name], 3) for name in shown), *within])
     budget = [] if run.budget is None else [f"within {seconds(run.budget)}"]
     title = f"## Percentiles {where}, {run.rank_by.words} ({run.rank_by.parts}), to {power(run.outer_targets[-1])}"

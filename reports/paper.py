@@ -18,13 +18,13 @@ import pandas as pd
 from markupsafe import Markup
 
 from frictionbench.reports import tables
-from frictionbench.reports.accuracy import overall, percentiles
+from frictionbench.reports.accuracy import LEVELS, in_order, overall, percentiles, shown_levels
 from frictionbench.reports.charts import CHARTS, profiles
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.print import save_drawing
 from frictionbench.reports.drawing.sheets import BANDS, save_sheet
 from frictionbench.reports.drawing.svg import in_file
-from frictionbench.reports.drawing.text import power, residual, seconds
+from frictionbench.reports.drawing.text import count, percent, power, residual, seconds
 from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.reports.latex import Cell, Layout, Table, Tex, booktabs, escaped, one_unit
 from frictionbench.reports.references import bibliography, cited
@@ -129,14 +129,15 @@ def _percentiles(run: Run, layout: Layout) -> Table:
     """At the finest target, in the order of the mean."""
     body, places = [], []
     for where, times in overall(run.times[run.outer_targets[-1]]).items():
-        table = percentiles(times, run.budget).sort_values(["p99", "p50"], kind="stable")
+        table = in_order(percentiles(times, run.budget))
         places += [(where, label, row) for label, row in zip(table.index, table.to_dict("records"), strict=True)]
-    unit, shown = one_unit([row[name] for *_, row in places for name in ("p50", "p99", "worst")])
+    levels = shown_levels(pd.DataFrame([row for *_, row in places], columns=[*LEVELS]))
+    unit, shown = one_unit([row[name] for *_, row in places for name in levels])
     for i, (where, label, row) in enumerate(places):
-        within = [] if run.budget is None else [f"{100 * row['within']:.3g} %"]
-        body.append([label, where, *shown[3 * i : 3 * i + 3], *within])
+        within = [] if run.budget is None else [percent(row["within"], 1)]
+        body.append([label, where, *shown[len(levels) * i : len(levels) * (i + 1)], *within])
     budget = [] if run.budget is None else [f"within {seconds(run.budget)}"]
-    return booktabs(["solver", "where", *(f"{name}, {unit}" for name in ("p50", "p99", "worst")), *budget], body, layout)
+    return booktabs(["solver", "where", *(f"{name}, {unit}" for name in levels), *budget], body, layout)
 
 
 def _problems(run: Run, layout: Layout) -> Table:
@@ -182,8 +183,8 @@ CAPTIONS = {
     "friction does not act are left out.",
     "times": "Problems brought within a verified residual of each target, and the weighted shifted geometric mean of the time "
     "{by}, problems not solved charged the time limit; for: what is solved in place of Coulomb's law.",
-    "percentiles": "The times {by} within which half and 99 % of the problems, by weight, are solved to {target}, and the "
-    "longest; a dash: not solved.",
+    "percentiles": "The times {by} within which half and, from a hundred on, 99 % of the problems, by weight, are solved to "
+    "{target}, and the longest; a dash: not solved.",
     "problems": "Problems by class; left out: nothing to solve, or solved without friction; unknowns of the friction LCP.",
     "solvers": "Solvers, the model that each solves, and references.",
 }
@@ -200,7 +201,7 @@ def _setting(run: Run) -> str:
     machine = run.manifest.get("machine")
     processor = f", one thread of {machine['processor']}" if isinstance(machine, dict) and "processor" in machine else ""
     problems = run.ranked["problem_id"].nunique()
-    return f"Suite {run.manifest['settings'].get('suite', 'unnamed')}, {problems} problems{processor}."
+    return f"Suite {run.manifest['settings'].get('suite', 'unnamed')}, {count(problems, 'problem')}{processor}."
 
 
 def _captions(captions: dict[str, str], setting: str) -> str:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from frictionbench.reports.accuracy import percentiles
+from frictionbench.reports.accuracy import in_order, percentiles
 from frictionbench.reports.recorded import file_of
 from frictionbench.reports.run import Run
 from frictionbench.results.cells import scene_title
@@ -34,6 +34,6 @@ def motions(run: Run) -> list[Motion]:
     found = []
     for name, own in times.groupby(times["problem_id"].map(of["title"]), sort=False):
         if own["problem_id"].map(of["step"]).nunique() >= FEWEST:
-            table = percentiles(own, run.budget, weighted=False).sort_values(["p99", "p50"], kind="stable")
+            table = in_order(percentiles(own, run.budget, weighted=False))
             found.append(Motion(str(name), own["problem_id"].nunique(), table))
     return found

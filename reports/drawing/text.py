@@ -35,6 +35,25 @@ def seconds(value: float, digits: int = 2) -> str:
     raise AssertionError  # the last unit takes all
 
 
+def percent(share: float, decimals: int = 0) -> str:
+    """A share in percent, rounded: 37 %, 4.2 %. 0 % and 100 % stand for exact shares alone."""
+    steps = 100 * 10**decimals
+    rounded = round(steps * share)
+    if 1e-9 < share < 1 - 1e-9:
+        rounded = min(max(rounded, 1), steps - 1)
+    return f"{rounded / 10**decimals:g} %"
+
+
+def count(number: int, noun: str) -> str:
+    """The number with its noun: 1 problem, 12 problems."""
+    return f"{number} {noun}{'s' * (number != 1)}"
+
+
+def ahead(lead: float, other: str) -> str:
+    """How far the first is ahead of the second, by the ratio of their means: 1.3 times ahead of nsgs."""
+    return f"level with {other}" if lead < 1.005 else f"{lead:.3g} times ahead of {other}"
+
+
 def power(value: float) -> str:
     """A power of ten: 1e-8."""
     return f"1e{round(np.log10(value))}" if value > 0 else "0"

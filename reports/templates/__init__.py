@@ -10,10 +10,11 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from frictionbench.reports.accuracy import shown_levels
 from frictionbench.reports.drawing.figures import Panel, inline_svg, swatch
 from frictionbench.reports.drawing.style import Look
 from frictionbench.reports.drawing.svg import on_page
-from frictionbench.reports.drawing.text import power, residual, seconds
+from frictionbench.reports.drawing.text import count, percent, power, residual, seconds
 from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.results.cells import scene_title
 from frictionbench.results.commands import rerun
@@ -47,9 +48,11 @@ def environment() -> Environment:
         "residual": lambda value: "–" if _absent(value) else residual(value),
         "digits": lambda value: "–" if _absent(value) else residual(value, 1),
         "power": power,
-        "share": lambda value: "–" if _absent(value) else f"{math.floor(100 * value + 1e-9)} %",
+        "count": count,
+        "levels": shown_levels,
+        "share": lambda value: "–" if _absent(value) else percent(value),
         "percent": lambda value: "–" if _absent(value) else f"{100 * value:.{'2g' if abs(value) < 0.995 else '0f'}} %",
-        "permille": lambda value: "–" if _absent(value) else f"{math.floor(1000 * value + 1e-9) / 10:g} %",
+        "permille": lambda value: "–" if _absent(value) else percent(value, 1),
         "whole": lambda value: "–" if _absent(value) else f"{value:.0f}",
         "breakable": lambda name: Markup("_<wbr>").join(str(name).split("_")),
         "records": lambda table: table.to_dict("records"),
