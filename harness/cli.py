@@ -265,14 +265,14 @@ def solve(
 def export(
     problems: Annotated[str, typer.Argument(metavar="SCENE|DIR", help="A scene, or a results folder.")],
     out: Annotated[
-        Path, typer.Option("--out", "-o", metavar="FILE.hdf5|FOLDER", help="A file, or a folder for several problems.")
+        Path, typer.Option("--out", "-o", metavar="FILE|FOLDER", help="A file, .hdf5 or .npz, or a folder for several.")
     ],
     pick: Annotated[
         int,
         typer.Option("--pick", metavar="N", min=0, help="Number of problems, spread over the motion; 0: the first problem."),
     ] = 0,
 ) -> None:
-    """Write problems in FCLIB's HDF5 format."""
+    """Write problems in FCLIB's HDF5 format, or as .npz."""
     from frictionbench.harness.commands.export import export as export_problems
 
     for path in export_problems(problems, out, pick):

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from frictionbench.harness.cells import worker
-from frictionbench.harness.cells.collect import Record
+from frictionbench.harness.cells.records import Record
 from frictionbench.harness.plans.plan import Plan
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.workers.pool import Pool

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from frictionbench.harness import machine
 from frictionbench.harness.cells import worker
-from frictionbench.harness.cells.collect import Record
+from frictionbench.harness.cells.records import Record
 from frictionbench.harness.cells.rows import no_problem, simulation_row, solve_row
 from frictionbench.harness.convergence import record_histories
 from frictionbench.harness.plans.plan import Cell, Plan, Plugin, SolveCell, origin

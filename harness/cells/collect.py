@@ -7,12 +7,14 @@ where both have as many contacts.
 """
 
 import json
+from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from frictionbench.harness.cells.records import Record, read_records
 from frictionbench.harness.cells.reference import NoReference, Reference
 from frictionbench.harness.cells.rows import PROBLEM_FACTS
 from frictionbench.harness.plans.plan import Source, origin
@@ -33,11 +35,10 @@ from frictionbench.problems.residual import residual
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.simulate import first_problem_of, simulate
 from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, SHUFFLED, WARM, first_phase
-from frictionbench.results.files import read_json, replaced, subfolder, write_text
+from frictionbench.results.files import ResultsError, replaced, subfolder, write_text
 
 MAX_PERTURBED = 30  # contacts: the sensitivity takes several solves for each, too long for larger problems
 MAX_COUNTED = 6  # contacts: the number of modes to enumerate grows like 4^contacts
-Record = dict[str, Any]  # the facts of a stored problem: PROBLEM_FACTS, its starts and its own terms
 
 
 class Collected(NamedTuple):
@@ -58,8 +59,11 @@ def collect(folder: Path, source: Source) -> list[Record]:
     """
     store = subfolder(folder, "problems")
     listed = store / f"{source.key}.json"
-    if listed.exists():
-        return read_json(listed)
+    with suppress(ResultsError, FileNotFoundError):  # one that was edited is collected again
+        known = read_records(listed)
+        facts_of_source = source.scene, json.dumps(source.parameters, sort_keys=True)
+        if all((record["scene"], record["parameters"]) == facts_of_source for record in known):
+            return [record | _own_terms(source) for record in known]
     records: dict[str, Record] = {}
     for found, starts in _recorded(source) if source.file else _chosen(source):
         problem = found if isinstance(found, LCP) else found.problem
@@ -67,8 +71,9 @@ def collect(folder: Path, source: Source) -> list[Record]:
         if name not in records:
             with replaced(store / f"{name}.npz") as file:
                 save(problem, file)
-            known = lcp_facts(source, found) if isinstance(found, LCP) else facts(source, found)
-            records[name] = known | {"starts": [COLD, *starts], **_own_terms(source)}
+            described = lcp_facts(source, found) if isinstance(found, LCP) else facts(source, found)
+            digests = {COLD: ""} | {start: _digest(impulses) for start, impulses in starts.items()}
+            records[name] = described | {"starts": digests, **_own_terms(source)}
             if starts:
                 with replaced(_starts_file(folder, name, origin(records[name]))) as file:
                     np.savez(file, **starts)  # type: ignore[arg-type]
@@ -103,15 +108,25 @@ def stored_friction(folder: Path, problem: str) -> FrictionProblem:
     return found
 
 
-def stored_start(folder: Path, problem: str, source_origin: str, start: str) -> Array | None:
-    """The impulses (nc, d) to start from, of the motion that the problem comes from; None for a cold start."""
+def stored_start(folder: Path, problem: str, source_origin: str, start: str, digest: str = "") -> Array | None:
+    """The impulses (nc, d) to start from, of the motion that the problem comes from; None for a cold start.
+
+    digest: that in the problem's record; not compared if it is empty. Errors: InputError naming the file.
+    """
     if start == COLD:
         return None
     path = _starts_file(folder, problem, source_origin)
     try:
-        return read_arrays(path)[start]
+        impulses = read_arrays(path)[start]
     except (InputError, KeyError):
         raise InputError(f"{path}: the start {start} cannot be read: the file is missing or damaged") from None
+    if digest and _digest(impulses) != digest:
+        raise InputError(f"{path}: holds another start {start} than the one that was collected")
+    return impulses
+
+
+def _digest(impulses: Array) -> str:
+    return sha256(repr(impulses.shape).encode() + np.ascontiguousarray(impulses, float).tobytes()).hexdigest()
 
 
 def _starts_file(folder: Path, problem: str, source_origin: str) -> Path:

@@ -32,7 +32,7 @@ def no_problem(source: Source, reason: str) -> Row:
     """The record of a source that yields no problem, with the reason, for the rows of its planned cells."""
     parameters = json.dumps(source.parameters, sort_keys=True)
     known = {"problem": "", "scene": source.scene, "parameters": parameters, "step": None, "phase": "", "reference": ""}
-    return dict.fromkeys(PROBLEM_FACTS) | known | {"starts": [COLD], "reason": reason}
+    return dict.fromkeys(PROBLEM_FACTS) | known | {"starts": {COLD: ""}, "reason": reason}
 
 
 def simulation_row(cell: SimulationCell, limit: float, plugins: tuple[Plugin, ...] = ()) -> Row:

@@ -18,11 +18,12 @@ import numpy as np
 
 from frictionbench.harness import process
 from frictionbench.harness.cells.answers import AnswerError
-from frictionbench.harness.cells.collect import Record, collect, stored, stored_start
+from frictionbench.harness.cells.collect import collect, stored, stored_start
 from frictionbench.harness.cells.columns import finding_columns
 from frictionbench.harness.cells.convergence import convergence_history
 from frictionbench.harness.cells.motion import record_motion, store_motion
 from frictionbench.harness.cells.polygon import measure
+from frictionbench.harness.cells.records import Record
 from frictionbench.harness.cells.rows import simulation_row, solve_row, solver_facts
 from frictionbench.harness.cells.simulation import refusal, run_closed_loop
 from frictionbench.harness.cells.timing import MOST, Timing, time_solver
@@ -105,7 +106,7 @@ def run_solve(cell: SolveCell, record: Record, limit: float) -> Row:
     process.reset_peak_memory()
     try:
         with process.watch_core() as core:
-            timing = _timed(solver, given, cell, limit, record.get("repeats") or MOST, info.remote and info.ours)
+            timing = _timed(solver, given, cell, record, limit, info.remote and info.ours)
     except AnswerError as error:
         verdict = Verdict.WRONG if error.claimed else Verdict.UNSOLVED
         return _done(start_time, row | {"verdict": verdict, "reason": str(error), "claimed": error.claimed})
@@ -191,19 +192,22 @@ def _solver(variant: str) -> tuple[SolverInfo, Solver]:
     return find(variant)
 
 
-def _timed(solver: Solver, problem: FrictionProblem | LCP, cell: SolveCell, limit: float, repeats: int, remote: bool) -> Timing:
+def _timed(
+    solver: Solver, problem: FrictionProblem | LCP, cell: SolveCell, record: Record, limit: float, remote: bool
+) -> Timing:
     """The answers and their times. The limit holds for the first call; the repeats, few or short, may take a second more."""
     case = cell.variant, cell.problem
     met = _foreign(cell.variant) and case in _worker.met
     _worker.met.add(case)
-    start = stored_start(_worker.folder, cell.problem, cell.origin, cell.start)
+    digest = (record.get("starts") or {}).get(cell.start, "")
+    start = stored_start(_worker.folder, cell.problem, cell.origin, cell.start, digest)
     with _worker.deadline.within(limit, _compiling(cell.variant)) as allow:
         return time_solver(
             solver,
             problem,
             solve=lambda prepared: solver.solve(prepared, cell.tol, None, start),
             answered=lambda: allow(limit + 1.0),
-            most=repeats,
+            most=record.get("repeats") or MOST,
             remote=remote,
             met=met,
         )

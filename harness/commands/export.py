@@ -1,23 +1,28 @@
-"""`frictionbench export`: problems of a scene, an instance or a run as files in FCLIB's HDF5 format."""
+"""`frictionbench export`: problems of a scene, an instance or a run as files, in FCLIB's HDF5 format or as our .npz."""
 
+import re
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from frictionbench.harness.cells.collect import Record, collect, stored_friction
+from frictionbench.harness.cells.collect import collect, stored, stored_friction
+from frictionbench.harness.cells.records import Record, read_records
 from frictionbench.harness.plans.plan import Source
 from frictionbench.problems import InputError
-from frictionbench.problems.recorded import fclib
+from frictionbench.problems.recorded import fclib, own
 from frictionbench.problems.spec import parse
 from frictionbench.results import store
-from frictionbench.results.files import read_json
+from frictionbench.results.files import replaced
+
+SUFFIXES = ("", ".hdf5", ".h5", ".npz")
 
 
 def export(what: str, out: Path, pick: int = 0) -> Iterator[Path]:
     """Write the problems and yield the files. Errors: InputError naming the argument that is unknown or cannot be written."""
     if (Path(what) / "manifest.json").exists():
         store.read_manifest(Path(what))
-        records = [record for listed in sorted((Path(what) / "problems").glob("source-*.json")) for record in read_json(listed)]
+        listed = sorted((Path(what) / "problems").glob("source-*.json"))
+        records = [record for path in listed for record in read_records(path)]
         yield from _written(Path(what), records, out)
     else:
         with tempfile.TemporaryDirectory() as folder:
@@ -28,15 +33,20 @@ def export(what: str, out: Path, pick: int = 0) -> Iterator[Path]:
 def _written(folder: Path, records: list[Record], out: Path) -> Iterator[Path]:
     if len(records) != 1 and out.suffix:
         raise InputError(f"out: {len(records)} problems need a folder, and {out} has the suffix of a file")
+    if out.suffix not in SUFFIXES:
+        raise InputError(f"out: {out} must end in {', '.join(filter(None, SUFFIXES))}, or name a folder")
     for record in records:
-        problem = stored_friction(folder, record["problem"])
-        path = (
-            out if out.suffix else out / f"{record['scene']}-{record['step']:05d}-{record['contacts']}-{record['problem']}.hdf5"
+        named = (
+            f"{re.sub(r'[^A-Za-z0-9_.-]', '_', record['scene'])}-{record['step']:05d}-{record['contacts']}-{record['problem']}"
         )
+        path = out if out.suffix else out / f"{named}.hdf5"
         if path.exists():
             raise InputError(f"out: {path} exists; it was not overwritten")
         path.parent.mkdir(parents=True, exist_ok=True)
-        fclib.write(
-            problem, path, record["scene"], f"frictionbench {record['scene']} {record['parameters']} step {record['step']}"
-        )
+        with replaced(path) as file:
+            if path.suffix == ".npz":
+                own.save(stored(folder, record["problem"]), file)
+            else:
+                title = f"frictionbench {record['scene']} {record['parameters']} step {record['step']}"
+                fclib.write(stored_friction(folder, record["problem"]), file, record["scene"], title)
         yield path

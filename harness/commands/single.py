@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from frictionbench.harness.cells import worker
-from frictionbench.harness.cells.collect import Record
+from frictionbench.harness.cells.records import Record
 from frictionbench.harness.cells.rows import PROBLEM_FACTS
 from frictionbench.harness.commands.stored_cell import stored_cell
 from frictionbench.harness.commands.table import columns, paragraph, screen
