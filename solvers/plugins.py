@@ -1,8 +1,9 @@
 """Solvers from outside this repository: a file given on the command line, or an entry point of an installed distribution.
 
-A source is a module that registers its classes with @solver when it is imported. It is named by a string: the path of a file,
-which ends in .py and stands for all solvers that the file defines, or the name of an entry point in the group
-frictionbench.solvers, which is the name of the solver:
+A source is a module that registers its classes with @solver when it is imported, or an executable. It is named by a string:
+the path of a file, which ends in .py and stands for all solvers that the file defines; a command of an executable, which begins
+with exec: (solvers.executable); or the name of an entry point in the group frictionbench.solvers, which is the name of the
+solver:
 
     [project.entry-points."frictionbench.solvers"]
     mine = "my_package.solvers"
@@ -20,6 +21,7 @@ from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
 from frictionbench.problems import InputError
+from frictionbench.solvers import executable
 from frictionbench.solvers.interface import available
 
 GROUP = "frictionbench.solvers"
@@ -27,8 +29,23 @@ FRAMES = 3  # of a traceback that describe_error names: enough to reach the plug
 
 
 def is_file(source: str) -> bool:
-    """Whether the source is the path of a file, and not the name of an entry point."""
-    return source.endswith(".py")
+    """Whether the source is the path of a Python file."""
+    return source.endswith(".py") and not executable.is_command(source)
+
+
+def defines_all(source: str) -> bool:
+    """Whether the source stands for all solvers that it defines; the name of an entry point is that of one solver."""
+    return is_file(source) or executable.is_command(source)
+
+
+def absolute(source: str) -> str:
+    """A source that defines_all with absolute paths. Errors: InputError naming the command."""
+    return executable.absolute(source) if executable.is_command(source) else str(Path(source).absolute())
+
+
+def files(source: str) -> list[Path]:
+    """The files that the command line names with the source."""
+    return executable.files(source) if executable.is_command(source) else [Path(source)] if is_file(source) else []
 
 
 def installed() -> dict[str, EntryPoint]:
@@ -40,8 +57,10 @@ def installed() -> dict[str, EntryPoint]:
 
 
 def content(source: str) -> str:
-    """The SHA-256 of a solver's file, or of all files of an entry point's package. Errors: InputError naming the source."""
+    """The SHA-256 of a solver's files, or of all files of an entry point's package. Errors: InputError naming the source."""
     try:
+        if executable.is_command(source):
+            return executable.content(source)
         if is_file(source):
             return sha256(Path(source).read_bytes()).hexdigest()
         digest = sha256()
@@ -54,12 +73,26 @@ def content(source: str) -> str:
 
 def version(source: str) -> str:
     """The version in the tables: the file's name, or the distribution and its version, and the start of the content hash."""
-    return f"{Path(source).name if is_file(source) else distribution(_point(source))} {content(source)[:12]}"
+    named = files(source)
+    return f"{named[0].name if named else distribution(_point(source))} {content(source)[:12]}"
 
 
 def load(source: str) -> tuple[str, ...]:
     """Import a source; the names of the solvers that it adds. Errors: InputError naming the source and the line that fails."""
+    if executable.is_command(source):
+        return _load_command(source)
     return _load_file(Path(source)) if is_file(source) else _load_point(_point(source))
+
+
+def _load_command(source: str) -> tuple[str, ...]:
+    if source in _commands:
+        return ()
+    name = executable.register(source)
+    _commands.add(source)
+    return (name,)
+
+
+_commands: set[str] = set()
 
 
 def _load_file(path: Path) -> tuple[str, ...]:

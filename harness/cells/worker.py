@@ -72,7 +72,7 @@ def describe_plugin(source: str, named: list[str], limit: float) -> dict[str, An
     with _worker.deadline.within(limit):
         content, version = plugins.content(source), plugins.version(source)
         names = plugins.load(source)
-    defined = names if plugins.is_file(source) else ()
+    defined = names if plugins.defines_all(source) else ()
     variants = [*defined, *(spec for spec in named if split("solver", spec)[0] in names)]
     return {"source": source, "content": content, "solvers": {v: solver_facts(v) | {"version": version} for v in variants}}
 

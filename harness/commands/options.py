@@ -49,7 +49,8 @@ Solvers = Annotated[
     typer.Option(
         "--solver",
         metavar="SOLVER",
-        help="Only this solver, like 'nsgs[relaxation=1.3]', a file that defines some, or an installed one; may be repeated.",
+        help="Only this solver, like 'nsgs[relaxation=1.3]', a file that defines some, 'exec:./program {problem} {answer}', "
+        "or an installed one; may be repeated.",
     ),
 ]
 Trusted = Annotated[

@@ -13,13 +13,15 @@ from frictionbench.solvers import find, plugins
 
 
 def load_plugins(specs: list[str], wanted: tuple[str, ...] = ()) -> tuple[tuple[str, ...], tuple[Plugin, ...]]:
-    """The variants that the command line names, and the plug-ins among them; a file stands for all the solvers it defines.
+    """The variants that the command line names, and the plug-ins among them.
+
+    A file and a command of an executable stand for all the solvers that they define.
 
     wanted: further variants; each must be ours or defined by one of the specs, because it loads no code.
     Errors: InputError naming the solver, or the file and its line.
     """
-    files = [str(Path(spec).absolute()) for spec in specs if plugins.is_file(spec)]
-    named = [spec for spec in specs if not plugins.is_file(spec)]
+    files = [plugins.absolute(spec) for spec in specs if plugins.defines_all(spec)]
+    named = [spec for spec in specs if not plugins.defines_all(spec)]
     heads = {split("solver", spec)[0] for spec in named}
     sources = list(dict.fromkeys([*files, *(name for name in plugins.installed() if name in heads)])) if specs else []
     named += wanted

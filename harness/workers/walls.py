@@ -21,7 +21,7 @@ from numba.core import caching, config
 from frictionbench.harness.plans.plan import Plugin
 from frictionbench.harness.workers import landlock, namespaces
 from frictionbench.problems.compiled import PACKAGE
-from frictionbench.solvers.plugins import is_file
+from frictionbench.solvers.plugins import files
 
 NAMESPACES, LANDLOCK, FILES_ONLY, GROUPS = "namespaces", "landlock", "landlock, files only", "process groups"
 
@@ -51,8 +51,8 @@ def confine(walls: str, folder: Path, plugins: Iterable[Plugin], owner: str) -> 
     caches = Path(config.CACHE_DIR).parent / "plugins"
     own = caches / sha256(owner.encode()).hexdigest()[:16]
     own.mkdir(parents=True, exist_ok=True)
-    files = [Path(plugin.source) for plugin in plugins if is_file(plugin.source)]
-    protected = _outermost([folder, folder / "problems", Path(config.CACHE_DIR), caches, *_code(), *files])
+    named = [file for plugin in plugins for file in files(plugin.source)]
+    protected = _outermost([folder, folder / "problems", Path(config.CACHE_DIR), caches, *_code(), *named])
     (namespaces if walls == NAMESPACES else landlock).protect(protected, own.resolve())
     config.CACHE_DIR = str(own)
     _tolerate_read_only_caches()
