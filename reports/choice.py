@@ -18,10 +18,10 @@ from frictionbench.reports.accuracy import HUNDRED, OVERALL, percentiles, share_
 from frictionbench.reports.balance import SHIFT, effective, weights
 from frictionbench.reports.run import Run
 from frictionbench.results.conventions import COLD, WARM
+from frictionbench.results.hardness import ILL
 from frictionbench.results.laws import law
 
 SMALL, MEDIUM = 10, 100  # contacts: the largest problems of these two kinds, a decade each
-ILL = 1e8  # condition of W on its range, at which a factorisation loses half of the digits of double precision
 DRAWS = 1000  # bootstrap samples: the standard error of a win rate is below 2 %
 FEW = 5  # problems, by n_eff; of so few the bootstrap gives no meaningful win rate, and none is the winner
 MAJORITY = 0.5  # the least win rate of a winner
@@ -145,10 +145,14 @@ def compared(times: pd.DataFrame, problems: set[int]) -> tuple[pd.DataFrame, "pd
     return np.log(table + SHIFT), weights(facts)
 
 
+def too_few(weight: NDArray[np.float64]) -> bool:
+    """Whether the problems of these weights are FEW or less."""
+    return effective(weight) < FEW + 0.5
+
+
 def _win_rate(logs: NDArray[np.float64], weight: NDArray[np.float64]) -> float | None:
     """The share of weighted bootstrap samples in which the first column is least; None for FEW problems or less."""
-    count = effective(weight)
-    if count < FEW + 0.5:
+    if too_few(weight):
         return None
-    drawn = np.random.default_rng(0).multinomial(round(count), weight / weight.sum(), size=DRAWS)
+    drawn = np.random.default_rng(0).multinomial(round(effective(weight)), weight / weight.sum(), size=DRAWS)
     return float(np.mean(np.argmin(drawn @ logs, axis=1) == 0))

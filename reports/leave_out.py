@@ -4,12 +4,13 @@ The order is that of reports.choice at the finest target, over all problems of t
 on all of them.
 """
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import pandas as pd
 
-from frictionbench.reports.balance import effective, weights
-from frictionbench.reports.choice import FEW, compared, kinds
+from frictionbench.reports.balance import weights
+from frictionbench.reports.choice import compared, kinds, too_few
 from frictionbench.reports.run import Run
 from frictionbench.results.rank_by import RankBy
 
@@ -34,8 +35,7 @@ def _lines(times: pd.DataFrame, problems: set[int], labels: set[str]) -> list[Le
     own = times[times["problem_id"].isin(problems) & times["label"].isin(labels)]
     logs, weight = compared(own, problems)
     facts = own.drop_duplicates("problem_id").set_index("problem_id").reindex(logs.index)
-    few = effective(weight.to_numpy()) < FEW + 0.5
-    if few or logs.shape[1] < 2 or facts["scene"].nunique() < 2:
+    if too_few(weight.to_numpy()) or logs.shape[1] < 2 or facts["scene"].nunique() < 2:
         return []
     whole = _order(logs, weight)
     found = []
@@ -51,7 +51,13 @@ def _order(logs: pd.DataFrame, weight: "pd.Series[float]") -> list[str]:
     return list((weight @ logs).nsmallest(3).index)
 
 
-def sentence(name: str, lines: list[LeftOut], by: RankBy) -> str:
+def sentences(by_ranking: Mapping[RankBy, Mapping[str, list[LeftOut]]]) -> list[str]:
+    """Which scenes decide the rankings of each class, in words. by_ranking: left_out of the run ranked by each time."""
+    told = [_sentence(name, lines, by) for by, found in by_ranking.items() for name, lines in found.items()]
+    return [line for line in told if line]
+
+
+def _sentence(name: str, lines: list[LeftOut], by: RankBy) -> str:
     """Which scenes decide the ranking of a class, in words."""
     if not lines:
         return ""

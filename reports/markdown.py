@@ -55,15 +55,12 @@ def _head(run: Run) -> str:
 def _first(run: Run) -> list[str]:
     """The sentences of the page's first screen: winners by both rankings, what scenes decide them, and noise."""
     target = run.outer_targets[-1]
-    ranked = {one.rank_by: choice.choices(one) for one in (run, run.ranked_by(run.rank_by.other))}
-    families = [
-        leave_out.sentence(name, lines, one.rank_by)
-        for one in (run, run.ranked_by(run.rank_by.other))
-        for name, lines in leave_out.left_out(one).items()
-    ]
+    runs = run, run.ranked_by(run.rank_by.other)
+    ranked = {one.rank_by: choice.choices(one) for one in runs}
+    families = leave_out.sentences({one.rank_by: leave_out.left_out(one) for one in runs})
     found = noise.noise(run, ranked)
     noisy = [noise.sentence(found, len(run.rows)), *found.changed] if found else []
-    return [line for line in (*headline(ranked, run.overall, target), *families, *noisy) if line]
+    return [*headline(ranked, run.overall, target), *families, *noisy]
 
 
 def _which(run: Run) -> str:

@@ -202,12 +202,7 @@ def _head(run: Run, rankings: list[Ranked]) -> Head:
         overhead=tables.overhead(run),
         headline=headline(kinds, run.overall, target),
         differs=differs(kinds, target),
-        families=[
-            told
-            for one in rankings
-            for name, lines in one.left_out.items()
-            if (told := leave_out.sentence(name, lines, one.by))
-        ],
+        families=leave_out.sentences({one.by: one.left_out for one in rankings}),
         reliability=sentences(run),
         idle_share=mix.idle_share(run),
     )

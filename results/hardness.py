@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+ILL = 1e8  # condition of W on its range, at which a factorisation loses half of the digits of double precision
 Row = Mapping[str, Any]
 
 
@@ -60,7 +61,7 @@ HARDNESS = {
     ),
     "ill-conditioned": Hardness(
         "the condition of W on its range is 1e8 or more: half of the digits",
-        lambda row: _value(row, "condition") >= 1e8,
+        lambda row: _value(row, "condition") >= ILL,
     ),
     "sensitive": Hardness(
         "the velocities change 1e4 times as much as the data or more",

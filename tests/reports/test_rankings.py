@@ -162,14 +162,11 @@ def test_the_ranking_without_each_scene():
     lines = leave_out.left_out(run)[PLANE]
     assert {one.scene: (one.winner, one.same_winner) for one in lines}["many"] == ("b", False)
     assert [one.weight for one in lines] == pytest.approx([1 / 7] * 7)
-    assert (
-        leave_out.sentence(PLANE, lines, RankBy.BODIES)
-        == "In the plane, from bodies, another solver is the first without many (then b)."
-    )
+    (told,) = leave_out.sentences({RankBy.BODIES: {PLANE: lines}})
+    assert told == "In the plane, from bodies, another solver is the first without many (then b)."
     same = leave_out.left_out(run_of(*uneven()))[PLANE]
-    assert leave_out.sentence(PLANE, same, RankBy.BODIES).startswith(
-        "In the plane, from bodies, the winner stays the same whichever scene is left out"
-    )
+    (told,) = leave_out.sentences({RankBy.BODIES: {PLANE: same}})
+    assert told.startswith("In the plane, from bodies, the winner stays the same whichever scene is left out")
 
 
 def test_percentiles_and_budget_by_hand(tmp_path):
