@@ -42,7 +42,8 @@ MAX_COUNTED = 6  # contacts: the number of modes to enumerate grows like 4^conta
 
 
 class Collected(NamedTuple):
-    """A problem with its step and phase, its contacts, its answer, and the solvers of the reference answers before it."""
+    """A problem with its step and phase, its contacts, its answer, the solvers of the reference answers before it, and whether
+    it is idle, where that is known."""
 
     step: int
     phase: str
@@ -50,6 +51,7 @@ class Collected(NamedTuple):
     contacts: Contacts | None = None
     impulse: Array | None = None
     reference: str = ""
+    idle: bool | None = None
 
 
 def collect(folder: Path, source: Source) -> list[Record]:
@@ -172,7 +174,8 @@ def _chosen(source: Source) -> list[tuple[Collected, dict[str, Array]]]:
     found, ended = _motion(stage, source.steps)
     if not found:
         raise InputError(f"scene: {source.scene} yields no problem{': ' if ended else ''}{ended}")
-    working = [i for i, each in enumerate(found) if not _idle(each.problem)] or range(len(found))
+    found = [each._replace(idle=_idle(each.problem)) for each in found]
+    working = [i for i, each in enumerate(found) if not each.idle] or range(len(found))
     chosen = [working[i] for i in np.unique(np.linspace(0, len(working) - 1, min(source.pick, len(working))).astype(int))]
     last = found[-1]
     reference = f"{last.reference}; the motion ended after step {last.step}: {ended}" if ended else last.reference
@@ -259,7 +262,7 @@ def facts(source: Source, collected: Collected) -> Record:
         "islands": found.islands,
         "island_ratio": found.island_ratio,
         "trivial": bool(found.trivial),
-        "idle": not found.trivial and _idle(problem),
+        "idle": not found.trivial and (_idle(problem) if collected.idle is None else collected.idle),
         **_modes(problem, answer),
         **counted,
         "existence": _existence(problem, found.pointedness, counted["solutions"]),

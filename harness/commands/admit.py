@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from frictionbench.harness.cells.collect import stored_friction
-from frictionbench.harness.plans.hard import ADMITTED, ANSWERS, FEWEST, TOL, candidates, families
+from frictionbench.harness.plans.hard import ADMITTED, ANSWERS, FEWEST, TOL, answer_key, candidates, families
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import run
 from frictionbench.problems.check import Array
@@ -51,7 +51,7 @@ def admit(folder: Path) -> None:
                 line, answer = _line(family, rows, stored_friction(place, rows[0]["problem"]))
                 lines.append(line)
                 if answer is not None:
-                    answers[f"{line['scene']} {line['parameters']}"] = answer
+                    answers[answer_key(line)] = answer
     with ADMITTED.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, COLUMNS, delimiter="\t", lineterminator="\n", quoting=csv.QUOTE_NONE, quotechar=None)
         writer.writeheader()

@@ -80,7 +80,12 @@ def kept_answer(row: dict[str, str]) -> Array | None:
     if not row["answer"]:
         return None
     with np.load(ANSWERS, allow_pickle=False) as answers:
-        return answers[f"{row['scene']} {row['parameters']}"]
+        return answers[answer_key(row)]
+
+
+def answer_key(row: dict[str, Any]) -> str:
+    """The name of a row's answer in hard.npz. row: with scene and parameters."""
+    return f"{row['scene']} {row['parameters']}"
 
 
 def _grid(scene: str, **values: Iterable[Any]) -> list[Source]:

@@ -10,6 +10,7 @@ from frictionbench.harness.cells.reference import NoReference, Reference
 from frictionbench.harness.plans.plan import Source, origin
 from frictionbench.harness.run import run
 from frictionbench.problems import InputError, scene
+from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.results import store
 from frictionbench.solvers import Answer, Status
 from tests.helpers.friction_problems import block, spatial
@@ -113,3 +114,17 @@ def test_equal_problems_of_two_sources(tmp_path):
     assert path.name.count(".") == 3
     with pytest.raises(InputError, match="the start warm cannot be read"):
         stored_start(tmp_path / "starts", first["problem"], "another motion", "warm")
+
+
+def test_whether_a_step_is_idle_is_found_once(tmp_path, monkeypatch) -> None:
+    asked = []
+
+    def counted(problem, solve):
+        asked.append(problem.hash)
+        return idle(problem, solve)
+
+    monkeypatch.setattr("frictionbench.harness.cells.collect.idle", counted)
+    records = collect(tmp_path, MOTION)
+    assert len(records) == 3
+    assert {record["problem"] for record in records} <= set(asked)
+    assert len(asked) == len(set(asked))
