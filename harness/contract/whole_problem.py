@@ -4,9 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from frictionbench.harness.contract.change import changed, duplicated, in_units, side_by_side
+from frictionbench.harness.contract.change import duplicated, in_units
 from frictionbench.harness.contract.check import TOL, Subject, Violations, check, contact, is_false_claim, ordinary
 from frictionbench.problems import FrictionProblem
+from frictionbench.problems.combine import side_by_side
 
 FAST = 1e6  # the ratio of two islands' speeds: a test relative to the fastest contact allows the other any answer
 
@@ -15,22 +16,22 @@ FAST = 1e6  # the ratio of two islands' speeds: a test relative to the fastest c
 def friction_bias(subject: Subject) -> Violations:
     for d in (2, 3):
         for name, falling in (("pressed", 1.0), ("opening", -1.0)):
-            sliding = changed(contact(d, speed=2.0, falling=falling), friction_bias=np.ones(1))
+            sliding = contact(d, speed=2.0, falling=falling).replace(friction_bias=np.ones(1))
             yield from _claimed(subject, sliding, f"with a friction_bias of 1 N s, {name}")
     for problem in ordinary():
         more = np.linspace(0.5, 1, problem.contacts) * _impulse(problem)
-        yield from _claimed(subject, changed(problem, friction_bias=more), "with friction_bias")
+        yield from _claimed(subject, problem.replace(friction_bias=more), "with friction_bias")
 
 
 @check("Satisfy F v + joint_bias = 0 exactly (problem.W contains the joints), or declare lacks=('joints',).")
 def joints(subject: Subject) -> Violations:
     for d in (2, 3):
-        held = changed(contact(d), joints=np.array([[0.6, 1.0, 0.0]])[:, :d], joint_bias=np.array([0.5]))
+        held = contact(d).replace(joints=np.array([[0.6, 1.0, 0.0]])[:, :d], joint_bias=np.array([0.5]))
         yield from _claimed(subject, held, "with a joint that moves at 0.5 m/s")
     for problem in ordinary():
         random, nv = np.random.default_rng(0), len(problem.free_velocity)
         rows = random.standard_normal((2, nv)) * np.sqrt(problem.mass.diagonal())
-        moved = changed(problem, joints=rows, joint_bias=rows @ random.standard_normal(nv) * problem.velocity_scale)
+        moved = problem.replace(joints=rows, joint_bias=rows @ random.standard_normal(nv) * problem.velocity_scale)
         yield from _claimed(subject, moved, "with two joint equations")
 
 
@@ -38,11 +39,11 @@ def joints(subject: Subject) -> Violations:
 def bias(subject: Subject) -> Violations:
     for d in (2, 3):
         for size in (0.5, 2.0, -0.5, -2.0):
-            given = changed(contact(d), bias=np.array([size]))
+            given = contact(d).replace(bias=np.array([size]))
             yield from _claimed(subject, given, f"with a bias of {size:g} m/s")
     for problem in ordinary():
         signs = np.where(np.arange(problem.contacts) % 2, 0.3, -0.3) * problem.velocity_scale
-        yield from _claimed(subject, changed(problem, bias=signs), "with biases of both signs")
+        yield from _claimed(subject, problem.replace(bias=signs), "with biases of both signs")
 
 
 @check("Measure each island in its own unit: stop at tol * problem.units.min(), or solve problem.balanced().")
@@ -53,7 +54,7 @@ def islands(subject: Subject) -> Violations:
         gap = np.repeat([0.0, FAST * problem.velocity_scale], problem.contacts)
         again = duplicated(problem)
         order = np.argsort(np.arange(again.contacts) % 2, kind="stable")
-        opened = changed(again, bias=again.bias + gap[np.argsort(order)])
+        opened = again.replace(bias=again.bias + gap[np.argsort(order)])
         yield from _claimed(subject, opened, f"of which half are open by {FAST:g} times the largest velocity")
 
 

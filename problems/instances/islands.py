@@ -1,8 +1,8 @@
 """Several problems side by side that share no body, with velocities of unlike size: a part may be lost in the whole."""
 
 import numpy as np
-from scipy import sparse
 
+from frictionbench.problems.combine import side_by_side
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.instances.catalogue import instance
 from frictionbench.problems.parameters import count, number
@@ -22,11 +22,7 @@ def unlike_islands(
     speed = np.geomspace(number("velocity_ratio", velocity_ratio, above=0), 1.0, n)
     first = n * count("seed", seed, least=0)
     parts = [random_problem(first + k, nc, friction=mu) for k in range(n)]
-    return FrictionProblem(
-        mass=sparse.block_diag([part.mass for part in parts], format="csr"),
-        normal=sparse.block_diag([part.normal for part in parts], format="csr"),
-        tangent=sparse.block_diag([part.tangent for part in parts], format="csr"),
-        friction=np.concatenate([part.friction for part in parts]),
-        free_velocity=np.concatenate([v * part.free_velocity for v, part in zip(speed, parts, strict=True)]),
-        bias=np.concatenate([v * part.bias for v, part in zip(speed, parts, strict=True)]),
+    scaled = (
+        part.replace(free_velocity=v * part.free_velocity, bias=v * part.bias) for v, part in zip(speed, parts, strict=True)
     )
+    return side_by_side(*scaled)

@@ -9,7 +9,6 @@ import pytest
 from typer.testing import CliRunner
 
 from frictionbench.harness.cli import app
-from frictionbench.harness.contract.change import changed as with_fields
 from frictionbench.harness.contract.check import CHECKS, Subject
 from frictionbench.harness.contract.examine import GROUPS
 from frictionbench.solvers import Answer, Status, find, solve
@@ -97,9 +96,9 @@ def less_accurate(self, problem, answer, *_):
 
 
 IGNORANT = {
-    "friction_bias": lambda problem: with_fields(problem, friction_bias=0 * problem.friction_bias),
-    "joints": lambda problem: with_fields(problem, joints=None, joint_bias=None),
-    "bias": lambda problem: with_fields(problem, bias=np.maximum(problem.bias, 0)),
+    "friction_bias": lambda problem: problem.replace(friction_bias=0 * problem.friction_bias),
+    "joints": lambda problem: problem.replace(joints=None, joint_bias=None),
+    "bias": lambda problem: problem.replace(bias=np.maximum(problem.bias, 0)),
 }
 
 

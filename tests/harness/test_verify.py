@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from frictionbench.harness.contract.change import changed, in_units, permuted, side_by_side
+from frictionbench.harness.contract.change import in_units, permuted
 from frictionbench.harness.verify import NEAR, verify, verify_lcp
 from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems.combine import side_by_side
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import relaxation_residual, residual, residual_floor
 from frictionbench.solvers import Answer, Status, available, solve
@@ -206,8 +207,8 @@ def hiding_places(ratio):
     return {
         "light block": side_by_side(light, fast),
         "many parts": side_by_side(block(), block(), fast, in_units(block(), 1.0, np.sqrt(ratio))),
-        "one heavy floor": changed(floor, mass=heavy, free_velocity=free, joints=None, joint_bias=None, **rows),
-        "open contact": changed(opened, bias=np.array([opened.bias[0], ratio])),
+        "one heavy floor": floor.replace(mass=heavy, free_velocity=free, joints=None, joint_bias=None, **rows),
+        "open contact": opened.replace(bias=np.array([opened.bias[0], ratio])),
         "in contact space": in_contact_space(side_by_side(light, fast)),
     }
 

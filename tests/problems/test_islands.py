@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from frictionbench.harness.contract.change import changed, in_units, permuted, side_by_side
+from frictionbench.harness.contract.change import in_units, permuted
 from frictionbench.problems import FrictionProblem, scene
 from frictionbench.problems.analysis.stability import backward_error
+from frictionbench.problems.combine import side_by_side
 from frictionbench.problems.forms.delassus import measures
 from frictionbench.problems.forms.islands import COUPLED, FAR, mechanical_units
 from frictionbench.problems.measures import defects
@@ -54,7 +55,7 @@ def cases(seed):
         else spatial(seed, contacts=int(random.integers(1, 7)), nv=30)
     )
     gaps = np.where(random.random(problem.contacts) < 0.3, 10 ** random.uniform(-1, 8, problem.contacts), 0.0)
-    return changed(problem, bias=problem.bias + gaps)
+    return problem.replace(bias=problem.bias + gaps)
 
 
 @pytest.mark.parametrize("seed", range(30))
@@ -103,13 +104,13 @@ def test_islands_are_numbered_and_counted() -> None:
 
 def test_a_contact_at_rest_on_moving_bodies_is_measured_by_rounding_of_their_speed() -> None:
     """A block that moves with 1e3 m/s and touches with 1e-14: no solver can find that from its data."""
-    problem = changed(block(speed=0.0), free_velocity=[0.0, 1e3], bias=[-1e3])
+    problem = block(speed=0.0).replace(free_velocity=[0.0, 1e3], bias=[-1e3])
     assert problem.units == pytest.approx([1e-6 * 2e3])
     assert residual(problem, np.zeros((1, 2))) == 0
 
 
 def test_an_island_without_velocity_takes_the_unit_of_the_others() -> None:
-    still = changed(block(), free_velocity=[0.0, 0.0])
+    still = block().replace(free_velocity=[0.0, 0.0])
     problem = side_by_side(still, block())
     assert problem.units[0] == problem.units[1] > 0
     assert residual(problem, solve(problem, "lemke").impulse) <= 1e-8
@@ -157,7 +158,7 @@ def test_what_is_found_without_the_graph_is_what_the_graph_gives(dimension, open
     graphs, seeds = 0, range(20)
     for seed in seeds:
         made = random_problem(seed, contacts=8) if dimension == 2 else spatial(seed, contacts=8, nv=30)
-        problem = changed(made, bias=made.bias + opening * np.linspace(0, 1, 8))
+        problem = made.replace(bias=made.bias + opening * np.linspace(0, 1, 8))
         given = *problem.contact_rows, *problem.inverse_rows
         found = measures(*given, problem.free_velocity, problem.bias)[3]
         bodies = *given, np.zeros(1, np.int32), np.zeros(0, np.int32), problem.free_velocity, problem.bias
@@ -169,7 +170,7 @@ def test_what_is_found_without_the_graph_is_what_the_graph_gives(dimension, open
 
 def test_contacts_that_are_open_by_as_much_do_not_count_as_energy() -> None:
     resting = block(speed=0.0)
-    twice = changed(permuted(resting, np.array([0, 0, 0])), bias=[0.0, 1e6, 1e6])
+    twice = permuted(resting, np.array([0, 0, 0])).replace(bias=[0.0, 1e6, 1e6])
     for problem in (twice, in_contact_space(twice)):
         assert problem.units[0] == pytest.approx(resting.velocity_scale)
         assert residual(problem, np.zeros((3, 2))) == pytest.approx(1.0)

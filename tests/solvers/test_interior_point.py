@@ -29,22 +29,6 @@ from tests.helpers.recorded import FOLDER as RECORDED
 METHODS = ("interior_point", "interior_point[shortcut=false]")
 
 
-def changed(problem, **fields):
-    names = [
-        "mass",
-        "normal",
-        "tangent",
-        "friction",
-        "free_velocity",
-        "bias",
-        "friction_bias",
-        "joints",
-        "joint_bias",
-        "dimension",
-    ]
-    return FrictionProblem(**{name: getattr(problem, name) for name in names} | fields)
-
-
 def assert_solved(problem, spec, tol=1e-8, at_most=2000) -> None:
     answer = solve(problem, spec, tol=tol)
     measure = relaxation_residual if spec == "relaxation_ip" else residual
@@ -120,15 +104,15 @@ def test_spatial_special_cases(spec) -> None:
     mixed = known.friction * [0, 1, 0, 1, 1, 0]
     for problem in (
         nothing(3),
-        changed(known, friction=np.zeros(6)),
-        changed(known, friction=mixed),
-        changed(known, friction=mixed, friction_bias=np.full(6, 0.1)),
-        changed(known, friction=np.full(6, 1e-9)),
-        changed(known, friction=np.full(6, 50.0)),
-        changed(known, free_velocity=np.zeros(24)),
-        changed(known, bias=np.full(6, 1e3)),
-        changed(known, mass=known.mass * 1e9),
-        changed(known, mass=np.diag(np.tile([1.0, 1e6], 12))),
+        known.replace(friction=np.zeros(6)),
+        known.replace(friction=mixed),
+        known.replace(friction=mixed, friction_bias=np.full(6, 0.1)),
+        known.replace(friction=np.full(6, 1e-9)),
+        known.replace(friction=np.full(6, 50.0)),
+        known.replace(free_velocity=np.zeros(24)),
+        known.replace(bias=np.full(6, 1e3)),
+        known.replace(mass=known.mass * 1e9),
+        known.replace(mass=np.diag(np.tile([1.0, 1e6], 12))),
     ):
         assert_solved(problem, spec)
 
@@ -191,7 +175,7 @@ def sheared(name, shear, friction, **size) -> FrictionProblem:
     made = scene(name, friction=friction, **size)
     problem, velocity = made.problem(), made.problem().free_velocity.copy()
     velocity[0::3] += shear * made.q0[1::3]
-    return changed(problem, free_velocity=velocity)
+    return problem.replace(free_velocity=velocity)
 
 
 @pytest.mark.parametrize("spec", METHODS)
@@ -229,7 +213,7 @@ def test_far_start_is_harmless(problem, wrong) -> None:
 @pytest.mark.parametrize("ratio", [1e-6, 1e3, 1e6])
 def test_mass_ratios(ratio, spec) -> None:
     problem = random_problem(8, 20, mass_ratio=max(ratio, 1 / ratio))
-    assert_solved(changed(problem, mass=problem.mass * min(ratio, 1.0)), spec)
+    assert_solved(problem.replace(mass=problem.mass * min(ratio, 1.0)), spec)
 
 
 @pytest.mark.parametrize("spec", [*METHODS, "relaxation_ip"])
@@ -240,13 +224,13 @@ def test_special_cases(spec) -> None:
     for problem in (
         nothing(),
         block(),
-        changed(pyramid, friction=np.zeros(pyramid.contacts)),
-        changed(pyramid, friction=mixed),
-        changed(pyramid, friction=mixed, friction_bias=np.full(pyramid.contacts, 0.01)),
-        changed(pyramid, friction=np.full(pyramid.contacts, 1e-9)),
-        changed(pyramid, friction=np.full(pyramid.contacts, 50.0)),
-        changed(pyramid, free_velocity=np.zeros(len(pyramid.free_velocity)), bias=np.zeros(pyramid.contacts)),
-        changed(pyramid, bias=np.full(pyramid.contacts, 1e3)),
+        pyramid.replace(friction=np.zeros(pyramid.contacts)),
+        pyramid.replace(friction=mixed),
+        pyramid.replace(friction=mixed, friction_bias=np.full(pyramid.contacts, 0.01)),
+        pyramid.replace(friction=np.full(pyramid.contacts, 1e-9)),
+        pyramid.replace(friction=np.full(pyramid.contacts, 50.0)),
+        pyramid.replace(free_velocity=np.zeros(len(pyramid.free_velocity)), bias=np.zeros(pyramid.contacts)),
+        pyramid.replace(bias=np.full(pyramid.contacts, 1e3)),
     ):
         assert_solved(problem, spec)
 
@@ -259,8 +243,8 @@ def test_joints_of_any_rank(spec) -> None:
     rows[1] = rows[0]
     rows[2, 4] = 1
     rows[3] = rows[0] + rows[2]
-    assert_solved(changed(pyramid, joints=rows, joint_bias=np.zeros(4)), spec)
-    assert_solved(changed(pyramid, joints=rows[[0, 2]], joint_bias=[0.1, -0.2]), spec)
+    assert_solved(pyramid.replace(joints=rows, joint_bias=np.zeros(4)), spec)
+    assert_solved(pyramid.replace(joints=rows[[0, 2]], joint_bias=[0.1, -0.2]), spec)
 
 
 @pytest.mark.parametrize("spec", METHODS)
@@ -274,7 +258,7 @@ def test_unsymmetric_delassus_matrix(spec) -> None:
 def test_dense_mass_matrix() -> None:
     pyramid = scene("pyramid", rows=4).problem()
     root = np.random.default_rng(0).standard_normal(pyramid.mass.shape)
-    assert_solved(changed(pyramid, mass=root @ root.T + np.eye(len(root))), "interior_point")
+    assert_solved(pyramid.replace(mass=root @ root.T + np.eye(len(root))), "interior_point")
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -293,8 +277,8 @@ def test_large_friction_needs_path(seed) -> None:
 
 def test_unit_invariance() -> None:
     problem = random_problem(7, 12)
-    heavy = changed(problem, mass=problem.mass * 1e9)
-    slow = changed(problem, free_velocity=problem.free_velocity * 1e-6, bias=problem.bias * 1e-6)
+    heavy = problem.replace(mass=problem.mass * 1e9)
+    slow = problem.replace(free_velocity=problem.free_velocity * 1e-6, bias=problem.bias * 1e-6)
     expected = solve(problem, "interior_point", tol=1e-11)
     for other, factor in ((heavy, 1e9), (slow, 1e-6)):
         velocity = other.velocity(solve(other, "interior_point", tol=1e-11).impulse)
@@ -335,7 +319,7 @@ def with_every_kind_of_contact(dimension, joints=0) -> FrictionProblem:
     friction, bias = known.friction.copy(), np.arange(8.0)
     friction[:2] = bias[:1] = 0
     rows = np.random.default_rng(2).standard_normal((joints, 27))
-    return changed(known, friction=friction, friction_bias=bias, joints=rows, joint_bias=np.ones(joints))
+    return known.replace(friction=friction, friction_bias=bias, joints=rows, joint_bias=np.ones(joints))
 
 
 @pytest.mark.parametrize("dimension", [2, 3])

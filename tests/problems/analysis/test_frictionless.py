@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from frictionbench.harness.cells.reference import Reference
-from frictionbench.harness.contract.change import changed, side_by_side
 from frictionbench.problems import FrictionProblem, scene
 from frictionbench.problems.analysis.frictionless import frictionless_answer, idle
 from frictionbench.problems.analysis.mode import distance_to_next_mode, mode, mode_counts
+from frictionbench.problems.combine import side_by_side
 from frictionbench.problems.instances import make_instance
 from frictionbench.solvers import solve
 from tests.helpers.friction_problems import block
@@ -103,7 +103,7 @@ def test_contacts_are_counted_by_mode():
 
 
 def test_a_slow_part_beside_a_fast_one_has_its_own_modes():
-    slow = changed(block(speed=1.0, friction=0.1), free_velocity=[1e-7, -1e-7])
+    slow = block(speed=1.0, friction=0.1).replace(free_velocity=[1e-7, -1e-7])
     fast = block(speed=1e3)
     problem = side_by_side(slow, fast)
     assert mode_counts(problem, _solve(problem)) == (0, 2, 0)
