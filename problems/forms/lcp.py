@@ -161,6 +161,12 @@ def impulse(basis, z, nc):  # type: ignore[no-untyped-def]
     return r
 
 
+@part
+def contact_of(j, n, nc):  # type: ignore[no-untyped-def]
+    """The contact of unknown j of n among (c, beta, lambda)."""
+    return j if j < nc else j - (n - nc) if j >= n - nc else (j - nc) // ((n - 2 * nc) // nc)
+
+
 @kernel
 def dense_matrix(start, column, value, n):  # type: ignore[no-untyped-def]
     """A square matrix by rows as a dense one."""

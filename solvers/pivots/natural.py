@@ -16,7 +16,8 @@ import numpy as np
 
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.compiled import kernel
+from frictionbench.problems.forms.lcp import contact_of
 from frictionbench.problems.residual import polygon_residual, residual
 from frictionbench.solvers.pivots.scaling import Scaling, diagonal_scaling
 
@@ -58,20 +59,14 @@ def _weight(start, column, value, q, D, theta, own, units):  # type: ignore[no-u
             for k in range(start[i], start[i + 1]):
                 m = max(m, abs(D[i] * value[k] * D[column[k]]))
         if i < n - nc and nc:
-            weight[i] = max(weight[i], own[_contact(i, n, nc)])
+            weight[i] = max(weight[i], own[contact_of(i, n, nc)])
         size = max(size, abs(q[i]))
     if fastest > 0:
         size = min(size, fastest)
     for i in range(n):
-        share = units[_contact(i, n, nc)] / fastest if fastest > 0 else 1.0
+        share = units[contact_of(i, n, nc)] / fastest if fastest > 0 else 1.0
         weight[i] = (1 + m) * theta * D[i] * weight[i] / (share * size if size > 0 else 1.0)
     return weight
-
-
-@part
-def _contact(i, n, nc):  # type: ignore[no-untyped-def]
-    """The contact of unknown i among (c, beta, lambda)."""
-    return i if i < nc else i - (n - nc) if i >= n - nc else (i - nc) // ((n - 2 * nc) // nc)
 
 
 def exact_residual(problem: FrictionProblem | LCP, lcp: LCP, z: Array, impulse: Array) -> float:

@@ -7,7 +7,7 @@ import numpy as np
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
-from frictionbench.problems.forms.lcp import friction_rows, impulse, tangent_basis
+from frictionbench.problems.forms.lcp import contact_of, friction_rows, impulse, tangent_basis
 from frictionbench.solvers.interface import Answer, Status
 from frictionbench.solvers.pivots.inverse_basis import InverseBasis, Matrix, compress, symmetrised
 from frictionbench.solvers.pivots.lemke_path import (
@@ -95,7 +95,7 @@ def _residual_units(D, theta, scale, friction, units):  # type: ignore[no-untype
     n, nc = len(D), len(scale)
     unit = np.empty((2, n))
     for j in range(n):
-        i = j if j < nc else j - (n - nc) if j >= n - nc else (j - nc) // ((n - 2 * nc) // nc)
+        i = contact_of(j, n, nc)
         s, free = scale[i], units[i] if units[i] > 0 else 1.0
         more = 1.0 if j < nc else 1.0 + friction[i]
         unit[0, j] = theta * D[j] * ((s if j < n - nc else 1.0) * more / free)
