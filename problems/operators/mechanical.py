@@ -217,41 +217,37 @@ class MechanicalOperator(Operator):
         """(q, scale, velocity_scale, units and their spread), which one pass over the contacts computes together."""
         free = self._on_joints(self.free_velocity)
         q, scale, velocity_scale, units = delassus.measures(*self.contact_rows, *self.inverse_rows, free, self.bias)
-        unlike = 1.0
+        terms, unlike = _NO_TERMS, 1.0
         if self._has_joints:
-            diagonal, d = self._held_diagonal(), self.contact_rows.value.shape[1]
-            by_contact = q.reshape(-1, d)
-            rounding = np.abs(by_contact) <= delassus.LOCKED * self.velocity_size(np.zeros_like(by_contact))
-            by_contact[self._locked & rounding] = 0.0
-            scale, velocity_scale = delassus.mean_diagonal(diagonal), delassus.largest(q, d)
+            diagonal, locked = self._joint_diagonal
+            by_contact = q.reshape(diagonal.shape)
             terms = self.velocity_size(np.zeros_like(by_contact))
+            by_contact[locked & (np.abs(by_contact) <= delassus.LOCKED * terms)] = 0.0
+            scale, velocity_scale = delassus.mean_diagonal(diagonal), delassus.largest(q, diagonal.shape[1])
+        if self._has_joints or not len(units):
             velocities = self.free_velocity, self.bias, q, scale, self.friction_bias, terms
             units = mechanical_units(*self._bodies, *velocities)
-            unlike = spread(units)
-        elif not len(units):
-            units = mechanical_units(*self._bodies, free, self.bias, q, scale, self.friction_bias, _NO_TERMS)
             unlike = spread(units)
         q.setflags(write=False)
         units.setflags(write=False)
         return q, scale, velocity_scale, units, unlike
 
-    def _held_diagonal(self) -> Array:
-        """The diagonal (nc, d) of W, 0 in locked directions; without the joints where they lock the whole contact."""
-        diagonal = delassus.diagonal(*self.contact_rows, *self.inverse_rows)
-        coupling, inverse = self._joint_coupling
-        held = diagonal - np.einsum("ji,jk,ki->i", coupling, inverse, coupling).reshape(diagonal.shape)
-        held[self._locked] = 0.0
-        return np.where(self._locked.all(axis=1, keepdims=True), diagonal, held)
-
     @cached_property
-    def _locked(self) -> NDArray[np.bool_]:
-        """(nc, d): the directions in which joints leave a contact no velocity that impulses could change, so that W's diagonal
-        is a rounding error."""
+    def _joint_diagonal(self) -> tuple[Array, NDArray[np.bool_]]:
+        """The diagonal (nc, d) of W, 0 in locked directions, but without the joints where they lock the whole contact; and the
+        locked directions (nc, d): those in which joints leave a contact no velocity that impulses could change, so that W's
+        diagonal is a rounding error."""
         coupling, inverse = self._joint_coupling
-        diagonal = delassus.diagonal(*self.contact_rows, *self.inverse_rows)
+        diagonal: Array = delassus.diagonal(*self.contact_rows, *self.inverse_rows)
         held = np.einsum("ji,jk,ki->i", coupling, inverse, coupling).reshape(diagonal.shape)
-        size = diagonal + np.einsum("ji,jk,ki->i", np.abs(coupling), np.abs(inverse), np.abs(coupling)).reshape(diagonal.shape)
-        return diagonal - held <= delassus.LOCKED * size
+        size = diagonal + np.einsum("ji,jk,ki->i", *map(np.abs, (coupling, inverse, coupling))).reshape(diagonal.shape)
+        locked: NDArray[np.bool_] = diagonal - held <= delassus.LOCKED * size
+        return np.where(locked.all(axis=1, keepdims=True), diagonal, np.where(locked, 0.0, diagonal - held)), locked
+
+    @property
+    def _locked(self) -> NDArray[np.bool_]:
+        """(nc, d): see _joint_diagonal."""
+        return self._joint_diagonal[1]
 
 
 def _generalised_inverse(G: Array) -> Array:
