@@ -148,8 +148,11 @@ def _collect(problem: str, pool: Pool) -> tuple[Record, str]:
     """
     path = Path(problem)
     if path.is_dir():
-        advice = f"run recorded --data {problem}` solves each problem in it, `frictionbench run replay --data {problem}"
-        raise InputError(f"problem: {problem} is a folder; `frictionbench {advice}` a sequence of steps")
+        each, steps = (f"`frictionbench run {suite} --data {problem}`" for suite in ("recorded", "replay"))
+        share = "`frictionbench report DIR --budget 1ms` shows the share solved within a time"
+        raise InputError(
+            f"problem: {problem} is a folder; {each} solves each problem, {steps} a sequence of steps; {share}"
+        )
     named = path.is_file() or Path(problem.partition("[")[0]).suffix
     source = Source(path.name, file=str(path.absolute())) if named else Source(*parse("scene", problem))
     (outcome,) = pool.run([Task(problem, worker.run_problem, (source, COLLECT_SECONDS), COLLECT_SECONDS)])

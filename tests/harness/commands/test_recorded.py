@@ -242,10 +242,9 @@ def test_unusable_data(tmp_path, suite, scenes, data, complaint) -> None:
 
 
 def test_solve_of_a_folder_names_the_command(tmp_path) -> None:
-    with pytest.raises(
-        InputError, match=r"^problem: .* is a folder; `frictionbench run recorded --data .*`frictionbench run replay"
-    ):
-        solve_one(str(tmp_path), ["nsgs"], 1e-8, 10.0, 1)
+    told = r"^problem: .* is a folder; `frictionbench run recorded --data .*`frictionbench run replay .*"
+    with pytest.raises(InputError, match=f"{told}`frictionbench report DIR --budget"):
+        solve_one(str(tmp_path), ["nsgs"], 1e-8, 10.0, 1, budget=1e-3)
 
 
 def test_first_line_says_what_was_read(tmp_path, capsys) -> None:
