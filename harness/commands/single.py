@@ -150,9 +150,7 @@ def _collect(problem: str, pool: Pool) -> tuple[Record, str]:
     if path.is_dir():
         each, steps = (f"`frictionbench run {suite} --data {problem}`" for suite in ("recorded", "replay"))
         share = "`frictionbench report DIR --budget 1ms` shows the share solved within a time"
-        raise InputError(
-            f"problem: {problem} is a folder; {each} solves each problem, {steps} a sequence of steps; {share}"
-        )
+        raise InputError(f"problem: {problem} is a folder; {each} solves each problem, {steps} a sequence of steps; {share}")
     named = path.is_file() or Path(problem.partition("[")[0]).suffix
     source = Source(path.name, file=str(path.absolute())) if named else Source(*parse("scene", problem))
     (outcome,) = pool.run([Task(problem, worker.run_problem, (source, COLLECT_SECONDS), COLLECT_SECONDS)])
