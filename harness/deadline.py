@@ -5,10 +5,15 @@ that. A solver cannot block this as it could block a signal, and native code is 
 system's monotonic clock, which does not change when the date is set.
 """
 
+import os
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from mmap import mmap
 from time import monotonic
+from typing import Any
+
+from frictionbench.problems.compiled import PACKAGE
 
 COMPILE_SECONDS = 600.0  # seconds for all that our own code compiles in a block: far above any kernel's, in case one hangs
 HARNESS_SECONDS = 600.0  # seconds for the harness's own work, such as reading and verifying: likewise a bound in case it hangs
@@ -19,6 +24,7 @@ class Deadline:
 
     def __init__(self) -> None:
         self._moment = memoryview(mmap(-1, 16)).cast("d")
+        self._met: set[Any] = set()
         self.allow(HARNESS_SECONDS)
 
     @property
@@ -36,22 +42,26 @@ class Deadline:
         self._moment[0] = monotonic() + seconds
 
     @contextmanager
-    def within(self, seconds: float, compiling: float = COMPILE_SECONDS) -> Iterator[Callable[[float], None]]:
+    def within(
+        self, seconds: float, compiling: float = COMPILE_SECONDS, ours: bool = False
+    ) -> Iterator[Callable[[float], None]]:
         """End this process if the block takes longer.
 
-        compiling: seconds in which numba may compile or read its cache and which do not count; more than so many do. They are
-        few for the code of others, because whoever sends numba's event can stop the clock for so long.
-        Yields a function that resets the time left, in seconds.
+        compiling: seconds in which numba may compile or read its cache and which do not count; more than so many do. ours:
+        whether only functions of this package stop the clock so, each once in this process. Whoever sends numba's event could
+        stop it otherwise. Yields a function that resets the time left, in seconds.
         """
         from numba.core import event
 
         deadline = self
 
         class Pause(event.Listener):
-            depth, left, begun, budget = 0, 0.0, 0.0, compiling  # compilations nest
+            depth, left, begun, budget, stops = 0, 0.0, 0.0, compiling, False  # compilations nest
 
             def on_start(self, _: object) -> None:
-                if not self.depth and self.budget > 0:
+                if not self.depth:
+                    self.stops = self.budget > 0 and (not ours or deadline._met_first())
+                if not self.depth and self.stops:
                     self.left, self.begun = deadline.left, monotonic()
                     deadline.allow(self.left + self.budget)
                     deadline._moment[1] = 1.0
@@ -59,7 +69,7 @@ class Deadline:
 
             def on_end(self, _: object) -> None:
                 self.depth -= 1
-                if not self.depth and self.budget > 0:
+                if not self.depth and self.stops:
                     deadline._moment[1] = 0.0
                     self.budget -= monotonic() - self.begun
                     deadline.allow(self.left + min(self.budget, 0.0))
@@ -71,3 +81,16 @@ class Deadline:
         finally:
             self._moment[1] = 0.0
             self.allow(HARNESS_SECONDS)
+
+    def _met_first(self) -> bool:
+        """Whether numba now compiles or loads a function of this package for the first time."""
+        from numba.core.dispatcher import Dispatcher
+
+        frame = sys._getframe(1)
+        while frame.f_back is not None and frame.f_code is not Dispatcher.compile.__code__:
+            frame = frame.f_back
+        function = frame.f_locals.get("self")
+        if not isinstance(function, Dispatcher) or function in self._met:
+            return False
+        self._met.add(function)
+        return function.py_func.__code__.co_filename.startswith(f"{PACKAGE}{os.sep}")

@@ -21,8 +21,8 @@ class Generator(Generic[Made]):
 
     @property
     def summary(self) -> str:
-        """The first line of the description."""
-        return self.description.splitlines()[0]
+        """The first line of the description; python -OO leaves none."""
+        return self.description.partition("\n")[0]
 
 
 class Catalogue(Generic[Made]):

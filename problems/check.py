@@ -25,6 +25,25 @@ class InputError(ValueError):
     """
 
 
+class ReadOnly:
+    """Copies by pickle or copy.deepcopy, of which numpy makes the arrays writeable, are read-only like the original."""
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        for name, part in state.items():
+            _set_read_only(part)
+            object.__setattr__(self, name, part)
+
+
+def _set_read_only(value: Any) -> None:
+    if isinstance(value, np.ndarray):
+        value.setflags(write=False)
+    elif isinstance(value, tuple):
+        for part in value:
+            _set_read_only(part)
+    elif sparse.issparse(value):
+        _set_read_only((value.data, value.indices, value.indptr))
+
+
 def require(condition: bool, field: str, reason: str) -> None:
     """Raise InputError for `field` unless the condition holds."""
     if not condition:

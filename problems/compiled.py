@@ -47,6 +47,14 @@ def set_kernel_cache() -> None:
     config.CACHE_DIR = str(_writable(state(PACKAGE)))
 
 
+def cold_spare() -> str:
+    """Where kernels are compiled anew because the usual folder cannot be written; empty where it can, or where they are not."""
+    usual, chosen = _usual(), Path(config.CACHE_DIR)
+    if chosen.parent == usual or any(chosen.rglob("*.nbi")):
+        return ""
+    return f"{usual} cannot be written: kernels are compiled into {chosen}, which takes some minutes"
+
+
 def state(package: Path) -> str:
     """A hash of the names and contents of all files of a package that hold kernels."""
     digest = sha256()
@@ -59,8 +67,7 @@ def state(package: Path) -> str:
 
 def _writable(name: str) -> Path:
     """The cache folder for this version. Its files are executed, so in a place open to all users it must belong to this one."""
-    chosen = os.environ.get("NUMBA_CACHE_DIR")
-    usual = Path(chosen) if chosen else user_cache_path("frictionbench") / "compiled"
+    usual = _usual()
     spare = Path(tempfile.gettempdir()) / f"frictionbench-{getpass.getuser()}"
     for above in (usual, spare):
         with suppress(OSError):
@@ -70,3 +77,8 @@ def _writable(name: str) -> Path:
             if os.access(above / name, os.W_OK):
                 return above / name
     return usual / name
+
+
+def _usual() -> Path:
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    return Path(chosen) if chosen else user_cache_path("frictionbench") / "compiled"

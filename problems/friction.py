@@ -20,7 +20,7 @@ import numpy as np
 from scipy import sparse
 
 from frictionbench.problems import check, sizes
-from frictionbench.problems.check import Array, require
+from frictionbench.problems.check import Array, ReadOnly, require
 from frictionbench.problems.display import count, extent, html_table
 from frictionbench.problems.forms.arrays import CSR, Dense
 from frictionbench.problems.forms.delassus import Blocks
@@ -34,7 +34,7 @@ DIGITS = 1e-6  # asymmetry of W up to which it counts as rounding in a file
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class FrictionProblem:
+class FrictionProblem(ReadOnly):
     """A friction problem with nc contacts of dimension d (2 planar, 3 spatial) and nv velocities.
 
     mass: (nv, nv), symmetric positive definite. normal: (nc, nv). tangent: (nc*(d-1), nv), rows per contact.

@@ -29,11 +29,12 @@ method's own unit of work (pivots, sweeps, iterations), None for its default; wa
 claim; the harness verifies every answer independently.
 """
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 from enum import Enum
 from numbers import Integral, Real
-from typing import Any, Literal, Protocol, TypeVar
+from typing import Any, Literal, Protocol, TypeVar, get_args
 
 import numpy as np
 
@@ -47,6 +48,7 @@ from frictionbench.solvers.balanced import with_balance
 from frictionbench.solvers.needs import installed_version
 
 Model = Literal["coulomb", "lcp", "relaxation", "regularised"]
+LACKS = ("friction_bias", "joints", "asymmetry")  # what a solver may not support of a problem
 PACKAGE = "frictionbench.solvers."  # the modules of this package's own solvers
 MOST_WORK = 10**8  # the largest limit that may be given: histories of that length are allocated
 
@@ -150,6 +152,24 @@ class SolverInfo:
     members: tuple[str, ...]
     make: Callable[..., Solver]
 
+    def __post_init__(self) -> None:
+        """Errors: ValueError naming the property that is not as described above."""
+        named, said = isinstance(self.name, str) and re.fullmatch(r"[\w.-]+", self.name), isinstance(self.family, str)
+        self._require(bool(named), "name", "letters, digits, _, . and -")
+        self._require(said and self.family.isprintable() and self.family.strip() != "", "family", "text")
+        self._require(self.model in get_args(Model), "model", f"one of {', '.join(get_args(Model))}")
+        self._require(self.dimension in ((2,), (3,), (2, 3)), "dimension", "(2,), (3,) or (2, 3)")
+        for flag in ("warm_start", "sparse", "remote"):
+            self._require(isinstance(getattr(self, flag), bool), flag, "True or False")
+        for names in ("needs", "lacks", "variants", "members"):
+            given = getattr(self, names)
+            self._require(isinstance(given, tuple) and all(isinstance(each, str) for each in given), names, "a tuple of texts")
+        self._require(set(self.lacks) <= set(LACKS), "lacks", f"of {', '.join(LACKS)}")
+
+    def _require(self, condition: bool, field: str, expected: str) -> None:
+        if not condition:
+            raise ValueError(f"solver: {field} must be {expected}, got {getattr(self, field)!r:.100}")
+
     def __repr__(self) -> str:
         return f"SolverInfo({self.name}: {self.family}, {self.model}, dimension {' and '.join(map(str, self.dimension))})"
 
@@ -166,7 +186,7 @@ class SolverInfo:
     @property
     def summary(self) -> str:
         """The first line of the class's docstring."""
-        return (self.make.__doc__ or "").strip().splitlines()[0]
+        return (self.make.__doc__ or "").strip().partition("\n")[0]
 
     @property
     def missing(self) -> str | None:
@@ -212,7 +232,8 @@ def solver(
 
     family: of methods, as reports group them. Other arguments: see SolverInfo. The class needs
     `solve(self, prepared, tol, limit, start=None) -> Answer`, and may have `form`, `setup` or `prepare`.
-    Errors: ValueError if the name is already registered, or the class defines `prepare` together with `form` or `setup`.
+    Errors: ValueError if the name is already registered, the class defines `prepare` together with `form` or `setup`, or
+    an argument is none of those in SolverInfo; the message names it.
 
     >>> import frictionbench as fb, numpy as np
     >>> @fb.solver("nothing", family="splitting", model="coulomb", dimension=(2, 3))

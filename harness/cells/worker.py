@@ -54,7 +54,7 @@ _worker: _Worker
 IMPORT_SECONDS = 60.0  # seconds for a plug-in's import: large libraries take ten or more from a cold disk
 LOAD_SECONDS = 30.0  # seconds for an outside library to load and solve a single contact, whatever the limit: as for imports
 FOREIGN_COMPILING = 120.0  # seconds for a plug-in to compile its kernels, and ours that it calls, when it is warmed up
-FOREIGN_LOADING = 10.0  # seconds for a plug-in to load kernels in a cell: it could stop the clock for so long, and no longer
+FOREIGN_LOADING = 10.0  # seconds for our kernels that a plug-in calls to be loaded in a cell, which do not count
 SHARED = 0.02  # of the timed seconds: a cell that waited longer for its core is marked as disturbed
 
 
@@ -130,7 +130,7 @@ def run_simulation(cell: SimulationCell, limit: float) -> Row:
     start_time += _warm_up(cell.variant, 2, bool(scene(cell.scene, **cell.parameters).hinges), limit)
     process.reset_peak_memory()
     try:
-        with _worker.deadline.within(limit, _compiling(cell.variant)), process.watch_core() as core:
+        with _worker.deadline.within(limit, *_compiling(cell.variant)), process.watch_core() as core:
             simulated = run_closed_loop(cell, info, solver)
     except BaseException as error:
         return _done(start_time, row | {"verdict": Verdict.CRASHED, "reason": plugins.describe_error(error)})
@@ -201,7 +201,7 @@ def _timed(
     _worker.met.add(case)
     digest = (record.get("starts") or {}).get(cell.start, "")
     start = stored_start(_worker.folder, cell.problem, cell.origin, cell.start, digest)
-    with _worker.deadline.within(limit, _compiling(cell.variant)) as allow:
+    with _worker.deadline.within(limit, *_compiling(cell.variant)) as allow:
         return time_solver(
             solver,
             problem,
@@ -233,9 +233,9 @@ def _foreign(variant: str) -> bool:
     return any(variant in plugin.solvers for plugin in _worker.plugins)
 
 
-def _compiling(variant: str) -> float:
-    """The seconds of a cell in which numba may compile or read its cache that do not count."""
-    return FOREIGN_LOADING if _foreign(variant) else COMPILE_SECONDS
+def _compiling(variant: str) -> tuple[float, bool]:
+    """The seconds of a cell in which numba may compile or read its cache that do not count, and whether only our kernels do."""
+    return (FOREIGN_LOADING, True) if _foreign(variant) else (COMPILE_SECONDS, False)
 
 
 def _kind(problem: FrictionProblem | LCP) -> tuple[int, bool]:

@@ -20,7 +20,7 @@ from typing import Any
 from frictionbench.harness import machine, process
 from frictionbench.harness.plans.plan import Plugin
 from frictionbench.harness.workers.task import Outcome, Task
-from frictionbench.problems import InputError
+from frictionbench.problems import InputError, compiled
 from frictionbench.problems.compiled import PACKAGE
 from frictionbench.results.files import ResultsError
 from frictionbench.results.verdicts import Verdict
@@ -90,6 +90,8 @@ def _supervisor(settings: Settings) -> Connection:
     reason = ""
     for _ in range(TRIES):  # it may be killed at any moment, also while it starts
         try:
+            if _server is None and (told := compiled.cold_spare()):
+                print(f"frictionbench: {told}", file=sys.stderr)
             _server = _server or _Server()
             return _server.supervisor(settings)
         except OSError as error:

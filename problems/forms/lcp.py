@@ -22,14 +22,14 @@ import numpy as np
 from scipy import sparse
 
 from frictionbench.problems import check
-from frictionbench.problems.check import Array
+from frictionbench.problems.check import Array, ReadOnly
 from frictionbench.problems.compiled import kernel, part
 from frictionbench.problems.display import count, html_table
 from frictionbench.problems.forms.delassus import LOCKED
 from frictionbench.problems.rows import Index32, Rows
 
 
-class LCP:
+class LCP(ReadOnly):
     """Find z >= 0 with w = M z + q >= 0 and z'w = 0.
 
     M: (n, n), dense or sparse; stored sparse, as plain arrays in `rows`, of which M is scipy's view. q: (n,).

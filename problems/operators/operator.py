@@ -11,7 +11,7 @@ from typing import ClassVar, Self
 import numpy as np
 from scipy import sparse
 
-from frictionbench.problems.check import Array
+from frictionbench.problems.check import Array, ReadOnly
 from frictionbench.problems.forms import delassus
 from frictionbench.problems.forms.arrays import CSR, Dense, csr, dense
 from frictionbench.problems.forms.delassus import Blocks
@@ -20,7 +20,7 @@ from frictionbench.problems.rows import ByContact, Index64, Rows, by_row
 NO_ROWS = Rows(np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros(0))  # a matrix without rows
 
 
-class Operator(ABC):
+class Operator(ReadOnly, ABC):
     """The operator of nc contacts of dimension d and nv velocities. Its arrays are read-only; what is derived is computed once.
 
     The operators are not frozen dataclasses, whose construction would add a tenth to the time of making a small problem's W.

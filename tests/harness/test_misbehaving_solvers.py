@@ -28,7 +28,7 @@ VERDICTS = {
     "calls_os_exit": ("crashed", "exit code 0"),
     "hangs": ("timeout", "limit of 1 s"),
     "exhausts_memory": ("crashed", "MemoryError"),
-    "compiles_slowly": ("unsolved", "no further progress"),
+    "compiles_slowly": ("timeout", "limit of 1 s"),
     "wrong_zero": ("wrong", "claimed solved within"),
     "nan_impulse": ("wrong", "not finite"),
     "wrong_shape": ("wrong", "shape"),

@@ -98,7 +98,7 @@ def slow_to_compile():
 
 @solver("compiles_slowly", family="bad", model="coulomb")
 class CompilesSlowly(Bad):
-    """Compiles a kernel for longer than the time limit in every call, and reports STALLED."""
+    """Compiles a kernel of its own for longer than the time limit, in a cell and not when it is warmed up."""
 
     def misbehave(self, problem):
         slow_to_compile()(np.ones(3))

@@ -271,6 +271,21 @@ def test_delassus_problem_copies() -> None:
     assert np.allclose(problem.replace(W=2 * problem.W).normal.toarray(), np.sqrt(2) * problem.normal.toarray())
 
 
+@pytest.mark.parametrize("again", [deepcopy, lambda value: pickle.loads(pickle.dumps(value))], ids=["deepcopy", "pickle"])
+def test_copies_are_read_only(again) -> None:
+    mechanical = random_problem(3, contacts=4, bodies=2)
+    by_W = FrictionProblem.from_delassus(mechanical.W, mechanical.q, mechanical.friction, 2)
+    for problem in (mechanical, by_W):
+        copied = again(problem)
+        for array in (copied.friction, copied.q, copied.W.data, copied.W.indices):
+            with pytest.raises(ValueError, match="read-only"):
+                array[:] = 0
+    lcp = again(mechanical.lcp())
+    for array in (lcp.q, lcp.M.data, lcp.rows.value):
+        with pytest.raises(ValueError, match="read-only"):
+            array[:] = 0
+
+
 def test_delassus_problem_velocities() -> None:
     problem = known_by_W()
     r = np.random.default_rng(1).standard_normal((4, 3))

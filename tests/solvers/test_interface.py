@@ -7,7 +7,7 @@ from frictionbench.harness.cells.collect import stored_start
 from frictionbench.harness.verify import verify
 from frictionbench.problems import LCP, FrictionProblem, InputError
 from frictionbench.problems.residual import fclib_error, relaxation_residual, residual, residual_floor
-from frictionbench.solvers import Answer, Status, available, find, solve
+from frictionbench.solvers import Answer, Status, available, find, solve, solver
 from tests.helpers.friction_problems import block, spatial
 
 WARM = sorted(name for name, info in available().items() if info.warm_start and not info.missing)
@@ -24,6 +24,36 @@ def test_a_start_is_checked(name, start):
         solve(problem, name, start=start)
     with pytest.raises(InputError, match=r"^start: "):
         method.solve(method.prepare(problem), 1e-8, None, start)
+
+
+@pytest.mark.parametrize(
+    ("fact", "value"),
+    [
+        ("name", "a b"),
+        ("name", "a[b=1]"),
+        ("name", None),
+        ("name", "a\n"),
+        ("family", ""),
+        ("family", 5),
+        ("model", "other"),
+        ("dimension", 2),
+        ("dimension", (4,)),
+        ("dimension", [2]),
+        ("dimension", ()),
+        ("warm_start", 1),
+        ("sparse", "yes"),
+        ("needs", "scipy"),
+        ("needs", ["scipy"]),
+        ("lacks", ("hinges",)),
+        ("variants", (1,)),
+        ("members", None),
+    ],
+)
+def test_facts_of_a_solver_are_checked(fact, value):
+    facts = {"name": "checked", "family": "test", "model": "coulomb"} | {fact: value}
+    with pytest.raises(ValueError, match=rf"^solver: {fact} must be .*, got "):
+        solver(**facts)(type("Checked", (), {"solve": None}))
+    assert "checked" not in available()
 
 
 def test_start_as_list():

@@ -71,6 +71,37 @@ def test_scenes_are_built_in_a_worker(monkeypatch, capsys) -> None:
     assert "solved" in capsys.readouterr().out
 
 
+OURS = """
+import numpy as np
+from numba import njit
+from numba.core import event
+from frictionbench.harness.deadline import Deadline
+from frictionbench.problems import scene
+from frictionbench.problems.residual import residual
+
+problem = scene("stack", blocks=2).problem()
+deadline, seen = Deadline(), []
+record = type("Record", (event.Listener,), {"on_start": lambda *_: None, "on_end": lambda *_: seen.append(deadline.compiling)})
+theirs = njit(lambda x: x + 1)
+with deadline.within(5.0, compiling=60.0, ours=True), event.install_listener("numba:compiler_lock", record()):
+    with event.trigger_event("numba:compiler_lock"):
+        print(deadline.compiling, deadline.left <= 5.0)
+    theirs(1)
+    print(any(seen))
+    residual(problem, np.zeros((4, 2)))
+    print(deadline.compiling, deadline.left > 4.0, len(deadline._met) > 1)
+    known = len(deadline._met)
+    theirs.recompile()
+    print(known == len(deadline._met))
+"""
+
+
+def test_only_our_kernels_stop_the_clock_of_a_plugin() -> None:
+    """Each once; neither an event without compilation nor a kernel of the plug-in's does."""
+    done = subprocess.run([sys.executable, "-c", OURS], capture_output=True, text=True, check=True, cwd=ROOT)
+    assert done.stdout.split() == ["False", "True", "False", "False", "True", "True", "True"]
+
+
 def test_compiler_event_does_not_stop_the_clock() -> None:
     """An event of numba's lock pauses the deadline for the seconds allowed, in all, and for a plug-in's cell not at all."""
     from numba.core import event

@@ -4,13 +4,15 @@ import json
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
 
+from frictionbench.harness import process
 from frictionbench.harness.plans.plan import Source
 from frictionbench.harness.run import run
-from frictionbench.harness.workers import landlock, walls
+from frictionbench.harness.workers import landlock, pool, walls
 from frictionbench.harness.workers.plugins import load_plugins
 from frictionbench.results import store
 from tests.helpers.paths import ROOT
@@ -122,3 +124,35 @@ def test_hostile_plugin_in_a_run(tmp_path) -> None:
     assert together.equals(alone)
     assert store.read_manifest(tmp_path / "with")["walls"] == usable()[0]
     assert os.path.exists(tmp_path / "with" / "solves.parquet")
+
+
+LEAVES_A_STRAY = """
+import ctypes, os, signal
+ctypes.CDLL(None).prctl(1, 0, 0, 0, 0)  # no signal when its parent ends
+if os.fork() == 0:
+    os.setsid()
+    while True:
+        signal.pause()
+os.kill(os.getppid(), signal.SIGKILL)
+signal.pause()
+"""
+
+
+def test_server_ends_what_a_killed_supervisor_leaves(monkeypatch, tmp_path) -> None:
+    """Where only process groups confine, a plug-in kills its supervisor and leaves a worker and a detached process."""
+    groups = "from frictionbench.harness.workers import walls; walls.best = lambda: walls.GROUPS\nfrom frictionbench"
+    monkeypatch.setattr(pool, "START", pool.START.replace("from frictionbench", groups, 1))
+    monkeypatch.setattr(pool, "_server", None)
+    plugin = write(tmp_path / "guest.py", body=LEAVES_A_STRAY.replace("\n", "\n        "))
+    variants, plugins = load_plugins([str(plugin)])
+    plan = small_plan(sources=(Source("stack", {"blocks": 2}),), simulations=(), tolerances=(1e-6,))
+    run(small_plan(**vars(plan) | {"solvers": variants, "plugins": plugins}), tmp_path / "run", 1, quiet())
+    (row,) = store.read_table(tmp_path / "run", "solves").to_dict("records")
+    assert (row["verdict"], row["reason"]) == ("crashed", "its processes were killed 3 times")
+    assert store.read_manifest(tmp_path / "run")["walls"] == walls.GROUPS
+    server = pool._server
+    end = time.monotonic() + 60
+    while (left := process.descendants(server._process.pid)) and time.monotonic() < end:
+        time.sleep(0.05)
+    assert left == []
+    server.close()
