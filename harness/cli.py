@@ -45,13 +45,14 @@ def about(
 
 
 @app.command()
-def fairness(solver: options.Solvers = None) -> None:
-    """Time each outside solver beside a call of its library by hand."""
+def fairness(solver: options.Solvers = None, scene: options.Scenes = None) -> None:
+    """Time each outside solver beside a call of its library by hand; with --scene, compare what both claim on its steps."""
     from rich.console import Console
 
     from frictionbench.harness.commands.charged import charged_table
+    from frictionbench.harness.commands.claims import claims_table
 
-    Console().print(charged_table(solver or []))
+    Console().print(claims_table(solver or [], scene) if scene else charged_table(solver or []))
 
 
 @app.command("list")

@@ -2,15 +2,19 @@
 
 They know nothing of the adapters: a problem in the plane is the dense arrays M (nv, nv), N and T (nc, nv), v* (nv,), b (nc,)
 and mu (nc,), which a user of the library has at hand; each call forms what its library takes with numpy, unscaled, and returns
-the contact impulses (nc, 2). The friction LCP is
+the contact impulses (nc, 2) and whether the library reports success. The friction LCP is
 
     z = (c, beta+, beta-, lambda),      w = [W G + e lambda; mu c - beta+ - beta-] + q,
 
 and the relaxation's QP is min ½ v'Mv - (M v*)'v with C v + b >= 0, two rows N_i + mu_i T_i and N_i - mu_i T_i a contact.
 """
 
+import io
+import re
 from collections.abc import Callable
+from functools import cache
 from importlib import import_module
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,6 +22,8 @@ from scipy import sparse
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
+from frictionbench.solvers.outside.children.child import child
+from frictionbench.solvers.outside.siconos import PYTHON
 
 
 class Arrays(NamedTuple):
@@ -31,23 +37,31 @@ class Arrays(NamedTuple):
     mu: Array
 
 
+class Called(NamedTuple):
+    """What a call returns: impulse (nc, 2), N s; whether the library claims success; its own time where it needs a child, s."""
+
+    impulse: Array
+    claimed: bool
+    clock: float | None = None
+
+
 def arrays(problem: FrictionProblem) -> Arrays:
     """The dense arrays of a problem."""
     M, N, T = problem.mass.toarray(), problem.normal.toarray(), problem.tangent.toarray()
     return Arrays(M, N, T, problem.free_velocity.copy(), problem.bias.copy(), problem.friction.copy())
 
 
-def clarabel(given: Arrays, tol: float) -> Array:
+def clarabel(given: Arrays, tol: float) -> Called:
     library: Any = import_module("clarabel")
     P, q, G, h = _qp(given)
     settings = library.DefaultSettings()
-    settings.verbose, settings.tol_feas, settings.tol_gap_abs, settings.tol_gap_rel = False, tol, 1e-17, 1e-17
+    settings.verbose, settings.tol_feas, settings.tol_gap_abs, settings.tol_gap_rel = False, tol, 1e-16, 1e-16
     upper, bounds = sparse.csc_matrix(np.triu(P)), sparse.csc_matrix(G)
     found = library.DefaultSolver(upper, q, bounds, h, [library.NonnegativeConeT(len(h))], settings).solve()
-    return _impulses(given, np.array(found.z))
+    return Called(_impulses(given, np.array(found.z)), found.status == library.SolverStatus.Solved)
 
 
-def osqp(given: Arrays, tol: float) -> Array:
+def osqp(given: Arrays, tol: float) -> Called:
     library: Any = import_module("osqp")
     P, q, G, h = _qp(given)
     made = library.OSQP()
@@ -63,10 +77,11 @@ def osqp(given: Arrays, tol: float) -> Array:
         eps_rel=0.0,
         max_iter=100_000,
     )
-    return _impulses(given, made.solve(raise_error=False).y)
+    found = made.solve(raise_error=False)
+    return Called(_impulses(given, found.y), found.info.status_val == 1)
 
 
-def proxsuite(given: Arrays, tol: float) -> Array:
+def proxsuite(given: Arrays, tol: float) -> Called:
     library: Any = import_module("proxsuite").proxqp
     P, q, G, h = _qp(given)
     qp = library.sparse.QP(len(q), 0, len(h))
@@ -76,62 +91,65 @@ def proxsuite(given: Arrays, tol: float) -> Array:
     settings.initial_guess = library.InitialGuess.NO_INITIAL_GUESS
     qp.init(sparse.csc_matrix(P), q, None, None, sparse.csc_matrix(G), np.full(len(h), -1e20), h)
     qp.solve()
-    return _impulses(given, np.array(qp.results.z))
+    solved = qp.results.info.status == library.QPSolverOutput.PROXQP_SOLVED
+    return Called(_impulses(given, np.array(qp.results.z)), solved)
 
 
-def piqp(given: Arrays, tol: float) -> Array:
+def piqp(given: Arrays, tol: float) -> Called:
     library: Any = import_module("piqp")
     P, q, G, h = _qp(given)
     made = library.SparseSolver()
     settings = made.settings
     settings.eps_abs, settings.eps_rel = tol, 0.0
-    settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = 1e-17, 0.0
+    settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = 3e-16, 0.0
     made.setup(sparse.csc_matrix(P), q, None, None, sparse.csc_matrix(G), None, h)
-    made.solve()
-    return _impulses(given, np.array(made.result.z_u))
+    found = made.solve()
+    return Called(_impulses(given, np.array(made.result.z_u)), found == library.PIQP_SOLVED)
 
 
-def daqp(given: Arrays, tol: float) -> Array:
+def daqp(given: Arrays, tol: float) -> Called:
     library: Any = import_module("daqp")
     P, q, G, h = _qp(given)
     sense = np.zeros(len(h), dtype=np.int32)
-    *_, info = library.solve(P, q, G, h, np.full(len(h), -1e30), sense, primal_tol=tol / 10, dual_tol=tol / 10)
-    return _impulses(given, np.array(info["lam"]))
+    _, _, flag, info = library.solve(P, q, G, h, np.full(len(h), -1e30), sense, primal_tol=tol / 10, dual_tol=tol / 10)
+    return Called(_impulses(given, np.array(info["lam"])), flag > 0)
 
 
-def quadprog(given: Arrays, tol: float) -> Array:
+def quadprog(given: Arrays, tol: float) -> Called:
     library: Any = import_module("quadprog")
     P, q, G, h = _qp(given)
-    return _impulses(given, library.solve_qp(P, -q, -G.T, -h)[4])
+    return Called(_impulses(given, library.solve_qp(P, -q, -G.T, -h)[4]), True)
 
 
-def mujoco_boxqp(given: Arrays, tol: float) -> Array:
+def mujoco_boxqp(given: Arrays, tol: float) -> Called:
     library: Any = import_module("mujoco")
     P, q, G, h = _qp(given)
     H, g = G @ np.linalg.solve(P, G.T), h + G @ np.linalg.solve(P, q)
     n = len(g)
     H[np.diag_indices(n)] *= 1 + 1e-13
     z, factor, index = np.zeros((n, 1)), np.zeros((n, n + 7)), np.zeros((n, 1), dtype=np.int32)
-    library.mju_boxQP(z, factor, index, H, g[:, None], np.zeros((n, 1)), None)
-    return _impulses(given, z.ravel())
+    rank = library.mju_boxQP(z, factor, index, H, g[:, None], np.zeros((n, 1)), None)
+    return Called(_impulses(given, z.ravel()), rank >= 0)
 
 
-def quantecon(given: Arrays, tol: float) -> Array:
+def quantecon(given: Arrays, tol: float) -> Called:
     lemke: Any = import_module("quantecon.optimize.lcp_lemke").lcp_lemke
     M, q = _lcp(given)
-    return _of_lcp(lemke(M, q).z)
+    found = lemke(M, q)
+    return Called(_of_lcp(found.z), found.success)
 
 
-def drake(given: Arrays, tol: float) -> Array:
+def drake(given: Arrays, tol: float) -> Called:
     library: Any = import_module("pydrake.solvers")
     M, q = _lcp(given)
     program = library.MathematicalProgram()
     z = program.NewContinuousVariables(len(q))
     program.AddLinearComplementarityConstraint(M, q, z)
-    return _of_lcp(library.UnrevisedLemkeSolver().Solve(program, None, None).GetSolution(z))
+    found = library.UnrevisedLemkeSolver().Solve(program, None, None)
+    return Called(_of_lcp(found.GetSolution(z)), found.is_success())
 
 
-def pinocchio(given: Arrays, tol: float) -> Array:
+def pinocchio(given: Arrays, tol: float) -> Called:
     pin: Any = import_module("pinocchio")
     nc = len(given.mu)
     own = np.column_stack([3 * np.arange(nc) + 2, 3 * np.arange(nc)]).ravel()
@@ -151,12 +169,50 @@ def pinocchio(given: Arrays, tol: float) -> Array:
     settings.max_iterations = 20_000
     settings.absolute_feasibility_tol = settings.absolute_complementarity_tol = tol / 10
     settings.relative_feasibility_tol = settings.relative_complementarity_tol = 0.0
-    pin.ADMMConstraintSolver().solve(pin.DelassusOperatorDense(W), g, models, datas, settings, result)
-    return np.array(result.retrieveConstraintImpulses())[own].reshape(nc, 2)
+    found = pin.ADMMConstraintSolver().solve(pin.DelassusOperatorDense(W), g, models, datas, settings, result)
+    return Called(np.array(result.retrieveConstraintImpulses())[own].reshape(nc, 2), found)
+
+
+def mujoco(given: Arrays, tol: float) -> Called:
+    library: Any = import_module("mujoco")
+    M, N, T, v, b, mu = given
+    nc, nv = len(mu), len(v)
+    model, data = _soft_contacts(nv, nc)
+    L, J, offset = np.linalg.cholesky(M), np.zeros((3 * nc, nv)), np.zeros(3 * nc)
+    J[0::3], J[1::3], offset[0::3] = np.linalg.solve(L, N.T).T, np.linalg.solve(L, T.T).T, b
+    scale = (np.square(J[0::3]).sum(axis=1) + np.square(J[1::3]).sum(axis=1)) / 2
+    model.opt.iterations, softness = 1000, np.repeat(max(tol, 1e-7) * scale, 3)
+    data.efc_J[:], data.efc_aref[:], data.efc_R[:], data.efc_D[:] = J.ravel(), -offset, softness, 1 / softness
+    data.efc_margin[:] = data.efc_pos[:] = 0
+    data.contact.mu[:], data.contact.friction[:, :2] = mu, mu[:, None]
+    data.qacc_smooth[:] = data.qfrc_smooth[:] = L.T @ v
+    library.mj_fwdConstraint(model, data)
+    return Called(data.efc_force.reshape(nc, 3)[:, :2].copy(), data.solver_niter[0] < 1000)
+
+
+def siconos(given: Arrays, tol: float) -> Called:
+    sent = {field: value for field, value in given._asdict().items() if field != "M"} | {"mass": given.M}
+    found = child(str(Path(__file__).with_name("direct_siconos.py")), PYTHON).ask(tol=tol, **sent)
+    return Called(found["r"].reshape(-1, 2), not found["code"], found["clock"])
+
+
+def path(given: Arrays, tol: float) -> Called:
+    gp: Any = import_module("gamspy")
+    M, q = _lcp(given)
+    model, parameters, z = _gams_model(len(q))
+    for symbol, values in zip(parameters, (M, q), strict=True):
+        symbol.setRecords(values)
+    z.setRecords(np.zeros(len(q)))
+    log = io.StringIO()
+    options = {"convergence_tolerance": tol / 10}
+    model.solve(solver="path", solver_options=options, output=log, options=gp.Options(solve_link_type="memory"))
+    clock = re.search(r"Total Time[. ]*([\d.]+)", log.getvalue())
+    claimed = model.status.name in ("OptimalGlobal", "OptimalLocal")
+    return Called(_of_lcp(z.records["level"].to_numpy()), claimed, float(clock[1]) if clock else None)
 
 
 # The variant of an adapter, and the call by hand that makes the same choices.
-CALLS: dict[str, Callable[[Arrays, float], Array]] = {
+CALLS: dict[str, Callable[[Arrays, float], Called]] = {
     "clarabel[keep=false]": clarabel,
     "osqp[keep=false]": osqp,
     "proxsuite[matrices=sparse]": proxsuite,
@@ -167,7 +223,41 @@ CALLS: dict[str, Callable[[Arrays, float], Array]] = {
     "quantecon[settings=default]": quantecon,
     "drake[method=unrevised]": drake,
     "pinocchio[method=admm]": pinocchio,
+    "mujoco[method=newton]": mujoco,
+    "siconos[method=friction_2d_nsgs]": siconos,
+    "path": path,
 }
+
+
+@cache
+def _soft_contacts(nv: int, nc: int) -> tuple[Any, Any]:
+    """A MuJoCo model of nv bodies of unit mass on slides and nc contacts, whose rows are then overwritten."""
+    library: Any = import_module("mujoco")
+    spheres = "".join(f'<geom type="sphere" size=".1" pos="{j} 0 .0999" contype="1" conaffinity="0"/>' for j in range(nc))
+    slide = '<joint type="slide" axis="0 0 1"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
+    bodies = "".join(f"<body>{slide}{'' if i else spheres}</body>" for i in range(nv))
+    model = library.MjModel.from_xml_string(
+        '<mujoco><option gravity="0 0 0" cone="elliptic" impratio="1" jacobian="dense" tolerance="0" solver="Newton">'
+        '<flag warmstart="disable" island="disable"/></option><default><geom condim="3"/></default><worldbody>'
+        f'<geom type="plane" size="9999 9999 .1" contype="0" conaffinity="1"/>{bodies}</worldbody></mujoco>'
+    )
+    data = library.MjData(model)
+    library.mj_forward(model, data)
+    return model, data
+
+
+@cache
+def _gams_model(n: int) -> tuple[Any, tuple[Any, Any], Any]:
+    """GAMSPy's model of an LCP of n unknowns, the parameters M and q, and z."""
+    gp: Any = import_module("gamspy")
+    gp.set_options({"ALLOW_AMBIGUOUS_EQUATIONS": "yes"})
+    made = gp.Container()
+    i = gp.Set(made, "i", records=[str(k) for k in range(n)])
+    j = gp.Alias(made, "j", alias_with=i)
+    M, q = gp.Parameter(made, "M", domain=[i, j]), gp.Parameter(made, "q", domain=[i])
+    z, w = gp.Variable(made, "z", type="positive", domain=[i]), gp.Equation(made, "w", domain=[i])
+    w[i] = gp.Sum(j, M[i, j] * z[j]) + q[i] >= 0
+    return gp.Model(made, "lcp", problem="MCP", matches={w: z}), (M, q), z
 
 
 def _qp(given: Arrays) -> tuple[Array, Array, Array, Array]:

@@ -35,9 +35,11 @@ in docs/outside.tsv by `python -m frictionbench.harness.commands.outcomes`. A so
 is checked against its own model.
 
 `frictionbench fairness` times each adapter in turn with a call of its library by hand (harness/direct.py) at 2, 10 and 40
-contacts; tests/solvers/outside/test_direct.py compares their answers. `daqp` and `quadprog`, whose calls take some ten µs at
-two contacts, are charged about twice a call by hand up to 10 contacts: the dimensionless program, which gives tolerances one
-meaning, has a fixed cost. A library in another process (Siconos, GAMS' PATH) is compared by its own clock.
+contacts; tests/solvers/outside/test_direct.py compares their answers. `frictionbench fairness --scene three_blocks` compares
+what both claim on the steps of a scene: an inaccurate claim of an adapter is either the library's own, or a fault to report.
+`daqp` and `quadprog`, whose calls take some ten µs at two contacts, are charged about twice a call by hand up to 10 contacts:
+the dimensionless program, which gives tolerances one meaning, has a fixed cost. A library in another process (Siconos, GAMS'
+PATH) is compared by its own clock.
 
 `default` and `tuned` are a library's options as a user gets them and as its documentation allows; tolerances and work limits
 are set in both.

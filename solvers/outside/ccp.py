@@ -11,7 +11,7 @@ Clock: qpsolvers', around the backend's solve, after its setup where the two can
 Settings: for highs qp_regularization_value is 1e-7 by default; tuned is 0. ProxQP's eps_primal_inf and eps_dual_inf, which make
     it call solvable problems infeasible, cannot be set through qpsolvers; the solver proxsuite sets them.
 Tolerance: eps is tol in the units of the scaled program; complementarity requires a gap of eps^2, of which ProxQP and ECOS
-    reach 1e-14, PIQP 1e-17 and Clarabel 1e-17. clarabel tol_feas = eps, gaps eps^2. osqp eps_abs = eps/10, not polished.
+    reach 1e-14, PIQP 3e-16 and Clarabel 1e-16. clarabel tol_feas = eps, gaps eps^2. osqp eps_abs = eps/10, not polished.
     proxqp and piqp eps_abs = eps, gap eps^2, which ProxQP tests only on request. daqp primal and dual eps/10. highs both
     feasibilities eps/10, no less than 1e-10. scs and qpalm eps_abs = eps/10. ecos feastol = eps/10, gaps eps^2. quadprog takes
     none. Relative tolerances are 0.

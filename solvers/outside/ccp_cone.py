@@ -10,7 +10,7 @@ Form: the dimensionless program (solvers.outside.scaled_program). Setup: CVXPY b
     backend's, its own setup inside, and CVXPY's unpacking.
 Clock: none that excludes its setup.
 Settings: Clarabel's and SCS' defaults.
-Tolerance: eps is tol in the units of the scaled program. clarabel tol_feas = eps, both gaps eps^2, no less than 1e-17. scs
+Tolerance: eps is tol in the units of the scaled program. clarabel tol_feas = eps, both gaps eps^2, no less than 1e-16. scs
     eps_abs = eps/10 for both residuals and the gap, eps_rel = 0.
 Flaws: a gap of eps^2 is often below Clarabel's rounding on circular cones; it then reports failure although the answer is
     accurate, `frictionbench solve 'random_bodies[seed=0,contacts=4]' --solver ccp_cone`. The model differs from Coulomb's law

@@ -5,7 +5,7 @@ Form: the dimensionless QP (solvers.outside.scaled_program), sparse. Setup: PIQP
     solve.
 Clock: PIQP's own solve_time.
 Settings: compute_timings on.
-Tolerance: eps_abs = eps, gap eps^2, no less than 1e-17; relative tolerances are 0; eps stands for tol.
+Tolerance: eps_abs = eps, gap eps^2, no less than 3e-16; relative tolerances are 0; eps stands for tol.
 Flaws: another model than Coulomb's wherever boxes slide, `frictionbench solve stopping_block --solver piqp`.
 Reference: Schwan, Jiang, Kuhn and Jones 2023.
 """
@@ -21,7 +21,7 @@ from frictionbench.problems.forms.relaxation import QP
 from frictionbench.solvers.interface import Answer, Status, solver
 from frictionbench.solvers.outside.scaled_program import ScaledProgram, gap_tolerance, scaled_program
 
-LEAST_GAP = 1e-17  # with 1e-15 errors of 8e-8 remain
+LEAST_GAP = 3e-16  # with 1e-15 errors of 8e-8 remain in closed loop, and with 1e-16 it takes ten times as many iterations
 
 
 class Formed(NamedTuple):

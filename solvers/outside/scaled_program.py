@@ -5,7 +5,7 @@ The program  min ½ x'Px + q'x,  h - G x in a cone,  A x = b  of problems.forms.
     P^ = D P D,    q^ = D (q + P x*) / theta,    G^ = E G D,    h^ = E (h - G x*) / theta,
     A^ = E_A A D,    b^ = E_A (b - A x*) / theta,
 
-x* = (v*, 0) the free velocity, so that q^ is 0 on velocities and the objective is the energy of the change of velocity: no
+x* = (v*, |u*_t|) the free motion, so that q^ is 0 on velocities and the objective is the energy of the change of velocity: no
 library's test subtracts objectives in which a motion that the contacts leave alone is the larger part. D = 1/sqrt(M_ii) on
 velocities and E_i = 1/sqrt(s_i) on contact i's rows: a unit diagonal in the objective, rows of about unit length, and
 theta = max_i min(|q_i|, unit_i) / sqrt(s_i), unit_i that of problems.residual, makes h^, the free contact velocities, at most
@@ -123,8 +123,8 @@ def scaled_program(problem: FrictionProblem, program: Kind) -> ScaledProgram[Kin
         problem.dimension,
     )
     A, joint = _joints(program, D)
-    free = problem.free_velocity
-    q, h = _from_free(program.q, program.h, *bounds, free)
+    free = _free(problem.free_velocity, problem.q, problem.friction_bias, problem.dimension)
+    q, h = _from_free(program.q, program.h, *bounds, free, len(problem.free_velocity))
     return ScaledProgram(
         program,
         # copies, as some libraries require writable arrays and the columns of the mass matrix belong to the problem
@@ -133,7 +133,7 @@ def scaled_program(problem: FrictionProblem, program: Kind) -> ScaledProgram[Kin
         Rows(bounds.start, bounds.column, _scaled(*bounds, 1 / rows, D)),
         h / rows / theta,
         A,
-        (program.b - program.A[:, : len(free)] @ free) * joint / theta,
+        (program.b - program.A @ free) * joint / theta,
         theta / rows,
         share,
     )
@@ -153,11 +153,27 @@ def _joints(program: Program, D: Array) -> tuple[sparse.csc_matrix | None, Array
 
 
 @kernel
-def _from_free(q, h, start, row, value, free):  # type: ignore[no-untyped-def]
+def _free(velocity, q, wider, d):  # type: ignore[no-untyped-def]
+    """x*: the free velocity, and the free tangential velocity of each contact with a friction bias."""
+    nc, nv, at = len(wider), len(velocity), len(velocity)
+    free = np.empty(nv + nc)
+    free[:nv] = velocity
+    for i in range(nc):
+        if wider[i] > 0:
+            square = 0.0
+            for a in range(1, d):
+                square += q[i * d + a] * q[i * d + a]
+            free[at] = np.sqrt(square)
+            at += 1
+    return free[:at]
+
+
+@kernel
+def _from_free(q, h, start, row, value, free, nv):  # type: ignore[no-untyped-def]
     """q + P x*, which is 0 on velocities, and h - G x*."""
     linear, bounds = q.copy(), h.copy()
+    linear[:nv] = 0.0
     for v in range(len(free)):
-        linear[v] = 0.0
         for k in range(start[v], start[v + 1]):
             bounds[row[k]] -= value[k] * free[v]
     return linear, bounds

@@ -45,7 +45,7 @@ def test_claims_hold_in_closed_loop(spec) -> None:
     claimed = np.array([answer.status in (Status.SOLVED, Status.ROUNDING) for answer in answers])
     residuals = np.array([relaxation_residual(p, answer.impulse) for p, answer in zip(steps(), answers, strict=True)])
     assert residuals[claimed].max() <= 10 * TOL
-    assert (residuals[claimed] > TOL).mean() <= 0.01
+    assert (residuals[claimed] > TOL).mean() <= 0.02
 
 
 @pytest.mark.parametrize("d", [2, 3])
