@@ -83,7 +83,7 @@ def fetch(name: str) -> Iterator[Entry]:
     for entry in registry()[name]:
         path = cache_folder() / entry.path
         try:
-            _refuse_links(path)
+            _refuse_special(path)
             pooch.retrieve(
                 address() + entry.path,
                 known_hash=f"sha256:{entry.sha256}",
@@ -96,8 +96,9 @@ def fetch(name: str) -> Iterator[Entry]:
         yield entry
 
 
-def _refuse_links(path: Path) -> None:
+def _refuse_special(path: Path) -> None:
     require(not path.is_symlink(), str(path), "is a link; nothing was written")
+    require(path.is_file() or not path.exists(), str(path), "is no regular file; nothing was written")
 
 
 class _Sized:

@@ -1,7 +1,10 @@
 """Recorded problems fetched from a local server: checksums, cache, resumed downloads, use without a network."""
 
+import gzip
 import hashlib
+import os
 import threading
+import tracemalloc
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
@@ -17,10 +20,12 @@ FAMILY = "Local/siconos/Chain"
 
 
 class Server:
-    """Serves `files` by path and records the requested paths."""
+    """Serves `files` by path, with `headers` and a code, and records the requested paths."""
 
     def __init__(self) -> None:
         self.files: dict[str, bytes] = {}
+        self.headers: dict[str, str] = {}
+        self.code = 200
         self.asked: list[str] = []
         server = self
 
@@ -28,7 +33,9 @@ class Server:
             def do_GET(self) -> None:  # the library's name
                 server.asked.append(self.path.lstrip("/"))
                 content = server.files.get(self.path.lstrip("/"))
-                self.send_response(404 if content is None else 200)
+                self.send_response(404 if content is None else server.code)
+                for name, value in server.headers.items():
+                    self.send_header(name, value)
                 self.end_headers()
                 self.wfile.write(content or b"")
 
@@ -106,6 +113,40 @@ def test_checksum_mismatch_is_refused(server, spoil, complaint) -> None:
     with pytest.raises(InputError, match=rf"^{path}: .*{complaint}"):
         list(collection.fetch(FAMILY))
     assert not (collection.cache_folder() / path).exists()
+
+
+def test_redirects(server) -> None:
+    """They are followed, since only the sum counts; one that never ends is refused, and so is one to a file of this machine."""
+    for target in (f"{server.address}/{FAMILY}/chain-0.hdf5", "file:///etc/hostname"):
+        server.code, server.headers = 302, {"Location": target}
+        with pytest.raises(InputError, match=rf"^{FAMILY}/chain-0\.hdf5: "):
+            list(collection.fetch(FAMILY))
+    assert collection.fetched() == []
+
+
+def test_answer_that_unpacks_to_much(server) -> None:
+    path = f"{FAMILY}/chain-0.hdf5"
+    server.files[path], server.headers = gzip.compress(bytes(10**8)), {"Content-Encoding": "gzip"}
+    tracemalloc.start()
+    with pytest.raises(InputError, match="longer than the"):
+        list(collection.fetch(FAMILY))
+    assert tracemalloc.get_traced_memory()[1] < 2**26
+    tracemalloc.stop()
+    assert not [*collection.cache_folder().rglob("*.hdf5")]
+
+
+def test_pipe_in_the_cache(server) -> None:
+    path = collection.cache_folder() / FAMILY / "chain-0.hdf5"
+    path.parent.mkdir(parents=True)
+    os.mkfifo(path)
+    with pytest.raises(InputError, match="is no regular file"):
+        list(collection.fetch(FAMILY))
+
+
+def test_paths_of_the_registry_stay_in_the_cache() -> None:
+    for entries in collection.registry().values():
+        for entry in entries:
+            assert (Path("/cache") / entry.path).resolve() == Path("/cache") / entry.path
 
 
 def test_symbolic_links_are_not_followed(server, tmp_path) -> None:

@@ -1,0 +1,30 @@
+"""A solver that attacks the process it runs in falsifies at most the measured values of its own rows."""
+
+from itertools import product
+
+from frictionbench.harness.plans.plan import Source
+from frictionbench.harness.run import run
+from frictionbench.harness.workers.plugins import load_plugins
+from frictionbench.results import store
+from tests.helpers.paths import ROOT
+from tests.helpers.runs import quiet, small_plan
+
+FACTS = ["solver", "variant", "family", "model", "scene", "parameters", "problem", "contacts", "tol", "time_limit", "start"]
+
+
+def test_attacks_within_a_worker(tmp_path) -> None:
+    """Patched verifiers, frames, the garbage collector, the pipe of replies, and subclasses of Answer and ndarray."""
+    good = ("lemke", "nsgs")
+    variants, plugins = load_plugins([str(ROOT / "tests" / "helpers" / "attackers.py"), *good])
+    plan = small_plan(sources=(Source("stack", {"blocks": 2}),), simulations=(), tolerances=(1e-6, 1e-8), time_limit=1.0)
+    run(small_plan(**vars(plan) | {"solvers": good}), tmp_path / "without", 1, quiet())
+    run(small_plan(**vars(plan) | {"solvers": variants, "plugins": plugins}), tmp_path / "with", 1, quiet())
+    alone, together = (store.read_table(tmp_path / name, "solves").set_index("key") for name in ("without", "with"))
+    kept = [*FACTS, "verdict", "residual", "work", "claimed"]
+    assert together.loc[alone.index, kept].equals(alone[kept])
+    assert sorted(zip(together["solver"], together["tol"], strict=True)) == sorted(product(variants, plan.tolerances))
+    described = {variant: facts for plugin in plugins for variant, facts in plugin.solvers.items()}
+    theirs = together[~together.index.isin(alone.index)]
+    assert (theirs["problem"] == alone["problem"].iloc[0]).all()
+    assert (theirs["time_limit"] == 1.0).all()
+    assert {row["solver"]: row["family"] for row in theirs.to_dict("records")} == {v: f["family"] for v, f in described.items()}
