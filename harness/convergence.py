@@ -5,6 +5,7 @@ none of them trivial or idle. The solvers are single methods, not portfolios, th
 """
 
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from frictionbench.harness.progress import Progress
 from frictionbench.harness.workers.pool import Pool
 from frictionbench.harness.workers.task import Task
 from frictionbench.results import store
-from frictionbench.results.convergence import NAME, ConvergenceHistory, write_histories
+from frictionbench.results.convergence import NAME, ConvergenceHistory, checked, write_histories
 from frictionbench.results.verdicts import ACCEPTED
 
 LARGE, REDUNDANT = 4, 2  # problems of each kind; each is a panel of the report's figure, which stays legible with few
@@ -45,7 +46,8 @@ def record_histories(plan: Plan, folder: Path, records: Iterable[Record], pool: 
         for outcome in pool.run(tasks, stage.started, stage.compiling):
             name, variant, *_ = outcome.task.arguments
             if not outcome.failure:
-                found.append(_history(problems[name], variant, outcome.value))
+                with suppress(ValueError, TypeError, LookupError, OverflowError):
+                    found.append(_history(problems[name], variant, outcome.value))
             stage.finished(outcome.task)
     write_histories(
         folder, sorted(found, key=lambda history: (history.scene, history.parameters, str(history.step), history.variant))
@@ -72,8 +74,10 @@ def _one_a_scene(records: list[Record]) -> list[Record]:
     return list(found.values())
 
 
-def _history(record: Record, variant: str, found: dict[str, Any]) -> ConvergenceHistory:
+def _history(record: Record, variant: str, found: Any) -> ConvergenceHistory:
+    """Errors: as of results.convergence.checked; a plug-in's worker may reply with anything."""
     redundant = bool(record["redundancy"])
+    facts = {name: record[name] for name in ("scene", "parameters", "step", "contacts")}
+    curve = {name: found[name] for name in ("units", "residuals")}
     impulse = found["impulse"] if redundant and record["contacts"] <= MOST_FORCES else []
-    facts = (record["scene"], record["parameters"], record["step"], variant, record["contacts"], redundant)
-    return ConvergenceHistory(*facts, found["units"], found["residuals"], impulse)
+    return checked(facts | curve | {"variant": variant, "redundant": redundant, "impulse": impulse})

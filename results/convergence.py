@@ -40,12 +40,13 @@ def read_histories(folder: Path) -> list[ConvergenceHistory]:
         return []
     rows = read_json(path)
     try:
-        return [_history(row) for row in rows]
+        return [checked(row) for row in rows]
     except (ValueError, TypeError, LookupError, OverflowError) as error:
         raise ResultsError(f"{path}: cannot be read ({error})") from None
 
 
-def _history(row: Any) -> ConvergenceHistory:
+def checked(row: Any) -> ConvergenceHistory:
+    """The history with these fields. Errors: ValueError, TypeError, LookupError or OverflowError where it is none."""
     history = ConvergenceHistory(
         str(row["scene"]),
         str(row["parameters"]),

@@ -3,7 +3,7 @@
 import tempfile
 from collections.abc import Iterable
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from frictionbench.harness.cells import worker
 from frictionbench.harness.contract import answer_format, degenerate, invariance, status, whole_problem
@@ -43,11 +43,17 @@ def examine(specs: list[str], jobs: int) -> list[Found]:
     with tempfile.TemporaryDirectory() as folder, Pool(Path(folder), jobs, plugins, plan.memory_limit) as pool:
         outcomes = {outcome.task.arguments[:2]: outcome for outcome in pool.run(tasks)}
     return [
-        Found(variant, check, [outcome.reason] if outcome.failure else outcome.value)
+        Found(variant, check, [outcome.reason] if outcome.failure else _texts(outcome.value))
         for variant in variants
         for check in CHECKS
         if (outcome := outcomes[variant, check])
     ]
+
+
+def _texts(value: Any) -> list[str]:
+    """The violations that a worker reports; a plug-in may have made it reply with anything."""
+    texts = isinstance(value, list) and all(isinstance(text, str) for text in value)
+    return value if texts else ["its worker returned a malformed reply"]
 
 
 def format_findings(found: Iterable[Found]) -> str:

@@ -2,6 +2,7 @@
 
 import tempfile
 from pathlib import Path
+from typing import Any
 
 from frictionbench.harness.cells import worker
 from frictionbench.harness.plans.plan import MEMORY_LIMIT, Plugin
@@ -10,6 +11,8 @@ from frictionbench.harness.workers.task import Task
 from frictionbench.problems import InputError
 from frictionbench.problems.spec import split
 from frictionbench.solvers import find, plugins
+
+COLUMNS = {"solver", "family", "model", "members", "version"}  # that describe a solver, see harness.cells.rows.solver_facts
 
 
 def load_plugins(specs: list[str], wanted: tuple[str, ...] = ()) -> tuple[tuple[str, ...], tuple[Plugin, ...]]:
@@ -44,5 +47,17 @@ def _load(sources: list[str], named: list[str]) -> list[Plugin]:
         for outcome in pool.run(tasks):
             if outcome.failure:
                 raise outcome.input_error(f"solver: {outcome.task.name} cannot be imported ({outcome.reason})")
-            found[outcome.task.name] = Plugin(**outcome.value)
+            found[outcome.task.name] = _described(outcome.task.name, outcome.value)
     return [found[source] for source in sources]
+
+
+def _described(source: str, value: Any) -> Plugin:
+    """The plug-in as its worker describes it. Errors: InputError where the reply is another: a plug-in may write anything."""
+    solvers: Any = value.get("solvers") if isinstance(value, dict) else None
+    valid = isinstance(solvers, dict) and all(
+        isinstance(facts, dict) and facts.keys() == COLUMNS and all(isinstance(fact, str) for fact in facts.values())
+        for facts in solvers.values()
+    )
+    if not valid or value.get("source") != source or value.get("content") != plugins.content(source):
+        raise InputError(f"solver: {source} cannot be imported (its worker returned a malformed description)")
+    return Plugin(source, value["content"], solvers)

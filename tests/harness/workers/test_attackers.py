@@ -2,11 +2,17 @@
 
 from itertools import product
 
+import pandas as pd
+import pytest
+
+from frictionbench.harness.contract import examine
 from frictionbench.harness.plans.plan import Source
 from frictionbench.harness.run import run
 from frictionbench.harness.workers.plugins import load_plugins
 from frictionbench.results import store
+from tests.helpers.command_line import frictionbench
 from tests.helpers.paths import ROOT
+from tests.helpers.plugin import write
 from tests.helpers.runs import quiet, small_plan
 
 FACTS = ["solver", "variant", "family", "model", "scene", "parameters", "problem", "contacts", "tol", "time_limit", "start"]
@@ -21,10 +27,36 @@ def test_attacks_within_a_worker(tmp_path) -> None:
     run(small_plan(**vars(plan) | {"solvers": variants, "plugins": plugins}), tmp_path / "with", 1, quiet())
     alone, together = (store.read_table(tmp_path / name, "solves").set_index("key") for name in ("without", "with"))
     kept = [*FACTS, "verdict", "residual", "work", "claimed"]
-    assert together.loc[alone.index, kept].equals(alone[kept])
+    pd.testing.assert_frame_equal(together.loc[alone.index, kept], alone[kept], check_dtype=False)
     assert sorted(zip(together["solver"], together["tol"], strict=True)) == sorted(product(variants, plan.tolerances))
     described = {variant: facts for plugin in plugins for variant, facts in plugin.solvers.items()}
     theirs = together[~together.index.isin(alone.index)]
     assert (theirs["problem"] == alone["problem"].iloc[0]).all()
     assert (theirs["time_limit"] == 1.0).all()
     assert {row["solver"]: row["family"] for row in theirs.to_dict("records")} == {v: f["family"] for v, f in described.items()}
+
+
+FORGED = """
+import json, os
+for number in map(int, os.listdir("/proc/self/fd")):
+    try:
+        os.set_blocking(number, False)
+        os.write(number, json.dumps({"value": VALUE}).encode() + b"\\n")
+    except OSError:
+        continue
+os._exit(0)
+"""
+
+
+@pytest.mark.parametrize("value", [None, 1, [], {}, {"source": "x", "content": "y", "solvers": {}}, {"solvers": {"lemke": {}}}])
+def test_forged_descriptions_are_refused(tmp_path, value) -> None:
+    plugin = write(tmp_path / "guest.py", first=FORGED.replace("VALUE", repr(value)))
+    done = frictionbench("solve", "stack[blocks=1]", "--solver", str(plugin))
+    assert done.returncode == 2
+    assert "cannot be imported (its worker returned a malformed description)" in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize("value", [None, 1, {}, "all well", [1]])
+def test_forged_checks_are_failures(value) -> None:
+    assert examine._texts(value) == ["its worker returned a malformed reply"]

@@ -127,8 +127,12 @@ def test_leftover_processes_are_killed() -> None:
     assert done.stdout == "[True, False, True] True []\n"
 
 
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGHUP])
-def test_ended_run_leaves_no_process(tmp_path, number) -> None:
+@pytest.mark.parametrize(
+    ("number", "times"),
+    [(signal.SIGKILL, 1), (signal.SIGTERM, 1), (signal.SIGHUP, 1), (signal.SIGINT, 2)],
+    ids=["killed", "terminated", "hung up", "interrupted twice"],
+)
+def test_ended_run_leaves_no_process(tmp_path, number, times) -> None:
     plugin = tmp_path / "blocks_signals.py"
     plugin.write_text(BLOCKS_SIGNALS, encoding="utf-8")
     options = [
@@ -151,7 +155,8 @@ def test_ended_run_leaves_no_process(tmp_path, number) -> None:
         text=True,
     )
     assert wait_until((tmp_path / "hangs").exists)
-    begun.send_signal(number)
+    for _ in range(times):
+        begun.send_signal(number)
     _, told = begun.communicate(timeout=60)
     assert wait_until(lambda: not marked(str(tmp_path)))
     if number == signal.SIGKILL:
