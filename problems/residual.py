@@ -4,16 +4,19 @@ Coulomb's law at a contact is equivalent to r = P_K(r - g(u)/s) for any s > 0, w
 K = {|r_t| <= mu r_n + b_f, r_n >= 0} and de Saxcé's shifted velocity g(u) = u + mu |u_t| e_n (De Saxcé and Feng 1998). The
 residual measures the defect of that equation as a velocity, relative to the largest free velocity in the contact's island:
 
-    max_i s_i | r_i - P_K(r_i - g(u_i)/s_i) | / unit_i
+    max_i max( s_i | r_i - P_K(r_i - g(u_i)/s_i) |, |min(s_i r_n,i, u_n,i)| ) / unit_i
 
 with s_i the mean diagonal of contact i's block of W, and unit_i the largest |q_j| of the contacts of its island that can bear
 (problems.forms.islands), so that a part that rests does not hide behind another that is fast. It is zero exactly at a
 solution, and invariant under changes of units, of the order of the contacts and of their tangent frames; that of problems side
-by side is the largest of theirs. Without the shift, g(u) = u, the same formula measures the convex relaxation's own optimality.
+by side is the largest of theirs. The second term, Signorini's own, is implied by the first, but only up to a factor of
+sqrt(1 + mu^2): the cone of a large mu is nearly a half-space, to which a contact that penetrates while it slides is close.
+Without the shift, g(u) = u, the first term measures the convex relaxation's own optimality.
 
 Every term has a rounding error of some eps: s r, the terms of the sum u, and mu times those of u_t. The sum of these errors
 over the unit is the residual's floor, below which an answer cannot be judged: for impulses so large that eps s r exceeds it,
-the computed residual may be 0 for wrong answers. Where a contact is open beyond the errors, P_K(r - g/s) = 0 whatever they are.
+the computed residual may be 0 for wrong answers. Where a contact is open beyond the errors, P_K(r - g/s) lies in the disc of
+b_f whatever they are.
 """
 
 import numpy as np
@@ -23,10 +26,11 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import inlined, kernel
 from frictionbench.problems.forms.cone import nearest
 from frictionbench.problems.forms.islands import length
-from frictionbench.problems.forms.lcp import LCP
+from frictionbench.problems.forms.lcp import LCP, by_unknown
 from frictionbench.problems.friction import FrictionProblem
 
 EPSILON = float(np.finfo(float).eps)
+LEAST = 1e-250  # smaller units have no reciprocal
 
 
 def residual(problem: FrictionProblem, impulse: Array) -> float:
@@ -76,12 +80,11 @@ def polygon_residuals(problem: FrictionProblem, lcp: LCP, z: Array) -> Array:
     z, nc = check.entries("z", z, lcp.size), problem.contacts
     if not nc:
         return np.zeros(0)
-    many = lcp.size // nc - 2
-    s = np.concatenate([problem.scale, np.repeat(problem.scale, many), problem.scale])
+    s = by_unknown(problem.scale, lcp.size)
     speed, force = np.arange(lcp.size) >= lcp.size - nc, lcp.M @ z + lcp.q
     defect = np.abs(np.minimum(np.where(speed, z, s * z), np.where(speed, s * force, force)))
     parts = np.split(defect, [nc, lcp.size - nc])
-    worst = np.max([parts[0], parts[1].reshape(nc, many).max(axis=1), parts[2]], axis=0)
+    worst = np.max([parts[0], parts[1].reshape(nc, -1).max(axis=1), parts[2]], axis=0)
     return relative(np.where(np.isfinite(worst), worst, np.inf), problem.units)
 
 
@@ -122,8 +125,8 @@ def residual_with_floor(problem: FrictionProblem, impulse: Array) -> tuple[float
 
 def contact_floors(problem: FrictionProblem, impulse: Array, shift: float = 1.0) -> Array:
     """A bound (nc,) of the rounding error of each contact's residual: 2 eps (s_i |r_i| + (1 + mu_i) |terms of u_i|)/unit_i, and
-    of a contact that is open beyond it, without friction bias, 2 eps s_i |r_i|/unit_i. shift: as in contact_residuals.
-    Infinity as in residual_floor."""
+    of a contact that is open beyond it 2 eps s_i |r_i|/unit_i, with at most 2 s_i b_f,i/unit_i for its friction bias.
+    shift: as in contact_residuals. Infinity as in residual_floor."""
     nc = problem.contacts
     if impulse.shape != (nc, problem.dimension) or not np.isfinite(impulse).all():
         return np.full(nc, np.inf)
@@ -147,18 +150,36 @@ def energy_within(problem: FrictionProblem, impulse: Array, bound: float) -> flo
 
 @kernel
 def _residuals(r, u, s, mu, b, units, shift):  # type: ignore[no-untyped-def]
-    """(nc,): s_i |r_i - P_K(r_i - (u_i + shift mu_i |u_t,i| e_n)/s_i)| / unit_i, infinity where that is NaN."""
+    """(nc,): the residual of each contact."""
     result = np.empty(len(r))
     for i in range(len(r)):
-        result[i] = relative_defect(s[i] * contact_defect(r[i], u[i], s[i], mu[i], b[i], shift), units[i])
+        result[i] = contact_residual(r[i], u[i], s[i], mu[i], b[i], units[i], shift)
     return result
+
+
+@inlined
+def contact_residual(r, u, s, mu, b, unit, shift):  # type: ignore[no-untyped-def]
+    """The residual of one contact, r and u (d,); infinity where it is NaN, and where nothing moves but it is not 0.
+
+    It is computed in the unit, in which the velocities of an answer are of order one and their squares neither overflow nor
+    vanish.
+    """
+    v = 1 / max(unit, LEAST) if unit > 0 else 1.0
+    s *= v
+    defect, closed, opened = contact_defect(r, u, s, v, mu, b, shift), s * r[0], v * u[0]
+    if shift == 1:
+        signorini = abs(closed if closed < opened else opened)  # min and max would be branches, often predicted wrongly
+        defect = signorini if signorini > defect else defect
+    if unit < LEAST:
+        return relative_defect(defect, unit / LEAST)
+    return defect if defect < np.inf else np.inf
 
 
 @inlined
 def relative_defect(defect: float, unit: float) -> float:
     """defect / unit; infinity where that is NaN, and where nothing moves but the defect is not 0."""
-    share = defect / unit if unit > 0 or defect > 0 else 0.0
-    return share if share < np.inf else np.inf
+    share = defect / unit if unit > 0 else defect
+    return share if share == 0 or (unit > 0 and share < np.inf) else np.inf
 
 
 @kernel
@@ -172,35 +193,34 @@ def _floors(r, u, terms, s, mu, b, units, shift):  # type: ignore[no-untyped-def
     """(nc,): see contact_floors."""
     floor = np.empty(len(r))
     for i in range(len(r)):
-        impulse, moved = s[i] * length(r[i], 0, r.shape[1]), (1 + mu[i]) * length(terms[i], 0, r.shape[1])
-        worst = impulse + moved
+        impulse, moved = s[i] * length(r[i], 0, r.shape[1]), 2 * EPSILON * (1 + mu[i]) * length(terms[i], 0, r.shape[1])
         sliding = (1 - shift) * mu[i] * np.abs(u[i, 1:]).sum()
-        if b[i] == 0 and u[i, 0] > (1 + mu[i]) * impulse + sliding + 2 * EPSILON * worst:
-            worst = impulse
-        floor[i] = relative_defect(2 * EPSILON * worst, units[i])
+        if u[i, 0] > (1 + mu[i]) * impulse + sliding + 2 * EPSILON * impulse + moved:
+            moved = min(moved, 2 * s[i] * b[i])
+        floor[i] = relative_defect(2 * EPSILON * impulse + moved, units[i])
     return floor
 
 
 @kernel
-def _defects(r: Array, u: Array, s: Array, mu: Array, b: Array, shift: float) -> Array:
-    """|r_i - P_K(r_i - (u_i + shift mu_i |u_t,i| e_n)/s_i)| (nc,), contact by contact."""
+def _defects(r: Array, u: Array, mu: Array, b: Array) -> Array:
+    """|r_i - P_K(r_i - g(u_i))| (nc,), contact by contact."""
     defects = np.empty(len(r))
     for i in range(len(r)):
-        defects[i] = contact_defect(r[i], u[i], s[i], mu[i], b[i], shift)
+        defects[i] = contact_defect(r[i], u[i], 1.0, 1.0, mu[i], b[i], 1.0)
     return defects
 
 
 @inlined
-def contact_defect(r: Array, u: Array, s: float, mu: float, b: float, shift: float) -> float:
-    """|r - P_K(r - (u + shift mu |u_t| e_n)/s)| of one contact, r and u (d,)."""
+def contact_defect(r, u, s, v, mu, b, shift):  # type: ignore[no-untyped-def]
+    """|s r - P_K(s r - v (u + shift mu |u_t| e_n))| of one contact, r and u (d,), with K that of the impulses s r."""
     sliding = size = 0.0
     for k in range(1, len(r)):
-        sliding += u[k] * u[k]
-        size += (r[k] - u[k] / s) ** 2
-    n, share = nearest(r[0] - (u[0] + shift * mu * np.sqrt(sliding)) / s, np.sqrt(size), mu, b)
-    square = (r[0] - n) ** 2
+        sliding += (v * u[k]) ** 2
+        size += (s * r[k] - v * u[k]) ** 2
+    n, share = nearest(s * r[0] - v * u[0] - shift * mu * np.sqrt(sliding), np.sqrt(size), mu, s * b)
+    square = (s * r[0] - n) ** 2
     for k in range(1, len(r)):
-        square += (r[k] - share * (r[k] - u[k] / s)) ** 2
+        square += (s * r[k] - share * (s * r[k] - v * u[k])) ** 2
     return np.sqrt(square)
 
 
@@ -213,8 +233,8 @@ def fclib_error(problem: FrictionProblem, impulse: Array) -> float:
         return 0.0
     if impulse.shape != (problem.contacts, problem.dimension) or not np.isfinite(impulse).all():
         return np.inf
-    u, one = problem.contact_velocity(impulse), np.ones(problem.contacts)
-    error = float(np.linalg.norm(_defects(impulse, u, one, problem.friction, problem.friction_bias, 1.0)))
+    u = problem.contact_velocity(impulse)
+    error = float(np.linalg.norm(_defects(impulse, u, problem.friction, problem.friction_bias)))
     size = float(np.linalg.norm(problem.q))
     if not np.isfinite(error):
         return np.inf

@@ -28,7 +28,7 @@ from frictionbench.solvers.sweeps.stopping import monitor, should_continue
 
 LIMIT = 500  # relaxations by default: the rate is linear, and slower ones stall
 PATIENCE = 100  # relaxations in which the residual must fall by a hundredth: a fifth of the limit
-INNER = 0.2  # error of each relaxation relative to the residual at its start: less costs products, more costs relaxations
+INNER = 0.1  # error of each relaxation relative to the residual at its start: less costs products, more costs relaxations
 INNER_LIMIT = 300  # products; impulses that are not unique change by mu lam an iteration long after velocities have converged
 CYCLE = 1e-3  # how closely every other lam must agree, relative to one step, to be called a cycle of two
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
+from frictionbench.problems.forms.lcp import by_unknown
 
 UNLIKE = 4.0  # below, a tolerance that is as much smaller costs next to nothing
 
@@ -57,12 +58,7 @@ def _solve(solve: Any) -> Any:
         step, factor = prepared
         guess = None if start is None else np.ascontiguousarray(start / factor[:, None])
         answer = solve(self, step, tol, limit, guess)
-        z = None if answer.z is None else answer.z * _of_unknowns(factor, len(answer.z))
+        z = None if answer.z is None else answer.z * by_unknown(factor, len(answer.z))
         return replace(answer, impulse=answer.impulse * factor[:, None], z=z)
 
     return balanced
-
-
-def _of_unknowns(factor: Array, unknowns: int) -> Array:
-    """The factors of the unknowns (c, beta, lambda) of an LCP."""
-    return np.concatenate([factor, np.repeat(factor, unknowns // len(factor) - 2), factor])

@@ -6,15 +6,15 @@ on one very heavy body are apart. An *island* is a connected component of this g
 velocity that can reach it: max |q_j| over the contacts j that can bear and from which a path of couplings leads to it, as a
 rule those of its island. Islands next to one another do not change each other's units.
 
-A contact cannot bear, r_i = 0, where it is open in any answer by far. From Coulomb's law r'u <= 0, hence r'Wr <= -r'q: the
-impulses have at most the energy of what they stop, and change contact i's normal velocity by at most sqrt(s_i) times its root.
-So i is left out, as a velocity and as a link, where
+A contact that opens, q_n,i > 0, bears only if others push it. From Coulomb's law r'u <= 0, hence r'Wr <= -r'q: the impulses
+have at most the energy of what they stop, and change contact i's velocity by at most sqrt(s_i) times its root. With
 
-    q_n,i > FAR sqrt(s_i) sqrt(sum_j (min(q_n,j, 0)^2 + |q_t,j|^2) / s_j),      over the contacts j of its island left in.
+    E_i = sum_j |q_j|^2 / s_j      over the contacts j of its island that close, q_n,j <= 0 to rounding,
 
-The sum is an estimate of that energy, invariant under changes of frame, of units and of the observer's velocity. One left out
-although it bears makes the measure stricter; one kept although it is open makes it more lenient, as one that slides fast and
-opens slowly may be.
+it counts as at most FAR sqrt(s_i E_i), however fast it slides; where q_n,i exceeds that, it is open in any answer by far,
+r_i = 0, and is left out as a link too. A contact with a friction bias counts at least as what b_f can stop of its sliding, also
+in the sum. E_i is an estimate of that energy, invariant under changes of frame, of units and of the observer's velocity. A
+contact that counts too little makes the measure stricter; by more than a factor of some FAR, it is not more lenient.
 
 q is a sum of terms J v* and b, and known to rounding only: a contact's velocity counts as at least CANCELLED of their size, and
 a unit is at least NOISE of the largest. Where nothing in an island moves, its unit is the largest of the problem.
@@ -33,6 +33,7 @@ from frictionbench.problems.compiled import kernel, part
 COUPLED = 1e-10  # share of a velocity that is transmitted: mass ratios of neighbours up to 1e10 leave an island connected
 FAR = 10.0  # the sum is less than the energy where contacts share bodies: by the root of their number, for equal masses
 CANCELLED = 1e-6  # so that the rounding floor of contacts at rest on moving bodies is some 1e-9
+LEVEL = 1e-12  # share of a contact's speed below which it is not known to open
 NOISE = 1e-14  # some fifty roundings
 PASSES = 6  # to and fro: two find the contacts of a pile that are numbered by layers
 
@@ -47,7 +48,7 @@ def mechanical_units(  # type: ignore[no-untyped-def]
     of the terms of q where there are joints, otherwise empty.
     """
     nc, d = len(s), J.shape[1]
-    value, size = np.empty(nc), np.empty(d)
+    value, size, closes = np.empty(nc), np.empty(d), np.empty(nc, np.bool_)
     for i in range(nc):
         for a in range(d):
             size[a] = terms[i, a] if len(terms) else abs(bias[i]) if a == 0 else 0.0
@@ -55,8 +56,9 @@ def mechanical_units(  # type: ignore[no-untyped-def]
                 for k in range(start[i], start[i + 1]):
                     size[a] += abs(J[k, a] * free[column[k]])
         value[i] = max(CANCELLED * length(size, 0, d), length(q, i, d))
+        closes[i] = q[i * d] <= max(CANCELLED * size[0], LEVEL * value[i])
     graph = mechanical_graph(start, column, J, m_start, m_column, m_value, f_start, f_column, s)
-    return _reached(*graph, value, q, s, wider)
+    return _reached(*graph, value, closes, q, s, wider)
 
 
 @kernel
@@ -66,10 +68,11 @@ def delassus_units(first, neighbours, block, q, s, wider):  # type: ignore[no-un
     source, most = _source(q, s)
     if most > 0 and _reaches_all_in_w(first, neighbours, block, s, source):
         return np.full(nc, most)
-    value = np.empty(nc)
+    value, closes = np.empty(nc), np.empty(nc, np.bool_)
     for i in range(nc):
         value[i] = length(q, i, d)
-    return _reached(*delassus_graph(first, neighbours, block, s), value, q, s, wider)
+        closes[i] = q[i * d] <= LEVEL * value[i]
+    return _reached(*delassus_graph(first, neighbours, block, s), value, closes, q, s, wider)
 
 
 @part
@@ -96,26 +99,27 @@ def one_island(start, column, J, share, free, bias, q, s):  # type: ignore[no-un
 
 @part
 def _source(q, s):  # type: ignore[no-untyped-def]
-    """The contact with the largest |q_i|, and that, if all contacts can bear where they are one island, otherwise 0."""
+    """The contact with the largest |q_i|, and that, if it counts in full and all contacts can bear where they are one island,
+    otherwise 0."""
     nc = len(s)
-    d = len(q) // max(nc, 1)
-    energy, own, opening, fastest, source = 0.0, 0.0, 0.0, 0.0, 0
+    if nc == 0:
+        return 0, 0.0
+    d = len(q) // nc
+    energy, opening, fastest, source = 0.0, 0.0, 0.0, 0
     for i in range(nc):
         normal, light, square = q[i * d], 1 / s[i], 0.0
-        for a in range(1, d):
+        for a in range(d):
             square += q[i * d + a] * q[i * d + a]
-        stopped = square * light
-        square += normal * normal
-        if normal < 0:
-            stopped = square * light
-        elif normal * normal * light > opening:
-            opening, own = normal * normal * light, stopped
-        energy += stopped
+        if normal <= 0 or normal * normal <= LEVEL * LEVEL * square:
+            energy += square * light
+        else:
+            opening = max(opening, normal * normal * light)
         if square > fastest:
             source, fastest = i, square
     regular = 1e-280 < fastest < 1e280 and 1e-290 < energy < 1e290  # squares neither overflow nor vanish
-    bear = own < 0.999 * energy and opening <= FAR * FAR * (energy - own)  # a difference with digits
-    return source, np.sqrt(fastest) if regular and bear else 0.0
+    if q[source * d] > LEVEL * np.sqrt(fastest):
+        opening = max(opening, fastest / s[source])
+    return source, np.sqrt(fastest) if regular and opening <= FAR * FAR * energy else 0.0
 
 
 @part
@@ -221,14 +225,14 @@ def delassus_graph(first, neighbours, block, s):  # type: ignore[no-untyped-def]
 
 
 @part
-def _reached(start, node, push, read, nodes, value, q, s, wider):  # type: ignore[no-untyped-def]
-    """The units: from the fastest contact on, all that its velocity reaches."""
+def _reached(start, node, push, read, nodes, own, closes, q, s, wider):  # type: ignore[no-untyped-def]
+    """The units: from the fastest contact on, all that its velocity reaches. own: |q_i|, at least CANCELLED of its terms."""
     nc = len(s)
     unit, stack, known = np.zeros(nc), np.empty(nc, np.int64), 0
-    bears = _bears(start, node, push, read, nodes, value, q, s, wider)
+    value, bears = _counted(start, node, push, read, nodes, own, closes, q, s, wider)
     largest, fastest, source = 0.0, 0.0, 0
     for i in range(nc):
-        largest = max(largest, value[i])
+        largest = max(largest, own[i])
         if bears[i] and value[i] > fastest:
             fastest, source = value[i], i
     first, reader = _readers(start, node, read, nodes)
@@ -264,7 +268,7 @@ def _reached(start, node, push, read, nodes, value, q, s, wider):  # type: ignor
         source = order[at]
     for i in range(nc):
         if unit[i] == 0:
-            unit[i] = value[i] if value[i] > 0 else fastest if fastest > 0 else largest
+            unit[i] = own[i] if own[i] > 0 else fastest if fastest > 0 else largest
         unit[i] = max(unit[i], NOISE * fastest)
     return unit
 
@@ -279,37 +283,26 @@ def spread(units):  # type: ignore[no-untyped-def]
 
 
 @part
-def _bears(start, node, push, read, nodes, value, q, s, wider):  # type: ignore[no-untyped-def]
-    """(nc,): whether a contact may bear; those with a friction bias may, open or not."""
+def _counted(start, node, push, read, nodes, own, closes, q, s, wider):  # type: ignore[no-untyped-def]
+    """(nc,), (nc,): the velocity as which each contact counts, and whether it may bear."""
     nc, d = len(s), len(q) // max(len(s), 1)
-    bears, opening, largest = np.ones(nc, np.bool_), False, 0.0
+    value, bears, largest = own.copy(), np.ones(nc, np.bool_), 0.0
     for i in range(nc):
-        largest = max(largest, value[i])
-        opening = opening or q[i * d] > 0
-    if not opening:
-        return bears
+        largest = max(largest, own[i])
+    if closes.all() or largest == 0:
+        return value, bears
     parent = _components(start, node, push, read, nodes)
-    energy, last = np.zeros(nc + nodes), np.full(nc + nodes, -1, np.int64)
-    ratio = np.empty(nc)
+    energy, biased = np.zeros(nc + nodes), np.zeros(nc)
     for i in range(nc):
-        ratio[i] = q[i * d] / largest / np.sqrt(s[i])
-    order = np.argsort(ratio)
-    for at in range(nc):
-        i = order[at]
-        island = top(parent, i)
-        if wider[i] > 0 or ratio[i] <= FAR * np.sqrt(energy[island]):
-            last[island] = at
-        stopped = value[i] if value[i] > length(q, i, d) else _stopped(q, i, d)
-        energy[island] += (stopped / largest) ** 2 / s[i]
-    for at in range(nc):
-        bears[order[at]] = at <= last[top(parent, order[at])]
-    return bears
-
-
-@part
-def _stopped(q, i, d):  # type: ignore[no-untyped-def]
-    """The part of |q_i| that impulses take energy from: what opens gives none."""
-    return np.hypot(length(q[i * d + 1 : i * d + d], 0, d - 1), min(q[i * d], 0.0))
+        if not closes[i] and wider[i] > 0:
+            biased[i] = min(length(q[i * d + 1 : i * d + d], 0, d - 1), s[i] * wider[i])
+        energy[top(parent, i)] += ((own[i] if closes[i] else biased[i]) / largest) ** 2 / s[i]
+    for i in range(nc):
+        if not closes[i]:
+            given = largest * np.sqrt(s[i] * energy[top(parent, i)])
+            bears[i] = q[i * d] <= FAR * given or s[i] * wider[i] > COUPLED * given
+            value[i] = max(min(own[i], FAR * given) if q[i * d] <= FAR * given else 0.0, biased[i])
+    return value, bears
 
 
 @kernel

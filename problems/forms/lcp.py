@@ -138,6 +138,11 @@ def tangent_basis(dimension: int, facets: int = 8) -> Array:
     return basis
 
 
+def by_unknown(values: Array, unknowns: int) -> Array:
+    """Values of the contacts (nc,) as those of the LCP's unknowns (c, beta, lambda), (unknowns,)."""
+    return np.concatenate([values, np.repeat(values, unknowns // len(values) - 2), values])
+
+
 def friction_lcp(W: tuple[Index32, Index32, Array], q: Array, friction: Array, friction_bias: Array, basis: Array) -> LCP:
     """The friction LCP of a Delassus matrix.
 

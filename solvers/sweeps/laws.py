@@ -21,7 +21,7 @@ References: Jean 1999; Daviet, Bertails-Descoubes and Boissieux 2011, for one ex
 from math import hypot
 
 from frictionbench.problems.compiled import inlined, kernel, part
-from frictionbench.problems.residual import contact_defect, relative_defect
+from frictionbench.problems.residual import contact_residual
 from frictionbench.solvers.sweeps.form import state, velocity
 
 LIFT = 1e-14  # added to a singular S, relative to the trace of W: a hundred units of rounding
@@ -112,9 +112,9 @@ def defect(form, r, u, shift):  # type: ignore[no-untyped-def]
     """The residual of problems.residual at impulses r and velocities u (nc, d); shift: 1.0 Coulomb, 0.0 the relaxation."""
     worst = 0.0
     for i in range(len(r)):
-        s = form.scale[i]
-        error = s * contact_defect(r[i], u[i], s, form.friction[i], form.friction_bias[i], shift)
-        worst = max(worst, relative_defect(error, form.units[i]))
+        law = form.friction[i], form.friction_bias[i]
+        found = contact_residual(r[i], u[i], form.scale[i], law[0], law[1], form.units[i], shift)
+        worst = found if found > worst else worst
     return worst
 
 

@@ -43,7 +43,8 @@ def own_residual(name: str, problem: FrictionProblem, answer: Answer) -> float:
 def test_solver_facts() -> None:
     defining = {Path(sys.modules[info.make.__module__].__file__) for info in available().values()}
     methods = set(Path(solvers.__file__).parent.glob("*.py")) - {Path(solvers.__file__)}
-    assert {path.name for path in methods - defining} == {"balanced.py", "interface.py", "needs.py", "plugins.py"}
+    machinery = {"balanced.py", "executable.py", "interface.py", "needs.py", "plugins.py"}
+    assert {path.name for path in methods - defining} == machinery
     for info in available().values():
         assert info.summary.endswith((".", ")"))
         assert info.model in ("coulomb", "lcp", "relaxation", "regularised")

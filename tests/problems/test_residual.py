@@ -1,0 +1,84 @@
+"""The residual where one of its terms hides behind another, or numbers are very large or small."""
+
+import numpy as np
+import pytest
+
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.residual import relaxation_residual, residual, residual_floor
+
+contact_space = FrictionProblem.from_delassus
+NEIGHBOURS = np.eye(4) + 0.1 * np.kron([[0, 1], [1, 0]], np.eye(2))
+
+
+def nothing(problem):
+    return residual(problem, np.zeros((problem.contacts, problem.dimension)))
+
+
+@pytest.mark.parametrize("friction", [10.0, 1e4, 1e8, 1e12])
+def test_a_large_friction_does_not_hide_penetration(friction) -> None:
+    assert nothing(contact_space(np.eye(2), [-1.0, 1e3], [friction], 2)) == pytest.approx(1e-3)
+    assert nothing(random_problem(1, contacts=12, friction=friction)) > 0.1
+
+
+@pytest.mark.parametrize("friction", [10.0, 1e6])
+def test_a_large_friction_does_not_hide_an_impulse_on_an_open_contact(friction) -> None:
+    """r lies on the cone's edge against the slip, so that the cone formulation counts u_n as u_n/sqrt(1 + mu^2)."""
+    normal = 1.0 / friction
+    problem = contact_space(np.eye(2), [0.5 - normal, 2.0], [friction], 2)
+    assert residual(problem, np.array([[normal, -1.0]])) == pytest.approx(min(normal, 0.5) / problem.units[0])
+
+
+def test_signorini_s_law_is_not_asked_of_the_relaxation() -> None:
+    """A sliding contact of the convex relaxation opens with mu |u_t|: r = 0 where q_n = mu |q_t| is optimal."""
+    problem = contact_space(np.eye(2), [-0.5, 1.0], [0.5], 2)
+    normal = 0.5 / 1.25  # the optimum of r'r/2 + q'r on r_t = -mu r_n: (1 + mu^2) r_n = mu |q_t| - q_n
+    slides = np.array([[2 * normal, -normal]])
+    assert relaxation_residual(problem, slides) <= 1e-15
+    assert residual(problem, slides) > 0.1
+
+
+def belt():
+    """A ball on the ground below a belt that is nearly out of reach and moves with 200 m/s."""
+    return FrictionProblem(
+        mass=np.diag([1.0, 1.0, 1e3]),
+        normal=[[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]],
+        tangent=[[1.0, 0.0, 0.0], [1.0, 0.0, -1.0]],
+        friction=[0.5, 0.5],
+        free_velocity=[5e-3, -1e-2, 200.0],
+        bias=[0.0, 0.05],
+        dimension=2,
+    )
+
+
+@pytest.mark.parametrize(
+    "problem",
+    [
+        contact_space(NEIGHBOURS, [-1e-3, 0.5e-3, 5e-3, 1e6], [0.5, 0.5], 2),
+        contact_space(NEIGHBOURS, [-1e-3, 0.5e-3, 1e9, 0.0], [0.5, 0.5], 2, [0.0, 1e-300]),
+        belt(),
+    ],
+    ids=["slides fast", "tiny friction bias", "belt"],
+)
+def test_a_fall_does_not_hide_behind_a_contact_that_opens(problem) -> None:
+    assert nothing(problem) > 0.05
+    assert residual_floor(problem, np.zeros((2, 2))) < 1e-12
+
+
+@pytest.mark.parametrize("size", [1e-320, 1e-300, 1e-162, 1e155, 1e200, 1e300])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_squares_neither_overflow_nor_vanish(size, dimension) -> None:
+    falling = np.zeros(dimension)
+    falling[0] = -size
+    problem = contact_space(np.eye(dimension), falling, [0.5], dimension)
+    assert nothing(problem) == pytest.approx(1.0)
+    assert residual(problem, -falling[None]) == 0
+    slides = contact_space(np.eye(dimension), -size * np.ones(dimension), [0.5], dimension)
+    assert nothing(slides) > 0.5
+
+
+def test_what_is_not_a_number_is_no_answer_where_nothing_moves() -> None:
+    problem = contact_space(np.eye(2), [0.0, 0.0], [0.5], 2)
+    for value in (np.nan, np.inf, 1.0):
+        assert residual(problem, np.array([[value, 0.0]])) == np.inf
+    assert nothing(problem) == 0
