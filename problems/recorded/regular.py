@@ -1,6 +1,7 @@
 """Problem files may come from anybody: they are opened only if they are regular files and not too large.
 
-At a pipe or a device, or a link to one, reading would wait for ever or never end.
+At a pipe or a device, or a link to one, reading would wait for ever or never end. results.files does the same for results:
+what compares and reports them does without this package, which takes longer to load than all else that they need.
 """
 
 import os

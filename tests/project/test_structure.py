@@ -125,6 +125,15 @@ def test_private_names_are_not_imported() -> None:
 
 
 @pytest.mark.parametrize("module", FILES)
+def test_no_duration_is_measured_by_the_date(module: str) -> None:
+    """time.time jumps when the machine's date is set; limits, times and waits use clocks that do not."""
+    assert ("time", "time") not in imports(FILES[module])
+    assert not any(
+        ast.unparse(node) == "time.time" for node in ast.walk(tree(FILES[module])) if isinstance(node, ast.Attribute)
+    )
+
+
+@pytest.mark.parametrize("module", FILES)
 def test_module_docstrings(module: str) -> None:
     assert ast.get_docstring(tree(FILES[module]))
 
