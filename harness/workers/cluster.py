@@ -6,8 +6,9 @@ A dask worker must run the same code of this project as the main process:
     dask worker tcp://127.0.0.1:8786 --nthreads 1        (as many as there are cores)
     frictionbench run standard --cluster tcp://127.0.0.1:8786
 
-A dask worker that joins later is checked as well, with every outcome. A task whose dask worker ends is tried once more. Rows
-hold the name of the host that timed them.
+A dask worker that joins later is checked as well, with every outcome. dask itself runs a task whose worker ends on other
+workers, as often as its scheduler's setting distributed.scheduler.allowed-failures says, by default three times; a task that
+fails after that is submitted once more. Rows hold the name of the host that timed them.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -31,7 +32,7 @@ from frictionbench.solvers.plugins import is_file
 
 AHEAD = 4  # tasks submitted per worker: enough that none waits for the network, few enough to be balanced at the end
 ANSWER_SECONDS = 10.0  # seconds for a scheduler to answer: one that is reachable needs far less
-TRIES = 2  # of a task whose dask worker ends: it may have been an accident, or the task's doing
+TRIES = 2  # submissions of a task that fails on the cluster: it may have been an accident, or the task's doing
 LOST = "cluster: lost the connection to its scheduler; run the same command again to resume"
 Files = dict[str, bytes]
 Settings = tuple[tuple[tuple[Plugin, Files], ...], int]
