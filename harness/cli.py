@@ -23,7 +23,7 @@ from frictionbench.results.rank_by import RankBy
 app = typer.Typer(
     help="Compare solvers for the friction LCPs of rigid-body dynamics. To begin: frictionbench solve stack",
     no_args_is_help=True,
-    add_completion=False,
+    add_completion=True,
     rich_markup_mode=None,  # it would read [blocks=5] as markup
     pretty_exceptions_enable=False,
 )
@@ -118,6 +118,10 @@ def report(
     solvers: Annotated[
         str | None, typer.Option("--solvers", metavar="A,B,...", help="For the paper: only these solvers.")
     ] = None,
+    scenes: Annotated[str | None, typer.Option("--scenes", metavar="A,B,...", help="For the paper: only these scenes.")] = None,
+    figures: Annotated[
+        str | None, typer.Option("--figures", metavar="A,B,...", help="For the paper: only these figures, like profiles.")
+    ] = None,
     width: Annotated[
         float,
         typer.Option(
@@ -139,9 +143,12 @@ def report(
     typer.echo(f"report: {write_report(folder, run)}")
     if paper:
         from frictionbench.reports.latex import Layout
-        from frictionbench.reports.paper import chosen, write_paper
+        from frictionbench.reports.paper import chosen, of_scenes, write_paper
 
-        written = write_paper(folder, chosen(run, options.split_names(solvers)) if solvers else run, Layout(width, font))
+        run_of_paper = of_scenes(run, options.split_names(scenes)) if scenes else run
+        run_of_paper = chosen(run_of_paper, options.split_names(solvers)) if solvers else run_of_paper
+        wanted = options.split_names(figures) if figures else None
+        written = write_paper(folder, run_of_paper, Layout(width, font), wanted)
         typer.echo(f"paper:  {written}; preview.tex includes everything, references.bib has the references")
         if not any(written.glob("*.pgf")):
             typer.echo("no PGF figures: they need pdflatex, which is not installed")

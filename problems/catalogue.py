@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from inspect import getdoc, signature
 from typing import Any, Generic, TypeVar
 
-from frictionbench.problems.check import require
+from frictionbench.problems.check import InputError
+from frictionbench.problems.names import near
 
 Made = TypeVar("Made")
 
@@ -49,8 +50,11 @@ class Catalogue(Generic[Made]):
 
     def find(self, name: str, parameters: dict[str, Any]) -> Generator[Made]:
         """The generator of this name. Errors: InputError naming the kind, or a parameter that the generator does not have."""
-        require(name in self._generators, self.kind, f"unknown {self.kind} {name!r}; known are {', '.join(self.generators())}")
+        if name not in self._generators:
+            known = self.generators()
+            raise InputError(f"{self.kind}: unknown {self.kind} {name!r}{near(name, known)}; known are {', '.join(known)}")
         found = self._generators[name]
         for key in parameters.keys() - found.parameters.keys():
-            require(False, key, f"the {self.kind} {name} has no such parameter; it has {', '.join(found.parameters)}")
+            like, its = near(key, found.parameters), ", ".join(found.parameters)
+            raise InputError(f"{key}: the {self.kind} {name} has no such parameter{like}; it has {its}")
         return found

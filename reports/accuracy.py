@@ -54,11 +54,12 @@ class Profile(NamedTuple):
 
 
 def targets(rows: pd.DataFrame) -> tuple[float, ...]:
-    """The targets that are not below the tightest tolerance of a run; the coarsest if all of them are.
+    """The targets from the tightest to the loosest tolerance of a run; where there are none, the tightest that it reaches.
 
     rows: of the solves table.
     """
-    return tuple(target for target in TARGETS if target >= 0.999 * rows["tol"].min()) or TARGETS[:1]
+    reached = [target for target in TARGETS if target >= 0.999 * rows["tol"].min()] or list(TARGETS[:1])
+    return tuple(target for target in reached if target <= 1.001 * rows["tol"].max()) or (reached[-1],)
 
 
 def times_to(rows: pd.DataFrame, target: float, rank_by: RankBy = RankBy.BODIES) -> pd.DataFrame:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from pathlib import Path
 from shutil import which
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -20,8 +21,9 @@ from markupsafe import Markup
 from frictionbench.reports import tables
 from frictionbench.reports.accuracy import LEVELS, in_order, overall, percentiles, shown_levels
 from frictionbench.reports.charts import CHARTS, profiles
+from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.print import save_drawing
+from frictionbench.reports.drawing.print import pages, save_panels
 from frictionbench.reports.drawing.sheets import BANDS, save_sheet
 from frictionbench.reports.drawing.svg import in_file
 from frictionbench.reports.drawing.text import count, percent, power, residual, seconds
@@ -33,40 +35,91 @@ from frictionbench.results.files import ResultsError, subfolder, write_text
 from frictionbench.results.laws import ENDINGS
 
 FONT = 7  # points, in figures: the smallest size that journals accept
+ASPECT, TALLEST = 0.75, 7.4  # height of a panel over its width; inches of a figure, which leaves room for its caption
+MOST_IN_COLUMN, MOST_COLUMNS = 2, 3  # panels one above the other in a column of text; more stand side by side on the page
 ON_PAGE_ONLY = ("Hover over", "Bands, ")  # the beginnings of sentences that apply to the page only
 
 
-def write_paper(folder: Path, run: Run, layout: Layout | None = None) -> Path:
-    """Write figures as PDF, SVG and, if LaTeX is installed, PGF; tables, captions and references; return DIR/paper."""
+class Float(NamedTuple):
+    """A figure: the name of its files, its caption, and whether it takes the page's width."""
+
+    name: str
+    caption: str
+    wide: bool
+
+
+def write_paper(folder: Path, run: Run, layout: Layout | None = None, figures: Sequence[str] | None = None) -> Path:
+    """Write figures as PDF, SVG and, if LaTeX is installed, PGF; tables, captions and references; return DIR/paper.
+
+    figures: names of charts, None for all. A chart that is taller than a page is continued in further files, NAME_2 and so on.
+    Errors: ResultsError naming a chart that does not exist.
+    """
     layout = layout or Layout()
     paper = subfolder(folder, "paper")
     escape = escaped if which("pdflatex") else None
-    floats: list[tuple[str, str, bool]] = []  # name, caption, whether it takes the page's width
-    for chart in CHARTS:
+    run, floats = replace(run, printed=True), list[Float]()
+    for chart in CHARTS if figures is None else [_chart(name) for name in figures]:
         found = chart.panels(run)[chart.in_paper]
-        title = f"{chart.title}, {run.rank_by.words} ({run.rank_by.parts})" if chart.ranked else chart.title
-        caption = f"{title}. {_plain(chart.caption)}".removeprefix(". ")
-        if chart is profiles.CHART and len(run.looks) <= BANDS:
-            caption += " Bands: 95 % bootstrap bands over the problems."
         for drawing in (one for one in found if isinstance(one, Drawing)):
-            name = f"{chart.name}_{drawing.name}"
-            write_text(paper / f"{name}.svg", in_file(drawing))
-            save_drawing(drawing, paper / name, layout.page, layout.font)
-            floats.append((name, f"{drawing.title} {caption}", True))
+            wide = len(drawing.panels) > 1
+            width = layout.page if wide else layout.column
+            stem, caption = f"{chart.name}_{drawing.name}", f"{drawing.title.rstrip('.')}. {_caption(chart, run)}"
+            write_text(paper / f"{stem}.svg", in_file(drawing))
+            parts = pages(drawing, width, TALLEST)
+            for one, part in zip(_floats(stem, caption, wide, len(parts)), parts, strict=True):
+                save_panels(part, paper / one.name, width, layout.font, escape)
+                floats.append(one)
         if panels := [one for one in found if isinstance(one, Panel)]:
-            width = (layout.column if chart.columns == 1 else layout.page) / chart.columns
-            size = width, 0.75 * width
-            save_sheet(panels, run.looks, paper / chart.name, chart.columns, size, FONT, layout.font, escape)
-            floats.append((chart.name, caption, chart.columns > 1))
+            columns = max(chart.columns, MOST_COLUMNS) if len(panels) > MOST_IN_COLUMN else min(chart.columns, len(panels))
+            width = (layout.column if columns == 1 else layout.page) / columns
+            most = columns * int(TALLEST / (ASPECT * width))
+            sheets = [panels[k : k + most] for k in range(0, len(panels), most)]
+            for one, sheet in zip(_floats(chart.name, _caption(chart, run), columns > 1, len(sheets)), sheets, strict=True):
+                size = width, ASPECT * width
+                save_sheet(sheet, run.looks, paper / one.name, columns, size, FONT, layout.font, escape)
+                floats.append(one)
     made = {name: make(run, layout) for name, make in TABLES.items()}
     for name, table in made.items():
         write_text(paper / f"{name}.tex", table.text)
     words = {"by": f"{run.rank_by.words} ({run.rank_by.parts})", "target": power(run.outer_targets[-1])}
-    captions = {name: CAPTIONS[name].format(**words) for name in made} | {name: caption for name, caption, _ in floats}
+    captions = {name: CAPTIONS[name].format(**words) for name in made} | {one.name: one.caption for one in floats}
     write_text(paper / "captions.tex", _captions(captions, _setting(run)))
     write_text(paper / "references.bib", bibliography({*run.rows["solver"], *run.simulations["solver"]}))
-    write_text(paper / "preview.tex", _preview(made, [(name, wide) for name, _, wide in floats], layout))
+    write_text(paper / "preview.tex", _preview(made, floats, layout))
     return paper
+
+
+def _chart(name: str) -> Chart:
+    for chart in CHARTS:
+        if chart.name == name:
+            return chart
+    raise ResultsError(f"figures: there is no {name}; there are {', '.join(chart.name for chart in CHARTS)}")
+
+
+def _floats(stem: str, caption: str, wide: bool, count: int) -> list[Float]:
+    """The figures of a chart in `count` parts; those after the first are continued."""
+    names = [stem, *(f"{stem}_{k}" for k in range(2, count + 1))]
+    title = caption.partition(". ")[0].rstrip(".")
+    return [Float(name, f"{title} (continued)." if k else caption, wide) for k, name in enumerate(names)]
+
+
+def _caption(chart: Chart, run: Run) -> str:
+    """The caption in print: the title, what the chart shows, and the marks that occur."""
+    title = f"{chart.title}, {run.rank_by.words} ({run.rank_by.parts})" if chart.ranked else chart.title
+    caption = f"{title}. {_plain(chart.told(run))}".removeprefix(". ")
+    if chart is profiles.CHART and len(run.looks) <= BANDS:
+        caption += " Bands: 95 % bootstrap bands over the problems."
+    return caption + " An asterisk marks a portfolio, which runs other solvers." * any(PORTFOLIO in name for name in run.looks)
+
+
+def of_scenes(run: Run, names: Collection[str]) -> Run:
+    """The run restricted to some scenes, or classes of problems. Errors: ResultsError naming one that is not in the run."""
+    there = {*run.rows["scene"], *run.rows["problem_class"], *run.simulations["scene"]}
+    if missing := [name for name in names if name not in there]:
+        raise ResultsError(f"scenes: {missing[0]} is not in this run; there are {', '.join(sorted(there))}")
+    rows = run.rows[run.rows["scene"].isin(names) | run.rows["problem_class"].isin(names)]
+    simulations = run.simulations[run.simulations["scene"].isin(names)]
+    return replace(run, rows=rows, simulations=simulations)
 
 
 def chosen(run: Run, names: Collection[str]) -> Run:
@@ -219,17 +272,19 @@ def _label(name: str) -> str:
     return "".join(c for c in name if c.isalnum() or c in "_-")
 
 
-def _preview(made: dict[str, Table], figures: Sequence[tuple[str, bool]], layout: Layout) -> str:
+def _preview(made: dict[str, Table], figures: Sequence[Float], layout: Layout) -> str:
     body = [_float("table", name, table.wide, rf"\input{{{name}}}") for name, table in made.items()]
-    for name, wide in figures:
+    for name, _, wide in figures:
         drawn = rf"\IfFileExists{{{name}.pgf}}{{\input{{{name}.pgf}}}}{{\includegraphics{{{name}.pdf}}}}"
         body.append(_float("figure", name, wide, drawn))
     family = [r"\renewcommand{\familydefault}{\sfdefault}"] if layout.font == "sans" else []
     return "\n".join([
         r"% pdflatex preview; bibtex preview; pdflatex preview; pdflatex preview",
+        r"% Packages: geometry, booktabs, graphicx, pgf, url, and lmodern if it is there; in Debian and Ubuntu",
+        r"% texlive-latex-recommended, texlive-pictures and lmodern.",
         r"\documentclass[twocolumn]{article}",
         rf"\usepackage[textwidth={layout.page:.3f}in,columnsep={layout.gap}in,textheight=9.5in]{{geometry}}",
-        r"\usepackage[T1]{fontenc}", r"\usepackage{lmodern}", *family,
+        r"\usepackage[T1]{fontenc}", r"\IfFileExists{lmodern.sty}{\usepackage{lmodern}}{}", *family,
         r"\usepackage{booktabs,graphicx,pgf,url}", r"\input{captions}",
         r"\begin{document}", r"\nocite{*}", *body,
         r"\bibliographystyle{plain}", r"\bibliography{references}", r"\end{document}", "",

@@ -25,7 +25,7 @@ import pandas as pd
 
 from frictionbench.reports.accuracy import OVERALL, summary, targets, times_to
 from frictionbench.reports.balance import strata
-from frictionbench.reports.drawing.style import Look, looks
+from frictionbench.reports.drawing.style import Look, apart, looks
 from frictionbench.results.commands import sources
 from frictionbench.results.conventions import COLD, KEEP_ANSWER
 from frictionbench.results.convergence import ConvergenceHistory, read_histories
@@ -48,7 +48,7 @@ class Run:
 
     rows: the solves table; simulations: without those of maps in closed loop, which are in map_simulations; thresholds: points
     on each threshold, by map and name. rank_by: the time by which solvers are ranked; budget: a time for each problem, s, if
-    the reader has one.
+    the reader has one. printed: whether lines have to differ without their colours.
     """
 
     manifest: dict[str, Any]
@@ -62,6 +62,7 @@ class Run:
     folder: Path = Path()
     rank_by: RankBy = RankBy.BODIES
     budget: float | None = None
+    printed: bool = False
 
     def ranked_by(self, rank_by: RankBy) -> "Run":
         """The same run, ranked by another time."""
@@ -89,7 +90,8 @@ class Run:
     def looks(self) -> dict[str, Look]:
         """The look of every label that ran."""
         tables = (self.rows, self.simulations)
-        return looks(label for table in tables for label in table.loc[measured(table), "label"])
+        found = looks(label for table in tables for label in table.loc[measured(table), "label"])
+        return apart(found) if self.printed else found
 
     @cached_property
     def portfolios(self) -> dict[str, str]:

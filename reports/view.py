@@ -126,7 +126,7 @@ class SceneClass:
 
 @dataclass(frozen=True)
 class Page:
-    """All that the page shows. The templates know each field by its name."""
+    """All that the page shows. The templates know each field by its name. maps_first: the run is one of maps alone."""
 
     run: Run
     head: Head
@@ -147,6 +147,7 @@ class Page:
     claims: pd.DataFrame
     claims_count: int
     settings: list[tuple[str, list[Setting]]]
+    maps_first: bool = False
     much_form: float = MUCH_FORM
     charges: Sequence[int] = CHARGES
     first_screen: int = FIRST_SCREEN
@@ -181,6 +182,7 @@ def view(run: Run, animations: Sequence[Animation] = ()) -> Page:
         claims=claims.head(MOST_CLAIMS),
         claims_count=len(claims),
         settings=settings(run.manifest),
+        maps_first=bool(run.manifest["settings"].get("maps")) and not run.manifest["settings"].get("sources"),
     )
 
 

@@ -17,6 +17,14 @@ from frictionbench.results.files import ResultsError, read_json
 
 Scale = Literal["linear", "log", "zero", "both"]
 GridPoint = tuple[float, float]  # positions on the two axes
+# Units of the parameters of scenes that have one; friction, ratios and numbers of bodies have none.
+UNITS = {
+    **dict.fromkeys(("angle", "tilt", "slope"), "rad"),
+    **dict.fromkeys(("push", "speed", "fall", "pull", "drop", "velocity", "tip_velocity", "lift", "sideways"), "m/s"),
+    **dict.fromkeys(("spin", "ripple"), "rad/s"),
+    **dict.fromkeys(("overlap", "depth", "height", "radius", "length", "half_length", "clearance", "lean", "thickness"), "m"),
+    **{"step": "s", "duration": "s", "shear": "1/s", "mass": "kg"},
+}
 DIGITS = 6  # significant digits of a parameter's value: few enough to be the same on every machine and short in a table
 
 
@@ -38,6 +46,11 @@ class Axis:
         is_power = math.isclose(abs(exact), 2.0**power, rel_tol=1e-12)  # as a unit, it changes no digit of a problem
         value = math.copysign(2.0**power, exact) if is_power else float(f"{exact:.{DIGITS}g}")
         return round(value) if self.whole else value
+
+    @property
+    def name(self) -> str:
+        """The parameter with its unit."""
+        return f"{self.parameter}, {UNITS[self.parameter]}" if self.parameter in UNITS else self.parameter
 
     def _value(self, position: float) -> float:
         last = self.count - 1

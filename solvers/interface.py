@@ -42,6 +42,7 @@ from frictionbench.problems import LCP, FrictionProblem, InputError, check
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.display import html_table
 from frictionbench.problems.friction import DIGITS, require_problem
+from frictionbench.problems.names import near
 from frictionbench.problems.residual import residual_floor
 from frictionbench.problems.spec import split
 from frictionbench.solvers.balanced import with_balance
@@ -301,14 +302,14 @@ def find(spec: str) -> tuple[SolverInfo, Solver]:
         return _found[spec]
     name, settings = split("solver", spec)
     if name not in _solvers:
-        raise InputError(f"solver: unknown solver {name!r}; known are {', '.join(sorted(_solvers))}")
+        raise InputError(f"solver: unknown solver {name!r}{near(name, _solvers)}; known are {', '.join(sorted(_solvers))}")
     info = _solvers[name]
     instance: Any = info.make()
     kinds = {field.name: type(getattr(instance, field.name)) for field in fields(instance)}
     values = {}
     for key, text in settings.items():
         if key not in kinds or text is None:
-            raise InputError(f"solver: {name} has no setting {key!r}; it has {', '.join(kinds) or 'none'}")
+            raise InputError(f"solver: {name} has no setting {key!r}{near(key, kinds)}; it has {', '.join(kinds) or 'none'}")
         try:
             values[key] = _FLAGS[text.lower()] if kinds[key] is bool else kinds[key](text)
         except (ValueError, KeyError):

@@ -27,9 +27,18 @@ def show(what: str) -> None:
 
 def _scenes() -> Iterator[Item]:
     listed: dict[str, Any] = {**scenes(), **instances()}
+    others: dict[str, list[str]] = {}
     for name, generator in listed.items():
+        if name != generator.make.__name__:
+            own = listed[generator.make.__name__].parameters
+            changed = ",".join(f"{key}={_short(value)}" for key, value in generator.parameters.items() if value != own[key])
+            others.setdefault(generator.make.__name__, []).append(f"{name}, which is {generator.make.__name__}[{changed}]")
+    for name, generator in listed.items():
+        if name != generator.make.__name__:
+            continue
         settings = ", ".join(f"{key}={_short(value)}" for key, value in generator.parameters.items())
-        yield name, [generator.summary, f"settings: {settings}" if settings else ""]
+        also = f"also under the name {'; '.join(others[name])}" if name in others else ""
+        yield name, [generator.summary, f"settings: {settings}" if settings else "", also]
 
 
 def _solvers() -> Iterator[Item]:

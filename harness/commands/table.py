@@ -16,18 +16,27 @@ def screen() -> int | None:
 def columns(header: Sequence[str], rows: Sequence[Sequence[str]], width: int | None, spare: Iterable[str] = ()) -> list[str]:
     """The lines of a table; empty columns are left out.
 
-    spare: the names of columns to leave out as well, in this order, while the table is wider than the width.
+    spare: the names of columns to leave out as well, in this order, while the table is wider than the width; a line says so.
     """
     widths = {
         i: max(map(len, (name, *(row[i] for row in rows)))) for i, name in enumerate(header) if any(row[i] for row in rows)
     }
+    cut = []
     for name in spare:
         if width is not None and sum(widths.values()) + 2 * (len(widths) - 1) > width:
-            widths.pop(list(header).index(name), None)
-    return ["  ".join(line[i].ljust(column_width) for i, column_width in widths.items()).rstrip() for line in (header, *rows)]
+            cut += [name] if widths.pop(list(header).index(name), None) else []
+    told = (
+        paragraph(f"not shown on {width} columns: {', '.join(cut)}; a wider terminal or a file has all", width, "")
+        if cut
+        else []
+    )
+    lines = ["  ".join(line[i].ljust(column_width) for i, column_width in widths.items()).rstrip() for line in (header, *rows)]
+    return [*lines, *told]
 
 
 def paragraph(text: str, width: int | None, indent: str = "    ") -> list[str]:
     """The text's lines, indented; one line where no width is given."""
     limit = 10**6 if width is None else min(max(width, 40), WIDEST)
-    return textwrap.wrap(text, limit, initial_indent=indent, subsequent_indent=indent, break_on_hyphens=False)
+    return textwrap.wrap(
+        text, limit, initial_indent=indent, subsequent_indent=indent, break_on_hyphens=False, break_long_words=False
+    )

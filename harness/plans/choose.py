@@ -7,6 +7,7 @@ from frictionbench.harness.plans.recorded import with_data
 from frictionbench.harness.plans.suites import SUITES
 from frictionbench.problems import InputError, scene
 from frictionbench.problems.instances import CATALOGUE, instances
+from frictionbench.problems.names import near
 from frictionbench.problems.spec import parse
 from frictionbench.results.map_spec import Map
 from frictionbench.solvers import find
@@ -26,7 +27,7 @@ def choose(
     Errors: InputError naming the field.
     """
     if suite not in SUITES:
-        raise InputError(f"suite: unknown suite {suite!r}; known are {', '.join(SUITES)}")
+        raise InputError(f"suite: unknown suite {suite!r}{near(suite, SUITES)}; known are {', '.join(SUITES)}")
     if data and scene_specs:
         raise InputError("data: names the problems to run, and so does --scene; give one of the two")
     plan = with_data(SUITES[suite](), list(data))

@@ -49,7 +49,7 @@ class Cluster:
             raise InputError("cluster: dask is not installed; pip install 'frictionbench[cluster]'") from None
         try:
             self._client = Client(address, timeout=ANSWER_SECONDS)
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, TypeError) as error:  # TypeError: TLS without certificates
             raise InputError(f"cluster: no scheduler answers at {address} ({error})") from None
         self._folder = folder
         self._settings = tuple((plugin, _files_of(plugin)) for plugin in plugins), memory_limit

@@ -18,6 +18,7 @@ import numpy as np
 
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.names import near
 from frictionbench.problems.planar.collision import Contacts
 from frictionbench.problems.scene import Scene
 
@@ -83,7 +84,7 @@ def scheme(name: str, lacks: tuple[Feature, ...] = ()) -> Callable[[Callable[[Sc
 
 def require_scheme(name: str) -> None:
     """Errors: InputError where no scheme has this name."""
-    require(name in SCHEMES, "scheme", f"unknown scheme {name!r}; known are {', '.join(SCHEMES)}")
+    require(name in SCHEMES, "scheme", f"unknown scheme {name!r}{near(name, SCHEMES)}; known are {', '.join(SCHEMES)}")
 
 
 def start(scene: Scene) -> Step:

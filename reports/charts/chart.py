@@ -3,6 +3,8 @@
 from collections.abc import Callable, Sequence
 from typing import Literal, NamedTuple
 
+from markupsafe import Markup
+
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.reports.run import Run
@@ -27,3 +29,8 @@ class Chart(NamedTuple):
     wide: bool = False
     folded: bool = False  # shown on demand
     ranked: bool = False  # depends on the ranking: the page shows it for both
+    remarks: tuple[tuple[str, Callable[[Run], bool]], ...] = ()  # further sentences, each with whether it applies to a run
+
+    def told(self, run: Run) -> str:
+        """The caption with the remarks that apply."""
+        return self.caption + Markup("").join(" " + text for text, applies in self.remarks if applies(run))

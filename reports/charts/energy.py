@@ -55,7 +55,7 @@ def _draw(ax: Axes, simulations: pd.DataFrame, looks: dict[str, Look]) -> None:
         bottom, top = ax.get_ylim()
         ax.axhspan(0, top, color=ALARM, alpha=0.08, lw=0)
         ax.set_ylim(bottom, top)
-        ax.text(0.02, 0.95, "energy gained", transform=ax.transAxes, va="center", fontsize="x-small", alpha=0.8)
+        ax.text(0.02, 0.95, "energy gained", transform=ax.transAxes, va="center", fontsize="small", alpha=0.8)
     percent_axis(ax)
     ax.grid(**GRID)
     ax.set_xlabel("time in s")

@@ -1,10 +1,11 @@
 """Failure maps: for each solver a panel over two parameters of a scene, coloured by verdict, and panels for the problem itself.
 
 The panels for the problem (number of solutions, sensitivity, distance to a change of mode, condition) distinguish ill-posed
-problems from unstable solvers. Dots are points on the thresholds that the run traced from the mechanics. The axes count grid
+problems from unstable solvers. Lines are the thresholds that the run traced from the mechanics. The axes count grid
 lines, whatever the scale of the parameter.
 """
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -15,14 +16,15 @@ from matplotlib.colors import to_hex
 
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing import tiles
+from frictionbench.reports.drawing.polylines import polylines
 from frictionbench.reports.drawing.style import INK
 from frictionbench.reports.drawing.text import seconds
-from frictionbench.reports.drawing.tiles import Drawing, Grid, Tile
+from frictionbench.reports.drawing.tiles import Drawing, Entry, Grid, Tile
 from frictionbench.reports.robustness import MapCells, map_cells
 from frictionbench.reports.run import Run
 from frictionbench.results.cells import counts
 from frictionbench.results.laws import ANOTHER_LAW, POLYGON, endings
-from frictionbench.results.map_spec import Axis
+from frictionbench.results.map_spec import Axis, Map
 from frictionbench.results.verdicts import Verdict
 
 VERDICT = {
@@ -41,10 +43,11 @@ SOLUTIONS = {
 }  # fmt: skip
 THRESHOLDS = {
     "p": ("p = 0", "#111111"),
-    "P0": ("P0", "#c2185b"),
-    "pointed": ("pointed", "#0b5fa5"),
+    "P0": ("P0 matrix up to here", "#c2185b"),
+    "pointed": ("cone pointed up to here", "#0b5fa5"),
     "gaps": ("gap 0", "#8a5a00"),
 }
+TICKS = 4  # of an axis
 WORST = "#5b0f14"  # the colour of an infinite value on a scale
 SHADES = 16  # colours of a scale: more are indistinguishable, and cost an element each
 NO_COLOURS: Mapping[str, str] = {}
@@ -97,15 +100,29 @@ def _drawing(run: Run, cells: MapCells, fields: Sequence[Field], note: str, lege
     spec = cells.spec
     traced = {name: places for name, places in run.thresholds.get(spec.name, {}).items() if name in THRESHOLDS and places}
     used = {colour for field in fields for colour in {*field.colours, field.ground}}
-    labels = [(name, colour, False) for name, colour in legend.items() if colour in used]
-    labels += [(*THRESHOLDS[name], True) for name in traced]
-    grid = Grid(_axis(spec.x), _axis(spec.y), {THRESHOLDS[name][1]: places for name, places in traced.items()})
-    panels = [tiles.panel(field.title, _tiles(field), grid, field.ground) for field in fields]
-    return Drawing(f"{spec.title or spec.name}. {spec.note}", spec.name, (tiles.legend(labels, grid), *panels), note)
+    entries = [Entry(name, colour) for name, colour in legend.items() if colour in used]
+    entries += [Entry(*THRESHOLDS[name], line=True, dashed=bool(k % 2)) for k, name in enumerate(traced)]
+    grid = Grid(_axis(spec.x), _axis(spec.y), {THRESHOLDS[name][1]: polylines(places) for name, places in traced.items()})
+    panels = tuple(tiles.panel(field.title, _tiles(field), grid, field.ground) for field in fields)
+    title = f"{spec.title or spec.name}. {spec.note}".removesuffix(". ")
+    return Drawing(title, spec.name, tuple(entries), panels, note, _facts(spec) | {"folder": str(run.folder)})
 
 
-def _axis(axis: Axis) -> tuple[str, str, str, int]:
-    return axis.parameter, f"{axis.value(0):.3g}", f"{axis.value(axis.count - 1):.3g}", axis.count
+def _axis(axis: Axis) -> tiles.Axis:
+    """An axis with a tick at up to TICKS of its grid lines, both ends among them."""
+    lines = sorted({round(k * (axis.count - 1) / (TICKS - 1)) for k in range(TICKS)})
+    ticks = tuple((float(line), re.sub(r"e([+-])0*", r"e\1", f"{axis.value(line):.3g}")) for line in lines)
+    return tiles.Axis(axis.name, ticks, axis.count)
+
+
+def _facts(spec: Map) -> dict[str, object]:
+    """What the page needs to tell the scene of a tile: its name, its fixed parameters, and the values of both axes at each half
+    of a grid line, to which maps are refined."""
+    axes = {
+        way: {"parameter": axis.parameter, "values": [axis.value(k / 2) for k in range(2 * axis.count - 1)]}
+        for way, axis in (("x", spec.x), ("y", spec.y))
+    }
+    return {"scene": spec.scene, "parameters": dict(spec.parameters), "scheme": spec.scheme, "steps": spec.steps, **axes}
 
 
 def _tiles(field: Field) -> list[Tile]:
@@ -242,8 +259,8 @@ VERDICTS = Chart(
     caption="One map per scene. The first panels show the problem itself: the number of its solutions, its sensitivity to a "
     "small change of the data, the distance of the solution to a change of mode, and its condition. Then follows a panel for "
     "each solver that fails somewhere, with the share solved of the grid points where a solution is known. Small tiles "
-    "are refinements between neighbours with different verdicts. Dots are analytical thresholds, traced from the mechanics "
-    "without a solver. Hover over a failure to read its reason and the key of its row.",
+    "are refinements between neighbours with different verdicts. Lines are analytical thresholds, traced from the mechanics "
+    "without a solver. Hover over a failure to read its reason; click a tile for its problem and the commands that solve it.",
 )
 TYPES = Chart(
     name="map_types",

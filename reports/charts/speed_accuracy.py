@@ -89,7 +89,7 @@ def _model_error(ax: Axes, answers: pd.DataFrame) -> None:
         ax.axhline(error, color=INK, ls="--", lw=0.8, alpha=0.7)
         align = side if len(least) > 1 else "center"
         words = str(name).replace(" ", "\n")
-        ax.text(1.01, error, words, transform=ax.get_yaxis_transform(), va=align, fontsize="x-small", alpha=0.8)
+        ax.text(1.01, error, words, transform=ax.get_yaxis_transform(), va=align, fontsize="small", alpha=0.8)
 
 
 def _no_answers(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
@@ -97,7 +97,7 @@ def _no_answers(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
     if counts.empty:
         return
     ax.axhspan(WORST, STRIP, color=INK, alpha=0.07, lw=0)
-    ax.text(0.01, 0.95, "no answer", transform=ax.transAxes, va="center", fontsize="x-small", alpha=0.8)
+    ax.text(0.01, 0.95, "no answer", transform=ax.transAxes, va="center", fontsize="small", alpha=0.8)
     for i, (label, count) in enumerate(counts.items()):
         x, colour = 0.25 + 0.75 * i / max(6, len(counts)), looks[str(label)].colour
         ax.text(x, 0.95, f"×{count}", transform=ax.transAxes, va="center", fontsize="small", weight="bold", color=colour)
@@ -108,10 +108,25 @@ CHART = Chart(
     panels=panels,
     section="chart",
     caption=Markup(
-        "Lower is more accurate, left is faster. Dots are cells; a line joins the medians of a solver at its tolerances. "
-        "A dotted line with hollow markers is the residual of a relaxation on its own model, the dashed lines the median "
-        "error by Coulomb's law of another law, and of a polygon in place of the cone. "
-        '<span class="alarm">Red rings</span> are wrong claims; the strip at the top counts cells without an answer.'
+        "Lower is more accurate, left is faster. Dots are cells; a line joins the medians of a solver at its tolerances."
+    ),
+    remarks=(
+        (
+            "A dotted line with hollow markers is the residual of a relaxation on its own model.",
+            lambda run: bool((run.ranked["model"] == "relaxation").any()),
+        ),
+        (
+            "Dashed lines are the median error by Coulomb's law of another law, and of a polygon in place of the cone.",
+            lambda run: bool((run.ranked["verdict"] == Verdict.RELAXED).any()),
+        ),
+        (
+            Markup('<span class="alarm">Red rings</span> are wrong claims.'),
+            lambda run: bool((run.ranked["verdict"] == Verdict.WRONG).any()),
+        ),
+        (
+            "The strip at the top counts cells without an answer.",
+            lambda run: bool((~run.ranked["answered"] & measured(run.ranked)).any()),
+        ),
     ),
     columns=3,
 )

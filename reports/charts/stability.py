@@ -73,7 +73,7 @@ def _draw(ax: Axes, rows: pd.DataFrame, looks: dict[str, Look]) -> None:
     )
     for x, y, side, text in corners:
         height = "top" if y > 0.5 else "bottom"
-        ax.text(x, y, text, transform=ax.transAxes, ha=side, va=height, fontsize="x-small", alpha=0.8)
+        ax.text(x, y, text, transform=ax.transAxes, ha=side, va=height, fontsize="small", alpha=0.8)
     log_ticks(ax, "x", {10.0**k: f"1e{k}" for k in range(-2, 7, 2)} | {SENSITIVITY[1]: "∞"})
     residual_axis(ax)
     ax.set_xlim(SENSITIVITY[0] / 2, SENSITIVITY[1] * 2)

@@ -9,7 +9,7 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from frictionbench.reports.drawing.style import INK, RC, Look
+from frictionbench.reports.drawing.style import INK, ON_PAGE, RC, Look
 
 PANEL = (3.9, 2.9)  # inches
 WHOLE = (5.0, 3.1)  # inches, of a chart with one panel
@@ -36,7 +36,7 @@ def inline_svg(panel: Panel) -> str:
     Ids of groups are removed, because they would be repeated on the page; those of labels become the attributes data-label,
     data-dots and data-band.
     """
-    with mpl.rc_context(RC):
+    with mpl.rc_context(RC | ON_PAGE):
         figure = Figure(figsize=panel.size, layout="constrained")
         panel.draw(figure.subplots())
         return _element(figure)
@@ -57,6 +57,8 @@ def _element(figure: Figure) -> str:
     figure.savefig(text, format="svg", dpi=IMAGE, metadata={"Date": None})
     svg = text.getvalue()
     svg = re.sub(r"\s*<metadata>.*?</metadata>", "", svg[svg.index("<svg") :], flags=re.DOTALL)
+    svg = re.sub(r'\s*<defs>\s*<style type="text/css">\*\{(.*?)\}</style>\s*</defs>', "", svg, count=1)  # of the whole page
+    svg = svg.replace("<svg", '<svg style="stroke-linejoin: round; stroke-linecap: butt"', 1)
     svg = re.sub(r'<g id="(dots|band)-(label-[0-9a-f]+)"', r'<g data-\1="\2"', svg)
     svg = re.sub(r'<g id="(label-[0-9a-f]+)"', r'<g data-label="\1"', svg)
     svg = re.sub(r'<g id="[^"]*"', "<g", svg).replace(INK, "currentColor")

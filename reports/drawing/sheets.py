@@ -21,7 +21,7 @@ from frictionbench.reports.drawing.text import plain
 from frictionbench.results.files import replaced
 
 FAMILIES = {"serif": "STIXGeneral", "sans": "DejaVu Sans"}  # fonts that matplotlib includes
-_PGF = {"pgf.texsystem": "pdflatex", "pgf.rcfonts": False, "pgf.preamble": ""}
+PGF = {"pgf.texsystem": "pdflatex", "pgf.rcfonts": False, "pgf.preamble": ""}
 BANDS = 3  # bootstrap bands in one panel; more would hide each other
 Escape = Callable[[str], str]
 
@@ -43,10 +43,9 @@ def save_sheet(
     columns = max(1, min(columns, len(panels)))
     rows = -(-len(panels) // columns)
     across = max(1, int(columns * size[0] / (0.2 * font)))  # an item of the legend is about 13 letters wide
-    height = 0.02 * font * -(-len(looks) // across)
     sizes = {"font.size": font, "lines.markersize": font / 2, "lines.linewidth": font / 8, "font.family": _family(family)}
-    with mpl.rc_context(RC | sizes | {f"font.{_family(family)}": [FAMILIES[family]]} | _PGF):
-        figure = Figure(figsize=(columns * size[0], rows * size[1] + height), layout="constrained")
+    with mpl.rc_context(RC | sizes | {f"font.{_family(family)}": [FAMILIES[family]]} | PGF):
+        figure = Figure(figsize=(columns * size[0], rows * size[1]), layout="constrained")
         grid = figure.subplots(rows, columns, squeeze=False).ravel()
         for ax, panel in zip(grid, panels, strict=False):
             panel.draw(ax)
@@ -55,8 +54,11 @@ def save_sheet(
                 remove_bands(ax)
         for ax in grid[len(panels) :]:
             ax.axis("off")
-        handles = [Line2D([], [], **look.line) for look in looks.values()]
-        figure.legend(handles, [plain(name) for name in looks], loc="outside lower center", ncols=across, handlelength=3)
+        tags = {str(artist.get_gid()).removeprefix("dots-") for artist in figure.findobj()}
+        drawn = {name: look for name, look in looks.items() if look.tag in tags}
+        figure.set_figheight(rows * size[1] + 0.02 * font * -(-len(drawn) // across))
+        handles = [Line2D([], [], **look.line) for look in drawn.values()]
+        figure.legend(handles, [plain(name) for name in drawn], loc="outside lower center", ncols=across, handlelength=3)
         figure.draw_without_rendering()
         figure.set_layout_engine("none")  # keep the positions
         paths = [stem.with_suffix(f".{kind}") for kind in ("svg", "pdf")]
@@ -64,7 +66,7 @@ def save_sheet(
             date = "Date" if path.suffix == ".svg" else "CreationDate"
             with replaced(path) as file:
                 figure.savefig(file, dpi=IMAGE, metadata={date: None})
-        return paths + (_save_pgf(figure, stem, escape) if escape else [])
+        return paths + (save_pgf(figure, stem, escape) if escape else [])
 
 
 def remove_bands(ax: Axes) -> None:
@@ -77,7 +79,7 @@ def _family(family: str) -> str:
     return {"serif": "serif", "sans": "sans-serif"}[family]
 
 
-def _save_pgf(figure: Figure, stem: Path, escape: Escape) -> list[Path]:
+def save_pgf(figure: Figure, stem: Path, escape: Escape) -> list[Path]:
     """Save the figure as STEM.pgf with the images that it includes, STEM-img0.png and so on."""
     figure.set_layout_engine("constrained")  # the font differs
     _escape_all(figure, escape)

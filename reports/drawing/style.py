@@ -43,6 +43,8 @@ RC: Any = {
     "svg.hashsalt": "frictionbench",
     "pdf.fonttype": 42,
 }
+# On the page, where a panel is at least 340 px wide: 9.2 of its points, the size of all but few words, are then 11 px.
+ON_PAGE: Any = {"font.size": 11.0, "axes.labelsize": "small", "axes.titlesize": "small"}
 _COLOURS = (
     *("#0077bb", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#a6761d"),
     *("#8c6bb1", "#8a9a3b", "#e7298a", "#00a5a5", "#c49a6c", "#7f7f7f"),
@@ -80,6 +82,14 @@ def looks(labels: Iterable[str]) -> dict[str, Look]:
             shift += 1
         found[label] = Look(*drawn, f"label-{_number(label):x}")
     return dict(sorted(found.items()))
+
+
+def apart(found: dict[str, Look]) -> dict[str, Look]:
+    """The looks with dashes and markers in their order, so that few labels differ by both also where two colours look alike."""
+    return {
+        label: look._replace(marker=_MARKERS[k % len(_MARKERS)], dash=_DASHES[k % len(_DASHES)])
+        for k, (label, look) in enumerate(found.items())
+    }
 
 
 def _solver(label: str) -> str:

@@ -1,23 +1,23 @@
 """A map as data: panels of coloured tiles over two parameters, laid out as a few shapes that each renderer draws.
 
-A panel is WIDTH x HEIGHT units with its origin at the upper left; the field of tiles is ACROSS x UP of them. Grid points are
-counted in grid lines from the lower left corner of the field. reports.drawing.svg draws the shapes for the page, where a panel
-may hold thousands of tiles, and reports.drawing.print draws them for a paper.
+A panel is WIDTH x HEIGHT units with its origin at the upper left; the field of tiles is ACROSS x UP of them, below the title
+and the name of the upward axis, with ticks on the left and below. Grid points are counted in grid lines from the lower left
+corner of the field. reports.drawing.svg draws the shapes for the page, where a panel may hold thousands of tiles, and
+reports.drawing.print draws them for a paper.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import groupby
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
+from frictionbench.reports.drawing.polylines import Point
 from frictionbench.reports.drawing.text import plain
 
-WIDTH, HEIGHT = 124.0, 112.0
-LEFT, TOP, ACROSS, UP = 1.0, 14.0, 120.0, 96.0  # of the field of tiles
-LETTERS, SMALL_LETTERS = 7.0, 5.6  # font sizes; a title of more than SHORT letters fits in the smaller one
-SHORT, LONGEST = 28, 40  # letters of a title; a title longer than LONGEST is cut
-DOT = 1.6  # units, the diameter of a dot
-LEGEND_ROWS = 7  # of a column of the legend: as many as fit above the names of the axes
-Points = Mapping[str, Iterable[tuple[float, float]]]  # grid points by colour
+WIDTH, HEIGHT = 158.0, 142.0
+LEFT, TOP, ACROSS, UP = 30.0, 22.0, 120.0, 96.0  # of the field of tiles
+LETTERS = 7.2  # font size
+LONGEST = 38  # letters of a title; a longer one is cut
+LEGEND_ROWS = 8  # of a column of the legend: as many as fit on a panel
 
 
 class Tile(NamedTuple):
@@ -30,22 +30,29 @@ class Tile(NamedTuple):
     tooltip: str = ""
 
 
-class Grid(NamedTuple):
-    """What the panels of a map have in common: of each axis its parameter, its ends as text and its number of grid lines; and
-    points drawn over the tiles."""
+class Axis(NamedTuple):
+    """The name of a parameter with its unit, its ticks, each a grid line and a text, and its number of grid lines."""
 
-    x: tuple[str, str, str, int]
-    y: tuple[str, str, str, int]
-    points: Points
+    name: str
+    ticks: tuple[tuple[float, str], ...]
+    grid_lines: int
+
+
+class Grid(NamedTuple):
+    """What the panels of a map have in common: both axes, and by colour the lines drawn over the tiles, through grid points."""
+
+    x: Axis
+    y: Axis
+    lines: Mapping[str, Sequence[Sequence[Point]]]
 
 
 class Text(NamedTuple):
-    """A line of text whose baseline starts at (x, y)."""
+    """A line of text whose baseline starts, has its middle or ends at (x, y)."""
 
     x: float
     y: float
     text: str
-    size: float = LETTERS
+    anchor: Literal["start", "middle", "end"] = "start"
 
 
 class Box(NamedTuple):
@@ -57,7 +64,6 @@ class Box(NamedTuple):
     height: float
     colour: str
     line: float
-    radius: float = 0.0
 
 
 class Bars(NamedTuple):
@@ -76,49 +82,81 @@ class Field(NamedTuple):
     bars: tuple[Bars, ...]
 
 
-class Dots(NamedTuple):
-    """Dots of one colour at places (x, y) of the panel."""
+class Line(NamedTuple):
+    """A line through places (x, y) of the panel. colour: of a curve, which a wider white one sets off from the tiles; empty for
+    a tick. dashed: every other curve is, so that two that coincide are both seen."""
 
     colour: str
-    places: tuple[tuple[float, float], ...]
+    places: tuple[Point, ...]
+    width: float
+    dashed: bool = False
 
 
-Panel = tuple[Text | Box | Field | Dots, ...]
+Shape = Text | Box | Field | Line
+Panel = tuple[Shape, ...]
+CURVE, TICK = 1.3, 0.5  # widths of lines
+
+
+class Entry(NamedTuple):
+    """An entry of the legend: a name and its colour, of a line or of tiles."""
+
+    name: str
+    colour: str
+    line: bool = False
+    dashed: bool = False
 
 
 class Drawing(NamedTuple):
-    """A map: its title, the name of its file, its panels, and a note on what needs no panel."""
+    """A map: its title, the name of its file, its legend, its panels, a note on what needs no panel, and the facts by which a
+    reader finds what a tile stands for (see reports.charts.failure_maps)."""
 
     title: str
     name: str
+    legend: tuple[Entry, ...]
     panels: tuple[Panel, ...]
     note: str = ""
+    facts: Mapping[str, object] = {}
 
 
-def legend(labels: Sequence[tuple[str, str, bool]], grid: Grid) -> Panel:
-    """The panel of names and their colours, as dots where the third item is true, and of the parameters of both axes."""
-    shapes: list[Text | Box] = []
-    for k, (name, colour, dot) in enumerate(labels):
-        x, y = 2 + 60 * (k // LEGEND_ROWS), TOP + 9 * (k % LEGEND_ROWS)
-        shapes += [Box(x, y, 6, 6, colour, 0.3, radius=3.0 * dot), Text(x + 9, y + 5.4, name)]
-    for k, (way, (parameter, low, high, _)) in enumerate((("across", grid.x), ("upwards", grid.y))):
-        y = HEIGHT - 27 + 16 * k
-        shapes += [Text(2, y, f"{way}: {parameter}"), Text(2, y + 8, f"{low} to {high}")]
+def legend(entries: Sequence[Entry]) -> Panel:
+    """The panel of names and their colours."""
+    shapes: list[Shape] = []
+    for k, (name, colour, line, dashed) in enumerate(entries):
+        x, y = 2 + 78 * (k // LEGEND_ROWS), TOP + 11 * (k % LEGEND_ROWS)
+        shapes.append(Line(colour, ((x, y + 3), (x + 8, y + 3)), CURVE, dashed) if line else Box(x, y, 8, 6, colour, 0.3))
+        shapes.append(Text(x + 11, y + 5.6, name))
     return tuple(shapes)
 
 
 def panel(title: str, tiles: Iterable[Tile], grid: Grid, background: str = "") -> Panel:
-    """A title over a field of tiles. background: the colour of the field, so that whole tiles of it can be left out."""
-    columns, lines = grid.x[3], grid.y[3]
-    dots = (
-        Dots(colour, tuple((LEFT + (i + 0.5) * ACROSS / columns, TOP + UP - (j + 0.5) * UP / lines) for i, j in points))
-        for colour, points in grid.points.items()
+    """A title over a field of tiles with its axes. background: the colour of the field, so that its whole tiles can be left
+    out."""
+    columns, rows = grid.x.grid_lines, grid.y.grid_lines
+    bottom = TOP + UP
+
+    def place(i: float, j: float) -> Point:
+        return LEFT + (i + 0.5) * ACROSS / columns, bottom - (j + 0.5) * UP / rows
+
+    lines = (
+        Line(colour, tuple(place(*at) for at in one), CURVE, dashed=bool(k % 2))
+        for k, (colour, ways) in enumerate(grid.lines.items())
+        for one in ways
     )
+    ticks: list[Shape] = []
+    for i, text in grid.x.ticks:
+        x, _ = place(i, 0)
+        ticks += [Line("", ((x, bottom), (x, bottom + 2.5)), TICK), Text(x, bottom + 10, text, "middle")]
+    for j, text in grid.y.ticks:
+        _, y = place(0, j)
+        ticks += [Line("", ((LEFT - 2.5, y), (LEFT, y)), TICK), Text(LEFT - 4, y + 2.5, text, "end")]
     return (
-        Text(LEFT, 10, plain(title, LONGEST), SMALL_LETTERS if len(title) > SHORT else LETTERS),
+        Text(1, 8, plain(title, LONGEST)),
+        Text(1, TOP - 3, plain(grid.y.name, LONGEST)),
         Box(LEFT, TOP, ACROSS, UP, background, 0.5),
-        Field(columns, lines, tuple(_joined(tiles))),
-        *dots,
+        Field(columns, rows, tuple(_joined(tiles))),
+        *lines,
+        *ticks,
+        Text(LEFT + ACROSS, bottom + 19, plain(grid.x.name, LONGEST), "end"),
     )
 
 

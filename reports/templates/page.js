@@ -1,5 +1,5 @@
 "use strict";
-// Selects solvers, sorts tables and shows the tooltips of dots. Without it the page is complete, with the best few solvers highlighted.
+// Selects solvers, sorts tables, makes them cards on narrow screens, and shows the tooltips of dots. Without it the page is complete, with the best few solvers highlighted.
 const marks = document.querySelectorAll("g[data-label], g[data-dots]");
 const bands = document.querySelectorAll("g[data-band]");
 const chips = document.querySelectorAll("button[data-label], button[data-family]");
@@ -64,6 +64,28 @@ for (const table of document.querySelectorAll("table.sorts")) {
   });
 }
 
+// Of each cell the words above its column: where there is no room for columns, rows are shown as cards (page.css).
+for (const table of document.querySelectorAll(".wide > table")) {
+  const heads = [];
+  for (const row of table.rows) {
+    if (!row.querySelector("th")) continue;
+    let column = 0;
+    for (const head of row.cells) {
+      for (let k = 0; k < head.colSpan; k++, column++) heads[column] = [heads[column], head.textContent.trim()].filter(Boolean).join(", ");
+    }
+  }
+  if (heads.length > 4) table.classList.add("several");
+  if (heads.length > 12) table.classList.add("many");
+  for (const row of table.rows) {
+    let column = 0;
+    for (const cell of row.cells) {
+      cell.dataset.head = heads[column] || "";
+      cell.classList.toggle("blank", column > 0 && /^–?$/.test(cell.textContent.trim()));
+      column += cell.colSpan;
+    }
+  }
+}
+
 // The dots of a group are in the order of its list of tooltips.
 const note = document.getElementById("note");
 for (const list of document.querySelectorAll("script[type='application/json']")) {
@@ -80,6 +102,36 @@ for (const list of document.querySelectorAll("script[type='application/json']"))
       };
       dot.addEventListener("pointerenter", showNote);
       dot.addEventListener("pointerleave", () => { note.hidden = true; });
+    });
+  }
+}
+
+// Maps: a button enlarges a panel; a click on a tile tells its problem and the commands that solve and show it. The field of tiles
+// has its place within a panel from the transform of its group, and grid points count from its lower left corner.
+const shown = (value) => (typeof value === "number" ? String(Number(value.toPrecision(6))) : String(value));
+for (const data of document.querySelectorAll("script.facts")) {
+  const facts = JSON.parse(data.textContent), told = data.previousElementSibling;
+  for (const map of data.parentNode.querySelectorAll(".map")) {
+    const svg = map.querySelector("svg"), field = svg.querySelector("g[transform]"), button = map.querySelector(".enlarge");
+    button.hidden = false;
+    button.addEventListener("click", () => map.classList.toggle("large"));
+    svg.addEventListener("click", (event) => {
+      const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(field.getScreenCTM().inverse());
+      const pick = (axis, line) => {
+        const k = Math.round(2 * (line - 0.5));
+        return k < 0 || k >= axis.values.length ? undefined : axis.values[k - (event.target.closest("path, rect")?.querySelector("title") ? 0 : k % 2)];
+      };
+      const x = pick(facts.x, at.x), y = pick(facts.y, at.y);
+      if (x === undefined || y === undefined) return;
+      const parameters = { ...facts.parameters, [facts.x.parameter]: x, [facts.y.parameter]: y };
+      const scene = `${facts.scene}[${Object.entries(parameters).map(([name, value]) => `${name}=${shown(value)}`).join(",")}]`;
+      const title = event.target.querySelector?.("title")?.textContent || "";
+      const key = / · ([\w-]+)$/.exec(title);
+      const lines = [svg.querySelector("text").textContent, title.replace(/ · [\w-]+$/, "") || `${facts.x.parameter} ${shown(x)}, ${facts.y.parameter} ${shown(y)}`];
+      if (key) lines.push(`frictionbench rerun ${facts.folder} ${key[1]}`);
+      lines.push(`frictionbench solve '${scene}'`, `frictionbench show '${scene}'${facts.scheme === "anitescu_potra" ? "" : ` --scheme ${facts.scheme}`}`);
+      told.textContent = lines.join("\n");
+      told.hidden = false;
     });
   }
 }

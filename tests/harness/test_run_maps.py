@@ -23,7 +23,7 @@ from frictionbench.problems import InputError, scene
 from frictionbench.problems.analysis.thresholds import THRESHOLDS
 from frictionbench.problems.recorded.own import load
 from frictionbench.problems.residual import residual
-from frictionbench.reports.drawing import svg
+from frictionbench.reports.drawing import svg, tiles
 from frictionbench.reports.drawing.tiles import Grid, Tile, panel
 from frictionbench.reports.page import write_report
 from frictionbench.reports.paper import write_paper
@@ -173,7 +173,7 @@ def test_page_shows_every_map(atlas) -> None:
 
 def test_map_markup_is_compact_and_escaped() -> None:
     row = [Tile(i, 0, 1.0, "red") for i in range(5)]
-    grid = Grid(("a", "0", "1", 5), ("b", "0", "1", 2), {})
+    grid = Grid(tiles.Axis("a", (), 5), tiles.Axis("b", (), 2), {})
     drawn = svg.markup(panel("<b>&", [*row, Tile(1.5, 0, 0.5, "blue", "<i>")], grid, "green"))
     assert (
         '<g fill="red"><path d="M0 0H5v1H0z"/></g><g fill="blue"><path d="M1.75 0.25H2.25v0.5H1.75z"><title>&lt;i&gt;' in drawn

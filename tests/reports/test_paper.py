@@ -4,7 +4,9 @@ import json
 import re
 import shutil
 import subprocess
+from dataclasses import replace
 
+import numpy as np
 import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
@@ -12,10 +14,11 @@ from matplotlib.figure import Figure
 from frictionbench.harness.commands.options import parse_length, split_names
 from frictionbench.reports.charts import pareto, profiles
 from frictionbench.reports.drawing import tiles
-from frictionbench.reports.drawing.print import draw_panel, save_drawing
+from frictionbench.reports.drawing.polylines import polylines
+from frictionbench.reports.drawing.print import draw_panel, pages, save_panels
 from frictionbench.reports.drawing.sheets import save_sheet
 from frictionbench.reports.latex import Layout, booktabs, escaped, one_unit
-from frictionbench.reports.paper import chosen, write_paper
+from frictionbench.reports.paper import chosen, of_scenes, write_paper
 from frictionbench.reports.references import cited, references
 from frictionbench.reports.run import Run, read_run
 from frictionbench.results.files import ResultsError
@@ -96,26 +99,64 @@ def test_bands_of_few_solvers(run, tmp_path) -> None:
 
 def test_map_drawing(tmp_path) -> None:
     """Ground, tiles, dots and texts, each with its colour and at its place, as PDF, twice the same."""
-    grid = tiles.Grid(("friction", "0", "1", 4), ("mass", "1", "9", 4), {"#112233": [(0, 0), (3, 3)]})
+    across, upwards = tiles.Axis("friction", ((0.0, "0"), (3.0, "1")), 4), tiles.Axis("mass, kg", ((0.0, "1"),), 4)
+    grid = tiles.Grid(across, upwards, {"#112233": [[(0, 0), (3, 3)]]})
     wrong = [
         tiles.Tile(0, 0, 1, "#cc0000", "a reason"),
         tiles.Tile(1, 0, 1, "#cc0000", "another"),
         tiles.Tile(3, 3, 1, "#0000cc"),
     ]
-    panels = (tiles.legend([("solved", "#a9d8b8", False)], grid), tiles.panel("lemke 90 %", wrong, grid, "#a9d8b8"))
+    panel = tiles.panel("lemke 90 %", wrong, grid, "#a9d8b8")
     ax = Figure().subplots()
-    draw_panel(ax, panels[1], 10.0, 20.0, 1.0)
+    draw_panel(ax, panel, 10.0, 20.0, 1.0)
     boxes = {to_hex(patch.get_facecolor()): patch.get_path().get_extents(patch.get_transform()) for patch in ax.patches}
     data = {colour: box.transformed(ax.transData.inverted()) for colour, box in boxes.items()}
     assert data.keys() == {"#a9d8b8", "#cc0000", "#0000cc"}
     left, right, low, high = 10 + tiles.LEFT, 10 + tiles.LEFT + tiles.ACROSS, 20 + tiles.TOP + tiles.UP, 20 + tiles.TOP
     assert data["#a9d8b8"].extents == pytest.approx([left, high, right, low])
     assert (data["#0000cc"].x1, data["#0000cc"].y0) == pytest.approx((right, high))
-    assert (ax.lines[0].get_color(), len(ax.lines[0].get_xdata())) == ("#112233", 2)
-    assert [text.get_text() for text in ax.texts] == ["lemke 90 %"]
+    curve = next(line for line in ax.lines if line.get_color() == "#112233")
+    assert curve.get_xdata()[0] == pytest.approx(left + tiles.ACROSS / 8)
+    assert [text.get_text() for text in ax.texts] == ["lemke 90 %", "mass, kg", "0", "1", "1", "friction"]
+    drawing = tiles.Drawing("A map.", "map", (tiles.Entry("solved", "#a9d8b8"),), (panel,) * 30)
+    parts = pages(drawing, 7.0, 7.4)
+    assert [len(part) for part in parts] == [16, 15]
     for name in "ab":
-        save_drawing(tiles.Drawing("A map.", "map", panels), tmp_path / name, 7.0, "sans")
+        save_panels(parts[0], tmp_path / name, 7.0, "sans")
     assert (tmp_path / "a.pdf").read_bytes() == (tmp_path / "b.pdf").read_bytes()
+
+
+def test_points_are_joined_along_a_curve() -> None:
+    arc = [(5 * np.cos(angle), 5 * np.sin(angle)) for angle in np.linspace(0.1, 3, 20)]
+    far = [(20.0, 20.0), (21.0, 20.5)]
+    shuffled = [*arc[::2], *far, *arc[1::2]]
+    assert sorted(map(len, polylines(shuffled))) == [2, 20]
+    longest = max(polylines(shuffled), key=len)
+    assert longest in (arc, arc[::-1])
+
+
+def test_figures_fit_the_page(run, tmp_path) -> None:
+    """Charts of one's choice, of some scenes, over several files where they are taller than a page."""
+    rows = [solve_row("lemke", f"{scene}{k}", scene=f"scene_{scene}") for scene in range(20) for k in (0, 1)]
+    many = read_run(write_folder(tmp_path / "many", rows))
+    paper = write_paper(tmp_path, many, Layout(), ["speed_accuracy"])
+    assert sorted(path.name for path in paper.glob("*.pdf")) == ["speed_accuracy.pdf", "speed_accuracy_2.pdf"]
+    captions = (paper / "captions.tex").read_text()
+    assert "Red rings" not in captions
+    assert "strip at the top" not in captions
+    assert "(continued)." in captions
+    (tmp_path / "one").mkdir()
+    one = write_paper(tmp_path / "one", of_scenes(many, ["scene_3"]), Layout(), ["speed_accuracy"])
+    assert [path.name for path in one.glob("*.pdf")] == ["speed_accuracy.pdf"]
+    with pytest.raises(ResultsError, match="figures: there is no pie; there are stability"):
+        write_paper(tmp_path, many, Layout(), ["pie"])
+    with pytest.raises(ResultsError, match="scenes: other is not in this run; there are scene_0"):
+        of_scenes(many, ["other"])
+
+
+def test_printed_lines_differ_without_colour(run) -> None:
+    few = replace(chosen(run, ["lemke", "nsgs", "ccp"]), printed=True)
+    assert len({look.marker for look in few.looks.values()}) == len({str(look.dash) for look in few.looks.values()}) == 3
 
 
 @latex

@@ -1,0 +1,140 @@
+"""Every command of the README and of docs is executed: as it stands, or on less where it would take longer than a test may."""
+
+import re
+import shlex
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.recorded.own import save
+from frictionbench.results.store import read_table
+from tests.helpers.command_line import Done, frictionbench
+from tests.helpers.paths import ROOT
+
+DOCUMENTS = [ROOT / "README.md", *sorted(path for path in (ROOT / "docs").glob("*.md") if path.name != "peers.md")]
+# What stands for the words in capitals of a synopsis, whose options are all given, and of several choices the first.
+STANDS_FOR = {
+    "[--jobs N | --cluster ADDRESS]": "--jobs 1",
+    "[--scene S]": "",
+    "[--solver A]": "--solver lemke",
+    "[--time-limit S]": "",
+    "[--out DIR]": "--out runs/synopsis",
+    "[SUITE]": "smoke",
+    "SUITE": "smoke",
+    "ADDRESS": "tcp://127.0.0.1:8786",
+    "BASELINE": "baselines/smoke.tsv",
+    "FILE.hdf5": "made.hdf5",
+    "FILE|SCENE": "problem.npz",
+    "SCENE|DIR": "two_blocks",
+    "DIR|fclib/FAMILY": "FOLDER",
+    "--data DIR": "--data FOLDER",
+    "fclib/FAMILY": "fclib/Chain",
+    "FILE|NAME": "mine.py",
+    "SCENE[...]": "stack[blocks=2]",
+    "SCENE": "stack",
+    "DIR": "runs/now",
+    "--solver NAME": "--solver lemke",
+    "NAME": "mine.py",
+    "FILE": "problem.npz",
+}
+# What is added, by how a command begins, unless it is named in the command: fewer problems, solvers, steps.
+ON_LESS = {
+    "run standard": (
+        "--scene 'stack[blocks=2,push=1]'",
+        "--solver lemke --solver nsgs --solver interior_point",
+        "--tol 1e-6",
+        "--out runs/standard",
+    ),
+    "run smoke": ("--scene 'stack[blocks=2,mass_ratio=1e6,push=1]'",),
+    "run spatial": ("--scene random_bodies", "--solver nsgs", "--tol 1e-4"),
+    "run maps": ("--scene painleve_rod", "--solver lemke"),
+    "run hard": ("--scene stack", "--solver lemke"),
+    "run recorded": ("--solver lemke",),
+    "run replay": ("--solver lemke",),
+    "solve": ("--solver lemke",),
+    "rerun": ("--solver mine.py",),
+    "shrink": ("--solver mine.py",),
+    "show": ("--steps 3",),
+    "map": ("--solver lemke",),
+    "fairness": ("--solver ccp_cone",),
+}
+GRID = ":30", ":13"  # along an axis of a map; a test has two
+# Commands that need a network, a cluster or fetched data: what is said where there is none.
+REFUSED = {
+    "fetch": "fclib/Chain",
+    "run recorded --data fclib": "frictionbench fetch",
+    "run abh2018": "frictionbench fetch",
+    "run standard --cluster": "cluster",
+    "run smoke --cluster": "cluster",
+}
+
+
+def commands(text: str) -> list[str]:
+    """The commands of a document: indented lines without their remarks, and those in a line of text."""
+    found = re.findall(r"^    frictionbench (.+?)(?:\s+# .*)?$|`frictionbench ([^`\n]+ [^`\n]+)`", text, re.MULTILINE)
+    return [own for pair in found for own in pair if own]
+
+
+def executable(command: str, row: str) -> str:
+    """A command with words in place of those in capitals, on less."""
+    for name, value in STANDS_FOR.items():
+        command = command.replace(name, value)
+    command = re.sub(r"\[(--[^\]]*)\]", r"\1", command)  # optional parts
+    command = re.sub(r"(?<=[\w/])\|[\w|/]+", "", command)  # further choices
+    command = re.sub(r"\bROW\b", row, command)
+    for count in GRID:
+        command = re.sub(rf"{count}\b", ":2", command)
+    added = next((options for start, options in ON_LESS.items() if command.startswith(start)), ())
+    return " ".join([command, *(option for option in added if option.split()[0] not in command)])
+
+
+@pytest.fixture(scope="module")
+def newcomer(tmp_path_factory) -> Path:
+    """A folder with what the README has one write: a plug-in, a problem, a folder of steps; and an earlier run."""
+    home = tmp_path_factory.mktemp("newcomer")
+    blocks = re.findall(r"```python\n(.*?)```", DOCUMENTS[0].read_text(encoding="utf-8"), flags=re.DOTALL)
+    plugin = next(block for block in blocks if "@solver" in block)
+    (home / "solvers").mkdir()
+    for path in (home / "mine.py", home / "solvers" / "mine.py"):
+        path.write_text(plugin, encoding="utf-8")
+    problem = random_problem(1, contacts=2)
+    for name in ("problem.npz", "FOLDER/step_0001.npz", "FOLDER/step_0002.npz"):
+        (home / name).parent.mkdir(exist_ok=True)
+        save(problem, home / name)
+    return home
+
+
+@pytest.fixture(scope="module")
+def done(newcomer: Path) -> dict[tuple[str, str], tuple[str, Done]]:
+    """What each command of each document printed and how it ended, run in the order of the documents."""
+    found: dict[tuple[str, str], tuple[str, Done]] = {}
+    row = ""
+    for document in DOCUMENTS:
+        for command in commands(document.read_text(encoding="utf-8")):
+            ran = executable(command, row)
+            makes = ran.startswith("run smoke") and "--out runs/now" in ran
+            if makes:
+                shutil.rmtree(newcomer / "runs" / "now", ignore_errors=True)
+            words = [word for word in shlex.split(ran) if "*" not in word]  # what a shell finds nothing for
+            found[document.name, command] = ran, frictionbench(*words, cwd=newcomer)
+            if makes:
+                rows = read_table(newcomer / "runs" / "now", "solves")
+                row = str(rows.loc[np.argmax(rows["verdict"] != "solved"), "key"])
+    return found
+
+
+LISTED = [(path.name, command) for path in DOCUMENTS for command in commands(path.read_text(encoding="utf-8"))]
+
+
+@pytest.mark.parametrize(("document", "command"), LISTED, ids=[f"{name}: {command}" for name, command in LISTED])
+def test_command(document: str, command: str, done) -> None:
+    ran, ended = done[document, command]
+    refused = next((why for start, why in REFUSED.items() if ran.startswith(start)), None)
+    if refused is not None:
+        assert ended.returncode in (0, 2), ended.stderr
+        assert ended.returncode == 0 or refused in ended.stderr
+    else:
+        assert ended.returncode == 0, f"frictionbench {ran}\n{ended.stdout}\n{ended.stderr}"
