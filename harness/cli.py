@@ -243,14 +243,25 @@ def accept(
 
 
 @app.command()
-def history(folders: Annotated[list[Path], typer.Argument(metavar="DIR...", help="Results folders and baselines.")]) -> None:
+def history(
+    folders: Annotated[list[Path], typer.Argument(metavar="DIR...", help="Results folders and baselines.")],
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", metavar="FILE.html", help="Also draw them, with the changes marked.")
+    ] = None,
+) -> None:
     """Show verdicts, work and times of runs over time."""
     from rich.console import Console
 
     from frictionbench.reports.comparison.history import history as table_of
+    from frictionbench.reports.comparison.history import lines
 
-    console, table = Console(), table_of(folders)
+    found = lines(folders)
+    console, table = Console(), table_of(found)
     (console if console.is_terminal else Console(width=10**6)).print(table)  # lines are not wrapped in a pipe
+    if out:
+        from frictionbench.reports.comparison.history_page import write_history
+
+        typer.echo(f"history: {write_history(found, out)}")
 
 
 @app.command()
@@ -315,11 +326,12 @@ def show(
 
     It shows bodies, contact impulses, friction cones and the energy balance.
     """
-    from frictionbench.harness.commands.show import recorded
+    from frictionbench.harness.commands.show import recorded, told
     from frictionbench.reports.animation import write_animation
 
     motion = recorded(scene, solver, scheme, steps)
     typer.echo(f"animation: {write_animation(motion, out or Path(f'{motion.scene}.html'))}")
+    typer.echo(told(motion))
     if motion.ended:
         typer.echo(f"the motion ends after {len(motion.times) - 1} steps: {motion.ended}", err=True)
 

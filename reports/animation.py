@@ -5,7 +5,6 @@ from an untrusted source: text is escaped, "<" does not occur in the JSON, and t
 only, by its hash.
 """
 
-import json
 from pathlib import Path
 from typing import Any, NamedTuple
 from urllib.parse import quote
@@ -13,7 +12,6 @@ from urllib.parse import quote
 import numpy as np
 
 from frictionbench.reports.templates import as_json, environment, script
-from frictionbench.results.cells import scene_title
 from frictionbench.results.files import ResultsError, subfolder, write_text
 from frictionbench.results.motion import Array, Motion, Outline, plain, read_motion
 
@@ -38,7 +36,7 @@ def write_animation(motion: Motion, path: Path) -> Path:
         .get_template("animation.html")
         .render(
             motion=motion,
-            title=scene_title(motion.scene, json.dumps(motion.parameters)),
+            title=motion.title,
             frames=len(motion.times),
             script=text,
             script_hash=digest,
@@ -59,8 +57,7 @@ def write_animations(folder: Path) -> list[Animation]:
             continue
         subfolder(folder, "motion")
         page = write_animation(motion, path.with_suffix(".html"))
-        title = scene_title(motion.scene, json.dumps(motion.parameters))
-        pages.append(Animation(motion.scene, title, f"motion/{quote(page.name)}"))
+        pages.append(Animation(motion.scene, motion.title, f"motion/{quote(page.name)}"))
     return pages
 
 

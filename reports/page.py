@@ -1,7 +1,7 @@
 """The report: one self-contained HTML file made from a results folder, and the files that it links to.
 
 Names and reasons in a results folder may come from an untrusted source: the template escapes all text, the page loads nothing,
-the only script that it runs is templates/page.js, by its hash, and figures are drawn without interpreting names.
+the only script that it runs is templates/page.js with filter.js, by its hash, and figures are drawn without interpreting names.
 """
 
 from dataclasses import fields
@@ -33,7 +33,7 @@ def write_report(folder: Path, run: Run | None = None) -> Path:
 
 def render(page: Page) -> str:
     """The page as HTML."""
-    text, digest = script("page.js")
+    text, digest = script("page.js", "filter.js")
     values = {field.name: getattr(page, field.name) for field in fields(page)}
     return environment().get_template("page.html").render(values, script=text, script_hash=digest)
 

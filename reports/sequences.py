@@ -25,6 +25,14 @@ class Motion(NamedTuple):
 
 def motions(run: Run) -> list[Motion]:
     """The motions of FEWEST steps or more, ranked ones only."""
+    return [
+        Motion(name, own["problem_id"].nunique(), in_order(percentiles(own, run.budget, weighted=False)))
+        for name, own in step_times(run)
+    ]
+
+
+def step_times(run: Run) -> list[tuple[str, pd.DataFrame]]:
+    """Of each motion its title and its times to the finest target (reports.accuracy.times_to), with the column step."""
     rows = run.ranked
     recorded = rows["parameters"].map(file_of) != ""
     titles = [scene_title(*names) for names in zip(rows["scene"], rows["parameters"], strict=True)]
@@ -33,7 +41,7 @@ def motions(run: Run) -> list[Motion]:
     times = run.times[run.outer_targets[-1]]
     found = []
     for name, own in times.groupby(times["problem_id"].map(of["title"]), sort=False):
-        if own["problem_id"].map(of["step"]).nunique() >= FEWEST:
-            table = in_order(percentiles(own, run.budget, weighted=False))
-            found.append(Motion(str(name), own["problem_id"].nunique(), table))
+        steps = own["problem_id"].map(of["step"])
+        if steps.nunique() >= FEWEST:
+            found.append((str(name), own.assign(step=steps)))
     return found

@@ -1,7 +1,7 @@
 """What the report's page shows, as values: built from a run alone, without writing anything. templates/page.html draws it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import pandas as pd
@@ -15,6 +15,7 @@ from frictionbench.reports.choice import Kind, choices
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.sheets import BANDS
 from frictionbench.reports.drawing.tiles import Drawing
+from frictionbench.reports.filter import cells
 from frictionbench.reports.hard import HardShares, hard_shares
 from frictionbench.reports.headline import differs, headline
 from frictionbench.reports.noise import Noise, noise, sentence
@@ -148,6 +149,7 @@ class Page:
     claims_count: int
     settings: list[tuple[str, list[Setting]]]
     maps_first: bool = False
+    cells: dict[str, Any] = field(default_factory=dict)
     much_form: float = MUCH_FORM
     charges: Sequence[int] = CHARGES
     first_screen: int = FIRST_SCREEN
@@ -182,6 +184,7 @@ def view(run: Run, animations: Sequence[Animation] = ()) -> Page:
         claims=claims.head(MOST_CLAIMS),
         claims_count=len(claims),
         settings=settings(run.manifest),
+        cells=cells(run),
         maps_first=bool(run.manifest["settings"].get("maps")) and not run.manifest["settings"].get("sources"),
     )
 

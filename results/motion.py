@@ -15,10 +15,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionbench.results.cells import scene_title
 from frictionbench.results.files import ResultsError, read_json, subfolder, write_text
 
 Array = NDArray[np.float64]
 CURVES = ("times", "energy", "kinetic", "friction", "normal", "joints", "residual")
+SHOWN = 3  # digits of a parameter in a title
 DIGITS = 12  # significant digits in the file: a defect is the small difference of large energies
 
 
@@ -36,7 +38,8 @@ class Outline:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """times: (n,), s. poses: (n, nb, 3), x, y and angle.
+    """parameters: of the scene, all; changed: those that are not its defaults.
+    times: (n,), s. poses: (n, nb, 3), x, y and angle.
 
     contacts: per frame (nc, 6): the point; the unit normal towards the body that is pushed, the upper one of two; the normal
     and the tangential impulse of the whole step, N s, the latter along the normal turned by -90 degrees.
@@ -48,6 +51,7 @@ class Motion:
 
     scene: str
     parameters: dict[str, Any]
+    changed: dict[str, Any]
     solver: str
     scheme: str
     step: float
@@ -65,6 +69,11 @@ class Motion:
     normal: Array
     joints: Array
     residual: Array
+
+    @property
+    def title(self) -> str:
+        """The scene with the parameters that were changed, with three digits."""
+        return scene_title(self.scene, json.dumps(plain(self.changed, SHOWN)))
 
     @property
     def defect(self) -> Array:
@@ -105,7 +114,7 @@ def decoded(found: Any, origin: str) -> Motion:
         fields: dict[str, Any] = {name: str(found[name]) for name in ("scene", "solver", "scheme", "ended")}
         fields |= {name: float(found[name]) for name in ("step", "coefficient", "restitution")}
         fields |= {name: np.array(found[name], dtype=float) for name in ("poses", *CURVES)}
-        fields["parameters"] = dict(found["parameters"])
+        fields |= {name: dict(found[name]) for name in ("parameters", "changed")}
         fields["hinges"] = _numbers(found["hinges"], 3)
         fields["contacts"] = tuple(_numbers(contacts, 6) for contacts in found["contacts"])
         fields["outlines"] = tuple(

@@ -9,13 +9,14 @@ middle velocity w = (v + v+)/2 the kinetic energy changes by exactly
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from frictionbench.harness.cells.reference import NoReference, Reference
 from frictionbench.harness.cells.simulation import DIVERGED
 from frictionbench.harness.plans.plan import Source
-from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems import FrictionProblem, scene, scenes
 from frictionbench.problems.check import Array
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scene import Scene
@@ -33,6 +34,12 @@ def store_motion(folder: Path, source: Source) -> None:
     path = folder / "motion" / f"{source.scene}-{source.key.removeprefix('source-')}.json"
     if not path.exists():
         write_motion(path, record_motion(scene(source.scene, **source.parameters), Reference(), steps=source.steps))
+
+
+def _changed(stage: Scene) -> dict[str, Any]:
+    """The parameters of a scene that are not its defaults."""
+    defaults = scenes()[stage.name].parameters if stage.name in scenes() else {}
+    return {name: value for name, value in stage.parameters.items() if name not in defaults or value != defaults[name]}
 
 
 def record_motion(stage: Scene, solver: str | Reference, scheme: str = DEFAULT_SCHEME, steps: int | None = None) -> Motion:
@@ -57,6 +64,7 @@ def record_motion(stage: Scene, solver: str | Reference, scheme: str = DEFAULT_S
     return Motion(
         scene=stage.name,
         parameters=stage.parameters,
+        changed=_changed(stage),
         solver=str(solver),
         scheme=scheme,
         step=stage.step,

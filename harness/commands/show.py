@@ -4,13 +4,16 @@ import tempfile
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.motion import record_motion
 from frictionbench.harness.plans.plan import MEMORY_LIMIT
 from frictionbench.harness.workers.plugins import load_plugins
 from frictionbench.harness.workers.pool import Pool
 from frictionbench.harness.workers.task import Task
-from frictionbench.problems import InputError, scene
+from frictionbench.problems import InputError, scene, scenes
+from frictionbench.problems.instances import instances
 from frictionbench.problems.schemes import require_scheme
 from frictionbench.problems.spec import parse
 from frictionbench.results.motion import Motion, decoded
@@ -18,10 +21,22 @@ from frictionbench.results.motion import Motion, decoded
 MAX_SECONDS = 3600.0  # seconds for a plug-in to simulate a scene: the user can interrupt it earlier
 
 
+def told(motion: Motion) -> str:
+    """The energy balance in a line, relative to the largest kinetic energy, or to a thousandth of all where nothing moves."""
+    energy = motion.energy
+    scale = max(motion.kinetic.max(), 1e-3 * np.abs(energy).max(), np.finfo(float).tiny)
+    end, rise = (energy[-1] - energy[0]) / scale, np.diff(energy, prepend=energy[0]).max() / scale
+    worst = motion.residual.max(initial=0.0, where=np.isfinite(motion.residual))
+    changes = f"energy: {100 * end:+.2g} % at the end, at most {100 * rise:+.2g} % in a step, of the largest kinetic energy"
+    return f"{changes}; worst residual {worst:.0e}"
+
+
 def recorded(scene_spec: str, solver_spec: str, scheme: str, steps: int | None) -> Motion:
     """The motion of a scene by a solver, both as named on the command line. Errors: InputError naming the field."""
     require_scheme(scheme)
     name, settings = parse("scene", scene_spec)
+    if name in instances():
+        raise InputError(f"scene: {name} is a problem of one step and has no motion; `show` takes {', '.join(scenes())}")
     stage = scene(name, **settings)
     variants, plugins = load_plugins([solver_spec])
     if len(variants) != 1:

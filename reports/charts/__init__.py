@@ -12,11 +12,12 @@ from frictionbench.reports.charts import (
     profiles,
     speed_accuracy,
     stability,
+    steps,
     work,
 )
 
 MAPS = (failure_maps.VERDICTS, failure_maps.TYPES, failure_maps.TIMES, failure_maps.WORK)
 CHARTS = (
     *(stability.CHART, forces.CHART, *MAPS, pareto.CHART, speed_accuracy.CHART, convergence.CHART),
-    *(profiles.CHART, work.CHART, budget.CHART, classes.CHART, growth.CHART, energy.CHART),
+    *(profiles.CHART, work.CHART, budget.CHART, classes.CHART, growth.CHART, steps.CHART, energy.CHART),
 )

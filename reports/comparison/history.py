@@ -4,6 +4,7 @@ these runs measured."""
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -11,33 +12,61 @@ from rich.table import Table
 from rich.text import Text
 
 from frictionbench.reports.drawing.text import seconds
-from frictionbench.results.cells import format_counts, parse_counts, read
+from frictionbench.results.cells import Cells, format_counts, parse_counts, read
 from frictionbench.results.files import ResultsError
 from frictionbench.results.printable import printable
 from frictionbench.results.verdicts import ACCEPTED
 
 
-def history(paths: Iterable[Path]) -> Table:
-    """A table of the runs, results folders or baselines, the oldest first.
+class Line(NamedTuple):
+    """A solver in one run: the verdicts of the cells, and over those that every run solves the sums of the counters and the
+    geometric mean of the times, s."""
+
+    run: Cells
+    verdicts: Counter[str]
+    work: Counter[str]
+    time: float
+
+    @property
+    def solved(self) -> int:
+        """The number of cells with an accepted verdict."""
+        return sum(count for verdict, count in self.verdicts.items() if verdict in ACCEPTED)
+
+
+def lines(paths: Iterable[Path]) -> dict[str, list[Line]]:
+    """By solver its lines in the runs, results folders or baselines, the oldest first.
 
     Errors: ResultsError if one cannot be read, or if nothing was measured in any.
     """
     runs = sorted(map(read, paths), key=lambda run: run.made)
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for name in ("solver", "run", "made", "code", "cells", "verdicts", "work", "time"):
-        table.add_column(name, overflow="fold")
     measured = [(run, run.measured) for run in runs]
+    found = {}
     for variant in sorted({variant for _, cells in measured for variant in cells["variant"]}):
         own = [(run, cells[cells["variant"] == variant]) for run, cells in measured if variant in set(cells["variant"])]
         common = _common([cells for _, cells in own])
         good = [key for key in common if all(cells["verdict"][key] in ACCEPTED for _, cells in own)]
-        for i, (run, cells) in enumerate(own):
-            first = Text("" if i else printable(variant))
-            table.add_row(
-                first, Text(str(run.path)), printable(run.made[:10]), Text(printable(run.code)), *_line(cells.loc[common], good)
-            )
-    if not table.row_count:
+        found[variant] = [_line(run, cells.loc[common], good) for run, cells in own]
+    if not found:
         raise ResultsError("history: no cell was measured in these runs")
+    return found
+
+
+def history(found: dict[str, list[Line]]) -> Table:
+    """The lines as a table."""
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for name in ("solver", "run", "made", "code", "cells", "verdicts", "work", "time"):
+        table.add_column(name, overflow="fold")
+    for variant, own in found.items():
+        for i, line in enumerate(own):
+            verdicts = ", ".join(f"{count} {verdict}" for verdict, count in line.verdicts.most_common())
+            results = (str(line.verdicts.total()), verdicts, format_counts(dict(line.work)), seconds(line.time))
+            names = (
+                "" if i else printable(variant),
+                str(line.run.path),
+                printable(line.run.made[:10]),
+                printable(line.run.code),
+            )
+            table.add_row(*map(Text, (*names, *results)))
     return table
 
 
@@ -48,12 +77,9 @@ def _common(tables: Sequence[pd.DataFrame]) -> pd.Index:
     return common
 
 
-def _line(cells: pd.DataFrame, good: list[str]) -> list[str]:
-    """The number of cells, the verdicts, and over the cells in `good` the sums of counters and the geometric mean time."""
-    verdicts = ", ".join(f"{count} {verdict}" for verdict, count in Counter(cells["verdict"]).most_common())
+def _line(run: Cells, cells: pd.DataFrame, good: list[str]) -> Line:
     work: Counter[str] = Counter()
-    for line in cells.loc[good, "work"]:
-        work.update(parse_counts(line))
-    times = np.log(cells.loc[good, "seconds"])
-    mean = float(np.exp(times.mean())) if len(good) else np.nan
-    return [str(len(cells)), verdicts, format_counts(dict(work)), seconds(mean)]
+    for text in cells.loc[good, "work"]:
+        work.update(parse_counts(text))
+    mean = float(np.exp(np.log(cells.loc[good, "seconds"]).mean())) if len(good) else np.nan
+    return Line(run, Counter(cells["verdict"]), work, mean)

@@ -21,9 +21,9 @@ from frictionbench.results.commands import rerun
 from frictionbench.results.laws import ENDINGS, ending
 
 
-def script(name: str) -> tuple[Markup, str]:
-    """A script of this folder, and the hash by which a page's security policy allows this script only."""
-    text = Path(__file__).with_name(name).read_text(encoding="utf-8")
+def script(*names: str) -> tuple[Markup, str]:
+    """Scripts of this folder as one, and the hash by which a page's security policy allows this script only."""
+    text = "".join(Path(__file__).with_name(name).read_text(encoding="utf-8") for name in names)
     return Markup(text), b64encode(sha256(text.encode()).digest()).decode()
 
 

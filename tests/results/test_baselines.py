@@ -7,7 +7,7 @@ import pytest
 from rich.console import Console
 
 from frictionbench.harness.commands.accept import accept
-from frictionbench.reports.comparison.history import history
+from frictionbench.reports.comparison import history as runs_over_time
 from frictionbench.reports.comparison.markdown import markdown
 from frictionbench.results import cells, known
 from frictionbench.results.changes import Flip
@@ -188,7 +188,7 @@ def test_history_uses_common_cells(tmp_path):
     second = run(tmp_path / "second", 20, "wrong", finished="2026-01-01T00:00")
     accept(first, tmp_path / "made.tsv")
     console = Console(width=300, record=True, file=io.StringIO())
-    console.print(history([first, second, tmp_path / "made.tsv"]))
+    console.print(runs_over_time.history(runs_over_time.lines([first, second, tmp_path / "made.tsv"])))
     lines = [line.split() for line in console.export_text().splitlines()]
     assert [(line[0], line[1]) for line in lines if "pivots" in line][:2] == [("a", str(second)), (str(first), "2026-01-02")]
     assert [line[line.index("pivots") + 1] for line in lines if "pivots" in line] == ["60,", "30,", "30,"]
@@ -200,14 +200,14 @@ def test_history_of_different_solvers(tmp_path):
     other = write_folder(tmp_path / "other", [solve_row("z", "p"), solve_row("b", "q")], finished="2026-01-03")
     for folders in ([first, second, other], [other, second, first]):
         console = Console(width=300, record=True, file=io.StringIO())
-        console.print(history(folders))
+        console.print(runs_over_time.history(runs_over_time.lines(folders)))
         lines = [line.split() for line in console.export_text().splitlines()[1:]]
         assert [line[:2] if len(line[0]) == 1 else line[:1] for line in lines] == [
             *(["a", str(first)], [str(second)], ["b", str(first)], [str(second)], [str(other)], ["z", str(other)])
         ]
     nothing = write_folder(tmp_path / "nothing", [unanswered_row("a", "p", "skipped")])
     with pytest.raises(ResultsError, match="no cell was measured"):
-        history([nothing])
+        runs_over_time.lines([nothing])
 
 
 def benchmark(path, medians, node="here"):

@@ -1,0 +1,44 @@
+"""The time of each step of a motion, for those who have to finish each step within a budget."""
+
+from functools import partial
+
+import pandas as pd
+from matplotlib.axes import Axes
+
+from frictionbench.reports.charts.chart import Chart
+from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.style import GRID, INK, Look, time_axis
+from frictionbench.reports.run import Run
+from frictionbench.reports.sequences import step_times
+
+SIZE = (6.4, 3.0)  # inches: steps are many
+
+
+def panels(run: Run) -> list[Panel]:
+    """A panel per motion, see reports.sequences."""
+    draw = partial(_draw, looks=run.looks, budget=run.budget)
+    return [Panel(title, partial(draw, times=times), size=SIZE) for title, times in step_times(run)]
+
+
+def _draw(ax: Axes, times: pd.DataFrame, looks: dict[str, Look], budget: float | None) -> None:
+    for label, own in times.sort_values("step").groupby("label"):
+        look, missed = looks[str(label)], own[~own["reached"]]
+        ax.plot(own["step"], own["charged"], color=look.colour, lw=0.9, ls=look.dash, gid=look.tag)
+        ax.plot(missed["step"], missed["charged"], "x", color=look.colour, ms=4, mew=1.2, gid=look.tag)
+    if budget is not None:
+        ax.axhline(budget, color=INK, lw=0.8, ls="--", alpha=0.7)
+    time_axis(ax, "y")
+    ax.grid(axis="y", **GRID)
+    ax.set_xlabel("step")
+    ax.set_ylabel("time to the tightest target")
+
+
+CHART = Chart(
+    name="steps",
+    panels=panels,
+    section="time",
+    title="Time of each step of a motion",
+    ranked=True,
+    caption="Crosses: the step was not solved to the tightest target and is charged the time limit.",
+    remarks=(("The dashed line is the budget.", lambda run: run.budget is not None),),
+)

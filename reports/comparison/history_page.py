@@ -1,0 +1,72 @@
+"""Runs over time as a page of charts: a panel per solver, with the runs at which its verdicts or its work change marked.
+
+A line is a counter, or the time, over that of the first run that has it, so that different units share an axis. A time is drawn
+only beside others of the same machine. A mark is a run whose counter differs by more than GROWTH from the run before, or that
+solves another number of cells.
+"""
+
+from functools import partial
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from frictionbench.reports.comparison.history import Line
+from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.style import ALARM, GRID, INK
+from frictionbench.reports.drawing.text import plain
+from frictionbench.reports.templates import environment
+from frictionbench.results.files import write_text
+
+GROWTH = 1.05  # as in results.compare, what rounding does not explain
+SIZE = (6.4, 3.0)  # inches
+COLOURS = ("#0077bb", "#e69f00", "#009e73", "#cc79a7", "#56b4e9")
+
+
+def write_history(found: dict[str, list[Line]], path: Path) -> Path:
+    """Write the page; return its path."""
+    panels = [Panel(variant, partial(draw, lines=own), size=SIZE) for variant, own in found.items()]
+    steps = {variant: changes(own) for variant, own in found.items()}
+    write_text(path, environment().get_template("history.html").render(panels=panels, steps=steps, runs=found))
+    return path
+
+
+def changes(lines: list[Line]) -> dict[int, str]:
+    """The runs, by their number, at which something changes, with what does."""
+    found = {}
+    for k, (before, after) in enumerate(pairwise(lines), start=1):
+        told = [f"{before.solved} → {after.solved} cells solved"] if before.solved != after.solved else []
+        for name in sorted(before.work.keys() | after.work.keys()):
+            a, b = before.work[name], after.work[name]
+            if max(a, b) > GROWTH * min(a, b):
+                told.append(f"{name} {a} → {b}")
+        if told:
+            found[k] = ", ".join(told)
+    return found
+
+
+def draw(ax: Axes, lines: list[Line]) -> None:
+    """Draw the counters and the time of one solver, run by run."""
+    at = np.arange(len(lines))
+    series = {name: [line.work.get(name, 0) or np.nan for line in lines] for name in sorted(lines[-1].work)}
+    machine = next((line.run.machine for line in reversed(lines) if line.run.machine), {})
+    series["time"] = [line.time if machine and line.run.machine == machine else np.nan for line in lines]
+    for k, (name, values) in enumerate(series.items()):
+        known = np.array(values, dtype=float)
+        if np.isfinite(known).sum() > (name == "time"):
+            first = known[np.isfinite(known)][0]
+            style: Any = (
+                {"color": INK, "ls": ":", "marker": "s"} if name == "time" else {"color": COLOURS[k % 5], "marker": "o"}
+            )
+            ax.plot(at, known / first, label=plain(name), **style)
+    for k in changes(lines):
+        ax.axvline(k, color=ALARM, lw=0.8, ls="--", alpha=0.7)
+    ax.axhline(1, color=INK, lw=0.5, alpha=0.5)
+    ax.set_xticks(at, [plain(f"{line.run.made[5:10]}\n{line.run.code[:8]}") for line in lines], rotation=0)
+    ax.set_xlim(-0.3, max(len(lines) - 0.7, 0.3))
+    ax.set_ylabel("over the first run")
+    ax.grid(axis="y", **GRID)
+    if ax.get_legend_handles_labels()[0]:
+        ax.legend(loc="upper left")
