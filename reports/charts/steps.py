@@ -11,7 +11,7 @@ from frictionbench.reports.drawing.style import GRID, INK, Look, time_axis
 from frictionbench.reports.run import Run
 from frictionbench.reports.sequences import step_times
 
-SIZE = (6.4, 3.0)  # inches: steps are many
+SIZE = (4.2, 2.4)  # inches
 
 
 def panels(run: Run) -> list[Panel]:

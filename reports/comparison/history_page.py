@@ -21,7 +21,7 @@ from frictionbench.reports.templates import environment
 from frictionbench.results.files import write_text
 
 GROWTH = 1.05  # as in results.compare, what rounding does not explain
-SIZE = (6.4, 3.0)  # inches
+SIZE = (4.2, 2.4)  # inches
 COLOURS = ("#0077bb", "#e69f00", "#009e73", "#cc79a7", "#56b4e9")
 
 

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from frictionbench.reports.drawing.style import INK, ON_PAGE, RC, Look
 
 PANEL = (3.9, 2.9)  # inches
-WHOLE = (5.0, 3.1)  # inches, of a chart with one panel
+WHOLE = (4.2, 2.75)  # inches, of a chart with one panel
 IMAGE = 200  # dots per inch of rasterised parts, twice the resolution of usual screens
 
 

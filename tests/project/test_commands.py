@@ -4,6 +4,7 @@ import re
 import shlex
 import shutil
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -35,6 +36,8 @@ STANDS_FOR = {
     "FILE|NAME": "mine.py",
     "SCENE[...]": "stack[blocks=2]",
     "SCENE": "stack",
+    "[--scenes A,B]": "",
+    "[--figures A,B]": "--figures profiles",
     "DIR": "runs/now",
     "--solver NAME": "--solver lemke",
     "NAME": "mine.py",
@@ -61,7 +64,7 @@ ON_LESS = {
     "map": ("--solver lemke",),
     "fairness": ("--solver ccp_cone",),
 }
-GRID = ":30", ":13"  # along an axis of a map; a test has two
+GRID = ":30", ":16", ":13"  # along an axis of a map; a test has two
 # Commands that need a network, a cluster or fetched data: what is said where there is none.
 REFUSED = {
     "fetch": "fclib/Chain",
@@ -138,3 +141,17 @@ def test_command(document: str, command: str, done) -> None:
         assert ended.returncode == 0 or refused in ended.stderr
     else:
         assert ended.returncode == 0, f"frictionbench {ran}\n{ended.stdout}\n{ended.stderr}"
+
+
+def test_figure_of_ones_own(newcomer, done, monkeypatch) -> None:
+    """The script of docs/figures.md draws the run that the commands before it made."""
+    (script,) = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "figures.md").read_text(encoding="utf-8"), flags=re.DOTALL)
+    monkeypatch.chdir(newcomer)
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    drawn: dict[str, Any] = {}
+    exec(script, drawn)
+    assert (newcomer / "within.pdf").stat().st_size > 1000
+    labels = [text.get_text() for text in drawn["ax"].get_legend().get_texts()]
+    assert labels == ["interior_point", "lemke", "nsgs"]
+    lemke = drawn["ax"].lines[1]
+    assert lemke.get_ydata()[-1] == 1
