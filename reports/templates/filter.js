@@ -1,13 +1,14 @@
 
 // The reader's own selection of problems: see reports/filter.py for the data.
 for (const section of document.querySelectorAll(".filter")) {
-  const data = JSON.parse(section.querySelector("script").textContent), form = section.querySelector("form");
+  const data = JSON.parse(section.querySelector("script").textContent), choices = section.querySelector(".choices");
+  const chooser = (name) => choices.querySelector(`[name=${name}]`);
   const [LABEL, SCENE, FAMILY, PROBLEM, STRATUM, DIMENSION, CONTACTS, TOL, BODIES, FORM, LIMIT, RESIDUAL, SOLVED] = Array(13).keys();
   const SHIFT = 1e-5; // s, as in reports.balance
   const sizes = [["1 to 10", 0, 10], ["11 to 100", 10, 100], ["more than 100", 100, Infinity]];
   const there = (column) => new Set(data.cells.map((cell) => cell[column]));
-  const fill = (name, choices) => {
-    for (const [value, text] of choices) form.elements[name].append(new Option(text, value));
+  const fill = (name, options) => {
+    for (const [value, text] of options) chooser(name).append(new Option(text, value));
   };
   const dimensions = there(DIMENSION), tolerances = [...there(TOL)].sort((a, b) => a - b);
   fill("dimension", [[2, "in the plane"], [3, "in space"]].filter(([d]) => dimensions.has(d)));
@@ -28,7 +29,7 @@ for (const section of document.querySelectorAll(".filter")) {
   };
 
   function ranked() {
-    const chosen = Object.fromEntries(["dimension", "scene", "contacts", "tol", "family"].map((name) => [name, form.elements[name].value]));
+    const chosen = Object.fromEntries(["dimension", "scene", "contacts", "tol", "family"].map((name) => [name, chooser(name).value]));
     const column = document.getElementById("rank-by-form")?.checked ? FORM : BODIES;
     const [, above, most] = sizes[chosen.contacts] || ["", -1, Infinity];
     const cells = data.cells.filter((cell) => cell[DIMENSION] === Number(chosen.dimension) && cell[TOL] === Number(chosen.tol)
@@ -85,7 +86,7 @@ for (const section of document.querySelectorAll(".filter")) {
   }
 
   function select() {
-    const mine = form.elements.mine.value === "" ? undefined : Number(form.elements.mine.value), rows = ranked();
+    const mine = chooser("mine").value === "" ? undefined : Number(chooser("mine").value), rows = ranked();
     section.querySelector("tbody").replaceChildren(...rows.map((row) => {
       const line = document.createElement("tr");
       const dot = Object.assign(document.createElement("i"), { className: "dot" });
@@ -99,7 +100,7 @@ for (const section of document.querySelectorAll(".filter")) {
     draw(section.querySelector("svg"), rows, mine);
   }
   section.hidden = false;
-  form.addEventListener("input", select);
+  choices.addEventListener("input", select);
   document.querySelector(".switch")?.addEventListener("input", select);
   select();
 }
