@@ -6,11 +6,12 @@ logarithmic in both directions from 0: -high ... -low, 0, low ... high. Between 
 """
 
 import math
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from frictionbench.results.conventions import DEFAULT_SCHEME
 from frictionbench.results.files import ResultsError, read_json
@@ -25,6 +26,7 @@ UNITS = {
     **dict.fromkeys(("overlap", "depth", "height", "radius", "length", "half_length", "clearance", "lean", "thickness"), "m"),
     **{"step": "s", "duration": "s", "shear": "1/s", "mass": "kg"},
 }
+MOST_LEVELS, MOST_POINTS = 8, 10**6  # of the refined grid: far above those of any suite
 DIGITS = 6  # significant digits of a parameter's value: few enough to be the same on every machine and short in a table
 
 
@@ -110,11 +112,28 @@ def maps_of(manifest: Mapping[str, Any]) -> list[Map]:
     """The maps of a run, from its manifest. Errors: ResultsError where they cannot be read."""
     try:
         return [
-            Map(**{**spec, "x": Axis(**spec["x"]), "y": Axis(**spec["y"]), "thresholds": tuple(spec["thresholds"])})
+            _checked(Map(**{**spec, "x": Axis(**spec["x"]), "y": Axis(**spec["y"]), "thresholds": tuple(spec["thresholds"])}))
             for spec in manifest["settings"].get("maps", [])
         ]
-    except (KeyError, TypeError) as error:
+    except (KeyError, TypeError, ValueError, ArithmeticError) as error:
         raise ResultsError(f"manifest.json: maps: cannot be read ({error})") from None
+
+
+def _checked(spec: Map) -> Map:
+    """The map, if it is one that a plan can have made. Errors: ValueError, TypeError or ArithmeticError."""
+    texts = (spec.name, spec.scene, spec.scheme, spec.title, spec.note, spec.x.parameter, spec.y.parameter, *spec.thresholds)
+    numbers = (spec.levels, spec.steps, spec.most, spec.x.count, spec.y.count)
+    if not all(isinstance(text, str) for text in texts) or not re.fullmatch(r"[\w-]+", spec.name):
+        raise ValueError("a name is no text, or not that of a file")
+    if not all(type(number) is int and number >= 0 for number in numbers) or not isinstance(spec.parameters, dict):
+        raise ValueError("a count is no whole number, or parameters are no object")
+    if spec.levels > MOST_LEVELS or spec.x.count * spec.y.count * 4**spec.levels > MOST_POINTS:
+        raise ValueError(f"more than {MOST_POINTS} grid points")
+    for axis in (spec.x, spec.y):
+        known = axis.scale in get_args(Scale) and (axis.scale == "linear" or min(axis.low, axis.high) > 0)
+        if not known or not all(map(math.isfinite, map(axis.value, (0, axis.count - 1)))):
+            raise ValueError(f"the axis {axis.parameter} has no values")
+    return spec
 
 
 def thresholds_file(folder: Path, spec: Map) -> Path:

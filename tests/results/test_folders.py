@@ -20,6 +20,7 @@ from frictionbench.reports.page import write_report
 from frictionbench.results import files, store
 from frictionbench.results.compare import compare
 from frictionbench.results.files import ResultsError
+from frictionbench.results.map_spec import maps_of
 from frictionbench.results.schema import VERSION, arrow_schema
 from frictionbench.results.store import ShardWriter
 from tests.helpers.command_line import frictionbench
@@ -213,6 +214,44 @@ def test_unwritable_problems_folder(tmp_path) -> None:
     run(plan, folder, 1, quiet())
     again = store.read_table(folder, "solves")
     assert (len(again), set(again["verdict"])) == (len(rows), {"solved"})
+
+
+AXIS = {"parameter": "friction", "low": 0.1, "high": 1.0, "count": 3}
+MAP = {"name": "m", "scene": "stack", "x": AXIS, "y": AXIS | {"parameter": "push"}, "thresholds": []}
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"x": AXIS | {"count": 10**6}, "y": AXIS | {"count": 10**6}},
+        {"x": AXIS | {"count": 2.5}},
+        {"x": AXIS | {"low": 0.0, "scale": "log"}},
+        {"x": AXIS | {"low": "a"}},
+        {"x": AXIS | {"high": float("inf")}},
+        {"x": AXIS | {"scale": "other"}},
+        {"x": AXIS | {"low": -1.0, "scale": "log"}},
+        {"levels": 10**9},
+        {"name": "../../x"},
+        {"name": None},
+        {"parameters": []},
+        {"thresholds": [1]},
+        {"title": {}},
+        {"other": 1},
+    ],
+)
+def test_edited_maps(tmp_path, change) -> None:
+    folder = write_folder(tmp_path / "run", [solve_row("a", "p")])
+    manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
+    for given, complaint in ((MAP, ""), (MAP | change, "maps: cannot be read")):
+        manifest["settings"]["maps"] = [given]
+        if complaint:
+            with pytest.raises(ResultsError, match=complaint):
+                maps_of(manifest)
+        else:
+            assert maps_of(manifest)[0].name == "m"
+    (folder / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
+    done = frictionbench("report", str(folder))
+    assert (done.returncode, len(done.stderr.splitlines())) == (2, 1), done
 
 
 def test_other_schema_is_refused(tmp_path) -> None:
