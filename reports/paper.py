@@ -37,7 +37,7 @@ from frictionbench.results.laws import ENDINGS
 FONT = 7  # points, in figures: the smallest size that journals accept
 ASPECT, TALLEST = 0.75, 7.4  # height of a panel over its width; inches of a figure, which leaves room for its caption
 MOST_IN_COLUMN, MOST_COLUMNS = 2, 3  # panels one above the other in a column of text; more stand side by side on the page
-ON_PAGE_ONLY = ("Hover over", "Bands, ")  # the beginnings of sentences that apply to the page only
+ON_PAGE_ONLY = ("Hover over", "Bands, ", "Below each panel")  # the beginnings of sentences that apply to the page only
 
 
 class Float(NamedTuple):

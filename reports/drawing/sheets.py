@@ -66,7 +66,10 @@ def save_sheet(
             date = "Date" if path.suffix == ".svg" else "CreationDate"
             with replaced(path) as file:
                 figure.savefig(file, dpi=IMAGE, metadata={date: None})
-        return paths + (save_pgf(figure, stem, escape) if escape else [])
+        if escape:
+            figure.set_layout_engine("constrained")  # the font differs
+            paths += save_pgf(figure, stem, escape)
+        return paths
 
 
 def remove_bands(ax: Axes) -> None:
@@ -81,7 +84,6 @@ def _family(family: str) -> str:
 
 def save_pgf(figure: Figure, stem: Path, escape: Escape) -> list[Path]:
     """Save the figure as STEM.pgf with the images that it includes, STEM-img0.png and so on."""
-    figure.set_layout_engine("constrained")  # the font differs
     _escape_all(figure, escape)
     saved = []
     with tempfile.TemporaryDirectory() as scratch:

@@ -106,6 +106,13 @@ for (const list of document.querySelectorAll("script[type='application/json']"))
   }
 }
 
+// Panels of charts: a button enlarges one to the width of the page.
+for (const title of document.querySelectorAll(".panels:not(.whole) > figure > h3")) {
+  const button = Object.assign(document.createElement("button"), { className: "enlarge", title: "enlarge", textContent: "⤢" });
+  button.addEventListener("click", () => title.parentNode.classList.toggle("large"));
+  title.append(button);
+}
+
 // Maps: a button enlarges a panel; a click on a tile tells its problem and the commands that solve and show it. The field of tiles
 // has its place within a panel from the transform of its group, and grid points count from its lower left corner.
 const shown = (value) => (typeof value === "number" ? String(Number(value.toPrecision(6))) : String(value));

@@ -4,6 +4,7 @@ import json
 import os
 import re
 from base64 import b64encode
+from dataclasses import replace
 from hashlib import sha256
 from html.parser import HTMLParser
 from itertools import pairwise
@@ -14,6 +15,7 @@ import pytest
 from matplotlib.image import imread
 
 from frictionbench.harness.cells.motion import record_motion, store_motion
+from frictionbench.harness.commands import show
 from frictionbench.harness.commands.show import recorded
 from frictionbench.harness.plans.plan import Source
 from frictionbench.problems import InputError, scene, scenes
@@ -68,6 +70,26 @@ def test_recording_equals_simulation(name: str, scheme: str, steps: int) -> None
         middle = (after.solved[-1].problem.free_velocity[: len(push)] - push / stage.weights + after.v) / 2
         work = sum(np.diff(curve)[k] for curve in (motion.friction, motion.normal, motion.joints))
         assert np.diff(motion.kinetic)[k] == pytest.approx(push @ middle + work, abs=1e-10 * scale)
+
+
+def test_title_names_what_was_changed() -> None:
+    motion = record_motion(scene("painleve_rod", angle=1.1071487177940904, friction=0.5), "lemke", steps=2)
+    assert motion.title == "painleve_rod[angle=1.11,friction=0.5]"
+    assert record_motion(scene("stack"), "lemke", steps=1).title == "stack"
+
+
+def test_energy_in_a_line() -> None:
+    motion = record_motion(scene("bouncing_ball", restitution=1.0), "lemke", "moreau", 3)
+    motion = replace(motion, energy=np.array([4.0, 3.0, 3.5, 2.0]), kinetic=np.array([0.0, 1.0, 2.0, 0.0]))
+    told = show.told(motion)
+    assert told.startswith(
+        "energy: -1e+02 % at the end, at most +25 % in a step, of the largest kinetic energy; worst residual"
+    )
+
+
+def test_problem_of_one_step_has_no_motion() -> None:
+    with pytest.raises(InputError, match="scene: random_bodies is a problem of one step and has no motion; `show` takes arch"):
+        recorded("random_bodies[contacts=3]", "nsgs", "anitescu_potra", None)
 
 
 @pytest.mark.parametrize("name", ["pyramid", "stack", "bowl", "jam", "incline"])
