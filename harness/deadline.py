@@ -48,7 +48,7 @@ class Deadline:
         """End this process if the block takes longer.
 
         compiling: seconds in which numba may compile or read its cache and which do not count; more than so many do. ours:
-        whether only functions of this package stop the clock so, each once in this process. Whoever sends numba's event could
+        whether only functions of this package stop the clock so, each once for its types. Whoever sends numba's event could
         stop it otherwise. Yields a function that resets the time left, in seconds.
         """
         from numba.core import event
@@ -83,14 +83,14 @@ class Deadline:
             self.allow(HARNESS_SECONDS)
 
     def _met_first(self) -> bool:
-        """Whether numba now compiles or loads a function of this package for the first time."""
+        """Whether numba now compiles or loads a function of this package for the first time for its arguments' types."""
         from numba.core.dispatcher import Dispatcher
 
         frame = sys._getframe(1)
         while frame.f_back is not None and frame.f_code is not Dispatcher.compile.__code__:
             frame = frame.f_back
-        function = frame.f_locals.get("self")
-        if not isinstance(function, Dispatcher) or function in self._met:
+        function, types = frame.f_locals.get("self"), str(frame.f_locals.get("sig"))
+        if not isinstance(function, Dispatcher) or (function, types) in self._met:
             return False
-        self._met.add(function)
+        self._met.add((function, types))
         return function.py_func.__code__.co_filename.startswith(f"{PACKAGE}{os.sep}")
