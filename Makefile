@@ -1,7 +1,8 @@
 # make bench   install, run the standard suite, write its results and report, and say where the report is
 # make quick   install, check the style and the types, run the tests that matter for most changes: half a minute with kernels compiled
 # make test    install, check the style and the types, run all tests
-# make test-peers  the outside solvers as in make peers, and the tests of their adapters; what is missing is skipped with its reason
+# make test-peers  the outside solvers as in make peers, and the tests of their adapters; what is missing is skipped with its
+#              reason. PEER_NAMES: the packages to install, all by default
 # make timing  install, time the kernels with pytest-benchmark, a file in runs/timing-REVISION each time
 # make peers   the outside solvers into an environment of their own, as far as they can be had; run the peers suite, report,
 #              and put its tables into docs/peers.md
@@ -11,6 +12,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 REVISION := $(shell git describe --always --dirty --abbrev=12 2>/dev/null || echo unversioned)
 PEERS := .venv-peers
+PEER_NAMES ?= $(shell $(PYTHON) -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["peers"])')
 PEERS_RUN ?= runs/peers-$(REVISION)
 RUN ?= runs/standard-$(REVISION)
 TIMING ?= runs/timing-$(REVISION)
@@ -55,8 +57,8 @@ timing: install
 $(PEERS)/installed: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(PEERS)
 	$(PEERS)/bin/pip install --quiet --constraint constraints.txt --editable '.[test]'
-	for peer in $$($(PEERS)/bin/python -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["peers"])'); do \
-		$(PEERS)/bin/pip install --quiet $$peer || echo "$$peer cannot be had here; its solvers are skipped"; \
+	for peer in $(PEER_NAMES); do \
+		timeout 600 $(PEERS)/bin/pip install --quiet $$peer || echo "$$peer cannot be had here; its solvers are skipped"; \
 	done
 	touch $@
 

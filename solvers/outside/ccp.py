@@ -74,6 +74,7 @@ class Prepared(NamedTuple):
 
 
 _LEAST_GAPS = {"clarabel": clarabel.LEAST_GAP, "piqp": piqp.LEAST_GAP}
+_BY_GAP = ("clarabel", "proxqp", "piqp", "ecos")  # backends that stop by a duality gap
 _TUNED: dict[str, dict[str, float]] = {"highs": {"qp_regularization_value": 0.0}}
 _VARIANTS = (*(f"backend={name}" for name in BACKENDS), *(f"backend={name},settings=tuned" for name in _TUNED))
 
@@ -101,7 +102,7 @@ class CCP:
         return ("friction_bias", "asymmetry") if BACKENDS[self.backend].definite else ("asymmetry",)
 
     def form(self, problem: FrictionProblem) -> Prepared:
-        scaled = scaled_program(problem, problem.qp())
+        scaled = scaled_program(problem, problem.qp(), from_free=self.backend in _BY_GAP)
         P, G, A = scaled.dense if BACKENDS[self.backend].dense else (scaled.P, scaled.G, scaled.A)
         return Prepared(scaled, (P, scaled.q, G, scaled.h, *((A, scaled.b) if len(scaled.b) else (None, None))))
 

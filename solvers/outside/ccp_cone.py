@@ -73,7 +73,10 @@ class CCPCone:
         return "cvxpy", self.backend
 
     def form(self, problem: FrictionProblem) -> Scaled:
-        return scaled_program(problem, problem.qp()) if problem.dimension == 2 else scaled_program(problem, problem.cone())
+        gap = self.backend == "clarabel"
+        if problem.dimension == 2:
+            return scaled_program(problem, problem.qp(), from_free=gap)
+        return scaled_program(problem, problem.cone(), from_free=gap)
 
     def setup(self, scaled: Scaled) -> Prepared:
         cvxpy: Any = import_module("cvxpy")

@@ -82,8 +82,10 @@ class Clarabel:
         return ReusedObject()
 
     def form(self, problem: FrictionProblem) -> Formed:
-        scaled: Scaled
-        scaled = scaled_program(problem, problem.qp()) if problem.dimension == 2 else scaled_program(problem, problem.cone())
+        if problem.dimension == 2:
+            scaled: Scaled = scaled_program(problem, problem.qp(), from_free=True)
+        else:
+            scaled = scaled_program(problem, problem.cone(), from_free=True)
         return Formed(scaled, scaled.upper, scaled.constraints, np.concatenate([scaled.h, scaled.b]))
 
     def setup(self, formed: Formed) -> Prepared:

@@ -7,7 +7,8 @@ Form: the friction LCP's M, dense and scaled, and q. Setup: the records of GAMSP
 Clock: the total time in PATH's own log, including GAMS' evaluation of M z + q. PATH is compared by it, as GAMS is another
     process: the column solve_time is this clock, and call_time the records and GAMSPy's call.
 Settings: its defaults.
-Tolerance: convergence_tolerance = tol/10, on PATH's residual of the scaled LCP.
+Tolerance: convergence_tolerance = eps/10, on PATH's residual of the scaled LCP; eps is tol times the least unit of a contact
+    in it (solvers.pivots.dense_lcp).
 Flaws: beyond the licence's 1000 rows GAMS does not call PATH; the answer is then
     `unsolved` with that reason, which says nothing about PATH.
 Reference: Dirkse and Ferris 1995; Ferris and Munson 1999.
@@ -63,7 +64,7 @@ class Path:
         path = _model(len(given.q))
         path.z.setRecords(np.zeros(len(given.q)))
         log = io.StringIO()
-        options = {f"output_{name}": "no" for name in _SILENT} | {"convergence_tolerance": tol / MARGIN}
+        options = {f"output_{name}": "no" for name in _SILENT} | {"convergence_tolerance": tol * given.share / MARGIN}
         if limit:
             options["cumulative_iteration_limit"] = limit
         try:

@@ -44,7 +44,7 @@ class PIQP:
     """
 
     def form(self, problem: FrictionProblem) -> Formed:
-        scaled = scaled_program(problem, problem.qp())
+        scaled = scaled_program(problem, problem.qp(), from_free=True)
         equality = (None, None) if scaled.A is None else (scaled.A, scaled.b)
         return Formed(scaled, (scaled.P, scaled.q, *equality, scaled.G, None, scaled.h))
 

@@ -76,7 +76,7 @@ class ProxSuite:
         return ReusedObject()
 
     def form(self, problem: FrictionProblem) -> Formed:
-        scaled = scaled_program(problem, problem.qp())
+        scaled = scaled_program(problem, problem.qp(), from_free=True)
         P, G, A = (scaled.P, scaled.G, scaled.A) if self.matrices == "sparse" else scaled.dense
         equality = (A, scaled.b) if len(scaled.b) else (None, None)
         return Formed(scaled, (P, scaled.q, *equality, G, np.full(len(scaled.h), -1e20), scaled.h))

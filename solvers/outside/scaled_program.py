@@ -109,8 +109,12 @@ def gap_tolerance(eps: float, least: float) -> float:
     return max(eps**2, least)
 
 
-def scaled_program(problem: FrictionProblem, program: Kind) -> ScaledProgram[Kind]:
-    """Scale a problem's relaxation, as a QP or as a cone program."""
+def scaled_program(problem: FrictionProblem, program: Kind, from_free: bool = False) -> ScaledProgram[Kind]:
+    """Scale a problem's relaxation, as a QP or as a cone program.
+
+    from_free: x* as above, for libraries that stop by a duality gap; otherwise x* = 0. First-order methods start from x^ = 0
+    and regularised ones are drawn to it, and rest is nearer to most answers than free motion.
+    """
     objective, bounds, m = program.objective, program.bounds, len(program.section)
     D, rows, theta, share = _units(
         problem.scale,
@@ -123,8 +127,11 @@ def scaled_program(problem: FrictionProblem, program: Kind) -> ScaledProgram[Kin
         problem.dimension,
     )
     A, joint = _joints(program, D)
-    free = _free(problem.free_velocity, problem.q, problem.friction_bias, problem.dimension)
-    q, h = _from_free(program.q, program.h, *bounds, free, len(problem.free_velocity))
+    q, h, b = program.q, program.h, program.b
+    if from_free:
+        free = _free(problem.free_velocity, problem.q, problem.friction_bias, problem.dimension)
+        q, h = _from_free(q, h, *bounds, free, len(problem.free_velocity))
+        b = b - program.A @ free if len(b) else b
     return ScaledProgram(
         program,
         # copies, as some libraries require writable arrays and the columns of the mass matrix belong to the problem
@@ -133,7 +140,7 @@ def scaled_program(problem: FrictionProblem, program: Kind) -> ScaledProgram[Kin
         Rows(bounds.start, bounds.column, _scaled(*bounds, 1 / rows, D)),
         h / rows / theta,
         A,
-        (program.b - program.A @ free) * joint / theta,
+        b * joint / theta,
         theta / rows,
         share,
     )

@@ -9,7 +9,8 @@ Clock: around Siconos' problem object and the driver's call, in the child. Solve
 Settings: tuned is for friction_3d_admm and global_friction_3d_admm the strategy RESIDUAL_BALANCING of rho, which is constant
     by default; for friction_3d_nsgs a relaxation of 1.3, which is off by default. lcp_pivot follows Lemke's rule by default;
     lcp_pivot_least_index is the same driver with LEAST_INDEX.
-Tolerance: eps/2 over |q^|, as Siconos divides the norm of its natural map by |q|; eps as in solvers.outside.scaled_delassus.
+Tolerance: eps/2 over |q^|, as Siconos divides the norm of its natural map by |q|; eps as in solvers.outside.scaled_delassus
+    and, for lcp_, solvers.pivots.dense_lcp.
     Where |r^| is larger it divides by that, and is called again from its own answer with a smaller tolerance.
 Flaws: return codes are unreliable in both directions, `frictionbench solve 'pyramid[rows=3,friction=0.5,push=1]' --solver
     'siconos[method=friction_2d_lemke]'`. friction_3d_nsn_fb and global_friction_3d_ipm end in failed assertions, and the fixed
@@ -115,7 +116,7 @@ class Siconos:
             "solver": self.method.removesuffix("_least_index"),
             "integers": _LEAST_INDEX if self.method == "lcp_pivot_least_index" else integers,
             "reals": reals,
-            "eps": (tol if isinstance(given, DenseLCP) else tol * given.share) / 2,
+            "eps": tol * given.share / 2,
             "size": float(np.linalg.norm(given.q)) or 1.0,
             "limit": limit or (1000 if "new" in self.method or "nsn" in self.method else 100_000),
             "start": np.zeros(len(given.q)) if start is None or isinstance(given, DenseLCP) else given.guess(start),

@@ -34,6 +34,7 @@ from frictionbench.solvers.outside.children.child import Child, DiedError, child
 from frictionbench.solvers.outside.scaled_delassus import scaled_delassus
 from frictionbench.solvers.outside.siconos import PYTHON
 from frictionbench.solvers.outside.whitened import whitened
+from frictionbench.solvers.pivots.dense_lcp import dense_lcp
 from tests.helpers.friction_problems import block, nothing, spatial, with_joints
 from tests.helpers.paths import HELPERS, ROOT
 
@@ -49,6 +50,7 @@ EASY = {
 }
 # Where these end without a solution, or without knowing that they have it: see docs/fairness.md.
 UNABLE = {
+    *(("casadi[method=ipopt]", name) for name in ("sliding", "two boxes", "jointed", "in space")),
     ("siconos[method=lcp_pivot]", "frictionless"),
     ("siconos[method=lcp_pivot]", "jointed"),
     ("siconos[method=friction_2d_cpg]", "sliding"),
@@ -132,6 +134,18 @@ def test_scaled_delassus_is_E_W_E_in_the_order_asked_for(rows, d) -> None:
     assert found.impulse(found.guess(np.arange(1.0 * nc * d).reshape(nc, d))) == pytest.approx(
         np.arange(1.0 * nc * d).reshape(nc, d)
     )
+
+
+def test_share_of_the_dense_lcp_bounds_every_contacts_residual() -> None:
+    """A contact that is open by far does not make the others' tolerance larger."""
+    problem = scene("stack", blocks=2, push=1.0).problem()
+    far = FrictionProblem.from_delassus(problem.W, problem.q + 1e6 * np.eye(1, 8, 6).ravel(), problem.friction, 2)
+    near, given = dense_lcp(problem), dense_lcp(far)
+    assert near.share > 0.1
+    D = np.minimum(given.scale.D[:4], given.scale.D[4:12].reshape(4, 2).min(axis=1))
+    assert given.share * given.scale.theta == pytest.approx((D * far.units).min())
+    assert given.share < 1e-4
+    assert dense_lcp(far.lcp()).share == 1
 
 
 def test_whitened_rows_make_the_scaled_delassus_form() -> None:

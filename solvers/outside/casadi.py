@@ -1,0 +1,140 @@
+"""Solvers that come with CasADi: its active-set method QRQP and qpOASES on the relaxation's dual, Ipopt on the friction LCP.
+
+The dual in the plane is min ½ z'H z + g'z over z >= 0 (solvers.outside.box_qp). The LCP, w = M z + q, is the program without
+convexity
+
+    min  z'w    subject to    z >= 0,  w >= 0,
+
+whose solutions have the value 0; a local minimum may have another, or a value that is 0 only up to Ipopt's barrier.
+
+Licence: CasADi LGPL-3.0; it bundles qpOASES (LGPL-2.1) and Ipopt (EPL-2.0).
+Form: for qrqp and qpoases the dual, dense and dimensionless, for qrqp with 1e-12 on the diagonal, as it fails on singular
+    ones; for ipopt the friction LCP's M, dense and scaled, and q. Setup: none. Solve: CasADi's solver object and its call, from
+    0.
+Clock: CasADi's, around the solver, for qpoases.
+Settings: their defaults, without output. Ipopt relaxes bounds by bound_relax_factor = 1e-8; tuned is 0.
+Tolerance: qpoases terminationTolerance = eps/10, but not less than 1e-12, eps as in solvers.outside.scaled_delassus; qrqp's,
+    of 1e-8, are left, as larger ones end it far from the solution; ipopt tol = (eps/10)^2, not less than 1e-15, as z'w is a
+    product, eps as in solvers.pivots.dense_lcp, and success is claimed where min(z, w) is at most eps/10 in size, which a user
+    would check.
+Flaws: by default ipopt seldom reaches 1e-8, as its bounds are relaxed by as much, `frictionbench solve
+    'stack[blocks=5,push=1]' --solver 'casadi[method=ipopt]'`. qrqp and qpoases solve another model than Coulomb's wherever
+    boxes slide, `frictionbench solve stopping_block --solver 'casadi[method=qrqp]'`.
+Reference: Andersson, Gillis, Horn, Rawlings and Diehl 2019, CasADi; Ferreau and others 2014 (qpOASES); Wächter and Biegler 2006
+    (Ipopt).
+"""
+
+import ctypes
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array, require
+from frictionbench.solvers.interface import Answer, Model, Status, solver
+from frictionbench.solvers.outside.box_qp import DualProgram, dual_program
+from frictionbench.solvers.outside.margin import MARGIN
+from frictionbench.solvers.outside.settings import require_settings
+from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
+
+_METHODS = ("qrqp", "qpoases", "ipopt")
+_DEFINITE = {"qrqp": 1e-12, "qpoases": 0.0}  # on a diagonal of about 1
+_TUNED = {"bound_relax_factor": 0.0}
+_SILENT: dict[str, dict[str, Any]] = {
+    "qrqp": {"print_iter": False, "print_header": False, "print_info": False},
+    "qpoases": {"printLevel": "none"},
+    "ipopt": {"print_level": 0, "sb": "yes"},
+}
+
+
+@solver(
+    "casadi",
+    family="outside",
+    model="relaxation",
+    needs=("casadi",),
+    lacks=("friction_bias", "asymmetry"),
+    variants=(*(f"method={method}" for method in _METHODS), "method=ipopt,settings=tuned"),
+)
+class CasADi:
+    """CasADi's QRQP or qpOASES on the relaxation's dual, or Ipopt on the friction LCP. (outside)
+
+    method: qrqp, qpoases or ipopt. settings: default or tuned. Work: iterations.
+    """
+
+    method: str = "qrqp"
+    settings: str = "default"
+
+    def __post_init__(self) -> None:
+        require(self.method in _METHODS, "method", f"must be one of {', '.join(_METHODS)}, got {self.method!r}")
+        require_settings(self.settings, self.method == "ipopt")
+
+    @property
+    def model(self) -> Model:
+        return "lcp" if self.method == "ipopt" else "relaxation"
+
+    @property
+    def dimension(self) -> tuple[int, ...]:
+        return (2, 3) if self.method == "ipopt" else (2,)
+
+    @property
+    def lacks(self) -> tuple[str, ...]:
+        return () if self.method == "ipopt" else ("friction_bias", "asymmetry")
+
+    def form(self, problem: FrictionProblem) -> DualProgram | DenseLCP:
+        return dense_lcp(problem) if self.method == "ipopt" else dual_program(problem, _DEFINITE[self.method])
+
+    def solve(self, given: DualProgram | DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        if isinstance(given, DenseLCP):
+            return _by_ipopt(given, tol * given.share / MARGIN, limit or 3000, _TUNED if self.settings == "tuned" else {})
+        n = len(given.g)
+        if not n:
+            return Answer(np.zeros(given.given.contacts), Status.SOLVED)
+        eps = max(tol * given.given.share / MARGIN, 1e-12)
+        options = (
+            {"max_iter": limit or 10_000} if self.method == "qrqp" else {"terminationTolerance": eps, "nWSR": limit or 10_000}
+        )
+        options |= _SILENT[self.method] | {"error_on_fail": False}
+        with _without_output() if self.method == "qpoases" else nullcontext():
+            casadi: Any = import_module("casadi")
+            sparsity = {"h": casadi.Sparsity.dense(n, n), "a": casadi.Sparsity(0, n)}
+            made = casadi.conic("solver", self.method, sparsity, options)
+            found = made(h=given.H, g=given.g, lbx=0.0, ubx=np.inf)
+        stats = made.stats()
+        status, work = Status.SOLVED if stats["success"] else Status.FAILED, {"iterations": int(stats["iter_count"])}
+        detail, clock = stats["unified_return_status"], stats.get("t_wall_solver")
+        return Answer(given.answer(np.array(found["x"]).ravel()), status, work, detail=detail, clock=clock)
+
+
+def _by_ipopt(given: DenseLCP, eps: float, limit: int, tuned: dict[str, float]) -> Answer:
+    casadi: Any = import_module("casadi")
+    n = len(given.q)
+    if not n:
+        return given.answer(np.zeros(0), Status.SOLVED)
+    z = casadi.MX.sym("z", n)
+    w = casadi.DM(given.M) @ z + casadi.DM(given.q)
+    ipopt = _SILENT["ipopt"] | {"tol": max(eps**2, 1e-15), "max_iter": limit} | tuned
+    options = {"ipopt": ipopt, "print_time": False}
+    made = casadi.nlpsol("solver", "ipopt", {"x": z, "f": casadi.dot(z, w), "g": w}, options)
+    y, stats = np.array(made(x0=0.0, lbx=0.0, lbg=0.0)["x"]).ravel(), made.stats()
+    accurate = np.abs(np.minimum(y, given.M @ y + given.q)).max() <= eps
+    status = Status.SOLVED if stats["success"] and accurate else Status.FAILED
+    return given.answer(y, status, stats["return_status"], iterations=int(stats["iter_count"]))
+
+
+@contextmanager
+def _without_output() -> Iterator[None]:
+    """qpOASES prints its licence for each object, whatever its print level."""
+    flush, printed, null = ctypes.CDLL(None).fflush, os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    flush(None)
+    os.dup2(null, 1)
+    try:
+        yield
+        flush(None)
+    finally:
+        os.dup2(printed, 1)
+        os.close(printed)
+        os.close(null)
