@@ -22,12 +22,14 @@ from frictionbench.results.files import write_text
 
 GROWTH = 1.05  # as in results.compare, what rounding does not explain
 SIZE = (4.2, 2.4)  # inches
+LEAST = 1.2  # of the range of an axis, so that a change by rounding is not drawn large
 COLOURS = ("#0077bb", "#e69f00", "#009e73", "#cc79a7", "#56b4e9")
 
 
 def write_history(found: dict[str, list[Line]], path: Path) -> Path:
     """Write the page; return its path."""
-    panels = [Panel(variant, partial(draw, lines=own), size=SIZE) for variant, own in found.items()]
+    drawn = {variant: own for variant, own in found.items() if own[0].verdicts}  # the runs have cells in common
+    panels = [Panel(variant, partial(draw, lines=own), size=SIZE) for variant, own in drawn.items()]
     steps = {variant: changes(own) for variant, own in found.items()}
     write_text(path, environment().get_template("history.html").render(panels=panels, steps=steps, runs=found))
     return path
@@ -64,8 +66,10 @@ def draw(ax: Axes, lines: list[Line]) -> None:
     for k in changes(lines):
         ax.axvline(k, color=ALARM, lw=0.8, ls="--", alpha=0.7)
     ax.axhline(1, color=INK, lw=0.5, alpha=0.5)
-    ax.set_xticks(at, [plain(f"{line.run.made[5:10]}\n{line.run.code[:8]}") for line in lines], rotation=0)
+    ax.set_xticks(at, [f"{plain(line.run.made[5:10])}\n{plain(line.run.code[:8])}" for line in lines])
     ax.set_xlim(-0.3, max(len(lines) - 0.7, 0.3))
+    low, high = ax.get_ylim()
+    ax.set_ylim(min(low, 1 / LEAST), max(high, LEAST))
     ax.set_ylabel("over the first run")
     ax.grid(axis="y", **GRID)
     if ax.get_legend_handles_labels()[0]:
