@@ -11,10 +11,10 @@ have at most the energy of what they stop, and change contact i's velocity by at
 
     E_i = sum_j |q_j|^2 / s_j      over the contacts j of its island that close, q_n,j <= 0 to rounding,
 
-it counts as at most FAR sqrt(s_i E_i), however fast it slides; where q_n,i exceeds that, it is open in any answer by far,
-r_i = 0, and is left out as a link too. A contact with a friction bias counts at least as what b_f can stop of its sliding, also
-in the sum. E_i is an estimate of that energy, invariant under changes of frame, of units and of the observer's velocity. A
-contact that counts too little makes the measure stricter; by more than a factor of some FAR, it is not more lenient.
+it counts as at most FAR sqrt(s_i E_i), however fast it slides, or as CANCELLED |q_i|, so that its own rounding can be judged;
+where q_n,i exceeds FAR sqrt(s_i E_i), it is open in any answer by far, r_i = 0, and is left out as a link too. A contact with a
+friction bias counts at least as what b_f can stop of its sliding, also in the sum. E_i is an estimate of the energy, invariant
+under changes of frame, of units and of the observer's velocity. A contact that counts too little makes the measure stricter.
 
 q is a sum of terms J v* and b, and known to rounding only: a contact's velocity counts as at least CANCELLED of their size, and
 a unit is at least NOISE of the largest. Where nothing in an island moves, its unit is the largest of the problem.
@@ -48,17 +48,17 @@ def mechanical_units(  # type: ignore[no-untyped-def]
     of the terms of q where there are joints, otherwise empty.
     """
     nc, d = len(s), J.shape[1]
-    value, size, closes = np.empty(nc), np.empty(d), np.empty(nc, np.bool_)
+    least, size, closes = np.empty(nc), np.empty(d), np.empty(nc, np.bool_)
     for i in range(nc):
         for a in range(d):
             size[a] = terms[i, a] if len(terms) else abs(bias[i]) if a == 0 else 0.0
             if len(terms) == 0:
                 for k in range(start[i], start[i + 1]):
                     size[a] += abs(J[k, a] * free[column[k]])
-        value[i] = max(CANCELLED * length(size, 0, d), length(q, i, d))
-        closes[i] = q[i * d] <= max(CANCELLED * size[0], LEVEL * value[i])
+        least[i] = CANCELLED * length(size, 0, d)
+        closes[i] = q[i * d] <= max(CANCELLED * size[0], LEVEL * length(q, i, d))
     graph = mechanical_graph(start, column, J, m_start, m_column, m_value, f_start, f_column, s)
-    return _reached(*graph, value, closes, q, s, wider)
+    return _reached(*graph, least, closes, q, s, wider)
 
 
 @kernel
@@ -68,11 +68,11 @@ def delassus_units(first, neighbours, block, q, s, wider):  # type: ignore[no-un
     source, most = _source(q, s)
     if most > 0 and _reaches_all_in_w(first, neighbours, block, s, source):
         return np.full(nc, most)
-    value, closes = np.empty(nc), np.empty(nc, np.bool_)
+    least, closes = np.empty(nc), np.empty(nc, np.bool_)
     for i in range(nc):
-        value[i] = length(q, i, d)
-        closes[i] = q[i * d] <= LEVEL * value[i]
-    return _reached(*delassus_graph(first, neighbours, block, s), value, closes, q, s, wider)
+        speed = length(q, i, d)
+        least[i], closes[i] = CANCELLED * speed, q[i * d] <= LEVEL * speed
+    return _reached(*delassus_graph(first, neighbours, block, s), least, closes, q, s, wider)
 
 
 @part
@@ -225,14 +225,16 @@ def delassus_graph(first, neighbours, block, s):  # type: ignore[no-untyped-def]
 
 
 @part
-def _reached(start, node, push, read, nodes, own, closes, q, s, wider):  # type: ignore[no-untyped-def]
-    """The units: from the fastest contact on, all that its velocity reaches. own: |q_i|, at least CANCELLED of its terms."""
-    nc = len(s)
+def _reached(start, node, push, read, nodes, least, closes, q, s, wider):  # type: ignore[no-untyped-def]
+    """The units: from the fastest contact on, all that its velocity reaches. least: CANCELLED of the terms of q_i."""
+    nc, d = len(s), len(q) // max(len(s), 1)
     unit, stack, known = np.zeros(nc), np.empty(nc, np.int64), 0
-    value, bears = _counted(start, node, push, read, nodes, own, closes, q, s, wider)
-    largest, fastest, source = 0.0, 0.0, 0
+    own, largest, fastest, source = np.empty(nc), 0.0, 0.0, 0
     for i in range(nc):
+        own[i] = max(least[i], length(q, i, d))
         largest = max(largest, own[i])
+    value, bears = _counted(start, node, push, read, nodes, own, largest, least, closes, q, s, wider)
+    for i in range(nc):
         if bears[i] and value[i] > fastest:
             fastest, source = value[i], i
     first, reader = _readers(start, node, read, nodes)
@@ -283,25 +285,25 @@ def spread(units):  # type: ignore[no-untyped-def]
 
 
 @part
-def _counted(start, node, push, read, nodes, own, closes, q, s, wider):  # type: ignore[no-untyped-def]
-    """(nc,), (nc,): the velocity as which each contact counts, and whether it may bear."""
+def _counted(start, node, push, read, nodes, own, largest, least, closes, q, s, wider):  # type: ignore[no-untyped-def]
+    """(nc,), (nc,): the velocity as which each contact counts, and whether it may bear. own: |q_i|, at least least_i."""
     nc, d = len(s), len(q) // max(len(s), 1)
-    value, bears, largest = own.copy(), np.ones(nc, np.bool_), 0.0
-    for i in range(nc):
-        largest = max(largest, own[i])
+    value, bears = own.copy(), np.ones(nc, np.bool_)
     if closes.all() or largest == 0:
         return value, bears
     parent = _components(start, node, push, read, nodes)
     energy, biased = np.zeros(nc + nodes), np.zeros(nc)
     for i in range(nc):
         if not closes[i] and wider[i] > 0:
-            biased[i] = min(length(q[i * d + 1 : i * d + d], 0, d - 1), s[i] * wider[i])
+            sliding = length(q[i * d + 1 : i * d + d], 0, d - 1)
+            biased[i] = min(max(sliding, least[i]), s[i] * wider[i])
         energy[top(parent, i)] += ((own[i] if closes[i] else biased[i]) / largest) ** 2 / s[i]
     for i in range(nc):
         if not closes[i]:
             given = largest * np.sqrt(s[i] * energy[top(parent, i)])
-            bears[i] = q[i * d] <= FAR * given or s[i] * wider[i] > COUPLED * given
-            value[i] = max(min(own[i], FAR * given) if q[i * d] <= FAR * given else 0.0, biased[i])
+            pushed = q[i * d] <= FAR * given
+            bears[i] = pushed or s[i] * wider[i] > COUPLED * given
+            value[i] = max(min(own[i], max(FAR * given, least[i])) if pushed else 0.0, biased[i])
     return value, bears
 
 

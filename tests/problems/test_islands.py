@@ -8,7 +8,7 @@ from frictionbench.problems import FrictionProblem, scene
 from frictionbench.problems.analysis.stability import backward_error
 from frictionbench.problems.combine import side_by_side
 from frictionbench.problems.forms.delassus import measures
-from frictionbench.problems.forms.islands import COUPLED, FAR, LEVEL, mechanical_units
+from frictionbench.problems.forms.islands import CANCELLED, COUPLED, FAR, LEVEL, mechanical_units
 from frictionbench.problems.measures import defects
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import energy_within, polygon_residual, relaxation_residual, residual, residual_floor
@@ -31,7 +31,8 @@ def by_definition(problem):
     closes = q[:, 0] <= LEVEL * size
     given = np.sqrt(s * (island @ (np.where(closes, size, biased) ** 2 / s)))
     bears = closes | (q[:, 0] <= FAR * given) | (s * problem.friction_bias > COUPLED * given)
-    counted = np.maximum(np.where(q[:, 0] <= FAR * given, np.minimum(size, FAR * given), 0.0), biased)
+    most = np.minimum(size, np.maximum(FAR * given, CANCELLED * size))
+    counted = np.maximum(np.where(q[:, 0] <= FAR * given, most, 0.0), biased)
     counted[closes] = size[closes]
     unit = np.zeros(nc)
     for i in range(nc):
