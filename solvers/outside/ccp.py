@@ -128,18 +128,16 @@ class CCP:
 def _settings(backend: str, eps: float) -> dict[str, Any]:
     gap = gap_tolerance(eps, _LEAST_GAPS.get(backend, LEAST_GAP))
     absolute = {"eps_abs": eps, "eps_rel": 0.0, "eps_duality_gap_abs": gap, "eps_duality_gap_rel": 0.0}
-    split = {"eps_abs": eps / MARGIN, "eps_rel": 0.0}
+    others = dict.fromkeys(("osqp", "scs", "qpalm"), {"eps_abs": eps / MARGIN, "eps_rel": 0.0})
     return {
         "clarabel": {"tol_feas": eps, "tol_gap_abs": gap, "tol_gap_rel": gap},
-        "osqp": split,
         "proxqp": absolute | {"check_duality_gap": True},
         "piqp": absolute,
         "daqp": {"primal_tol": eps / MARGIN, "dual_tol": eps / MARGIN},
         "quadprog": {},
         "highs": dict.fromkeys(("primal_feasibility_tolerance", "dual_feasibility_tolerance"), max(eps / MARGIN, 1e-10)),
-        "scs": split,
         "ecos": {"feastol": eps / MARGIN, "abstol": gap, "reltol": gap},
-        "qpalm": split,
+        **others,
     }[backend]
 
 
