@@ -128,7 +128,7 @@ class CCP:
 def _settings(backend: str, eps: float) -> dict[str, Any]:
     gap = gap_tolerance(eps, _LEAST_GAPS.get(backend, LEAST_GAP))
     absolute = {"eps_abs": eps, "eps_rel": 0.0, "eps_duality_gap_abs": gap, "eps_duality_gap_rel": 0.0}
-    others = dict.fromkeys(("osqp", "scs", "qpalm"), {"eps_abs": eps / MARGIN, "eps_rel": 0.0})
+    others = {name: {"eps_abs": eps / MARGIN, "eps_rel": 0.0} for name in ("osqp", "scs", "qpalm")}
     return {
         "clarabel": {"tol_feas": eps, "tol_gap_abs": gap, "tol_gap_rel": gap},
         "proxqp": absolute | {"check_duality_gap": True},
