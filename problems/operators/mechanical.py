@@ -73,6 +73,8 @@ class MechanicalOperator(Operator):
         operator = cls(mass_rows, inverse_mass(mass_rows), joint_rows, contact_rows, v, b, friction_bias, b_F)
         if b_F.any():  # without biases, v = 0 satisfies all
             operator._require_consistent_joints()
+        if nj:
+            operator._require_held_joints()
         return operator
 
     @property
@@ -211,6 +213,18 @@ class MechanicalOperator(Operator):
         listed = ", ".join(map(str, bad[:6].tolist())) + ", ..." * (len(bad) > 6)
         missed = f"rows {listed} are missed by up to {(defect * unit)[bad].max(initial=0.0):.2g} m/s"
         check.require(not len(bad), "joint_bias", f"the joint equations contradict each other: {missed}")
+
+    def _require_held_joints(self) -> None:
+        """Errors: InputError naming joints where rounding leaves F v + b_F, of the nearest velocity, above CONTRADICTION of its
+        terms, each row in its own unit as above: of rows that are nearly dependent the inverse has too few digits."""
+        F, v = self.joints, self._on_joints(self.free_velocity)
+        size = np.sqrt(F.multiply(F) @ self.inverse_mass.diagonal())
+        unit = np.where(size > 0, size, 1.0)
+        left = np.abs(F @ v + self.joint_bias)
+        terms = (abs(F) @ (np.abs(v) + np.abs(self.free_velocity)) + np.abs(self.joint_bias)) / unit
+        held = bool((left / unit <= CONTRADICTION * terms.max()).all())
+        told = f"rows are so nearly dependent that rounding leaves them unsatisfied by up to {left.max():.2g} m/s"
+        check.require(held, "joints", f"{told}; remove those that follow from others")
 
     @cached_property
     def _measures(self) -> tuple[Array, Array, float, Array, float]:

@@ -69,7 +69,7 @@ def test_rounding_in_a_joint_at_rest_is_no_contradiction() -> None:
 
 
 @pytest.mark.parametrize("again", [False, True])
-@pytest.mark.parametrize("angle", [1e-3, 1e-5])
+@pytest.mark.parametrize("angle", [1e-3, 1e-4])
 def test_rows_that_are_nearly_parallel_are_independent(angle: float, again: bool) -> None:
     """Their velocity is large, but there is one; again: beside a row that is there twice."""
     joints = np.array([[1.0, 0.0, 0.0], [np.cos(angle), np.sin(angle), 0.0], [1.0, 0.0, 0.0]][: 3 if again else 2])
@@ -77,6 +77,23 @@ def test_rows_that_are_nearly_parallel_are_independent(angle: float, again: bool
     v = FrictionProblem(**FIELDS, joints=joints, joint_bias=bias).velocity(np.zeros((2, 2)))
     assert np.abs(joints @ v + bias).max() < 1e-4
     assert v[1] == pytest.approx(0.1 / angle, rel=1e-3)
+
+
+@pytest.mark.parametrize("angle", [1e-5, 1e-6])
+@pytest.mark.parametrize("bias", [(0.3, 0.2), (0.0, 0.0)])
+def test_rows_that_rounding_leaves_unsatisfied_are_refused(angle, bias) -> None:
+    """The inverse of their products has no digits that could satisfy them, and no residual in contact velocities would tell."""
+    joints = [[1.0, 0.0, 0.0], [np.cos(angle), np.sin(angle), 0.0]]
+    refused, fields = "", FIELDS | {"free_velocity": [1.0, 2.0, 3.0]}
+    try:
+        problem = FrictionProblem(**fields, joints=joints, joint_bias=bias)
+    except InputError as error:
+        refused = str(error)
+    if refused:
+        assert refused.startswith("joints: rows are so nearly dependent")
+    else:
+        v = problem.velocity(np.zeros((2, 2)))
+        assert np.abs(problem.joints @ v + problem.joint_bias).max() <= 1e-8 * max(np.abs(v).max(), 3.0)
 
 
 @pytest.mark.parametrize("speed", [1e8, 1e12])
