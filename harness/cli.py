@@ -46,7 +46,10 @@ def about(
 
 @app.command()
 def fairness(solver: options.Solvers = None, scene: options.Scenes = None) -> None:
-    """Time each outside solver beside a call of its library by hand; with --scene, compare what both claim on its steps."""
+    """Time outside solvers beside calls by hand.
+
+    With --scene, compare what both claim on the steps of its motion.
+    """
     from rich.console import Console
 
     from frictionbench.harness.commands.charged import charged_table

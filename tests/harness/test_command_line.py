@@ -95,10 +95,11 @@ def test_invalid_option_values_are_named(arguments, option) -> None:
 
 def test_narrow_tables_omit_columns(capsys) -> None:
     header, row = ("solver", "time", "empty", "work"), ("nsgs[relaxation=1.3]", "3 ms", "", "pivots 12, restarts 0")
-    (wide_head, wide), (_, narrow) = (columns(header, [row], width, ("work",)) for width in (None, 30))
+    (wide_head, wide), (_, narrow, *told) = (columns(header, [row], width, ("work",)) for width in (None, 30))
     assert wide.split() == " ".join(row).split()
     assert "empty" not in wide_head
     assert narrow == "nsgs[relaxation=1.3]  3 ms"
+    assert "work" in " ".join(told)
 
 
 def test_lists_show_settings(capsys) -> None:

@@ -1,4 +1,7 @@
-"""Every command of the README and of docs is executed: as it stands, or on less where it would take longer than a test may."""
+"""Every command of the README and of docs is executed: as it stands, or on less where it would take longer than a test may.
+
+Those of docs/executable.md, which need the files of that page, are in test_executable.py.
+"""
 
 import re
 import shlex
@@ -15,7 +18,11 @@ from frictionbench.results.store import read_table
 from tests.helpers.command_line import Done, frictionbench
 from tests.helpers.paths import ROOT
 
-DOCUMENTS = [ROOT / "README.md", *sorted(path for path in (ROOT / "docs").glob("*.md") if path.name != "peers.md")]
+APART = ("peers.md", "executable.md")
+DOCUMENTS = [
+    ROOT / "README.md",
+    *sorted(path for path in (ROOT / "docs").glob("*.md") if path.name not in APART),
+]
 # What stands for the words in capitals of a synopsis, whose options are all given, and of several choices the first.
 STANDS_FOR = {
     "[--jobs N | --cluster ADDRESS]": "--jobs 1",
@@ -62,12 +69,12 @@ ON_LESS = {
     "shrink": ("--solver mine.py",),
     "show": ("--steps 3",),
     "map": ("--solver lemke",),
-    "fairness": ("--solver ccp_cone",),
+    "fairness": ("--solver 'clarabel[keep=false]'",),
 }
 GRID = ":30", ":16", ":13"  # along an axis of a map; a test has two
 # Commands that need a network, a cluster or fetched data: what is said where there is none.
 REFUSED = {
-    "fetch": "fclib/Chain",
+    "fetch": "Chain",
     "run recorded --data fclib": "frictionbench fetch",
     "run abh2018": "frictionbench fetch",
     "run standard --cluster": "cluster",

@@ -131,7 +131,7 @@ def test_means_shares_and_profiles_are_weighted_by_hand():
     assert table.loc[(PLANE, "a"), "mean"] == pytest.approx(expected)
     curves = accuracy.profiles(accuracy.overall(run.times[1e-8])[PLANE])
     assert curves["a"].share(np.array([1.0, 1.5, 2.5])) == pytest.approx([1 / 7, 1 / 7, 1])
-    assert profiles.panels(run)[0].title == f"{PLANE}, within 1e-4"
+    assert profiles.panels(run)[0].title == f"{PLANE}, within 1e-8"
     weight = balance.weights(run.ranked.query("label == 'a'"))
     assert sorted(set(weight.round(9))) == [round(1 / 84, 9), round(1 / 7, 9)]
     assert balance.effective(weight.to_numpy()) == pytest.approx(1 / (12 / 84**2 + 6 / 49))
@@ -235,7 +235,7 @@ def test_noise_is_told_and_alarms_only_where_a_winner_changes(tmp_path):
     assert noise.sentence(mixed, 16) == f"{told}5 waited for their core and 3 had none{same}"
     assert (found.changed, changed.changed) == (
         [],
-        [f"{PLANE}, {by.words}, to {target}: a in place of b" for by in RankBy for target in ("1e-4", "1e-6", "1e-8")],
+        [f"{PLANE}, {by.words}, to 1e-8: a in place of b" for by in RankBy],
     )
     assert noise_of(*uneven()) is None
 
@@ -245,9 +245,7 @@ def test_noise_that_decides_one_ranking_alone():
     rows = disturbed(9e-3)
     for row in rows[:8]:
         row |= {"form_time": 20e-3, "form_times": [20e-3] * 3}
-    assert noise_of(*rows).changed == [
-        f"{PLANE}, {RankBy.FORM.words}, to {target}: a in place of b" for target in ("1e-4", "1e-6", "1e-8")
-    ]
+    assert noise_of(*rows).changed == [f"{PLANE}, {RankBy.FORM.words}, to 1e-8: a in place of b"]
 
 
 def test_noise_alarms_on_the_page(tmp_path):

@@ -121,7 +121,7 @@ def test_long_call_on_a_problem_met_before_is_questioned(clock):
 
 
 def test_simulation_discards_loading_calls(clock):
-    info = SolverInfo("late", "", "coulomb", (2,), False, False, (), (), False, (), (), Late)
+    info = SolverInfo("late", "test", "coulomb", (2,), False, False, (), (), False, (), (), Late)
     cell = SimulationCell("stopping_block", {}, "late", 1e-8, steps=3)
     found = simulation.run_closed_loop(cell, info, Late(clock, loads=2))
     assert found["solver_time"] == 7.0 * found["problems"]
