@@ -71,10 +71,8 @@ class MechanicalOperator(Operator):
         b_F = check.vector("joint_bias", np.zeros(nj) if joint_bias is None else joint_bias, nj)
         contact_rows = ByContact(*by_contact(*normal_rows, *tangent_rows, d))
         operator = cls(mass_rows, inverse_mass(mass_rows), joint_rows, contact_rows, v, b, friction_bias, b_F)
-        if b_F.any():  # without biases, v = 0 satisfies all
-            operator._require_consistent_joints()
         if nj:
-            operator._require_held_joints()
+            operator._require_joints_that_hold()
         return operator
 
     @property
@@ -177,9 +175,11 @@ class MechanicalOperator(Operator):
 
     @cached_property
     def _joint_response(self) -> tuple[Array, Array]:
-        """(M^-1 F', (F M^-1 F')^+), dense."""
+        """(M^-1 F', (F M^-1 F')^+), dense. Errors: InputError naming joints where F M^-1 F' overflows."""
         response = delassus.joint_response(*self.joint_rows, *self.inverse_rows)
-        return response, _generalised_inverse(delassus.product(*self.joint_rows, response))
+        G = delassus.product(*self.joint_rows, response)
+        check.require(bool(np.isfinite(G).all()), "joints", "F M^-1 F' overflows")
+        return response, _generalised_inverse(G)
 
     @property
     def _joint_coupling(self) -> tuple[Array, Array]:
@@ -195,17 +195,28 @@ class MechanicalOperator(Operator):
         joint_velocity = delassus.product(*self.joint_rows, velocity[:, None].copy())[:, 0]
         return velocity - response @ (inverse @ (joint_velocity + self.joint_bias))
 
+    @cached_property
+    def _joint_units(self) -> Array:
+        """(nj,) the speed that a unit of kinetic energy gives each joint, 1 for rows of zeros, with the diagonal of M^-1."""
+        size = np.sqrt(self.joints.multiply(self.joints) @ self.inverse_mass.diagonal())
+        return np.where(size > 0, size, 1.0)
+
+    def _require_joints_that_hold(self) -> None:
+        """Errors: InputError naming joint_bias where the equations contradict each other, joints where rounding breaks them."""
+        with np.errstate(over="ignore", invalid="ignore"):  # what overflows compares as false and is refused
+            if self.joint_bias.any():  # without biases, v = 0 satisfies all
+                self._require_consistent_joints()
+            self._require_held_joints()
+
     def _require_consistent_joints(self) -> None:
         """Errors: InputError naming joint_bias where no velocity satisfies F v + b_F = 0, by more than rounding explains.
 
-        Whether one does depends on F and b_F alone. Each row is divided by the speed that a unit of kinetic energy gives its
-        joint, and the velocity of least squares is compared with the rounding of its terms and of those of F v*.
+        Whether one does depends on F and b_F alone. With each row in its own unit, the velocity of least squares is compared
+        with the rounding of its terms and of those of F v*.
         """
-        root = np.sqrt(self.inverse_mass.diagonal())
-        F = self.joints.toarray() * root
-        size = np.linalg.norm(F, axis=1)
-        unit = np.where(size > 0, size, 1.0)
-        F, bias = F / unit[:, None], self.joint_bias / unit
+        root, unit = np.sqrt(self.inverse_mass.diagonal()), self._joint_units
+        F, bias = self.joints.toarray() * root / unit[:, None], self.joint_bias / unit
+        check.require(bool(np.isfinite(F).all() and np.isfinite(bias).all()), "joints", "F M^-1 F' or b_F overflows")
         v = lstsq(F, -bias, cond=np.sqrt(_dependent(len(F))), lapack_driver="gelsy")[0]
         terms = np.abs(F) @ (np.abs(v) + np.abs(self.free_velocity) / root) + np.abs(bias)
         defect = np.abs(F @ v + bias)
@@ -216,13 +227,11 @@ class MechanicalOperator(Operator):
 
     def _require_held_joints(self) -> None:
         """Errors: InputError naming joints where rounding leaves F v + b_F, of the nearest velocity, above CONTRADICTION of its
-        terms, each row in its own unit as above: of rows that are nearly dependent the inverse has too few digits."""
+        terms, each row in its own unit: of rows that are nearly dependent the inverse has too few digits."""
         F, v = self.joints, self._on_joints(self.free_velocity)
-        size = np.sqrt(F.multiply(F) @ self.inverse_mass.diagonal())
-        unit = np.where(size > 0, size, 1.0)
         left = np.abs(F @ v + self.joint_bias)
-        terms = (abs(F) @ (np.abs(v) + np.abs(self.free_velocity)) + np.abs(self.joint_bias)) / unit
-        held = bool((left / unit <= CONTRADICTION * terms.max()).all())
+        terms = (abs(F) @ (np.abs(v) + np.abs(self.free_velocity)) + np.abs(self.joint_bias)) / self._joint_units
+        held = bool((left / self._joint_units <= CONTRADICTION * terms.max()).all())
         told = f"rows are so nearly dependent that rounding leaves them unsatisfied by up to {left.max():.2g} m/s"
         check.require(held, "joints", f"{told}; remove those that follow from others")
 
