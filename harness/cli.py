@@ -274,7 +274,7 @@ def solve(
     tol: options.Tolerance = 1e-8,
     time_limit: options.Limit = 10.0,
     jobs: options.Jobs = None,
-    rank_by: options.By = RankBy.BODIES,
+    rank_by: options.ByOfProblem = None,
     budget: options.Budget = None,
 ) -> None:
     """Solve one problem with every solver and show a table."""

@@ -26,11 +26,9 @@ from frictionbench.problems.forms.arrays import CSR, Dense
 from frictionbench.problems.forms.delassus import Blocks
 from frictionbench.problems.forms.lcp import LCP, content_hash, friction_lcp, tangent_basis
 from frictionbench.problems.forms.relaxation import QP, ConeProgram, VelocityForm, relaxation_cone, relaxation_qp
-from frictionbench.problems.operators.delassus import DelassusOperator
+from frictionbench.problems.operators.delassus import DIGITS, DelassusOperator
 from frictionbench.problems.operators.mechanical import MechanicalOperator
 from frictionbench.problems.rows import ByContact, Index64, Rows
-
-DIGITS = 1e-6  # asymmetry of W up to which it counts as rounding in a file
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)

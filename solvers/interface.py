@@ -41,8 +41,9 @@ import numpy as np
 from frictionbench.problems import LCP, FrictionProblem, InputError, check
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.display import html_table
-from frictionbench.problems.friction import DIGITS, require_problem
+from frictionbench.problems.friction import require_problem
 from frictionbench.problems.names import near
+from frictionbench.problems.operators.delassus import DIGITS
 from frictionbench.problems.residual import residual_floor
 from frictionbench.problems.spec import split
 from frictionbench.solvers.balanced import with_balance

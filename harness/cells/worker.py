@@ -84,10 +84,12 @@ def run_source(source: Source, limit: float) -> list[Record]:
 
 
 def run_problem(source: Source, limit: float) -> dict[str, Any]:
-    """Collect a source's first problem: its record and its summary; or why it is refused."""
+    """Collect a source's first problem: its record, its summary and whether its mechanics are given; or why it is refused."""
     try:
         (record, *_) = run_source(source, limit)
-        return {"record": record, "summary": stored(_worker.folder, record["problem"]).summary}
+        problem = stored(_worker.folder, record["problem"])
+        mechanical = isinstance(problem, FrictionProblem) and problem.mechanical
+        return {"record": record, "summary": problem.summary, "mechanical": mechanical}
     except InputError as error:
         return {"refused": str(error)}
 

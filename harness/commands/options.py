@@ -91,10 +91,10 @@ Budget = Annotated[
         help="A time for each problem: the share solved within it is shown.",
     ),
 ]
-By = Annotated[
-    RankBy,
-    typer.Option(
-        "--rank-by", help="The time that ranks or is compared: bodies: form, setup and solve; form: setup and solve alone."
-    ),
+_BY = "The time that ranks or is compared: bodies: form, setup and solve; form: setup and solve alone."
+By = Annotated[RankBy, typer.Option("--rank-by", help=_BY)]
+ByOfProblem = Annotated[
+    RankBy | None,
+    typer.Option("--rank-by", help=f"{_BY} By default bodies, but form where a problem is given by its matrix."),
 ]
 Scheme = Annotated[str, typer.Option("--scheme", metavar="SCHEME", help="Time-stepping scheme.")]

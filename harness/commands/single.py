@@ -40,19 +40,21 @@ def solve_one(
     time_limit: float,
     jobs: int,
     *,
-    rank_by: RankBy = RankBy.BODIES,
+    rank_by: RankBy | None = None,
     budget: float | None = None,
 ) -> None:
     """Solve one problem with solvers (all if none are named), and print a table with the best first and a recommendation.
 
-    rank_by: the time that ranks. budget: s, a time within which the problem has to be solved.
+    rank_by: the time that ranks; by default from bodies where the problem has them, else from the method's own form.
+    budget: s, a time within which the problem has to be solved.
 
     Errors: InputError naming the field.
     """
     variants, plugins, unusable = (*load_plugins(solver_specs), []) if solver_specs else all_variants()
     plan = Plan("solve", (), variants, (tol,), time_limit=time_limit, plugins=plugins)
     with tempfile.TemporaryDirectory() as name, Pool(Path(name), jobs, plugins, plan.memory_limit) as pool:
-        record, summary = _collect(problem, pool)
+        record, summary, mechanical = _collect(problem, pool)
+        rank_by = rank_by or (RankBy.BODIES if mechanical else RankBy.FORM)
         print(f"{problem}: {summary}", flush=True)
         tasks = [
             Task(cell.variant, worker.run_solve, (cell, record, time_limit), time_limit, plan.owner(cell.variant))
@@ -141,8 +143,9 @@ def show_rerun(folder: Path, key: str, named: list[str]) -> None:
     _show(title, {"stored": row, "rerun": again})
 
 
-def _collect(problem: str, pool: Pool) -> tuple[Record, str]:
-    """The record and the summary of a problem, which a worker makes: of a file, of an instance, or the first of a scene.
+def _collect(problem: str, pool: Pool) -> tuple[Record, str, bool]:
+    """The record and the summary of a problem, which a worker makes of a file, of an instance, or the first of a scene; and
+    whether its mechanics are given.
 
     Errors: InputError naming problem for a folder or where it takes too much memory or time, and as of collect.
     """
@@ -158,7 +161,7 @@ def _collect(problem: str, pool: Pool) -> tuple[Record, str]:
         raise InputError(f"problem: {problem} cannot be made ({outcome.reason})")
     if reason := outcome.value.get("refused"):
         raise InputError(reason)
-    return outcome.value["record"], outcome.value["summary"]
+    return outcome.value["record"], outcome.value["summary"], outcome.value["mechanical"]
 
 
 def _task_again(row: Row, table: str, plugins: tuple[Plugin, ...]) -> Task:

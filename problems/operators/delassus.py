@@ -22,6 +22,7 @@ from frictionbench.problems.operators.operator import NO_ROWS, Operator
 from frictionbench.problems.rows import ByContact, Index64, Rows, by_contact
 
 LARGEST = 1e150  # 1/kg, of an entry; squares of larger ones overflow
+DIGITS = 1e-6  # of W's largest entry: what is unsymmetric by no more counts as rounding in a file
 INDEFINITE = 1e-6  # of W's largest eigenvalue: recorded problems are indefinite by that much, as their files round W's digits
 
 
@@ -141,10 +142,11 @@ class DelassusOperator(Operator):
 
 
 def _require_both_triangles(W: sparse.csr_array) -> None:
-    """Errors: InputError naming W where it has entries on one side of its diagonal alone, as one stored by a triangle does."""
+    """Errors: InputError naming W where it has entries on one side of its diagonal alone, as one stored by a triangle does,
+    that are more than rounding."""
     sides = sparse.tril(W, -1, format="coo"), sparse.triu(W, 1, format="coo")
     for side, other in (sides, sides[::-1]):
-        if side.nnz and not other.nnz:
+        if side.nnz and not other.nnz and abs(side.data).max() > DIGITS * abs(W).max():
             most = abs(side.data).argmax()
             i, j = side.row[most], side.col[most]
             raise check.InputError(f"W: holds one triangle: entry ({i}, {j}) is {side.data[most]:.3g}, but ({j}, {i}) is 0")

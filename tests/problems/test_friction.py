@@ -365,6 +365,8 @@ def test_one_triangle_of_a_delassus_matrix_is_refused() -> None:
         with pytest.raises(InputError, match=f"^W: holds one triangle: entry {entry}"):
             FrictionProblem.from_delassus(side, -np.ones(4), [0.5, 0.5], 2)
     assert FrictionProblem.from_delassus(np.diag(np.diag(W)), -np.ones(4), [0.5, 0.5], 2).asymmetry == 0
+    rounding = np.diag(np.diag(W)) + 1e-16 * np.triu(W, 1)
+    assert FrictionProblem.from_delassus(rounding, -np.ones(4), [0.5, 0.5], 2).asymmetry < 1e-15
 
 
 def test_asymmetry_of_a_delassus_matrix_is_told() -> None:

@@ -43,7 +43,8 @@ def test_bare_lcp_is_solved_by_lcp_solvers(tmp_path, capsys) -> None:
     told = capsys.readouterr().out
     assert "lcp.npz: LCP of 2 unknowns" in told
     assert "not bare LCPs" in told
-    assert "use lemke: solved" in told
+    assert "ranked from the method's own form" in told
+    assert "use lemke: solved from the method's own form" in told
 
 
 def test_advice() -> None:
