@@ -1,6 +1,6 @@
 """The lists of `frictionbench list`: a paragraph for each scene, solver or suite, wrapped to the terminal."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import fields
 from typing import Any
 
@@ -27,18 +27,24 @@ def show(what: str) -> None:
 
 def _scenes() -> Iterator[Item]:
     listed: dict[str, Any] = {**scenes(), **instances()}
-    others: dict[str, list[str]] = {}
+    by_maker: dict[str, list[str]] = {}
     for name, generator in listed.items():
-        if name != generator.make.__name__:
-            own = listed[generator.make.__name__].parameters
-            changed = ",".join(f"{key}={_short(value)}" for key, value in generator.parameters.items() if value != own[key])
-            others.setdefault(generator.make.__name__, []).append(f"{name}, which is {generator.make.__name__}[{changed}]")
-    for name, generator in listed.items():
-        if name != generator.make.__name__:
-            continue
-        settings = ", ".join(f"{key}={_short(value)}" for key, value in generator.parameters.items())
-        also = f"also under the name {'; '.join(others[name])}" if name in others else ""
-        yield name, [generator.summary, f"settings: {settings}" if settings else "", also]
+        by_maker.setdefault(generator.make.__name__, []).append(name)
+    for maker in filter(by_maker.get, listed):
+        own, names = listed[maker], by_maker[maker]
+        others = [f"{name}, which is {maker}[{_changed(listed[name], own)}]" for name in names if name != maker]
+        also = f"also under the name {'; '.join(others)}" if others else ""
+        settings = _listed(own.parameters.items())
+        yield maker, [own.summary, f"settings: {settings}" if settings else "", also]
+
+
+def _changed(generator: Any, own: Any) -> str:
+    """The parameters by which a generator differs from that of its maker's own name."""
+    return _listed([pair for pair in generator.parameters.items() if pair[1] != own.parameters[pair[0]]], ",")
+
+
+def _listed(parameters: Iterable[tuple[str, Any]], comma: str = ", ") -> str:
+    return comma.join(f"{name}={_short(value)}" for name, value in parameters)
 
 
 def _solvers() -> Iterator[Item]:
@@ -67,7 +73,7 @@ def _with_reason(spec: str) -> str:
 
 def _settings(info: SolverInfo) -> str:
     made: Any = info.make()
-    settings = ", ".join(f"{each.name}={_short(getattr(made, each.name))}" for each in fields(made))
+    settings = _listed((each.name, getattr(made, each.name)) for each in fields(made))
     return f"settings: {settings}" if settings else ""
 
 

@@ -94,13 +94,15 @@ def test_nothing_is_promised_without_walls(tmp_path) -> None:
 
 
 # On its first call it does what it can to the run, and afterwards answers with zeros.
-HOSTILE = """
+STRAY = """
 import contextlib, ctypes, os, signal
 ctypes.CDLL(None).prctl(1, 0, 0, 0, 0)  # no signal when its parent ends
 if os.fork() == 0:
     os.setsid()
     while True:
         signal.pause()
+"""
+HOSTILE = f"""{STRAY}
 with contextlib.suppress(OSError):
     os.kill(os.getppid(), signal.SIGKILL)
 """
@@ -126,13 +128,7 @@ def test_hostile_plugin_in_a_run(tmp_path) -> None:
     assert os.path.exists(tmp_path / "with" / "solves.parquet")
 
 
-LEAVES_A_STRAY = """
-import ctypes, os, signal
-ctypes.CDLL(None).prctl(1, 0, 0, 0, 0)  # no signal when its parent ends
-if os.fork() == 0:
-    os.setsid()
-    while True:
-        signal.pause()
+LEAVES_A_STRAY = f"""{STRAY}
 os.kill(os.getppid(), signal.SIGKILL)
 signal.pause()
 """
