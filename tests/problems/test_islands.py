@@ -32,7 +32,8 @@ def by_definition(problem):
     given = np.sqrt(s * (island @ (np.where(closes, size, biased) ** 2 / s)))
     bears = closes | (q[:, 0] <= FAR * given) | (s * problem.friction_bias > COUPLED * given)
     most = np.minimum(size, np.maximum(FAR * given, CANCELLED * size))
-    counted = np.maximum(np.where(q[:, 0] <= FAR * given, most, 0.0), biased)
+    known = np.where(problem.friction_bias > 0, np.maximum(biased, CANCELLED * size), 0.0)
+    counted = np.maximum(np.where(q[:, 0] <= FAR * given, most, 0.0), known)
     counted[closes] = size[closes]
     unit = np.zeros(nc)
     for i in range(nc):
@@ -174,6 +175,15 @@ def test_contacts_that_are_open_by_as_much_do_not_count_as_energy() -> None:
     for problem in (twice, in_contact_space(twice)):
         assert problem.units[0] == pytest.approx(resting.velocity_scale)
         assert residual(problem, np.zeros((3, 2))) == pytest.approx(1.0)
+
+
+def test_a_sliding_contact_whose_bias_is_rounding_can_be_judged() -> None:
+    """In the second phase of Poisson's law, a block that slides opens by rounding and keeps a friction bias of rounding."""
+    sliding = block(speed=3.4).replace(free_velocity=[3.4, 1.6e-8], friction_bias=[1.5e-10])
+    for problem in (sliding, in_contact_space(sliding)):
+        answer = solve(problem, "interior_point", tol=1e-8)
+        assert residual_floor(problem, answer.impulse) < 1e-8
+        assert answer.status.name == "SOLVED"
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.7, np.pi / 4])
