@@ -1,6 +1,7 @@
 """Compare solvers for the friction LCPs of rigid-body dynamics.
 
     problems   scene, scenes, instance, instances, FrictionProblem, LCP, load, save, InputError
+    engines    capture, EngineStep, load_step
     solvers    solve, available, solver, Answer, Status
     checks     residual, residual_floor, verify, Verdict
     results    read_results, plot
@@ -21,11 +22,12 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from frictionbench import plot
-    from frictionbench.files import load, save
+    from frictionbench import capture, plot
+    from frictionbench.files import load, load_step, save
     from frictionbench.problems import LCP, FrictionProblem, InputError, scene, scenes
     from frictionbench.problems.instances import instances
     from frictionbench.problems.instances import make_instance as instance
+    from frictionbench.problems.recorded.engine_step import EngineStep
     from frictionbench.problems.residual import residual, residual_floor
     from frictionbench.results.verdicts import Verdict
     from frictionbench.solvers import Answer, Status, available, solve, solver
@@ -37,15 +39,18 @@ if TYPE_CHECKING:
 __all__ = [
     "LCP",
     "Answer",
+    "EngineStep",
     "FrictionProblem",
     "InputError",
     "Status",
     "Verdict",
     "__version__",
     "available",
+    "capture",
     "instance",
     "instances",
     "load",
+    "load_step",
     "plot",
     "read_results",
     "residual",
@@ -65,7 +70,8 @@ _DEFINED_IN = {
     "frictionbench.problems.residual": ("residual", "residual_floor"),
     "frictionbench.solvers": ("Answer", "Status", "available", "solve", "solver"),
     "frictionbench.results.verdicts": ("Verdict",),
-    "frictionbench.files": ("load", "save"),
+    "frictionbench.problems.recorded.engine_step": ("EngineStep",),
+    "frictionbench.files": ("load", "load_step", "save"),
     "frictionbench.tables": ("read_results",),
     "frictionbench.verification": ("verify",),
 }
@@ -75,8 +81,8 @@ _OTHER_NAME = {"instance": "make_instance"}  # where the defining module calls i
 def __getattr__(name: str) -> Any:
     if name == "__version__":
         value: Any = import_module("importlib.metadata").version("frictionbench")
-    elif name == "plot":
-        value = import_module("frictionbench.plot")
+    elif name in ("capture", "plot"):
+        value = import_module(f"frictionbench.{name}")
     else:
         module = next((module for module, names in _DEFINED_IN.items() if name in names), None)
         if module is None:

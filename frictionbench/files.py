@@ -1,10 +1,13 @@
 """Problems read from files and written to them."""
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from frictionbench.problems import LCP, FrictionProblem, InputError, recorded
 from frictionbench.problems.friction import require_problem
-from frictionbench.problems.recorded import fclib, own
+from frictionbench.problems.recorded import engine_step, fclib, own
+from frictionbench.problems.recorded.engine_step import EngineStep
 
 HDF5_SUFFIXES = (".hdf5", ".h5")
 
@@ -30,28 +33,71 @@ def load(path: str | Path) -> FrictionProblem | LCP:
     return recorded.read(Path(path))
 
 
-def save(problem: FrictionProblem | LCP, path: str | Path) -> None:
-    """Write a problem to a file that `load` reads.
+def load_step(path: str | Path) -> EngineStep:
+    """Read a step of an engine: the problem, and what the engine answered.
+
+    path: an .npz written by `save` with impulses, or by a capture.
+
+    Returns an EngineStep. Limits: as of `load`.
+    Errors: InputError as of `load`, and where the file holds no impulses of an engine.
+
+    >>> import numpy as np
+    >>> import frictionbench as fb
+    >>> problem = fb.scene("stack", blocks=1).problem()
+    >>> fb.save(problem, "step.npz", impulse=np.zeros((2, 2)), notes={"soft contacts": 0.01})
+    >>> load_step("step.npz")
+    EngineStep(2 contacts in the plane, 3 velocities, soft contacts 1 %)
+    """
+    return own.load_step(Path(path))
+
+
+def save(
+    problem: FrictionProblem | LCP,
+    path: str | Path,
+    *,
+    impulse: Any = None,
+    notes: Mapping[str, float] | None = None,
+    step: float | None = None,
+) -> None:
+    """Write a problem to a file that `load` reads, or a step of an engine, which `load_step` reads.
 
     path: its suffix selects the format. .npz: our own, every field of a FrictionProblem or the M and q of an LCP, bit for bit.
     .hdf5 or .h5: FCLIB's, its local form where only W is known, otherwise its global form.
+    impulse: (contacts, d), N s, the normal first: the impulses that an engine used in this step; only in an .npz.
+    notes: what of the step the problem does not express, by name, with its share of the impulse, from 0 to 1.
+    step: s, the length of the engine's step, where the problem's bias is the gap over it.
 
     An existing file is replaced. Errors: InputError for another suffix, and where FCLIB's format cannot hold the problem (an
-    LCP, a friction bias); OSError where the file cannot be written.
+    LCP, a friction bias); InputError naming impulse, notes or step; OSError where the file cannot be written.
 
     >>> import frictionbench as fb
     >>> problem = fb.scene("stack", blocks=2).problem()
     >>> save(problem, "stack.npz")
     >>> load("stack.npz").hash == problem.hash
     True
+    >>> save(problem, "step.npz", impulse=fb.solve(problem, "lemke").impulse, step=0.01)
     """
     require_problem(problem)
     path = Path(path)
-    if path.suffix == ".npz":
-        own.save(problem, path)
-    elif path.suffix not in HDF5_SUFFIXES:
+    if path.suffix not in (".npz", *HDF5_SUFFIXES):
         raise InputError(f"path: {path} must end in .npz, {' or '.join(HDF5_SUFFIXES)}")
+    if impulse is not None or notes or step is not None:
+        _save_step(problem, path, impulse, notes or {}, step)
+    elif path.suffix == ".npz":
+        own.save(problem, path)
     elif isinstance(problem, LCP):
         raise InputError("problem: FCLIB's format does not hold LCPs; write an .npz")
     else:
         fclib.write(problem, path)
+
+
+def _save_step(
+    problem: FrictionProblem | LCP, path: Path, impulse: Any, notes: Mapping[str, float], step: float | None
+) -> None:
+    if impulse is None:
+        raise InputError("impulse: is missing; notes and step describe a step whose impulses an engine found")
+    if isinstance(problem, LCP):
+        raise InputError("problem: an LCP has no contacts, whose impulses an engine could have found")
+    if path.suffix != ".npz":
+        raise InputError(f"path: {path} must end in .npz, which alone holds the impulses of an engine")
+    own.save(problem, path, engine_step.packed(EngineStep(problem, impulse, notes, step)))

@@ -24,6 +24,7 @@ MAY_IMPORT = {
     "problems.planar": {"problems.check", "problems.compiled", "problems.rows"},
     "problems.analysis": {"problems.check", "problems.forms", "problems.friction", "problems.reduce", "problems.residual"},
     "problems.recorded": {"problems.check", "problems.forms", "problems.friction", "problems.sizes"},
+    "problems.capture": {"problems.check", "problems.friction", "problems.recorded.engine_step"},
     "problems": {"problems"},
     "solvers.needs": set(),
     "solvers.balanced": {"problems"},

@@ -12,6 +12,7 @@ import pytest
 from frictionbench.problems import LCP, FrictionProblem, InputError, scene
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.recorded import fclib, own, read
+from frictionbench.problems.recorded.engine_step import EngineStep, packed
 from tests.helpers.edits import CASES, edited_array, little_memory, mutated
 from tests.helpers.friction_problems import spatial, with_joints
 from tests.helpers.recorded import blocks, columns, dense, global_text, local_text, numbers, triplets
@@ -19,6 +20,7 @@ from tests.helpers.recorded import blocks, columns, dense, global_text, local_te
 PLANAR, SPATIAL = random_problem(3, contacts=4, bodies=2), spatial(5, contacts=3)
 BARE = LCP(np.eye(3) + 0.1, [-1.0, 2.0, -3.0])
 BY_W = FrictionProblem.from_delassus(SPATIAL.W, SPATIAL.q, SPATIAL.friction, 3)
+STEP = EngineStep(SPATIAL, np.ones((3, 3)), {"limits": 0.25, "soft contacts": 0.5}, 0.01)
 JOINTED = with_joints(PLANAR, np.random.default_rng(0).standard_normal((2, len(PLANAR.free_velocity))))
 TEXTS = {
     "dense": local_text(PLANAR, dense(PLANAR.W)),
@@ -64,11 +66,14 @@ def archived(problem: FrictionProblem | LCP, path: Path) -> dict[str, np.ndarray
         return dict(stored)
 
 
-@pytest.mark.parametrize("kind", ["mechanical", "jointed", "by W", "lcp", "plain", "contactbench"])
+@pytest.mark.parametrize("kind", ["mechanical", "jointed", "by W", "lcp", "engine step", "plain", "contactbench"])
 def test_edited_archives(tmp_path, kind) -> None:
     random, path = np.random.default_rng(4), tmp_path / "problem.npz"
     made = {"mechanical": scene("stack", blocks=2).problem(), "jointed": JOINTED, "by W": BY_W, "lcp": BARE}
+    made["engine step"] = SPATIAL
     arrays = {"plain": PLAIN, "contactbench": CONTACTBENCH}[kind] if kind not in made else archived(made[kind], path)
+    if kind == "engine step":
+        arrays |= packed(STEP)
     with little_memory():
         for _ in range(CASES):
             name = list(arrays)[random.integers(len(arrays))]
