@@ -22,8 +22,9 @@ from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.recorded.engine_step import EngineStep
 
 FAITHFUL = 1e-9  # of the velocities: what a captured step may miss of the engine's own next velocity
-REST = "other forces and the integrator's terms"  # as adhesion, and implicit terms that are not symmetric
+REST = "other forces, the integrator, the solver's tolerance"  # as adhesion, implicit terms that are not symmetric
 NOISE = 1e-9  # shares below are rounding
+ROUNDING = 1e-13  # of the momentum: impulses below are rounding
 ZERO = 1e-14  # of sqrt(M_ii M_jj): entries of M below are rounding of its measurement
 
 
@@ -67,7 +68,8 @@ def captured(step: Step) -> EngineStep:
     others = {**step.others, REST: rest}
     sizes = {name: _size(inverse, impulse) for name, impulse in others.items()}
     total = _size(inverse, pushed) + _size(inverse, by_equations) + sum(sizes.values())
-    notes = {name: size / total for name, size in sizes.items() if size > NOISE * total}
+    least = max(NOISE * total, ROUNDING * _size(inverse, mass @ (np.abs(step.velocity) + np.abs(step.free))))
+    notes = {name: size / total for name, size in sizes.items() if size > least}
     rows = contacts.rows.reshape(-1, 3, len(mass))
     problem = FrictionProblem(
         mass=mass,

@@ -1,0 +1,147 @@
+"""A step of Drake's discrete MultibodyPlant as a friction problem.
+
+The step is taken on clones of the context by the plant's own update, whose contact results are the forces of that step. With
+the point C of a contact, its normal n from B to A, and the force f on B, the rows are those of v_B - v_A at C in the frame
+(-n, t_1, t_2), and the impulses h f in it. Without constraints the plant's step is
+
+    (M + h D) (v0 - v) = h tau(q, v),
+
+D the damping of the joints, tau the forces of gravity, springs, damping and actuators less the Coriolis terms.
+Source: pydrake's documentation of MultibodyPlant, sections on discrete time and on contact.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from frictionbench.problems.capture.parts import Contacts, Step, captured
+from frictionbench.problems.check import Array, InputError, require
+from frictionbench.problems.recorded.engine_step import EngineStep
+
+
+def drake(plant: Any, context: Any) -> EngineStep:
+    """The step that the plant takes from this context; called just before it, and changes nothing.
+
+    plant: a finalized MultibodyPlant in discrete time, in a diagram with its SceneGraph. context: the diagram's, as
+    `simulator.get_context()` gives it. All point contacts are taken.
+
+    Returns an EngineStep: the bias is the gap over the step, negative where bodies penetrate; notes hold the shares of contacts
+    by surfaces (hydroelastic), of what softness takes of contacts, and of everything else, as limits and constraints of joints.
+    Errors: InputError naming plant or context; step where the engine's next velocity is not that of the problem.
+    """
+    h = float(plant.time_step())
+    require(h > 0, "plant", "is in continuous time, which has no steps with impulses")
+    now, after, results = _stepped(plant, context)
+    nv = plant.num_velocities()
+    mass = plant.CalcMassMatrix(now) + h * np.diag(_damping(plant, now))
+    free = plant.GetVelocities(now) + h * np.linalg.solve(mass, _forces(plant, now, after))
+    velocity = plant.GetVelocities(after)
+    contacts = _contacts(plant, now, results, h)
+    surfaces = np.zeros(nv)
+    for i in range(results.num_hydroelastic_contacts()):
+        surfaces += h * _by_surface(plant, now, results.hydroelastic_contact_info(i))
+    approach = (contacts.rows @ velocity).reshape(-1, 3)[:, 0] + contacts.gap / h
+    soft = float(contacts.impulse[:, 0] @ np.maximum(-approach, 0.0))
+    pushed = contacts.rows.T @ contacts.impulse.ravel()
+    rigid = float(pushed @ np.linalg.solve(mass, pushed))
+    shares = {"softness of contacts": soft / (soft + rigid) if soft > 0 else 0.0}
+    others = {"contacts by surfaces": surfaces}
+    return captured(Step(mass, free, velocity, h, contacts, np.zeros((0, nv)), others, shares))
+
+
+def _stepped(plant: Any, context: Any) -> tuple[Any, Any, Any]:
+    """The plant's contexts before and after the step, of clones, and the contact results of the step."""
+    try:
+        now, after = (plant.GetMyMutableContextFromRoot(context.Clone()) for _ in range(2))
+    except RuntimeError as error:
+        raise InputError(f"context: expected that of the diagram, simulator.get_context() ({str(error)[:100]})") from None
+    port = plant.get_contact_results_output_port()
+    if plant.has_sampled_output_ports():
+        plant.CalcForcedUnrestrictedUpdate(now, after.get_mutable_state())
+        return now, after, port.Eval(after)
+    plant.CalcForcedDiscreteVariableUpdate(now, after.get_mutable_discrete_state())
+    return now, after, port.Eval(now)
+
+
+def _damping(plant: Any, now: Any) -> Array:
+    """The damping of the joints (nv,), which the plant integrates implicitly."""
+    from pydrake.multibody.tree import JointIndex
+
+    result = np.zeros(plant.num_velocities())
+    for joint in (plant.get_joint(JointIndex(i)) for i in plant.GetJointIndices()):
+        own = joint.GetDampingVector(now)
+        result[joint.velocity_start() : joint.velocity_start() + len(own)] = own
+    return result
+
+
+def _forces(plant: Any, now: Any, after: Any) -> Array:
+    """tau (nv,): all forces but those of constraints and contacts."""
+    from pydrake.multibody.tree import MultibodyForces
+
+    forces = MultibodyForces(plant)
+    plant.CalcForceElementsContribution(now, forces)
+    applied = plant.get_applied_generalized_force_input_port()
+    if applied.HasValue(now):
+        forces.mutable_generalized_forces()[:] += applied.Eval(now)
+    if plant.num_actuated_dofs():
+        sampled = after if plant.has_sampled_output_ports() else now
+        actuation = plant.get_net_actuation_output_port().Eval(sampled)
+        forces.mutable_generalized_forces()[:] += plant.MakeActuationMatrix() @ actuation
+    return -plant.CalcInverseDynamics(now, np.zeros(plant.num_velocities()), forces)
+
+
+def _contacts(plant: Any, now: Any, results: Any, h: float) -> Contacts:
+    nv, rows, impulses, friction, gaps = plant.num_velocities(), [], [], [], []
+    inspector = plant.EvalSceneGraphInspector(now)
+    for info in (results.point_pair_contact_info(i) for i in range(results.num_point_pair_contacts())):
+        pair = info.point_pair()
+        frame = _frame(-pair.nhat_BA_W)
+        jacobian = _translation(plant, now, info.bodyB_index(), info.contact_point()) - _translation(
+            plant, now, info.bodyA_index(), info.contact_point()
+        )
+        rows.append(frame @ jacobian)
+        impulses.append(h * frame @ info.contact_force())
+        friction.append(_friction(inspector, pair.id_A, pair.id_B))
+        gaps.append(-pair.depth)
+    return Contacts(
+        np.array(rows).reshape(-1, nv), np.array(impulses).reshape(-1, 3), np.array(friction, dtype=float), np.array(gaps)
+    )
+
+
+def _frame(normal: Array) -> Array:
+    """Rows (3, 3): the normal and two tangents."""
+    least = np.eye(3)[np.abs(normal).argmin()]
+    first = np.cross(normal, least)
+    first /= np.linalg.norm(first)
+    return np.array([normal, first, np.cross(normal, first)])
+
+
+def _translation(plant: Any, now: Any, body: Any, point: Array) -> Array:
+    """The Jacobian (3, nv) of the velocity of a body at a point in the world."""
+    from pydrake.multibody.tree import JacobianWrtVariable
+
+    frame, world = plant.get_body(body).body_frame(), plant.world_frame()
+    at = plant.CalcPointsPositions(now, world, np.asarray(point).reshape(3, 1), frame)
+    return plant.CalcJacobianTranslationalVelocity(now, JacobianWrtVariable.kV, frame, at, world, world)
+
+
+def _friction(inspector: Any, *ids: Any) -> float:
+    """2 mu_A mu_B / (mu_A + mu_B) of the dynamic coefficients, as the plant combines them; the static ones are not used."""
+    a, b = (inspector.GetProximityProperties(one).GetProperty("material", "coulomb_friction").dynamic_friction() for one in ids)
+    return 2 * a * b / (a + b) if a + b > 0 else 0.0
+
+
+def _by_surface(plant: Any, now: Any, info: Any) -> Array:
+    """The generalised force (nv,) of a contact by a surface, from the force and the moment at its centroid."""
+    from pydrake.multibody.tree import JacobianWrtVariable
+
+    inspector, surface = plant.EvalSceneGraphInspector(now), info.contact_surface()
+    centroid, force, result = surface.centroid(), info.F_Ac_W(), np.zeros(plant.num_velocities())
+    for geometry, sign in ((surface.id_M(), 1.0), (surface.id_N(), -1.0)):
+        body = plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
+        frame, world = body.body_frame(), plant.world_frame()
+        spin = plant.CalcJacobianAngularVelocity(now, JacobianWrtVariable.kV, frame, world, world)
+        result += sign * (
+            _translation(plant, now, body.index(), centroid).T @ force.translational() + spin.T @ force.rotational()
+        )
+    return result
