@@ -13,9 +13,9 @@ have at most the energy of what they stop, and change contact i's velocity by at
 
 it counts as at most FAR sqrt(s_i E_i), however fast it slides, or as CANCELLED |q_i|, so that its own rounding can be judged;
 where q_n,i exceeds FAR sqrt(s_i E_i), it is open in any answer by far, r_i = 0, and is left out as a link too. A contact with a
-friction bias counts at least as what b_f can stop of its sliding, also in the sum, and as CANCELLED |q_i|. E_i is an estimate of
-the energy, invariant under changes of frame, of units and of the observer's velocity. A contact that counts too little makes the
-measure stricter.
+friction bias counts at least as what b_f can stop of its sliding, also in the sum, and as CANCELLED |q_i|. E_i is an estimate
+of the energy, invariant under changes of frame, of units and of the observer's velocity. A contact that counts too little makes
+the measure stricter.
 
 q is a sum of terms J v* and b, and known to rounding only: a contact's velocity counts as at least CANCELLED of their size, and
 a unit is at least NOISE of the largest. Where nothing in an island moves, its unit is the largest of the problem.
