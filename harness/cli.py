@@ -284,6 +284,39 @@ def solve(
 
 
 @app.command()
+def judge(
+    folder: Annotated[
+        Path,
+        typer.Argument(metavar="FOLDER", help="Steps of an engine, *.npz, by frictionbench.capture or frictionbench.save."),
+    ],
+    against: Annotated[
+        list[str] | None,
+        typer.Option("--against", metavar="SOLVER", help="A further solver to run on the same steps; may be repeated."),
+    ] = None,
+    tol: options.Tolerance = 1e-8,
+    time_limit: options.Limit = 10.0,
+    jobs: options.Jobs = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Results folder; by default one below runs/ for these steps."),
+    ] = None,
+) -> None:
+    """Judge how exact an engine's own steps are.
+
+    Its impulses are measured by Coulomb's law, and exact solvers answer the same steps.
+    """
+    from frictionbench.harness.commands.judge import told
+    from frictionbench.harness.judge import judge as judge_folder
+    from frictionbench.harness.workers.plugins import load_plugins
+    from frictionbench.reports.judgement import write_judgement
+
+    variants, plugins = load_plugins(against or [])
+    written = judge_folder(folder, variants, plugins, tol, time_limit, _jobs(jobs), out)
+    typer.echo(told(written))
+    typer.echo(f"report: {write_judgement(written)}")
+
+
+@app.command()
 def export(
     problems: Annotated[str, typer.Argument(metavar="SCENE|DIR", help="A scene, or a results folder.")],
     out: Annotated[

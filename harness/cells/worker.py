@@ -21,6 +21,7 @@ from frictionbench.harness.cells.answers import AnswerError
 from frictionbench.harness.cells.collect import collect, stored, stored_start
 from frictionbench.harness.cells.columns import finding_columns
 from frictionbench.harness.cells.convergence import convergence_history
+from frictionbench.harness.cells.judgement import judge_file
 from frictionbench.harness.cells.motion import record_motion, store_motion
 from frictionbench.harness.cells.polygon import measure
 from frictionbench.harness.cells.records import Record
@@ -92,6 +93,15 @@ def run_problem(source: Source, limit: float) -> dict[str, Any]:
         return {"record": record, "summary": problem.summary, "mechanical": mechanical}
     except InputError as error:
         return {"refused": str(error)}
+
+
+def run_judgement(path: str, limit: float) -> dict[str, Any]:
+    """Judge the step of an engine in a file: the fields of its judgement; or why the file is refused."""
+    with _worker.deadline.within(limit):
+        try:
+            return judge_file(_worker.folder, Path(path))._asdict()
+        except InputError as error:
+            return {"refused": str(error)}
 
 
 def run_solve(cell: SolveCell, record: Record, limit: float) -> Row:

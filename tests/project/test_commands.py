@@ -16,6 +16,7 @@ import pytest
 
 from frictionbench.harness.workers import cluster
 from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.recorded.engine_step import EngineStep
 from frictionbench.problems.recorded.own import save
 from frictionbench.results.store import read_table
 from tests.helpers.command_line import Done, frictionbench
@@ -117,6 +118,7 @@ def newcomer(tmp_path_factory) -> Path:
     for name in ("problem.npz", "FOLDER/step_0001.npz", "FOLDER/step_0002.npz"):
         (home / name).parent.mkdir(exist_ok=True)
         save(problem, home / name)
+    EngineStep(problem, np.zeros((2, 2))).save(home / "steps")
     return home
 
 

@@ -1,0 +1,119 @@
+"""The page on an engine's judged steps: percentiles, the laws, the solvers beside, and the worst steps with their forces.
+
+It is one self-contained file without scripts, made from DIR/judgement.json and the table of solves alone. All text of the
+files is escaped.
+"""
+
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.style import ALARM, GRID, INK, WORST, ZERO
+from frictionbench.reports.drawing.text import plain
+from frictionbench.reports.templates import environment
+from frictionbench.results.files import write_text
+from frictionbench.results.judgement import (
+    LAWS,
+    PERCENTILES,
+    QUANTITIES,
+    Judgement,
+    beside,
+    laws,
+    notes,
+    percentiles,
+    read_judgements,
+    touching,
+    worst,
+)
+from frictionbench.results.store import read_table
+
+MOST = 12  # steps in the table of the worst
+DRAWN = 6  # of them with a picture of their forces
+COLOURS = ("#0077bb", "#e69f00", "#009e73", "#cc79a7")
+SIZE = (4.2, 2.6)  # inches
+LEAST = 1e-12  # m/s: where smaller violations are drawn
+
+
+def write_judgement(folder: Path) -> Path:
+    """Write DIR/judgement.html; return its path. Errors: ResultsError where the folder holds no judgement."""
+    found, rows = read_judgements(folder), read_table(folder, "solves")
+    path = folder / "judgement.html"
+    write_text(path, render(folder, found, rows))
+    return path
+
+
+def render(folder: Path, found: list[Judgement], rows: pd.DataFrame) -> str:
+    """The page as HTML."""
+    counted = touching(found)
+    bad = worst(found, MOST)
+    panels = [
+        Panel("residual of each step", partial(_residuals, found=counted, rows=rows), size=SIZE),
+        Panel("violation of each law, m/s", partial(_violations, found=counted), size=SIZE),
+    ]
+    forces = [Panel(one.file, partial(_forces, one=one), size=(3.2, 2.4)) for one in bad[:DRAWN] if one.forces]
+    solved = {
+        one.variant: rows[rows["variant"] == one.variant].drop_duplicates("problem").set_index("problem")
+        for one in beside(rows)
+    }
+    return (
+        environment()
+        .get_template("judgement.html")
+        .render(
+            name=folder.resolve().name,
+            found=found,
+            counted=counted,
+            heads=["worst" if p == 100 else f"p{p}" for p in PERCENTILES],
+            quantities=[(name, unit, percentiles(found)[name]) for name, unit in QUANTITIES.items()],
+            laws=laws(found),
+            notes=notes(found),
+            beside=beside(rows),
+            worst=[
+                (one, {variant: own.reindex([one.problem]).iloc[0].to_dict() for variant, own in solved.items()}) for one in bad
+            ],
+            panels=panels,
+            forces=forces,
+        )
+    )
+
+
+def _residuals(ax: Axes, found: list[Judgement], rows: pd.DataFrame) -> None:
+    """The engine's residuals step by step, and those of the solvers."""
+    at = np.arange(1, len(found) + 1)
+    ax.semilogy(at, np.clip([one.residual for one in found], ZERO, WORST), color=ALARM, lw=1.0, label="the engine")
+    names = [one.problem for one in found]
+    for k, (variant, own) in enumerate(rows.groupby("variant", sort=False)):
+        by_problem = own.drop_duplicates("problem").set_index("problem")["residual"].reindex(names).to_numpy(float)
+        ax.semilogy(at, np.clip(by_problem, ZERO, WORST), color=COLOURS[k % 4], lw=0.9, label=plain(str(variant)))
+    ax.set_xlabel("step with contacts")
+    ax.set_ylabel("verified residual")
+    ax.grid(axis="y", **GRID)
+    ax.legend()
+
+
+def _violations(ax: Axes, found: list[Judgement]) -> None:
+    at = np.arange(1, len(found) + 1)
+    for colour, law in zip(COLOURS, LAWS, strict=True):
+        values = np.array([getattr(one, law) for one in found])
+        if values.any():
+            ax.semilogy(at, np.clip(values, LEAST, None), color=colour, lw=0.9, label=law)
+    ax.set_xlabel("step with contacts")
+    ax.set_ylabel("m/s")
+    ax.grid(axis="y", **GRID)
+    if ax.get_legend_handles_labels()[0]:
+        ax.legend()
+
+
+def _forces(ax: Axes, one: Judgement) -> None:
+    """Each contact's friction over what its cone allows, against its normal impulse."""
+    normal, tangential, limit = np.array(one.forces).T
+    share = tangential / np.where(limit > 0, limit, np.inf)
+    ax.plot(normal, share, "o", color=COLOURS[0], ms=4)
+    ax.axhline(1, color=INK, lw=0.8, ls="--")
+    ax.set_ylim(0, max(1.15, 1.1 * float(share.max(initial=0))))
+    ax.set_xlabel("normal impulse, N s")
+    ax.set_ylabel("friction / limit")
+    ax.grid(**GRID)

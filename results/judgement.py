@@ -1,0 +1,159 @@
+"""Judgements of the steps of an engine, stored in DIR/judgement.json.
+
+The exact solvers' answers to the same problems are rows of the table solves, by the problem's hash.
+"""
+
+import json
+import math
+from collections import Counter
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from frictionbench.results.files import ResultsError, read_json, write_text
+from frictionbench.results.verdicts import Verdict
+
+NAME = "judgement.json"
+LAWS = ("signorini", "cone", "direction", "dissipation")
+QUANTITIES = {  # what percentiles are shown of, with units
+    "residual": "",
+    "signorini": "m/s",
+    "cone": "m/s",
+    "direction": "m/s",
+    "dissipation": "m/s",
+    "creep": "m/s",
+    "penetration": "m",
+    "energy_defect": "J",
+}
+PERCENTILES = (50, 90, 99, 100)
+
+
+class Judgement(NamedTuple):
+    """One step of an engine.
+
+    file: its name. problem: hash of the problem by which it is judged. contacts: their number.
+    residual: of the engine's impulses on the exact problem. floor: what rounding may change of it.
+    law: which is violated most at the contact of the residual. signorini, cone, direction, dissipation: the largest violation
+    of each, m/s. creep: m/s, the largest slip at contacts that stick in the exact answer; None where nothing sticks or no exact
+    answer is known. penetration: m, with which the step begins; None where its length is unknown. energy_defect: J, what the
+    answer adds to the balance of an exact one. notes: what the problem does not express, with its share of the impulse.
+    forces: per contact |r_n|, |r_t| and mu r_n, N s.
+    """
+
+    file: str
+    problem: str
+    contacts: int
+    residual: float
+    floor: float
+    law: str
+    signorini: float
+    cone: float
+    direction: float
+    dissipation: float
+    creep: float | None
+    penetration: float | None
+    energy_defect: float
+    notes: dict[str, float]
+    forces: list[list[float]]
+
+
+def write_judgements(folder: Path, found: list[Judgement]) -> None:
+    write_text(folder / NAME, json.dumps([one._asdict() for one in found]))
+
+
+def read_judgements(folder: Path) -> list[Judgement]:
+    """The judgements. Errors: ResultsError naming the file where it is missing or cannot be read."""
+    path = folder / NAME
+    try:
+        return [checked(row) for row in read_json(path)]
+    except FileNotFoundError:
+        raise ResultsError(f"{path}: no steps were judged in this folder") from None
+    except (ValueError, TypeError, LookupError, OverflowError, AttributeError) as error:
+        raise ResultsError(f"{path}: cannot be read ({error})") from None
+
+
+def checked(row: Any) -> Judgement:
+    """The judgement with these fields. Errors: ValueError, TypeError, LookupError or OverflowError where it is none."""
+    numbers = {name: float(row[name]) for name in ("residual", "floor", *LAWS, "energy_defect")}
+    creep, penetration = (None if row[name] is None else float(row[name]) for name in ("creep", "penetration"))
+    found = Judgement(
+        file=str(row["file"]),
+        problem=str(row["problem"]),
+        contacts=int(row["contacts"]),
+        law=str(row["law"]),
+        notes={str(name): float(share) for name, share in row["notes"].items()},
+        forces=[[float(part) for part in contact] for contact in row["forces"]],
+        creep=creep,
+        penetration=penetration,
+        **numbers,
+    )
+    forces = [part for contact in found.forces for part in contact]
+    measured = [*numbers.values(), *(value for value in (creep, penetration) if value is not None), *found.notes.values()]
+    known = found.law in LAWS or not found.contacts
+    if (
+        not known
+        or any(map(math.isnan, measured))
+        or not all(map(math.isfinite, forces))
+        or len(forces) != 3 * len(found.forces)
+    ):
+        raise ValueError(f"the judgement of {found.file} is incomplete")
+    return found
+
+
+def touching(found: list[Judgement]) -> list[Judgement]:
+    """The steps that have a contact."""
+    return [one for one in found if one.contacts]
+
+
+def percentiles(found: list[Judgement]) -> dict[str, list[float] | None]:
+    """By quantity its PERCENTILES over the steps with contacts, of absolute values; None where no step has it."""
+    values = {name: [abs(value) for one in touching(found) if (value := getattr(one, name)) is not None] for name in QUANTITIES}
+    return {
+        name: [float(np.percentile(own, p, method="higher")) for p in PERCENTILES] if own else None
+        for name, own in values.items()
+    }
+
+
+def laws(found: list[Judgement]) -> dict[str, int]:
+    """In how many steps each law is the one violated most, the most frequent first."""
+    return dict(Counter(one.law for one in touching(found) if one.residual > one.floor).most_common())
+
+
+def notes(found: list[Judgement]) -> dict[str, tuple[float, int]]:
+    """By note its mean share over the steps that have it, and their number; the largest first."""
+    shares: dict[str, list[float]] = {}
+    for one in found:
+        for name, share in one.notes.items():
+            shares.setdefault(name, []).append(share)
+    mean = {name: (float(np.mean(own)), len(own)) for name, own in shares.items()}
+    return dict(sorted(mean.items(), key=lambda item: -item[1][0]))
+
+
+def worst(found: list[Judgement], most: int) -> list[Judgement]:
+    """The steps with the largest residuals."""
+    return sorted(touching(found), key=lambda one: -one.residual)[:most]
+
+
+class Beside(NamedTuple):
+    """A solver on the same steps: problems solved of how many, and percentiles (PERCENTILES) of residual and of time, s."""
+
+    variant: str
+    solved: int
+    problems: int
+    residual: list[float] | None
+    time: list[float] | None
+
+
+def beside(rows: pd.DataFrame) -> list[Beside]:
+    """The solvers in the order of their rows."""
+    found = []
+    for variant, own in rows.groupby("variant", sort=False):
+        seconds = own[["form_time", "setup_time", "solve_time"]].sum(axis=1, min_count=1)
+        parts = [column[np.isfinite(column)] for column in (own["residual"].to_numpy(float), seconds.to_numpy(float))]
+        residual, time = (
+            [float(np.percentile(part, p, method="higher")) for p in PERCENTILES] if len(part) else None for part in parts
+        )
+        found.append(Beside(str(variant), int((own["verdict"] == Verdict.SOLVED).sum()), len(own), residual, time))
+    return found

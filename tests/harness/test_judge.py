@@ -1,0 +1,107 @@
+"""The steps of an engine are judged: what its impulses violate, what exact solvers answer beside it, and unusable folders."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import frictionbench as fb
+from frictionbench.harness.commands.judge import told
+from frictionbench.harness.judge import judge
+from frictionbench.problems.violations import judged, violations
+from frictionbench.reports.judgement import write_judgement
+from frictionbench.results.files import ResultsError
+from frictionbench.results.judgement import NAME, percentiles, read_judgements
+from frictionbench.results.store import read_table
+from tests.helpers.command_line import frictionbench
+
+NAMES = ["exact.npz", "creeping.npz", "deep.npz", "apart.npz"]
+STEP = 0.01
+SCRIPT = "<script>alert(1)</script>"
+
+
+def box(bias: float = 0.0, contacts: int = 1) -> fb.FrictionProblem:
+    """A box of 2 kg that stands on contacts of friction 0.5 and is pushed by 0.05 N s; a turn is left out."""
+    rows = np.tile(np.eye(2), (contacts, 1))
+    free, mu = [0.025, -9.81 * STEP], np.full(contacts, 0.5)
+    return fb.FrictionProblem(
+        mass=2 * np.eye(2), normal=rows[1::2], tangent=rows[::2], friction=mu, free_velocity=free, bias=np.full(contacts, bias)
+    )
+
+
+def write_steps(folder: Path) -> None:
+    weight = 2 * 9.81 * STEP
+    folder.mkdir()
+    fb.save(box(), folder / "exact.npz", impulse=[[weight, -0.05]], step=STEP)
+    fb.save(box(), folder / "creeping.npz", impulse=[[weight, -0.046]], step=STEP, notes={"limits": 0.2, SCRIPT: 0.1})
+    fb.save(box(-0.1), folder / "deep.npz", impulse=[[weight + 2 * 0.03, -0.05]], step=STEP)
+    fb.save(box(contacts=0), folder / "apart.npz", impulse=np.zeros((0, 2)), step=STEP)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    home = tmp_path_factory.mktemp("judged")
+    write_steps(home / "steps")
+    return judge(home / "steps", ("nsgs",), (), 1e-8, 10.0, 1, home / "out")
+
+
+def test_judgements(folder) -> None:
+    found = {one.file: one for one in read_judgements(folder)}
+    assert sorted(found) == sorted(NAMES)
+    creeping, deep = found["creeping.npz"], found["deep.npz"]
+    assert found["exact.npz"].residual < 1e-12
+    assert (creeping.law, creeping.creep) == ("dissipation", pytest.approx(0.002))
+    assert creeping.dissipation == pytest.approx(0.002)
+    assert creeping.notes == {"limits": 0.2, SCRIPT: 0.1}
+    assert deep.penetration == pytest.approx(1e-3)
+    assert deep.residual < 1e-12  # it takes 0.3 mm of the penetration away in the step
+    step = fb.load_step(folder.parent / "steps" / "creeping.npz")
+    assert creeping.residual == fb.residual(judged(step), step.impulse)
+    assert violations(judged(step), step.impulse).dissipation == pytest.approx([0.002])
+    assert (found["apart.npz"].contacts, found["apart.npz"].residual) == (0, 0.0)
+    assert percentiles(list(found.values()))["creep"] == pytest.approx([0, 0.002, 0.002, 0.002], abs=1e-12)
+
+
+def test_solvers_beside_answer_the_same_problems(folder) -> None:
+    rows = read_table(folder, "solves")
+    assert {*rows["problem"]} == {one.problem for one in read_judgements(folder) if one.contacts}
+    assert [*rows["variant"].unique()] == ["hybrid", "nsgs"]
+    assert (rows["verdict"] == "solved").all()
+
+
+def test_summary_and_page(folder) -> None:
+    text = told(folder)
+    assert "3 steps with contacts judged by Coulomb's law, 1 without contact" in text
+    assert "law violated most: dissipation in 1" in text
+    assert "limits 20 % in 1 steps" in text
+    assert "creeping.npz" in text.splitlines()[text.splitlines().index("") :][-3]
+    page = write_judgement(folder).read_text(encoding="utf-8")
+    assert SCRIPT not in page
+    assert all(word in page for word in ("creeping.npz", "hybrid", "nsgs", "dissipation in 1 step.", "<svg"))
+
+
+def test_edited_judgements_are_refused(folder, tmp_path) -> None:
+    row = next(row for row in json.loads((folder / NAME).read_text()) if row["contacts"])
+    for change in (
+        {"law": "__class__"},
+        {"residual": float("nan")},
+        {"forces": [[1.0, 2.0]]},
+        {"notes": []},
+        {"contacts": "x"},
+    ):
+        (tmp_path / NAME).write_text(json.dumps([row | change]))
+        with pytest.raises(ResultsError, match=NAME):
+            read_judgements(tmp_path)
+
+
+def test_unusable_folders_are_refused(tmp_path) -> None:
+    steps = tmp_path / "steps"
+    write_steps(steps)
+    fb.save(box(), steps / "problem.npz")
+    (tmp_path / "empty").mkdir()
+    for name, told_of in (("empty", "folder: empty holds no steps"), ("steps", "problem.npz: holds a problem, but not")):
+        done = frictionbench("judge", name, "--jobs", "1", cwd=tmp_path)
+        assert (done.returncode, done.stdout) == (2, "")
+        assert told_of in done.stderr
+    assert not (tmp_path / "runs").exists()

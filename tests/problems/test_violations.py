@@ -1,0 +1,62 @@
+"""Each law's violation is that of an answer made to violate this law alone, and zero at exact answers."""
+
+import numpy as np
+import pytest
+
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.instances import make_instance
+from frictionbench.problems.recorded.engine_step import EngineStep
+from frictionbench.problems.violations import judged, penetration, violations
+from frictionbench.solvers import solve
+
+H = 0.01
+
+
+def ball(*velocity: float, gap: float = 0.0) -> FrictionProblem:
+    """A point of 1 kg on a floor of friction 0.5; velocities normal first."""
+    rows = np.eye(3)
+    return FrictionProblem(
+        mass=rows,
+        normal=rows[:1],
+        tangent=rows[1:],
+        friction=[0.5],
+        free_velocity=velocity,
+        bias=[gap / H],
+        dimension=3,
+    )
+
+
+@pytest.mark.parametrize(
+    ("velocity", "impulse", "expected"),
+    [
+        ((-1.0, 3.0, 0.0), (1.0, -0.5, 0.0), (0, 0, 0, 0)),  # slides, exactly
+        ((-1.0, 0.3, 0.0), (1.0, -0.3, 0.0), (0, 0, 0, 0)),  # sticks, exactly
+        ((-1.0, 3.0, 0.0), (0.9, -0.45, 0.0), (0.1, 0, 0, 0)),  # still approaches
+        ((1.0, 3.0, 0.0), (0.5, -0.25, 0.0), (0.5, 0, 0, 0)),  # pulled down or pushed while open
+        ((-1.0, 3.0, 0.0), (1.0, -0.7, 0.0), (0, 0.2, 0, 0)),  # friction of 0.7 in a cone of 0.5
+        ((-1.0, 0.3, 0.0), (1.0, -0.28, 0.0), (0, 0, 0, 0.02)),  # creeps at 0.02 m/s inside the cone
+        ((-1.0, 3e9, 0.0), (1.0, 0.0, -0.5), (0, 0, 0.5, 0.5)),  # friction across the slip
+    ],
+)
+def test_each_law(velocity, impulse, expected) -> None:
+    found = violations(ball(*velocity), np.array([impulse]))
+    assert np.array(found).ravel() == pytest.approx(expected, abs=1e-8)
+
+
+def test_exact_answers_violate_nothing() -> None:
+    problem = make_instance("cubes", boxes=3, push=0.5)
+    found = violations(problem, solve(problem, "interior_point", tol=1e-10).impulse)
+    assert np.max(found) < 1e-8
+
+
+@pytest.mark.parametrize(
+    ("speed", "violated"),
+    [(0.0, 0.0), (0.4, 0.0), (1.0, 0.0), (1.2, 0.2), (-0.3, 0.3)],  # m/s out of a penetration of 1 m/s times the step
+)
+def test_penetration_may_be_left_but_not_deepened(speed, violated) -> None:
+    step = EngineStep(ball(-2.0, 0.0, 0.0, gap=-H), [[2.0 + speed, 0.0, 0.0]], step=H)
+    assert penetration(step) == pytest.approx(H)
+    assert violations(judged(step), step.impulse).signorini == pytest.approx([violated], abs=1e-12)
+    unknown = EngineStep(step.problem, step.impulse)
+    assert judged(unknown) is step.problem
+    assert penetration(unknown) is None
