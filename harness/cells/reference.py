@@ -18,7 +18,9 @@ TOL, ACCEPTED = 1e-10, 1e-8  # residuals: the tolerance given to solvers; the la
 # In the order tried: an exact method first, then methods of other kinds, which fail on other problems.
 SMALL_PLANAR = ("lemke", "path_search", "interior_point")
 OTHERS = ("hybrid", "nsgs", "interior_point")
+LARGE_PLANAR = ("interior_point", "nsgs")
 DENSE = 100  # contacts of a planar problem above which dense bases take longer than a sparse method
+DENSEST = 400  # and above which they take minutes, in hybrid too
 
 
 class NoReference(Exception):  # noqa: N818  # a finding about the problem, which ends what it was for
@@ -34,7 +36,7 @@ class Reference:
     def __call__(self, problem: FrictionProblem) -> Array:
         """The impulses (nc, d). Errors: NoReference."""
         failed = []
-        for name in SMALL_PLANAR if problem.dimension == 2 and problem.contacts <= DENSE else OTHERS:
+        for name in _names(problem):
             try:
                 finding = verify(problem, answer := solve(problem, name, tol=TOL), available()[name], ACCEPTED)
             except Exception as error:  # the next may solve it
@@ -49,3 +51,10 @@ class Reference:
     def __str__(self) -> str:
         counts = self._answered.most_common()
         return counts[0][0] if len(counts) == 1 else ", ".join(f"{name} {count}" for name, count in counts)
+
+
+def _names(problem: FrictionProblem) -> tuple[str, ...]:
+    """The solvers to try in turn."""
+    if problem.dimension == 3 or DENSE < problem.contacts <= DENSEST:
+        return OTHERS
+    return SMALL_PLANAR if problem.contacts <= DENSE else LARGE_PLANAR

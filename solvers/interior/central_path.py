@@ -35,7 +35,7 @@ from frictionbench.solvers.interior.elements import larger
 from frictionbench.solvers.interior.newton import direction, linearise
 from frictionbench.solvers.interior.point import Point, add_products, add_step, longest, new_point, set_step, to_geodesics
 from frictionbench.solvers.interior.predictor_corrector import Best, Workspace, evaluate_and_record, predictor_corrector
-from frictionbench.solvers.interior.system import Space, System
+from frictionbench.solvers.interior.system import SOFTNESS, Space, System
 from frictionbench.solvers.sparse_lu.multifrontal import determinant_sign
 
 # Chosen by experiment: tests/benchmarks/test_interior_point_starts.py counts what a change costs in solved problems and
@@ -64,6 +64,7 @@ def trace(
     first, defect, correction, tangent, curvature = _five_points(system)
     log_step, log_tangent, ahead, saved, trial = _five_points(system)
     work = workspace.work
+    work.softness[0] = SOFTNESS
     evaluate_and_record(system, space, point, first, work, best)
     product, target = np.zeros((len(point.x), 4)), np.zeros((len(point.x), 4))
     _set_target(space, product, 0.0, target, -1.0, point)
@@ -121,6 +122,7 @@ def trace(
                 hand_over *= HAND_OVER
                 if best.residual[0] <= tol:
                     return used
+                work.softness[0] = SOFTNESS
                 linearise(system, space, point, work)
                 best.factorisations[0] += 1
             rate = orientation / np.sqrt(square)

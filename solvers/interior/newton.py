@@ -13,8 +13,9 @@ solvers.interior.spatial_newton). What is left is A dv = b in the velocities wit
 
 a sum of small matrices, factorised by solvers.sparse_lu.multifrontal. A is singular where the impulses are not unique, so
 delta, a tiny multiple of the contacts' own size, is added to the diagonals of B: Newton's matrix is inexact by it, the defects
-are not, and the error is driven out by the next step. A joint is a row of C = 1/delta for the same reason: redundant joints are
-allowed.
+are not, and the error is driven out by the next step. Where the impulses are far from unique, a tiny delta lets rounding of the
+velocities end all progress, so that the predictor-corrector enlarges it there. A joint is a row of C = 1/delta for the same
+reason: redundant joints are allowed.
 """
 
 from frictionbench.problems.check import Array

@@ -10,7 +10,7 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import part
 from frictionbench.solvers.interior.elements import add_planar, larger, natural, push_planar, read_planar
 from frictionbench.solvers.interior.point import Point
-from frictionbench.solvers.interior.system import SOFTNESS, System, Work
+from frictionbench.solvers.interior.system import System, Work
 
 
 @part
@@ -46,7 +46,7 @@ def add_planar_stiffness(system: System, point: Point, work: Work) -> None:
     """Add J'C J to the fronts, C = H B^-1 H', and keep the inverses of x and of the pivots."""
     x, s, inverse, pivot = point.x, point.s, work.inverse, work.pivot
     for i in range(len(x)):
-        soft = SOFTNESS * system.weight[i]
+        soft = work.softness[0] * system.weight[i]
         inverse[i, 0] = 1 / x[i, 0]
         pivot[i, 0] = 1 / (s[i, 0] * inverse[i, 0] + soft)
         nn, nt, tn, tt = pivot[i, 0], 0.0, 0.0, 0.0
@@ -57,7 +57,7 @@ def add_planar_stiffness(system: System, point: Point, work: Work) -> None:
             pivot[i, 2] = 1 / (s[i, 2] * inverse[i, 2] + soft)
             total, skew = pivot[i, 1] + pivot[i, 2], pivot[i, 1] - pivot[i, 2]
             mu, shift = system.friction[i], system.shift[i]
-            own = s[i, 3] * inverse[i, 3] + SOFTNESS / system.weight[i]
+            own = s[i, 3] * inverse[i, 3] + work.softness[0] / system.weight[i]
             pivot[i, 3] = 1 / (own + total + mu * shift * nn)
             nt = shift * skew * pivot[i, 3] * nn
             tn = mu * skew * pivot[i, 3] * nn

@@ -20,8 +20,10 @@ from frictionbench.problems.compiled import kernel, part
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.interior.newton import direction, evaluate_point, linearise
 from frictionbench.solvers.interior.point import Point, add_products, add_step, longest, set_identity
-from frictionbench.solvers.interior.system import Space, System, Work, new_work
+from frictionbench.solvers.interior.system import SOFTNESS, Space, System, Work, new_work
 
+SOFTER, SOFTEST = 100.0, 1e-10  # the factor by which delta grows near an answer without progress, and the largest
+NEAR = 1e-5  # the residual up to which rounding, not a fold of the path, may be what ends progress
 TO_BOUNDARY = 0.995  # share of the way to the boundary: Mehrotra's choice, close enough to 1 for superlinear convergence
 
 
@@ -67,11 +69,12 @@ def predictor_corrector(
 ) -> int:
     """Move the point to a solution; stop where the residual is within tol, history is full, or no progress is made.
 
-    Progress is that mean(x s) and the largest defect, added, halve within `patience` iterations.
+    Progress is that mean(x s) and the largest defect, added, halve within `patience` iterations. Where they do not at a
+    residual up to NEAR, the softness of Newton's matrix (solvers.interior.newton) grows up to SOFTEST first.
     history receives the residual of every iterate; their number is returned.
     """
     x, s, step, defect, target, work = point.x, point.s, workspace.step, workspace.defect, workspace.target, workspace.work
-    pairs = 0
+    pairs, work.softness[0] = 0, SOFTNESS
     for i in range(len(x)):
         pairs += system.pairs[i]
     milestone, since = np.inf, 0
@@ -86,8 +89,13 @@ def predictor_corrector(
         since += 1
         if not gap + off > milestone / 2:
             milestone, since = gap + off, 0
-        if best.residual[0] <= tol or since > patience or not gap + off < np.inf:
+        if best.residual[0] <= tol or not gap + off < np.inf:
             return iteration + 1
+        if since > patience:
+            if history[iteration] > NEAR or work.softness[0] > SOFTEST / SOFTER:
+                return iteration + 1
+            work.softness[0] *= SOFTER
+            milestone, since = gap + off, 0
         linearise(system, space, point, work)
         best.factorisations[0] += 1
         set_identity(space, 0.0, target)

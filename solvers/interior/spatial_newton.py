@@ -23,7 +23,7 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import inlined, part
 from frictionbench.solvers.interior.elements import add_spatial, larger, natural, push_spatial, read_spatial
 from frictionbench.solvers.interior.point import Point
-from frictionbench.solvers.interior.system import SOFTNESS, System, Work
+from frictionbench.solvers.interior.system import System, Work
 
 INSIDE = 0.1  # det y / y_0^2 above which a contact clearly sticks, and dlambda may be divided by det y without loss of digits
 
@@ -72,7 +72,7 @@ def add_spatial_stiffness(system: System, point: Point, work: Work) -> None:
     """Add J'C J to the fronts, C = H B^-1 H'."""
     x, s = point.x, point.s
     for i in range(len(x)):
-        mu, shift, soft = system.friction[i], system.shift[i], SOFTNESS * system.weight[i]
+        mu, shift, soft = system.friction[i], system.shift[i], work.softness[0] * system.weight[i]
         if system.pairs[i] == 1:
             n, row1, row2 = (1 / (s[i, 0] / x[i, 0] + soft), 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         else:
@@ -86,7 +86,7 @@ def add_spatial_stiffness(system: System, point: Point, work: Work) -> None:
 
 
 @part
-def _steps(system: System, point: Point, target: Array, defect: Array, step: Point, u: Array) -> None:
+def _steps(system: System, point: Point, target: Array, defect: Array, step: Point, u: Array, softness: float) -> None:
     """Fill dx = (dc, dr_t, dlambda) and ds for changes u of the contacts' velocities.
 
     The dlambda of a contact that sticks follows from the products: du_t carries the rounding of large impulses, while
@@ -94,7 +94,7 @@ def _steps(system: System, point: Point, target: Array, defect: Array, step: Poi
     """
     x, s, dx, ds = point.x, point.s, step.x, step.s
     for i in range(len(x)):
-        mu, shift, soft = system.friction[i], system.shift[i], SOFTNESS * system.weight[i]
+        mu, shift, soft = system.friction[i], system.shift[i], softness * system.weight[i]
         if system.pairs[i] == 1:
             dx[i, 0] = (target[i, 0] / x[i, 0] - defect[i, 0] - u[i, 0]) / (s[i, 0] / x[i, 0] + soft)
             ds[i, 0] = (target[i, 0] - s[i, 0] * dx[i, 0]) / x[i, 0]
@@ -126,7 +126,7 @@ def add_spatial_right_side(system: System, point: Point, target: Array, defect: 
     for i in range(len(target)):
         for k in range(3):
             work.velocity[i, k] = 0.0
-    _steps(system, point, target, defect, step, work.velocity)
+    _steps(system, point, target, defect, step, work.velocity, work.softness[0])
     for i in range(len(target)):
         push_spatial(system.contacts, i, (step.x[i, 0], step.x[i, 1], step.x[i, 2]), work.vector)
 
@@ -137,4 +137,4 @@ def spatial_steps(system: System, point: Point, target: Array, defect: Array, st
     u = work.velocity
     for i in range(len(u)):
         u[i, 0], u[i, 1], u[i, 2] = read_spatial(system.contacts, i, work.vector)
-    _steps(system, point, target, defect, step, u)
+    _steps(system, point, target, defect, step, u, work.softness[0])

@@ -19,7 +19,7 @@ from frictionbench.problems.residual import largest
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.sparse_lu.multifrontal import Fronts, Place, analyse, position_in_front
 
-SOFTNESS = 1e-14  # delta, relative to a contact's mean diagonal of W: 1e-16 drowns in rounding, 1e-12 slows stacks of thousands
+SOFTNESS = 1e-14  # delta, relative to a contact's mean diagonal of W: 1e-16 drowns in rounding, 1e-12 fails tall stacks
 JOINT_SOFTNESS = 1e-8  # delta of a joint; its stiffness is added to a mass matrix of size 1, so not as small as a contact's
 
 
@@ -73,10 +73,11 @@ Space = bool | None
 class Work(NamedTuple):
     """Workspace of Newton's method on one system.
 
-    storage, swap: the factors of A. inverse, pivot, right (nc, 4): 1/x, the pivots' inverses and g, in the plane.
-    impulse and velocity (nc, d), vector and momentum (nv,), joint_velocity (nj, 1).
+    softness (1,): delta. storage, swap: the factors of A. inverse, pivot, right (nc, 4): 1/x, the pivots' inverses and g, in
+    the plane. impulse and velocity (nc, d), vector and momentum (nv,), joint_velocity (nj, 1).
     """
 
+    softness: Array
     storage: Array
     swap: Index64
     inverse: Array
@@ -93,7 +94,8 @@ def new_work(system: System) -> Work:
     (nc, d), nv = system.offset.shape, len(system.free_velocity)
     storage, swap, joints = np.zeros(system.fronts.start[-1]), np.zeros(nv, np.int64), np.zeros((len(system.joint_bias), 1))
     own, contact, velocity = np.zeros((3, nc, 4)), np.zeros((2, nc, d)), np.zeros((2, nv))
-    return Work(storage, swap, own[0], own[1], own[2], contact[0], contact[1], joints, velocity[0], velocity[1])
+    factors = np.array([SOFTNESS]), storage, swap
+    return Work(*factors, own[0], own[1], own[2], contact[0], contact[1], joints, velocity[0], velocity[1])
 
 
 def space_of(system: System) -> Space:
