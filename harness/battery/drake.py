@@ -1,0 +1,66 @@
+"""Drake: contacts by surfaces (hydroelastic), with its SceneGraphConfig's defaults, and a hundred times stiffer."""
+
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from frictionbench.harness.battery.world import Setting
+from frictionbench.problems.check import Array
+
+
+def default(setting: Setting, step: float) -> "Drake":
+    """Compliant bodies with the default modulus, 1e7 Pa, on rigid half spaces; the default approximation, kLagged."""
+    return Drake(setting, step, 1e7, "kLagged")
+
+
+def stiff(setting: Setting, step: float) -> "Drake":
+    """A modulus of 1e9 Pa, with kSimilar, the convex approximation whose sliding box is then nearest to the closed form."""
+    return Drake(setting, step, 1e9, "kSimilar")
+
+
+class Drake:
+    """A setting as a discrete MultibodyPlant."""
+
+    def __init__(self, setting: Setting, step: float, modulus: float, approximation: str) -> None:
+        d: Any = import_module("pydrake.all")
+        builder = d.DiagramBuilder()
+        self._plant, scene = d.AddMultibodyPlantSceneGraph(builder, step)
+        config = d.SceneGraphConfig()
+        config.default_proximity_properties.compliance_type = "compliant"
+        config.default_proximity_properties.hydroelastic_modulus = modulus
+        scene.set_config(config)
+        self._plant.set_discrete_contact_approximation(getattr(d.DiscreteContactApproximation, approximation))
+        self._plant.mutable_gravity_field().set_gravity_vector(setting.gravity)
+        friction, ground = d.CoulombFriction(setting.friction, setting.friction), self._plant.world_body()
+        for k, turn in enumerate(setting.floors):
+            pose = d.RigidTransform(d.RotationMatrix.MakeXRotation(turn))
+            properties = d.ProximityProperties()
+            d.AddRigidHydroelasticProperties(properties)
+            d.AddContactMaterial(friction=friction, properties=properties)
+            self._plant.RegisterCollisionGeometry(ground, pose, d.HalfSpace(), f"floor {k}", properties)
+        self._bodies = []
+        for k, body in enumerate(setting.bodies):
+            ball = len(body.size) == 1
+            shape = d.Sphere(*body.size) if ball else d.Box(*(2 * np.array(body.size)))
+            inertia = d.SpatialInertia(body.mass, np.zeros(3), d.UnitInertia(*(setting.volume_inertia[k] / body.mass)))
+            one = self._plant.AddRigidBody(f"body {k}", self._plant.AddModelInstance(f"model {k}"), inertia)
+            self._plant.RegisterCollisionGeometry(one, d.RigidTransform(), shape, "shape", friction)
+            self._bodies.append(one)
+        self._plant.Finalize()
+        self._simulator = d.Simulator(builder.Build())
+        context = self._context = self._plant.GetMyMutableContextFromRoot(self._simulator.get_mutable_context())
+        for one, body in zip(self._bodies, setting.bodies, strict=True):
+            pose = d.RigidTransform(d.RotationMatrix.MakeXRotation(body.turn), body.position)
+            self._plant.SetFreeBodyPose(context, one, pose)
+            self._plant.SetFreeBodySpatialVelocity(context, one, d.SpatialVelocity(body.spin, body.velocity))
+
+    def run(self, seconds: float) -> None:
+        self._simulator.AdvanceTo(self._simulator.get_context().get_time() + seconds)
+
+    def position(self, body: int) -> Array:
+        return np.array(self._plant.EvalBodyPoseInWorld(self._context, self._bodies[body]).translation())
+
+    def velocity(self, body: int) -> Array:
+        velocity = self._plant.EvalBodySpatialVelocityInWorld(self._context, self._bodies[body])
+        return np.array(velocity.translational())

@@ -1,0 +1,67 @@
+"""MuJoCo: as it is by default, and with the stiffest settings that its documentation names."""
+
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from frictionbench.harness.battery.world import Setting
+from frictionbench.problems.check import Array
+
+# "Modeling", sections on solver parameters and on slip: elliptic cones and a large impratio against slip, then the noslip
+# iterations; solref's time constant at its least, twice the step; solimp's impedance close to 1.
+STIFF = 'cone="elliptic" impratio="100" noslip_iterations="20" tolerance="1e-12"'
+
+
+def default(setting: Setting, step: float) -> "MuJoCo":
+    """MuJoCo's own defaults but for the step."""
+    return MuJoCo(setting, step, "", "")
+
+
+def stiff(setting: Setting, step: float) -> "MuJoCo":
+    """The stiffest documented settings."""
+    return MuJoCo(setting, step, STIFF, f'solref="{2 * step} 1" solimp=".99 .99 .001"')
+
+
+class MuJoCo:
+    """A setting as MJCF: planes and free bodies."""
+
+    def __init__(self, setting: Setting, step: float, option: str, contact: str) -> None:
+        self._mj: Any = import_module("mujoco")
+        gravity = " ".join(map(str, setting.gravity))
+        self._model = self._mj.MjModel.from_xml_string(f"""
+            <mujoco>
+              <compiler angle="radian"/>
+              <option timestep="{step}" gravity="{gravity}" {option}/>
+              <default><geom friction="{setting.friction} 0 0" {contact}/></default>
+              <worldbody>{_floors(setting)}{_bodies(setting)}</worldbody>
+            </mujoco>""")
+        self._data = self._mj.MjData(self._model)
+        for k, body in enumerate(setting.bodies):
+            self._data.qvel[6 * k : 6 * k + 6] = [*body.velocity, *body.spin]
+
+    def run(self, seconds: float) -> None:
+        for _ in range(round(seconds / self._model.opt.timestep)):
+            self._mj.mj_step(self._model, self._data)
+
+    def position(self, body: int) -> Array:
+        return np.array(self._data.qpos[7 * body : 7 * body + 3])
+
+    def velocity(self, body: int) -> Array:
+        return np.array(self._data.qvel[6 * body : 6 * body + 3])
+
+
+def _floors(setting: Setting) -> str:
+    return "".join(f'<geom type="plane" size="50 50 1" euler="{turn} 0 0"/>' for turn in setting.floors)
+
+
+def _bodies(setting: Setting) -> str:
+    text = ""
+    for body in setting.bodies:
+        kind, size, at = (
+            "sphere" if len(body.size) == 1 else "box",
+            *(" ".join(map(str, v)) for v in (body.size, body.position)),
+        )
+        geom = f'<geom type="{kind}" size="{size}" mass="{body.mass}"/>'
+        text += f'<body pos="{at}" euler="{body.turn} 0 0"><freejoint/>{geom}</body>'
+    return text

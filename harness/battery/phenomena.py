@@ -1,0 +1,114 @@
+"""The phenomena: what is built, what is measured after some time, and its closed form.
+
+Each is a problem of rigid bodies with Coulomb friction, in SI units; what an engine gives differs by its model and its step.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from frictionbench.harness.battery.world import GRAVITY, Body, Make, Setting
+
+CUBE, SETTLED = (0.1, 0.1, 0.1), 0.5  # half sizes, m; s until a body that is put down rests
+
+
+class Phenomenon(NamedTuple):
+    """exact: the closed form, in unit. formula: the closed form in words. measure: (engine, step) to what is measured."""
+
+    name: str
+    formula: str
+    exact: float
+    unit: str
+    measure: Callable[[Make, float], float]
+
+
+def creep(make: Make, step: float) -> float:
+    """The speed of a box on a slope of 20 degrees whose friction of 0.5 holds it, over a second after it has settled."""
+    world = make(Setting((Body(CUBE, 1.0, (0, 0, 0.1)),), 0.5, slope=np.radians(20)), step)
+    world.run(SETTLED)
+    before = world.position(0).copy()
+    world.run(1.0)
+    return float(np.linalg.norm(world.position(0) - before))
+
+
+def stopping(make: Make, step: float) -> float:
+    """The way of a box that slides at 2 m/s on friction 0.5 until it rests."""
+    world = make(Setting((Body(CUBE, 1.0, (0, 0, 0.1), (2, 0, 0)),), 0.5), step)
+    world.run(1.0)
+    return float(world.position(0)[0])
+
+
+def direction(make: Make, step: float) -> float:
+    """The direction, in degrees, in which a box thrown at 30 degrees to its sides has moved when it has lost its speed."""
+    angle = np.radians(30)
+    world = make(Setting((Body(CUBE, 1.0, (0, 0, 0.1), (2 * np.cos(angle), 2 * np.sin(angle), 0)),), 0.5), step)
+    world.run(1.0)
+    x, y, _ = world.position(0)
+    return float(np.degrees(np.arctan2(y, x)))
+
+
+def heavy_on_light(make: Make, step: float) -> float:
+    """How far a box of 1000 kg sinks that stands on one of 1 kg, a second after they were put down."""
+    world = make(Setting((Body(CUBE, 1.0, (0, 0, 0.1)), Body(CUBE, 1000.0, (0, 0, 0.3))), 0.5), step)
+    world.run(1.0)
+    return float(0.3 - world.position(1)[2])
+
+
+def rebound(make: Make, step: float) -> float:
+    """The speed upwards after a ball without restitution has fallen 0.2 m, the largest in the time that follows."""
+    world = make(Setting((Body((0.1,), 1.0, (0, 0, 0.3)),), 0.5), step)
+    world.run(np.sqrt(0.4 / GRAVITY))
+    most = 0.0
+    for _ in range(round(0.2 / step)):
+        world.run(step)
+        most = max(most, float(world.velocity(0)[2]))
+    return most
+
+
+def rolling(make: Make, step: float) -> float:
+    """The speed of a ball that was thrown at 2 m/s without spin on friction 0.3, when it rolls."""
+    world = make(Setting((Body((0.1,), 1.0, (0, 0, 0.1), (2, 0, 0)),), 0.3), step)
+    world.run(0.4)
+    return float(world.velocity(0)[0])
+
+
+def stack(make: Make, step: float) -> float:
+    """How far the highest of five boxes on each other has moved in two seconds."""
+    world = make(Setting(tuple(Body(CUBE, 1.0, (0, 0, 0.1 + 0.2 * k)) for k in range(5)), 0.5), step)
+    world.run(2.0)
+    return float(np.linalg.norm(world.position(4) - [0, 0, 0.9]))
+
+
+def wedge(make: Make, step: float) -> float:
+    """The way of a box that slides on its edge in a right-angled groove, inclined by 30 degrees, friction 0.2, in a second."""
+    quarter = np.pi / 4
+    bodies = (Body(CUBE, 1.0, (0, 0, 0.1 * np.sqrt(2)), turn=quarter),)
+    world = make(Setting(bodies, 0.2, slope=np.radians(30), floors=(quarter, -quarter)), step)
+    world.run(1.0)
+    return float(world.position(0)[0])
+
+
+def tipping(make: Make, step: float) -> float:
+    """The tangent of the slope at which a box of 0.1 x 0.1 x 0.4 m tips over within two seconds, by bisection."""
+    low, high = 0.15, 0.35
+    while high - low > 1e-3:
+        middle = (low + high) / 2
+        world = make(Setting((Body((0.05, 0.05, 0.2), 1.0, (0, 0, 0.2)),), 1.0, slope=float(np.arctan(middle))), step)
+        world.run(2.0)
+        tipped = world.position(0)[2] < 0.15
+        low, high = (low, middle) if tipped else (middle, high)
+    return (low + high) / 2
+
+
+PHENOMENA = (
+    Phenomenon("creep on a slope", "tan 20° < mu: 0", 0.0, "m/s", creep),
+    Phenomenon("stopping distance", "v²/(2 mu g)", 2.0 / GRAVITY / 0.5, "m", stopping),
+    Phenomenon("direction of sliding", "that of the throw", 30.0, "°", direction),
+    Phenomenon("1000 kg on 1 kg, sinking", "0", 0.0, "m", heavy_on_light),
+    Phenomenon("rebound, e = 0", "0", 0.0, "m/s", rebound),
+    Phenomenon("sliding ball that rolls", "5/7 v", 10 / 7, "m/s", rolling),
+    Phenomenon("stack of five at rest", "0", 0.0, "m", stack),
+    Phenomenon("box in a groove", "g (sin a - √2 mu cos a) t²/2", GRAVITY * (0.5 - 0.2 * np.sqrt(1.5)) / 2, "m", wedge),
+    Phenomenon("tipping, tan of the slope", "width/height", 0.25, "", tipping),
+)

@@ -1,0 +1,71 @@
+"""What a phenomenon needs of an engine."""
+
+from collections.abc import Sequence
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from frictionbench.problems.check import Array
+
+GRAVITY = 9.81  # m/s^2
+
+
+class Body(NamedTuple):
+    """A box of half sizes (3,), or a ball of one radius, in m; mass in kg.
+
+    position (3,), velocity (3,), spin (3,) in m, m/s and 1/s; turn: about the x axis, radians.
+    """
+
+    size: Sequence[float]
+    mass: float
+    position: Sequence[float]
+    velocity: Sequence[float] = (0, 0, 0)
+    spin: Sequence[float] = (0, 0, 0)
+    turn: float = 0.0
+
+
+class Setting(NamedTuple):
+    """What the engines build: bodies on half spaces through the origin with these turns about the x axis.
+
+    friction: of every contact. slope: angle by which gravity is turned from -z towards x, which tilts the whole scene.
+    """
+
+    bodies: tuple[Body, ...]
+    friction: float
+    slope: float = 0.0
+    floors: tuple[float, ...] = (0.0,)
+
+    @property
+    def gravity(self) -> Array:
+        """(3,), m/s^2."""
+        return GRAVITY * np.array([np.sin(self.slope), 0.0, -np.cos(self.slope)])
+
+    @property
+    def volume_inertia(self) -> tuple[Array, ...]:
+        """The principal moments of inertia (3,) of each body, of uniform density, kg m^2."""
+        return tuple(
+            0.4 * body.mass * body.size[0] ** 2 * np.ones(3)
+            if len(body.size) == 1
+            else body.mass / 3 * (np.sum(np.square(body.size)) - np.square(body.size))
+            for body in self.bodies
+        )
+
+
+class World(Protocol):
+    """A running simulation."""
+
+    def run(self, seconds: float) -> None:
+        """Take as many steps as last so long."""
+
+    def position(self, body: int) -> Array:
+        """The centre (3,), m."""
+
+    def velocity(self, body: int) -> Array:
+        """The velocity of the centre (3,), m/s."""
+
+
+class Make(Protocol):
+    """An engine with its settings."""
+
+    def __call__(self, setting: Setting, step: float) -> World:
+        """The engine's world. Errors: ImportError where it is not installed."""

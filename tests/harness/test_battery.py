@@ -1,0 +1,71 @@
+"""The battery measures what its closed forms say, on a made-up exact engine and on those that are installed."""
+
+import numpy as np
+import pytest
+
+from frictionbench.harness.battery import drake, mujoco, table
+from frictionbench.harness.battery.phenomena import PHENOMENA
+from frictionbench.harness.battery.world import Body, Setting
+from tests.helpers.paths import ROOT
+
+BY_NAME = {one.name: one for one in PHENOMENA}
+
+
+class Point:
+    """The exact motion of one body that slides on a level floor and does not turn, whatever its shape."""
+
+    def __init__(self, setting: Setting, step: float) -> None:
+        self.body, self.rate, self.time = setting.bodies[0], setting.friction * 9.81, 0.0
+
+    def run(self, seconds: float) -> None:
+        self.time += seconds
+
+    def position(self, body: int) -> np.ndarray:
+        if body:
+            raise LookupError(body)
+        speed = np.linalg.norm(self.body.velocity)
+        until = min(self.time, speed / self.rate)
+        way = speed * until - self.rate * until**2 / 2
+        return np.array(self.body.position) + way * np.array(self.body.velocity) / speed
+
+    def velocity(self, body: int) -> np.ndarray:
+        return np.array(self.body.velocity, dtype=float)
+
+
+@pytest.mark.parametrize("name", ["stopping distance", "direction of sliding"])
+def test_closed_forms_on_an_exact_motion(name) -> None:
+    one = BY_NAME[name]
+    assert one.measure(Point, 0.01) == pytest.approx(one.exact, rel=1e-12)
+
+
+def test_inertia_is_that_of_uniform_bodies() -> None:
+    box, ball = Setting((Body((0.1, 0.2, 0.3), 3.0, (0, 0, 0)), Body((0.5,), 2.0, (0, 0, 0))), 0.5).volume_inertia
+    assert box == pytest.approx([0.13, 0.10, 0.05])
+    assert ball == pytest.approx([0.2] * 3)
+
+
+def test_page_has_every_phenomenon_and_says_what_is_skipped(monkeypatch) -> None:
+    engines = {"exact": ("numpy", Point), "absent": ("no-such-engine", Point)}
+    monkeypatch.setattr(table, "ENGINES", engines)
+    monkeypatch.setattr(table, "PHENOMENA", (BY_NAME["stopping distance"], BY_NAME["1000 kg on 1 kg, sinking"]))
+    page = table.page()
+    assert "absent: skipped, it is not installed (`pip install no-such-engine`)." in page
+    (row,) = [line for line in page.splitlines() if line.startswith("| stopping distance")]
+    assert [abs(float(error)) < 1e-12 for error in row.split("|")[4].split("/")] == [True] * 3
+    (row,) = [line for line in page.splitlines() if line.startswith("| 1000 kg")]
+    assert "failed: " in row  # the made-up engine has no two bodies
+
+
+@pytest.mark.parametrize(("engine", "package"), [(mujoco.stiff, "mujoco"), (drake.default, "pydrake")])
+def test_installed_engines_stop_where_the_closed_form_says(engine, package) -> None:
+    pytest.importorskip(package, reason=f"{package} is not installed")
+    one = BY_NAME["sliding ball that rolls" if package == "mujoco" else "stopping distance"]
+    assert one.measure(engine, 0.001) == pytest.approx(one.exact, rel=0.05)
+
+
+def test_document_is_the_page() -> None:
+    """The measured numbers aside, which need the engines."""
+    document = (ROOT / "docs" / "battery.md").read_text(encoding="utf-8")
+    fixed = table.PAGE.split("{remarks}")[1].replace("{phenomena}", table.phenomena())
+    assert document.endswith(fixed)
+    assert all(f"| {one.name} | {one.formula}" in document for one in PHENOMENA)
