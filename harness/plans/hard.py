@@ -41,7 +41,7 @@ ADMITTED, ANSWERS = (Path(__file__).with_name(f"hard.{suffix}") for suffix in ("
 
 
 def hard() -> Plan:
-    """Problems on which at least one serious method fails, to compare robustness: about ten minutes with one worker."""
+    """Problems on which at least one serious method fails, to compare robustness."""
     return Plan(
         suite="hard",
         sources=tuple(Source(row["scene"], json.loads(row["parameters"])) for row in admitted()),

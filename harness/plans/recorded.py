@@ -74,7 +74,7 @@ def spatial() -> Plan:
         spatial_solvers=lineup,
         tolerances=(1e-4, 1e-8),
         time_limit=2.0,
-        expects="ten minutes",
+        expects="twenty minutes",
     )
 
 

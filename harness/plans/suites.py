@@ -71,7 +71,7 @@ def standard() -> Plan:
         simulation_solvers=(*EXACT, *RELAXED),
         time_limit=2.0,
         simulation_limit=60.0,
-        expects="three minutes",
+        expects="four minutes",
     )
 
 
@@ -90,7 +90,7 @@ def seeds() -> Plan:
         schemes=tuple(sorted(SCHEMES)),
         time_limit=2.0,
         simulation_limit=20.0,
-        expects="a quarter of an hour",
+        expects="nine minutes",
     )
 
 
@@ -103,6 +103,7 @@ def replay() -> Plan:
         tolerances=(1e-6, 1e-8),
         starts=(COLD, WARM, SHUFFLED),
         time_limit=2.0,
+        expects="two minutes",
     )
 
 
@@ -134,6 +135,7 @@ def scaling() -> Plan:
         spatial_solvers=SPATIAL,
         tolerances=(1e-4, 1e-8),
         time_limit=10.0,
+        expects="twenty minutes",
     )
 
 

@@ -142,9 +142,9 @@ def test_no_solver_of_a_lineup_can_only_refuse() -> None:
 
 def test_suites_say_how_long_they_take(capsys: pytest.CaptureFixture[str]) -> None:
     listing.show("suites")
-    assert "takes three minutes with one worker on two cores" in capsys.readouterr().out
+    assert "takes four minutes with one worker on two cores" in capsys.readouterr().out
     whole, part = choose("standard", [], (), None, None), choose("standard", ["stack"], (), None, None)
-    assert (whole.expects, part.expects) == ("three minutes", "")
+    assert (whole.expects, part.expects) == ("four minutes", "")
     assert "expects" not in whole.settings()
 
 
