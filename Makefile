@@ -70,7 +70,10 @@ peers: $(PEERS)/installed
 	@/usr/bin/python3 -c 'import siconos.numerics' 2>/dev/null || echo 'Siconos is missing: apt-get install python3-siconos (Debian); its solvers are skipped'
 	$(PEERS)/bin/frictionbench run peers --out $(PEERS_RUN)
 	$(PEERS)/bin/frictionbench report $(PEERS_RUN) --markdown
-	sed -i -e '/^<!-- begin/,/^<!-- end/{//!d}' -e '/^<!-- begin/r $(PEERS_RUN)/report.md' docs/peers.md
+	$(PEERS)/bin/frictionbench fairness --markdown > $(PEERS_RUN)/fairness.md
+	sed -i -e '/^<!-- begin: make peers/,/^<!-- end/{//!d}' -e '/^<!-- begin: make peers/r $(PEERS_RUN)/report.md' \
+		-e '/^<!-- begin: frictionbench fairness/,/^<!-- end/{//!d}' \
+		-e '/^<!-- begin: frictionbench fairness/r $(PEERS_RUN)/fairness.md' docs/peers.md
 
 regress: install
 	$(BIN)/frictionbench run smoke --out runs/smoke-$(REVISION)

@@ -45,17 +45,27 @@ def about(
 
 
 @app.command()
-def fairness(solver: options.Solvers = None, scene: options.Scenes = None) -> None:
+def fairness(
+    solver: options.Solvers = None,
+    scene: options.Scenes = None,
+    scheme: options.Scheme = DEFAULT_SCHEME,
+    markdown: Annotated[bool, typer.Option("--markdown", help="Print the table in Markdown.")] = False,
+) -> None:
     """Time outside solvers beside calls by hand.
 
-    With --scene, compare what both claim on the steps of its motion.
+    With --scene, compare what both claim on the steps of its motion by a --scheme.
     """
     from rich.console import Console
 
     from frictionbench.harness.commands.charged import charged_table
     from frictionbench.harness.commands.claims import claims_table
+    from frictionbench.harness.commands.markdown import markdown_table
 
-    Console().print(claims_table(solver or [], scene) if scene else charged_table(solver or []))
+    table = claims_table(solver or [], scene, scheme) if scene else charged_table(solver or [])
+    if markdown:
+        typer.echo(markdown_table(table))
+    else:
+        Console().print(table)
 
 
 @app.command("list")

@@ -30,6 +30,8 @@ from frictionbench.problems.operators.delassus import DIGITS, DelassusOperator
 from frictionbench.problems.operators.mechanical import MechanicalOperator
 from frictionbench.problems.rows import ByContact, Index64, Rows
 
+LEAST_BIAS = 1e-12  # of a contact's unit: what a friction bias must be able to do to its velocity, to be part of a program
+
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class FrictionProblem(ReadOnly):
@@ -332,13 +334,17 @@ class FrictionProblem(ReadOnly):
 
     @property
     def _velocity_form(self) -> VelocityForm:
+        """Without friction biases of rounding's size: in a program their slack would cost nothing, and grow without bound."""
+        bias = self.friction_bias
+        if bias.any():
+            bias = np.where(bias * self.scale > LEAST_BIAS * self.units, bias, 0.0)
         return VelocityForm(
             self.contact_rows,
             self.mass_rows,
             self.free_velocity,
             self.offset,
             self.friction,
-            self.friction_bias,
+            bias,
             self.joint_rows,
             self.joint_bias,
         )

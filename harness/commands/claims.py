@@ -13,31 +13,33 @@ from rich.table import Table
 
 from frictionbench.harness.cells.reference import Reference
 from frictionbench.harness.commands.charged import TOL, chosen
-from frictionbench.harness.direct import CALLS, arrays
+from frictionbench.harness.direct import CALLS
+from frictionbench.harness.direct.given import arrays
 from frictionbench.harness.verify import verify
 from frictionbench.problems import FrictionProblem, scene
-from frictionbench.problems.schemes import SCHEMES
+from frictionbench.problems.schemes import SCHEMES, require_scheme
 from frictionbench.problems.simulate import simulate
 from frictionbench.problems.spec import parse
 from frictionbench.results.conventions import DEFAULT_SCHEME
 from frictionbench.solvers import Answer, Status, find
 
 
-def claims_table(solvers: list[str], scenes: list[str]) -> Table:
+def claims_table(solvers: list[str], scenes: list[str], scheme: str = DEFAULT_SCHEME) -> Table:
     """A row for each library and scene, or for the solvers named: the claims of both, and those that are off, with the largest
-    residual. Errors: InputError as of charged_table, and naming the scene.
+    residual. Errors: InputError as of charged_table, and naming scene or scheme.
     """
+    require_scheme(scheme)
     table = Table("solver", "scene", "problems", "adapter claims", "off", "by hand claims", "off", "off in both")
     specs = chosen(solvers)
     for named in scenes:
-        problems = list(steps(named))
+        problems = list(steps(named, scheme))
         for spec in specs:
             missing = find(spec)[0].missing
             table.add_row(escape(spec), escape(named), *((missing,) if missing else _row(spec, problems)))
     return table
 
 
-def steps(named: str) -> Iterable[FrictionProblem]:
+def steps(named: str, scheme: str) -> Iterable[FrictionProblem]:
     """The problems in the plane that a call by hand takes, of a scene's motion."""
     name, settings = parse("scene", named)
     stage, reference, met = scene(name, **settings), Reference(), []
@@ -46,7 +48,7 @@ def steps(named: str) -> Iterable[FrictionProblem]:
         met.append(problem)
         return reference(problem)
 
-    for _ in simulate(stage, record, SCHEMES[DEFAULT_SCHEME], stage.steps):
+    for _ in simulate(stage, record, SCHEMES[scheme], stage.steps):
         taken = (p for p in met if p.contacts and not (p.friction_bias.any() or len(p.joint_bias)))
         yield from taken
         met.clear()

@@ -2,8 +2,9 @@
 
     python -m frictionbench.harness.commands.fairness > docs/fairness.md
 
-The docstring of an outside solver's file has the page's facts under the names of FIELDS, with a colon after each. The results
-of the contract and the licences of the packages are in docs/outside.tsv (harness.commands.outcomes).
+The docstring of an outside solver's file has the page's facts under the names of FIELDS, with a colon after each; Charged, why
+an adapter is charged more than a call by hand (harness.commands.charged), stands only where it is. The results of the contract
+and the licences of the packages are in docs/outside.tsv (harness.commands.outcomes).
 """
 
 import csv
@@ -16,7 +17,7 @@ from frictionbench.problems.compiled import PACKAGE
 from frictionbench.solvers import SolverInfo, available, find
 
 OUTCOMES = PACKAGE.parent / "docs" / "outside.tsv"
-FIELDS = ("Licence", "Form", "Clock", "Settings", "Tolerance", "Flaws", "Reference")
+FIELDS = ("Licence", "Form", "Clock", "Charged", "Settings", "Tolerance", "Flaws", "Reference")
 HEAD = """# Fairness
 
 Made from the registry by `python -m frictionbench.harness.commands.fairness`; a test compares the two.
@@ -34,12 +35,11 @@ invariance. The checks that each solver fails, with the first violation, and the
 in docs/outside.tsv by `python -m frictionbench.harness.commands.outcomes`. A solver of a relaxation or of regularised contacts
 is checked against its own model.
 
-`frictionbench fairness` times each adapter in turn with a call of its library by hand (harness/direct.py) at 2, 10 and 40
+`frictionbench fairness` times each adapter in turn with a call of its library by hand (harness/direct) at 2, 10 and 40
 contacts; tests/solvers/outside/test_direct.py compares their answers. `frictionbench fairness --scene three_blocks` compares
 what both claim on the steps of a scene: an inaccurate claim of an adapter is either the library's own, or a fault to report.
-`daqp` and `quadprog`, whose calls take some ten µs at two contacts, are charged about twice a call by hand up to 10 contacts:
-the dimensionless program, which gives tolerances one meaning, has a fixed cost. A library in another process (Siconos, GAMS'
-PATH) is compared by its own clock.
+Its table is in docs/peers.md; where an adapter is charged more than 1.3 times a call by hand, its section below says why. A
+library in another process (Siconos, GAMS' PATH) is compared by its own clock.
 
 `default` and `tuned` are a library's options as a user gets them and as its documentation allows; tolerances and work limits
 are set in both.

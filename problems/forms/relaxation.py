@@ -24,6 +24,8 @@ from scipy import sparse
 from frictionbench.problems.compiled import kernel
 from frictionbench.problems.rows import Array, ByContact, Rows
 
+_EDGES = np.array([[1.0, 1.0], [1.0, -1.0]])  # the section in the plane
+
 
 class VelocityForm(NamedTuple):
     """A friction problem in its velocities: M (v - v*) = J' r + F' lam, u = J v + offset (nc, d); friction; joints."""
@@ -87,11 +89,9 @@ class ConeProgram(Program):
 def relaxation_qp(form: VelocityForm, facets: int) -> QP:
     """The relaxation with a polygonal section (exact in the plane) as a QP in x = (v, y)."""
     if form.offset.shape[1] == 2:
-        corners = np.array([[1.0], [-1.0]])
-    else:
-        angle = 2 * np.pi * np.arange(facets) / facets
-        corners = np.column_stack([np.cos(angle), np.sin(angle)])
-    return QP(*_program(form, np.column_stack([np.ones(len(corners)), corners])))
+        return QP(*_program(form, _EDGES))
+    angle = 2 * np.pi * np.arange(facets) / facets
+    return QP(*_program(form, np.column_stack([np.ones(facets), np.cos(angle), np.sin(angle)])))
 
 
 def relaxation_cone(form: VelocityForm) -> ConeProgram:

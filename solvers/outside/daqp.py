@@ -4,6 +4,8 @@ Licence: MIT.
 Form: the dimensionless QP (solvers.outside.scaled_program), dense, G and A stacked. Setup: none, as one call sets up and
     solves. Solve: daqp.solve.
 Clock: DAQP's own setup_time and solve_time together.
+Charged: some 25 µs more than a call by hand, twice at 2 contacts, 1.8 times at 10 and 1.1 times at 40: the dimensionless
+    program, which gives tolerances one meaning, costs that more than three products of dense arrays.
 Settings: its defaults.
 Tolerance: primal and dual eps/10; eps stands for tol.
 Flaws: another model than Coulomb's wherever boxes slide, `frictionbench solve stopping_block --solver daqp`.

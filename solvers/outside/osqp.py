@@ -4,7 +4,7 @@ Licence: Apache-2.0.
 Form: the dimensionless QP (solvers.outside.scaled_program), G and A stacked, P's upper half. Setup: OSQP's setup; with
     keep=true an update of the workspace of the previous step, if the sparsity pattern is the same. Solve: its solve.
 Clock: OSQP's own solve_time.
-Settings: its defaults; rho, alpha and polishing were tried and bring nothing.
+Settings: its defaults.
 Tolerance: eps_abs = eps/10 for both residuals and the gap, eps_rel = 0, not polished; eps stands for tol.
 Flaws: another model than Coulomb's wherever boxes slide, `frictionbench solve stopping_block --solver osqp`.
 Reference: Stellato, Banjac, Goulart, Bemporad and Boyd 2020.

@@ -1,12 +1,14 @@
 """PATH through GAMSPy, where it is installed: the package includes a demonstration licence that forbids commercial use, covers
 at most 1000 rows and may expire. It is never a dependency.
 
-Licence: GAMSPy MIT; GAMS and PATH proprietary, with a demonstration licence in the package gamspy_base.
+Licence: GAMSPy MIT; GAMS and PATH proprietary, with a demonstration licence in the package gamspy_base. GAMS' free licences
+    are for academic or personal use and for five months; results may be published only with the method documented and with no
+    COPT, CPLEX, Gurobi, Knitro, LINDO or Xpress in the table. Its library is not linked here.
 Form: the friction LCP's M, dense and scaled, and q. Setup: the records of GAMSPy's model, which is made once for each size.
     Solve: GAMSPy's call from z = 0, with GAMS' compilation of the model and its processes.
 Clock: the total time in PATH's own log, including GAMS' evaluation of M z + q. PATH is compared by it, as GAMS is another
     process: the column solve_time is this clock, and call_time the records and GAMSPy's call.
-Settings: its defaults.
+Settings: its defaults. GAMSPy's freeze is for a sequence of problems with one M; those of a suite differ in M.
 Tolerance: convergence_tolerance = eps/10, on PATH's residual of the scaled LCP; eps is tol times the least unit of a contact
     in it (solvers.pivots.dense_lcp).
 Flaws: beyond the licence's 1000 rows GAMS does not call PATH; the answer is then

@@ -4,6 +4,8 @@ Licence: Apache-2.0.
 Form: the dimensionless QP (solvers.outside.scaled_program), dense, G above A. Setup: none. Solve: a solver object and its
     solve.
 Clock: none.
+Charged: some 25 µs more than a call by hand, twice at 2 contacts, 1.8 times at 10 and 1.1 times at 40: the dimensionless
+    program, which gives tolerances one meaning, costs that more than three products of dense arrays.
 Settings: its defaults.
 Tolerance: its tolerance of 1e-12 is left, as a larger one ends it far from the solution.
 Flaws: it requires a definite matrix and so does not support friction_bias. Another model than Coulomb's wherever boxes slide,

@@ -3,6 +3,8 @@
 Licence: GPL-2.0-or-later.
 Form: the dimensionless QP (solvers.outside.scaled_program), dense, A above G. Setup: none. Solve: quadprog's solve_qp.
 Clock: none.
+Charged: some 25 µs more than a call by hand, twice at 2 contacts, 1.8 times at 10 and 1.1 times at 40: the dimensionless
+    program, which gives tolerances one meaning, costs that more than three products of dense arrays.
 Settings: it has none.
 Tolerance: it takes none.
 Flaws: it requires a definite matrix and so does not support friction_bias. Another model than Coulomb's wherever boxes slide,

@@ -11,7 +11,8 @@ velocity, so
 
     eps = share * tol,      share = min_i unit_i / (theta sqrt(s_i)) <= 1,
 
-keeps the residual of problems.residual within tol.
+keeps the residual of problems.residual within tol. With a `size` c, W^ is c E W E and r^ by c smaller, q^ the same: a library's
+constants may prefer that, and an error of r^ then counts c times.
 
 W^ and q^ are written in one compiled pass, in the order and with as many rows a contact as the library takes: `rows` are the
 places of a contact's components (n, t) or (n, t1, t2) among its rows. In the plane a library of contacts in space gets three
@@ -61,15 +62,21 @@ class ScaledDelassus(NamedTuple):
 
 
 def scaled_delassus(
-    problem: FrictionProblem, rows: tuple[int, ...] | None = None, *, sparse: bool = False, matrix: bool = True
+    problem: FrictionProblem,
+    rows: tuple[int, ...] | None = None,
+    *,
+    sparse: bool = False,
+    matrix: bool = True,
+    size: float = 1.0,
 ) -> ScaledDelassus:
     """The dimensionless Delassus form of a friction problem, without its friction_bias.
 
-    rows: as above, the d components in order by default. matrix: whether W^ is written; (0, 0) otherwise.
+    rows: as above, the d components in order by default. matrix: whether W^ is written; (0, 0) otherwise. size: the mean
+    diagonal of W^ at every contact.
     """
     nc, d = problem.contacts, problem.dimension
     places = rows or (PLANE if d == 2 else SPACE)
-    E, q, theta, share = _scaled_vector(problem.scale, problem.q, problem.units, d, places)
+    E, q, theta, share = _scaled_vector(problem.scale, problem.q, problem.units, d, places, size)
     W: Array | Rows = np.zeros((0, 0))
     if matrix:
         blocks = problem.blocks
@@ -78,7 +85,7 @@ def scaled_delassus(
 
 
 @kernel
-def _scaled_vector(s, q, units, d, rows):  # type: ignore[no-untyped-def]
+def _scaled_vector(s, q, units, d, rows, size):  # type: ignore[no-untyped-def]
     """E, q^, theta and share."""
     nc, m, theta, least, moving = len(s), len(rows), 0.0, np.inf, False
     E, scaled = np.empty(nc), np.zeros(nc * m)
@@ -93,7 +100,8 @@ def _scaled_vector(s, q, units, d, rows):  # type: ignore[no-untyped-def]
     for i in range(nc):
         for a in range(d):
             scaled[i * m + rows[a]] = E[i] * q[i * d + a] / theta
-    return E, scaled, theta, least / theta if moving else 1.0
+    root = np.sqrt(size)
+    return root * E, scaled, root * theta, least / theta if moving else 1.0
 
 
 @kernel

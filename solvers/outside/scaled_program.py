@@ -119,7 +119,7 @@ def scaled_program(problem: FrictionProblem, program: Kind, from_free: bool = Fa
     D, rows, theta, share = _units(
         problem.scale,
         program.friction,
-        problem.friction_bias,
+        program.friction_bias,
         problem.q,
         problem.units,
         *problem.mass_rows,
@@ -129,19 +129,20 @@ def scaled_program(problem: FrictionProblem, program: Kind, from_free: bool = Fa
     A, joint = _joints(program, D)
     q, h, b = program.q, program.h, program.b
     if from_free:
-        free = _free(problem.free_velocity, problem.q, problem.friction_bias, problem.dimension)
+        free = _free(problem.free_velocity, problem.q, program.friction_bias, problem.dimension)
         q, h = _from_free(q, h, *bounds, free, len(problem.free_velocity))
         b = b - program.A @ free if len(b) else b
+    P, linear, G, right, unit = _scaled(*objective, q, *bounds, h, D, rows, theta)
     return ScaledProgram(
         program,
-        # copies, as some libraries require writable arrays and the columns of the mass matrix belong to the problem
-        Rows(objective.start, objective.column.copy(), _scaled(*objective, D, D)),
-        D * q / theta,
-        Rows(bounds.start, bounds.column, _scaled(*bounds, 1 / rows, D)),
-        h / rows / theta,
+        # a copy, as some libraries require writable arrays and the columns of the mass matrix belong to the problem
+        Rows(objective.start, objective.column.copy(), P),
+        linear,
+        Rows(bounds.start, bounds.column, G),
+        right,
         A,
         b * joint / theta,
-        theta / rows,
+        unit,
         share,
     )
 
@@ -187,13 +188,19 @@ def _from_free(q, h, start, row, value, free, nv):  # type: ignore[no-untyped-de
 
 
 @kernel
-def _scaled(start, row, value, left, right):  # type: ignore[no-untyped-def]
-    """The values of diag(left) A diag(right), for A by columns."""
-    scaled = np.empty(len(value))
-    for j in range(len(right)):
-        for k in range(start[j], start[j + 1]):
-            scaled[k] = value[k] * right[j] * left[row[k]]
-    return scaled
+def _scaled(p_start, p_row, p_value, q, g_start, g_row, g_value, h, D, rows, theta):  # type: ignore[no-untyped-def]
+    """The values of P^ and of G^, q^, h^ and the unit of the multipliers; rows is 1/E on the rows of G."""
+    P, G, linear = np.empty(len(p_value)), np.empty(len(g_value)), np.empty(len(q))
+    right, unit = np.empty(len(h)), np.empty(len(h))
+    for j in range(len(q)):
+        linear[j] = D[j] * q[j] / theta
+        for k in range(p_start[j], p_start[j + 1]):
+            P[k] = p_value[k] * D[j] * D[p_row[k]]
+        for k in range(g_start[j], g_start[j + 1]):
+            G[k] = g_value[k] * D[j] * (1 / rows[g_row[k]])
+    for i in range(len(h)):
+        right[i], unit[i] = h[i] / rows[i] / theta, theta / rows[i]
+    return P, linear, G, right, unit
 
 
 @kernel

@@ -11,7 +11,9 @@ Settings: tuned is for friction_3d_admm and global_friction_3d_admm the strategy
     lcp_pivot_least_index is the same driver with LEAST_INDEX.
 Tolerance: eps/2 over |q^|, as Siconos divides the norm of its natural map by |q|; eps as in solvers.outside.scaled_delassus
     and, for lcp_, solvers.pivots.dense_lcp.
-    Where |r^| is larger it divides by that, and is called again from its own answer with a smaller tolerance.
+    Where |r^| is larger it divides by that, and is called again from its own answer with a smaller tolerance. The drivers of
+    friction_2d_ begin at 0 whatever their guess is: they are asked for an eps of 2 sqrt(contacts) less at once, as impulses add
+    up in piles, so that a second call is rare.
 Flaws: return codes are unreliable in both directions, `frictionbench solve 'pyramid[rows=3,friction=0.5,push=1]' --solver
     'siconos[method=friction_2d_lemke]'`. friction_3d_nsn_fb and global_friction_3d_ipm end in failed assertions, and the fixed
     points (aclmfp, tfp) take minutes on difficult problems and are then stopped at the time limit.
@@ -117,7 +119,8 @@ class Siconos:
             "integers": _LEAST_INDEX if self.method == "lcp_pivot_least_index" else integers,
             "reals": reals,
             "eps": tol * given.share / 2,
-            "size": float(np.linalg.norm(given.q)) or 1.0,
+            "size": (float(np.linalg.norm(given.q)) or 1.0)
+            * (2 * np.sqrt(len(message["mu"])) if kind == "friction_2d" else 1.0),
             "limit": limit or (1000 if "new" in self.method or "nsn" in self.method else 100_000),
             "start": np.zeros(len(given.q)) if start is None or isinstance(given, DenseLCP) else given.guess(start),
         }

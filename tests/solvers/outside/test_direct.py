@@ -1,13 +1,18 @@
 """Adapters of outside libraries beside calls by hand: the same answers. `frictionbench fairness` measures the times."""
 
+import re
+
 import numpy as np
 import pytest
 
-from frictionbench.harness.commands.charged import BLOCKS, TOL, charged_table
+from frictionbench.harness.commands.charged import BLOCKS, FAIR, TOL, charged_table
 from frictionbench.harness.commands.claims import claims_table
-from frictionbench.harness.direct import CALLS, arrays
+from frictionbench.harness.commands.markdown import markdown_table
+from frictionbench.harness.direct import CALLS
+from frictionbench.harness.direct.given import arrays
 from frictionbench.problems import InputError, scene
-from frictionbench.solvers import find, solve
+from frictionbench.solvers import Status, available, find, solve
+from tests.helpers.paths import ROOT
 
 
 @pytest.mark.parametrize("blocks", BLOCKS)
@@ -32,10 +37,40 @@ def test_claims_are_compared_on_the_steps_of_a_scene() -> None:
     assert cells[4][0] == "0"
     with pytest.raises(InputError, match="scene: unknown scene 'nowhere'"):
         claims_table(["osqp"], ["nowhere"])
+    with pytest.raises(InputError, match="scheme: "):
+        claims_table(["osqp"], ["stopping_block"], "no_scheme")
+
+
+def test_the_documents_say_why_an_adapter_is_charged_more() -> None:
+    text = (ROOT / "docs" / "peers.md").read_text(encoding="utf-8")
+    table = text.partition("<!-- begin: frictionbench fairness -->")[2]
+    rows = re.findall(r"^\| ([\w\[\]=,-]+) \|(.*; [\d.]+ )\|(.*)\|$", table, re.M)
+    assert {name for name, *_ in rows} <= set(CALLS)
+    assert len(rows) > 10
+    for name, measured, why in rows:
+        ratios = [float(ratio) for ratio in re.findall(r"; ([\d.]+) ", measured)]
+        assert len(ratios) == len(BLOCKS)
+        assert (max(ratios) > FAIR) == bool(why.strip()), name
+
+
+def test_every_library_has_a_call_by_hand_or_cannot_be_called() -> None:
+    called = {spec.partition("[")[0] for spec in CALLS}
+    assert {name for name, info in available().items() if info.needs} - called == {"dart"}, "no 7.x can be installed yet"
+
+
+def test_a_planar_driver_of_siconos_is_called_once() -> None:
+    """It begins at 0 whatever its guess: asking it again for more accuracy takes all its sweeps again, 1003 here."""
+    spec = "siconos[method=friction_2d_nsgs]"
+    if missing := find(spec)[0].missing:
+        pytest.skip(missing)
+    answer = solve(scene("stack", blocks=5, push=1.0).problem(), spec, tol=TOL)
+    assert answer.status is Status.SOLVED
+    assert answer.work["iterations"] < 700
 
 
 def test_the_table_has_a_row_for_a_library_that_is_not_installed() -> None:
     table = charged_table(["quantecon"])
     assert table.row_count == 1
+    assert re.fullmatch(r"\| solver .* \|\n(\| --- )+\|\n\| quantecon\[settings=default\] (\| [^|]*)+\|", markdown_table(table))
     with pytest.raises(InputError, match="solver: 'lemke' has no call by hand"):
         charged_table(["lemke"])
