@@ -10,9 +10,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.style import ALARM, GRID, INK, WORST, ZERO
+from frictionbench.reports.drawing.style import ALARM, GRID, INK, WORST, ZERO, log_ticks, residual_axis
 from frictionbench.reports.drawing.text import plain
 from frictionbench.reports.templates import environment
 from frictionbench.results.files import write_text
@@ -55,8 +56,9 @@ def render(folder: Path, found: list[Judgement], rows: pd.DataFrame) -> str:
         Panel("violation of each law, m/s", partial(_violations, found=counted), size=SIZE),
     ]
     forces = [Panel(one.file, partial(_forces, one=one), size=(3.2, 2.4)) for one in bad[:DRAWN] if one.forces]
+    timed = rows.assign(time=rows[["form_time", "setup_time", "solve_time"]].sum(axis=1, min_count=1))
     solved = {
-        one.variant: rows[rows["variant"] == one.variant].drop_duplicates("problem").set_index("problem")
+        one.variant: timed[timed["variant"] == one.variant].drop_duplicates("problem").set_index("problem")
         for one in beside(rows)
     }
     return (
@@ -83,15 +85,14 @@ def render(folder: Path, found: list[Judgement], rows: pd.DataFrame) -> str:
 def _residuals(ax: Axes, found: list[Judgement], rows: pd.DataFrame) -> None:
     """The engine's residuals step by step, and those of the solvers."""
     at = np.arange(1, len(found) + 1)
-    ax.semilogy(at, np.clip([one.residual for one in found], ZERO, WORST), color=ALARM, lw=1.0, label="the engine")
+    ax.plot(at, np.clip([one.residual for one in found], ZERO, WORST), color=ALARM, lw=1.0, label="the engine")
     names = [one.problem for one in found]
     for k, (variant, own) in enumerate(rows.groupby("variant", sort=False)):
         by_problem = own.drop_duplicates("problem").set_index("problem")["residual"].reindex(names).to_numpy(float)
-        ax.semilogy(at, np.clip(by_problem, ZERO, WORST), color=COLOURS[k % 4], lw=0.9, label=plain(str(variant)))
-    ax.set_xlabel("step with contacts")
-    ax.set_ylabel("verified residual")
-    ax.grid(axis="y", **GRID)
-    ax.legend()
+        ax.plot(at, np.clip(by_problem, ZERO, WORST), color=COLOURS[k % 4], lw=0.9, label=plain(str(variant)))
+    residual_axis(ax)
+    ax.set_ylim(ZERO / 3, WORST * 3)
+    _steps(ax, "verified residual")
 
 
 def _violations(ax: Axes, found: list[Judgement]) -> None:
@@ -99,9 +100,17 @@ def _violations(ax: Axes, found: list[Judgement]) -> None:
     for colour, law in zip(COLOURS, LAWS, strict=True):
         values = np.array([getattr(one, law) for one in found])
         if values.any():
-            ax.semilogy(at, np.clip(values, LEAST, None), color=colour, lw=0.9, label=law)
+            ax.plot(at, np.clip(values, LEAST, None), color=colour, lw=0.9, label=law)
+    log_ticks(ax, "y", {10.0**k: f"1e{k}" for k in range(2, -13, -2)})
+    ax.set_ylim(LEAST / 3, None)
+    _steps(ax, "m/s")
+
+
+def _steps(ax: Axes, measured: str) -> None:
+    """Axes and legend of what is measured step by step."""
+    ax.xaxis.set_major_locator(MaxNLocator(6, integer=True))
     ax.set_xlabel("step with contacts")
-    ax.set_ylabel("m/s")
+    ax.set_ylabel(measured)
     ax.grid(axis="y", **GRID)
     if ax.get_legend_handles_labels()[0]:
         ax.legend()

@@ -78,6 +78,7 @@ def test_summary_and_page(folder) -> None:
     assert "creeping.npz" in text.splitlines()[text.splitlines().index("") :][-3]
     page = write_judgement(folder).read_text(encoding="utf-8")
     assert SCRIPT not in page
+    assert "mathdefault" not in page  # ticks are text
     assert all(word in page for word in ("creeping.npz", "hybrid", "nsgs", "dissipation in 1 step.", "<svg"))
 
 
