@@ -42,7 +42,11 @@ Its table is in docs/peers.md; where an adapter is charged more than 1.3 times a
 library in another process (Siconos, GAMS' PATH) is compared by its own clock.
 
 `default` and `tuned` are a library's options as a user gets them and as its documentation allows; tolerances and work limits
-are set in both.
+are set in both. Commands under *Settings* and *Flaws* show what is said there, and a test runs them.
+
+Without an adapter: Kamino, in Newton 1.8, takes models, whose contacts it finds itself, in single precision, and no matrices;
+MOSEK and Gurobi, for which no licence is at hand, and GAMS' licence forbids tables that have Gurobi beside PATH; jaxopt's
+BoxCDQP, which runs with jax 0.10 on the program of `mujoco_boxqp` but traces it anew in each call, for 0.1 s and more.
 
 **To dispute a section**: open an issue with a problem file (`frictionbench export`, or any that `frictionbench solve` reads)
 and the result that the solver should give, or a pull request for its file, which is under 80 lines; the figures are then

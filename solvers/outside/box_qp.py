@@ -10,7 +10,8 @@ Licence: Apache-2.0.
 Form: that program, dense and dimensionless. Setup: none. Solve: mju_boxQP from z = 0.
 Clock: around mju_boxQP.
 Settings: mju_boxQP stops after 100 iterations without saying so. default is one call; tuned calls it again from its own answer
-    until that no longer changes.
+    until that no longer changes, `frictionbench solve 'stack[blocks=50,friction=0.05,push=1]' --solver 'mujoco_boxqp' --solver
+    'mujoco_boxqp[settings=tuned]'`.
 Tolerance: it takes none.
 Flaws: it returns a rank and no measure of accuracy, so that an answer after 100 iterations looks like any other: `frictionbench
     solve 'stack[blocks=50,friction=0.05,push=1]' --solver mujoco_boxqp`. The diagonal is felt with large mass ratios:

@@ -12,7 +12,8 @@ Form: for qrqp and qpoases the dual, dense and dimensionless, for qrqp with 1e-1
     ones; for ipopt the friction LCP's M, dense and scaled, and q. Setup: none. Solve: CasADi's solver object and its call, from
     0.
 Clock: CasADi's, around the solver, for qpoases.
-Settings: their defaults, without output. Ipopt relaxes bounds by bound_relax_factor = 1e-8; tuned is 0.
+Settings: their defaults, without output. Ipopt relaxes bounds by bound_relax_factor = 1e-8; tuned is 0, `frictionbench solve
+    'stack[blocks=5,push=1]' --solver 'casadi[method=ipopt]' --solver 'casadi[method=ipopt,settings=tuned]'`.
 Tolerance: qpoases terminationTolerance = eps/10, but not less than 1e-12, eps as in solvers.outside.scaled_delassus; qrqp's,
     of 1e-8, are left, as larger ones end it far from the solution; ipopt tol = (eps/10)^2, not less than 1e-15, as z'w is a
     product, eps as in solvers.pivots.dense_lcp, and success is claimed where min(z, w) is at most eps/10 in size, which a user

@@ -7,7 +7,8 @@ Form: the dimensionless program (solvers.outside.scaled_program), A and G stacke
 Clock: its solve_time, which includes its setup, also where the object was kept.
 Settings: presolve off, which would forbid updates. tuned is for programs that are already scaled, as these are:
     equilibrate_enable off, static_regularization_constant = 1e-12 instead of 1e-8, and iterative_refinement_abstol and
-    iterative_refinement_reltol 1e-16 instead of 1e-12 and 1e-13.
+    iterative_refinement_reltol 1e-16 instead of 1e-12 and 1e-13, `frictionbench solve 'two_corner_block[fall=1]' --solver
+    'clarabel' --solver 'clarabel[settings=tuned]'`.
 Tolerance: tol_feas = eps, both gaps eps^2, no less than 1e-16; eps stands for tol.
 Flaws: its gap is the difference of two objectives, which rounding can make 0 before the answer is accurate: some answers that
     it calls Solved are off by a few times 1e-8. Or it stays above eps^2, and it reports failure although the answer is

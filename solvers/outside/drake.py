@@ -8,7 +8,8 @@ Form: the friction LCP's M, dense and scaled, and q. Setup: a MathematicalProgra
     object, as a reused one starts from its last basis, and its Solve.
 Clock: none.
 Settings: its defaults; there are no options. With perturbation=1e-10 the LCP is given q + 1e-10 rand, as its ratio test has no
-    rule for ties; our lemke perturbs, too.
+    rule for ties; our lemke perturbs, too, `frictionbench solve 'stack[blocks=50,friction=0.05,push=1]' --solver
+    'drake[method=unrevised]' --solver 'drake[method=unrevised,perturbation=1e-10]'`.
 Tolerance: it takes none; both check their solutions against zero tolerances of their own, which are left at their defaults.
 Flaws: with large mass ratios UnrevisedLemke fails and MobyLcp, regularised, reports success for inexact answers,
     `frictionbench solve 'stack[blocks=5,mass_ratio=1e4,push=1]' --solver 'drake[method=unrevised]' --solver

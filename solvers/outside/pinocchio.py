@@ -9,8 +9,10 @@ Charged: at 40 contacts 1.6 times a call by hand, in 1.8 times as many iteration
     asked of impulses and velocities as they are; the number of iterations depends on these units, by factors between 1/18 and
     15 from one problem to the next.
 Settings: ADMM's defaults have no Anderson acceleration, anderson_capacity = 0, and estimate the largest eigenvalue of W by as
-    many steps of Lanczos as W has rows, lanczos_size = 2^31 - 1, which is not in its clock; tuned are 5 and 10, with a fifth of
-    the iterations and, at 124 contacts, a seventh of the time. PGS' over_relaxation is 1; tuned is 1.3.
+    many steps of Lanczos as W has rows, lanczos_size = 2^31 - 1, which is not in its clock; tuned are 5 and 10, with fewer
+    iterations, `frictionbench solve 'stack[blocks=10,mass_ratio=100,push=1]' --solver 'pinocchio[method=admm]' --solver
+    'pinocchio[method=admm,settings=tuned]'`. PGS' over_relaxation is 1; tuned is 1.3, `frictionbench solve
+    'wedge[friction=0.2]' --solver 'pinocchio[method=pgs]' --solver 'pinocchio[method=pgs,settings=tuned]'`.
 Tolerance: absolute feasibility and complementarity of eps/20 for ADMM and eps/100 for PGS, whose criterion is weaker still,
     eps as in solvers.outside.scaled_delassus; relative tolerances are off.
 Flaws: ADMM without acceleration does not converge in 20 000 iterations with large mass ratios, `frictionbench solve

@@ -3,7 +3,8 @@
 Licence: MIT.
 Form: the friction LCP's M, dense and scaled, and q. Setup: none. Solve: lcp_lemke's call.
 Clock: none.
-Settings: tol_ratio_diff, within which two ratios are a tie, is 1e-13 by default; tuned is 1e-10.
+Settings: tol_ratio_diff, within which two ratios are a tie, is 1e-13 by default; tuned is 1e-10, `frictionbench solve
+    'stack[blocks=50,friction=0.05,push=1]' --solver 'quantecon' --solver 'quantecon[settings=tuned]'`.
 Tolerance: it takes none; the solution of a basis is exact up to rounding.
 Flaws: its status is unreliable in both directions: it reports a ray for problems that it has solved, `frictionbench solve
     'pyramid[rows=7,push=1]' --solver quantecon`, and success for inaccurate answers, `frictionbench solve

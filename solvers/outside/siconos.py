@@ -6,9 +6,13 @@ Form: for lcp_ the friction LCP's M, dense and scaled; for friction_ the dimensi
     dimensionless. Setup: none. Solve: one message to the child and its reply.
 Clock: around Siconos' problem object and the driver's call, in the child. Solvers are compared by it, as a user of Siconos has
     no child: the column solve_time is this clock, and call_time the whole call.
-Settings: tuned is for friction_3d_admm and global_friction_3d_admm the strategy RESIDUAL_BALANCING of rho, which is constant
-    by default; for friction_3d_nsgs a relaxation of 1.3, which is off by default. lcp_pivot follows Lemke's rule by default;
-    lcp_pivot_least_index is the same driver with LEAST_INDEX.
+Settings: tuned is for friction_3d_admm and global_friction_3d_admm the strategy RESIDUAL_BALANCING of rho, which is constant by
+    default, `frictionbench solve 'stack[blocks=10,mass_ratio=100,push=1]' --solver 'siconos[method=friction_3d_admm]' --solver
+    'siconos[method=friction_3d_admm,settings=tuned]'`; for friction_3d_nsgs a relaxation of 1.3, which is off by default,
+    `frictionbench solve 'stack[blocks=5,push=1]' --solver 'siconos[method=friction_3d_nsgs]' --solver
+    'siconos[method=friction_3d_nsgs,settings=tuned]'`. lcp_pivot follows Lemke's rule by default; lcp_pivot_least_index is the
+    same driver with LEAST_INDEX, `frictionbench solve 'stack[blocks=10,mass_ratio=100,push=1]' --solver
+    'siconos[method=lcp_pivot]' --solver 'siconos[method=lcp_pivot_least_index]'`.
 Tolerance: eps/2 over |q^|, as Siconos divides the norm of its natural map by |q|; eps as in solvers.outside.scaled_delassus
     and, for lcp_, solvers.pivots.dense_lcp.
     Where |r^| is larger it divides by that, and is called again from its own answer with a smaller tolerance. The drivers of

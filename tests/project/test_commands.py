@@ -1,6 +1,7 @@
 """Every command of the README and of docs is executed: as it stands, or on less where it would take longer than a test may.
 
-Those of docs/executable.md, which need the files of that page, are in test_executable.py.
+Those of docs/executable.md, which need the files of that page, are in test_executable.py, and those of docs/fairness.md in
+tests/solvers/outside.
 """
 
 import re
@@ -22,7 +23,7 @@ from frictionbench.results.store import read_table
 from tests.helpers.command_line import Done, frictionbench
 from tests.helpers.paths import ROOT
 
-APART = ("peers.md", "executable.md")
+APART = ("peers.md", "executable.md", "fairness.md")
 DOCUMENTS = [
     ROOT / "README.md",
     *sorted(path for path in (ROOT / "docs").glob("*.md") if path.name not in APART),
@@ -73,7 +74,6 @@ ON_LESS = {
     "shrink": ("--solver mine.py",),
     "show": ("--steps 3",),
     "map": ("--solver lemke", "--time-limit 1"),
-    "fairness": ("--solver 'clarabel[keep=false]'",),
 }
 GRID = ":30", ":16", ":13"  # along an axis of a map; a test has two
 # Commands that need a network, a cluster or fetched data: what is said where there is none.

@@ -217,6 +217,33 @@ def test_flaw_commands(command, name) -> None:
         assert not (verify(problem, answer, info, 1e-8).verdict == "solved" and answer.status is Status.SOLVED), spec
 
 
+TUNED = [
+    (command, info.name)
+    for info in available().values()
+    if info.needs
+    for command in re.findall(r"`frictionbench ([^`]*)`", facts(info)["Settings"])
+]
+
+
+@pytest.mark.parametrize(("command", "name"), TUNED)
+def test_settings_commands(command, name) -> None:
+    """The second solver solves what the first does not, or takes two thirds of its work at most."""
+    verb, what, *rest = shlex.split(command)
+    specs = rest[1::2]
+    assert (verb, set(rest[::2]), {find(spec)[0].name for spec in specs}) == ("solve", {"--solver"}, {name})
+    problem, told = first_problem(what), []
+    for spec in specs:
+        info, solver = find(spec)
+        if info.missing:
+            pytest.skip(info.missing)
+        answer = solver.solve(solver.setup(solver.form(problem.fresh())), 1e-8, None)
+        good = verify(problem, answer, info, 1e-8).verdict in ("solved", "relaxed") and answer.status is Status.SOLVED
+        told.append((good, sum(answer.work.values())))
+    (default, work), (tuned, less) = told
+    assert tuned
+    assert not default or less <= work / 1.5
+
+
 def first_problem(spec: str) -> FrictionProblem:
     name, settings = parse("scene", spec)
     return make_instance(name, **settings) if name in instances() else scene(name, **settings).problem()
