@@ -1,7 +1,7 @@
 # make bench   install, run the standard suite, write its results and report, and say where the report is
 # make quick   install, check the style and the types, run the tests that matter for most changes: half a minute with kernels compiled
 # make test    install, check the style and the types, run all tests
-# make test-peers  the outside solvers as in make peers, and the tests of their adapters; what is missing is skipped with its
+# make test-peers  the outside solvers as in make peers, and the tests of their adapters and of engines; what is missing is skipped with its
 #              reason. PEER_NAMES: the packages to install, all by default
 # make timing  install, time the kernels with pytest-benchmark, a file in runs/timing-REVISION each time
 # make peers   the outside solvers into an environment of their own, as far as they can be had; run the peers suite, report,
@@ -64,7 +64,8 @@ $(PEERS)/installed: pyproject.toml constraints.txt
 	touch $@
 
 test-peers: $(PEERS)/installed
-	$(PEERS)/bin/python -m pytest --numprocesses=2 -rs tests/solvers/outside
+	$(PEERS)/bin/python -m pytest --numprocesses=2 -rs tests/solvers/outside tests/problems/capture tests/harness/test_battery.py \
+		tests/harness/cells/test_judgement.py
 
 peers: $(PEERS)/installed
 	@/usr/bin/python3 -c 'import siconos.numerics' 2>/dev/null || echo 'Siconos is missing: apt-get install python3-siconos (Debian); its solvers are skipped'
