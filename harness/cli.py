@@ -91,7 +91,7 @@ def run(
         typer.Option("--out", metavar="DIR", help="Results folder; by default one below runs/ for these settings."),
     ] = None,
     retake: Annotated[
-        bool, typer.Option("--retake", help="Run again the cells that shared their core with another process.")
+        bool, typer.Option("--retake", help="Run again the cells that shared their core with another process, or timed out.")
     ] = False,
 ) -> None:
     """Run a suite, or the part of it that the options select.

@@ -138,10 +138,11 @@ def _descriptions(plan: Plan) -> dict[str, str]:
 
 
 def drop_disturbed(plan: Plan, folder: Path) -> None:
-    """Drop the rows of cells that shared their core: the next run measures them again. Errors: as of open_folder."""
+    """Drop the rows of cells that shared their core, or that ended at their limit, of which that is not known: the next run
+    measures them again. Errors: as of open_folder."""
     open_folder(plan, folder)
     for table in TABLES:
-        store.drop(folder, table, lambda row: row.get("disturbed") is True)
+        store.drop(folder, table, lambda row: row.get("disturbed") is True or row.get("verdict") == Verdict.TIMEOUT)
 
 
 def _differences(stored: Row, wanted: Row) -> list[str]:

@@ -7,6 +7,7 @@ from frictionbench.results import baseline, cells, store
 from frictionbench.results.cells import Cells, rounded
 from frictionbench.results.compare import Comparison, Limits, compare
 from frictionbench.results.files import ResultsError
+from frictionbench.results.verdicts import Verdict
 
 
 def accept(folder: Path, path: Path | None) -> tuple[Comparison | None, str]:
@@ -30,7 +31,10 @@ def accept(folder: Path, path: Path | None) -> tuple[Comparison | None, str]:
     facts = {"suite": run.suite, "tolerances": tolerances, "code": run.code, "made": run.made}
     baseline.write(path, facts, _rows(run))
     verdicts = ", ".join(f"{count} {verdict}" for verdict, count in Counter(run.table["verdict"]).most_common())
-    return before, f"accepted: {path}, {len(run.table)} cells: {verdicts}"
+    told = f"accepted: {path}, {len(run.table)} cells: {verdicts}"
+    if (run.table["verdict"] == Verdict.TIMEOUT).any():
+        told += "\ntimeouts may be the machine's doing: `frictionbench run --retake` repeats them"
+    return before, told
 
 
 def _name(suite: str) -> str:

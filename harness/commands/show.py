@@ -27,8 +27,14 @@ def told(motion: Motion) -> str:
     scale = max(motion.kinetic.max(), 1e-3 * np.abs(energy).max(), np.finfo(float).tiny)
     end, rise = (energy[-1] - energy[0]) / scale, np.diff(energy, prepend=energy[0]).max() / scale
     worst = motion.residual.max(initial=0.0, where=np.isfinite(motion.residual))
-    changes = f"energy: {100 * end:+.2g} % at the end, at most {100 * rise:+.2g} % in a step, of the largest kinetic energy"
+    changes = f"energy: {_percent(end)} at the end, at most {_percent(rise)} in a step, of the largest kinetic energy"
     return f"{changes}; worst residual {worst:.0e}"
+
+
+def _percent(share: float) -> str:
+    """Two digits of a share, all of a hundred and more."""
+    percent = 100 * share
+    return f"{percent:+.0f} %" if abs(percent) >= 99.5 else f"{percent:+.2g} %"
 
 
 def recorded(scene_spec: str, solver_spec: str, scheme: str, steps: int | None) -> Motion:

@@ -53,6 +53,12 @@ def test_baseline_equals_its_run(tmp_path):
     assert compare(path, tmp_path / "after").exit_code == 0
 
 
+def test_timeouts_are_told_when_accepted(tmp_path):
+    _, told = accept(run(tmp_path / "run", verdict="timeout"), tmp_path / "made.tsv")
+    assert "1 timeout" in told
+    assert told.endswith("`frictionbench run --retake` repeats them")
+
+
 def test_other_files_are_not_overwritten(tmp_path):
     made, path = run(tmp_path / "run"), tmp_path / "notes.tsv"
     path.write_text("my notes", encoding="utf-8")

@@ -82,9 +82,7 @@ def test_energy_in_a_line() -> None:
     motion = record_motion(scene("bouncing_ball", restitution=1.0), "lemke", "moreau", 3)
     motion = replace(motion, energy=np.array([4.0, 3.0, 3.5, 2.0]), kinetic=np.array([0.0, 1.0, 2.0, 0.0]))
     told = show.told(motion)
-    assert told.startswith(
-        "energy: -1e+02 % at the end, at most +25 % in a step, of the largest kinetic energy; worst residual"
-    )
+    assert told.startswith("energy: -100 % at the end, at most +25 % in a step, of the largest kinetic energy; worst residual")
 
 
 def test_problem_of_one_step_has_no_motion() -> None:

@@ -185,18 +185,19 @@ def test_shared_core_is_recorded(tmp_path) -> None:
 
 
 def test_disturbed_rows_are_repeated(tmp_path) -> None:
-    plan = Plan("test", (Source("stack", {"blocks": 1}),), ("nsgs", "lemke"), (1e-4,))
+    plan = Plan("test", (Source("stack", {"blocks": 1}),), ("nsgs", "lemke", "murty"), (1e-4,))
     run(plan, tmp_path, 1, quiet())
     (shard,) = (tmp_path / "shards").glob("solves-*.jsonl")
     lines = shard.read_text(encoding="utf-8").splitlines()
     rows = [json.loads(line) | {"disturbed": k == 0, "reason": "before"} for k, line in enumerate(lines)]
+    rows[1] |= {"verdict": "timeout", "disturbed": None}  # it was stopped before it could tell
     shard.write_text("".join(json.dumps(row) + "\n" for row in rows), encoding="utf-8")
     with pytest.raises(ResultsError, match="holds another run"):
         drop_disturbed(replace(plan, time_limit=1.0), tmp_path)
     drop_disturbed(plan, tmp_path)
     run(plan, tmp_path, 1, quiet())
     again = store.read_table(tmp_path, "solves").set_index("key")["reason"]
-    assert [again[row["key"]] for row in rows] == ["", "before"]
+    assert [again[row["key"]] for row in rows] == ["", "", "before"]
 
 
 def test_run_on_all_cores_is_reported(tmp_path) -> None:
