@@ -267,6 +267,7 @@ class ModifiesMass(Bad):
     def misbehave(self, problem):
         problem.inverse_rows.value.setflags(write=True)
         problem.inverse_rows.value[:] *= 100
+        problem.inverse_rows.value.setflags(write=False)  # kernels for writeable arrays would have to be compiled
         return Answer(solve(problem.fresh(), "lemke").impulse, Status.SOLVED)
 
 
