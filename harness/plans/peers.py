@@ -12,7 +12,7 @@ PLANE = (families.ONE, families.MEDIUM, families.LARGE)  # small ones of several
 
 
 def peers() -> Plan:
-    """Our solvers compared with outside libraries, on planar and spatial problems, in under fifteen minutes on two cores."""
+    """Our solvers compared with outside libraries, on planar and spatial problems."""
     stepped = (Source("three_blocks", {}, pick=1), Source("several_blocks", {}, pick=1))
     return Plan(
         suite="peers",
@@ -21,7 +21,7 @@ def peers() -> Plan:
         spatial_solvers=(*OURS, "proximal_newton", *theirs(3)),
         tolerances=(1e-4, 1e-8),
         time_limit=1.0,
-        expects="a quarter of an hour",
+        expects="half an hour",
     )
 
 
