@@ -22,8 +22,7 @@ QUICK := tests/problems --ignore=tests/problems/recorded --ignore=tests/problems
 	$(addprefix tests/solvers/test_,interface.py every_solver.py lemke.py principal_pivoting.py nsgs.py) \
 	tests/facts/test_statics.py tests/facts/test_classics.py tests/harness/test_verify.py tests/results/test_schema.py \
 	tests/results/test_baselines.py tests/api tests/project/test_structure.py tests/project/test_documents.py
-# Three processes on two cores: many tests wait for limits, killed processes and other programs.
-PYTEST = $(BIN)/python -m pytest --numprocesses=3 --dist=loadfile --no-loadscope-reorder
+PYTEST = $(BIN)/python -m pytest --numprocesses=2 --dist=loadfile --no-loadscope-reorder
 
 .PHONY: bench quick test test-peers timing peers regress install clean
 install: .venv/installed
