@@ -13,7 +13,7 @@ Settings: its defaults; there are no options. With perturbation=1e-10 the LCP is
 Tolerance: it takes none; both check their solutions against zero tolerances of their own, which are left at their defaults.
 Flaws: with large mass ratios UnrevisedLemke fails and MobyLcp, regularised, reports success for inexact answers,
     `frictionbench solve 'stack[blocks=5,mass_ratio=1e4,push=1]' --solver 'drake[method=unrevised]' --solver
-    'drake[method=moby]'`. MobyLcp takes seconds from 100 contacts on.
+    'drake[method=moby]'`.
 Reference: Drewniak, Tedrake and others, Drake; Dai and Drumwright, "Computing the Principal Pivoting Transform"
     (UnrevisedLemke).
 """
