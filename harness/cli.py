@@ -86,10 +86,7 @@ def run(
     jobs: options.Jobs = None,
     data: options.Data = None,
     cluster: options.Cluster = None,
-    out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="DIR", help="Results folder; by default one below runs/ for these settings."),
-    ] = None,
+    out: options.Out = None,
     retake: Annotated[
         bool, typer.Option("--retake", help="Run again the cells that shared their core with another process, or timed out.")
     ] = False,
@@ -396,10 +393,7 @@ def map_(
         typer.Option("--steps", metavar="N", min=0, help="Steps in closed loop; 0 for only the first problem."),
     ] = 0,
     jobs: options.Jobs = None,
-    out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="DIR", help="Results folder; by default one below runs/ for these settings."),
-    ] = None,
+    out: options.Out = None,
 ) -> None:
     """Draw a failure map of a scene over two of its parameters.
 

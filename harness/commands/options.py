@@ -97,4 +97,8 @@ ByOfProblem = Annotated[
     RankBy | None,
     typer.Option("--rank-by", help=f"{_BY} By default bodies, but form where a problem is given by its matrix."),
 ]
+Out = Annotated[
+    Path | None,
+    typer.Option("--out", metavar="DIR", help="Results folder; by default one below runs/ for these settings."),
+]
 Scheme = Annotated[str, typer.Option("--scheme", metavar="SCHEME", help="Time-stepping scheme.")]
