@@ -6,6 +6,7 @@
 # make timing  install, time the kernels with pytest-benchmark, a file in runs/timing-REVISION each time
 # make peers   the outside solvers into an environment of their own, as far as they can be had; run the peers suite, report,
 #              and put its tables into docs/peers.md
+# make studies install, run all studies and put their page and figures into docs/
 # make regress install, run the smoke suite and compare it with the committed baseline; COMPARE: more options of compare
 
 PYTHON ?= python3
@@ -15,6 +16,7 @@ PEERS := .venv-peers
 PEER_NAMES ?= $(shell $(PYTHON) -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["peers"])')
 PEERS_RUN ?= runs/peers-$(REVISION)
 RUN ?= runs/standard-$(REVISION)
+STUDIES ?= runs/studies
 TIMING ?= runs/timing-$(REVISION)
 
 # Of one process each and without runs, browsers or installs: those are for make test.
@@ -24,7 +26,7 @@ QUICK := tests/problems --ignore=tests/problems/recorded --ignore=tests/problems
 	tests/results/test_baselines.py tests/api tests/project/test_structure.py tests/project/test_documents.py
 PYTEST = $(BIN)/python -m pytest --numprocesses=2 --dist=loadfile --no-loadscope-reorder
 
-.PHONY: bench quick test test-peers timing peers regress install clean
+.PHONY: bench quick test test-peers timing peers studies regress install clean
 install: .venv/installed
 
 .venv/installed: pyproject.toml constraints.txt
@@ -74,6 +76,12 @@ peers: $(PEERS)/installed
 	sed -i -e '/^<!-- begin: make peers/,/^<!-- end/{//!d}' -e '/^<!-- begin: make peers/r $(PEERS_RUN)/report.md' \
 		-e '/^<!-- begin: frictionbench fairness/,/^<!-- end/{//!d}' \
 		-e '/^<!-- begin: frictionbench fairness/r $(PEERS_RUN)/fairness.md' docs/peers.md
+
+studies: install
+	$(BIN)/frictionbench study all --out $(STUDIES)
+	mkdir -p docs/studies
+	cp $(STUDIES)/studies.md docs/
+	cp $(STUDIES)/studies/*.svg docs/studies/
 
 regress: install
 	$(BIN)/frictionbench run smoke --out runs/smoke-$(REVISION)

@@ -70,7 +70,7 @@ def fairness(
 
 @app.command("list")
 def list_(what: options.Listing) -> None:
-    """List the scenes, the solvers or the suites."""
+    """List the scenes, the solvers, the suites or the studies."""
     from frictionbench.harness.commands import listing
 
     listing.show(what)
@@ -414,6 +414,33 @@ def map_(
     typer.echo(f"report: {write_report(folder)}")
 
 
+@app.command()
+def study(
+    name: Annotated[str, typer.Argument(metavar="NAME|all", help="A study, as `frictionbench list studies` names it.")],
+    jobs: options.Jobs = None,
+    paper: Annotated[bool, typer.Option("--paper", help="Also write the figures for LaTeX.")] = False,
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder of the studies.")] = Path("runs/studies"),
+) -> None:
+    """Answer an open question by tables and figures.
+
+    The same command resumes an interrupted study. The page shows all finished studies of the folder.
+    """
+    from frictionbench.harness.progress import Progress
+    from frictionbench.harness.run_studies import named, run_studies
+    from frictionbench.reports.latex import Layout
+    from frictionbench.reports.studies_page import told, write_paper, write_studies
+
+    studies = named(name)
+    with _resumable(out, report=False):
+        run_studies(studies, out, _jobs(jobs), Progress())
+    for about, account in told(out):
+        if about.name in {one.name for one in studies}:
+            typer.echo(f"{about.name}: {about.question} {account.answer}")
+    typer.echo(f"report: {write_studies(out)}")
+    if paper:
+        typer.echo(f"paper:  {write_paper(out, Layout())}")
+
+
 @app.command("check-solver")
 def check_solver(
     solver: Annotated[
@@ -477,14 +504,15 @@ def _stop(number: int, _: Any) -> None:
 
 
 @contextmanager
-def _resumable(folder: Path) -> Iterator[None]:
-    """Print the run's folder, and if the run is interrupted how to resume it."""
+def _resumable(folder: Path, report: bool = True) -> Iterator[None]:
+    """Print the run's folder, and if the run is interrupted how to resume it; report: whether what it holds can be reported."""
     typer.echo(f"results are written to {folder}", err=True)
     try:
         yield
     except _Stopped as stopped:
         stopped.add_note("run the same command again to resume")
-        stopped.add_note(f"report of the results so far: frictionbench report {folder}")
+        if report:
+            stopped.add_note(f"report of the results so far: frictionbench report {folder}")
         raise
 
 

@@ -57,10 +57,10 @@ def revision() -> str:
 
 
 @cache
-def content() -> str:
-    """Hash of this project's code on disk."""
+def content(folders: tuple[str, ...] = FOLDERS) -> str:
+    """Hash of this project's code on disk, or of the part in some of its folders."""
     found = sha256()
-    for folder in FOLDERS:
+    for folder in folders:
         for path in sorted((PACKAGE / folder).rglob("*")):
             if path.suffix in (".py", ".html", ".js"):
                 found.update(f"{path.relative_to(PACKAGE)}\0".encode() + path.read_bytes() + b"\0")

@@ -8,7 +8,7 @@
 preview.tex is a document that shows all of them. The same tables always give the same files, byte for byte.
 """
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from shutil import which
@@ -83,9 +83,9 @@ def write_paper(folder: Path, run: Run, layout: Layout | None = None, figures: S
         write_text(paper / f"{name}.tex", table.text)
     words = {"by": f"{run.rank_by.words} ({run.rank_by.parts})", "target": power(run.outer_targets[-1])}
     captions = {name: CAPTIONS[name].format(**words) for name in made} | {one.name: one.caption for one in floats}
-    write_text(paper / "captions.tex", _captions(captions, _setting(run)))
+    write_text(paper / "captions.tex", captions_file(captions, _setting(run)))
     write_text(paper / "references.bib", bibliography({*run.rows["solver"], *run.simulations["solver"]}))
-    write_text(paper / "preview.tex", _preview(made, floats, layout))
+    write_text(paper / "preview.tex", preview(made, floats, layout))
     return paper
 
 
@@ -257,7 +257,8 @@ def _setting(run: Run) -> str:
     return f"Suite {run.manifest['settings'].get('suite', 'unnamed')}, {count(problems, 'problem')}{processor}."
 
 
-def _captions(captions: dict[str, str], setting: str) -> str:
+def captions_file(captions: Mapping[str, str], setting: str) -> str:
+    """captions.tex: the captions by the names of their tables and figures, and the setting."""
     lines = [
         r"% \input{captions}, then \caption{\benchcaption{times}} and, where and on what it was made, \benchsetting",
         r"\newcommand{\benchcaption}[1]{\csname benchcaption@#1\endcsname}",
@@ -272,7 +273,8 @@ def _label(name: str) -> str:
     return "".join(c for c in name if c.isalnum() or c in "_-")
 
 
-def _preview(made: dict[str, Table], figures: Sequence[Float], layout: Layout) -> str:
+def preview(made: Mapping[str, Table], figures: Sequence[Float], layout: Layout) -> str:
+    """preview.tex: a document with all tables and figures."""
     body = [_float("table", name, table.wide, rf"\input{{{name}}}") for name, table in made.items()]
     for name, _, wide in figures:
         drawn = rf"\IfFileExists{{{name}.pgf}}{{\input{{{name}.pgf}}}}{{\includegraphics{{{name}.pdf}}}}"

@@ -40,6 +40,7 @@ MAY_IMPORT = {
     "harness.plans": {"problems", "solvers", "results"},
     "harness.cells": {"problems", "solvers", "results", "harness.plans", "harness.verify", *_MECHANISMS},
     "harness.workers": {"problems", "solvers", "results", "harness.plans", "harness.cells", *_MECHANISMS},
+    "harness.studies": {"problems", "solvers", "results", "harness.plans", "harness.verify", "harness.machine"},
     "harness.contract": {
         *("problems", "solvers", "results", "harness.cells", "harness.plans", "harness.verify", "harness.workers"),
     },

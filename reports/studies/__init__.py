@@ -1,0 +1,11 @@
+"""The studies in words and figures, one file a study, in the order in which they are told."""
+
+from collections.abc import Callable
+
+from frictionbench.reports.studies import convexity
+from frictionbench.reports.studies.account import Account, Figure
+from frictionbench.results.studies import StudyTables
+
+ACCOUNTS: dict[str, Callable[[StudyTables], Account]] = {"convexity": convexity.account}
+
+__all__ = ["ACCOUNTS", "Account", "Figure"]
