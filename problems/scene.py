@@ -1,6 +1,10 @@
-"""A scene: rigid planar bodies, fixed obstacles, the laws of contact and the initial state.
+"""A scene: rigid bodies, fixed obstacles, the laws of contact and the initial state, in the plane or in space.
 
-    M v' = k(q, v, t) + forces of contacts and joints,    q' = v,    q = (x, y, angle) of each body's centre of mass.
+    M v' = k(q, v, t) + forces of contacts and joints,    q' = H(q) v,    M diagonal and constant.
+
+In the plane q = (x, y, angle) of each body's centre of mass and q' = v. In space q = (x, y, z, unit quaternion), v is the
+velocity of the centre and the spin in the body's own frame, and k contains the gyroscopic torque. Coordinates change in
+`Scene.moved` alone, which turns a body by the length of h times its spin, so that quaternions stay unit ones.
 
 A scene provides the mechanics and the geometry. Time is discretised by a scheme (problems.schemes), which computes the contacts
 with the scene and sets up a FrictionProblem.
@@ -20,37 +24,45 @@ from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.planar.bodies import Body, Geometry, Shape
 from frictionbench.problems.planar.collision import Contacts, find_contacts
 from frictionbench.problems.planar.joints import Hinge, hinge_equations
+from frictionbench.problems.spatial.bodies import HalfSpace, Solid, SpatialGeometry
+from frictionbench.problems.spatial.collision import find_spatial_contacts
 
 GRAVITY = 9.81
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class Scene:
-    """nb bodies, nv = 3 nb coordinates and velocities.
+    """nb bodies, nv = 3 nb velocities and as many coordinates in the plane, 6 nb and 7 nb in space.
 
-    q0, v0: (nv,), the initial state; by default at rest. friction: mu of contacts between bodies of roughness 1, see
+    The bodies are planar ones (problems.planar) or spatial ones (problems.spatial), which have no hinges. q0, v0: the initial
+    state; by default at rest. friction: mu of contacts between bodies of roughness 1, see
     coefficients. restitution: e in [0, 1], of every
     contact. gravity: m/s^2, a vector. step: h, s. duration: T, s. name and parameters: the generator's and its arguments.
     Errors: InputError naming the field.
     """
 
-    bodies: tuple[Body, ...]
-    obstacles: tuple[Shape, ...] = ()
+    bodies: tuple[Body | Solid, ...]
+    obstacles: tuple[Shape | HalfSpace, ...] = ()
     hinges: tuple[Hinge, ...] = ()
     q0: Array
     v0: Array = None  # type: ignore[assignment]  # at rest
     friction: float
     restitution: float = 0.0
-    gravity: tuple[float, float] = (0.0, -GRAVITY)
+    gravity: tuple[float, ...] = None  # type: ignore[assignment]  # down
     step: float = 0.01
     duration: float = 3.0
     name: str = ""
     parameters: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        nv = 3 * len(self.bodies)
-        object.__setattr__(self, "q0", check.vector("q0", np.ravel(self.q0), nv))
+        nb, d = len(self.bodies), self.dimension
+        nq, nv = nb * self.geometry.coordinates, nb * self.geometry.velocities
+        object.__setattr__(self, "q0", check.vector("q0", np.ravel(self.q0), nq))
         object.__setattr__(self, "v0", check.vector("v0", np.zeros(nv) if self.v0 is None else np.ravel(self.v0), nv))
+        lengths = np.linalg.norm(self.q0.reshape(nb, -1)[:, 3:], axis=1)
+        require(d == 2 or bool((abs(lengths - 1) < 1e-9).all()), "q0", f"quaternions must have unit length, got {lengths}")
+        down = (*[0.0] * (d - 1), -GRAVITY)
+        object.__setattr__(self, "gravity", tuple(check.vector("gravity", down if self.gravity is None else self.gravity, d)))
         unknown = [hinge.bodies for hinge in self.hinges if max(hinge.bodies) >= len(self.bodies)]
         require(not unknown, "hinges", f"refer to bodies that do not exist: {unknown}")
         require(0 <= self.friction < np.inf, "friction", f"must not be negative, got {self.friction!r}")
@@ -63,10 +75,15 @@ class Scene:
         """The number of steps that cover the duration."""
         return round(self.duration / self.step)
 
+    @property
+    def dimension(self) -> int:
+        """d: 2 in the plane, 3 in space."""
+        return 3 if self.bodies and isinstance(self.bodies[0], Solid) else 2
+
     @cached_property
     def weights(self) -> Array:
-        """The diagonal (nv,) of the mass matrix: kg, kg, kg m^2 per body."""
-        return np.array([[body.mass, body.mass, body.inertia] for body in self.bodies]).reshape(-1)
+        """The diagonal (nv,) of the mass matrix: kg and, of rotations, kg m^2."""
+        return np.array([body.weights for body in self.bodies]).reshape(-1)
 
     @cached_property
     def _roughness(self) -> Array:
@@ -83,8 +100,15 @@ class Scene:
         return sparse.csr_array(sparse.diags_array(self.weights))
 
     @cached_property
-    def geometry(self) -> Geometry:
-        return Geometry(self.bodies, self.obstacles, self.hinges)
+    def geometry(self) -> Geometry | SpatialGeometry:
+        solids = [body for body in self.bodies if isinstance(body, Solid)]
+        spaces = [obstacle for obstacle in self.obstacles if isinstance(obstacle, HalfSpace)]
+        bodies = [body for body in self.bodies if isinstance(body, Body)]
+        shapes = [obstacle for obstacle in self.obstacles if isinstance(obstacle, Shape)]
+        require(not (bodies and solids), "bodies", "must all be planar or all be spatial")
+        require(not (shapes if solids else spaces), "obstacles", "must be planar where the bodies are, else spatial")
+        require(not (solids and self.hinges), "hinges", "are only possible in the plane")
+        return SpatialGeometry(solids, spaces) if solids else Geometry(bodies, shapes, self.hinges)
 
     @property
     def touch(self) -> float:
@@ -93,22 +117,34 @@ class Scene:
         return 1e-6 * self.geometry.reach
 
     def force(self, q: Array, v: Array, t: float) -> Array:
-        """The external force k (nv,): N, N, N m per body."""
-        return self.weights * np.tile([*self.gravity, 0.0], len(self.bodies))
+        """The external force k (nv,), N and N m; in space with the mean gyroscopic torque of a step from v."""
+        turns = [0.0] * (self.geometry.velocities - self.dimension)
+        return self.weights * np.tile([*self.gravity, *turns], len(self.bodies)) + self.geometry.gyroscopic(v, self.step)
+
+    def moved(self, q: Array, way: Array) -> Array:
+        """The coordinates q after a displacement (nv,), a velocity times a time."""
+        return self.geometry.moved(q, way)
 
     def contacts(self, q: Array, margin: float | None = None) -> Contacts:
         """All contacts with gap <= margin, m; by default those that touch."""
-        return find_contacts(self.geometry, q, self.touch if margin is None else margin)
+        within, geometry = self.touch if margin is None else margin, self.geometry
+        if isinstance(geometry, SpatialGeometry):
+            return find_spatial_contacts(geometry, q, within)
+        return find_contacts(geometry, q, within)
+
+    def deepest_overlap(self, q: Array) -> float:
+        """The deepest overlap (m) of two bodies, or of a body and an obstacle; 0 where none overlap."""
+        return float(max(0.0, -self.contacts(q, 0.0).gap.min(initial=0.0)))
 
     def joints(self, q: Array) -> tuple[Array, sparse.csr_array]:
         """The joints' residual Theta(q) (nj,), m, and Jacobian F (nj, nv)."""
         theta, rows = hinge_equations(self.hinges, q)
-        return theta, rows.matrix(len(q))
+        return theta, rows.matrix(len(self.weights))
 
     def energy(self, q: Array, v: Array) -> float:
         """Kinetic and potential energy, J; the potential is zero at the origin."""
-        height = np.tile([*self.gravity, 0.0], len(self.bodies)) @ (self.weights * q)
-        return float(v @ (self.weights * v) / 2 - height)
+        mass = self.weights[:: self.geometry.velocities]
+        return float(v @ (self.weights * v) / 2 - mass @ (self.geometry.centres(q) @ self.gravity))
 
     def friction_problem(
         self,
@@ -131,6 +167,7 @@ class Scene:
             friction_bias=np.broadcast_to(friction_bias, nc),
             joints=F,
             joint_bias=np.broadcast_to(joint_bias, 2 * len(self.hinges)),
+            dimension=self.dimension,
         )
 
     def problem(self) -> FrictionProblem:

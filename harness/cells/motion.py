@@ -18,6 +18,7 @@ from frictionbench.harness.cells.simulation import DIVERGED
 from frictionbench.harness.plans.plan import Source
 from frictionbench.problems import FrictionProblem, scene, scenes
 from frictionbench.problems.check import Array
+from frictionbench.problems.planar.bodies import Body, Shape
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.schemes import SCHEMES, NoSolution, Step
@@ -150,11 +151,14 @@ def _merged(contacts: Array) -> Array:
 
 def _outlines(stage: Scene) -> tuple[Outline, ...]:
     """The outlines of all shapes; a body without shapes is drawn as the rod through its hinges."""
-    shapes = [(i, shape) for i, body in enumerate(stage.bodies) for shape in body.shapes]
-    drawn = [Outline(i, s.corners, s.radius, s.endless) for i, s in [*shapes, *((-1, s) for s in stage.obstacles)]]
+    shapes = [(i, shape) for i, body in enumerate(stage.bodies) if isinstance(body, Body) for shape in body.shapes]
+    drawn = [
+        Outline(i, s.corners, s.radius, s.endless)
+        for i, s in [*shapes, *((-1, s) for s in stage.obstacles if isinstance(s, Shape))]
+    ]
     pins = _pins(stage)
     for i, body in enumerate(stage.bodies):
-        if not body.shapes:
+        if isinstance(body, Body) and not body.shapes:
             drawn.append(Outline(i, np.vstack([pins[pins[:, 0] == i][:2, 1:], np.zeros((2, 2))])[:2], 0.0, False))
     return tuple(drawn)
 

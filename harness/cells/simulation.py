@@ -23,7 +23,6 @@ from frictionbench.harness.verify import verify
 from frictionbench.problems import FrictionProblem, scene
 from frictionbench.problems.check import Array
 from frictionbench.problems.copies import duplicate, same
-from frictionbench.problems.planar.collision import deepest_overlap
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.schemes import SCHEMES, NoSolution, Scheme, Solve, Step
 from frictionbench.problems.simulate import simulate
@@ -90,7 +89,7 @@ def _skipping_failures(scheme: Scheme) -> Scheme:
         try:
             return scheme.advance(scene, now, solve)
         except _StepSkipped:
-            return Step(now.time + scene.step, now.q + scene.step * now.v, now.v, now.contacts)
+            return Step(now.time + scene.step, scene.moved(now.q, scene.step * now.v), now.v, now.contacts)
 
     return Scheme(advance, scheme.lacks)
 
@@ -116,7 +115,7 @@ def run_closed_loop(cell: SimulationCell, info: SolverInfo, solver: Solver) -> d
             contact_free += not len(step.contacts)
             energies.append(stage.energy(step.q, step.v))
             kinetic.append(float(step.v @ (stage.mass @ step.v)) / 2)
-            penetrations.append(deepest_overlap(stage.geometry, step.q))
+            penetrations.append(stage.deepest_overlap(step.q))
             loop.overhead += perf_counter() - start_time
             gained = energies[-1] - energies[0]  # a difference, since the potential's zero is arbitrary
             if not np.isfinite(gained) or abs(gained) > DIVERGED * _scale(stage, energies[:-1], kinetic[:-1]):

@@ -57,14 +57,6 @@ def touching(
     )
 
 
-def frames(normal: Array) -> Array:
-    """An orthonormal frame (nc, 3, 3) for each unit normal (nc, 3), which is its first row."""
-    least = np.eye(3)[np.argmin(np.abs(normal), axis=1)]
-    first = np.cross(normal, least)
-    first /= np.linalg.norm(first, axis=1)[:, None]
-    return np.stack([normal, first, np.cross(normal, first)], axis=1)
-
-
 def falling(bodies: int, step: float) -> Array:
     """The free velocities (nb, 6) of bodies at rest after one step of gravity."""
     velocity = np.zeros((bodies, 6))

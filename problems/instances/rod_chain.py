@@ -4,9 +4,10 @@ import numpy as np
 from scipy import sparse
 
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.instances.bodies import GROUND, falling, frames, touching
+from frictionbench.problems.instances.bodies import GROUND, falling, touching
 from frictionbench.problems.instances.catalogue import instance
 from frictionbench.problems.parameters import count, number
+from frictionbench.problems.spatial.rotation import frames
 
 
 @instance

@@ -6,10 +6,11 @@ from scipy.spatial import cKDTree
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.instances.bodies import GROUND, falling, frames, touching
+from frictionbench.problems.instances.bodies import GROUND, falling, touching
 from frictionbench.problems.instances.catalogue import instance
 from frictionbench.problems.parameters import count, number
 from frictionbench.problems.rows import Index64
+from frictionbench.problems.spatial.rotation import frames
 
 NEAR = 1e-4  # of a radius: the gaps up to which spheres count as touching
 

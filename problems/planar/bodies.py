@@ -43,6 +43,10 @@ class Shape:
         """The largest distance of a point of the shape from the origin of its frame, m."""
         return float(np.hypot(*self.corners.T).max()) + self.radius
 
+    def scaled(self, length: float) -> "Shape":
+        """The shape in another unit of length."""
+        return Shape(self.corners * length, self.radius * length, self.endless)
+
 
 @dataclass(frozen=True, eq=False)
 class Body:
@@ -58,6 +62,16 @@ class Body:
         require(0 < self.mass < np.inf, "mass", f"must be positive, got {self.mass!r}")
         require(0 < self.inertia < np.inf, "inertia", f"must be positive, got {self.inertia!r}")
         require(0 <= self.roughness < np.inf, "roughness", f"must not be negative, got {self.roughness!r}")
+
+    @property
+    def weights(self) -> Array:
+        """The diagonal (3,) of the mass matrix: kg, kg, kg m^2."""
+        return np.array([self.mass, self.mass, self.inertia])
+
+    def scaled(self, mass: float, length: float) -> "Body":
+        """The body in other units."""
+        shapes = tuple(shape.scaled(length) for shape in self.shapes)
+        return Body(self.mass * mass, self.inertia * mass * length**2, shapes, self.roughness)
 
 
 def box(width: float, height: float, centre: Sequence[float] = (0.0, 0.0)) -> Shape:
@@ -110,12 +124,15 @@ def homogeneous(corners: Array) -> tuple[Body, Array]:
 
 
 class Geometry:
-    """All shapes of a scene as flat arrays, those of bodies first, then the fixed obstacles (owner -1).
+    """All shapes of a scene as flat arrays, those of bodies first, then the fixed obstacles (owner -1); and how coordinates
+    follow from velocities, which in the plane are their derivatives.
 
     corners: (k, 2) in the owners' frames. start: (shapes+1,), where each shape's corners begin. owner, radius, endless:
     (shapes,). corner_owner: (k,). hinges: (hinges, 2), the bodies on each, in order. reach: m, the largest distance of a
     body's point from its centre of mass.
     """
+
+    coordinates = velocities = 3  # of a body
 
     def __init__(self, bodies: Sequence[Body], obstacles: Sequence[Shape], hinges: Sequence[Hinge] = ()) -> None:
         owned = [(i, shape) for i, body in enumerate(bodies) for shape in body.shapes]
@@ -131,6 +148,23 @@ class Geometry:
         require(not (bowl and angular.any()), "obstacles", "a hollow is only possible where all bodies are discs")
         self.hinges = np.array([sorted(hinge.bodies) for hinge in hinges], dtype=np.int64).reshape(-1, 2)
         self.reach = max((shape.reach for i, shape in owned if i >= 0), default=1.0)
+
+    def centres(self, q: Array) -> Array:
+        """The centres of mass (nb, 2), m."""
+        return q.reshape(-1, 3)[:, :2]
+
+    def moved(self, q: Array, way: Array) -> Array:
+        """The coordinates after the displacement `way` (nv,), a velocity times a time."""
+        return q + way
+
+    def fastest(self, v: Array) -> float:
+        """A bound, m/s, of the speeds of all points of all bodies."""
+        planar = v.reshape(-1, 3)
+        return float((np.hypot(planar[:, 0], planar[:, 1]) + self.reach * np.abs(planar[:, 2])).max(initial=0.0))
+
+    def gyroscopic(self, v: Array, step: float) -> Array:
+        """None in the plane: 0."""
+        return np.zeros_like(v)
 
     def hinged(self, pairs: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Whether each pair (n, 2) of shapes belongs to two bodies on a common hinge, (n,)."""

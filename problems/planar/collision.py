@@ -25,9 +25,9 @@ from frictionbench.problems.rows import Index64, Rows
 class Contacts:
     """nc contacts, in the order of their shapes.
 
-    gap: (nc,), m, positive where separated. place: (nc, 4), the corner's point and the unit normal, from the second body to the
-    first. bodies: (nc, 2), -1 for the ground. feature: (nc, 2), the corner and the edge (by its first corner) that meet: the
-    same contact in two steps has the same feature. q: (nv,), the bodies' coordinates.
+    gap: (nc,), m, positive where separated. place: (nc, 2 d), the point, here a corner's, and the unit normal, from the second
+    body to the first. bodies: (nc, 2), -1 for the ground. feature: (nc, 2), the corner and the edge (by its first corner) that
+    meet: the same contact in two steps has the same feature. q: the bodies' coordinates.
     """
 
     gap: Array
@@ -41,11 +41,16 @@ class Contacts:
 
     @property
     def point(self) -> Array:
-        return self.place[:, :2]
+        return self.place[:, : self.place.shape[1] // 2]
 
     @property
     def direction(self) -> Array:
-        return self.place[:, 2:]
+        return self.place[:, self.place.shape[1] // 2 :]
+
+    @property
+    def velocities(self) -> int:
+        """nv."""
+        return len(self.q)
 
     @cached_property
     def normal_rows(self) -> Rows:
@@ -59,11 +64,11 @@ class Contacts:
 
     @cached_property
     def normal(self) -> sparse.csr_array:
-        return self.normal_rows.matrix(len(self.q))
+        return self.normal_rows.matrix(self.velocities)
 
     @cached_property
     def tangent(self) -> sparse.csr_array:
-        return self.tangent_rows.matrix(len(self.q))
+        return self.tangent_rows.matrix(self.velocities)
 
     def only(self, chosen: NDArray[np.bool_]) -> Self:
         """The contacts where `chosen` (nc,) is true."""
@@ -75,12 +80,6 @@ def find_contacts(geometry: Geometry, q: Array, margin: float) -> Contacts:
     q = check.vector("q", q)
     gap, place, feature, shape = _meet(geometry, q, margin)
     return Contacts(gap, place, geometry.owner[shape], feature, q)
-
-
-def deepest_overlap(geometry: Geometry, q: Array) -> float:
-    """The deepest overlap (m) of two shapes at the coordinates q (nv,); 0 where none overlap."""
-    gap, *_ = _meet(geometry, q, 0.0)
-    return float(max(0.0, -gap.min(initial=0.0)))
 
 
 def _meet(geometry: Geometry, q: Array, margin: float) -> tuple[Array, Array, Index64, Index64]:

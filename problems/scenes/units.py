@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from frictionbench.problems.planar.bodies import Shape
+from frictionbench.problems.check import Array
 from frictionbench.problems.planar.joints import Hinge
 from frictionbench.problems.scene import Scene
 
@@ -15,21 +15,18 @@ from frictionbench.problems.scene import Scene
 def in_units(scene: Scene, mass: float, length: float) -> Scene:
     """The scene with every mass multiplied by `mass` and every length by `length`."""
 
-    def scaled(shape: Shape) -> Shape:
-        return replace(shape, corners=shape.corners * length, radius=shape.radius * length)
+    def scaled(state: Array, size: int) -> Array:
+        """The first d of `size` entries of each body are lengths."""
+        unit = np.ones(size)
+        unit[: scene.dimension] = length
+        return state * np.tile(unit, len(scene.bodies))
 
-    unit = np.tile([length, length, 1.0], len(scene.bodies))
     return replace(
         scene,
-        bodies=tuple(
-            replace(
-                body, mass=body.mass * mass, inertia=body.inertia * mass * length**2, shapes=tuple(map(scaled, body.shapes))
-            )
-            for body in scene.bodies
-        ),
-        obstacles=tuple(map(scaled, scene.obstacles)),
+        bodies=tuple(body.scaled(mass, length) for body in scene.bodies),
+        obstacles=tuple(obstacle.scaled(length) for obstacle in scene.obstacles),
         hinges=tuple(Hinge(hinge.bodies, hinge.points * length) for hinge in scene.hinges),
-        q0=scene.q0 * unit,
-        v0=scene.v0 * unit,
-        gravity=(scene.gravity[0] * length, scene.gravity[1] * length),
+        q0=scaled(scene.q0, scene.geometry.coordinates),
+        v0=scaled(scene.v0, scene.geometry.velocities),
+        gravity=tuple(length * g for g in scene.gravity),
     )

@@ -48,32 +48,38 @@ def acceleration(scene: Scene, now: Step, solve: Solve) -> Step:
         contacts, normal_rate = contacts.only(np.zeros(len(contacts), dtype=bool)), normal_rate[:0]
     problem = scene.friction_problem(q, free, contacts, bias=h * normal_rate, joint_bias=h * joint_rate)
 
-    slip, push = contacts.tangent @ v, np.abs(problem.jacobian @ (free - v)).max(initial=0.0)
-    slides = np.abs(slip) > (1 + scene.coefficients(contacts)) * push + scene.touch / h
+    slip, push = (
+        (contacts.tangent @ v).reshape(len(contacts), scene.dimension - 1),
+        np.abs(problem.jacobian @ (free - v)).max(initial=0.0),
+    )
+    pace = np.linalg.norm(slip, axis=1)
+    slides = pace > (1 + scene.coefficients(contacts)) * push + scene.touch / h
+    along = slip[slides] / pace[slides, None]
     speed = SWIFT * (np.abs(problem.jacobian @ v).max(initial=0.0) + push)
     if slides.any():
-        problem = _on_belts(problem, np.flatnonzero(slides), speed * np.sign(slip[slides]), scene.weights.max())
+        problem = _on_belts(problem, np.flatnonzero(slides), speed * along, scene.weights.max())
     step, after = respond("step", problem, solve)
-    left = problem.contact_velocity(step.impulse)[slides, 1] * np.sign(slip[slides])
+    left = (problem.contact_velocity(step.impulse)[slides, 1:] * along).sum(axis=1)
     caught = np.flatnonzero(slides)[left < speed / 2]
     if len(caught) and residual(problem, step.impulse) <= RIGHT:
-        places = ", ".join(f"({x:.4g}, {y:.4g})" for x, y in contacts.point[caught])
+        places = ", ".join(f"({', '.join(f'{x:.4g}' for x in point)})" for point in contacts.point[caught])
         raise NoSolution(f"no bounded force prevents penetration of the contact sliding at {places}, at t = {now.time:.6g} s")
     after = after[: len(v)]
-    return Step(now.time + h, q + h * after, after, contacts, (*solved, step))
+    return Step(now.time + h, scene.moved(q, h * after), after, contacts, (*solved, step))
 
 
-def _on_belts(problem: FrictionProblem, contacts: Index64, speeds: Array, mass: float) -> FrictionProblem:
-    """The problem with a belt under each of these contacts: one velocity more for each, along its tangent."""
-    n = len(contacts)
-    nc, nj = problem.contacts, problem.joints.shape[0]
-    belt = sparse.csr_array((np.ones(n), (contacts, np.arange(n))), shape=(nc, n))
+def _on_belts(problem: FrictionProblem, contacts: Index64, velocities: Array, mass: float) -> FrictionProblem:
+    """The problem with a belt of this velocity (n, d - 1) under each of these contacts (n,): d - 1 velocities more for each."""
+    n = velocities.size
+    nc, nj, tangents = problem.contacts, problem.joints.shape[0], velocities.shape[1]
+    row = (tangents * contacts[:, None] + np.arange(tangents)).ravel()
+    belt = sparse.csr_array((np.ones(n), (row, np.arange(n))), shape=(nc * tangents, n))
     return problem.replace(
         mass=sparse.block_diag([problem.mass, mass * sparse.eye_array(n)], format="csr"),
         normal=sparse.hstack([problem.normal, sparse.csr_array((nc, n))], format="csr"),
         tangent=sparse.hstack([problem.tangent, belt], format="csr"),
         joints=sparse.hstack([problem.joints, sparse.csr_array((nj, n))], format="csr"),
-        free_velocity=np.concatenate([problem.free_velocity, speeds]),
+        free_velocity=np.concatenate([problem.free_velocity, velocities.ravel()]),
     )
 
 
@@ -84,7 +90,7 @@ def _rates(scene: Scene, q: Array, v: Array, contacts: Contacts) -> tuple[Array,
     if not fastest or not (len(contacts) or scene.hinges):
         return np.zeros(len(contacts)), np.zeros(scene.joints(q)[1].shape[0])
     eps = way / fastest
-    ahead, behind = q + eps * v, q - eps * v
+    ahead, behind = scene.moved(q, eps * v), scene.moved(q, -eps * v)
     closing = [
         dict(zip(map(tuple, near.feature.tolist()), near.normal @ v, strict=True))
         for near in (scene.contacts(ahead, scene.touch + 10 * way), scene.contacts(behind, scene.touch + 10 * way))

@@ -23,4 +23,4 @@ def anitescu_potra(scene: Scene, now: Step, solve: Solve) -> Step:
     if scene.restitution > 0 and approaching(scene, v, contacts).any():
         solved, v = impact(scene, q, v, contacts, solve)
     step, v = respond("step", scene.friction_problem(q, free_velocity(scene, now, v), contacts), solve)
-    return Step(now.time + h, q + h * v, v, contacts, (*solved, step))
+    return Step(now.time + h, scene.moved(q, h * v), v, contacts, (*solved, step))

@@ -27,4 +27,4 @@ def lotstedt(scene: Scene, now: Step, solve: Solve) -> Step:
     limit = scene.coefficients(contacts) * np.array([before.get(tuple(feature), 0.0) for feature in contacts.feature.tolist()])
     problem = scene.friction_problem(q, free_velocity(scene, now, now.v), contacts, friction_bias=limit)
     step, v = respond("step", problem.replace(friction=np.zeros(len(contacts))), solve)
-    return Step(now.time + h, q + h * v, v, contacts, (step,))
+    return Step(now.time + h, scene.moved(q, h * v), v, contacts, (step,))

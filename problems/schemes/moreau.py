@@ -20,13 +20,13 @@ def theta_scheme(name: str, theta: float) -> Scheme:
     @scheme(name)
     def advance(scene: Scene, now: Step, solve: Solve) -> Step:
         h, q, v, t = scene.step, now.q, now.v, now.time
-        middle = q + h / 2 * v
+        middle = scene.moved(q, h / 2 * v)
         contacts = scene.contacts(middle)
-        force = (1 - theta) * scene.force(q, v, t) + theta * scene.force(q + h * v, v, t + h)
+        force = (1 - theta) * scene.force(q, v, t) + theta * scene.force(scene.moved(q, h * v), v, t + h)
         restitution = scene.restitution * (contacts.normal @ v)
         problem = scene.friction_problem(middle, v + h * force / scene.weights, contacts, bias=restitution)
         step, after = respond("step", problem, solve)
-        return Step(t + h, q + h * ((1 - theta) * v + theta * after), after, contacts, (step,))
+        return Step(t + h, scene.moved(q, h * ((1 - theta) * v + theta * after)), after, contacts, (step,))
 
     return advance
 

@@ -22,4 +22,4 @@ def paoli_schatzman(scene: Scene, now: Step, solve: Solve) -> Step:
     bias = (1 + e) * contacts.gap / h - e * (contacts.normal @ v)
     problem = scene.friction_problem(q, free, contacts, bias=bias, joint_bias=scene.joints(q)[0] / h)
     step, v = respond("step", problem, solve)
-    return Step(now.time + h, q + h * v, v, contacts, (step,))
+    return Step(now.time + h, scene.moved(q, h * v), v, contacts, (step,))

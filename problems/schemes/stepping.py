@@ -14,8 +14,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
-import numpy as np
-
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.names import near
@@ -105,6 +103,5 @@ def free_velocity(scene: Scene, now: Step, v: Array) -> Array:
 
 def contacts_within_reach(scene: Scene, q: Array, *velocities: Array) -> Contacts:
     """The contacts that could close within one step: gaps up to twice the fastest point's displacement at these velocities."""
-    planar = np.vstack(velocities).reshape(-1, 3)
-    speed = np.hypot(planar[:, 0], planar[:, 1]) + scene.geometry.reach * np.abs(planar[:, 2])
-    return scene.contacts(q, scene.touch + 2 * scene.step * float(speed.max(initial=0.0)))
+    speed = max(scene.geometry.fastest(v) for v in velocities)
+    return scene.contacts(q, scene.touch + 2 * scene.step * speed)

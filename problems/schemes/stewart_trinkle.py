@@ -36,4 +36,4 @@ def stewart_trinkle(scene: Scene, now: Step, solve: Solve) -> Step:
     theta = scene.joints(q)[0]
     problem = scene.friction_problem(q, free, contacts, bias=contacts.gap / h, joint_bias=theta / h)
     step, v = respond("step", problem, solve)
-    return Step(now.time + h, q + h * v, v, contacts, (*solved, step))
+    return Step(now.time + h, scene.moved(q, h * v), v, contacts, (*solved, step))

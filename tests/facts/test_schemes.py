@@ -1,6 +1,7 @@
 """Known properties of the time-stepping schemes: stopping distances, drift, restitution, and problems without solution."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -62,7 +63,7 @@ def test_relaxation_stopping_distance(h: float) -> None:
     speed = 1.0
     mu = speed / (G * 0.5)
     made = scene("stopping_block", friction=mu, speed=speed, step=h, duration=0.7)
-    made = Scene(**{**made.__dict__, "q0": made.q0 + np.array([0, h * mu * speed, 0])})
+    made = replace(made, q0=made.q0 + np.array([0, h * mu * speed, 0]))
     *_, end = simulate(made, relaxation, SCHEMES["stewart_trinkle"])
     assert (end.q[0] - speed**2 / (2 * mu * G)) / (speed * h) == pytest.approx(mu**2 - 0.5, abs=2e-4)
 
@@ -172,7 +173,7 @@ def test_poisson_restitution_never_gains_energy(e: float) -> None:
             made = scene("two_corner_block", friction=mu, aspect=random.uniform(0.3, 3), velocity=speed, fall=1.0, spin=spin)
         else:
             made = scene("painleve_rod", friction=mu, angle=random.uniform(0.1, 1.5), tip_velocity=speed)
-        made = Scene(**{**made.__dict__, "restitution": e, "v0": made.v0 - [0, 1, 0] * len(made.bodies)})
+        made = replace(made, restitution=e, v0=made.v0 - [0, 1, 0] * len(made.bodies))
         (compression, _), after = impact(made, made.q0, made.v0, made.contacts(made.q0), lemke)
         p = compression.problem.jacobian.T @ compression.impulse.ravel()
         kinetic = [v @ (made.mass @ v) / 2 for v in (made.v0, after)]

@@ -22,6 +22,7 @@ MAY_IMPORT = {
     "problems.forms": {"problems.check", "problems.compiled", "problems.display", "problems.rows"},
     "problems.operators": {"problems.check", "problems.forms", "problems.rows"},
     "problems.planar": {"problems.check", "problems.compiled", "problems.rows"},
+    "problems.spatial": {"problems.check", "problems.rows", "problems.planar.collision"},
     "problems.analysis": {"problems.check", "problems.forms", "problems.friction", "problems.reduce", "problems.residual"},
     "problems.recorded": {"problems.check", "problems.forms", "problems.friction", "problems.sizes"},
     "problems.capture": {"problems.check", "problems.friction", "problems.recorded.engine_step"},

@@ -1,0 +1,1 @@
+"""Spatial bodies: rotations, boxes and spheres, and the contacts between them."""

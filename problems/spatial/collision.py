@@ -1,0 +1,182 @@
+"""Contacts of spheres and boxes in space, with half spaces and with each other.
+
+A sphere touches a half space or another sphere at a point, and a box touches a half space with its corners. Two boxes have
+contacts along the normal of the face with the largest separation or least overlap: the face of the other box that is opposed to
+it is clipped to it, and each corner of what remains is a contact. Edges are not tested against each other, and spheres not
+against boxes: no scene needs it.
+
+Both bodies' arms end at the contact's point. With a half space, between spheres and between parallel faces the gradient of the
+gap is exactly the contact's normal row.
+"""
+
+from functools import cached_property
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from frictionbench.problems import check
+from frictionbench.problems.check import Array
+from frictionbench.problems.planar.collision import Contacts
+from frictionbench.problems.rows import Rows, from_dense
+from frictionbench.problems.spatial.bodies import Cuboid, SpatialGeometry, Sphere
+from frictionbench.problems.spatial.rotation import frames, matrices
+
+TIE = 1e-7  # of a box's size: far above the round-off of coordinates, far below any gap that matters
+CORNERS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+
+Contact = tuple[float, Array, Array, tuple[int, int], tuple[int, int]]  # gap, point, normal, bodies, feature
+
+
+class SpatialContacts(Contacts):
+    """place: (nc, 6), the point and the unit normal. feature: (nc, 2), 64 times a body plus the number of its
+    corner, and 6 times the other body plus the number of its face; a half space is negative."""
+
+    @property
+    def velocities(self) -> int:
+        return 6 * (len(self.q) // 7)
+
+    @cached_property
+    def normal_rows(self) -> Rows:
+        """(nc, nv), the relative velocity of the bodies at the point along the normal."""
+        return self._rows(self.direction[:, None])
+
+    @cached_property
+    def tangent_rows(self) -> Rows:
+        """(2 nc, nv), along the two tangents."""
+        return self._rows(frames(self.direction)[:, 1:])
+
+    def _rows(self, along: Array) -> Rows:
+        """Rows (nc k, nv) along k directions (nc, k, 3)."""
+        nc, k, _ = along.shape
+        pose = self.q.reshape(-1, 7)
+        centre, turn = pose[:, :3], matrices(pose[:, 3:])
+        dense = np.zeros((nc, k, self.velocities))
+        for side, sign in ((0, 1.0), (1, -1.0)):
+            (held,) = np.nonzero(self.bodies[:, side] >= 0)
+            body = self.bodies[held, side]
+            arm = self.point[held] - centre[body]
+            spin = np.einsum("cka,cab->ckb", np.cross(arm[:, None], along[held]), turn[body])  # in the body's frame
+            both = sign * np.concatenate([along[held], spin], axis=2)
+            dense[held[:, None, None], np.arange(k)[:, None], 6 * body[:, None, None] + np.arange(6)] = both
+        return from_dense(dense.reshape(nc * k, self.velocities))
+
+
+def find_spatial_contacts(geometry: SpatialGeometry, q: Array, margin: float) -> SpatialContacts:
+    """All contacts with gap <= margin (m) at the coordinates q (7 nb,)."""
+    q = check.vector("q", q)
+    centre, turn = geometry.centres(q), geometry.rotations(q)
+    found: list[Contact] = []
+    for i, body in enumerate(geometry.bodies):
+        points = _points(body.shape, centre[i], turn[i])
+        for k, plane in enumerate(geometry.obstacles):
+            shift = body.shape.radius if isinstance(body.shape, Sphere) else 0.0
+            gaps = points @ plane.normal - plane.height - shift
+            found += [
+                (gaps[c], points[c] - shift * plane.normal, plane.normal, (i, -1), (64 * i + c, -1 - k))
+                for c in np.flatnonzero(gaps <= margin).tolist()
+            ]
+    for i, j in combinations(range(len(geometry.bodies)), 2):
+        one, other = geometry.bodies[i].shape, geometry.bodies[j].shape
+        if np.linalg.norm(centre[i] - centre[j]) > one.reach + other.reach + margin:
+            continue
+        if isinstance(one, Sphere) and isinstance(other, Sphere):
+            found += _spheres(i, j, centre, one.radius, other.radius, margin)
+        elif isinstance(one, Cuboid) and isinstance(other, Cuboid):
+            found += _boxes((i, j), (_Box(one.half, centre[i], turn[i]), _Box(other.half, centre[j], turn[j])), margin)
+    return SpatialContacts(
+        gap=np.array([gap for gap, *_ in found]),
+        place=np.array([[*point, *normal] for _, point, normal, *_ in found]).reshape(-1, 6),
+        bodies=np.array([bodies for *_, bodies, _ in found], dtype=np.int64).reshape(-1, 2),
+        feature=np.array([feature for *_, feature in found], dtype=np.int64).reshape(-1, 2),
+        q=q,
+    )
+
+
+def _points(shape: Sphere | Cuboid, centre: Array, turn: Array) -> Array:
+    """The corners (8, 3) of a box, the centre (1, 3) of a sphere."""
+    return centre[None] if isinstance(shape, Sphere) else centre + (CORNERS * shape.half) @ turn.T
+
+
+def _spheres(i: int, j: int, centre: Array, r: float, s: float, margin: float) -> list[Contact]:
+    between = centre[i] - centre[j]
+    distance = float(np.linalg.norm(between))
+    normal = between / distance if distance > 0 else np.array([0.0, 0.0, 1.0])
+    gap = distance - r - s
+    return [(gap, centre[i] - r * normal, normal, (i, j), (64 * i, 6 * j))] if gap <= margin else []
+
+
+class _Box(NamedTuple):
+    half: Array
+    centre: Array
+    turn: Array
+
+    @property
+    def points(self) -> Array:
+        """The corners (8, 3)."""
+        return np.asarray(self.centre + (CORNERS * self.half) @ self.turn.T)
+
+    def normal(self, face: int) -> Array:
+        """The outward normal (3,) of face 2 a + s, along the axis a, inwards or outwards for s = 0 or 1."""
+        return np.asarray((2 * (face % 2) - 1) * self.turn[:, face // 2])
+
+    def heights(self, face: int, points: Array) -> Array:
+        """The heights (n,) of points (n, 3) over a face."""
+        return np.asarray((points - self.centre) @ self.normal(face) - self.half[face // 2])
+
+    def rectangle(self, face: int) -> tuple[Array, Array]:
+        """The unit vectors (2, 3) along a face's sides, and half their lengths (2,)."""
+        axes = [axis for axis in range(3) if axis != face // 2]
+        return self.turn[:, axes].T, self.half[axes]
+
+
+def _boxes(bodies: tuple[int, int], boxes: tuple[_Box, _Box], margin: float) -> list[Contact]:
+    """Contacts of two boxes: the corners of the part of the opposed face that is over the reference face."""
+    tie = TIE * float(boxes[0].half.max())
+    reference, face, depth = 1, 0, -np.inf
+    for side in (1, 0):  # a later candidate must be better by more than round-off
+        for candidate in range(6):
+            least = float(boxes[side].heights(candidate, boxes[1 - side].points).min())
+            if least > depth + tie:
+                reference, face, depth = side, candidate, least
+    if depth > margin:
+        return []
+    below, above = boxes[reference], boxes[1 - reference]
+    normal = below.normal(face)
+    opposed = int(np.argmin([above.normal(other) @ normal for other in range(6)]))
+    points, name = _clipped(above, opposed, below, face, tie)
+    heights = below.heights(face, points)
+    up = normal if reference == 1 else -normal  # towards the first body
+    owner = 64 * bodies[1 - reference], 6 * bodies[reference] + face
+    return [
+        (heights[k], points[k], up, bodies, (owner[0] + name[k], owner[1])) for k in np.flatnonzero(heights <= margin).tolist()
+    ]
+
+
+def _clipped(above: _Box, opposed: int, below: _Box, face: int, tie: float) -> tuple[Array, list[int]]:
+    """The corners (n, 3) of a face, clipped to those over another one (Sutherland and Hodgman), and a name of each.
+
+    A corner's name is made of the two edges that meet there, 0 to 3 of the face, 4 to 7 of the other: the same in every step.
+    """
+    (u, v), (a, b) = above.rectangle(opposed)
+    middle = above.centre + above.half[opposed // 2] * above.normal(opposed)
+    corners = [middle + x * a * u + y * b * v for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    edges = [0, 1, 2, 3]  # edge k begins at corner k
+    sides, half = below.rectangle(face)
+    for side in range(4):
+        along, limit = (2 * (side % 2) - 1) * sides[side // 2], half[side // 2]
+        beyond = [float(along @ (corner - below.centre)) - limit for corner in corners]
+        kept, labels = [], []
+        for k, (corner, out) in enumerate(zip(corners, beyond, strict=True)):
+            following, following_out = corners[(k + 1) % len(corners)], beyond[(k + 1) % len(corners)]
+            if out <= tie:
+                kept.append(corner)
+                labels.append(edges[k])
+            if (out <= tie) != (following_out <= tie):
+                share = min(max(out / (out - following_out), 0.0), 1.0)
+                kept.append(corner + share * (following - corner))
+                labels.append(4 + side if out <= tie else edges[k])
+        corners, edges = kept, labels
+    points = np.array(corners).reshape(-1, 3)
+    distinct = [k for k in range(len(points)) if not (np.linalg.norm(points[:k] - points[k], axis=1) <= 10 * tie).any()]
+    return points[distinct], [8 * edges[k - 1] + edges[k] for k in distinct]

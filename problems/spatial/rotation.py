@@ -1,0 +1,69 @@
+"""Rotations as unit quaternions (w, x, y, z), and the free rotation of a rigid body.
+
+The spin of a body is given in its own frame, in which its inertia I is constant and diagonal:
+
+    I w' + w x I w = torque,      R' = R [w],
+
+with R the rotation from the body's frame to the world's and [w] the matrix of w x.
+"""
+
+import numpy as np
+
+from frictionbench.problems.check import Array
+
+ITERATIONS = 8  # Newton's, quadratic: more than a turn in a step needs
+
+
+def matrices(quaternion: Array) -> Array:
+    """The rotations (n, 3, 3) from the bodies' frames to the world's, of unit quaternions (n, 4)."""
+    w, x, y, z = quaternion.T
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), 2, 0)
+
+
+def turned(quaternion: Array, way: Array) -> Array:
+    """The unit quaternions (n, 4) after turns about the axes `way` (n, 3), in the bodies' frames, by their lengths, rad."""
+    angle = np.linalg.norm(way, axis=1)[:, None]
+    c, s = np.cos(angle / 2), np.sinc(angle / (2 * np.pi)) / 2 * way
+    w, u = quaternion[:, :1], quaternion[:, 1:]
+    after = np.hstack([w * c - (u * s).sum(axis=1)[:, None], w * s + c * u + np.cross(u, s)])
+    return np.asarray(after / np.linalg.norm(after, axis=1)[:, None])
+
+
+def gyroscopic(inertia: Array, spin: Array, step: float) -> Array:
+    """The mean torque (n, 3), N m, that turns free spins (n, 3) in a step: I (w+ - w) = -h w_m x I w_m, w_m = (w + w+)/2.
+
+    The implicit midpoint rule conserves the energy and the size of the angular momentum. inertia: (n, 3), kg m^2.
+    """
+    torque = np.zeros_like(spin)
+    turning = np.flatnonzero((np.ptp(inertia, axis=1) > 0) & spin.any(axis=1))  # a sphere's momentum is along its spin
+    if not len(turning):
+        return torque
+    I, before = inertia[turning], spin[turning]  # noqa: E741  # the inertia's letter
+    after = before.copy()
+    for _ in range(ITERATIONS):
+        middle = (before + after) / 2
+        missing = I * (after - before) + step * np.cross(middle, I * middle)
+        slope = np.eye(3) * I[:, None] + step / 2 * (_cross(middle) * I[:, None] - _cross(I * middle))
+        after -= np.linalg.solve(slope, missing[..., None])[..., 0]
+    torque[turning] = I * (after - before) / step
+    return torque
+
+
+def frames(normal: Array) -> Array:
+    """An orthonormal frame (nc, 3, 3) for each unit normal (nc, 3), which is its first row."""
+    least = np.eye(3)[np.argmin(np.abs(normal), axis=1)]
+    first = np.cross(normal, least)
+    first /= np.linalg.norm(first, axis=1)[:, None]
+    return np.stack([normal, first, np.cross(normal, first)], axis=1)
+
+
+def _cross(a: Array) -> Array:
+    """The matrices (n, 3, 3) of a x."""
+    x, y, z = a.T
+    zero = np.zeros_like(x)
+    return np.moveaxis(np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]), 2, 0)
