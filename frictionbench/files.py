@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from frictionbench.problems import LCP, FrictionProblem, InputError, recorded
+from frictionbench.problems import LCP, FrictionProblem, InputError, check, recorded
 from frictionbench.problems.friction import require_problem
 from frictionbench.problems.recorded import engine_step, fclib, own
 from frictionbench.problems.recorded.engine_step import EngineStep
@@ -20,7 +20,7 @@ def load(path: str | Path) -> FrictionProblem | LCP:
 
     Returns a FrictionProblem, or an LCP where the file holds a bare one. Pickled objects are never loaded.
     Limits: 4 GiB unpacked for an .npz, 512 MiB for HDF5 and for text.
-    Errors: InputError naming the file and the field that is missing or cannot be used, or that is too large.
+    Errors: InputError naming path, or the file and the field that is missing or cannot be used, or that is too large.
 
     >>> import numpy as np
     >>> np.savez("problem.npz", W=np.eye(2), q=[-1.0, 0.3], mu=0.5, d=2)  # u = W r + q, the normal first
@@ -30,7 +30,7 @@ def load(path: str | Path) -> FrictionProblem | LCP:
     >>> load("lcp.npz")
     LCP(2 unknowns)
     """
-    return recorded.read(Path(path))
+    return recorded.read(check.path("path", path))
 
 
 def load_step(path: str | Path) -> EngineStep:
@@ -48,7 +48,7 @@ def load_step(path: str | Path) -> EngineStep:
     >>> load_step("step.npz")
     EngineStep(2 contacts in the plane, 3 velocities, soft contacts 1 %)
     """
-    return own.load_step(Path(path))
+    return own.load_step(check.path("path", path))
 
 
 def save(
@@ -78,7 +78,7 @@ def save(
     >>> save(problem, "step.npz", impulse=fb.solve(problem, "lemke").impulse, step=0.01)
     """
     require_problem(problem)
-    path = Path(path)
+    path = check.path("path", path)
     if path.suffix not in (".npz", *HDF5_SUFFIXES):
         raise InputError(f"path: {path} must end in .npz, {' or '.join(HDF5_SUFFIXES)}")
     if impulse is not None or notes or step is not None:

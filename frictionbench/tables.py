@@ -8,6 +8,7 @@ from typing import Any
 
 import pandas as pd
 
+from frictionbench.problems import check
 from frictionbench.reports.run import Run, read_run
 from frictionbench.results.schema import TABLES
 from frictionbench.results.store import read_manifest, read_table
@@ -68,7 +69,8 @@ def read_results(folder: str | Path) -> Results:
 
     Returns a Results with `solves` and `simulations` as pandas.DataFrame and `manifest` as a dict. `help(Results)`, that is
     `help(type(results))`, lists every column with its unit and meaning, as docs/columns.md does.
-    Errors: ResultsError (a ValueError) where the folder does not exist, holds no run, or was written with another schema.
+    Errors: ResultsError (a ValueError) where the folder does not exist, holds no run, or was written with another schema;
+    InputError naming folder, where it is no path.
 
     >>> results = read_results("run")
     >>> results
@@ -76,6 +78,6 @@ def read_results(folder: str | Path) -> Results:
     >>> results.solves.groupby("variant")["verdict"].value_counts().to_dict()
     {('lemke', 'solved'): 1, ('nsgs', 'solved'): 1}
     """
-    results = Results(Path(folder))
+    results = Results(check.path("folder", folder))
     read_manifest(results.folder)
     return results

@@ -50,6 +50,8 @@ class Catalogue(Generic[Made]):
 
     def find(self, name: str, parameters: dict[str, Any]) -> Generator[Made]:
         """The generator of this name. Errors: InputError naming the kind, or a parameter that the generator does not have."""
+        if not isinstance(name, str):
+            raise InputError(f"{self.kind}: expected its name as text, got {name!r:.100}")
         if name not in self._generators:
             known = self.generators()
             raise InputError(f"{self.kind}: unknown {self.kind} {name!r}{near(name, known)}; known are {', '.join(known)}")

@@ -1,5 +1,6 @@
 """Checks of input data. Every error names the field that it is about."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -134,6 +135,14 @@ def require_consistent(field: str, value: Any) -> None:
         raise
     except (ValueError, TypeError, IndexError, AttributeError) as error:
         raise InputError(f"{field}: not a sparse matrix ({error})") from None
+
+
+def path(field: str, value: Any) -> Path:
+    """Value as a path. Errors: InputError naming the field."""
+    try:
+        return Path(value)
+    except TypeError:
+        raise InputError(f"{field}: expected a path as text, got {value!r:.100}") from None
 
 
 def floats(field: str, value: Any) -> Array:

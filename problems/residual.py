@@ -19,6 +19,8 @@ the computed residual may be 0 for wrong answers. Where a contact is open beyond
 b_f whatever they are.
 """
 
+from typing import Any
+
 import numpy as np
 
 from frictionbench.problems import check
@@ -37,14 +39,15 @@ def residual(problem: FrictionProblem, impulse: Array) -> float:
     """The residual of impulse (nc, d), N s, on the exact problem: the largest defect of Coulomb's law at a contact, as a
     velocity over the contact's unit, `problem.units`.
 
-    Zero exactly at a solution; infinity where the impulse is not finite or has another shape. Errors: none.
+    Zero exactly at a solution; infinity where the impulse is not finite or has another shape.
+    Errors: InputError naming problem or impulse, where the one is no FrictionProblem or the other no array of numbers.
 
     >>> import frictionbench as fb
     >>> problem = fb.scene("stack", blocks=2, push=1.0).problem()
     >>> fb.residual(problem, fb.solve(problem, "lemke").impulse) <= 1e-8
     True
     """
-    return float(largest(contact_residuals(problem, impulse)))
+    return float(largest(contact_residuals(problem, _impulses(problem, impulse))))
 
 
 def relaxation_residual(problem: FrictionProblem, impulse: Array, softness: Array | None = None) -> float:
@@ -106,14 +109,20 @@ def relative(velocity: Array, units: Array) -> Array:
 def residual_floor(problem: FrictionProblem, impulse: Array) -> float:
     """A bound of the rounding error of impulse's (nc, d) residual, the largest of `contact_floors`.
 
-    Infinity where the impulse is not finite or has another shape. Errors: none.
+    Infinity where the impulse is not finite or has another shape. Errors: as of `residual`.
 
     >>> import frictionbench as fb
     >>> problem = fb.scene("stack", blocks=2, push=1.0).problem()
     >>> fb.residual_floor(problem, fb.solve(problem, "lemke").impulse) < 1e-12
     True
     """
-    return float(largest(contact_floors(problem, impulse)))
+    return float(largest(contact_floors(problem, _impulses(problem, impulse))))
+
+
+def _impulses(problem: FrictionProblem, impulse: Any) -> Array:
+    """Errors: InputError as of residual."""
+    check.require(isinstance(problem, FrictionProblem), "problem", f"must be a FrictionProblem, got {type(problem)}")
+    return check.floats("impulse", impulse)
 
 
 def residual_with_floor(problem: FrictionProblem, impulse: Array) -> tuple[float, float]:

@@ -100,14 +100,14 @@ class Answer:
     softness: Array | None = None
 
     def __repr__(self) -> str:
-        return f"Answer({', '.join([self.status.name, *self._arrays(), *self._counts()])})"
+        return f"Answer({', '.join([getattr(self.status, 'name', repr(self.status)), *self._arrays(), *self._counts()])})"
 
     def _repr_html_(self) -> str:
         rows: dict[str, object] = {"status": f"{self.status.name}: {self.status.value}", "arrays": ", ".join(self._arrays())}
         return html_table("Answer", rows | {"work": ", ".join(self._counts()), "detail": self.detail})
 
     def _arrays(self) -> list[str]:
-        return [f"{name} {array.shape}" for name in ("impulse", "z") if (array := getattr(self, name)) is not None]
+        return [f"{name} {np.shape(array)}" for name in ("impulse", "z") if (array := getattr(self, name)) is not None]
 
     def _counts(self) -> list[str]:
         return [f"{unit} {count}" for unit, count in self.work.items()]

@@ -144,6 +144,39 @@ def test_what_is_no_problem_is_refused(given, tmp_path) -> None:
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize(
+    ("call", "field"),
+    [
+        (lambda: fb.scene([]), "scene"),
+        (lambda: fb.scene(None), "scene"),
+        (lambda: fb.instance(5), "instance"),
+        (lambda: fb.residual(None, np.zeros((1, 2))), "problem"),
+        (lambda: fb.residual(fb.LCP(np.eye(2), [-1.0, 1.0]), np.zeros(2)), "problem"),
+        (lambda: fb.residual(fb.scene("stack").problem(), None), "impulse"),
+        (lambda: fb.residual_floor(fb.scene("stack").problem(), "none"), "impulse"),
+        (lambda: fb.load(None), "path"),
+        (lambda: fb.load_step(5), "path"),
+        (lambda: fb.save(fb.scene("stack").problem(), None), "path"),
+        (lambda: fb.read_results(None), "folder"),
+        (lambda: plot.profiles(5), "folder"),
+    ],
+)
+def test_arguments_of_another_type_are_named(call, field) -> None:
+    with pytest.raises(fb.InputError, match=f"^{field}: "):
+        call()
+
+
+def test_a_malformed_answer_can_be_shown() -> None:
+    assert repr(fb.Answer("x", "done")) == "Answer('done', impulse ())"
+
+
+def test_residual_of_lists() -> None:
+    problem = fb.scene("stack", blocks=1).problem()
+    impulse = fb.solve(problem, "lemke").impulse
+    assert fb.residual(problem, impulse.tolist()) == fb.residual(problem, impulse)
+    assert fb.residual(problem, [1.0]) == np.inf
+
+
 def test_results_are_tables_with_their_columns_documented(run) -> None:
     results = fb.read_results(str(run))
     assert list(results.solves.columns) == [column.name for column in TABLES["solves"]]
