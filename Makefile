@@ -7,6 +7,7 @@
 # make peers   the outside solvers into an environment of their own, as far as they can be had; run the peers suite, report,
 #              and put its tables into docs/peers.md
 # make studies install, run all studies and put their page and figures into docs/
+# make docs    the documentation as a site, docs/_build/html; its links are checked, and that it loads nothing from elsewhere
 # make regress install, run the smoke suite and compare it with the committed baseline; COMPARE: more options of compare
 
 PYTHON ?= python3
@@ -26,7 +27,7 @@ QUICK := tests/problems --ignore=tests/problems/recorded --ignore=tests/problems
 	tests/results/test_baselines.py tests/api tests/project/test_structure.py tests/project/test_documents.py
 PYTEST = $(BIN)/python -m pytest --numprocesses=2 --dist=loadfile --no-loadscope-reorder
 
-.PHONY: bench quick test test-peers timing peers studies regress install clean
+.PHONY: bench quick test test-peers timing peers studies docs regress install clean
 install: .venv/installed
 
 .venv/installed: pyproject.toml constraints.txt
@@ -83,9 +84,17 @@ studies: install
 	cp $(STUDIES)/studies.md docs/
 	cp $(STUDIES)/studies/*.svg docs/studies/
 
+.venv/documented: .venv/installed
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[docs]'
+	touch $@
+
+docs: .venv/documented
+	$(BIN)/sphinx-build --quiet --fail-on-warning --keep-going docs docs/_build/html
+	$(BIN)/python docs/_ext/check_site.py docs/_build/html
+
 regress: install
 	$(BIN)/frictionbench run smoke --out runs/smoke-$(REVISION)
 	$(BIN)/frictionbench compare results/baselines/smoke.tsv runs/smoke-$(REVISION) $(COMPARE)
 
 clean:
-	rm -rf .venv $(PEERS) build *.egg-info
+	rm -rf .venv $(PEERS) docs/_build build *.egg-info

@@ -24,10 +24,9 @@ from tests.helpers.command_line import Done, frictionbench
 from tests.helpers.paths import ROOT
 
 APART = ("peers.md", "executable.md", "fairness.md")
-DOCUMENTS = [
-    ROOT / "README.md",
-    *sorted(path for path in (ROOT / "docs").glob("*.md") if path.name not in APART),
-]
+DOCS = ROOT / "docs"
+FIRST = [ROOT / "README.md", DOCS / "choose.md", DOCS / "plugin.md"]  # they make what later commands use
+DOCUMENTS = [*FIRST, *sorted(path for path in DOCS.glob("*.md") if path.name not in APART and path not in FIRST)]
 # What stands for the words in capitals of a synopsis, whose options are all given, and of several choices the first.
 STANDS_FOR = {
     "[--jobs N | --cluster ADDRESS]": "--jobs 1",
@@ -107,9 +106,9 @@ def executable(command: str, row: str) -> str:
 
 @pytest.fixture(scope="module")
 def newcomer(tmp_path_factory) -> Path:
-    """A folder with what the README has one write: a plug-in, a problem, a folder of steps; and an earlier run."""
+    """A folder with what the pages have one write: a plug-in, a problem, a folder of steps; and an earlier run."""
     home = tmp_path_factory.mktemp("newcomer")
-    blocks = re.findall(r"```python\n(.*?)```", DOCUMENTS[0].read_text(encoding="utf-8"), flags=re.DOTALL)
+    blocks = re.findall(r"```python\n(.*?)```", (DOCS / "plugin.md").read_text(encoding="utf-8"), flags=re.DOTALL)
     plugin = next(block for block in blocks if "@solver" in block)
     (home / "solvers").mkdir()
     for path in (home / "mine.py", home / "solvers" / "mine.py"):
@@ -165,7 +164,7 @@ def test_command(document: str, command: str, done) -> None:
 
 def test_figure_of_ones_own(newcomer, done, monkeypatch) -> None:
     """The script of docs/figures.md draws the run that the commands before it made."""
-    (script,) = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "figures.md").read_text(encoding="utf-8"), flags=re.DOTALL)
+    (script,) = re.findall(r"```python\n(.*?)```", (DOCS / "figures.md").read_text(encoding="utf-8"), flags=re.DOTALL)
     monkeypatch.chdir(newcomer)
     monkeypatch.setenv("MPLBACKEND", "Agg")
     drawn: dict[str, Any] = {}

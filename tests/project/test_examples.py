@@ -1,4 +1,4 @@
-"""The examples of the README run unchanged in an empty folder."""
+"""The examples of the pages on choosing a solver, on adding one and on Python run unchanged in an empty folder."""
 
 import re
 from pathlib import Path
@@ -8,18 +8,18 @@ import pytest
 from tests.helpers.command_line import frictionbench
 from tests.helpers.paths import ROOT
 
-README = (ROOT / "README.md").read_text(encoding="utf-8")
-BLOCKS = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
+PAGES = [(ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8") for name in ("choose", "plugin", "api")]
+BLOCKS = [block for page in PAGES for block in re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)]
 
 
 @pytest.fixture
 def newcomer(tmp_path) -> Path:
-    """A folder with the plug-in of the README, and where its other Python blocks were run."""
+    """A folder with the plug-in, and where the other Python blocks were run."""
     (tmp_path / "mine.py").write_text(next(block for block in BLOCKS if "@solver" in block), encoding="utf-8")
     return tmp_path
 
 
-def test_readme_plugin(newcomer) -> None:
+def test_plugin(newcomer) -> None:
     assert len([line for line in (newcomer / "mine.py").read_text().splitlines() if line]) <= 16
     checked = frictionbench("check-solver", "mine.py", cwd=newcomer)
     assert (checked.returncode, "broken" in checked.stdout) == (0, False), checked.stdout
@@ -27,7 +27,7 @@ def test_readme_plugin(newcomer) -> None:
     assert re.search(r"1  mine +solved", solved.stdout), solved.stdout + solved.stderr
 
 
-def test_readme_problem(newcomer, monkeypatch) -> None:
+def test_problem_and_python_interface(newcomer, monkeypatch) -> None:
     monkeypatch.chdir(newcomer)
     for block in BLOCKS:
         if "@solver" not in block:

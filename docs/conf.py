@@ -1,0 +1,22 @@
+"""The documentation site: Sphinx with MyST and furo. Nothing on it is loaded from elsewhere, so that it can be read offline."""
+
+import sys
+from importlib.metadata import version as installed
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent / "_ext"))
+
+project = "frictionbench"
+author = "The frictionbench developers"
+version = release = installed("frictionbench")
+extensions = ["myst_parser", "sphinx.ext.autodoc", "links", "command_line", "public_face"]
+exclude_patterns = ["_build", "paper"]
+html_theme = "furo"
+html_title = f"frictionbench {version}"
+html_copy_source = False
+html_show_sphinx = False
+pygments_style = "friendly"
+highlight_language = "text"
+myst_heading_anchors = 3
+myst_enable_extensions = ["colon_fence"]
+suppress_warnings = ["toc.empty_glob"]  # pages that are matched by a pattern come and go
