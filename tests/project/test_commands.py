@@ -88,7 +88,7 @@ REFUSED = {
 def commands(text: str) -> list[str]:
     """The commands of a document: indented lines without their remarks, and those in a line of text."""
     found = re.findall(r"^    frictionbench (.+?)(?:\s+# .*)?$|`frictionbench ([^`\n]+ [^`\n]+)`", text, re.MULTILINE)
-    return [own for pair in found for own in pair if own]
+    return [own for pair in found for own in pair if own and not own.startswith("study ")]  # tests/studies run them on less
 
 
 def executable(command: str, row: str) -> str:
