@@ -33,6 +33,12 @@ class Rows(NamedTuple):
             piece.setflags(write=False)
         return sparse.csr_array(tuple(parts), shape=(len(self.start) - 1, columns))
 
+    def dense(self, columns: int) -> Array:
+        """The matrix as a new array (rows, columns)."""
+        dense = np.zeros((len(self.start) - 1, columns))
+        dense[np.repeat(np.arange(len(dense)), np.diff(self.start)), self.column] = self.value
+        return dense
+
 
 class ByContact(NamedTuple):
     """A matrix of d rows a contact: start (nc+1,), column (entries,), value (entries, d)."""

@@ -99,6 +99,23 @@ class Scene:
         """M (nv, nv), diagonal."""
         return sparse.csr_array(sparse.diags_array(self.weights))
 
+    def restitutions(self, contacts: Contacts) -> Array:
+        """e of each contact (nc,)."""
+        return np.full(len(contacts), self.restitution)
+
+    def accelerate(self, q: Array, force: Array) -> Array:
+        """M(q)^-1 force: the accelerations by a force (nv,), or the velocities by an impulse; (nv, n) for n of them."""
+        return np.asarray((force.T / self.weights).T)
+
+    def mass_matrix(self, q: Array) -> sparse.csr_array:
+        """M(q) (nv, nv)."""
+        return self.mass
+
+    @property
+    def reach(self) -> float:
+        """The size of the largest body, m: the largest distance of one of its points from its centre of mass."""
+        return self.geometry.reach
+
     @cached_property
     def geometry(self) -> Geometry | SpatialGeometry:
         solids = [body for body in self.bodies if isinstance(body, Solid)]
@@ -114,12 +131,16 @@ class Scene:
     def touch(self) -> float:
         """The gap, m, up to which a contact counts as touching: 1e-6 of the largest body, far above the
         gaps that round-off and a solver's tolerance leave at a closed contact, far below the gap after one step of motion."""
-        return 1e-6 * self.geometry.reach
+        return 1e-6 * self.reach
 
     def force(self, q: Array, v: Array, t: float) -> Array:
         """The external force k (nv,), N and N m; in space with the mean gyroscopic torque of a step from v."""
         turns = [0.0] * (self.geometry.velocities - self.dimension)
         return self.weights * np.tile([*self.gravity, *turns], len(self.bodies)) + self.geometry.gyroscopic(v, self.step)
+
+    def fastest(self, v: Array) -> float:
+        """A bound on the speed of any point of a body, m/s."""
+        return self.geometry.fastest(v)
 
     def moved(self, q: Array, way: Array) -> Array:
         """The coordinates q after a displacement (nv,), a velocity times a time."""
@@ -158,7 +179,7 @@ class Scene:
         """The friction problem of these contacts and of the joints at q; a bias may be one number for all."""
         nc, F = len(contacts), hinge_equations(self.hinges, q)[1] if self.hinges else None
         return FrictionProblem(
-            mass=self.mass,
+            mass=self.mass_matrix(q),
             normal=contacts.normal_rows,  # as plain arrays
             tangent=contacts.tangent_rows,
             friction=self.coefficients(contacts),
@@ -172,7 +193,7 @@ class Scene:
 
     def problem(self) -> FrictionProblem:
         """The friction problem of the first time step of Anitescu and Potra's scheme."""
-        free = self.v0 + self.step * self.force(self.q0, self.v0, 0.0) / self.weights
+        free = self.v0 + self.step * self.accelerate(self.q0, self.force(self.q0, self.v0, 0.0))
         return self.friction_problem(self.q0, free, self.contacts(self.q0))
 
     def __repr__(self) -> str:

@@ -109,7 +109,15 @@ def _balance(stage: Scene, before: Step, after: Step) -> tuple[Array, Array, flo
     residual of its answers."""
     nv, v, work, worst = len(before.v), before.v, np.zeros(3), 0.0
     contacts, compressed = [np.zeros((0, 6))], np.zeros(0)
+    for smooth in after.smooth:
+        work[0] += smooth.work
+        contacts.append(np.column_stack([smooth.contacts.place, smooth.impulse]))
     for phase, problem, impulse in after.solved:
+        worst = max(worst, residual(problem, impulse))
+        if phase == "forces":  # its work is that of the smooth motion
+            continue
+        if phase == "impact":
+            v = problem.free_velocity
         J, total = problem.jacobian[:, :nv], impulse.copy()  # a scheme may append velocities of its own to the scene's
         after_phase = problem.velocity(impulse)[:nv]
         hinge_impulse = stage.weights * (after_phase - problem.free_velocity[:nv]) - J.T @ impulse.ravel()
@@ -118,7 +126,6 @@ def _balance(stage: Scene, before: Step, after: Step) -> tuple[Array, Array, flo
         middle = (v + after_phase) / 2
         normal, tangential = (total * (J @ middle).reshape(-1, 2)).sum(axis=0)
         work += tangential, normal, hinge_impulse @ middle
-        worst = max(worst, residual(problem, impulse))
         contacts.append(np.column_stack([_places(problem, before.q), total]))
         v, compressed = after_phase, impulse[:, 0].clip(min=0)
     return _merged(np.vstack(contacts)), work, worst

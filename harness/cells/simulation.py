@@ -91,7 +91,7 @@ def _skipping_failures(scheme: Scheme) -> Scheme:
         except _StepSkipped:
             return Step(now.time + scene.step, scene.moved(now.q, scene.step * now.v), now.v, now.contacts)
 
-    return Scheme(advance, scheme.lacks)
+    return Scheme(advance, scheme.lacks, scheme.events)
 
 
 def _usable(problem: FrictionProblem, impulse: Array) -> Array:

@@ -76,7 +76,7 @@ def standard() -> Plan:
 
 
 def seeds() -> Plan:
-    """The seven examples, the rod and the jam, with every solver of ours and every applicable scheme."""
+    """The seven examples, the rod and the jam, with every solver of ours and every applicable time-stepping scheme."""
     scenes = (*(Source(name, pick=4) for name in EXAMPLES), Source("painleve_rod", pick=4))
     jam = Source("jam", {"sideways": 0.1}, pick=4)  # against a wall that it hits: else no impulse is an answer
     solvers = (*EXACT, *RELAXED, *OTHERS)
@@ -87,7 +87,7 @@ def seeds() -> Plan:
         tolerances=LADDER,
         simulations=tuple(replace(source, pick=0) for source in (*scenes, jam)),
         simulation_solvers=solvers,
-        schemes=tuple(sorted(SCHEMES)),
+        schemes=tuple(sorted(name for name, scheme in SCHEMES.items() if not scheme.events)),
         time_limit=2.0,
         simulation_limit=20.0,
         expects="nine minutes",

@@ -70,8 +70,8 @@ class Contacts:
     def tangent(self) -> sparse.csr_array:
         return self.tangent_rows.matrix(self.velocities)
 
-    def only(self, chosen: NDArray[np.bool_]) -> Self:
-        """The contacts where `chosen` (nc,) is true."""
+    def only(self, chosen: NDArray[np.bool_] | Index64) -> Self:
+        """The contacts where `chosen` (nc,) is true, or those of these indices."""
         return type(self)(self.gap[chosen], self.place[chosen], self.bodies[chosen], self.feature[chosen], self.q)
 
 

@@ -25,8 +25,8 @@ def impact(scene: Scene, q: Array, v: Array, contacts: Contacts, solve: Solve) -
     compression, v = respond("compression", scene.friction_problem(q, v, contacts), solve)
     if not scene.restitution:
         return [compression], v
-    returned = scene.restitution * compression.impulse[:, 0].clip(min=0)
-    thrown = v + (contacts.normal.T @ returned) / scene.weights
+    returned = scene.restitutions(contacts) * compression.impulse[:, 0].clip(min=0)
+    thrown = v + scene.accelerate(q, contacts.normal.T @ returned)
     rebound = scene.friction_problem(q, thrown, contacts, friction_bias=scene.coefficients(contacts) * returned)
     decompression, v = respond("decompression", rebound, solve)
     return [compression, decompression], v

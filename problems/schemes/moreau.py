@@ -23,8 +23,8 @@ def theta_scheme(name: str, theta: float) -> Scheme:
         middle = scene.moved(q, h / 2 * v)
         contacts = scene.contacts(middle)
         force = (1 - theta) * scene.force(q, v, t) + theta * scene.force(scene.moved(q, h * v), v, t + h)
-        restitution = scene.restitution * (contacts.normal @ v)
-        problem = scene.friction_problem(middle, v + h * force / scene.weights, contacts, bias=restitution)
+        restitution = scene.restitutions(contacts) * (contacts.normal @ v)
+        problem = scene.friction_problem(middle, v + h * scene.accelerate(middle, force), contacts, bias=restitution)
         step, after = respond("step", problem, solve)
         return Step(t + h, scene.moved(q, h * ((1 - theta) * v + theta * after)), after, contacts, (step,))
 

@@ -21,7 +21,7 @@ from frictionbench.problems.planar.collision import Contacts
 from frictionbench.problems.scene import Scene
 
 Solve = Callable[[FrictionProblem], Array]
-Phase = Literal["compression", "decompression", "step"]
+Phase = Literal["compression", "decompression", "impact", "forces", "step"]
 Feature = Literal["friction", "restitution"]
 
 
@@ -30,33 +30,60 @@ class NoSolution(Exception):  # noqa: N818  # a finding, not an error
 
 
 class Solved(NamedTuple):
-    """A friction problem of one time step and the impulses (nc, d), N s, that the solver gave."""
+    """A friction problem of one time step and the impulses (nc, d), N s, that the solver gave. That of the phase `forces` is in
+    accelerations and forces, N."""
 
     phase: Phase
     problem: FrictionProblem
     impulse: Array
 
 
+class Smooth(NamedTuple):
+    """Smooth motion within a step: the closed contacts, their impulses (nc, 2), N s, the work of friction, J, and how often
+    the forces were evaluated."""
+
+    contacts: Contacts
+    impulse: Array
+    work: float
+    evaluations: int
+
+
+class Event(NamedTuple):
+    """A located event within a step: its time, kind and the velocities (nv,) before and after."""
+
+    time: float
+    kind: str
+    before: Array
+    after: Array
+
+
 @dataclass(frozen=True, eq=False)
 class Step:
-    """The state (q, v) at the end of a step, at time t; its contacts, and the problems it solved, in order."""
+    """The state (q, v) at the end of a step, at time t; its contacts, and the problems it solved, in order. A scheme that
+    follows the motion within the step tells its smooth parts and its events."""
 
     time: float
     q: Array
     v: Array
     contacts: Contacts
     solved: tuple[Solved, ...] = ()
+    smooth: tuple[Smooth, ...] = ()
+    events: tuple[Event, ...] = ()
 
 
 @dataclass(frozen=True)
 class Scheme:
-    """advance: one step of length scene.step. lacks: properties of scenes that it does not support."""
+    """advance: one step of length scene.step. lacks: properties of scenes that it does not support. events: whether it follows
+    the motion within a step from event to event, for which its solver has to be exact up to rounding."""
 
     advance: Callable[[Scene, Step, Solve], Step]
     lacks: tuple[Feature, ...] = ()
+    events: bool = False
 
     def refuses(self, scene: Scene) -> str | None:
         """The reason why this scheme does not treat the scene, or None."""
+        if self.events and scene.dimension != 2:
+            return "it follows planar motion only: in space a contact slides in directions that change all the time"
         unmet = [feature for feature in self.lacks if getattr(scene, feature) > 0]
         return f"it has no law of {' and '.join(unmet)}" if unmet else None
 
@@ -70,11 +97,13 @@ class Scheme:
 SCHEMES: dict[str, Scheme] = {}
 
 
-def scheme(name: str, lacks: tuple[Feature, ...] = ()) -> Callable[[Callable[[Scene, Step, Solve], Step]], Scheme]:
+def scheme(
+    name: str, lacks: tuple[Feature, ...] = (), events: bool = False
+) -> Callable[[Callable[[Scene, Step, Solve], Step]], Scheme]:
     """A decorator that makes a function a Scheme and registers it under `name`."""
 
     def register(advance: Callable[[Scene, Step, Solve], Step]) -> Scheme:
-        SCHEMES[name] = Scheme(advance, lacks)
+        SCHEMES[name] = Scheme(advance, lacks, events)
         return SCHEMES[name]
 
     return register
@@ -98,10 +127,10 @@ def respond(phase: Phase, problem: FrictionProblem, solve: Solve) -> tuple[Solve
 
 def free_velocity(scene: Scene, now: Step, v: Array) -> Array:
     """v + h M^-1 k (nv,): the velocity after a step without contacts and joints."""
-    return v + scene.step * scene.force(now.q, v, now.time) / scene.weights
+    return v + scene.step * scene.accelerate(now.q, scene.force(now.q, v, now.time))
 
 
 def contacts_within_reach(scene: Scene, q: Array, *velocities: Array) -> Contacts:
     """The contacts that could close within one step: gaps up to twice the fastest point's displacement at these velocities."""
-    speed = max(scene.geometry.fastest(v) for v in velocities)
+    speed = max(scene.fastest(v) for v in velocities)
     return scene.contacts(q, scene.touch + 2 * scene.step * speed)

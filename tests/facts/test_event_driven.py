@@ -1,0 +1,118 @@
+"""The event-driven scheme on closed forms and on Siconos' motions: times of impacts, forces, accumulation, and its ends."""
+
+import numpy as np
+import pytest
+
+from frictionbench import solvers
+from frictionbench.harness.cells.motion import record_motion
+from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems.check import Array
+from frictionbench.problems.scene import Scene
+from frictionbench.problems.schemes import SCHEMES, NoSolution, Step
+from frictionbench.problems.schemes.stepping import Event
+from frictionbench.problems.simulate import simulate
+from frictionbench.problems.spatial.bodies import solid_sphere
+from tests.helpers.siconos_motions import siconos_motion
+
+G = 9.81
+
+
+def lemke(problem: FrictionProblem) -> Array:
+    return solvers.solve(problem, "lemke", tol=1e-12).impulse
+
+
+def followed(name: str, scheme: str = "event_driven", steps: int = 1, **parameters: float) -> tuple[list[Event], Step]:
+    made = scene(name, **parameters)
+    run = list(simulate(made, lemke, SCHEMES[scheme], steps))
+    return [event for step in run for event in step.events], run[-1]
+
+
+@pytest.mark.parametrize("scheme", ["event_driven", "event_driven_newton"])
+def test_ball_has_the_impacts_of_siconos(scheme: str) -> None:
+    """44 impacts by events located with LSODAR, themselves within 5e-12 s of the closed form."""
+    known = siconos_motion("ball_impacts")
+    events, _ = followed("bouncing_ball", scheme, restitution=0.9, step=8.5)
+    assert [event.kind for event in events] == ["impact"] * 44
+    assert [event.time for event in events] == pytest.approx(known["t"], abs=2e-11)
+    assert [event.before[1] for event in events] == pytest.approx(known["v_before"], abs=1e-11)
+    assert [event.after[1] for event in events] == pytest.approx(known["v_after"], abs=1e-11)
+
+
+def test_ball_by_moreau_is_that_of_siconos() -> None:
+    known = siconos_motion("ball_moreau")[:41]
+    made = scene("bouncing_ball", restitution=0.9, step=0.005, duration=4.0)
+    run = list(simulate(made, lemke, SCHEMES["moreau"]))[::20]
+    assert [step.q[1] - 0.5 for step in run] == pytest.approx(known["q"], abs=1e-13)
+    assert [step.v[1] for step in run] == pytest.approx(known["v"], abs=1e-12)
+
+
+def test_accumulation_and_rest() -> None:
+    """The bounces end at sqrt(2 height/g) (1 + e)/(1 - e); the ball then rests, also across the scheme's steps."""
+    events, end = followed("bouncing_ball", steps=3, restitution=0.5, step=0.6, duration=1.8)
+    assert events[-1].kind == "accumulation"
+    assert events[-1].time == pytest.approx(3 * np.sqrt(2 / G), abs=1e-11)
+    assert end.q == pytest.approx([0, 0.5, 0], abs=1e-12)
+    assert end.v == pytest.approx(np.zeros(3), abs=1e-12)
+
+
+def test_sliding_block_turns_to_rest() -> None:
+    events, end = followed("stopping_block", step=0.3, duration=0.3)
+    assert [event.kind for event in events] == ["turn"]
+    assert events[0].time == pytest.approx(1 / (0.5 * G), abs=1e-12)
+    assert end.q[0] == pytest.approx(1 / (2 * 0.5 * G), abs=1e-12)
+
+
+def test_rocking_block_loses_spin_as_housner_says() -> None:
+    events, _ = followed("rocking_block", step=1.2)
+    assert [event.kind for event in events] == ["impact", "impact"]
+    kept = 1 - 1.5 * np.sin(np.arctan(0.25)) ** 2
+    assert [event.after[2] / event.before[2] for event in events] == pytest.approx([kept] * 2, abs=1e-10)
+
+
+def test_rod_sticks_slips_and_falls() -> None:
+    """Energy changes by the work of friction, which is integrated, and in the last impact alone."""
+    motion = record_motion(scene("painleve_rod", friction=0.5, step=0.1), "lemke", "event_driven", 9)
+    events, _ = followed("painleve_rod", steps=9, friction=0.5, step=0.1)
+    assert [event.kind for event in events] == ["turn", "slip"]
+    assert motion.friction[-1] < -0.1
+    assert np.abs(motion.defect).max() < 1e-8 * np.ptp(motion.energy)
+
+
+def test_hinges_hold() -> None:
+    """A pendulum keeps its energy and its length."""
+    made = scene("pendulum")
+    motion = record_motion(scene("pendulum", step=0.5), "lemke", "event_driven", 4)
+    assert np.ptp(motion.energy) < 1e-9 * np.ptp(motion.kinetic)
+    assert max(np.abs(made.joints(pose.ravel())[0]).max() for pose in motion.poses) < 1e-12
+
+
+def test_rest_needs_no_event() -> None:
+    """Six contacts whose forces are not determined."""
+    made = scene("stack", blocks=3, push=0.0)
+    events, end = followed("stack", step=0.05, blocks=3, push=0.0)
+    assert events == []
+    assert end.q == pytest.approx(made.q0, abs=1e-12)
+
+
+def test_inconsistent_rod_ends_the_motion() -> None:
+    with pytest.raises(NoSolution, match=r"^no bounded force prevents .* sliding at \(0, 0\), at t = 0 s$"):
+        followed("painleve_rod")
+
+
+def test_impacts_of_several_contacts_may_accumulate(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("frictionbench.problems.schemes.event_driven.MOST", 3)
+    with pytest.raises(NoSolution, match=r"^3 events by t = .* accumulate"):
+        followed("bouncing_ball", step=5.0)
+
+
+def test_scenes_in_space_are_refused() -> None:
+    made = Scene(bodies=(solid_sphere(0.1),), q0=np.array([0, 0, 1, 1, 0, 0, 0]), friction=0.5)
+    assert str(SCHEMES["event_driven"].refuses(made)).startswith("it follows planar motion only")
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_newtons_and_poissons_laws_agree_on_a_ball(friction: float) -> None:
+    ends = [
+        followed("bouncing_ball", s, friction=friction, speed=1.0, step=1.0)[1] for s in ("event_driven", "event_driven_newton")
+    ]
+    assert ends[0].v[1] == pytest.approx(ends[1].v[1], abs=1e-9)
