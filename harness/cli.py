@@ -101,9 +101,12 @@ def run(
     from frictionbench.harness.run import drop_disturbed
     from frictionbench.harness.run import run as run_plan
     from frictionbench.harness.workers.plugins import load_plugins
+    from frictionbench.harness.workers.scenes import require_buildable
 
     variants, plugins = load_plugins(solver or [])
     plan = choose(suite, scene or [], variants, tol, time_limit, plugins, tuple(data or ()))
+    if scene:
+        require_buildable([(source.scene, source.parameters) for source in plan.sources])
     folder = out or folder_for(plan)
     if plan.expects:
         typer.echo(f"{plan.suite} takes {plan.expects} with one worker on two cores", err=True)
@@ -211,12 +214,15 @@ def compare(
 
     Exit code 0: nothing is worse; 1: a regression; 2: unusable input.
     """
+    from frictionbench.problems import InputError
     from frictionbench.reports.comparison.files import write_files
     from frictionbench.reports.comparison.markdown import markdown, summarise
     from frictionbench.results.compare import Limits
     from frictionbench.results.compare import compare as compare_runs
     from frictionbench.results.known import acknowledge, read
 
+    if code and not confirm:
+        raise InputError("code: names the code that --confirm runs; give --confirm as well")
     acknowledged = read(known) if known else []
     limits = Limits(slowdown, growth, alpha, not no_times, rank_by)
     comparison = compare_runs(baseline, folder, limits)
@@ -401,13 +407,16 @@ def map_(
     """
     from frictionbench.harness.commands.map import plan_map
     from frictionbench.harness.commands.summary import folder_for
+    from frictionbench.harness.plans.map_grid import corners
     from frictionbench.harness.progress import Progress
     from frictionbench.harness.run_maps import run_maps
     from frictionbench.harness.workers.plugins import load_plugins
+    from frictionbench.harness.workers.scenes import require_buildable
     from frictionbench.reports.page import write_report
 
     variants, plugins = load_plugins(solver or [])
     plan = plan_map(scene, x, y, variants, plugins, tol, time_limit, scheme, steps)
+    require_buildable([(spec.scene, spec.at(corner)) for spec in plan.maps for corner in corners(spec)])
     folder = out or folder_for(plan)
     with _resumable(folder):
         run_maps(plan, folder, _jobs(jobs), Progress())

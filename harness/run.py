@@ -8,6 +8,7 @@ import os
 import secrets
 import sys
 from collections.abc import Callable
+from contextlib import nullcontext
 from datetime import UTC, datetime
 from inspect import cleandoc
 from pathlib import Path
@@ -40,19 +41,21 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
     cannot be used.
     """
     folder = folder.absolute()
-    open_folder(plan, folder)
-    counted = {table: store.extents(folder, table) for table in TABLES}
-    with Pool(folder, 1 if cluster else jobs, plan.plugins, plan.memory_limit) as pool:
-        store.write_manifest(folder, store.read_manifest(folder) | {"workers": None if cluster else jobs, "walls": pool.walls})
-        records = _collect(plan, pool, progress)
-        _record_motions(plan, pool, progress)
-        cells: list[Cell] = [*plan.solve_cells(records.values()), *plan.simulation_cells()]
-        if not cluster:
-            _run(cells, records, plan, folder, pool, progress, counted)
-            record_histories(plan, folder, records.values(), pool, progress)
-    if cluster:  # after the pool has released its cores, which workers on this machine need
-        with Cluster(cluster, folder, plan.plugins, plan.memory_limit) as engine:
-            _run(cells, records, plan, folder, engine, progress, counted)
+    with Cluster(cluster, folder, plan.plugins, plan.memory_limit) if cluster else nullcontext() as distant:
+        open_folder(plan, folder)
+        counted = {table: store.extents(folder, table) for table in TABLES}
+        with Pool(folder, 1 if cluster else jobs, plan.plugins, plan.memory_limit) as pool:
+            store.write_manifest(
+                folder, store.read_manifest(folder) | {"workers": None if cluster else jobs, "walls": pool.walls}
+            )
+            records = _collect(plan, pool, progress)
+            _record_motions(plan, pool, progress)
+            cells: list[Cell] = [*plan.solve_cells(records.values()), *plan.simulation_cells()]
+            if not distant:
+                _run(cells, records, plan, folder, pool, progress, counted)
+                record_histories(plan, folder, records.values(), pool, progress)
+        if distant:  # after the pool has released its cores, which workers on this machine need
+            _run(cells, records, plan, folder, distant, progress, counted)
     missing = _merge(plan, folder, cells, records, counted)
     names = sorted({record["problem"] for record in records.values()} - {""})
     store.write_manifest(folder, store.read_manifest(folder) | {"problems": names, "finished": _now()})

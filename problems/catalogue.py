@@ -1,6 +1,6 @@
 """Catalogues of what a name and a few parameters make: the scenes and the instances."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from inspect import getdoc, signature
 from typing import Any, Generic, TypeVar
@@ -48,7 +48,7 @@ class Catalogue(Generic[Made]):
         """All generators by name, in alphabetical order."""
         return dict(sorted(self._generators.items()))
 
-    def find(self, name: str, parameters: dict[str, Any]) -> Generator[Made]:
+    def find(self, name: str, parameters: Iterable[str]) -> Generator[Made]:
         """The generator of this name. Errors: InputError naming the kind, or a parameter that the generator does not have."""
         if not isinstance(name, str):
             raise InputError(f"{self.kind}: expected its name as text, got {name!r:.100}")
@@ -56,7 +56,7 @@ class Catalogue(Generic[Made]):
             known = self.generators()
             raise InputError(f"{self.kind}: unknown {self.kind} {name!r}{near(name, known)}; known are {', '.join(known)}")
         found = self._generators[name]
-        for key in parameters.keys() - found.parameters.keys():
+        for key in set(parameters) - found.parameters.keys():
             like, its = near(key, found.parameters), ", ".join(found.parameters)
             raise InputError(f"{key}: the {self.kind} {name} has no such parameter{like}; it has {its}")
         return found

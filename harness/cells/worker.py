@@ -32,6 +32,7 @@ from frictionbench.harness.deadline import COMPILE_SECONDS, Deadline
 from frictionbench.harness.plans.plan import Plugin, SimulationCell, SolveCell, Source
 from frictionbench.problems import LCP, FrictionProblem, InputError, scene
 from frictionbench.problems.copies import duplicate, same
+from frictionbench.problems.instances import instances, make_instance
 from frictionbench.problems.spec import split
 from frictionbench.results.conventions import COLD
 from frictionbench.results.motion import encoded
@@ -82,6 +83,19 @@ def run_source(source: Source, limit: float) -> list[Record]:
     """Collect a source's problems."""
     with _worker.deadline.within(limit):
         return collect(_worker.folder, source)
+
+
+def run_scene(name: str, parameters: dict[str, Any], limit: float) -> dict[str, str]:
+    """Build a scene and its first problem, or an instance; why it is refused, if it is."""
+    with _worker.deadline.within(limit):
+        try:
+            if name in instances():
+                make_instance(name, **parameters)
+            else:
+                scene(name, **parameters).problem()
+        except InputError as error:
+            return {"refused": str(error)}
+    return {}
 
 
 def run_problem(source: Source, limit: float) -> dict[str, Any]:

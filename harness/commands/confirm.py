@@ -47,6 +47,8 @@ def confirmed(
     """
     if comparison.unusable or comparison.benchmarks:
         return comparison
+    if code:
+        require_code(code)
     settings = store.read_manifest(comparison.current)["settings"]
     slow = suspects(comparison, limits) if code and limits.times else []
     stored, current = cells.read(comparison.baseline), cells.read(comparison.current)
@@ -105,8 +107,16 @@ def _cells(code: Code, options: list[str], folder: Path, rank_by: RankBy) -> cel
     return cells.read(folder, rank_by)
 
 
+def require_code(code: str) -> None:
+    """Errors: InputError where there is neither a folder nor a revision of this name."""
+    revision = not code.startswith("-") and _git("rev-parse", "--verify", "--quiet", f"{code}^{{tree}}")
+    if not revision and not Path(code).is_dir():
+        raise InputError(f"code: {code!r} is neither a folder nor a revision of the git repository in the current folder")
+
+
 def baseline_code(code: str, named: list[str], scratch: Path) -> Code:
     """The baseline's code at `code`; a revision is unpacked in scratch. Errors: InputError where it cannot be used."""
+    require_code(code)
     folder = Path(code).absolute()
     if (folder / "bin" / "python").exists():
         return Code([str(folder / "bin" / "python"), "-P", "-m", "frictionbench"], named)
@@ -134,9 +144,9 @@ def _moved(spec: str, home: Path, folder: Path) -> str:
 
 
 def _unpacked(revision: str, folder: Path) -> Path:
-    archive = None if revision.startswith("-") else _git("archive", "--format=tar", revision)
+    archive = _git("archive", "--format=tar", revision)
     if archive is None:
-        raise InputError(f"code: {revision!r} is neither a folder nor a revision of the git repository in the current folder")
+        raise InputError(f"code: git cannot unpack {revision!r}")
     with tarfile.open(fileobj=io.BytesIO(archive)) as packed:
         packed.extractall(folder, filter="data")
     return folder

@@ -1,10 +1,11 @@
 """`frictionbench map`: the plan of one failure map."""
 
 from frictionbench.harness.plans.choose import tolerances
-from frictionbench.harness.plans.map_grid import axis, checked
+from frictionbench.harness.plans.map_grid import axis
 from frictionbench.harness.plans.plan import Plan, Plugin
 from frictionbench.harness.plans.suites import MAPPED
-from frictionbench.problems import InputError, scene
+from frictionbench.problems import InputError
+from frictionbench.problems.scenes.catalogue import find_scene
 from frictionbench.problems.schemes import require_scheme
 from frictionbench.problems.spec import parse
 from frictionbench.results.conventions import DEFAULT_SCHEME
@@ -24,9 +25,9 @@ def plan_map(
     scheme: str = DEFAULT_SCHEME,
     steps: int = 0,
 ) -> Plan:
-    """The plan of one map, of simulations where steps > 0. Errors: InputError naming the field."""
+    """The plan of one map, of simulations where steps > 0. Errors: InputError naming the field; no scene is built."""
     name, settings = parse("scene", scene_spec)
-    scene(name, **settings)
+    find_scene(name, settings)
     require_scheme(scheme)
     across, upwards = axis("x", x, name), axis("y", y, name)
     if across.parameter == upwards.parameter:
@@ -51,7 +52,7 @@ def plan_map(
         tolerances=ladder,
         simulation_solvers=variants or SOLVERS,
         simulation_tol=min(ladder),
-        maps=(checked(spec),),
+        maps=(spec,),
         time_limit=time_limit,
         plugins=plugins,
     )

@@ -15,6 +15,7 @@ from frictionbench.harness.cells.rows import PROBLEM_FACTS
 from frictionbench.harness.commands.stored_cell import stored_cell
 from frictionbench.harness.commands.table import columns, paragraph, screen
 from frictionbench.harness.commands.trusted import trusted
+from frictionbench.harness.plans.choose import require_known
 from frictionbench.harness.plans.plan import Plan, Plugin, SimulationCell, SolveCell, Source, origin, owner
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import COLLECT_SECONDS, row_of
@@ -50,10 +51,11 @@ def solve_one(
 
     Errors: InputError naming the field.
     """
+    source = _source(problem)
     variants, plugins, unusable = (*load_plugins(solver_specs), []) if solver_specs else all_variants()
     plan = Plan("solve", (), variants, (tol,), time_limit=time_limit, plugins=plugins)
     with tempfile.TemporaryDirectory() as name, Pool(Path(name), jobs, plugins, plan.memory_limit) as pool:
-        record, summary, mechanical = _collect(problem, pool)
+        record, summary, mechanical = _collect(problem, source, pool)
         rank_by = rank_by or (RankBy.BODIES if mechanical else RankBy.FORM)
         print(f"{problem}: {summary}", flush=True)
         tasks = [
@@ -143,19 +145,27 @@ def show_rerun(folder: Path, key: str, named: list[str]) -> None:
     _show(title, {"stored": row, "rerun": again})
 
 
-def _collect(problem: str, pool: Pool) -> tuple[Record, str, bool]:
-    """The record and the summary of a problem, which a worker makes of a file, of an instance, or the first of a scene; and
-    whether its mechanics are given.
-
-    Errors: InputError naming problem for a folder or where it takes too much memory or time, and as of collect.
-    """
+def _source(problem: str) -> Source:
+    """The file, instance or scene that the command line names. Errors: InputError naming problem for a folder, and for what is
+    neither a file nor known."""
     path = Path(problem)
     if path.is_dir():
         each, steps = (f"`frictionbench run {suite} --data {problem}`" for suite in ("recorded", "replay"))
         share = "`frictionbench report DIR --budget 1ms` shows the share solved within a time"
         raise InputError(f"problem: {problem} is a folder; {each} solves each problem, {steps} a sequence of steps; {share}")
     named = path.is_file() or Path(problem.partition("[")[0]).suffix
-    source = Source(path.name, file=str(path.absolute())) if named else Source(*parse("scene", problem))
+    if named:
+        return Source(path.name, file=str(path.absolute()))
+    name, settings = parse("scene", problem)
+    require_known(name, settings)
+    return Source(name, settings)
+
+
+def _collect(problem: str, source: Source, pool: Pool) -> tuple[Record, str, bool]:
+    """The record and the summary of the source's first problem, which a worker makes, and whether its mechanics are given.
+
+    Errors: InputError naming problem where it takes too much memory or time, and as of collect.
+    """
     (outcome,) = pool.run([Task(problem, worker.run_problem, (source, COLLECT_SECONDS), COLLECT_SECONDS)])
     if outcome.failure:
         raise InputError(f"problem: {problem} cannot be made ({outcome.reason})")

@@ -1,13 +1,15 @@
 """The plan for a suite's name and the command line's choices."""
 
 from dataclasses import replace
+from typing import Any
 
 from frictionbench.harness.plans.plan import Plan, Plugin, Source
 from frictionbench.harness.plans.recorded import with_data
 from frictionbench.harness.plans.suites import SUITES
-from frictionbench.problems import InputError, scene
+from frictionbench.problems import InputError
 from frictionbench.problems.instances import CATALOGUE, instances
 from frictionbench.problems.names import near
+from frictionbench.problems.scenes.catalogue import find_scene
 from frictionbench.problems.spec import parse
 from frictionbench.results.map_spec import Map
 from frictionbench.solvers import find
@@ -60,11 +62,18 @@ def _chosen(plan: Plan, spec: str) -> tuple[list[Source], list[Source], list[Map
     mapped = [spec for spec in plan.maps if name in (spec.scene, spec.name)]
     if (own or mapped) and not settings:
         return own, [simulation for simulation in plan.simulations if simulation.scene == name], mapped
+    require_known(name, settings)
     if name in instances():
-        CATALOGUE.find(name, settings)  # for its errors
         return [Source(name, settings)], [], []
-    scene(name, **settings)  # for its errors
     return [Source(name, settings, pick=6)], [Source(name, settings)], []
+
+
+def require_known(name: str, settings: dict[str, Any]) -> None:
+    """Errors: InputError naming the scene or instance, or the setting, that is unknown; nothing is built."""
+    if name in instances():
+        CATALOGUE.find(name, settings)
+    else:
+        find_scene(name, settings)
 
 
 def tolerances(text: str) -> tuple[float, ...]:

@@ -42,11 +42,9 @@ def axis(field: str, text: str, name: str) -> Axis:
     return Axis(found.parameter, found.low, found.high, found.count, found.scale, whole)
 
 
-def checked(spec: Map) -> Map:
-    """The map, if the scene exists at its corners. Errors: InputError naming the parameter."""
-    for point in ((0.0, 0.0), (0.0, spec.y.count - 1.0), (spec.x.count - 1.0, 0.0), (spec.x.count - 1.0, spec.y.count - 1.0)):
-        scene(spec.scene, **spec.at(point))
-    return spec
+def corners(spec: Map) -> list[GridPoint]:
+    """The four corners of the grid."""
+    return [(x, y) for x in (0.0, spec.x.count - 1.0) for y in (0.0, spec.y.count - 1.0)]
 
 
 def sources(spec: Map, points: Iterable[GridPoint]) -> list[Source]:

@@ -7,7 +7,7 @@ registers a function under its own name and under others with other defaults. Ev
 the units in which its masses and lengths are then given: the motion is the same.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Any, TypeVar
 
@@ -46,6 +46,11 @@ def scenes() -> dict[str, Generator[Scene]]:
     return CATALOGUE.generators()
 
 
+def find_scene(name: str, parameters: Iterable[str]) -> Generator[Scene]:
+    """The generator of the named scene. Errors: InputError naming the scene or the parameter that is unknown."""
+    return CATALOGUE.find(name, [key for key in parameters if key not in UNITS])
+
+
 def scene(name: str, **parameters: Any) -> Scene:
     """The named scene, with the parameters given in place of its defaults.
 
@@ -59,7 +64,7 @@ def scene(name: str, **parameters: Any) -> Scene:
     (3, 0.01, 6)
     """
     units = {key: number(key, parameters[key], above=0) for key in UNITS if key in parameters}
-    found = CATALOGUE.find(name, {key: value for key, value in parameters.items() if key not in units})
+    found = find_scene(name, parameters)
     chosen = found.parameters | parameters
     for key in {"friction", "restitution", "step", "duration"} & chosen.keys():
         number(key, chosen[key])
