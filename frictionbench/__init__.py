@@ -2,7 +2,7 @@
 
     problems   scene, scenes, instance, instances, FrictionProblem, LCP, load, save, InputError
     engines    capture, EngineStep, load_step
-    solvers    solve, available, solver, Answer, Status
+    solvers    solve, available, solver, Answer, Status, solve_many, Batch, Answers
     checks     residual, residual_floor, verify, Verdict
     results    read_results, plot
 
@@ -25,12 +25,13 @@ if TYPE_CHECKING:
     from frictionbench import capture, plot
     from frictionbench.files import load, load_step, save
     from frictionbench.problems import LCP, FrictionProblem, InputError, scene, scenes
+    from frictionbench.problems.batch import Batch
     from frictionbench.problems.instances import instances
     from frictionbench.problems.instances import make_instance as instance
     from frictionbench.problems.recorded.engine_step import EngineStep
     from frictionbench.problems.residual import residual, residual_floor
     from frictionbench.results.verdicts import Verdict
-    from frictionbench.solvers import Answer, Status, available, solve, solver
+    from frictionbench.solvers import Answer, Answers, Status, available, solve, solve_many, solver
     from frictionbench.tables import read_results
     from frictionbench.verification import verify
 
@@ -39,6 +40,8 @@ if TYPE_CHECKING:
 __all__ = [
     "LCP",
     "Answer",
+    "Answers",
+    "Batch",
     "EngineStep",
     "FrictionProblem",
     "InputError",
@@ -59,6 +62,7 @@ __all__ = [
     "scene",
     "scenes",
     "solve",
+    "solve_many",
     "solver",
     "verify",
 ]
@@ -66,9 +70,10 @@ __all__ = [
 # Where each name is defined; the type checker reads the imports above, and a test compares the two.
 _DEFINED_IN = {
     "frictionbench.problems": ("LCP", "FrictionProblem", "InputError", "scene", "scenes"),
+    "frictionbench.problems.batch": ("Batch",),
     "frictionbench.problems.instances": ("instance", "instances"),
     "frictionbench.problems.residual": ("residual", "residual_floor"),
-    "frictionbench.solvers": ("Answer", "Status", "available", "solve", "solver"),
+    "frictionbench.solvers": ("Answer", "Answers", "Status", "available", "solve", "solve_many", "solver"),
     "frictionbench.results.verdicts": ("Verdict",),
     "frictionbench.problems.recorded.engine_step": ("EngineStep",),
     "frictionbench.files": ("load", "load_step", "save"),

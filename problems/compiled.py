@@ -23,9 +23,10 @@ from platformdirs import user_cache_path
 PACKAGE = Path(__file__).absolute().parents[1]  # links are not resolved: in a checkout its subpackages are links
 FOLDERS = ("problems", "solvers")
 
-# A kernel is called from Python and cached on disk. An inlined function is inserted into its caller before type inference, for
-# functions that take less time than a call.
+# A kernel is called from Python and cached on disk. A loop goes over many problems and does not hold the interpreter's lock. An
+# inlined function is inserted into its caller before type inference, for functions that take less time than a call.
 kernel = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+loop = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True)
 inlined = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, inline="always")
 
 

@@ -128,7 +128,7 @@ def _impulses(problem: FrictionProblem, impulse: Any) -> Array:
 def residual_with_floor(problem: FrictionProblem, impulse: Array) -> tuple[float, float]:
     """The residual and its floor together, of finite impulses (nc, d), for solvers that stop by both."""
     u, terms = problem.contact_velocity(impulse), problem.velocity_size(impulse)
-    found, floor = _largest_with_floor(impulse, u, terms, problem.scale, problem.friction, problem.friction_bias, problem.units)
+    found, floor = largest_with_floor(impulse, u, terms, problem.scale, problem.friction, problem.friction_bias, problem.units)
     return found, floor
 
 
@@ -192,7 +192,7 @@ def relative_defect(defect: float, unit: float) -> float:
 
 
 @kernel
-def _largest_with_floor(r, u, terms, s, mu, b, units):  # type: ignore[no-untyped-def]
+def largest_with_floor(r, u, terms, s, mu, b, units):  # type: ignore[no-untyped-def]
     """The largest of _residuals and of _floors, of Coulomb's law."""
     return largest(_residuals(r, u, s, mu, b, units, 1.0)), largest(_floors(r, u, terms, s, mu, b, units, 1.0))
 

@@ -3,8 +3,9 @@
 from frictionbench.problems.discover import import_all
 from frictionbench.solvers import outside
 from frictionbench.solvers.interface import Answer, Solver, SolverInfo, Status, available, find, solve, solver
+from frictionbench.solvers.many import Answers, solve_many
 
 import_all(__name__, __path__)
 import_all(outside.__name__, outside.__path__)
 
-__all__ = ["Answer", "Solver", "SolverInfo", "Status", "available", "find", "solve", "solver"]
+__all__ = ["Answer", "Answers", "Solver", "SolverInfo", "Status", "available", "find", "solve", "solve_many", "solver"]

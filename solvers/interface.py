@@ -27,6 +27,13 @@ If the residual exceeds tol nevertheless, the verifier reports `near_miss` or `w
 method's own unit of work (pivots, sweeps, iterations), None for its default; wall-clock limits are enforced by the harness.
 `start` is an initial guess of the impulses (nc, d), passed only to solvers with warm_start. The status is the solver's own
 claim; the harness verifies every answer independently.
+
+A solver may also have a method
+
+    solve_many(self, packed, tol, limit) -> Solved
+
+for `solve_many`, which solves the problems of a problems.packed.Packed, all of one dimension and without joints, and gives each
+the impulses that `solve` would give. It may be called in several threads at once, for parts of the problems.
 """
 
 import re
@@ -34,9 +41,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 from enum import Enum
 from numbers import Integral, Real
-from typing import Any, Literal, Protocol, TypeVar, get_args
+from typing import Any, Literal, NamedTuple, Protocol, TypeVar, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from frictionbench.problems import LCP, FrictionProblem, InputError, check
 from frictionbench.problems.check import Array, require
@@ -45,6 +53,7 @@ from frictionbench.problems.friction import require_problem
 from frictionbench.problems.names import near
 from frictionbench.problems.operators.delassus import DIGITS
 from frictionbench.problems.residual import residual_floor
+from frictionbench.problems.rows import Index64
 from frictionbench.problems.spec import split
 from frictionbench.solvers.balanced import with_balance
 from frictionbench.solvers.needs import installed_version
@@ -111,6 +120,18 @@ class Answer:
 
     def _counts(self) -> list[str]:
         return [f"{unit} {count}" for unit, count in self.work.items()]
+
+
+class Solved(NamedTuple):
+    """What a solver's solve_many returns of N packed problems.
+
+    impulse: (contacts, d), N s, normal first. status: (N,), a Status each, or None for a problem to be solved by itself.
+    work: counts (N,) by name.
+    """
+
+    impulse: Array
+    status: NDArray[np.object_]
+    work: dict[str, Index64]
 
 
 class Solver(Protocol):
@@ -356,11 +377,7 @@ def solve(
     """
     info, instance = find(spec)
     require_problem(problem)
-    tol = tolerance(tol)
-    if limit is not None:
-        whole = isinstance(limit, Integral) and not isinstance(limit, bool)
-        allowed = whole and 1 <= limit <= MOST_WORK
-        require(allowed, "limit", f"must be a whole number, at least 1 and at most {MOST_WORK}, got {limit!r}")
+    tol, limit = tolerance(tol), work_limit(limit)
     if reason := info.missing or info.refuses(problem):
         raise InputError(f"solver: {reason}")
     shape = problem.contacts if isinstance(problem, LCP) else (problem.contacts, problem.dimension)
@@ -377,6 +394,16 @@ def tolerance(tol: Any) -> float:
     valid = isinstance(tol, Real) and 0 < tol < float("inf")  # type: ignore[operator]
     require(valid, "tol", f"must be a positive, finite number, got {tol!r}")
     return float(tol)
+
+
+def work_limit(limit: Any) -> int | None:
+    """A limit of work, or None. Errors: InputError naming limit unless it is a whole number from 1 to MOST_WORK."""
+    if limit is None:
+        return None
+    whole = isinstance(limit, Integral) and not isinstance(limit, bool)
+    allowed = whole and 1 <= limit <= MOST_WORK
+    require(allowed, "limit", f"must be a whole number, at least 1 and at most {MOST_WORK}, got {limit!r}")
+    return int(limit)
 
 
 def impulses(start: Any, shape: tuple[int, ...]) -> Array:

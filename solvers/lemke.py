@@ -30,9 +30,12 @@ import numpy as np
 
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array, require
-from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.compiled import kernel, loop, part
+from frictionbench.problems.forms.lcp import impulse, tangent_basis
+from frictionbench.problems.packed import CONTACT, Packed
 from frictionbench.problems.rows import Index64
-from frictionbench.solvers.interface import Answer, impulses, solver
+from frictionbench.solvers.balanced import UNLIKE
+from frictionbench.solvers.interface import Answer, Solved, impulses, solver
 from frictionbench.solvers.pivots.inverse_basis import Matrix, invert, slack_basis
 from frictionbench.solvers.pivots.lemke_path import (
     ACCURACY,
@@ -46,6 +49,7 @@ from frictionbench.solvers.pivots.lemke_path import (
     draw,
     follow_lemke_path,
 )
+from frictionbench.solvers.pivots.packed_lcp import ALONE, counted, scaled_lcp_of
 from frictionbench.solvers.pivots.scaled_lcp import MARGIN, ScaledLCP, finish, scaled_lcp, scaled_residual
 from frictionbench.solvers.pivots.vectors import fill, largest, least, put
 
@@ -141,6 +145,28 @@ def lemke(
     return ended, best_y, work[0], max(trial - 1 - first, 0), work[1]
 
 
+@loop
+def lemke_loop(packed, basis, tol, limit, restarts):  # type: ignore[no-untyped-def]
+    """Packed problems one after the other: impulses, how each ended, and pivots, restarts and inversions (N, 3)."""
+    count, begin = len(packed.first) - 1, packed.first[0, CONTACT]
+    r, ended = np.zeros((packed.first[count, CONTACT] - begin, len(basis))), np.empty(count, np.int64)
+    work = np.zeros((count, 3), np.int64)
+    for k in range(count):
+        here, end = packed.first[k, CONTACT] - begin, packed.first[k + 1, CONTACT] - begin
+        if packed.spread[k] > UNLIKE:
+            ended[k] = ALONE
+            continue
+        stretch, M, q, unit = scaled_lcp_of(packed, k, basis)
+        most = limit if limit else 100_000 + 100 * len(q)
+        cover = np.empty(len(q))
+        set_cover(cover, end - here)
+        ended[k], y, work[k, 0], work[k, 1], work[k, 2] = lemke(M, q, cover, unit, NONE, True, tol, most, restarts)
+        for i in range(len(y)):
+            y[i] *= stretch[i]
+        r[here:end] = impulse(basis, y, end - here)
+    return r, ended, work
+
+
 @solver("lemke", family="pivoting", model="lcp", dimension=(2, 3), warm_start=True)
 class Lemke:
     """Lemke's complementary pivoting, scaled, perturbed, refined and checked. (Lemke 1965)
@@ -172,6 +198,19 @@ class Lemke:
         )
         return scaled.answer(y, ended, pivots=pivots, restarts=restarts, inversions=inversions)
 
+    def solve_many(self, packed: Packed, tol: float, limit: int | None) -> Solved:
+        basis = tangent_basis(packed.dimension, self.facets)
+        r, ended, work = lemke_loop(packed, basis, MARGIN * tol, limit or 0, self.restarts)
+        return counted(r, ended, work, ("pivots", "restarts", "inversions"))
+
+
+@kernel
+def set_cover(d, contacts):  # type: ignore[no-untyped-def]
+    """See covering_vector."""
+    fill(d, 1.0)
+    for i in range(contacts, len(d) - contacts if contacts else 0):
+        d[i] = 30.0
+
 
 @lru_cache(maxsize=64)
 def covering_vector(n: int, contacts: int) -> Array:
@@ -180,8 +219,8 @@ def covering_vector(n: int, contacts: int) -> Array:
     Any d > 0 will do; with this one normal impulses enter the basis before tangential ones, which was measured to save a third
     of the pivots.
     """
-    d = np.ones(n)
-    d[contacts : n - contacts] = 30.0 if contacts else 1.0
+    d = np.empty(n)
+    set_cover(d, contacts)
     return d
 
 

@@ -263,6 +263,31 @@ def act(first, neighbours, block, r, q):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def act_size(first, neighbours, block, r, q):  # type: ignore[no-untyped-def]
+    """|W| |r| + |q| (nc, d): the terms of act in absolute values."""
+    size = np.zeros(r.shape)
+    for i in range(len(size)):
+        for a in range(size.shape[1]):
+            for k in range(first[i], first[i + 1]):
+                for b in range(size.shape[1]):
+                    size[i, a] += abs(block[k, a, b]) * abs(r[neighbours[k], b])
+            size[i, a] += abs(q[i, a])
+    return size
+
+
+@kernel
+def block_scale(first, neighbours, block):  # type: ignore[no-untyped-def]
+    """The mean diagonal (nc,) of each contact's block of W; 1 where it is not positive."""
+    own = np.zeros((len(first) - 1, block.shape[1]))
+    for i in range(len(own)):
+        for k in range(first[i], first[i + 1]):
+            if neighbours[k] == i:
+                for a in range(block.shape[1]):
+                    own[i, a] = block[k, a, a]
+    return mean_diagonal(own)
+
+
+@kernel
 def mean_diagonal(diagonal):  # type: ignore[no-untyped-def]
     """The mean (nc,) of each contact's diagonal (nc, d); 1 where it is not positive."""
     nc, d = diagonal.shape

@@ -63,7 +63,7 @@ class DelassusOperator(Operator):
     @cached_property
     def scale(self) -> Array:
         """s (nc,): the mean diagonal of each contact's block of W; 1 where it vanishes."""
-        return delassus.mean_diagonal(self.W.diagonal().reshape(-1, self.dimension))
+        return delassus.block_scale(*self.blocks)
 
     @cached_property
     def velocity_scale(self) -> float:
@@ -102,8 +102,7 @@ class DelassusOperator(Operator):
         return delassus.act(*self.blocks, r, self.offset)
 
     def velocity_size(self, r: Array) -> Array:
-        first, neighbours, block = self.blocks
-        return delassus.act(first, neighbours, np.abs(block), np.abs(r), np.abs(self.offset))
+        return delassus.act_size(*self.blocks, r, self.offset)
 
     @cached_property
     def bias(self) -> Array:  # type: ignore[override]

@@ -67,14 +67,14 @@ def scaled_lcp(problem: FrictionProblem | LCP, facets: int) -> ScaledLCP:
         return ScaledLCP(problem, facets, problem.contacts, problem.basis, scale.theta * scale.D, M, q, unit)
     d, mu, b_f = problem.dimension, problem.friction, problem.friction_bias
     basis = tangent_basis(d, facets)
-    start, rows, column, row, *parts = _scaled_friction_lcp(
+    start, rows, column, row, *parts = scaled_friction_lcp(
         *problem.blocks, problem.q, mu, b_f, basis, problem.scale, problem.units
     )
     return ScaledLCP(problem, facets, (len(mu), d), basis, parts[0], Matrix(start, rows, column, row), *parts[1:])
 
 
 @kernel
-def _scaled_friction_lcp(first, neighbours, block, q, friction, friction_bias, basis, scale, units):  # type: ignore[no-untyped-def]
+def scaled_friction_lcp(first, neighbours, block, q, friction, friction_bias, basis, scale, units):  # type: ignore[no-untyped-def]
     """The scaled matrix on its symmetrised pattern, the stretch, the scaled right side and the units."""
     start, column, value, right = friction_rows(first, neighbours, block, q, friction, friction_bias, basis)
     D, theta = diagonal_scaling(start, column, value, right)

@@ -1,0 +1,201 @@
+"""Problems of any sizes packed one after another into flat arrays, so that one compiled loop goes over all of them.
+
+Of each problem the arrays hold either its mechanics, without joints, or its Delassus matrix by blocks. Problem k has the
+entries first[k, a] to first[k + 1, a] of the a-th array. The passes here are those of problems.operators on the pieces of one
+problem, so that the numbers are the same to the last bit.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import loop, part
+from frictionbench.problems.forms.delassus import (
+    act,
+    act_size,
+    block_scale,
+    delassus,
+    measures,
+    pushed_contact_velocity,
+    velocity_size,
+)
+from frictionbench.problems.forms.islands import delassus_units, mechanical_units, spread
+from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.residual import largest_with_floor
+from frictionbench.problems.rows import Index32, Index64
+
+
+class Packed(NamedTuple):
+    """N problems with contacts of dimension d. first: (N+1, 14), a column for each of the other arrays up to q.
+
+    friction, friction_bias: of all contacts. start, column, J (entries, d): J by contacts (problems.rows). m_start, m_column,
+    m_value: M^-1 by rows. free: v*. bias: b. w_start, neighbours, block: W by blocks (problems.forms.delassus); starts count
+    within a problem. q (contacts*d,), scale, units (contacts,): as in FrictionProblem. spread: (N,).
+    """
+
+    friction: Array
+    friction_bias: Array
+    start: Index32
+    column: Index32
+    J: Array
+    m_start: Index32
+    m_column: Index32
+    m_value: Array
+    free: Array
+    bias: Array
+    w_start: Index32
+    neighbours: Index32
+    block: Array
+    q: Array
+    first: Index64
+    scale: Array
+    units: Array
+    spread: Array
+
+    @property
+    def dimension(self) -> int:
+        """d, of all contacts."""
+        return int(self.J.shape[1])
+
+    @property
+    def size(self) -> int:
+        """N, the number of problems."""
+        return len(self.first) - 1
+
+    @property
+    def contacts(self) -> Index64:
+        """(N+1,): where the contacts of each problem begin, counted from the first problem's."""
+        return self.first[:, CONTACT] - self.first[0, CONTACT]
+
+    def part(self, begin: int, end: int) -> "Packed":
+        """Problems begin, ..., end - 1, without a copy."""
+        return self._replace(first=self.first[begin : end + 1], spread=self.spread[begin:end])
+
+
+CONTACT, _, START, COLUMN, _, M_START, M_COLUMN, _, VELOCITY, BIAS, W_START, BLOCK, _, Q = range(14)  # columns of first
+NONE, NOTHING = np.zeros(0, np.int32), np.zeros(0)
+
+
+def pack(problems: Sequence[FrictionProblem]) -> Packed:
+    """Pack problems of one dimension and without joints."""
+    arrays = list(zip(*map(_pieces, problems), strict=True))
+    first = np.zeros((len(problems) + 1, len(arrays)), np.int64)
+    for a, pieces in enumerate(arrays):
+        first[1:, a] = np.fromiter(map(len, pieces), np.int64, len(problems)).cumsum()
+    first[:, Q] = first[:, CONTACT] * problems[0].dimension
+    given = Packed._make((*map(np.concatenate, arrays), first, NOTHING, NOTHING, NOTHING))
+    for array in (given.friction, given.friction_bias, given.free, given.bias):  # as in a problem: kernels see the same types
+        array.setflags(write=False)
+    q, scale, units, spread = _measured(given)
+    q.setflags(write=False)
+    units.setflags(write=False)
+    return given._replace(q=q, scale=scale, units=units, spread=spread)
+
+
+def _pieces(problem: FrictionProblem) -> tuple[Any, ...]:
+    law, operator, d = (problem.friction, problem.friction_bias), problem.operator, problem.dimension
+    if problem.mechanical:
+        rows = *operator.contact_rows, *operator.inverse_rows, operator.free_velocity, operator.bias
+        return *law, *rows, NONE, NONE, np.zeros((0, d, d)), NOTHING
+    unmoved = NONE, NONE, np.zeros((0, d)), NONE, NONE, NOTHING, NOTHING, NOTHING
+    return *law, *unmoved, *operator.blocks, operator.q
+
+
+@part
+def law_of(packed, k):  # type: ignore[no-untyped-def]
+    """Problem k's friction, friction_bias, scale and units (nc,)."""
+    begin, end = packed.first[k, CONTACT], packed.first[k + 1, CONTACT]
+    return packed.friction[begin:end], packed.friction_bias[begin:end], packed.scale[begin:end], packed.units[begin:end]
+
+
+@part
+def mechanical(packed, k):  # type: ignore[no-untyped-def]
+    """Whether problem k has mechanics."""
+    return packed.first[k + 1, START] > packed.first[k, START]
+
+
+@part
+def mechanics_of(packed, k):  # type: ignore[no-untyped-def]
+    """Problem k's J by contacts, M^-1 by rows, v* and b."""
+    a, b = packed.first[k], packed.first[k + 1]
+    return (
+        packed.start[a[START] : b[START]],
+        packed.column[a[COLUMN] : b[COLUMN]],
+        packed.J[a[COLUMN] : b[COLUMN]],
+        packed.m_start[a[M_START] : b[M_START]],
+        packed.m_column[a[M_COLUMN] : b[M_COLUMN]],
+        packed.m_value[a[M_COLUMN] : b[M_COLUMN]],
+        packed.free[a[VELOCITY] : b[VELOCITY]],
+        packed.bias[a[BIAS] : b[BIAS]],
+    )
+
+
+@part
+def known_blocks(packed, k):  # type: ignore[no-untyped-def]
+    """Problem k's W by blocks, where it is what is known."""
+    a, b = packed.first[k], packed.first[k + 1]
+    block = slice(a[BLOCK], b[BLOCK])
+    return packed.w_start[a[W_START] : b[W_START]], packed.neighbours[block], packed.block[block]
+
+
+@part
+def blocks_of(packed, k):  # type: ignore[no-untyped-def]
+    """Problem k's W by blocks."""
+    if mechanical(packed, k):
+        start, column, J, m_start, m_column, m_value, _, _ = mechanics_of(packed, k)
+        return delassus(start, column, J, m_start, m_column, m_value)
+    return known_blocks(packed, k)
+
+
+@loop
+def _measured(packed):  # type: ignore[no-untyped-def]
+    """q, scale and units of all contacts, and each problem's spread."""
+    count, d = len(packed.first) - 1, packed.J.shape[1]
+    contacts = packed.first[count, CONTACT]
+    q, scale, units, unlike = np.empty(contacts * d), np.empty(contacts), np.empty(contacts), np.empty(count)
+    none, terms = np.zeros(1, np.int32), np.zeros((0, 0))
+    at = 0
+    for k in range(count):
+        begin, end = packed.first[k, CONTACT], packed.first[k + 1, CONTACT]
+        wider = packed.friction_bias[begin:end]
+        if mechanical(packed, k):
+            start, column, J, m_start, m_column, m_value, free, bias = mechanics_of(packed, k)
+            own_q, own_scale, _, unit = measures(start, column, J, m_start, m_column, m_value, free, bias)
+            if len(unit) == 0:
+                unit = mechanical_units(
+                    start, column, J, m_start, m_column, m_value, none, none[:0], free, bias, own_q, own_scale, wider, terms
+                )
+        else:
+            own_q = packed.q[at : at + (end - begin) * d].copy()
+            at += len(own_q)
+            first, neighbours, block = known_blocks(packed, k)
+            own_scale = block_scale(first, neighbours, block)
+            unit = delassus_units(first, neighbours, block, own_q, own_scale, wider)
+        unlike[k] = spread(unit)
+        for i in range(end - begin):
+            scale[begin + i], units[begin + i] = own_scale[i], unit[i]
+            for a in range(d):
+                q[(begin + i) * d + a] = own_q[i * d + a]
+    return q, scale, units, unlike
+
+
+@loop
+def residuals(packed, impulse):  # type: ignore[no-untyped-def]
+    """(N, 2): the residual and its floor (problems.residual) of the impulses of all contacts (contacts, d)."""
+    count, d, begin = len(packed.first) - 1, packed.J.shape[1], packed.first[0, CONTACT]
+    found = np.empty((count, 2))
+    for k in range(count):
+        r = impulse[packed.first[k, CONTACT] - begin : packed.first[k + 1, CONTACT] - begin]
+        mu, wider, scale, units = law_of(packed, k)
+        if mechanical(packed, k):
+            start, column, J, m_start, m_column, m_value, free, bias = mechanics_of(packed, k)
+            u = pushed_contact_velocity(start, column, J, m_start, m_column, m_value, free, r, bias)
+            terms = velocity_size(start, column, J, m_start, m_column, m_value, free, r, bias)
+        else:
+            first, neighbours, block = known_blocks(packed, k)
+            q = packed.q[packed.first[k, Q] : packed.first[k + 1, Q]].reshape(len(r), d)
+            u, terms = act(first, neighbours, block, r, q), act_size(first, neighbours, block, r, q)
+        found[k, 0], found[k, 1] = largest_with_floor(r, u, terms, scale, mu, wider, units)
+    return found

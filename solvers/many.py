@@ -1,0 +1,151 @@
+"""Many problems at once: a method's compiled loop over packed problems, in threads, and every answer's residual.
+
+A solver with a method `solve_many` (solvers.interface) is given the problems of one dimension as arrays. Those that it leaves
+with the status None, as it does where islands have unlike speeds (solvers.balanced), and problems with joints are solved one by
+one. A compiled loop does not hold the interpreter's lock (problems.compiled.loop), so that threads share the problems.
+"""
+
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from numbers import Integral
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.batch import Batch
+from frictionbench.problems.check import Array, require
+from frictionbench.problems.packed import Packed, residuals
+from frictionbench.problems.residual import residual_with_floor
+from frictionbench.problems.rows import Index64
+from frictionbench.solvers.interface import Solved, Solver, SolverInfo, Status, find, solve, tolerance, work_limit
+
+CHUNKS = 8  # for each worker: so many that the last ones end together, so few that a thread's call costs nothing beside one
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Answers:
+    """The results of `solve_many` for N problems; answers[k] is the impulse (nc, d) of problem k.
+
+    impulse: those of all problems, flat, problem k's from first[k] to first[k + 1]. first: (N+1,).
+    status: (N,), what the solver claims, a Status each. work: its counts, (N,) by name.
+    residual: (N,), of the exact problem (problems.residual), found from the impulses. floor: (N,), what rounding may add to it.
+    tol: what was asked for. Errors: IndexError for answers[k] where there is no problem k.
+
+    >>> import frictionbench as fb
+    >>> answers = fb.solve_many([fb.scene("stack", blocks=n, push=1.0).problem() for n in (1, 2)], "lemke")
+    >>> answers, answers[1].shape, sorted(answers.work)
+    (Answers(2 problems, 2 within 1e-08), (4, 2), ['inversions', 'pivots', 'restarts'])
+    """
+
+    impulse: Array
+    first: Index64
+    dimension: Index64
+    status: NDArray[np.object_]
+    work: dict[str, Index64]
+    residual: Array
+    floor: Array
+    tol: float
+
+    @property
+    def solved(self) -> NDArray[np.bool_]:
+        """(N,): whether the residual is within tol, whatever the solver claims."""
+        return self.residual <= self.tol
+
+    def __len__(self) -> int:
+        return len(self.status)
+
+    def __getitem__(self, k: int) -> Array:
+        k = range(len(self))[k]
+        return self.impulse[self.first[k] : self.first[k + 1]].reshape(-1, self.dimension[k])
+
+    def __repr__(self) -> str:
+        return f"Answers({len(self)} problems, {int(self.solved.sum())} within {self.tol:g})"
+
+
+def solve_many(
+    problems: Batch | Iterable[FrictionProblem], spec: str, *, tol: float = 1e-8, limit: int | None = None, workers: int = 1
+) -> Answers:
+    """Solve many friction problems with one solver: the impulses of `solve`, to the last bit, at less time for each.
+
+    problems: FrictionProblems of any sizes, or a Batch of them, which is packed already.
+    spec, tol, limit: as in `solve`. workers: threads, each on a share of the problems.
+
+    Solvers with a loop of their own (lemke and dantzig) go over all problems in compiled code; for others and for problems with
+    joints this is a loop over `solve`, which threads do not make faster.
+
+    Returns Answers: the impulses, statuses and counts as arrays, and each answer's residual on the exact problem.
+    Errors: InputError as for `solve`, with the number of the problem that the solver does not take.
+
+    >>> import frictionbench as fb
+    >>> problems = [fb.scene("stack", blocks=1, push=push).problem() for push in (0.5, 1.0, 2.0)]
+    >>> answers = fb.solve_many(problems, "lemke")
+    >>> answers.solved.tolist(), answers[1].shape
+    ([True, True, True], (2, 2))
+    """
+    info, instance = find(spec)
+    tol, limit = tolerance(tol), work_limit(limit)
+    whole = isinstance(workers, Integral) and not isinstance(workers, bool)
+    require(whole and workers >= 1, "workers", f"must be a whole number, at least 1, got {workers!r}")
+    batch = problems if isinstance(problems, Batch) else Batch(problems)
+    _require_taken(info, batch)
+    dimension = np.array([problem.dimension for problem in batch], np.int64)
+    count, flat = len(batch), np.zeros(batch.first[-1])
+    answers = Answers(flat, batch.first, dimension, np.full(count, None), {}, np.empty(count), np.empty(count), tol)
+    if hasattr(instance, "solve_many"):
+        for numbers, packed in batch.groups:
+            _fill(answers, numbers, packed, *_looped(instance, packed, tol, limit, int(workers)))
+    rounded = (answers.status == Status.SOLVED) & (answers.floor > tol) & info.ours
+    answers.status[rounded] = Status.ROUNDING
+    for k in [k for k, status in enumerate(answers.status) if status is None]:
+        _solve_alone(answers, k, batch.problems[k], spec, limit)
+    return answers
+
+
+def _require_taken(info: SolverInfo, batch: Batch) -> None:
+    """Errors: InputError naming the first problem that the solver does not take."""
+    require(not info.missing, "solver", str(info.missing))
+    alike = not info.lacks and set(info.dimension) == {2, 3}
+    for k, problem in () if alike else enumerate(batch):
+        reason = info.refuses(problem)
+        require(reason is None, f"problems[{k}]", str(reason))
+
+
+def _looped(instance: Solver, packed: Packed, tol: float, limit: int | None, workers: int) -> tuple[Solved, Array]:
+    """What the solver's own loop finds, and the residuals with their floors (N, 2)."""
+
+    def part(share: Packed) -> tuple[Solved, Array]:
+        solved = instance.solve_many(share, tol, limit)  # type: ignore[attr-defined]
+        return solved, residuals(share, np.ascontiguousarray(solved.impulse))
+
+    if workers == 1:
+        return part(packed)
+    ends = np.unique(np.linspace(0, packed.size, min(packed.size, CHUNKS * workers) + 1).astype(int)).tolist()
+    with ThreadPoolExecutor(workers) as pool:
+        parts = list(pool.map(part, [packed.part(*ends[i : i + 2]) for i in range(len(ends) - 1)]))
+    solved = [each for each, _ in parts]
+    work = {name: np.concatenate([each.work[name] for each in solved]) for name in solved[0].work}
+    joined = Solved(np.concatenate([each.impulse for each in solved]), np.concatenate([each.status for each in solved]), work)
+    return joined, np.concatenate([found for _, found in parts])
+
+
+def _fill(answers: Answers, numbers: Index64, packed: Packed, solved: Solved, found: Array) -> None:
+    """Write the results of the problems of these numbers to their places."""
+    begin = packed.contacts * packed.dimension
+    shift = np.repeat(answers.first[numbers] - begin[:-1], np.diff(begin))
+    answers.impulse[np.arange(begin[-1]) + shift] = solved.impulse.ravel()
+    answers.status[numbers] = solved.status
+    answers.residual[numbers], answers.floor[numbers] = found.T
+    for name, counts in solved.work.items():
+        answers.work.setdefault(name, np.zeros(len(answers), np.int64))[numbers] = counts
+
+
+def _solve_alone(answers: Answers, k: int, problem: FrictionProblem, spec: str, limit: int | None) -> None:
+    answer: Any = solve(problem, spec, tol=answers.tol, limit=limit)
+    answers.impulse[answers.first[k] : answers.first[k + 1]] = answer.impulse.ravel()
+    answers.status[k] = answer.status
+    answers.residual[k], answers.floor[k] = residual_with_floor(problem, answer.impulse)
+    for name, value in answer.work.items():
+        answers.work.setdefault(name, np.zeros(len(answers), np.int64))[k] = value

@@ -1,0 +1,78 @@
+"""Many problems at once: the impulses, statuses and counts of one by one, to the last bit."""
+
+import numpy as np
+import pytest
+
+import frictionbench as fb
+from frictionbench.problems import FrictionProblem
+
+LOOPED = ("lemke",)
+
+
+@pytest.fixture(scope="module")
+def planar() -> list[FrictionProblem]:
+    """Stacks of several sizes, one without contacts, one known by W, one with joints, and two islands of unlike speeds."""
+    stacks = [fb.scene("stack", blocks=n, push=1.0).problem() for n in (1, 3, 2)]
+    known = FrictionProblem.from_delassus(stacks[1].W, stacks[1].q, stacks[1].friction, 2)
+    apart = FrictionProblem.from_delassus(np.eye(4), [-1.0, 0.3, -1e-3, 1e-3], [0.5, 0.5], 2)
+    empty = FrictionProblem.from_delassus(np.zeros((0, 0)), [], [], 2)
+    joined = fb.scene("chain", links=3).problem()
+    return [*stacks, empty, known, apart, joined]
+
+
+@pytest.mark.parametrize("spec", LOOPED)
+@pytest.mark.parametrize("workers", [1, 3])
+def test_same_as_one_by_one(spec: str, workers: int, planar: list[FrictionProblem]) -> None:
+    answers = fb.solve_many(planar, spec, workers=workers)
+    for k, problem in enumerate(planar):
+        answer = fb.solve(problem, spec)
+        np.testing.assert_array_equal(answers[k], answer.impulse)
+        assert answers.status[k] is answer.status
+        assert {name: answers.work[name][k] for name in answer.work} == answer.work
+        assert answers.residual[k] == fb.residual(problem, answer.impulse)
+        assert answers.floor[k] == fb.residual_floor(problem, answer.impulse)
+    assert answers.solved.all()
+
+
+def test_rounding_is_told() -> None:
+    """Impulses of 1e10 against velocities of 1: rounding alone may exceed the tolerance."""
+    W = [[1.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0], [1.0, 0.0, 1.0 + 1e-9, 0.0], [0.0, 1.0, 0.0, 1.0 + 1e-9]]
+    problem = FrictionProblem.from_delassus(W, [-1.0, 0.0, -2.0, 0.0], [0.5, 0.5], 2)
+    answer = fb.solve(problem, "lemke", tol=1e-15)
+    assert fb.solve_many([problem], "lemke", tol=1e-15).status[0] is answer.status
+
+
+def test_a_method_without_a_loop_goes_one_by_one(planar: list[FrictionProblem]) -> None:
+    answers = fb.solve_many(planar[:2], "murty")
+    np.testing.assert_array_equal(answers[1], fb.solve(planar[1], "murty").impulse)
+
+
+def test_no_problems() -> None:
+    answers = fb.solve_many([], "lemke")
+    assert (len(answers), answers.impulse.shape) == (0, (0,))
+
+
+def test_a_batch_is_packed_once(planar: list[FrictionProblem]) -> None:
+    batch = fb.Batch(planar)
+    np.testing.assert_array_equal(fb.solve_many(batch, "lemke").impulse, fb.solve_many(planar, "lemke").impulse)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        ({"problems": 3}, "problems"),
+        ({"problems": [3]}, r"problems\[0\]"),
+        ({"spec": "lemk"}, "solver"),
+        ({"spec": "dart"}, "not installed|problems"),
+        ({"tol": 0.0}, "tol"),
+        ({"limit": 0}, "limit"),
+        ({"workers": 0}, "workers"),
+        ({"workers": True}, "workers"),
+    ],
+)
+def test_invalid_arguments(arguments: dict[str, object], named: str) -> None:
+    given: dict[str, object] = {"problems": [], "spec": "lemke"} | arguments
+    if arguments == {"spec": "dart"}:
+        given["problems"] = [fb.scene("stack", blocks=1).problem()]
+    with pytest.raises(fb.InputError, match=named):
+        fb.solve_many(given.pop("problems"), given.pop("spec"), **given)  # type: ignore[arg-type]
