@@ -363,7 +363,14 @@ def fetch(
 @app.command()
 def show(
     scene: Annotated[str, typer.Argument(metavar="SCENE", help="Like stack or 'stack[blocks=5]'.")],
-    solver: Annotated[str, typer.Option("--solver", metavar="SOLVER", help="A solver, or a file that defines one.")] = "lemke",
+    solver: Annotated[
+        str | None,
+        typer.Option(
+            "--solver",
+            metavar="SOLVER",
+            help="A solver, or a file that defines one; by default lemke, in space interior_point.",
+        ),
+    ] = None,
     scheme: options.Scheme = DEFAULT_SCHEME,
     steps: Annotated[
         int | None,

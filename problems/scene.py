@@ -10,6 +10,7 @@ A scene provides the mechanics and the geometry. Time is discretised by a scheme
 with the scene and sets up a FrictionProblem.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -37,7 +38,8 @@ class Scene:
     The bodies are planar ones (problems.planar) or spatial ones (problems.spatial), which have no hinges. q0, v0: the initial
     state; by default at rest. friction: mu of contacts between bodies of roughness 1, see
     coefficients. restitution: e in [0, 1], of every
-    contact. gravity: m/s^2, a vector. step: h, s. duration: T, s. name and parameters: the generator's and its arguments.
+    contact. gravity: m/s^2, a vector. step: h, s. duration: T, s. path: where the scene has a
+    closed form, the centres of mass (nb, d) at a time. name and parameters: the generator's and its arguments.
     Errors: InputError naming the field.
     """
 
@@ -51,6 +53,7 @@ class Scene:
     gravity: tuple[float, ...] = None  # type: ignore[assignment]  # down
     step: float = 0.01
     duration: float = 3.0
+    path: Callable[[float], Array] | None = None
     name: str = ""
     parameters: dict[str, Any] = field(default_factory=dict)
 
@@ -152,6 +155,10 @@ class Scene:
         if isinstance(geometry, SpatialGeometry):
             return find_spatial_contacts(geometry, q, within)
         return find_contacts(geometry, q, within)
+
+    def path_error(self, q: Array, t: float) -> float | None:
+        """The largest distance, m, of a centre of mass from the closed form; None where there is none."""
+        return None if self.path is None else float(np.linalg.norm(self.geometry.centres(q) - self.path(t), axis=1).max())
 
     def deepest_overlap(self, q: Array) -> float:
         """The deepest overlap (m) of two bodies, or of a body and an obstacle; 0 where none overlap."""

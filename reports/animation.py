@@ -67,7 +67,7 @@ def _data(motion: Motion) -> dict[str, Any]:
     n = len(motion.times)
     numbers = motion.poses.size + 8 * n + sum(contacts.size for contacts in motion.contacts)
     every = -(-numbers // MOST_NUMBERS)
-    size = np.array([np.abs(contacts[:, 4:]).sum() for contacts in motion.contacts])
+    size = np.array([np.abs(contacts[:, 2 * motion.dimension :]).sum() for contacts in motion.contacts])
     shown = [k + int(size[k : k + every].argmax()) for k in range(0, n, every)]
     curves = {name: getattr(motion, name)[::every] for name in ("times", "energy", "kinetic", "friction", "normal", "joints")}
     data = curves | {
@@ -79,6 +79,8 @@ def _data(motion: Motion) -> dict[str, Any]:
         "mu": motion.coefficient,
         "outlines": [{**vars(outline), "corners": outline.corners.ravel()} for outline in motion.outlines],
         "pins": motion.hinges,
+        "space": motion.dimension == 3,
+        "centre": _centre(motion),
         "view": _view(motion),
         "size": _size(motion),
     }
@@ -97,7 +99,11 @@ def _moving(motion: Motion) -> list[Outline]:
 
 
 def _view(motion: Motion) -> Array:
-    """The bounding box (left, bottom, right, top) of all moving bodies over the whole motion, with a margin."""
+    """The bounding box (left, bottom, right, top) of all moving bodies over the whole motion, with a margin; in space the
+    square about their centre, whatever the direction from which they are seen."""
+    if motion.dimension == 3:
+        reach = _reach(motion) + float(np.linalg.norm(motion.poses[..., :3] - _centre(motion), axis=2).max(initial=0.0))
+        return (1 + MARGIN) * reach * np.array([-1.0, -1.0, 1.0, 1.0])
     low, high = [np.zeros((0, 2))], [np.zeros((0, 2))]
     for outline in _moving(motion):
         x, y, angle = motion.poses[:, outline.body].T[:, :, None]
@@ -110,3 +116,14 @@ def _view(motion: Motion) -> Array:
     left_bottom, right_top = np.vstack(low).min(axis=0), np.vstack(high).max(axis=0)
     margin = MARGIN * max(float((right_top - left_bottom).max()), 1e-9)
     return np.concatenate([left_bottom - margin, right_top + margin])
+
+
+def _centre(motion: Motion) -> Array:
+    """The middle (d,) of all places of all bodies."""
+    places = motion.poses[..., : motion.dimension].reshape(-1, motion.dimension)
+    return (places.min(axis=0) + places.max(axis=0)) / 2 if len(places) else np.zeros(motion.dimension)
+
+
+def _reach(motion: Motion) -> float:
+    """The largest distance of a body's point from its centre, m."""
+    return max((float(np.linalg.norm(o.corners, axis=1).max()) + o.radius for o in _moving(motion)), default=0.0)

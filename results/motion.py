@@ -26,9 +26,12 @@ DIGITS = 12  # significant digits in the file: a defect is the small difference 
 
 @dataclass(frozen=True, eq=False)
 class Outline:
-    """A shape to draw. body: the body in whose frame the corners (k, 2) are given, -1 for the fixed ground. Three or more
-    corners are a polygon, two a rod, one with a radius a disc. endless: the half plane to the left of the line through the two
-    corners or, with a negative radius, the outside of a circle."""
+    """A shape to draw. body: the body in whose frame the corners (k, d) are given, -1 for the fixed ground.
+
+    In the plane three or more corners are a polygon, two a rod, one with a radius a disc. endless: the half plane to the left
+    of the line through the two corners or, with a negative radius, the outside of a circle. In space eight corners, ascending,
+    are a box, and one with a radius is a sphere. endless: the half space below its first corner, whose normal is the second.
+    """
 
     body: int
     corners: Array
@@ -39,10 +42,11 @@ class Outline:
 @dataclass(frozen=True, eq=False)
 class Motion:
     """parameters: of the scene, all; changed: those that are not its defaults.
-    times: (n,), s. poses: (n, nb, 3), x, y and angle.
+    times: (n,), s. poses: (n, nb, 3), x, y and angle; in space (n, nb, 7), x, y, z and a quaternion, w first.
 
     contacts: per frame (nc, 6): the point; the unit normal towards the body that is pushed, the upper one of two; the normal
-    and the tangential impulse of the whole step, N s, the latter along the normal turned by -90 degrees.
+    and the tangential impulse of the whole step, N s, the latter along the normal turned by -90 degrees. In space (nc, 9): the
+    point, the normal, and the vector of the impulse.
     energy: (n,), kinetic plus potential, J. kinetic: (n,), J. friction, normal, joints: (n,), J, the work since the start of
     the tangential impulses, the normal impulses and the hinges. residual: (n,), the largest residual of the step's answers,
     possibly infinite. hinges: (nh, 3), a body and the position of the pin in its frame. coefficient, restitution: mu and e.
@@ -69,6 +73,11 @@ class Motion:
     normal: Array
     joints: Array
     residual: Array
+
+    @property
+    def dimension(self) -> int:
+        """d: 2 in the plane, 3 in space."""
+        return 3 if self.poses.shape[2] == 7 else 2
 
     @property
     def title(self) -> str:
@@ -116,9 +125,10 @@ def decoded(found: Any, origin: str) -> Motion:
         fields |= {name: np.array(found[name], dtype=float) for name in ("poses", *CURVES)}
         fields |= {name: dict(found[name]) for name in ("parameters", "changed")}
         fields["hinges"] = _numbers(found["hinges"], 3)
-        fields["contacts"] = tuple(_numbers(contacts, 6) for contacts in found["contacts"])
+        d = 3 if fields["poses"].shape[-1] == 7 else 2
+        fields["contacts"] = tuple(_numbers(contacts, 3 * d) for contacts in found["contacts"])
         fields["outlines"] = tuple(
-            Outline(int(o["body"]), _numbers(o["corners"], 2), float(o["radius"]), bool(o["endless"]))
+            Outline(int(o["body"]), _numbers(o["corners"], d), float(o["radius"]), bool(o["endless"]))
             for o in found["outlines"]
         )
         motion = Motion(**fields)
@@ -133,8 +143,8 @@ def _numbers(rows: Any, columns: int) -> Array:
 
 
 def _check(motion: Motion) -> None:
-    if motion.poses.ndim != 3 or len(motion.poses) == 0 or motion.poses.shape[2] != 3:
-        raise ValueError(f"poses: expected (n, nb, 3), got {motion.poses.shape}")
+    if motion.poses.ndim != 3 or len(motion.poses) == 0 or motion.poses.shape[2] not in (3, 7):
+        raise ValueError(f"poses: expected (n, nb, 3) or (n, nb, 7), got {motion.poses.shape}")
     n, bodies = motion.poses.shape[:2]
     lengths = {name: getattr(motion, name).shape for name in CURVES} | {"contacts": (len(motion.contacts),)}
     if wrong := [name for name, shape in lengths.items() if shape != (n,)]:

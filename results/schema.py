@@ -174,6 +174,7 @@ SIMULATIONS = (
     Column("energy_drift", _real, "1", "energy at the end minus energy at the start, over the energy scale"),
     Column("energy_rise", _real, "1", "largest increase of energy in one step, over the energy scale"),
     Column("worst_penetration", _real, "m", "largest penetration of two bodies"),
+    Column("path_error", _real, "m", "largest distance of a centre of mass from the scene's closed form; null without one"),
     Column("contact_free_steps", _whole, "", "number of steps without any contact"),
     Column("solver_time", _real, "s", "form, setup and solve, summed over all problems"),
     Column("times", _reals, "s", "time at the end of each step"),

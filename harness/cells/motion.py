@@ -18,11 +18,12 @@ from frictionbench.harness.cells.simulation import DIVERGED
 from frictionbench.harness.plans.plan import Source
 from frictionbench.problems import FrictionProblem, scene, scenes
 from frictionbench.problems.check import Array
-from frictionbench.problems.planar.bodies import Body, Shape
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.schemes import SCHEMES, NoSolution, Step
 from frictionbench.problems.simulate import simulate
+from frictionbench.problems.spatial.bodies import SpatialGeometry, Sphere
+from frictionbench.problems.spatial.collision import CORNERS
 from frictionbench.results.conventions import DEFAULT_SCHEME
 from frictionbench.results.motion import Motion, Outline, write_motion
 from frictionbench.solvers import solve
@@ -75,8 +76,8 @@ def record_motion(stage: Scene, solver: str | Reference, scheme: str = DEFAULT_S
         outlines=_outlines(stage),
         hinges=_pins(stage),
         times=np.array([step.time for step in taken]),
-        poses=np.array([step.q.reshape(-1, 3) for step in taken]),
-        contacts=(*(contacts for contacts, _, _ in parts), np.zeros((0, 6))),
+        poses=np.array([step.q.reshape(len(stage.bodies), -1) for step in taken]),
+        contacts=(*(contacts for contacts, _, _ in parts), np.zeros((0, 3 * stage.dimension))),
         energy=np.array([stage.energy(step.q, step.v) for step in taken]),
         kinetic=np.array([float(step.v @ (stage.weights * step.v)) / 2 for step in taken]),
         friction=work[:, 0],
@@ -105,10 +106,10 @@ def _energy_scale(stage: Scene) -> float:
 
 
 def _balance(stage: Scene, before: Step, after: Step) -> tuple[Array, Array, float]:
-    """A step's contacts (nc, 6) as in results.motion, the work (3,) of friction, normal impulses and hinges, and the largest
+    """A step's contacts (nc, 3 d) as in results.motion, the work (3,) of friction, normal impulses and hinges, and the largest
     residual of its answers."""
-    nv, v, work, worst = len(before.v), before.v, np.zeros(3), 0.0
-    contacts, compressed = [np.zeros((0, 6))], np.zeros(0)
+    nv, d, v, work, worst = len(before.v), stage.dimension, before.v, np.zeros(3), 0.0
+    contacts, compressed = [np.zeros((0, 3 * d))], np.zeros(0)
     for smooth in after.smooth:
         work[0] += smooth.work
         contacts.append(np.column_stack([smooth.contacts.place, smooth.impulse]))
@@ -124,25 +125,50 @@ def _balance(stage: Scene, before: Step, after: Step) -> tuple[Array, Array, flo
         if phase == "decompression":  # its problem begins after the impulse that compression returns
             total[:, 0] += stage.restitution * compressed
         middle = (v + after_phase) / 2
-        normal, tangential = (total * (J @ middle).reshape(-1, 2)).sum(axis=0)
-        work += tangential, normal, hinge_impulse @ middle
-        contacts.append(np.column_stack([_places(problem, before.q), total]))
+        normal, *tangential = (total * (J @ middle).reshape(-1, d)).sum(axis=0)
+        work += sum(tangential), normal, hinge_impulse @ middle
+        contacts.append(_in_plane(problem, before.q, total) if d == 2 else _in_space(stage, problem, before.q, total))
         v, compressed = after_phase, impulse[:, 0].clip(min=0)
     return _merged(np.vstack(contacts)), work, worst
 
 
-def _places(problem: FrictionProblem, q: Array) -> Array:
-    """Each contact's point and unit normal (nc, 4), directed to the body that is pushed; of two bodies, the upper one.
+def _in_plane(problem: FrictionProblem, q: Array, impulse: Array) -> Array:
+    """Each contact (nc, 6): its point, its unit normal, directed to the body that is pushed, of two bodies the upper one, and
+    the impulse.
 
     They follow from the contact's rows for that body: (e, a x e) for the normal e and for e turned by -90 degrees, with arm a.
     """
-    shape = (problem.contacts, len(q) // 3, 3)
-    N, T = (rows[:, : len(q)].toarray().reshape(shape) for rows in (problem.normal, problem.tangent))
-    height = np.where(N[:, :, :2].any(axis=2), N[:, :, 1], -np.inf)
-    contact, body = np.arange(len(N)), height.argmax(axis=1)
+    N, T = (_of_bodies(rows, q, 3) for rows in (problem.normal, problem.tangent))
+    contact, body = _upper(N[:, :, :2])
     normal, tangent = N[contact, body], T[contact, body]
     arm = normal[:, 2:] * tangent[:, :2] - tangent[:, 2:] * normal[:, :2]
-    return np.column_stack([q.reshape(-1, 3)[body, :2] + arm, normal[:, :2]])
+    return np.column_stack([q.reshape(-1, 3)[body, :2] + arm, normal[:, :2], impulse])
+
+
+def _in_space(stage: Scene, problem: FrictionProblem, q: Array, impulse: Array) -> Array:
+    """As _in_plane, (nc, 9), with the vector of the impulse.
+
+    The rows are (e, R'(a x e)) for an orthonormal frame of e, so that the sum of e x (a x e) is 2 a.
+    """
+    assert isinstance(stage.geometry, SpatialGeometry)
+    rows = np.stack([_of_bodies(rows, q, 6) for rows in (problem.normal, problem.tangent[::2], problem.tangent[1::2])])
+    contact, body = _upper(rows[0, :, :, :3])
+    held = rows[:, contact, body]  # (3, nc, 6)
+    axes, spin = held[..., :3], np.einsum("cab,kcb->kca", stage.geometry.rotations(q)[body], held[..., 3:])
+    arm = np.cross(axes, spin).sum(axis=0) / 2
+    return np.column_stack([stage.geometry.centres(q)[body] + arm, axes[0], np.einsum("ck,kca->ca", impulse, axes)])
+
+
+def _of_bodies(rows: Any, q: Array, velocities: int) -> Array:
+    """Rows of the Jacobian (nc, nb, velocities of a body), without the velocities that a scheme has added."""
+    bodies = len(q) // (3 if velocities == 3 else 7)
+    return np.asarray(rows[:, : bodies * velocities].toarray().reshape(-1, bodies, velocities))
+
+
+def _upper(normal: Array) -> tuple[Any, Any]:
+    """The numbers of the contacts (nc,), and for each the body whose normal (nc, nb, d) points up."""
+    height = np.where(normal.any(axis=2), normal[:, :, -1], -np.inf)
+    return np.arange(len(normal)), height.argmax(axis=1)
 
 
 def _merged(contacts: Array) -> Array:
@@ -150,24 +176,35 @@ def _merged(contacts: Array) -> Array:
 
     Phases detect contacts at the same positions, so that a contact's place is the same to the last bit.
     """
-    place, which = np.unique(contacts[:, :4], axis=0, return_inverse=True)
-    impulse = np.zeros((len(place), 2))
-    np.add.at(impulse, which.reshape(-1), contacts[:, 4:])
+    d = contacts.shape[1] // 3
+    place, which = np.unique(contacts[:, : 2 * d], axis=0, return_inverse=True)
+    impulse = np.zeros((len(place), d))
+    np.add.at(impulse, which.reshape(-1), contacts[:, 2 * d :])
     return np.column_stack([place, impulse])
 
 
 def _outlines(stage: Scene) -> tuple[Outline, ...]:
     """The outlines of all shapes; a body without shapes is drawn as the rod through its hinges."""
-    shapes = [(i, shape) for i, body in enumerate(stage.bodies) if isinstance(body, Body) for shape in body.shapes]
-    drawn = [
-        Outline(i, s.corners, s.radius, s.endless)
-        for i, s in [*shapes, *((-1, s) for s in stage.obstacles if isinstance(s, Shape))]
-    ]
+    if isinstance(stage.geometry, SpatialGeometry):
+        return _solids(stage.geometry)
+    shapes = [(i, shape) for i, body in enumerate(stage.geometry.bodies) for shape in body.shapes]
+    drawn = [Outline(i, s.corners, s.radius, s.endless) for i, s in [*shapes, *((-1, s) for s in stage.geometry.obstacles)]]
     pins = _pins(stage)
-    for i, body in enumerate(stage.bodies):
-        if isinstance(body, Body) and not body.shapes:
+    for i, body in enumerate(stage.geometry.bodies):
+        if not body.shapes:
             drawn.append(Outline(i, np.vstack([pins[pins[:, 0] == i][:2, 1:], np.zeros((2, 2))])[:2], 0.0, False))
     return tuple(drawn)
+
+
+def _solids(geometry: SpatialGeometry) -> tuple[Outline, ...]:
+    """The outlines of spheres, boxes and half spaces."""
+    shapes = [body.shape for body in geometry.bodies]
+    drawn = [
+        Outline(i, np.zeros((1, 3)), s.radius, False) if isinstance(s, Sphere) else Outline(i, CORNERS * s.half, 0.0, False)
+        for i, s in enumerate(shapes)
+    ]
+    planes = [Outline(-1, np.stack([o.height * o.normal, o.normal]), 0.0, True) for o in geometry.obstacles]
+    return (*drawn, *planes)
 
 
 def _pins(stage: Scene) -> Array:

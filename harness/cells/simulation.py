@@ -106,7 +106,7 @@ def run_closed_loop(cell: SimulationCell, info: SolverInfo, solver: Solver) -> d
     stage = scene(cell.scene, **cell.parameters)
     planned = stage.steps if cell.steps is None else cell.steps
     loop = _ClosedLoop(info, solver, cell)
-    times, energies, kinetic, penetrations, contact_free = [], [], [], [], 0
+    times, energies, kinetic, penetrations, errors, contact_free = [], [], [], [], [], 0
     ended = ""
     try:
         for step in simulate(stage, loop, _skipping_failures(SCHEMES[cell.scheme]), planned):
@@ -115,6 +115,8 @@ def run_closed_loop(cell: SimulationCell, info: SolverInfo, solver: Solver) -> d
             contact_free += not len(step.contacts)
             energies.append(stage.energy(step.q, step.v))
             kinetic.append(float(step.v @ (stage.mass @ step.v)) / 2)
+            if (off := stage.path_error(step.q, step.time)) is not None:
+                errors.append(off)
             penetrations.append(stage.deepest_overlap(step.q))
             loop.overhead += perf_counter() - start_time
             gained = energies[-1] - energies[0]  # a difference, since the potential's zero is arbitrary
@@ -144,6 +146,7 @@ def run_closed_loop(cell: SimulationCell, info: SolverInfo, solver: Solver) -> d
         "energy_drift": (energies[-1] - energies[0]) / scale,
         "energy_rise": max(0.0, float(np.max(np.diff(energies), initial=0.0))) / scale,
         "worst_penetration": max(penetrations),
+        "path_error": max(errors, default=None),
         "contact_free_steps": contact_free,
         "solver_time": loop.solver_time
         if np.isfinite(loop.solver_time)
@@ -157,7 +160,9 @@ def run_closed_loop(cell: SimulationCell, info: SolverInfo, solver: Solver) -> d
 
 def refusal(cell: SimulationCell, info: SolverInfo) -> str | None:
     """Why the solver or the scheme cannot run this simulation, or None."""
-    return info.missing or SCHEMES[cell.scheme].refuses(scene(cell.scene, **cell.parameters))
+    stage = scene(cell.scene, **cell.parameters)
+    other = None if stage.dimension in info.dimension else f"{info.name} does not take contacts of dimension {stage.dimension}"
+    return info.missing or other or SCHEMES[cell.scheme].refuses(stage)
 
 
 def _scale(stage: Scene, energies: list[float], kinetic: list[float]) -> float:

@@ -153,7 +153,8 @@ def run_simulation(cell: SimulationCell, limit: float) -> Row:
     info, solver = _solver(cell.variant)
     if reason := refusal(cell, info):
         return _done(start_time, row | {"verdict": Verdict.SKIPPED, "reason": reason})
-    start_time += _warm_up(cell.variant, 2, bool(scene(cell.scene, **cell.parameters).hinges), limit)
+    stage = scene(cell.scene, **cell.parameters)
+    start_time += _warm_up(cell.variant, stage.dimension, bool(stage.hinges), limit)
     process.reset_peak_memory()
     try:
         with _worker.deadline.within(limit, *_compiling(cell.variant)), process.watch_core() as core:

@@ -18,6 +18,7 @@ from frictionbench.problems.schemes import require_scheme
 from frictionbench.problems.spec import parse
 from frictionbench.results.motion import Motion, decoded
 
+EXACT = {2: "lemke", 3: "interior_point"}
 MAX_SECONDS = 3600.0  # seconds for a plug-in to simulate a scene: the user can interrupt it earlier
 
 
@@ -37,13 +38,17 @@ def _percent(share: float) -> str:
     return f"{percent:+.0f} %" if abs(percent) >= 99.5 else f"{percent:+.2g} %"
 
 
-def recorded(scene_spec: str, solver_spec: str, scheme: str, steps: int | None) -> Motion:
-    """The motion of a scene by a solver, both as named on the command line. Errors: InputError naming the field."""
+def recorded(scene_spec: str, solver_spec: str | None, scheme: str, steps: int | None) -> Motion:
+    """The motion of a scene by a solver, both as named on the command line; None: an exact one of the scene's dimension.
+
+    Errors: InputError naming the field.
+    """
     require_scheme(scheme)
     name, settings = parse("scene", scene_spec)
     if name in instances():
         raise InputError(f"scene: {name} is a problem of one step and has no motion; `show` takes {', '.join(scenes())}")
     stage = scene(name, **settings)
+    solver_spec = solver_spec or EXACT[stage.dimension]
     variants, plugins = load_plugins([solver_spec])
     if len(variants) != 1:
         raise InputError(f"solver: {solver_spec} defines {len(variants)} solvers; name one of them")

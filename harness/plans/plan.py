@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass, field, replace
 from hashlib import sha256
 from typing import Any
 
-from frictionbench.problems import InputError
+from frictionbench.problems import InputError, scene
 from frictionbench.problems.instances import instances
 from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, KEEP_ANSWER
 from frictionbench.results.map_spec import Map
@@ -51,6 +51,11 @@ class Source:
     def moves(self) -> bool:
         """Whether it is a scene, which can be simulated."""
         return not self.file and self.scene not in instances()
+
+    @property
+    def spatial(self) -> bool:
+        """Whether it is a scene in space."""
+        return self.moves and scene(self.scene, **self.parameters).dimension == 3
 
 
 @dataclass(frozen=True)
@@ -112,8 +117,8 @@ class Plugin:
 class Plan:
     """What a run does; times in seconds, memory in bytes. Simulations have one tolerance, simulation_tol.
 
-    spatial_solvers: for problems in space, in place of `solvers`; the same if empty. expects: how long the run takes on two
-    cores with one worker, for people; not a setting.
+    spatial_solvers: for problems and simulations in space, in place of the others; `solvers` if empty. expects: how long the
+    run takes on two cores with one worker, for people; not a setting.
 
     map_sources, map_simulations: the problems and simulations at the maps' grid points so far (harness.run_maps). They are not
     settings, because they follow from the maps and from the rows found.
@@ -168,7 +173,7 @@ class Plan:
             )
             for simulation in self.simulations
             for scheme in self.schemes
-            for variant in self.simulation_solvers
+            for variant in (self.lineup(3) if simulation.spatial else self.simulation_solvers)
             for after in self.after_failure
         ]
         return [*simulated, *self.map_simulations]

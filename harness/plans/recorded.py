@@ -21,6 +21,18 @@ from frictionbench.results.conventions import COLD, WARM
 REPLAY = "replay"  # the suite of motions, which takes recorded ones as well
 FORMATS = (".hdf5", ".h5", ".dat", ".npz")  # suffixes of files that problems.recorded reads
 
+# Motions in space with closed forms, those of the battery of engines (harness.battery).
+PHENOMENA = (
+    Source("sliding_box", {"slope": 0.35, "speed": 0.0}),  # held by friction: it must not creep
+    Source("sliding_box", {"heading": 0.5}),  # straight on, until it stops
+    Source("sliding_box", {"slope": 0.24, "speed": 0.0, "aspect": 4.0, "friction": 1.0}),  # about to tip over
+    Source("box_tower"),
+    Source("box_tower", {"boxes": 2, "mass_ratio": 1000.0}),
+    Source("box_in_groove"),
+    Source("sliding_ball"),
+    *(Source("dropped_ball", {"restitution": e, "step": 0.01}) for e in (0.0, 0.5, 1.0)),
+)
+
 # Accuracy and time limit of Acary, Brémond and Huber 2018, family by family of the collection.
 ABH2018 = {
     "Global/LMGC90/cubes_H8": (1e-8, 100.0),
@@ -58,7 +70,8 @@ def abh2018() -> Plan:
 
 
 def spatial() -> Plan:
-    """Spatial problems of one step, from one contact to a thousand, with every solver that accepts them."""
+    """Spatial problems of one step, from one contact to a thousand, and motions with closed forms, with every solver that
+    accepts them."""
     large = (
         Source("cubes", {"boxes": 100, "push": 0.1, "twist": 1.0, "smooth": 0.2, "fall": 1.0}),
         Source("sphere_pyramid", {"levels": 6, "friction": 0.5}),  # between what slides and what sticks: the hardest
@@ -73,7 +86,10 @@ def spatial() -> Plan:
         solvers=lineup,
         spatial_solvers=lineup,
         tolerances=(1e-4, 1e-8),
+        simulations=PHENOMENA,
+        simulation_solvers=lineup,
         time_limit=2.0,
+        simulation_limit=10.0,
         expects="twenty minutes",
     )
 

@@ -135,6 +135,7 @@ class Geometry:
     coordinates = velocities = 3  # of a body
 
     def __init__(self, bodies: Sequence[Body], obstacles: Sequence[Shape], hinges: Sequence[Hinge] = ()) -> None:
+        self.bodies, self.obstacles = tuple(bodies), tuple(obstacles)
         owned = [(i, shape) for i, body in enumerate(bodies) for shape in body.shapes]
         owned += [(-1, shape) for shape in obstacles]
         count = [len(shape.corners) for _, shape in owned]

@@ -3,7 +3,9 @@
 A solver whose results depend on the units has an absolute tolerance.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -29,4 +31,9 @@ def in_units(scene: Scene, mass: float, length: float) -> Scene:
         q0=scaled(scene.q0, scene.geometry.coordinates),
         v0=scaled(scene.v0, scene.geometry.velocities),
         gravity=tuple(length * g for g in scene.gravity),
+        path=scene.path and partial(_lengths, scene.path, length),
     )
+
+
+def _lengths(path: Callable[[float], Array], length: float, time: float) -> Array:
+    return length * path(time)

@@ -11,6 +11,7 @@ import numpy as np
 
 from frictionbench.problems.check import Array
 
+AT_REST = np.array([1.0, 0.0, 0.0, 0.0])  # the quaternion of no rotation
 ITERATIONS = 8  # Newton's, quadratic: more than a turn in a step needs
 
 

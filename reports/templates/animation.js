@@ -11,14 +11,15 @@ const hinged = motion.pins.length > 0;
 const curves = { normal: motion.normal, friction: motion.friction, ...(hinged && { joints: motion.joints }), defect: motion.defect, ink: change };
 const largestSize = (values) => values.reduce((a, value) => Math.max(a, Math.abs(value)), 0);
 const energyScale = Math.max(largestSize(change), largestSize(motion.kinetic), 1e-3 * largestSize(motion.energy)) || 1;
-const force = (contacts, k) => Math.hypot(contacts[k + 4], contacts[k + 5]) / motion.step;
+const d = motion.space ? 3 : 2, stride = 3 * d;  // of a contact: its point, its normal and its impulse
+const force = (contacts, k) => Math.hypot(...contacts.slice(k + 2 * d, k + stride)) / motion.step;
 
 // The typical force, the median over the frames of the largest one, has an arrow of ARROW times the size of the view. Arrows are
 // truncated at LONGEST times that length.
 const ARROW = 0.2, LONGEST = 2.0;
 const largest = motion.contacts.map((contacts) => {
   let found = 0;
-  for (let k = 0; k < contacts.length; k += 6) found = Math.max(found, force(contacts, k));
+  for (let k = 0; k < contacts.length; k += stride) found = Math.max(found, force(contacts, k));
   return found;
 });
 const positive = largest.filter((value) => value > 1e-9 * largestSize(largest)).sort((a, b) => a - b);
@@ -52,6 +53,24 @@ function drawStage() {
   const [pen, width, height] = fit(stage, Math.round(Math.min(Math.max(wanted, 260), 0.68 * innerHeight)));
   const scale = Math.min(width / (right - left), height / (top - bottom));
   const X = (x) => width / 2 + scale * (x - (left + right) / 2), Y = (y) => height / 2 - scale * (y - (bottom + top) / 2);
+  const body = scale * motion.size, size = Math.min(Math.max(0.35 * body, 14), 44);
+  const reach = Math.max(Math.min(ARROW * Math.min(width, height), 0.9 * body), 40);
+  const forces = motion.space ? drawContactsInSpace : drawContacts;
+  if (motion.space) drawSpace(pen, X, Y, scale); else drawPlane(pen, X, Y, scale, width, height);
+
+  const trail = playing ? Math.max(1, Math.round(0.2 * speed * frames / (motion.times[last] || 1))) : 0;
+  for (let k = Math.max(0, frame - trail); k < frame; k++) {  // an impact lasts one step: its arrows fade over the following frames
+    if (largest[k] > LONGEST * typical || largest[frame] === 0) {
+      pen.globalAlpha = 0.7 * (1 - (frame - k) / (trail + 1));
+      forces(pen, motion.contacts[k], X, Y, reach, 0);
+    }
+  }
+  pen.globalAlpha = 1;
+  forces(pen, motion.contacts[frame], X, Y, reach, element("cones").checked ? size : 0);
+  drawScales(pen, scale, reach, width, height);
+}
+
+function drawPlane(pen, X, Y, scale, width, height) {
   const pose = motion.poses[frame];
   const place = (body, a, b) => {
     if (body < 0) return [X(a), Y(b)];
@@ -61,19 +80,111 @@ function drawStage() {
   for (const outline of motion.outlines) if (outline.body < 0) drawOutline(pen, outline, place, scale, width, height);
   for (const outline of motion.outlines) if (outline.body >= 0) drawOutline(pen, outline, place, scale, width, height);
   for (const [body, a, b] of motion.pins) dot(pen, ...place(body, a, b), 3.5, colour.paper, colour.edge);
+}
 
-  const body = scale * motion.size, size = Math.min(Math.max(0.35 * body, 14), 44);
-  const reach = Math.max(Math.min(ARROW * Math.min(width, height), 0.9 * body), 40);
-  const trail = playing ? Math.max(1, Math.round(0.2 * speed * frames / (motion.times[last] || 1))) : 0;
-  for (let k = Math.max(0, frame - trail); k < frame; k++) {  // an impact lasts one step: its arrows fade over the following frames
-    if (largest[k] > LONGEST * typical || largest[frame] === 0) {
-      pen.globalAlpha = 0.7 * (1 - (frame - k) / (trail + 1));
-      drawContacts(pen, motion.contacts[k], X, Y, reach, 0);
+// In space: an orthographic picture, which a drag turns. The axes of the picture are right, up and towards the viewer.
+let azimuth = -0.5, elevation = 0.35;
+const dot3 = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const sum = (a, s, b) => a.map((value, k) => value + s * b[k]);  // a + s b
+function camera() {
+  const [ca, sa, ce, se] = [Math.cos(azimuth), Math.sin(azimuth), Math.cos(elevation), Math.sin(elevation)];
+  return [[ca, sa, 0], [-sa * se, ca * se, ce], [sa * ce, -ca * ce, se]];
+}
+
+function turned([w, x, y, z], a) {  // the vector a, turned by a unit quaternion
+  const t = cross([x, y, z], a).map((value) => 2 * value);
+  return sum(sum(a, w, t), 1, cross([x, y, z], t));
+}
+
+function drawSpace(pen, X, Y, scale) {
+  const [right, up, near] = camera();
+  const seen = (point) => { const p = sum(point, -1, motion.centre); return [X(dot3(p, right)), Y(dot3(p, up))]; };
+  const area = (points, fill, edge) => {
+    pen.beginPath();
+    for (const point of points) pen.lineTo(...seen(point));
+    pen.closePath();
+    pen.fillStyle = fill;
+    pen.strokeStyle = edge;
+    pen.lineWidth = 1.5;
+    pen.fill();
+    pen.stroke();
+  };
+  const far = 1.2 * motion.view[2];
+  for (const { corners, endless } of motion.outlines) {
+    if (!endless) continue;
+    const normal = corners.slice(3), foot = sum(motion.centre, dot3(normal, corners.slice(0, 3)) - dot3(normal, motion.centre), normal);
+    const side = cross(normal, Math.abs(normal[0]) < 0.9 ? [1, 0, 0] : [0, 1, 0]), length = Math.hypot(...side);
+    const u = side.map((value) => far * value / length), v = cross(normal, u);
+    pen.globalAlpha = 0.6;
+    area([[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([a, b]) => sum(sum(foot, a, u), b, v)), colour.ground, colour.line);
+    pen.globalAlpha = 1;
+  }
+  const pose = (body) => motion.poses[frame].slice(7 * body, 7 * body + 7);
+  const moving = motion.outlines.filter((outline) => outline.body >= 0);
+  const depth = (outline) => dot3(pose(outline.body).slice(0, 3), near);
+  for (const { body, corners, radius } of [...moving].sort((a, b) => depth(a) - depth(b))) {
+    const place = pose(body), centre = place.slice(0, 3), turn = place.slice(3);
+    const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => turned(turn, axis));
+    if (radius > 0) {
+      dot(pen, ...seen(centre), scale * radius, colour.body, colour.edge);
+      pen.lineWidth = 1;
+      for (let k = 0; k < 3; k++) {  // three great circles, where they are in front
+        const [u, v] = [axes[(k + 1) % 3], axes[(k + 2) % 3]];
+        pen.beginPath();
+        for (let i = 0, drawn = false; i <= 60; i++) {
+          const a = i * Math.PI / 30, arm = sum(u.map((value) => value * Math.cos(a)), Math.sin(a), v), front = dot3(arm, near) >= 0;
+          if (front) pen[drawn ? "lineTo" : "moveTo"](...seen(sum(centre, radius, arm)));
+          drawn = front;
+        }
+        pen.stroke();
+      }
+      continue;
+    }
+    const corner = (n) => sum(centre, 1, turned(turn, corners.slice(3 * n, 3 * n + 3)));
+    for (let axis = 0; axis < 3; axis++) {
+      for (const outer of [0, 1]) {
+        if ((2 * outer - 1) * dot3(axes[axis], near) <= 0) continue;
+        const bit = [4, 2, 1][axis], [p, q] = [4, 2, 1].filter((value) => value !== bit);
+        area([0, p, p + q, q].map((n) => corner(n + outer * bit)), colour.body, colour.edge);
+      }
     }
   }
-  pen.globalAlpha = 1;
-  drawContacts(pen, motion.contacts[frame], X, Y, reach, element("cones").checked ? size : 0);
-  drawScales(pen, scale, reach, width, height);
+}
+
+function drawContactsInSpace(pen, contacts, X, Y, reach, cone) {
+  const [right, up] = camera(), opening = Math.atan(motion.mu);
+  const at = (point) => { const p = sum(point, -1, motion.centre); return [X(dot3(p, right)), Y(dot3(p, up))]; };
+  for (let k = 0; k < contacts.length; k += stride) {
+    const [point, n, impulse] = [0, 3, 6].map((from) => contacts.slice(k + from, k + from + 3));
+    const size = force(contacts, k), foot = at(point);
+    if (size <= 1e-4 * typical) { dot(pen, ...foot, 2.5, colour.soft); continue; }
+    const normal = dot3(n, impulse), tangential = Math.hypot(...sum(impulse, -normal, n));
+    const ink = tangential >= 0.9999 * motion.mu * normal ? colour.slide : colour.stick;
+    if (cone) {
+      const side = cross(n, Math.abs(n[0]) < 0.9 ? [1, 0, 0] : [0, 1, 0]), u = side.map((value) => value / Math.hypot(...side)), v = cross(n, u);
+      const alpha = pen.globalAlpha;
+      pen.fillStyle = pen.strokeStyle = ink;
+      pen.lineWidth = 0.8;
+      pen.beginPath();
+      for (let i = 0; i < 24; i++) {
+        const a = i * Math.PI / 12, s = Math.sin(opening);
+        const [e, f] = sum(sum(n.map((value) => value * Math.cos(opening)), s * Math.cos(a), u), s * Math.sin(a), v).reduce(
+          ([x, y], value, axis) => [x + value * right[axis], y + value * up[axis]], [0, 0]);
+        pen.lineTo(foot[0] + cone * e, foot[1] - cone * f);
+        if (i % 6 === 0) { pen.moveTo(...foot); pen.lineTo(foot[0] + cone * e, foot[1] - cone * f); }
+      }
+      pen.globalAlpha = 0.6 * alpha;
+      pen.stroke();
+      pen.globalAlpha = alpha;
+    }
+    if (element("forces").checked) {
+      const [fx, fy] = [dot3(impulse, right), dot3(impulse, up)], shown = Math.hypot(fx, fy), whole = Math.hypot(...impulse);
+      const length = reach * Math.min(size / typical, LONGEST) * shown / whole;
+      if (length > 2) arrow(pen, ...foot, fx / shown, -fy / shown, length, ink, size > LONGEST * typical);
+    }
+    dot(pen, ...foot, 3, ink);
+  }
 }
 
 function drawOutline(pen, outline, place, scale, width, height) {
@@ -113,7 +224,7 @@ function dot(pen, x, y, radius, fill, line) {
 
 function drawContacts(pen, contacts, X, Y, reach, cone) {
   const opening = Math.atan(motion.mu);
-  for (let k = 0; k < contacts.length; k += 6) {
+  for (let k = 0; k < contacts.length; k += stride) {
     const [x, y, nx, ny, normal, tangential] = contacts.slice(k, k + 6), at = [X(x), Y(y)];
     const size = force(contacts, k), drawn = size > 1e-4 * typical;
     if (!drawn) { dot(pen, ...at, 2.5, colour.soft); continue; }
@@ -291,6 +402,16 @@ addEventListener("keydown", (event) => {
   const keys = { " ": toggle, ArrowLeft: () => show(frame - count), ArrowRight: () => show(frame + count), Home: () => show(0), End: () => show(last) };
   if (keys[event.key]) { event.preventDefault(); keys[event.key](); }
 });
+if (motion.space) {
+  stage.style.cursor = "grab";
+  stage.style.touchAction = "none";
+  stage.addEventListener("pointermove", (event) => {
+    if (!event.buttons) return;
+    azimuth -= 0.01 * event.movementX;
+    elevation = Math.min(Math.max(elevation + 0.01 * event.movementY, -1.5), 1.5);
+    draw();
+  });
+}
 addEventListener("hashchange", fromHash);
 addEventListener("resize", draw);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);

@@ -18,7 +18,8 @@ from frictionbench.problems.simulate import ledger_defect, simulate
 
 
 def lemke(problem: FrictionProblem) -> Array:
-    answer = solvers.solve(problem, "lemke", tol=1e-10)
+    """The impulses by Lemke's method, or in space, where that takes a polygon, by an interior point."""
+    answer = solvers.solve(problem, "lemke" if problem.dimension == 2 else "interior_point", tol=1e-10)
     assert answer.status is solvers.Status.SOLVED
     assert residual(problem, answer.impulse) <= 1e-9
     return answer.impulse

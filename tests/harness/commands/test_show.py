@@ -102,6 +102,27 @@ def test_recorded_contacts_equal_scene_contacts(name: str) -> None:
     assert distance.min(axis=1).max() <= 1e-12
 
 
+@pytest.mark.parametrize("name", ["box_tower", "sliding_ball", "box_in_groove"])
+def test_recorded_contacts_in_space(name: str) -> None:
+    """Points, normals and impulses are those of the scene's contacts, and the balance of energy is that of the motion."""
+    stage = scene(name)
+    motion, found = record_motion(stage, "interior_point", steps=1), stage.contacts(stage.q0)
+    upper = np.where(found.direction[:, 2:] < 0, -found.direction, found.direction)
+    wanted, recorded = np.hstack([found.point, upper]), motion.contacts[0]
+    distance = np.abs(recorded[:, None, :6] - wanted[None]).max(axis=2)
+    assert distance.min(axis=0).max() <= 1e-12
+    assert distance.min(axis=1).max() <= 1e-12
+    normal = (recorded[:, 3:6] * recorded[:, 6:]).sum(axis=1)
+    sliding = np.linalg.norm(recorded[:, 6:] - normal[:, None] * recorded[:, 3:6], axis=1)
+    assert (sliding <= stage.friction * normal + 1e-9).all()
+    ground = found.bodies[distance.argmin(axis=1), 1] == -1
+    held = recorded[ground, 6:].sum(axis=0)  # what holds or slows all bodies
+    *_, last = simulate(stage, lambda problem: solve(problem, "interior_point", tol=1e-10).impulse, steps=1)
+    momentum = (stage.weights * (last.v - stage.v0)).reshape(-1, 6)[:, :3]
+    weight = stage.step * stage.weights[::6].sum() * np.array(stage.gravity)
+    assert held == pytest.approx(momentum.sum(axis=0) - weight, abs=1e-6)
+
+
 def test_recorded_impulses() -> None:
     stage = scene("stack", blocks=4, push=0.0)
     motion = record_motion(stage, "lemke", steps=5)
@@ -222,7 +243,7 @@ class _Page(HTMLParser):
 
 def test_every_scene_has_a_self_contained_page(tmp_path) -> None:
     for name in scenes():
-        page = _Page(write_animation(record_motion(scene(name), "lemke", steps=3), tmp_path / f"{name}.html"))
+        page = _Page(write_animation(recorded(name, None, "anitescu_potra", 3), tmp_path / f"{name}.html"))
         assert page.references == []
         assert page.tags.count("script") == 2
         data = json.loads(page.scripts["application/json"])

@@ -1,0 +1,119 @@
+"""Boxes in space: on a slope, on each other, in a groove. Each is at rest or slides, with a closed form.
+
+A slope tilts gravity and not the ground: downhill is along x, and z is normal to the slope.
+"""
+
+from functools import partial
+
+import numpy as np
+
+from frictionbench.problems.check import Array
+from frictionbench.problems.parameters import count, number
+from frictionbench.problems.scene import GRAVITY, Scene
+from frictionbench.problems.scenes.catalogue import generator
+from frictionbench.problems.spatial.bodies import HalfSpace, solid_box
+from frictionbench.problems.spatial.rotation import AT_REST
+
+HALF = 0.1  # m, half an edge of a cube
+FLOOR = HalfSpace(np.array([0.0, 0.0, 1.0]))
+
+
+@generator()
+def sliding_box(
+    slope: float = 0.0,
+    friction: float = 0.5,
+    speed: float = 2.0,
+    heading: float = 0.0,
+    aspect: float = 1.0,
+    step: float = 0.01,
+    duration: float = 0.6,
+) -> Scene:
+    """A box that is thrown on level ground or put on a slope: it slides straight on, stops, holds, or tips over.
+
+    It stops after v^2/(2 mu g) on level ground, in the direction of the throw; on a slope below atan(mu) it stays where it is,
+    and does not creep; it tips over where tan(slope) > 1/aspect. slope, heading: rad. speed: m/s. aspect: height over width,
+    which is 0.2 m.
+    """
+    slope, speed, heading = number("slope", slope, least=0, most=1.2), number("speed", speed), number("heading", heading)
+    half, mu = (HALF, HALF, HALF * number("aspect", aspect, above=0)), number("friction", friction, least=0)
+    along = np.array([np.cos(heading), np.sin(heading), 0.0])
+    down, normal = GRAVITY * np.sin(slope), GRAVITY * np.cos(slope)
+    straight = slope == 0 or (heading == 0 and speed >= 0)  # else the path bends, or turns back
+    upright = max(mu if speed else min(mu, np.tan(slope)), 0.0) * aspect <= 1
+    return Scene(
+        bodies=(solid_box(half),),
+        obstacles=(FLOOR,),
+        q0=np.array([0.0, 0.0, half[2], *AT_REST]),
+        v0=np.array([*speed * along, 0.0, 0.0, 0.0]),
+        friction=mu,
+        gravity=(down, 0.0, -normal),
+        step=step,
+        duration=duration,
+        path=partial(_sliding, np.array([0, 0, half[2]]), along, speed, down, mu * normal) if straight and upright else None,
+    )
+
+
+def _sliding(start: Array, along: Array, speed: float, pull: float, rate: float, time: float) -> Array:
+    """The centre (1, 3) on a straight line: pull, m/s^2, along it, and friction of up to rate, m/s^2, against it."""
+    if speed == 0 and pull <= rate:
+        return start[None]
+    direction = np.sign(speed) or 1.0
+    until = min(time, abs(speed) / (rate - pull)) if rate > pull else time
+    return np.array([start + along * (speed * until + direction * (pull - rate) * until**2 / 2)])
+
+
+@generator()
+def box_tower(
+    boxes: int = 5,
+    mass_ratio: float = 1.0,
+    slope: float = 0.1,
+    friction: float = 0.5,
+    step: float = 0.01,
+    duration: float = 0.3,
+) -> Scene:
+    """Cubes stand on each other, on a slope on which friction holds them, and stay where they are.
+
+    They tip over where tan(slope) exceeds half an edge over the height of the centre of mass of all that stand on a face.
+    mass_ratio: of the highest to the lowest, geometric in between. slope: rad, 0 for level ground.
+    """
+    n = count("boxes", boxes)
+    mass = number("mass_ratio", mass_ratio, above=0) ** (np.arange(n) / max(n - 1, 1))
+    slope, mu = number("slope", slope, least=0, most=1.2), number("friction", friction, least=0)
+    place = np.array([[0.0, 0.0, HALF * (2 * i + 1)] for i in range(n)])
+    standing = [np.average(place[i:, 2], weights=mass[i:]) - 2 * i * HALF for i in range(n)]  # heights over each face
+    holds = np.tan(slope) <= min(mu, HALF / max(standing))
+    return Scene(
+        bodies=tuple(solid_box((HALF, HALF, HALF), float(m)) for m in mass),
+        obstacles=(FLOOR,),
+        q0=np.hstack([place, np.tile(AT_REST, (n, 1))]),
+        friction=mu,
+        gravity=(GRAVITY * np.sin(slope), 0.0, -GRAVITY * np.cos(slope)),
+        step=step,
+        duration=duration,
+        path=partial(_resting, place) if holds else None,
+    )
+
+
+def _resting(place: Array, time: float) -> Array:
+    return place
+
+
+@generator()
+def box_in_groove(slope: float = 0.5, friction: float = 0.2, step: float = 0.01, duration: float = 0.5) -> Scene:
+    """A cube slides on an edge down a right-angled groove, between two planes that both press on it.
+
+    Its acceleration is g (sin(slope) - sqrt(2) mu cos(slope)), and it stays if that is negative. slope: rad.
+    """
+    slope, mu, side = number("slope", slope, least=0, most=1.2), number("friction", friction, least=0), np.sqrt(0.5)
+    down, normal = GRAVITY * np.sin(slope), GRAVITY * np.cos(slope)
+    start = np.array([0.0, 0.0, HALF / side])
+    return Scene(
+        bodies=(solid_box((HALF, HALF, HALF)),),
+        obstacles=tuple(HalfSpace(np.array([0.0, sign * side, side])) for sign in (-1, 1)),
+        q0=np.array([*start, np.cos(np.pi / 8), np.sin(np.pi / 8), 0.0, 0.0]),
+        friction=mu,
+        gravity=(down, 0.0, -normal),
+        step=step,
+        duration=duration,
+        path=partial(_sliding, start, np.array([1.0, 0, 0]), 0.0, down, mu * normal / side),
+    )
