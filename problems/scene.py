@@ -106,12 +106,15 @@ class Scene:
         """e of each contact (nc,)."""
         return np.full(len(contacts), self.restitution)
 
-    def accelerate(self, q: Array, force: Array) -> Array:
-        """M(q)^-1 force: the accelerations by a force (nv,), or the velocities by an impulse; (nv, n) for n of them."""
+    def accelerate(self, q: Array, force: Array, ahead: float = 0.0) -> Array:
+        """M(q)^-1 force: the accelerations by a force (nv,), or the velocities by an impulse; (nv, n) for n of them.
+
+        ahead: as of mass_matrix.
+        """
         return np.asarray((force.T / self.weights).T)
 
-    def mass_matrix(self, q: Array) -> sparse.csr_array:
-        """M(q) (nv, nv)."""
+    def mass_matrix(self, q: Array, ahead: float = 0.0) -> sparse.csr_array:
+        """M(q) + ahead^2 K (nv, nv), with a time and the stiffness of springs, which bodies have none of."""
         return self.mass
 
     @property
@@ -169,10 +172,14 @@ class Scene:
         theta, rows = hinge_equations(self.hinges, q)
         return theta, rows.matrix(len(self.weights))
 
+    def kinetic(self, q: Array, v: Array) -> float:
+        """The kinetic energy, J."""
+        return float(v @ (self.weights * v) / 2)
+
     def energy(self, q: Array, v: Array) -> float:
         """Kinetic and potential energy, J; the potential is zero at the origin."""
         mass = self.weights[:: self.geometry.velocities]
-        return float(v @ (self.weights * v) / 2 - mass @ (self.geometry.centres(q) @ self.gravity))
+        return float(self.kinetic(q, v) - mass @ (self.geometry.centres(q) @ self.gravity))
 
     def friction_problem(
         self,
@@ -182,11 +189,13 @@ class Scene:
         bias: Array | float = 0.0,
         friction_bias: Array | float = 0.0,
         joint_bias: Array | float = 0.0,
+        ahead: float = 0.0,
     ) -> FrictionProblem:
-        """The friction problem of these contacts and of the joints at q; a bias may be one number for all."""
+        """The friction problem of these contacts and of the joints at q; a bias may be one number for all. ahead: as of
+        mass_matrix."""
         nc, F = len(contacts), hinge_equations(self.hinges, q)[1] if self.hinges else None
         return FrictionProblem(
-            mass=self.mass_matrix(q),
+            mass=self.mass_matrix(q, ahead),
             normal=contacts.normal_rows,  # as plain arrays
             tangent=contacts.tangent_rows,
             friction=self.coefficients(contacts),

@@ -18,6 +18,7 @@ from frictionbench.harness.cells.simulation import DIVERGED
 from frictionbench.harness.plans.plan import Source
 from frictionbench.problems import FrictionProblem, scene, scenes
 from frictionbench.problems.check import Array
+from frictionbench.problems.generalised import GeneralisedScene
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.schemes import SCHEMES, NoSolution, Step
@@ -76,10 +77,10 @@ def record_motion(stage: Scene, solver: str | Reference, scheme: str = DEFAULT_S
         outlines=_outlines(stage),
         hinges=_pins(stage),
         times=np.array([step.time for step in taken]),
-        poses=np.array([step.q.reshape(len(stage.bodies), -1) for step in taken]),
+        poses=np.array([_poses(stage, step.q) for step in taken]),
         contacts=(*(contacts for contacts, _, _ in parts), np.zeros((0, 3 * stage.dimension))),
         energy=np.array([stage.energy(step.q, step.v) for step in taken]),
-        kinetic=np.array([float(step.v @ (stage.weights * step.v)) / 2 for step in taken]),
+        kinetic=np.array([stage.kinetic(step.q, step.v) for step in taken]),
         friction=work[:, 0],
         normal=work[:, 1],
         joints=work[:, 2],
@@ -102,34 +103,44 @@ def _usable(problem: FrictionProblem, solver: str) -> Array:
 def _energy_scale(stage: Scene) -> float:
     """A scale of the scene's energy, J: the initial kinetic energy, and the work that lifts its bodies by the size of one."""
     force = stage.force(stage.q0, stage.v0, 0.0)
-    return float(stage.v0 @ (stage.weights * stage.v0) / 2 + np.abs(force).sum() * stage.geometry.reach)
+    return float(stage.kinetic(stage.q0, stage.v0) + np.abs(force).sum() * stage.reach)
 
 
 def _balance(stage: Scene, before: Step, after: Step) -> tuple[Array, Array, float]:
     """A step's contacts (nc, 3 d) as in results.motion, the work (3,) of friction, normal impulses and hinges, and the largest
     residual of its answers."""
     nv, d, v, work, worst = len(before.v), stage.dimension, before.v, np.zeros(3), 0.0
-    contacts, compressed = [np.zeros((0, 3 * d))], np.zeros(0)
+    contacts = [np.zeros((0, 3 * d))]
     for smooth in after.smooth:
         work[0] += smooth.work
         contacts.append(np.column_stack([smooth.contacts.place, smooth.impulse]))
-    for phase, problem, impulse in after.solved:
+    for phase, problem, impulse, returned in after.solved:
         worst = max(worst, residual(problem, impulse))
         if phase == "forces":  # its work is that of the smooth motion
             continue
-        if phase == "impact":
+        if phase in ("impact", "compression"):  # at a time within the step
             v = problem.free_velocity
         J, total = problem.jacobian[:, :nv], impulse.copy()  # a scheme may append velocities of its own to the scene's
         after_phase = problem.velocity(impulse)[:nv]
-        hinge_impulse = stage.weights * (after_phase - problem.free_velocity[:nv]) - J.T @ impulse.ravel()
-        if phase == "decompression":  # its problem begins after the impulse that compression returns
-            total[:, 0] += stage.restitution * compressed
+        hinge_impulse = problem.mass[:nv, :nv] @ (after_phase - problem.free_velocity[:nv]) - J.T @ impulse.ravel()
+        total[:, 0] += returned  # a decompression begins after it
         middle = (v + after_phase) / 2
         normal, *tangential = (total * (J @ middle).reshape(-1, d)).sum(axis=0)
         work += sum(tangential), normal, hinge_impulse @ middle
-        contacts.append(_in_plane(problem, before.q, total) if d == 2 else _in_space(stage, problem, before.q, total))
-        v, compressed = after_phase, impulse[:, 0].clip(min=0)
+        contacts.append(_contacts(stage, problem, before.q, total))
+        v = after_phase
     return _merged(np.vstack(contacts)), work, worst
+
+
+def _poses(stage: Scene, q: Array) -> Array:
+    return stage.poses(q) if isinstance(stage, GeneralisedScene) else q.reshape(len(stage.bodies), -1)
+
+
+def _contacts(stage: Scene, problem: FrictionProblem, q: Array, impulse: Array) -> Array:
+    """Each contact (nc, 3 d) as in results.motion."""
+    if isinstance(stage, GeneralisedScene):
+        return np.column_stack([stage.places(problem, q), impulse])
+    return _in_plane(problem, q, impulse) if stage.dimension == 2 else _in_space(stage, problem, q, impulse)
 
 
 def _in_plane(problem: FrictionProblem, q: Array, impulse: Array) -> Array:
@@ -185,6 +196,8 @@ def _merged(contacts: Array) -> Array:
 
 def _outlines(stage: Scene) -> tuple[Outline, ...]:
     """The outlines of all shapes; a body without shapes is drawn as the rod through its hinges."""
+    if isinstance(stage, GeneralisedScene):
+        return tuple(Outline(i, s.corners, s.radius, s.endless) for i, s in stage.outlines)
     if isinstance(stage.geometry, SpatialGeometry):
         return _solids(stage.geometry)
     shapes = [(i, shape) for i, body in enumerate(stage.geometry.bodies) for shape in body.shapes]

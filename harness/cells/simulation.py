@@ -114,7 +114,7 @@ def run_closed_loop(cell: SimulationCell, info: SolverInfo, solver: Solver) -> d
             times.append(step.time)
             contact_free += not len(step.contacts)
             energies.append(stage.energy(step.q, step.v))
-            kinetic.append(float(step.v @ (stage.mass @ step.v)) / 2)
+            kinetic.append(stage.kinetic(step.q, step.v))
             if (off := stage.path_error(step.q, step.time)) is not None:
                 errors.append(off)
             penetrations.append(stage.deepest_overlap(step.q))
@@ -172,4 +172,4 @@ def _scale(stage: Scene, energies: list[float], kinetic: list[float]) -> float:
     potential = np.array(energies) - np.array(kinetic)
     scale = max(kinetic) + float(np.ptp(potential))
     push = stage.step * stage.force(stage.q0, stage.v0, 0.0)
-    return max(scale, float(push @ (push / stage.weights)) / 2)
+    return max(scale, float(push @ stage.accelerate(stage.q0, push)) / 2)

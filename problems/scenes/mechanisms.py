@@ -8,6 +8,8 @@ from frictionbench.problems.planar.joints import Hinge
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.scenes.catalogue import generator
 
+CRANK, ROD = 0.153, 0.306  # m, of the slider-crank
+
 
 @generator()
 def pendulum(angle: float = 1.0, length: float = 1.0, spin: float = 0.0, step: float = 0.01, duration: float = 2.0) -> Scene:
@@ -49,7 +51,7 @@ def slider_crank(
     where it is in line with the rod.
     """
     clearance, w = number("clearance", clearance, least=0, most=0.01), number("speed", speed)
-    crank, rod, length, height = 0.153, 0.306, 0.1, 0.05
+    crank, rod, length, height = CRANK, ROD, 0.1, 0.05
     guide = (height + 0.1) / 2 + clearance  # the height of a guide's centre
     angle = number("angle", angle)
     cos, sin = np.cos(angle), np.sin(angle)

@@ -9,13 +9,17 @@ from functools import partial
 
 import numpy as np
 
-from frictionbench.problems.check import Array
+from frictionbench.problems.check import Array, require
 from frictionbench.problems.planar.joints import Hinge
 from frictionbench.problems.scene import Scene
 
 
 def in_units(scene: Scene, mass: float, length: float) -> Scene:
-    """The scene with every mass multiplied by `mass` and every length by `length`."""
+    """The scene with every mass multiplied by `mass` and every length by `length`.
+
+    Errors: InputError where the scene has no bodies: generalised coordinates may be lengths, angles or anything.
+    """
+    require(bool(scene.bodies), "mass_unit, length_unit", "a scene in generalised coordinates has its own units only")
 
     def scaled(state: Array, size: int) -> Array:
         """The first d of `size` entries of each body are lengths."""

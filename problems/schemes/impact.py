@@ -29,4 +29,4 @@ def impact(scene: Scene, q: Array, v: Array, contacts: Contacts, solve: Solve) -
     thrown = v + scene.accelerate(q, contacts.normal.T @ returned)
     rebound = scene.friction_problem(q, thrown, contacts, friction_bias=scene.coefficients(contacts) * returned)
     decompression, v = respond("decompression", rebound, solve)
-    return [compression, decompression], v
+    return [compression, decompression._replace(returned=returned)], v

@@ -6,6 +6,7 @@
 with Coulomb's law between r and u = J v+ + e (n'v) e_n at the contacts that touch at the midpoint q + (h/2) v, where J is taken
 too: to first order those with phi + (h/2) n'v <= 0. At a closing contact the law reads 0 <= n'v+ + e n'v ⟂ r_n >= 0. Newton's
 restitution with friction can add energy. theta = 1/2 is Moreau's midpoint rule, theta = 1 steps like Euler's implicit rule.
+Where the scene names the stiffness K of its springs, -K q is taken at (1 - theta) q + theta q+: M + (theta h)^2 K stands for M.
 
 Reference: Acary and Brogliato 2008, chapter 10.
 """
@@ -24,7 +25,9 @@ def theta_scheme(name: str, theta: float) -> Scheme:
         contacts = scene.contacts(middle)
         force = (1 - theta) * scene.force(q, v, t) + theta * scene.force(scene.moved(q, h * v), v, t + h)
         restitution = scene.restitutions(contacts) * (contacts.normal @ v)
-        problem = scene.friction_problem(middle, v + h * scene.accelerate(middle, force), contacts, bias=restitution)
+        problem = scene.friction_problem(
+            middle, v + h * scene.accelerate(middle, force, theta * h), contacts, bias=restitution, ahead=theta * h
+        )
         step, after = respond("step", problem, solve)
         return Step(t + h, scene.moved(q, h * ((1 - theta) * v + theta * after)), after, contacts, (step,))
 

@@ -31,11 +31,12 @@ class NoSolution(Exception):  # noqa: N818  # a finding, not an error
 
 class Solved(NamedTuple):
     """A friction problem of one time step and the impulses (nc, d), N s, that the solver gave. That of the phase `forces` is in
-    accelerations and forces, N."""
+    accelerations and forces, N. returned: (nc,), the normal impulses that Poisson's law gives back before a decompression."""
 
     phase: Phase
     problem: FrictionProblem
     impulse: Array
+    returned: Array | float = 0.0
 
 
 class Smooth(NamedTuple):

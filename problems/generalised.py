@@ -1,0 +1,185 @@
+"""Scenes in generalised coordinates: any mass matrix and forces, and contacts by gap functions; no bodies.
+
+    M(q) v' = k(q, v, t) + N' f_n + T' f_t,    q' = v,    N = d gap/dq,    T v the sliding velocities.
+
+k contains what comes from M'(q), Coriolis and centrifugal forces, and springs. The linear part -K q of the springs may be named
+as `stiffness`: the theta schemes take it implicitly. A scene of bodies on joints becomes one by its independent coordinates
+(ReducedScene): no joint equations are left, and nothing drifts.
+"""
+
+from abc import abstractmethod
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from frictionbench.problems import check
+from frictionbench.problems.check import Array, require
+from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.planar.bodies import Body, Shape
+from frictionbench.problems.planar.collision import Contacts
+from frictionbench.problems.rows import Index64, Rows, from_dense
+from frictionbench.problems.scene import Scene
+from frictionbench.problems.spatial.bodies import Solid
+
+
+@dataclass(frozen=True, eq=False)
+class GivenContacts(Contacts):
+    """Contacts of given rows N and T (nc, nv). place: where they are drawn, T the velocities along n turned by -90 degrees."""
+
+    N: Array
+    T: Array
+
+    @cached_property
+    def normal_rows(self) -> Rows:
+        return from_dense(self.N)
+
+    @cached_property
+    def tangent_rows(self) -> Rows:
+        return from_dense(self.T)
+
+    def only(self, chosen: NDArray[np.bool_] | Index64) -> Self:
+        return type(self)(
+            self.gap[chosen],
+            self.place[chosen],
+            self.bodies[chosen],
+            self.feature[chosen],
+            self.q,
+            self.N[chosen],
+            self.T[chosen],
+        )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class GeneralisedScene(Scene):
+    """q0, v0: (nv,). size: of the mechanism, m, for tolerances. The rest as of a Scene."""
+
+    bodies: tuple[Body | Solid, ...] = ()
+    size: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "q0", check.vector("q0", self.q0))
+        object.__setattr__(self, "v0", check.vector("v0", 0 * self.q0 if self.v0 is None else self.v0, len(self.q0)))
+        require(0 < self.step < np.inf, "step", f"must be positive, got {self.step!r}")
+        require(0 < self.duration < np.inf, "duration", f"must be positive, got {self.duration!r}")
+
+    @abstractmethod
+    def inertia(self, q: Array) -> Array:
+        """M(q) (nv, nv), symmetric positive definite."""
+
+    @abstractmethod
+    def force(self, q: Array, v: Array, t: float) -> Array:
+        """k (nv,), with all springs and what comes from M'(q)."""
+
+    @abstractmethod
+    def potential(self, q: Array) -> float:
+        """The potential energy, J."""
+
+    @abstractmethod
+    def contacts(self, q: Array, margin: float | None = None) -> GivenContacts:
+        """All contacts with gap <= margin, m; by default those that touch."""
+
+    @property
+    @abstractmethod
+    def outlines(self) -> tuple[tuple[int, Shape], ...]:
+        """What is drawn: shapes, each with the index of the pose that moves it, -1 where it is fixed."""
+
+    @abstractmethod
+    def poses(self, q: Array) -> Array:
+        """(nb, 3), x, y and angle of what is drawn."""
+
+    @property
+    def stiffness(self) -> Array | None:
+        """K (nv, nv), constant, of a part -K q of the force; None where there is none."""
+        return None
+
+    @property
+    def reach(self) -> float:
+        return self.size
+
+    def mass_matrix(self, q: Array, ahead: float = 0.0) -> sparse.csr_array:
+        return sparse.csr_array(self._implicit(q, ahead))
+
+    def accelerate(self, q: Array, force: Array, ahead: float = 0.0) -> Array:
+        return np.asarray(np.linalg.solve(self._implicit(q, ahead), force))
+
+    def _implicit(self, q: Array, ahead: float) -> Array:
+        return self.inertia(q) if self.stiffness is None else self.inertia(q) + ahead**2 * self.stiffness
+
+    def kinetic(self, q: Array, v: Array) -> float:
+        return float(v @ self.inertia(q) @ v) / 2
+
+    def energy(self, q: Array, v: Array) -> float:
+        return self.kinetic(q, v) + self.potential(q)
+
+    def fastest(self, v: Array) -> float:
+        return float(np.abs(self.contacts(self.q0, np.inf).N @ v).max(initial=0.0))
+
+    def moved(self, q: Array, way: Array) -> Array:
+        return q + way
+
+    def joints(self, q: Array) -> tuple[Array, sparse.csr_array]:
+        return np.zeros(0), sparse.csr_array((0, len(q)))
+
+    def places(self, problem: FrictionProblem, q: Array) -> Array:
+        """Where the contacts of a problem are drawn (nc, 4): those of the nearest rows."""
+        known = self.contacts(q, np.inf)
+        rows = problem.normal.toarray()[:, : len(q)]
+        return known.place[np.abs(rows[:, None] - known.N[None]).sum(axis=2).argmin(axis=1)]
+
+    def _summary(self) -> list[str]:
+        return [f"{len(self.q0)} coordinates", *super()._summary()[-2:]]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class ReducedScene(GeneralisedScene):
+    """A planar scene on joints in independent coordinates. full: that scene, with hinges that `place` satisfies."""
+
+    full: Scene
+
+    @abstractmethod
+    def place(self, q: Array) -> Array:
+        """The coordinates x (3 nb,) of the bodies."""
+
+    @abstractmethod
+    def slopes(self, q: Array) -> Array:
+        """X = dx/dq (3 nb, nv)."""
+
+    @abstractmethod
+    def bend(self, q: Array, v: Array) -> Array:
+        """dX/dt v (3 nb,)."""
+
+    def inertia(self, q: Array) -> Array:
+        X = self.slopes(q)
+        return np.asarray(X.T @ (self.full.weights[:, None] * X))
+
+    def force(self, q: Array, v: Array, t: float) -> Array:
+        X = self.slopes(q)
+        pull = self.full.force(self.place(q), X @ v, t) - self.full.weights * self.bend(q, v)
+        return np.asarray(X.T @ pull)
+
+    def potential(self, q: Array) -> float:
+        return self.full.energy(self.place(q), np.zeros(len(self.full.weights)))
+
+    def contacts(self, q: Array, margin: float | None = None) -> GivenContacts:
+        found, X = self.full.contacts(self.place(q), self.touch if margin is None else margin), self.slopes(q)
+        nv = len(X)
+        N, T = found.normal_rows.dense(nv) @ X, found.tangent_rows.dense(nv) @ X
+        return GivenContacts(found.gap, found.place, found.bodies, found.feature, q, N, T)
+
+    def fastest(self, v: Array) -> float:
+        return self.full.fastest(self.slopes(self.q0) @ v)
+
+    def coefficients(self, contacts: Contacts) -> Array:
+        return self.full.coefficients(contacts)
+
+    def poses(self, q: Array) -> Array:
+        return self.place(q).reshape(-1, 3)
+
+    @property
+    def outlines(self) -> tuple[tuple[int, Shape], ...]:
+        moving = [(i, s) for i, body in enumerate(self.full.bodies) if isinstance(body, Body) for s in body.shapes]
+        return (*moving, *((-1, s) for s in self.full.obstacles if isinstance(s, Shape)))
