@@ -231,7 +231,7 @@ def compare(
 
         comparison = confirmed(comparison, limits, solver or [], code, lambda line: typer.echo(line, err=True))
     comparison = acknowledge(comparison, acknowledged)
-    typer.echo(markdown(comparison))
+    _show_markdown(markdown(comparison))
     summarise(comparison)
     if out:
         write_files(comparison, out)
@@ -254,7 +254,7 @@ def accept(
 
     before, accepted = accept_run(folder, baseline)
     if before is not None:
-        typer.echo(markdown(before))
+        _show_markdown(markdown(before))
     typer.echo(accepted)
 
 
@@ -495,6 +495,18 @@ def shrink(folder: options.Folder, row: options.Row, solver: options.Trusted = N
     size = f"{small.problem.contacts} contacts and {len(small.problem.free_velocity)} velocities"
     typer.echo(f"reduced to {size} in {small.trials} trials: {small.path}")
     typer.echo(f"solve it: {small.command}")
+
+
+def _show_markdown(text: str) -> None:
+    """Print Markdown: laid out on a terminal, as it is into a pipe or a file."""
+    from rich.console import Console
+    from rich.markdown import Markdown
+
+    console = Console()
+    if console.is_terminal:
+        console.print(Markdown(text))
+    else:
+        typer.echo(text)
 
 
 def _jobs(jobs: int | None) -> int:

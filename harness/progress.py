@@ -11,6 +11,8 @@ from rich.progress import Progress as Bar
 
 from frictionbench.harness.workers.task import Task
 
+BAR = 20  # characters
+BESIDE = BAR + 2 * len("0:00:00") + len("/") + 5  # characters of a line but its name, its counts and what is running
 INTERVAL = 20.0  # seconds between plain lines: a log of an hour's run has under two hundred
 
 
@@ -20,6 +22,7 @@ class Stage:
     def __init__(self, console: Console, bar: Bar, name: str, total: int, done: int) -> None:
         self._console, self._bar, self._name, self._total, self._done = console, bar, name, total, done
         self._id = bar.add_task(name, total=total, completed=done, running="")
+        self._room = max(console.width - len(name) - 2 * len(str(total)) - BESIDE, 0)
         self._running: list[str] = []
         self._compiling: dict[int, str] = {}
         self._printed = time.monotonic()
@@ -48,7 +51,7 @@ class Stage:
     def _show(self) -> None:
         running = next(iter(self._running), "")
         shown = f"compiling for {next(iter(self._compiling.values()))}" if self._compiling else running
-        self._bar.update(self._id, completed=self._done, running=escape(shown))
+        self._bar.update(self._id, completed=self._done, running=escape(shown[: self._room]))
         if not self._console.is_terminal and time.monotonic() - self._printed > INTERVAL:
             self._printed = time.monotonic()
             compiling = ", compiling" if self._compiling else ""
@@ -65,7 +68,7 @@ class Progress:
     def stage(self, name: str, total: int, done: int) -> Iterator[Stage]:
         columns = (
             TextColumn("{task.description}"),
-            BarColumn(),
+            BarColumn(BAR),
             MofNCompleteColumn(),
             TimeElapsedColumn(),
             TimeRemainingColumn(),

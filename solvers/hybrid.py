@@ -74,8 +74,8 @@ class Hybrid:
                 impulse, least, found_by = answer.impulse, found, info.name
             if least <= tol:
                 status = Status.SOLVED if floor <= tol else Status.ROUNDING  # other members' impulses would be as large
-                return Answer(impulse, status, work, detail=found_by)
-        return Answer(impulse, Status.STALLED, work, detail=found_by)
+                return Answer(impulse, status, work, detail=f"answered by {found_by}")
+        return Answer(impulse, Status.STALLED, work, detail=f"the nearest answer is by {found_by}" if found_by else "")
 
 
 def _sweeps_help(problem: FrictionProblem) -> bool:

@@ -33,6 +33,8 @@ from frictionbench.results.verdicts import RANK, Verdict
 from frictionbench.solvers import available, find
 from frictionbench.solvers.plugins import installed
 
+SPATIAL = 3  # dimensions
+
 
 def solve_one(
     problem: str,
@@ -69,7 +71,9 @@ def solve_one(
                 stage.finished(outcome.task)
     rows.sort(key=lambda row: (RANK[row["verdict"]], _seconds(row, rank_by), row["variant"]))
     applicable = [row for row in rows if row["verdict"] != Verdict.SKIPPED or solver_specs]
-    title = f"LCP of {record['size']} unknowns, tolerance {tol:g}, ranked {rank_by.words} ({rank_by.parts})"
+    title = f"tolerance {tol:g}, ranked {rank_by.words} ({rank_by.parts})"
+    if record["dimension"] != SPATIAL:  # in space the exact problem is no LCP
+        title = f"LCP of {record['size']} unknowns, {title}"
     _show(title, {str(rank): row for rank, row in enumerate(applicable, start=1)}, rank_by)
     if refused := [row["variant"] for row in rows if row not in applicable]:
         print("\n".join(paragraph(f"not applicable to this problem: {', '.join(refused)}", screen(), "")))

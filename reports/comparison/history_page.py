@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from numpy.typing import NDArray
 
 from frictionbench.reports.comparison.history import Line
 from frictionbench.reports.drawing.figures import Panel
@@ -20,6 +21,7 @@ from frictionbench.reports.drawing.text import plain
 from frictionbench.reports.templates import environment
 from frictionbench.results.files import write_text
 
+Array = NDArray[np.float64]
 GROWTH = 1.05  # as in results.compare, what rounding does not explain
 SIZE = (4.2, 2.4)  # inches
 LEAST = 1.2  # of the range of an axis, so that a change by rounding is not drawn large
@@ -28,7 +30,7 @@ COLOURS = ("#0077bb", "#e69f00", "#009e73", "#cc79a7", "#56b4e9")
 
 def write_history(found: dict[str, list[Line]], path: Path) -> Path:
     """Write the page; return its path."""
-    drawn = {variant: own for variant, own in found.items() if own[0].verdicts}  # the runs have cells in common
+    drawn = {variant: own for variant, own in found.items() if series(own)}
     panels = [Panel(variant, partial(draw, lines=own), size=SIZE) for variant, own in drawn.items()]
     steps = {variant: changes(own) for variant, own in found.items()}
     write_text(path, environment().get_template("history.html").render(panels=panels, steps=steps, runs=found))
@@ -49,20 +51,21 @@ def changes(lines: list[Line]) -> dict[int, str]:
     return found
 
 
+def series(lines: list[Line]) -> dict[str, Array]:
+    """By name the counters of a solver run by run, and its times, where two are of one machine; NaN where a run has none."""
+    found = {name: [line.work.get(name, 0) or np.nan for line in lines] for name in sorted(lines[-1].work)}
+    machine = next((line.run.machine for line in reversed(lines) if line.run.machine), {})
+    found["time"] = [line.time if machine and line.run.machine == machine else np.nan for line in lines]
+    known = {name: np.array(values, dtype=float) for name, values in found.items()}
+    return {name: values for name, values in known.items() if np.isfinite(values).sum() > (name == "time")}
+
+
 def draw(ax: Axes, lines: list[Line]) -> None:
     """Draw the counters and the time of one solver, run by run."""
     at = np.arange(len(lines))
-    series = {name: [line.work.get(name, 0) or np.nan for line in lines] for name in sorted(lines[-1].work)}
-    machine = next((line.run.machine for line in reversed(lines) if line.run.machine), {})
-    series["time"] = [line.time if machine and line.run.machine == machine else np.nan for line in lines]
-    for k, (name, values) in enumerate(series.items()):
-        known = np.array(values, dtype=float)
-        if np.isfinite(known).sum() > (name == "time"):
-            first = known[np.isfinite(known)][0]
-            style: Any = (
-                {"color": INK, "ls": ":", "marker": "s"} if name == "time" else {"color": COLOURS[k % 5], "marker": "o"}
-            )
-            ax.plot(at, known / first, label=plain(name), **style)
+    for k, (name, known) in enumerate(series(lines).items()):
+        style: Any = {"color": INK, "ls": ":", "marker": "s"} if name == "time" else {"color": COLOURS[k % 5], "marker": "o"}
+        ax.plot(at, known / known[np.isfinite(known)][0], label=plain(name), **style)
     for k in changes(lines):
         ax.axvline(k, color=ALARM, lw=0.8, ls="--", alpha=0.7)
     ax.axhline(1, color=INK, lw=0.5, alpha=0.5)

@@ -23,6 +23,18 @@ def test_changes_are_marked(tmp_path) -> None:
     assert "&lt;nsgs&gt;" in page
 
 
+def test_a_solver_without_common_answers_has_a_sentence(tmp_path) -> None:
+    """In place of a panel without lines."""
+    rows = [
+        [solve_row("a", "p", verdict=verdict), solve_row("b", "p", work='{"pivots": 3}')] for verdict in ("solved", "wrong")
+    ]
+    folders = [write_folder(tmp_path / str(k), own, finished=f"2026-01-0{k + 1}") for k, own in enumerate(rows)]
+    page = write_history(lines(folders), tmp_path / "history.html").read_text(encoding="utf-8")
+    assert page.count("<figure>") == 1
+    assert "a has nothing to draw" in page
+    assert "1 → 0 cells solved" in page
+
+
 def test_times_of_another_machine_are_left_out(tmp_path) -> None:
     folders = [
         write_folder(tmp_path / str(k), [solve_row("a", "p", work='{"pivots": 3}')], finished=f"2026-01-0{k + 1}")

@@ -107,7 +107,7 @@ def test_work_limit_status(name) -> None:
 def test_portfolio_continues_after_gauss_seidel(limit) -> None:
     answer = solve(spatial(103, contacts=64, nv=192, friction=3), "hybrid", limit=limit)
     assert answer.status is Status.SOLVED
-    assert answer.detail == "interior_point"
+    assert answer.detail == "answered by interior_point"
     assert answer.work["nsgs sweeps"] <= (limit or 30)
 
 

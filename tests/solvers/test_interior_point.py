@@ -274,7 +274,7 @@ def test_sphere_pyramid_path_direction(seed) -> None:
     """225 contacts of which half slide or open: a path told its way by the last tangent goes back to its start."""
     problem = sphere_pyramid(seed, levels=5, friction=0.5)
     answer = solve(problem, "hybrid")
-    assert answer.detail == "interior_point"
+    assert answer.detail == "answered by interior_point"
     assert residual(problem, answer.impulse) <= 1e-8
 
 

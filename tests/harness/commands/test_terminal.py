@@ -3,12 +3,18 @@
 import os
 import subprocess
 import sys
+from io import StringIO
 
 import pytest
+import rich.console
+from rich.console import Console
 
 from frictionbench.harness.commands import listing, table
 from frictionbench.harness.commands.table import columns, paragraph
+from frictionbench.harness.progress import Progress
+from frictionbench.harness.workers.task import Task
 from tests.helpers.command_line import frictionbench
+from tests.helpers.made_results import solve_row, write_folder
 from tests.helpers.paths import ROOT
 
 
@@ -68,3 +74,34 @@ def test_mistyped_names(command, told) -> None:
     done = frictionbench(*command)
     assert done.returncode == 2
     assert told in done.stderr
+
+
+def test_clocks_of_the_progress_bar_are_whole() -> None:
+    """At 80 columns the name of what is running is cut, not the clocks."""
+    console = Console(file=StringIO(), force_terminal=True, width=80)
+    with Progress(console).stage("convergence histories", 1000, 0) as stage:
+        stage.started(task := Task("relaxation_ip[warm=true,steps=300]", print, (), 1.0))
+        stage.compiling(task, True)
+    told = console.file.getvalue()
+    assert "compiling" in told
+    assert "…" not in told
+    assert "0:00:00" in told
+
+
+def test_a_comparison_is_laid_out_on_a_terminal(tmp_path, monkeypatch) -> None:
+    """And Markdown in a pipe."""
+    runs = [str(write_folder(tmp_path / name, [solve_row("lemke", "p", verdict=name)])) for name in ("solved", "wrong")]
+    piped = frictionbench("compare", *runs)
+    assert piped.stdout.startswith("## worse 1 ")
+    monkeypatch.setattr(rich.console.Console, "is_terminal", property(lambda self: True))
+    shown = frictionbench("compare", *runs)
+    assert (shown.returncode, piped.returncode) == (1, 1)
+    assert "##" not in shown.stdout
+    assert "worse 1" in shown.stdout
+
+
+def test_the_lcp_is_named_in_the_plane_only() -> None:
+    """In space the exact problem is no LCP."""
+    for problem, named in (("stack[blocks=1]", True), ("cubes[boxes=1]", False)):
+        done = frictionbench("solve", problem, "--solver", "nsgs")
+        assert ("LCP of " in done.stdout) == named, done
