@@ -8,6 +8,8 @@
 #              and put its tables into docs/peers.md
 # make studies install, run all studies and put their page and figures into docs/
 # make docs    the documentation as a site, docs/_build/html; its links are checked, and that it loads nothing from elsewhere
+# make release  wheel and sdist into dist/, checked by twine and installed into an empty environment
+# make placeholders  list what the owner fills in before a release; exit 1 while there is something
 # make regress install, run the smoke suite and compare it with the committed baseline; COMPARE: more options of compare
 
 PYTHON ?= python3
@@ -27,7 +29,7 @@ QUICK := tests/problems --ignore=tests/problems/recorded --ignore=tests/problems
 	tests/results/test_baselines.py tests/api tests/project/test_structure.py tests/project/test_documents.py
 PYTEST = $(BIN)/python -m pytest --numprocesses=2 --dist=loadfile --no-loadscope-reorder
 
-.PHONY: bench quick test test-peers timing peers studies docs regress install clean
+.PHONY: bench quick test test-peers timing peers studies docs release placeholders regress install clean
 install: .venv/installed
 
 .venv/installed: pyproject.toml constraints.txt
@@ -92,9 +94,23 @@ docs: .venv/documented
 	$(BIN)/sphinx-build --quiet --fail-on-warning --keep-going docs docs/_build/html
 	$(BIN)/python docs/_ext/check_site.py docs/_build/html
 
+DIST := dist
+release: install
+	$(BIN)/pip install --quiet build twine
+	rm -rf $(DIST)
+	$(BIN)/python -m build --outdir $(DIST)
+	$(BIN)/twine check --strict $(DIST)/*
+	$(PYTHON) -m venv --clear .venv-empty
+	.venv-empty/bin/pip install --quiet $(DIST)/*.whl
+	cd $(DIST) && ../.venv-empty/bin/frictionbench solve 'stack[blocks=2,push=1]' --solver nsgs
+	rm -rf .venv-empty
+
+placeholders:
+	@! grep -n 'TO FILL IN' CITATION.cff
+
 regress: install
 	$(BIN)/frictionbench run smoke --out runs/smoke-$(REVISION)
 	$(BIN)/frictionbench compare results/baselines/smoke.tsv runs/smoke-$(REVISION) $(COMPARE)
 
 clean:
-	rm -rf .venv $(PEERS) docs/_build build *.egg-info
+	rm -rf .venv $(PEERS) docs/_build $(DIST) .venv-empty build *.egg-info

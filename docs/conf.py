@@ -9,8 +9,9 @@ sys.path.insert(0, str(Path(__file__).parent / "_ext"))
 project = "frictionbench"
 author = "The frictionbench developers"
 version = release = installed("frictionbench")
-extensions = ["myst_parser", "sphinx.ext.autodoc", "links", "command_line", "public_face"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "links", "command_line", "public_face", "published_results", "cells"]
 exclude_patterns = ["_build", "paper"]
+html_extra_path = ["_build/extra"]  # the pages of published results
 html_theme = "furo"
 html_title = f"frictionbench {version}"
 html_copy_source = False

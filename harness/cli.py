@@ -281,6 +281,27 @@ def history(
 
 
 @app.command()
+def publish(
+    folders: Annotated[
+        list[Path], typer.Argument(metavar="DIR...", help="Results folders, summaries, or folders of summaries.")
+    ],
+    out: Annotated[Path | None, typer.Option("--out", metavar="SITE", help="The folder of the site.")] = None,
+    summaries: Annotated[
+        Path | None, typer.Option("--summaries", metavar="FOLDER", help="Also write each run's summary as text.")
+    ] = None,
+) -> None:
+    """Make a static site of results.
+
+    Runs of several machines and versions stand beside each other; each is checked, and none are merged.
+    """
+    from frictionbench.harness.commands.stored_problems import held
+    from frictionbench.reports.published.publish import publish as publish_runs
+
+    for path in publish_runs(folders, out, summaries, held):
+        typer.echo(path)
+
+
+@app.command()
 def solve(
     problem: Annotated[str, typer.Argument(metavar="FILE|SCENE", help="A problem file, or a scene like 'stack[blocks=5]'.")],
     solver: options.Solvers = None,
@@ -345,6 +366,25 @@ def export(
 
     for path in export_problems(problems, out, pick):
         typer.echo(path)
+
+
+@app.command()
+def dataset(
+    suites: Annotated[
+        list[str] | None, typer.Argument(metavar="[SUITE]...", help="Suites; by default standard, spatial and hard.")
+    ] = None,
+    scene: options.Scenes = None,
+    out: Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="The folder to write, new or empty.")] = Path(
+        "dataset"
+    ),
+) -> None:
+    """Write the generated problems of suites as a data set.
+
+    It has a data card, known answers and checksums, as .npz and in FCLIB's HDF5 format.
+    """
+    from frictionbench.harness.commands.dataset import dataset as write_dataset
+
+    typer.echo(f"data card: {write_dataset(suites or [], scene or [], out, lambda line: typer.echo(line, err=True))}")
 
 
 @app.command()

@@ -4,6 +4,7 @@ import os
 import re
 import subprocess
 import sys
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -142,7 +143,7 @@ def test_revision(tmp_path, monkeypatch) -> None:
         code.write_text("x = 2", encoding="utf-8")
         dirty = revision(tmp_path)
         code.write_text("x = 3", encoding="utf-8")
-        assert installed.startswith("0.1.0+")
+        assert installed.startswith(f"{version('frictionbench')}+")
         assert "dirty" not in clean
         assert dirty.startswith(f"{clean}-dirty-")
         assert revision(tmp_path) not in (clean, dirty)

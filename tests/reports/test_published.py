@@ -1,0 +1,96 @@
+"""Published results: runs stand beside each other, are checked, and what is damaged or unfinished is refused."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from frictionbench.harness.commands.stored_problems import held
+from frictionbench.problems import InputError
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.recorded.own import save
+from frictionbench.reports.published.publish import publish
+from frictionbench.results.files import ResultsError
+from frictionbench.results.summaries import read
+from tests.helpers.browser import browse, in_browser
+from tests.helpers.made_results import solve_row, write_folder
+
+PROBLEM = random_problem(1, contacts=2)
+
+
+def run(folder: Path, processor: str = "some", **manifest) -> Path:
+    """A run of two solvers, one with a name that is no HTML, on a problem that the folder holds."""
+    rows = [solve_row(solver, PROBLEM.hash) for solver in ("lemke", "<nsgs>")]
+    facts = {"machine": {"host": "here", "processor": processor, "cores": 2}, "finished": "2026-01-02T03:04:05"}
+    write_folder(folder, rows, **facts | {"versions": {"frictionbench": "1.0"}} | manifest)
+    (folder / "problems").mkdir()
+    save(PROBLEM, folder / "problems" / f"{PROBLEM.hash}.npz")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory) -> Path:
+    """Two machines' runs of one version."""
+    home = tmp_path_factory.mktemp("published")
+    runs = [run(home / name, name) for name in ("mine", "theirs")]
+    (*_, index) = publish(runs, home / "site", home / "summaries", held)
+    return index
+
+
+def test_machines_stand_beside_each_other(site: Path) -> None:
+    (page,) = [path for path in site.parent.glob("*.html") if path != site]
+    text = page.read_text(encoding="utf-8")
+    assert all('<h2 id="made-1.0-' in text and name in text for name in ("mine", "theirs"))
+    assert "1 of 1 problems are those of the run of" in text
+    assert "&lt;nsgs&gt;" in text
+    assert "<nsgs>" not in text + site.read_text(encoding="utf-8")
+    for folder in site.parent.glob("made-*/"):
+        written = {path.name for path in folder.iterdir()}
+        assert {"report.html", "solves.csv", "solves.parquet", "rankings.csv", "manifest.json"} <= written
+
+
+def test_site_of_summaries_alone(site: Path, tmp_path: Path) -> None:
+    summaries = site.parent.parent / "summaries"
+    found = [read(path) for path in summaries.glob("*.json")]
+    assert len(found) == 2
+    assert all(holds for one in found for _, holds, _ in one["checks"])
+    assert "host" not in found[0]["machine"]
+    (index,) = publish([summaries], tmp_path / "site", None, held)
+    assert index.read_text(encoding="utf-8") == site.read_text(encoding="utf-8")
+
+
+@in_browser
+def test_history_filters_and_sorts(site: Path, tmp_path: Path) -> None:
+    """The script of the page runs under its security policy: it fills the choices."""
+    shown = browse(site, "--dump-dom")
+    assert '<option value="lemke">lemke</option>' in shown
+
+
+def test_damaged_folders_are_refused(tmp_path: Path) -> None:
+    other = run(tmp_path / "other")
+    save(random_problem(2, contacts=2), other / "problems" / f"{PROBLEM.hash}.npz")
+    with pytest.raises(InputError, match="holds another problem"):
+        list(publish([other], tmp_path / "site", None, held))
+    unfinished = run(tmp_path / "unfinished", finished=None)
+    with pytest.raises(ResultsError, match="has not finished"):
+        list(publish([unfinished], tmp_path / "site", None, held))
+    with pytest.raises(ResultsError, match="given twice"):
+        list(publish([run(tmp_path / "a"), run(tmp_path / "b")], tmp_path / "site", None, held))
+    assert not (tmp_path / "site").exists()
+
+
+def test_problems_that_are_missing_are_told(tmp_path: Path) -> None:
+    folder = run(tmp_path / "run", versions={"frictionbench": "1.0-dirty-1"})
+    (folder / "problems" / f"{PROBLEM.hash}.npz").unlink()
+    (path,) = publish([folder], None, tmp_path / "summaries", held)
+    assert {what for what, holds, _ in read(path)["checks"] if not holds} == {"problems", "version"}
+
+
+@pytest.mark.parametrize(
+    ("field", "value"), [("name", "../up"), ("rankings", [{"solver": 1}]), ("checks", [["a"]]), ("problems", {}), ("format", 2)]
+)
+def test_edited_summaries_are_refused(field, value, tmp_path: Path) -> None:
+    (path,) = publish([run(tmp_path / "run")], None, tmp_path / "summaries", held)
+    path.write_text(json.dumps(json.loads(path.read_text(encoding="utf-8")) | {field: value}), encoding="utf-8")
+    with pytest.raises(ResultsError, match=field):
+        read(path)
