@@ -11,7 +11,9 @@ author = "The frictionbench developers"
 version = release = installed("frictionbench")
 extensions = ["myst_parser", "sphinx.ext.autodoc", "links", "command_line", "public_face", "published_results", "cells"]
 exclude_patterns = ["_build", "paper"]
-html_extra_path = ["_build/extra"]  # the pages of published results
+EXTRA = Path(__file__).parent / "_build" / "extra"  # the pages of published results, which are made before a build
+EXTRA.mkdir(parents=True, exist_ok=True)
+html_extra_path = [str(EXTRA)]
 html_theme = "furo"
 html_title = f"frictionbench {version}"
 html_copy_source = False
