@@ -92,6 +92,28 @@ def bound_memory(limit: int) -> int:
     return bound - mapped
 
 
+@contextmanager
+def memory_within(limit: int) -> Iterator[None]:
+    """Let this process map at most `limit` bytes more than it has mapped, during a block; without effect except on Linux.
+
+    Errors: InputError where more is needed.
+    """
+    if sys.platform != "linux":
+        yield
+        return
+    import resource
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    given = [bound for bound in (soft, hard) if bound != resource.RLIM_INFINITY]
+    resource.setrlimit(resource.RLIMIT_AS, (min([psutil.Process().memory_info().vms + limit, *given]), hard))
+    try:
+        yield
+    except MemoryError:
+        raise InputError(f"memory: more than {limit / 2**30:g} GiB would be needed") from None
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+
+
 def reset_peak_memory() -> None:
     """Reset the peak of the resident memory of this process and of its descendants."""
     for pid in (os.getpid(), *descendants(os.getpid())):

@@ -11,6 +11,7 @@ from collections.abc import Generator, Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
 
+from frictionbench.harness import process
 from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.collect import stored_friction
 from frictionbench.harness.cells.rows import no_problem
@@ -71,7 +72,8 @@ def shrink_rows(
     """
     if not rows:
         return
-    searches = [Search(row, stored_friction(folder, row["problem"]), seconds) for row in rows]
+    with process.memory_within(memory_limit):
+        searches = [Search(row, stored_friction(folder, row["problem"]), seconds) for row in rows]
     with tempfile.TemporaryDirectory() as name:
         scratch = Path(name)
         (scratch / "problems").mkdir()

@@ -5,9 +5,10 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
+from frictionbench.harness import process
 from frictionbench.harness.cells.collect import collect, stored, stored_friction
 from frictionbench.harness.cells.records import Record, read_records
-from frictionbench.harness.plans.plan import Source
+from frictionbench.harness.plans.plan import MEMORY_LIMIT, Source
 from frictionbench.problems import InputError
 from frictionbench.problems.recorded import fclib, own
 from frictionbench.problems.spec import parse
@@ -19,6 +20,11 @@ SUFFIXES = ("", ".hdf5", ".h5", ".npz")
 
 def export(what: str, out: Path, pick: int = 0) -> Iterator[Path]:
     """Write the problems and yield the files. Errors: InputError naming the argument that is unknown or cannot be written."""
+    with process.memory_within(MEMORY_LIMIT):
+        yield from _exported(what, out, pick)
+
+
+def _exported(what: str, out: Path, pick: int) -> Iterator[Path]:
     if (Path(what) / "manifest.json").exists():
         store.read_manifest(Path(what))
         listed = sorted((Path(what) / "problems").glob("source-*.json"))

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from frictionbench.harness import process
 from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.motion import record_motion
 from frictionbench.harness.plans.plan import MEMORY_LIMIT
@@ -47,14 +48,16 @@ def recorded(scene_spec: str, solver_spec: str | None, scheme: str, steps: int |
     name, settings = parse("scene", scene_spec)
     if name in instances():
         raise InputError(f"scene: {name} is a problem of one step and has no motion; `show` takes {', '.join(scenes())}")
-    stage = scene(name, **settings)
+    with process.memory_within(MEMORY_LIMIT):
+        stage = scene(name, **settings)
     solver_spec = solver_spec or EXACT[stage.dimension]
     variants, plugins = load_plugins([solver_spec])
     if len(variants) != 1:
         raise InputError(f"solver: {solver_spec} defines {len(variants)} solvers; name one of them")
     (variant,) = variants
     if not plugins:
-        return record_motion(stage, variant, scheme, steps)
+        with process.memory_within(MEMORY_LIMIT):
+            return record_motion(stage, variant, scheme, steps)
     with tempfile.TemporaryDirectory() as scratch, Pool(Path(scratch), 1, plugins, MEMORY_LIMIT) as pool:
         call = (name, settings, variant, scheme, steps, MAX_SECONDS)
         (outcome,) = pool.run([Task(variant, worker.run_show, call, MAX_SECONDS, plugins[0].source)])

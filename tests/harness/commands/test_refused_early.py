@@ -1,5 +1,7 @@
 """What cannot be used is refused before anything is built, started or written; scenes are built behind a worker's limits."""
 
+import resource
+
 import pytest
 
 from frictionbench.harness.commands import single
@@ -56,3 +58,14 @@ def test_code_that_does_not_exist(tmp_path) -> None:
         done = frictionbench("compare", *runs, *options)
         assert (done.returncode, done.stderr.partition(": ")[2][:5]) == (2, "code:"), done
     assert frictionbench("compare", *runs, "--confirm", "--code", str(tmp_path)).returncode == 0
+
+
+@pytest.mark.parametrize("command", ["export", "show"])
+def test_scenes_beyond_the_memory_limit(command, tmp_path, monkeypatch) -> None:
+    """They are refused in the process that builds them, which has the limit during that only."""
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    monkeypatch.setattr(f"frictionbench.harness.commands.{command}.MEMORY_LIMIT", 2**22)
+    done = frictionbench(command, "stack[blocks=20000]", "--out", str(tmp_path / "out.hdf5"))
+    assert (done.returncode, done.stderr) == (2, "frictionbench: memory: more than 0.00390625 GiB would be needed\n"), done
+    assert not list(tmp_path.iterdir())
+    assert resource.getrlimit(resource.RLIMIT_AS) == before
