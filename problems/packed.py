@@ -69,6 +69,13 @@ class Packed(NamedTuple):
         """(N+1,): where the contacts of each problem begin, counted from the first problem's."""
         return self.first[:, CONTACT] - self.first[0, CONTACT]
 
+    @property
+    def velocities(self) -> Index64:
+        """(N+1,): where the velocities of each problem begin: of the bodies, or of the contacts where only W is known."""
+        known = np.diff(self.first[:, START]) == 0
+        nv = np.where(known, np.diff(self.first[:, Q]), np.diff(self.first[:, VELOCITY]))
+        return np.concatenate([[0], np.cumsum(nv)])
+
     def part(self, begin: int, end: int) -> "Packed":
         """Problems begin, ..., end - 1, without a copy."""
         return self._replace(first=self.first[begin : end + 1], spread=self.spread[begin:end])

@@ -18,11 +18,14 @@ without zeros.
 
 import numpy as np
 
-from frictionbench.problems import LCP
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import kernel
+from frictionbench.problems.compiled import kernel, loop
+from frictionbench.problems.forms.lcp import impulse, tangent_basis
+from frictionbench.problems.packed import CONTACT, Packed
 from frictionbench.problems.rows import Index64
-from frictionbench.solvers.interface import solver
+from frictionbench.solvers.balanced import UNLIKE
+from frictionbench.solvers.clock import deadline
+from frictionbench.solvers.interface import Solved, solver
 from frictionbench.solvers.pivots.inverse_basis import Matrix, slack_basis
 from frictionbench.solvers.pivots.lemke_path import (
     ACCURACY,
@@ -35,15 +38,18 @@ from frictionbench.solvers.pivots.lemke_path import (
     draw,
     follow_lemke_path,
 )
-from frictionbench.solvers.pivots.principal_pivoting import PrincipalPivoting
-from frictionbench.solvers.pivots.scaled_lcp import ScaledLCP, finish
+from frictionbench.solvers.pivots.packed_lcp import ALONE, counted, scaled_lcp_of
+from frictionbench.solvers.pivots.principal_pivoting import PrincipalPivoting, default_limit
+from frictionbench.solvers.pivots.scaled_lcp import MARGIN, ScaledLCP, finish
 
 PERTURBATION = 1e-7  # of q, whose largest entry is 1; as in solvers.lemke
 HARRIS = 1e-4  # how far below zero near ties may reach, relative to the perturbation; as in solvers.lemke
 
 
 @kernel
-def dantzig(order: Index64, M: Matrix, q: Array, unit: Array, tol: float, limit: int) -> tuple[int, Array, int, int]:
+def dantzig(
+    order: Index64, M: Matrix, q: Array, unit: Array, tol: float, limit: int, until: float
+) -> tuple[int, Array, int, int]:
     """(how it ended, y, pivots, inversions) for the scaled problem; order: the indices in the order in which they are taken."""
     n = len(q)
     work = np.zeros(2, np.int64)
@@ -68,13 +74,46 @@ def dantzig(order: Index64, M: Matrix, q: Array, unit: Array, tol: float, limit:
             y[r] = 1.0
             d[:] = 0.0
             add_coordinates(M, basis, y, 1.0, d, z)
-            code = follow_lemke_path(M, shifted, d, basis, x, ray, blocking, HARRIS * size, limit, work)
+            code = follow_lemke_path(M, shifted, d, basis, x, ray, blocking, HARRIS * size, limit, until, work)
             y[:] = 0.0
             if code != COMPLEMENTARY:
                 return STUCK if code == RAY else code, y, work[0], work[1]
         error = finish(M, d, basis, q, unit, x, y, out)
         size *= 1e-2
     return COMPLEMENTARY if error <= tol else INACCURATE, y, work[0], work[1]
+
+
+@kernel
+def contact_order(n: int, nc: int) -> Index64:
+    """The indices of z (n,), contact by contact: c, lambda, beta; for a bare LCP, nc = 0, in their own order."""
+    order, at = np.arange(n), 0
+    for i in range(nc):
+        order[at], order[at + 1] = i, n - nc + i
+        for m in range((n - 2 * nc) // nc):
+            order[at + 2 + m] = nc + i * ((n - 2 * nc) // nc) + m
+        at += n // nc
+    return order
+
+
+@loop
+def dantzig_loop(packed, basis, tol, limit):  # type: ignore[no-untyped-def]
+    """Packed problems one after the other: impulses, how each ended, and pivots and inversions (N, 2)."""
+    count, begin = len(packed.first) - 1, packed.first[0, CONTACT]
+    r, ended = np.zeros((packed.first[count, CONTACT] - begin, len(basis))), np.empty(count, np.int64)
+    work = np.zeros((count, 2), np.int64)
+    for k in range(count):
+        here, end = packed.first[k, CONTACT] - begin, packed.first[k + 1, CONTACT] - begin
+        if packed.spread[k] > UNLIKE:
+            ended[k] = ALONE
+            continue
+        stretch, M, q, unit = scaled_lcp_of(packed, k, basis)
+        most = limit if limit else default_limit(len(q))
+        order = contact_order(len(q), end - here)
+        ended[k], y, work[k, 0], work[k, 1] = dantzig(order, M, q, unit, tol, most, np.inf)
+        for i in range(len(y)):
+            y[i] *= stretch[i]
+        r[here:end] = impulse(basis, y, end - here)
+    return r, ended, work
 
 
 @solver("dantzig", family="pivoting", model="lcp", dimension=(2, 3))
@@ -85,13 +124,8 @@ class Dantzig(PrincipalPivoting):
     """
 
     def pivot(self, lcp: ScaledLCP, tol: float, limit: int) -> tuple[int, Array, int, int]:
-        return dantzig(contact_order(lcp.lcp), lcp.M, lcp.q, lcp.unit, tol, limit)
+        return dantzig(contact_order(len(lcp.q), lcp.contacts[0]), lcp.M, lcp.q, lcp.unit, tol, limit, deadline())
 
-
-def contact_order(lcp: LCP) -> Index64:
-    """The indices of z, contact by contact: c, lambda, beta; for a bare LCP in their own order."""
-    n, nc = lcp.size, lcp.contacts[0]
-    if not nc:
-        return np.arange(n)
-    c, beta, speed = np.split(np.arange(n), [nc, n - nc])
-    return np.concatenate([c[:, None], speed[:, None], beta.reshape(nc, -1)], axis=1).ravel()
+    def solve_many(self, packed: Packed, tol: float, limit: int | None) -> Solved:
+        r, ended, work = dantzig_loop(packed, tangent_basis(packed.dimension, self.facets), MARGIN * tol, limit or 0)
+        return counted(r, ended, work, ("pivots", "inversions"))

@@ -10,6 +10,7 @@ stops at the first answer whose residual, computed here from the problem's own v
 what any member solves, and reports failure if none does. (Algorithm portfolios: Gomes and Selman 2001.)
 """
 
+from contextlib import nullcontext
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -17,8 +18,10 @@ import numpy as np
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
+from frictionbench.problems.packed import Packed, residuals
 from frictionbench.problems.residual import residual_with_floor
-from frictionbench.solvers.interface import Answer, Solver, SolverInfo, Status, find, solver
+from frictionbench.solvers.clock import is_over, left, within
+from frictionbench.solvers.interface import Answer, Solved, Solver, SolverInfo, Status, find, solver
 
 PLANAR = ("lemke", "interior_point", "path_search", "staggered", "anitescu_hart", "fischer_newton")
 SPATIAL = ("nsgs", "interior_point", "proximal_newton", "nncg", "apgd_coulomb", "staggered", "admm_coulomb", "anitescu_hart")
@@ -27,6 +30,7 @@ PIVOTS = 48  # contacts up to which lemke, form and solve, is faster than interi
 SWEPT = 6, 60  # contacts up to which nsgs alone is faster, and from which its sweeps save interior_point more than they cost
 HYPERSTATIC = 1.25  # contact rows per velocity above which sweeps help in the smallest problems only: W is singular
 SWEEPS = 30  # of nsgs: a fraction of the time of interior_point at any size
+ALL_THE_TIME = nullcontext()
 CLOSE = 0.01  # largest residual at which the impulses of one member are a better start for the next than none
 
 
@@ -48,12 +52,13 @@ MEMBERS = tuple(dict.fromkeys((*PLANAR, *SPATIAL)))
 class Hybrid:
     """A portfolio: the interior point or a simpler method first, then others, until a checked answer is within the tolerance.
 
-    The limit bounds each member's unit of work. work counts the members tried and, by name, the work of each.
+    The limit bounds each member's unit of work. Of a time limit each member may take half of what is left, the last one all.
+    work counts the members tried and, by name, the work of each.
     """
 
     def form(self, problem: FrictionProblem) -> Prepared:
         nc, d = problem.contacts, problem.dimension
-        members = _members(d, nc <= PIVOTS if d == 2 else _sweeps_help(problem))
+        members = _members(d, bool(nc <= PIVOTS if d == 2 else _sweeps_help(nc, len(problem.free_velocity))))
         return Prepared(problem, members, members[0][1].form(problem))
 
     def setup(self, formed: Prepared) -> Prepared:
@@ -67,7 +72,9 @@ class Hybrid:
             stage = prepared.first if tried == 1 else member.prepare(problem)
             own_limit = (SWEEPS if limit is None else min(SWEEPS, limit)) if info.name == "nsgs" else limit
             guess = impulse if least <= CLOSE else start
-            answer = member.solve(stage, tol, own_limit, guess if info.warm_start else None)
+            share = left() / (2 if tried < len(prepared.members) else 1)
+            with within(share) if share < np.inf else ALL_THE_TIME:
+                answer = member.solve(stage, tol, own_limit, guess if info.warm_start else None)
             work |= {f"{info.name} {unit}": count for unit, count in answer.work.items()} | {"members": tried}
             found, floor = residual_with_floor(problem, answer.impulse)
             if found < least:
@@ -75,13 +82,27 @@ class Hybrid:
             if least <= tol:
                 status = Status.SOLVED if floor <= tol else Status.ROUNDING  # other members' impulses would be as large
                 return Answer(impulse, status, work, detail=f"answered by {found_by}")
+            if is_over():
+                break
         return Answer(impulse, Status.STALLED, work, detail=f"the nearest answer is by {found_by}" if found_by else "")
 
+    def solve_many(self, packed: Packed, tol: float, limit: int | None) -> Solved:
+        """The simpler first method's loop, where it comes first; what that does not solve goes through all members."""
+        nc, space = np.diff(packed.contacts), packed.dimension == 3
+        simple = "nsgs" if space else "lemke"
+        chosen = _sweeps_help(nc, np.diff(packed.velocities)) if space else nc <= PIVOTS
+        loop: Any = find(simple)[1]
+        own_limit = min(SWEEPS, limit or SWEEPS) if space else limit
+        found = loop.solve_many(packed._replace(spread=np.where(chosen, packed.spread, np.inf)), tol, own_limit)
+        tried = np.array([status is not None for status in found.status], bool)
+        solved = tried & (residuals(packed, found.impulse)[:, 0] <= tol)
+        work = {f"{simple} {unit}": counts for unit, counts in found.work.items()} | {"members": np.ones(len(nc), np.int64)}
+        return Solved(found.impulse, np.array([None, Status.SOLVED])[solved.astype(int)], work)
 
-def _sweeps_help(problem: FrictionProblem) -> bool:
-    """Whether nsgs comes first in space."""
-    nc, velocities = problem.contacts, len(problem.free_velocity)
-    return nc <= SWEPT[0] or (nc >= SWEPT[1] and nc * problem.dimension <= HYPERSTATIC * velocities)
+
+def _sweeps_help(nc: Any, velocities: Any) -> Any:
+    """Whether nsgs comes first in space, for numbers or arrays of numbers."""
+    return (nc <= SWEPT[0]) | ((nc >= SWEPT[1]) & (nc * 3 <= HYPERSTATIC * velocities))
 
 
 @cache

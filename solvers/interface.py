@@ -52,10 +52,11 @@ from frictionbench.problems.display import html_table
 from frictionbench.problems.friction import require_problem
 from frictionbench.problems.names import near
 from frictionbench.problems.operators.delassus import DIGITS
-from frictionbench.problems.residual import residual_floor
+from frictionbench.problems.residual import residual, residual_floor
 from frictionbench.problems.rows import Index64
 from frictionbench.problems.spec import split
 from frictionbench.solvers.balanced import with_balance
+from frictionbench.solvers.clock import is_over, within
 from frictionbench.solvers.needs import installed_version
 
 Model = Literal["coulomb", "lcp", "relaxation", "regularised"]
@@ -77,6 +78,7 @@ class Status(Enum):
     WORK_LIMIT = "reached the work limit"
     STALLED = "no further progress was possible"
     BREAKDOWN = "numerical breakdown"
+    TIME_LIMIT = "reached the time limit: this is the best answer found until then"
     ROUNDING = "solved as far as can be told: rounding alone may leave a residual above the requested tolerance"
     FAILED = "the outside library reported a failure"
 
@@ -350,9 +352,15 @@ _FLAGS = {"true": True, "false": False, "1": True, "0": False}
 
 
 def solve(
-    problem: FrictionProblem | LCP, spec: str, *, tol: float = 1e-8, limit: int | None = None, start: Array | None = None
+    problem: FrictionProblem | LCP,
+    spec: str,
+    *,
+    tol: float = 1e-8,
+    limit: int | None = None,
+    start: Array | None = None,
+    time_limit: float | None = None,
 ) -> Answer:
-    """Prepare and solve one problem with one solver, in this process and without a time limit.
+    """Prepare and solve one problem with one solver, in this process.
 
     problem: a FrictionProblem of nc contacts of dimension d, or a bare LCP for solvers of LCPs.
     spec: a solver's name, with settings in brackets if any: "lemke", "nsgs[relaxation=1.3]". See `available`.
@@ -361,12 +369,16 @@ def solve(
         max|q|.
     limit: the largest number of pivots, sweeps or iterations, whichever the method counts; None for the method's own limit.
     start: (nc, d), N s, normal first: a guess of the impulses. A solver without warm start ignores it.
+    time_limit: s, > 0; None for none. Our own methods look at the clock between their steps, also as members of a portfolio,
+        and return the best answer found until then with the status TIME_LIMIT and its residual in `detail`. One step, the form
+        and the setup of a large problem, a first compilation and outside libraries are not interrupted; `frictionbench solve
+        --time-limit` ends those by their process.
 
     Returns an Answer: impulse (nc, d) in N s, normal first, also where the solver failed; status, what the solver claims, but
     ROUNDING for SOLVED by a solver of this package where rounding alone may leave a residual above tol (residual_floor);
     work, its counts; z (n,) of solvers of LCPs.
-    Errors: InputError if the solver is unknown, not installed or does not take this problem, or if problem, tol, limit or start
-    is invalid; the message names which.
+    Errors: InputError if the solver is unknown, not installed or does not take this problem, or if problem, tol, limit, start
+    or time_limit is invalid; the message names which.
 
     >>> import frictionbench as fb
     >>> problem = fb.scene("stack", blocks=2, push=1.0).problem()
@@ -382,10 +394,28 @@ def solve(
         raise InputError(f"solver: {reason}")
     shape = problem.contacts if isinstance(problem, LCP) else (problem.contacts, problem.dimension)
     guess = None if start is None else impulses(start, shape)
-    answer = instance.solve(instance.prepare(problem), tol, limit, guess if info.warm_start else None)
+    if time_limit is None:
+        answer = instance.solve(instance.prepare(problem), tol, limit, guess if info.warm_start else None)
+    else:
+        answer = _solve_in_time(instance, problem, tol, limit, guess if info.warm_start else None, time_limit)
     checked = answer.status is Status.SOLVED and info.ours
     if checked and isinstance(problem, FrictionProblem) and residual_floor(problem, answer.impulse) > tol:
         answer.status = Status.ROUNDING
+    return answer
+
+
+def _solve_in_time(
+    instance: Solver, problem: FrictionProblem | LCP, tol: float, limit: int | None, start: Array | None, seconds: Any
+) -> Answer:
+    """The answer, TIME_LIMIT if it is not solved when the time is over. Errors: InputError naming time_limit."""
+    valid = isinstance(seconds, Real) and not isinstance(seconds, bool) and 0 < seconds < float("inf")  # type: ignore[operator]
+    require(valid, "time_limit", f"must be a positive, finite number of seconds, got {seconds!r}")
+    with within(float(seconds)):
+        answer = instance.solve(instance.prepare(problem), tol, limit, start)
+        if is_over() and answer.status not in (Status.SOLVED, Status.ROUNDING):
+            bare = isinstance(problem, LCP)
+            found = problem.residual(answer.z) if bare else residual(problem, answer.impulse)  # type: ignore[union-attr,arg-type]
+            answer.status, answer.detail = Status.TIME_LIMIT, f"after {seconds:g} s, with a residual of {found:.2g}"
     return answer
 
 

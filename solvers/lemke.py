@@ -35,6 +35,7 @@ from frictionbench.problems.forms.lcp import impulse, tangent_basis
 from frictionbench.problems.packed import CONTACT, Packed
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.balanced import UNLIKE
+from frictionbench.solvers.clock import deadline, late
 from frictionbench.solvers.interface import Answer, Solved, impulses, solver
 from frictionbench.solvers.pivots.inverse_basis import Matrix, invert, slack_basis
 from frictionbench.solvers.pivots.lemke_path import (
@@ -85,11 +86,20 @@ def certified(M: Matrix, q: Array, d: Array, ray: Array, copositive: bool) -> bo
 
 @kernel
 def lemke(
-    M: Matrix, q: Array, cover: Array, unit: Array, guess: Index64, copositive: bool, tol: float, limit: int, restarts: int
+    M: Matrix,
+    q: Array,
+    cover: Array,
+    unit: Array,
+    guess: Index64,
+    copositive: bool,
+    tol: float,
+    limit: int,
+    until: float,
+    restarts: int,
 ) -> tuple[int, Array, int, int, int]:
     """(how it ended, y, pivots, restarts, inversions) for the scaled problem.
 
-    cover: the first covering vector. unit: see residual. guess: the indices of basic z, if any.
+    cover: the first covering vector. unit: see residual. guess: the indices of basic z, if any. until: the deadline.
     """
     n = len(q)
     work = np.zeros(2, np.int64)
@@ -104,7 +114,7 @@ def lemke(
     best = scaled_residual(M, q, unit, best_y, out)
     ended = COMPLEMENTARY if best <= tol else INACCURATE
     trial = first = -1 if len(guess) else 0
-    while best > tol and work[0] < limit and trial <= restarts:
+    while best > tol and work[0] < limit and trial <= restarts and not late(until):
         basis = slack_basis(n)
         code, size = COMPLEMENTARY, PERTURBATION
         if trial < 0:
@@ -126,10 +136,10 @@ def lemke(
             put(shifted, q)
             add_coordinates(M, basis, drawn, size / 10.0, shifted, z)
             basic_values(M, d, basis, shifted, x, out, ACCURACY)
-            code = follow_lemke_path(M, shifted, d, basis, x, ray, blocking, HARRIS * size, budget, work)
+            code = follow_lemke_path(M, shifted, d, basis, x, ray, blocking, HARRIS * size, budget, until, work)
             if code == RAY and cold and certified(M, q, d, ray, copositive):
                 ended = RAY
-            elif work[0] >= limit:
+            elif work[0] >= limit or late(until):
                 ended = LIMIT
             if code == COMPLEMENTARY:
                 error = finish(M, d, basis, q, unit, x, y, out)
@@ -160,7 +170,7 @@ def lemke_loop(packed, basis, tol, limit, restarts):  # type: ignore[no-untyped-
         most = limit if limit else 100_000 + 100 * len(q)
         cover = np.empty(len(q))
         set_cover(cover, end - here)
-        ended[k], y, work[k, 0], work[k, 1], work[k, 2] = lemke(M, q, cover, unit, NONE, True, tol, most, restarts)
+        ended[k], y, work[k, 0], work[k, 1], work[k, 2] = lemke(M, q, cover, unit, NONE, True, tol, most, np.inf, restarts)
         for i in range(len(y)):
             y[i] *= stretch[i]
         r[here:end] = impulse(basis, y, end - here)
@@ -194,7 +204,7 @@ class Lemke:
         limit = limit or 100_000 + 100 * len(q)
         goal = MARGIN * tol
         ended, y, pivots, restarts, inversions = lemke(
-            M, q, cover, unit, guess, scaled.basis is not None, goal, limit, self.restarts
+            M, q, cover, unit, guess, scaled.basis is not None, goal, limit, deadline(), self.restarts
         )
         return scaled.answer(y, ended, pivots=pivots, restarts=restarts, inversions=inversions)
 

@@ -73,8 +73,8 @@ def solve_many(
     problems: FrictionProblems of any sizes, or a Batch of them, which is packed already.
     spec, tol, limit: as in `solve`. workers: threads, each on a share of the problems.
 
-    Solvers with a loop of their own (lemke and dantzig) go over all problems in compiled code; for others and for problems with
-    joints this is a loop over `solve`, which threads do not make faster.
+    Solvers with a loop of their own (lemke, dantzig, nsgs and hybrid's first member) go over all problems in compiled code; for
+    others and for problems with joints this is a loop over `solve`, which threads do not make faster.
 
     Returns Answers: the impulses, statuses and counts as arrays, and each answer's residual on the exact problem.
     Errors: InputError as for `solve`, with the number of the problem that the solver does not take.

@@ -14,6 +14,7 @@ import numpy as np
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel
+from frictionbench.solvers.clock import deadline, late
 from frictionbench.solvers.interface import solver
 from frictionbench.solvers.pivots.inverse_basis import Matrix, exchange_pair, refactor, slack_basis, transform
 from frictionbench.solvers.pivots.lemke_path import (
@@ -34,7 +35,7 @@ NEGATIVE = 1e-13  # relative to the largest basic variable: entries above minus 
 
 
 @kernel
-def murty(M: Matrix, q: Array, unit: Array, tol: float, limit: int) -> tuple[int, Array, int, int]:
+def murty(M: Matrix, q: Array, unit: Array, tol: float, limit: int, until: float) -> tuple[int, Array, int, int]:
     """(how it ended, y, pivots, inversions) for the scaled problem."""
     n = len(q)
     d, rhs, out, y = np.zeros(n), np.empty(n), np.empty(n), np.zeros(n)
@@ -49,7 +50,7 @@ def murty(M: Matrix, q: Array, unit: Array, tol: float, limit: int) -> tuple[int
             r += 1
         if r == n:
             break
-        if pivots >= limit:
+        if pivots >= limit or late(until):
             return LIMIT, y, pivots, inversions
         z_enters = basis.row[r] < 0
         enter(M, r, z_enters, rhs)
@@ -85,4 +86,4 @@ class Murty(PrincipalPivoting):
     """
 
     def pivot(self, lcp: ScaledLCP, tol: float, limit: int) -> tuple[int, Array, int, int]:
-        return murty(lcp.M, lcp.q, lcp.unit, tol, limit)
+        return murty(lcp.M, lcp.q, lcp.unit, tol, limit, deadline())

@@ -13,12 +13,14 @@ import numpy as np
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array, require
-from frictionbench.problems.compiled import kernel
-from frictionbench.solvers.interface import Answer, impulses, solver
-from frictionbench.solvers.sweeps.form import ContactForm, contact_form
-from frictionbench.solvers.sweeps.gauss_seidel import CHECK, monitor_sweeps, planar_sweeps, spatial_sweeps
+from frictionbench.problems.compiled import kernel, loop
+from frictionbench.problems.packed import CONTACT, Packed
+from frictionbench.solvers.balanced import UNLIKE
+from frictionbench.solvers.interface import Answer, Solved, impulses, solver
+from frictionbench.solvers.sweeps.form import ContactForm, contact_form, contact_form_of
+from frictionbench.solvers.sweeps.gauss_seidel import CHECK, LIMIT, PATIENCE, monitor_sweeps, planar_sweeps, spatial_sweeps
 from frictionbench.solvers.sweeps.laws import residual_at
-from frictionbench.solvers.sweeps.stopping import should_continue
+from frictionbench.solvers.sweeps.stopping import ENDS, Monitor, should_continue
 
 
 @solver("nsgs", family="splitting", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True)
@@ -34,6 +36,11 @@ class NSGS:
     def __post_init__(self) -> None:
         require(0 < self.relaxation < 2, "relaxation", f"must lie between 0 and 2, got {self.relaxation!r}")
 
+    def solve_many(self, packed: Packed, tol: float, limit: int | None) -> Solved:
+        space = True if packed.dimension == 3 else None
+        r, ended, work = nsgs_loop(packed, float(self.relaxation), tol, LIMIT if limit is None else limit, space)
+        return Solved(r, _STATUS[ended], {"sweeps": work[:, 0], "checks": work[:, 1]})
+
     def form(self, problem: FrictionProblem) -> ContactForm:
         return contact_form(problem)
 
@@ -41,6 +48,26 @@ class NSGS:
         r, monitor = impulses(start, form.offset.shape), monitor_sweeps(tol, limit)
         sweeps = _iterate(form, r, float(self.relaxation), monitor, True if r.shape[1] == 3 else None)
         return monitor.answer(r, sweeps=sweeps, checks=monitor.seen)
+
+
+_STATUS = np.array([*ENDS, None])  # the last for problems that are to be solved by themselves
+
+
+@loop
+def nsgs_loop(packed, relaxation, tol, limit, space):  # type: ignore[no-untyped-def]
+    """Packed problems one after the other: impulses, how each ended (-1 if not tried), and sweeps and checks (N, 2)."""
+    count, begin = len(packed.first) - 1, packed.first[0, CONTACT]
+    r, ended = np.zeros((packed.first[count, CONTACT] - begin, packed.J.shape[1])), np.full(count, -1)
+    work = np.zeros((count, 2), np.int64)
+    for k in range(count):
+        if packed.spread[k] > UNLIKE:
+            continue
+        records = np.empty(2 + limit // CHECK), np.array([np.inf, 0.0]), np.zeros(2, np.int64)
+        monitor = Monitor(tol, limit, PATIENCE, records[0], records[1], records[2], np.inf)
+        own = r[packed.first[k, CONTACT] - begin : packed.first[k + 1, CONTACT] - begin]
+        work[k, 0] = _iterate(contact_form_of(packed, k), own, relaxation, monitor, space)
+        ended[k], work[k, 1] = monitor.state[1], monitor.state[0]
+    return r, ended, work
 
 
 @kernel

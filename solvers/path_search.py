@@ -43,6 +43,7 @@ from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.compiled import kernel, part
 from frictionbench.problems.rows import Index64
+from frictionbench.solvers.clock import deadline
 from frictionbench.solvers.interface import Answer, Status, solver
 from frictionbench.solvers.pivots.lu_basis import (
     Columns,
@@ -108,7 +109,9 @@ class PathSearch:
         problem, lcp, stretch, order, columns, basis, q, weight, noise = prepared
         limit = 50 * lcp.size + 1000 if limit is None else limit
         target = MARGIN * tol
-        y, least, end, ray, work = search(columns, basis, q, weight, noise, target, limit, self.crash, self.proximal)
+        y, least, end, ray, work = search(
+            columns, basis, q, weight, noise, target, limit, deadline(), self.crash, self.proximal
+        )
         z = np.empty(lcp.size)
         z[order] = y
         z *= stretch
@@ -159,7 +162,7 @@ class Prepared(NamedTuple):
 
 
 @kernel
-def search(columns, basis, q, weight, noise, tol, limit, steps, proximal):  # type: ignore[no-untyped-def]
+def search(columns, basis, q, weight, noise, tol, limit, until, steps, proximal):  # type: ignore[no-untyped-def]
     """Newton's method from z = 0: the best z found, its residual, how the last path ended, whether on a true ray; work."""
     n = len(q)
     work = np.zeros(5, np.int64)
@@ -182,7 +185,7 @@ def search(columns, basis, q, weight, noise, tol, limit, steps, proximal):  # ty
         for i in range(n):  # residual r of x: -delta on A; below, with w_i = max(F_i, 0) + delta_i
             columns.cover[i] = -delta[i] if A[i] else min(w[i] - delta[i], 0.0) - delta[i]
             right[i] = columns.cover[i] - along[i]
-        end = follow_newton_path(basis, columns, right, v, limit, work)
+        end = follow_newton_path(basis, columns, right, v, limit, until, work)
         residual = np.inf
         if end == NEWTON:
             residual = newton_point(basis, columns, q, weight, v, z, w, work)

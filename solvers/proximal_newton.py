@@ -18,6 +18,7 @@ import numpy as np
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.residual import residual
+from frictionbench.solvers.clock import is_over
 from frictionbench.solvers.interface import Answer, Status, impulses, solver
 from frictionbench.solvers.interior.alart_curnier import new_state, newton
 from frictionbench.solvers.interior.system import System, build_system, in_velocities, new_work
@@ -60,7 +61,7 @@ class ProximalNewton:
         impulse = anchor * system.impulse
         least = residual(problem, impulse)
         history, factorisations, rho = [least], 0, SOFT
-        while least > tol and factorisations < limit:
+        while least > tol and factorisations < limit and not is_over():
             steps = min(STEPS, limit - factorisations)
             aim = max(ACCURATE / 100, ENOUGH / 10 * min(least, 1.0))
             used, off = newton(system, state, trial, anchor, rho, step, work, aim, steps)

@@ -31,6 +31,7 @@ import numpy as np
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
+from frictionbench.solvers.clock import late
 from frictionbench.solvers.interior.elements import larger
 from frictionbench.solvers.interior.newton import direction, linearise
 from frictionbench.solvers.interior.point import Point, add_products, add_step, longest, new_point, set_step, to_geodesics
@@ -73,7 +74,7 @@ def trace(
     while used < len(history):
         history[used] = evaluate_and_record(system, space, point, defect, work, best)
         used += 1
-        if best.residual[0] <= tol or not END < t < DIVERGED:
+        if best.residual[0] <= tol or not END < t < DIVERGED or late(workspace.until):
             return used
         linearise(system, space, point, work)
         best.factorisations[0] += 1

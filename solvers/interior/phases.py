@@ -6,6 +6,7 @@ import numpy as np
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
+from frictionbench.solvers.clock import is_over
 from frictionbench.solvers.interface import Answer, Status
 from frictionbench.solvers.interior.point import Point, start_point
 from frictionbench.solvers.interior.predictor_corrector import Best, new_workspace
@@ -69,7 +70,7 @@ def run(
         if solved:
             status = Status.SOLVED
             break
-        if used == len(history):
+        if used == len(history) or is_over():
             status = Status.WORK_LIMIT
             break
     work = {"iterations": used, "factorisations": int(best.factorisations[0])}

@@ -18,6 +18,7 @@ import numpy as np
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
 from frictionbench.problems.rows import Index64
+from frictionbench.solvers.clock import deadline, late
 from frictionbench.solvers.interior.newton import direction, evaluate_point, linearise
 from frictionbench.solvers.interior.point import Point, add_products, add_step, longest, set_identity
 from frictionbench.solvers.interior.system import SOFTNESS, Space, System, Work, new_work
@@ -48,19 +49,20 @@ def evaluate_and_record(system: System, space: Space, point: Point, defect: Poin
 
 
 class Workspace(NamedTuple):
-    """Preallocated arrays: arrays created inside the loop would cost reference counting in every call."""
+    """Preallocated arrays, as arrays created inside the loop would cost reference counting in every call; the deadline."""
 
     step: Point
     defect: Point
     target: Array
     work: Work
+    until: float
 
 
 def new_workspace(system: System) -> Workspace:
     nc, nj = len(system.friction), len(system.joint_bias)
     pairs, joints = np.zeros((5, nc, 4)), np.zeros((2, nj, 1))
     step, defect = Point(pairs[0], pairs[1], joints[0]), Point(pairs[2], pairs[3], joints[1])
-    return Workspace(step, defect, pairs[4], new_work(system))
+    return Workspace(step, defect, pairs[4], new_work(system), deadline())
 
 
 @kernel
@@ -89,7 +91,7 @@ def predictor_corrector(
         since += 1
         if not gap + off > milestone / 2:
             milestone, since = gap + off, 0
-        if best.residual[0] <= tol or not gap + off < np.inf:
+        if best.residual[0] <= tol or not gap + off < np.inf or late(workspace.until):
             return iteration + 1
         if since > patience:
             if history[iteration] > NEAR or work.softness[0] > SOFTEST / SOFTER:

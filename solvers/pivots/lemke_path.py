@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import inlined, kernel, part
 from frictionbench.problems.rows import Index64
+from frictionbench.solvers.clock import late
 from frictionbench.solvers.pivots.inverse_basis import InverseBasis, Matrix, exchange_pair, refactor, transform
 from frictionbench.solvers.pivots.vectors import put
 
@@ -75,13 +76,14 @@ def follow_lemke_path(
     blocking: Flags,
     slack: float,
     limit: int,
+    until: float,
     work: Index64,
 ) -> int:
     """Follow Lemke's path from a complementary basis in which z0 lets every basic variable rise, and return how it ended.
 
     x (n+1,): the values of the basic variables, updated. a (n+1,): at the end of a ray its direction (z, z0).
-    blocking (n+1,): the variables to keep nonnegative. slack: how far near ties may reach. work: counts of pivots and
-    inversions, updated.
+    blocking (n+1,): the variables to keep nonnegative. slack: how far near ties may reach. until: the deadline.
+    work: counts of pivots and inversions, updated.
     """
     n = len(q)
     rhs, out = np.empty(n), np.empty(n)
@@ -114,7 +116,7 @@ def follow_lemke_path(
             if z_enters:
                 a[p] = 1.0
             return RAY
-        if work[0] >= limit:
+        if work[0] >= limit or late(until):
             return LIMIT
 
         w_leaves = basis.row[s] < 0

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.compiled import kernel, part
+from frictionbench.solvers.clock import deadline, late
 from frictionbench.solvers.interface import Answer, Status
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 from frictionbench.solvers.pivots.natural import MARGIN, exact_residual, natural_residual, natural_weight
@@ -38,6 +39,7 @@ class Descent(NamedTuple):
 
     weight (n,), tol: of the natural residual. limit: of the iterations. best (n,), least (1,): the point of the least residual
     and that. history: the residual of every iterate. recent: the last merits, for a nonmonotone search. work: counted by UNITS.
+    until: the deadline.
     """
 
     weight: Array
@@ -48,12 +50,13 @@ class Descent(NamedTuple):
     history: Array
     recent: Array
     work: NDArray[np.int64]
+    until: float
 
 
 def new_descent(weight: Array, tol: float, limit: int, memory: int) -> Descent:
     n = len(weight)
     history, work = np.empty(limit + 1), np.zeros(len(UNITS), np.int64)
-    return Descent(weight, tol, limit, np.zeros(n), np.full(1, np.inf), history, np.zeros(memory), work)
+    return Descent(weight, tol, limit, np.zeros(n), np.full(1, np.inf), history, np.zeros(memory), work, deadline())
 
 
 @part
@@ -66,7 +69,7 @@ def record(descent, k, y, w, merit):  # type: ignore[no-untyped-def]
     descent.recent[k % len(descent.recent)] = merit
     if descent.least[0] <= descent.tol:
         return SOLVED
-    if k == descent.limit:
+    if k == descent.limit or late(descent.until):
         return LIMIT
     return GOING if merit < np.inf else BREAKDOWN
 

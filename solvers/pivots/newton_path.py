@@ -9,6 +9,7 @@ who starts from a random point meets none before t = 1, where they no longer mat
 import numpy as np
 
 from frictionbench.problems.compiled import kernel, part
+from frictionbench.solvers.clock import late
 from frictionbench.solvers.pivots.lu_basis import (
     add_columns_product,
     column,
@@ -30,7 +31,7 @@ PIVOTS, FACTORISATIONS = 0, 1  # counted in work
 
 
 @part
-def follow_newton_path(basis, columns, b, v, limit, work):  # type: ignore[no-untyped-def]
+def follow_newton_path(basis, columns, b, v, limit, until, work):  # type: ignore[no-untyped-def]
     """Follow M z - w + t cover = b from the factorised basis at t = 0 towards t = 1; how the path ends.
 
     v (n,) receives z: at NEWTON of the end point, whose basis is then held, at RAY of the ray.
@@ -78,7 +79,7 @@ def follow_newton_path(basis, columns, b, v, limit, work):  # type: ignore[no-un
                 return RAY
             if p == t_at:
                 return RETURNED
-            if work[PIVOTS] == limit:
+            if work[PIVOTS] == limit or late(until):
                 return LIMIT
             step = max(x[p], 0.0) / d[p]
             for i in range(n):

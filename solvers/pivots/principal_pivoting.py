@@ -5,8 +5,15 @@ from dataclasses import dataclass
 
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import kernel
 from frictionbench.solvers.interface import Answer
 from frictionbench.solvers.pivots.scaled_lcp import MARGIN, ScaledLCP, scaled_lcp
+
+
+@kernel
+def default_limit(n: int) -> int:
+    """Of the pivots on n unknowns."""
+    return 10_000 + 100 * n
 
 
 @dataclass(frozen=True)
@@ -26,5 +33,5 @@ class PrincipalPivoting(ABC):
         return scaled_lcp(problem, self.facets)
 
     def solve(self, prepared: ScaledLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        ended, y, pivots, inversions = self.pivot(prepared, MARGIN * tol, limit or 10_000 + 100 * len(prepared.q))
+        ended, y, pivots, inversions = self.pivot(prepared, MARGIN * tol, limit or default_limit(len(prepared.q)))
         return prepared.answer(y, ended, pivots=pivots, inversions=inversions)

@@ -16,6 +16,7 @@ import numpy as np
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.packed import Q, known_blocks, law_of, mechanical, mechanics_of
 from frictionbench.problems.rows import Index32, normal_first, nowhere
 
 
@@ -50,6 +51,21 @@ def contact_form(problem: FrictionProblem) -> ContactForm:
     else:
         parts = _pack_velocities(*problem.contact_rows, *problem.inverse_rows, problem.free_velocity, problem.bias, *law)
     return ContactForm._make((*parts, problem.units.copy()))
+
+
+@part
+def contact_form_of(packed, k):  # type: ignore[no-untyped-def]
+    """The form of problem k of packed ones."""
+    mu, wider, scale, units = law_of(packed, k)
+    if mechanical(packed, k):
+        start, column, J, m_start, m_column, m_value, free, bias = mechanics_of(packed, k)
+        parts = _pack_velocities(start, column, J, m_start, m_column, m_value, free, bias, mu, wider, scale)
+    else:
+        first, neighbours, block = known_blocks(packed, k)
+        q = packed.q[packed.first[k, Q] : packed.first[k + 1, Q]].reshape(len(mu), block.shape[1])
+        parts = _pack_impulses(first, neighbours, block, q, mu, wider, scale)
+    g_start, g_column, g, r_start, r_column, r, offset, rest, own, own_mu, own_bias, own_scale = parts
+    return ContactForm(g_start, g_column, g, r_start, r_column, r, offset, rest, own, own_mu, own_bias, own_scale, units.copy())
 
 
 @kernel

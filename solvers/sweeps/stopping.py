@@ -1,4 +1,5 @@
-"""Stopping criteria shared by the iterative methods; they depend on counts alone, so that runs are reproducible."""
+"""Stopping criteria shared by the iterative methods; without a deadline they depend on counts alone, so that runs are
+reproducible."""
 
 from typing import NamedTuple
 
@@ -7,6 +8,7 @@ from numpy.typing import NDArray
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel
+from frictionbench.solvers.clock import deadline, late
 from frictionbench.solvers.interface import Answer, Status
 
 ENDS = (Status.SOLVED, Status.BREAKDOWN, Status.STALLED, Status.WORK_LIMIT)
@@ -17,7 +19,7 @@ class Monitor(NamedTuple):
 
     tol: the requested residual. limit and patience: counts in the method's own unit, of all and of those in which the residual
     must fall by a hundredth. history: the residuals seen. best (2,): the least of them and its count.
-    state (2,): the number seen, and the index in ENDS of how the method ended.
+    state (2,): the number seen, and the index in ENDS of how the method ended. until: the deadline (solvers.clock).
     """
 
     tol: float
@@ -26,6 +28,7 @@ class Monitor(NamedTuple):
     history: Array
     best: Array
     state: NDArray[np.int64]
+    until: float
 
     @property
     def seen(self) -> int:
@@ -37,14 +40,16 @@ class Monitor(NamedTuple):
 
 def monitor(tol: float, limit: int, patience: int, every: int = 1) -> Monitor:
     """A monitor of a method that computes its residual at every so many counts."""
-    return Monitor(tol, limit, patience, np.empty(2 + limit // every), np.array([np.inf, 0.0]), np.zeros(2, np.int64))
+    records = np.empty(2 + limit // every), np.array([np.inf, 0.0]), np.zeros(2, np.int64)
+    return Monitor(tol, limit, patience, *records, deadline())
 
 
 @kernel
 def should_continue(monitor, error, count):  # type: ignore[no-untyped-def]
     """Whether to continue from a residual of `error` after `count` counts; otherwise the monitor records how the method ended.
 
-    Solved within the tolerance, broken down where the residual is not finite, stalled without progress, or at the limit.
+    Solved within the tolerance, broken down where the residual is not finite, stalled without progress, or at the limit of
+    work or time.
     """
     monitor.history[monitor.state[0]] = error
     monitor.state[0] += 1
@@ -60,4 +65,4 @@ def should_continue(monitor, error, count):  # type: ignore[no-untyped-def]
         monitor.state[1] = 2
         return False
     monitor.state[1] = 3
-    return count < monitor.limit
+    return count < monitor.limit and not late(monitor.until)

@@ -29,11 +29,12 @@ MAY_IMPORT = {
     "problems": {"problems"},
     "solvers.needs": set(),
     "solvers.balanced": {"problems"},
-    "solvers.interface": {"problems", "solvers.needs", "solvers.balanced"},
-    "solvers.pivots": {"problems", "solvers.interface"},
-    "solvers.sweeps": {"problems", "solvers.interface"},
+    "solvers.clock": {"problems.compiled"},
+    "solvers.interface": {"problems", "solvers.needs", "solvers.balanced", "solvers.clock"},
+    "solvers.pivots": {"problems", "solvers.interface", "solvers.clock"},
+    "solvers.sweeps": {"problems", "solvers.interface", "solvers.clock"},
     "solvers.sparse_lu": {"problems.check", "problems.compiled"},
-    "solvers.interior": {"problems", "solvers.interface", "solvers.sparse_lu"},
+    "solvers.interior": {"problems", "solvers.interface", "solvers.clock", "solvers.sparse_lu"},
     "solvers.outside.children": set(),
     "solvers.outside": {"problems", "solvers.interface", "solvers.pivots.dense_lcp"},
     "solvers": {"problems", "solvers"},
@@ -143,7 +144,7 @@ def test_module_docstrings(module: str) -> None:
 
 
 def test_solver_modules_register_solvers() -> None:
-    others = ("__init__", "balanced", "executable", "interface", "many", "needs", "plugins")
+    others = ("__init__", "balanced", "clock", "executable", "interface", "many", "needs", "plugins")
     methods = [path.stem for path in (ROOT / "solvers").glob("*.py") if path.stem not in others]
     decorated = [
         path

@@ -6,7 +6,7 @@ import pytest
 import frictionbench as fb
 from frictionbench.problems import FrictionProblem
 
-LOOPED = ("lemke",)
+LOOPED = ("lemke", "dantzig", "nsgs", "hybrid")
 
 
 @pytest.fixture(scope="module")
@@ -20,18 +20,32 @@ def planar() -> list[FrictionProblem]:
     return [*stacks, empty, known, apart, joined]
 
 
-@pytest.mark.parametrize("spec", LOOPED)
-@pytest.mark.parametrize("workers", [1, 3])
-def test_same_as_one_by_one(spec: str, workers: int, planar: list[FrictionProblem]) -> None:
-    answers = fb.solve_many(planar, spec, workers=workers)
-    for k, problem in enumerate(planar):
+@pytest.fixture(scope="module")
+def spatial() -> list[FrictionProblem]:
+    """Spheres and cubes, with W only as well, and a problem that nsgs leaves to the other members of hybrid."""
+    spheres, cubes = fb.instance("sphere_pyramid", levels=2), fb.instance("cubes", boxes=1)
+    known = FrictionProblem.from_delassus(spheres.W, spheres.q, spheres.friction, 3)
+    return [spheres, cubes, known, fb.instance("random_bodies", contacts=4)]
+
+
+def assert_as_one_by_one(problems: list[FrictionProblem], spec: str, workers: int) -> None:
+    answers = fb.solve_many(problems, spec, workers=workers)
+    for k, problem in enumerate(problems):
         answer = fb.solve(problem, spec)
         np.testing.assert_array_equal(answers[k], answer.impulse)
         assert answers.status[k] is answer.status
         assert {name: answers.work[name][k] for name in answer.work} == answer.work
         assert answers.residual[k] == fb.residual(problem, answer.impulse)
         assert answers.floor[k] == fb.residual_floor(problem, answer.impulse)
-    assert answers.solved.all()
+
+
+@pytest.mark.parametrize("spec", LOOPED)
+def test_same_as_one_by_one(spec: str, planar: list[FrictionProblem], spatial: list[FrictionProblem]) -> None:
+    assert_as_one_by_one([*planar, *spatial], spec, workers=1)
+
+
+def test_same_in_threads(planar: list[FrictionProblem]) -> None:
+    assert_as_one_by_one(planar, "lemke", workers=3)
 
 
 def test_rounding_is_told() -> None:

@@ -1,0 +1,214 @@
+"""docs/performance.md: the rates of `solve_many` on thousands of small problems, beside single calls and other libraries.
+
+    python -m frictionbench.harness.commands.batch > docs/performance.md
+
+At each size the problems are stacks of as many contacts, each with its own push, friction and mass ratio. All ways of solving
+them are timed in turn, ROUNDS times, by the processor's time, which another process on the core does not change, and the least
+time counts; threads by the wall's. Rates are relative to single calls of lemke on the same problems in the same run. A rate is
+refused where it says nothing: without contacts, where friction is idle in all problems, and where a residual is above TOL.
+"""
+
+import os
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from importlib import import_module
+from time import perf_counter, process_time
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems.analysis.frictionless import idle
+from frictionbench.problems.batch import Batch
+from frictionbench.problems.check import Array
+from frictionbench.problems.packed import residuals
+from frictionbench.solvers import Status, available, solve, solve_many
+from frictionbench.solvers.pivots.dense_lcp import dense_lcp
+
+SIZES = {2: 1000, 4: 600, 10: 300, 20: 100, 40: 40}  # problems of so many contacts: some hundredths of a second each
+LOOPED = ("lemke", "dantzig", "nsgs", "hybrid")
+ALONE = ("osqp", "daqp")  # one by one: their loop is Python's
+TOL, ROUNDS, SAMPLE, AGAIN, SEED = 1e-8, 5, 40, 25, 1
+HEAD = """# Performance
+
+## By the thousand
+
+Made by `python -m frictionbench.harness.commands.batch`. Problems a second in a loop over stacks, each with its own push (0.2
+to 2 m/s), friction (0.2 to 0.8) and mass ratio (1 to 10), **relative to single calls of `solve(problem, "lemke")`** on the same
+problems in the same run; processor's time, least of {rounds} rounds in turn. *packed* is `solve_many` over a `Batch`, form,
+solve and the residual of every answer included; *with packing* over a list of problems. *p50*, *p95* and *worst* are the times
+of a problem in the packed loop, of {sample} problems repeated {again} times each, over the mean time of a single call of lemke.
+*{workers} threads* is the rate of the packed loop over that of one thread, by the wall's clock; what else the machine does
+counts there. The loop of quantecon is its own compiled kernel called from compiled code, on dense matrices made beforehand:
+without form and residuals, which ours include. osqp and daqp solve the convex relaxation. Compiling and loading kernels is in
+no figure; all starts are cold, from zero impulses.
+
+A rate is shown only where every residual is within 1e-8; otherwise the share that is.
+"""
+
+
+@dataclass(frozen=True)
+class Case:
+    """Problems of one size. active: the share of contacts that bear in lemke's answers. idle: of problems without need of
+    friction, by SAMPLE of them."""
+
+    contacts: int
+    problems: tuple[FrictionProblem, ...]
+    active: float
+    idle: float
+
+
+@dataclass(frozen=True)
+class Way:
+    """A way to solve the problems of a batch: run is timed, impulses turns what it returns into those of all problems, flat."""
+
+    batch: Batch
+    run: Callable[[], Array]
+    impulses: Callable[[Array], Array] = np.asarray
+
+
+@dataclass(frozen=True)
+class Rate:
+    """Of one way to solve a case: how often as many problems a second as single calls of lemke, and the share verified."""
+
+    way: str
+    ratio: float
+    verified: float
+    percentiles: tuple[float, float, float] | None = None
+    threads: float | None = None
+
+
+def refusal(case: Case, rate: Rate) -> str:
+    """Why a rate says nothing; empty where it does."""
+    if not case.contacts:
+        return "no contacts"
+    if case.idle == 1 or not case.active:
+        return "friction is idle in all problems"
+    return "" if rate.verified == 1 else f"{100 * rate.verified:.0f} % verified"
+
+
+def make_case(contacts: int, count: int) -> Case:
+    """So many stacks of as many contacts, from SEED."""
+    rng = np.random.default_rng([SEED, contacts])
+    settings = [
+        {"push": rng.uniform(0.2, 2), "friction": rng.uniform(0.2, 0.8), "mass_ratio": rng.uniform(1, 10)} for _ in range(count)
+    ]
+    problems = tuple(scene("stack", blocks=contacts // 2, **each).problem() for each in settings)
+    answers = solve_many(problems, "lemke", tol=TOL)
+    bearing = np.concatenate([answers[k][:, 0] > 0 for k in range(count)])
+    rested = [idle(problem, lambda given: solve(given, "lemke").impulse) for problem in problems[:SAMPLE]]
+    return Case(contacts, problems, float(bearing.mean()), float(np.mean(rested)))
+
+
+def rates(case: Case, workers: int) -> Iterator[Rate]:
+    """All ways of solving the case, called in turn in each round."""
+    whole, sample = Batch(case.problems), Batch(case.problems[:SAMPLE])
+    ways: dict[str, Way] = {}
+    for spec in ("lemke", *ALONE):
+        if available()[spec].missing is None:
+            ways[f"{spec}, single calls"] = Way(sample, partial(_one_by_one, sample, spec))
+    for spec in LOOPED:
+        ways[f"{spec}, packed"] = Way(whole, partial(_many, whole, spec))
+        ways[f"{spec}, with packing"] = Way(whole, partial(_many, case.problems, spec))
+    if available()["quantecon"].missing is None:
+        ways["quantecon, compiled loop"] = quantecon(whole)
+    verified = {name: _verified(way) for name, way in ways.items()}  # also compiles and loads
+    least = dict.fromkeys(ways, np.inf)
+    for _ in range(ROUNDS):
+        for name, way in ways.items():
+            least[name] = min(least[name], _seconds(way.run, process_time) / len(way.batch))
+    single = least["lemke, single calls"]
+    for name in ways:
+        spec, _, how = name.partition(", ")
+        yield Rate(
+            name, single / least[name], verified[name], *(_details(whole, spec, single, workers) if how == "packed" else ())
+        )
+
+
+def _details(batch: Batch, spec: str, single: float, workers: int) -> tuple[tuple[float, float, float], float]:
+    """Percentiles of a problem's time over that of a single call, and what threads gain."""
+    times = []
+    for problem in batch.problems[:SAMPLE]:
+        again = Batch([problem] * AGAIN)
+        times.append(min(_seconds(partial(_many, again, spec), process_time) for _ in range(2)) / AGAIN / single)
+    p50, p95, worst = (float(np.percentile(times, share)) for share in (50, 95, 100))
+    runs = {number: partial(_many, batch, spec, number) for number in (1, workers)}
+    walls = [{number: _seconds(run, perf_counter) for number, run in runs.items()} for _ in range(ROUNDS)]
+    return (p50, p95, worst), min(each[1] for each in walls) / min(each[workers] for each in walls)
+
+
+def _seconds(run: Callable[[], Any], clock: Callable[[], float]) -> float:
+    begun = clock()
+    run()
+    return clock() - begun
+
+
+def _one_by_one(problems: Iterable[FrictionProblem], spec: str) -> Array:
+    return np.concatenate([solve(problem.fresh(), spec, tol=TOL).impulse.ravel() for problem in problems])
+
+
+def _many(problems: Any, spec: str, workers: int = 1) -> Array:
+    return solve_many(problems, spec, tol=TOL, workers=workers).impulse
+
+
+def _verified(way: Way) -> float:
+    """The share of problems whose residual is within TOL."""
+    ((_, packed),) = way.batch.groups
+    impulse = way.impulses(way.run()).reshape(-1, packed.dimension)
+    return float(np.mean(residuals(packed, impulse)[:, 0] <= TOL))
+
+
+def quantecon(batch: Batch) -> Way:
+    """A compiled loop over QuantEcon's kernel, on dense matrices that are made here."""
+    lemke: Any = import_module("quantecon.optimize.lcp_lemke").lcp_lemke
+    forms = [dense_lcp(problem) for problem in batch]
+    size = np.array([len(form.q) for form in forms])
+    first, square = np.concatenate([[0], size.cumsum()]), np.concatenate([[0], (size**2).cumsum()])
+    M, q = np.concatenate([form.M.ravel() for form in forms]), np.concatenate([form.q for form in forms])
+
+    @njit(nogil=True)
+    def loop(first, square, M, q):  # type: ignore[no-untyped-def]
+        z = np.empty(len(q))
+        for k in range(len(first) - 1):
+            n = first[k + 1] - first[k]
+            found = lemke(M[square[k] : square[k + 1]].reshape(n, n), q[first[k] : first[k + 1]], None, 100_000)
+            z[first[k] : first[k + 1]] = found.z
+        return z
+
+    def impulses(z: Array) -> Array:
+        parts = [form.answer(z[first[k] : first[k + 1]], Status.SOLVED).impulse.ravel() for k, form in enumerate(forms)]
+        return np.concatenate(parts)
+
+    return Way(batch, partial(loop, first, square, M, q), impulses)
+
+
+def table(case: Case, found: list[Rate], workers: int) -> str:
+    """The rates of a case in Markdown."""
+    lines = [
+        f"### {case.contacts} contacts",
+        f"{len(case.problems)} problems; {100 * case.active:.0f} % of the contacts bear, and in {100 * case.idle:.0f} % of the "
+        "problems friction is idle.",
+        f"| | rate | p50 | p95 | worst | {workers} threads |\n|---|--:|--:|--:|--:|--:|",
+    ]
+    rows = []
+    for rate in found:
+        why = refusal(case, rate)
+        shares = [f"{share:.2f}" for share in rate.percentiles] if rate.percentiles and not why else ["", "", ""]
+        gained = f"{rate.threads:.2f}" if rate.threads and not why else ""
+        rows.append(f"| {rate.way} | {why or f'{rate.ratio:.2g}'} | {' | '.join(shares)} | {gained} |")
+    return "\n\n".join(lines) + "\n" + "\n".join(rows) + "\n"
+
+
+def page() -> str:
+    """docs/performance.md."""
+    workers = len(os.sched_getaffinity(0))
+    head = HEAD.format(rounds=ROUNDS, sample=SAMPLE, again=AGAIN, workers=workers)
+    cases = [make_case(contacts, count) for contacts, count in SIZES.items()]
+    return "\n".join([head, *(table(case, list(rates(case, workers)), workers) for case in cases)])
+
+
+if __name__ == "__main__":
+    sys.stdout.write(page())

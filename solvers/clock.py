@@ -1,0 +1,64 @@
+"""The time that `solve` may take, which compiled loops look at between their steps.
+
+    with within(seconds):                # holds for all solvers that are called inside, as by a portfolio
+        until = deadline()               # s on the system's monotonic clock; infinity without a limit
+        ...                              # in a kernel: stop with the best answer so far if late(until)
+
+Without a limit the clock is not read, and nothing but counts decides. Where the system has no clock_gettime, as Windows,
+kernels run on to their limit of work.
+"""
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+
+import numpy as np
+from numba import types
+
+from frictionbench.problems.compiled import part
+
+_HAS_CLOCK = hasattr(time, "clock_gettime")
+_MONOTONIC = int(time.CLOCK_MONOTONIC) if _HAS_CLOCK else 0
+_deadline: ContextVar[float] = ContextVar("deadline", default=np.inf)
+_clock_gettime = types.ExternalFunction("clock_gettime", types.int32(types.int32, types.voidptr))
+
+
+def _now() -> float:
+    return time.clock_gettime(_MONOTONIC) if _HAS_CLOCK else time.monotonic()
+
+
+@contextmanager
+def within(seconds: float) -> Iterator[None]:
+    """The block's solvers may take so many seconds, infinity for no limit, and never more than a block around it leaves."""
+    token = _deadline.set(min(_deadline.get(), _now() + seconds))
+    try:
+        yield
+    finally:
+        _deadline.reset(token)
+
+
+def deadline() -> float:
+    """When the time ends, s on the monotonic clock; infinity without a limit."""
+    return _deadline.get()
+
+
+def left() -> float:
+    """Seconds until the deadline, infinity without a limit."""
+    until = _deadline.get()
+    return until - _now() if until < np.inf else until
+
+
+def is_over() -> bool:
+    """Whether the time has ended."""
+    return left() <= 0
+
+
+@part
+def late(until: float) -> bool:
+    """Whether the time has ended, for kernels."""
+    if not (_HAS_CLOCK and until < np.inf):
+        return False
+    now = np.empty(2, np.int64)  # a struct timespec: seconds and nanoseconds
+    _clock_gettime(_MONOTONIC, now.ctypes)
+    return bool(now[0] + 1e-9 * now[1] >= until)
