@@ -10,8 +10,9 @@ from dataclasses import asdict, dataclass, field, replace
 from hashlib import sha256
 from typing import Any
 
-from frictionbench.problems import InputError, scene
+from frictionbench.problems import InputError
 from frictionbench.problems.instances import instances
+from frictionbench.problems.scenes.catalogue import SPATIAL
 from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, KEEP_ANSWER
 from frictionbench.results.map_spec import Map
 
@@ -55,7 +56,7 @@ class Source:
     @property
     def spatial(self) -> bool:
         """Whether it is a scene in space."""
-        return self.moves and scene(self.scene, **self.parameters).dimension == 3
+        return self.moves and self.scene in SPATIAL
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ HALF = 0.1  # m, half an edge of a cube
 FLOOR = HalfSpace(np.array([0.0, 0.0, 1.0]))
 
 
-@generator()
+@generator(dimension=3)
 def sliding_box(
     slope: float = 0.0,
     friction: float = 0.5,
@@ -62,7 +62,7 @@ def _sliding(start: Array, along: Array, speed: float, pull: float, rate: float,
     return np.array([start + along * (speed * until + direction * (pull - rate) * until**2 / 2)])
 
 
-@generator()
+@generator(dimension=3)
 def box_tower(
     boxes: int = 5,
     mass_ratio: float = 1.0,
@@ -98,7 +98,7 @@ def _resting(place: Array, time: float) -> Array:
     return place
 
 
-@generator()
+@generator(dimension=3)
 def box_in_groove(slope: float = 0.5, friction: float = 0.2, step: float = 0.01, duration: float = 0.5) -> Scene:
     """A cube slides on an edge down a right-angled groove, between two planes that both press on it.
 

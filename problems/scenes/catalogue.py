@@ -3,7 +3,8 @@
     @generator(example_3={"friction": 0.02}, example_4={"friction": 0.1})
     def two_blocks(friction: float = 0.02, ...) -> Scene: ...
 
-registers a function under its own name and under others with other defaults. Every scene also takes mass_unit and length_unit,
+registers a function under its own name and under others with other defaults, @generator(dimension=3) one of scenes in space.
+Every scene also takes mass_unit and length_unit,
 the units in which its masses and lengths are then given: the motion is the same.
 """
 
@@ -18,19 +19,21 @@ from frictionbench.problems.scenes.units import in_units
 
 UNITS = ("mass_unit", "length_unit")
 CATALOGUE: Catalogue[Scene] = Catalogue("scene")
+SPATIAL: set[str] = set()  # the names of scenes in space
 Function = TypeVar("Function", bound=Callable[..., Scene])
 
 
-def generator(**others: dict[str, Any]) -> Callable[[Function], Function]:
+def generator(dimension: int = 2, **others: dict[str, Any]) -> Callable[[Function], Function]:
     """List a scene's generator under its name, and under each name in `others` with the defaults given there.
 
-    Errors: ValueError where a name is taken.
+    dimension: of its scenes, so that it is known before one is built. Errors: ValueError where a name is taken.
     """
 
     def register(make: Function) -> Function:
-        CATALOGUE.add(make)
-        for name, defaults in others.items():
+        for name, defaults in {make.__name__: {}, **others}.items():
             CATALOGUE.add(make, name, **defaults)
+            if dimension == 3:
+                SPATIAL.add(name)
         return make
 
     return register

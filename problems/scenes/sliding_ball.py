@@ -15,7 +15,7 @@ RADIUS = 0.1  # m
 TABLE = HalfSpace(np.array([0.0, 0.0, 1.0]))
 
 
-@generator()
+@generator(dimension=3)
 def sliding_ball(
     speed: float = 2.0, side_spin: float = 14.0, friction: float = 0.3, step: float = 0.01, duration: float = 0.4
 ) -> Scene:
@@ -49,7 +49,7 @@ def _rolling(velocity: Array, slip: Array, rate: float, time: float) -> Array:
     return np.array([[0.0, 0.0, RADIUS] + velocity * sliding - push * sliding**2 / 2 + rolling * (time - sliding)])
 
 
-@generator()
+@generator(dimension=3)
 def dropped_ball(
     height: float = 0.2, restitution: float = 0.0, friction: float = 0.5, step: float = 0.002, duration: float = 0.6
 ) -> Scene:

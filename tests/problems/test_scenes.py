@@ -9,6 +9,7 @@ from frictionbench.problems import InputError, scene, scenes
 from frictionbench.problems.planar.bodies import Geometry, half_plane, hollow, rigid_box
 from frictionbench.problems.planar.joints import Hinge
 from frictionbench.problems.scene import Scene
+from frictionbench.problems.scenes.catalogue import SPATIAL
 from frictionbench.solvers import solve
 
 SMALL = {"stack": {"blocks": 4}, "wall": {"rows": 3, "columns": 3}, "pyramid": {"rows": 3}}
@@ -21,6 +22,7 @@ def test_scene_descriptions(name: str) -> None:
     made = scene(name)
     assert "friction" in info.parameters or not made.obstacles
     assert made.name == name
+    assert (made.dimension == 3) == (name in SPATIAL)
     assert made.parameters == info.parameters
     assert all(isinstance(value, (int, float)) for value in made.parameters.values())
     assert made.steps == round(made.duration / made.step)
