@@ -10,6 +10,7 @@ import sys
 from collections.abc import Callable
 from contextlib import nullcontext
 from datetime import UTC, datetime
+from importlib.metadata import version
 from inspect import cleandoc
 from pathlib import Path
 
@@ -129,7 +130,8 @@ def open_folder(plan: Plan, folder: Path) -> None:
         return
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise ResultsError(f"{folder}: neither empty nor a results folder; nothing was written. Choose another --out")
-    store.write_manifest(folder, manifest | {"solvers": _descriptions(plan), "started": _now()})
+    begun = {"release": version("frictionbench"), "solvers": _descriptions(plan), "started": _now()}
+    store.write_manifest(folder, manifest | begun)
 
 
 def _descriptions(plan: Plan) -> dict[str, str]:

@@ -9,7 +9,8 @@
     problems     ranked, trivial and idle: their numbers; hashes: of each problem, by scene and step
     checks       [what, whether it holds, in words]
     headline     sentences
-    rankings     rows: kind, by, target, solver, law, mean, p50, p99, worst (s; null is never), reached, problems
+    rankings     rows: kind, by, target, solver, law, mean, p50, p99, worst (s; null is never), reached, problems;
+                 unclear: why none of the kind is the winner, or ""
     reliability  rows: solver, model, problems, exact, own, near_miss, wrong, timeout, crashed
     scenes       rows: scene, solver, solved, cells, at the tightest tolerance
 
@@ -37,7 +38,7 @@ TYPES: dict[str, type | tuple[type, ...]] = {
 NUMBER = (int, float, type(None))
 ROWS: dict[str, dict[str, Any]] = {
     "rankings": {
-        **dict.fromkeys(("kind", "by", "solver", "law"), str),
+        **dict.fromkeys(("kind", "by", "solver", "law", "unclear"), str),
         **dict.fromkeys(("target", "mean", "p50", "p99", "worst"), NUMBER),
         **dict.fromkeys(("reached", "problems"), int),
     },

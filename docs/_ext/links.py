@@ -23,7 +23,8 @@ def on_site(match: re.Match[str]) -> str:
 
 
 def replace_links(app: Any, name: str, source: list[str]) -> None:
-    source[0] = re.sub(r"\[([^\]]+)\]\(\.\./([^)\s]+)\)", on_site, source[0])
+    if "/" not in name:  # of a page in docs/ itself; from the notebooks such a link leads to one
+        source[0] = re.sub(r"\[([^\]]+)\]\(\.\./([^)\s]+)\)", on_site, source[0])
 
 
 def setup(app: Any) -> dict[str, bool]:

@@ -1,14 +1,22 @@
-"""The directives `published-results`, a table of all runs, and `published-headlines`, what the newest of each suite say."""
+"""What published runs say.
 
+`published-results` is a table of them all, `published-answer SUITE` the fastest solver for each kind of problem in the newest
+of a suite, `published-headlines` the sentences of the newest of each suite.
+"""
+
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 from docutils import nodes
 from sphinx.util.docutils import SphinxDirective
 
+from frictionbench.reports.drawing.text import count, power, seconds
 from frictionbench.reports.published.publish import publish
 from frictionbench.reports.published.site import Entry
 from frictionbench.results import summaries
+from frictionbench.results.rank_by import RankBy
+from frictionbench.results.summaries import Summary
 
 SUMMARIES = Path(__file__).parents[2] / "results" / "published"
 HEADS = ("suite", "version", "machine", "finished", "ranked problems")
@@ -25,18 +33,22 @@ def link(entry: Entry, text: str) -> nodes.paragraph:
     return nodes.paragraph("", "", nodes.reference("", text, refuri=address, internal=True))
 
 
+def table(heads: Sequence[str], lines: Iterable[nodes.row]) -> nodes.table:
+    made, group = nodes.table(), nodes.tgroup(cols=len(heads))
+    group.extend(nodes.colspec(colwidth=1) for _ in heads)
+    group += nodes.thead("", row([nodes.paragraph(text=head) for head in heads]))
+    group += nodes.tbody("", *lines)
+    made += group
+    return made
+
+
 class PublishedResults(SphinxDirective):
     def run(self) -> list[nodes.Node]:
-        table, group = nodes.table(), nodes.tgroup(cols=len(HEADS))
-        group.extend(nodes.colspec(colwidth=1) for _ in HEADS)
-        group += nodes.thead("", row([nodes.paragraph(text=head) for head in HEADS]))
-        group += nodes.tbody("", *map(self.line, entries()))
-        table += group
-        return [table]
+        return [table(HEADS, map(self.line, entries()))]
 
     def line(self, entry: Entry) -> nodes.row:
         s = entry.summary
-        machine = f"{s['machine'].get('processor')}, {s['machine'].get('cores')} cores"
+        machine = f"{s['machine'].get('processor')}, {count(s['machine'].get('cores'), 'core')}"
         texts = (f"{s['release']} {s['version']}".strip(), machine, s["finished"][:10], str(s["problems"]["ranked"]))
         return row([link(entry, s["suite"]), *(nodes.paragraph(text=text) for text in texts)])
 
@@ -45,16 +57,42 @@ def row(cells: list[nodes.Node]) -> nodes.row:
     return nodes.row("", *(nodes.entry("", cell) for cell in cells))
 
 
-class PublishedHeadlines(SphinxDirective):
-    optional_arguments = 1  # a suite, else all
+class PublishedAnswer(SphinxDirective):
+    required_arguments = 1
 
+    def run(self) -> list[nodes.Node]:
+        entry = next((one for one in entries() if one.summary["suite"] == self.arguments[0]), None)
+        if entry is None:
+            return []
+        rows = entry.summary["rankings"]
+        finest = min(one["target"] for one in rows)
+        firsts = {(one["kind"], one["by"]): one for one in reversed(rows) if one["target"] == finest}
+        kinds = dict.fromkeys(one["kind"] for one in rows)
+        heads = (f"problems, to {power(finest)}", *(f"fastest {by.words}" for by in RankBy))
+        lines = [
+            row([nodes.paragraph(text=kind), *(nodes.paragraph(text=first(firsts.get((kind, by.value)))) for by in RankBy)])
+            for kind in kinds
+        ]
+        s = entry.summary
+        said = f"Suite {s['suite']}, version {s['version']}, {s['machine'].get('processor')}, {s['finished'][:10]}"
+        return [table(heads, lines), link(entry, said)]
+
+
+def first(found: Summary | None) -> str:
+    """The first of a kind: its mean and how many problems it solved, or why there is no winner."""
+    if found is None or found["unclear"]:
+        return found["unclear"] if found else "none"
+    return f"{found['solver']} {seconds(found['mean'])} ({found['reached']}/{found['problems']})"
+
+
+class PublishedHeadlines(SphinxDirective):
     def run(self) -> list[nodes.Node]:
         newest: dict[str, Entry] = {}
         for entry in entries():
             newest.setdefault(entry.summary["suite"], entry)
         found: list[nodes.Node] = []
         for suite, entry in newest.items():
-            if entry.summary["headline"] and suite in (*self.arguments, suite)[:1]:
+            if entry.summary["headline"]:
                 found.append(link(entry, suite))
                 items = [nodes.list_item("", nodes.paragraph(text=line)) for line in entry.summary["headline"]]
                 found.append(nodes.bullet_list("", *items))
@@ -68,6 +106,7 @@ def write_pages(app: Any) -> None:
 
 def setup(app: Any) -> dict[str, bool]:
     app.add_directive("published-results", PublishedResults)
+    app.add_directive("published-answer", PublishedAnswer)
     app.add_directive("published-headlines", PublishedHeadlines)
     app.connect("builder-inited", write_pages)
     return {"parallel_read_safe": True}

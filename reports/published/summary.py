@@ -99,9 +99,12 @@ def _checks(
 def _places(run: Run, by: RankBy, kind: choice.Kind) -> list[dict[str, Any]]:
     """A row for each solver compared on a kind of problem: at each target in the plane and in space, else the finest."""
     return [
-        _plain(place._asdict() | {"kind": kind.name, "by": by.value, "target": target, "problems": one.problems}, "label")
+        _plain(place._asdict() | facts, "label")
         for target, one in kind.choices.items()
         if kind.name in run.overall or target == run.outer_targets[-1]
+        for facts in [
+            {"kind": kind.name, "by": by.value, "target": target, "problems": one.problems, "unclear": one.unclear},
+        ]
         for place in one.places
     ]
 
