@@ -2,10 +2,14 @@
 
 from collections.abc import Callable
 
-from frictionbench.reports.studies import convexity
+from frictionbench.reports.studies import convexity, interior, relaxation
 from frictionbench.reports.studies.account import Account, Figure
 from frictionbench.results.studies import StudyTables
 
-ACCOUNTS: dict[str, Callable[[StudyTables], Account]] = {"convexity": convexity.account}
+ACCOUNTS: dict[str, Callable[[StudyTables], Account]] = {
+    "convexity": convexity.account,
+    "relaxation": relaxation.account,
+    "interior": interior.account,
+}
 
 __all__ = ["ACCOUNTS", "Account", "Figure"]

@@ -99,6 +99,6 @@ def _middles(ax: Axes, jam: pd.DataFrame) -> None:
 
 def _shares(ax: Axes, block: pd.DataFrame) -> None:
     heat(ax, block.assign(share=block["several_velocities"] / block["draws"]), "friction", "aspect", "share")
-    definite = block[block["p0"]].groupby("aspect")["friction"].count()
-    ax.step([*definite, definite.iloc[-1]], np.arange(-0.5, len(definite) + 0.5), where="post", color=INK, ls="--")
-    ax.set(xlabel="mu", ylabel="height over width", xlim=(-0.5, None))
+    edge = np.repeat(block.groupby("aspect")["p0"].sum() - 0.5, 2)
+    ax.plot(edge, np.repeat(np.arange(-0.5, len(edge) / 2), 2)[1:-1], color=INK, ls="--")
+    ax.set(xlabel="mu", ylabel="height over width")

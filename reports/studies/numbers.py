@@ -23,7 +23,7 @@ def wilson(successes: int, trials: int) -> tuple[float, float]:
 
 def share(successes: int, trials: int) -> str:
     """A share with its 95 % interval: 6 of 150 (4 %, 95 % interval 1.8 to 8.5 %)."""
-    low, high = (f"{100 * end:.2g}" for end in wilson(int(successes), int(trials)))
+    low, high = (f"{100 * end:.{0 if end > 0.0995 else 1}f}" for end in wilson(int(successes), int(trials)))
     return f"{successes} of {trials} ({percent(successes / trials)}, 95 % interval {low} to {high} %)"
 
 
