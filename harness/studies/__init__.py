@@ -1,8 +1,8 @@
 """Studies: open questions of the field, each answered by tables; one file a study, here in the order in which they are told."""
 
-from frictionbench.harness.studies import convexity, interior, relaxation
+from frictionbench.harness.studies import cone, convexity, interior, relaxation
 from frictionbench.harness.studies.study import Study, Table
 
-STUDIES: dict[str, Study] = {module.STUDY.name: module.STUDY for module in (convexity, relaxation, interior)}
+STUDIES: dict[str, Study] = {module.STUDY.name: module.STUDY for module in (convexity, relaxation, interior, cone)}
 
 __all__ = ["STUDIES", "Study", "Table"]

@@ -1,7 +1,7 @@
 """Interior point on the friction LCP itself: how often and how fast, beside the relaxation, and paths that fold."""
 
 from collections.abc import Iterable, Iterator
-from itertools import product
+from itertools import compress, product
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,7 @@ from frictionbench.solvers.interior.predictor_corrector import predictor_correct
 from frictionbench.solvers.interior.system import build_system, in_velocities
 
 TOL, LIMIT, PATIENCE = 1e-8, 200, 12
+END = 1e-4  # t at which a path is near enough to its end
 FRICTIONS = (0.1, 0.3, 1.0, 3.0, 10.0)
 
 
@@ -41,7 +42,7 @@ def compared(problem: FrictionProblem) -> Row:
     }
 
 
-def random(frictions: Iterable[float] = FRICTIONS, contacts: Iterable[int] = (5, 20, 60), seeds: int = 20) -> Iterator[Row]:
+def random(frictions: Iterable[float] = FRICTIONS, contacts: Iterable[int] = (5, 15, 40), seeds: int = 15) -> Iterator[Row]:
     """Planar bodies that touch at random."""
     for friction, count, seed in product(frictions, contacts, range(seeds)):
         problem = make_instance("random", contacts=count, friction=friction, seed=seed)
@@ -73,20 +74,22 @@ def threshold(ratios: Iterable[float] = (0.25, 0.5, 0.9, 1.1, 2, 3, 4, 6), draws
         }
 
 
-def path(frictions: Iterable[float] = (1.0, 10.0), contacts: int = 5, seeds: Iterable[int] = range(24)) -> Iterator[Row]:
-    """Central paths of random problems: of each friction the one that turns most often."""
+def path(frictions: Iterable[float] = (1.0, 10.0), contacts: int = 5, seeds: Iterable[int] = range(16)) -> Iterator[Row]:
+    """Central paths of random problems: of each friction the one that turns most often of those that arrive."""
     for friction in frictions:
         problems = [make_instance("random", contacts=contacts, friction=friction, seed=seed) for seed in seeds]
         traced = [central_path(problem.lcp()) for problem in problems]
         trapped = [residual(problem, plain(problem).impulse) > TOL for problem in problems]
-        folded = [folds(points) > 0 for points in traced]
+        arrived = [points[-1][1] <= END for points in traced]
+        folded = [bool(arrives and folds(points)) for arrives, points in zip(arrived, traced, strict=True)]
         counts = {
             "traced": len(traced),
+            "arrived": sum(arrived),
             "folded": sum(folded),
             "trapped": sum(trapped),
-            "both": sum(both for both in map(all, zip(trapped, folded, strict=True))),
+            "both": sum(map(all, zip(trapped, folded, strict=True))),
         }
-        for length, t in max(traced, key=folds):
+        for length, t in max(compress(traced, arrived), key=folds):
             yield {"friction": friction, "length": length, "t": t, **counts}
 
 
@@ -95,8 +98,8 @@ def folds(points: list[tuple[float, float]]) -> int:
     return int(np.sum(np.diff(np.sign(np.diff([t for _, t in points]))) != 0))
 
 
-def central_path(lcp: LCP, most: int = 2000, length: float = 0.2, end: float = 1e-4) -> list[tuple[float, float]]:
-    """The path z_i w_i = t, w - M z - q = t (e - M e - q) from z = w = e at t = 1, as (arc length, t), until t <= end.
+def central_path(lcp: LCP, most: int = 600, length: float = 0.2) -> list[tuple[float, float]]:
+    """The path z_i w_i = t, w - M z - q = t (e - M e - q) from z = w = e at t = 1, as (arc length, t), until t <= END.
 
     With a = log z and c = log t it is the curve G(a, c) = e^(c - a) - M e^a - q - e^c (e - M e - q) = 0, followed by its length
     in (a, c): a step along the tangent, Newton's method back by least squares, and half the step where that fails.
@@ -109,7 +112,7 @@ def central_path(lcp: LCP, most: int = 2000, length: float = 0.2, end: float = 1
         return t / z - M @ z - q - t * start, np.column_stack([-np.diag(t / z) - M * z, t / z - t * start])
 
     x, way, points, total = np.zeros(len(q) + 1), -np.eye(len(q) + 1)[-1], [(0.0, 1.0)], 0.0
-    while len(points) < most and points[-1][1] > end:
+    while len(points) < most and points[-1][1] > END:
         tangent = np.linalg.svd(defect(x)[1])[2][-1]
         tangent *= np.sign(tangent @ way)
         step = length
@@ -164,8 +167,9 @@ STUDY = Study(
                 "friction": "mu",
                 "length": "of the path so far, in logarithms",
                 "t": "z_i w_i, 1 at the start",
-                "traced": "paths traced with this friction, of which this one turns most often",
-                "folded": "how many of them turn",
+                "traced": "paths traced with this friction; this one turns most often of those that arrive",
+                "arrived": f"how many reach t = {END:g} in 600 steps",
+                "folded": "how many of these turn",
                 "trapped": "on how many of these problems the predictor-corrector is trapped",
                 "both": "on how many both",
             },

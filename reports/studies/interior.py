@@ -23,7 +23,7 @@ def account(found: StudyTables) -> Account:
     modest, wide = random[random["friction"] <= 1], random[random["friction"] > 1]
     ratio = (random["plain_work"] / random["relaxation_work"]).median()
     tall = piles[piles["blocks"] == piles["blocks"].max()]
-    groups = path.groupby("friction")[["traced", "folded", "trapped", "both"]].first()
+    groups = path.groupby("friction")[["traced", "arrived", "folded", "trapped", "both"]].first()
     last = groups.iloc[-1]
     return Account(
         answer=f"Yes: from one start it solves {share(int(random['plain'].sum()), len(random))} of random problems, the "
@@ -39,13 +39,13 @@ def account(found: StudyTables) -> Account:
             else f"{share(int(below['plain'].sum()), int(below['draws'].sum()))} are solved where the matrix is P0, and beyond "
         )
         + f"{int((beyond['draws'] - beyond['plain']).sum())} of {int(beyond['draws'].sum())} do, of which "
-        f"{int((beyond['paths'] - beyond['plain']).sum())} are solved by following paths. Of "
-        f"{last['traced']:.0f} central paths "
-        f"of small problems with mu = {groups.index[-1]:g}, {last['folded']:.0f} "
-        f"{'turns' if last['folded'] == 1 else 'turn'} back in t; with mu = {groups.index[0]:g}, "
-        f"{groups['folded'].iloc[0]:.0f}. Folds are not what traps the predictor-corrector as a rule: of the "
-        f"{last['trapped']:.0f} problems among these on which it is trapped, {last['both']:.0f} "
-        f"{'has' if last['both'] == 1 else 'have'} a path that turns from the start traced.",
+        f"{int((beyond['paths'] - beyond['plain']).sum())} are solved by following paths. "
+        f"Central paths of {last['traced']:.0f} small problems with mu = {groups.index[-1]:g} were traced: "
+        f"{last['arrived']:.0f} arrive and {last['folded']:.0f} of these turn back in t on the way; with mu = "
+        f"{groups.index[0]:g} {groups['arrived'].iloc[0]:.0f} arrive and {groups['folded'].iloc[0]:.0f} turn. The "
+        f"predictor-corrector is trapped on {last['trapped']:.0f} of those with the larger mu, "
+        f"{last['both']:.0f} of which have such a path"
+        + (": a fold and a trap are not the same." if last["both"] < max(last["trapped"], last["folded"]) else "."),
         limits="One start, one rule of steps and one regularisation were tried, those of this project's solver; others may be "
         "trapped elsewhere. The central path depends on its start, and the one traced is not the solver's. No theory is "
         "confirmed beyond P0: that a method succeeds on these problems proves nothing of others. Problems in space are not "
@@ -63,7 +63,7 @@ def account(found: StudyTables) -> Account:
             Figure(
                 "work",
                 "Left: factorisations against the height of a stack, a line for each mu and method. Right: t along central "
-                "paths; of each mu the path that turns most often.",
+                "paths; of each mu the path that turns most often of those that arrive.",
                 (
                     Panel("height", partial(_height, piles=piles)),
                     Panel("central paths", partial(_path, path=path)),
