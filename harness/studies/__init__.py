@@ -3,6 +3,7 @@
 from frictionbench.harness.studies import cone, convexity, interior, relaxation
 from frictionbench.harness.studies.study import Study, Table
 
-STUDIES: dict[str, Study] = {module.STUDY.name: module.STUDY for module in (convexity, relaxation, interior, cone)}
+_MODULES = (convexity, relaxation, interior, cone)
+STUDIES: dict[str, Study] = {module.STUDY.name: module.STUDY for module in _MODULES}
 
 __all__ = ["STUDIES", "Study", "Table"]

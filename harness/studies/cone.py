@@ -1,21 +1,21 @@
 """The Coulomb cone itself or a polygon: error and time against the number of facets."""
 
 from collections.abc import Iterable, Iterator
-from functools import partial
 
 import numpy as np
 
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.studies.study import Study, Table
-from frictionbench.problems import FrictionProblem
-from frictionbench.problems.ball import apart, slide
+from frictionbench.problems import FrictionProblem, scene
 from frictionbench.problems.check import Array
 from frictionbench.problems.instances import make_instance
 from frictionbench.problems.residual import residual
+from frictionbench.problems.simulate import simulate
 from frictionbench.results.store import Row
 from frictionbench.solvers import solve
 
 CONE, TOL = "interior_point", 1e-10
+SLIDING = 0.236  # s, until the ball rolls
 FACETS = (4, 6, 8, 12, 16, 24, 32, 64)
 SPACE = (
     Source("cubes", {"boxes": 2, "friction": 0.2, "push": 0.5, "twist": 2.0, "fall": 1.0}),
@@ -29,27 +29,33 @@ SPACE = (
 
 def ball(facets: Iterable[int] = (0, *FACETS), step: float = 0.004, shown: int = 40) -> Iterator[Row]:
     """A sliding ball with a side spin: some points of its path, and its distances from the parabola; 0 facets for the cone."""
-    cone, parabola = slide(partial(_answer, CONE), step)
+    stage = scene("sliding_ball", step=step, duration=SLIDING)
+    assert stage.path is not None
+    parabola = np.vstack([stage.path(k * step) for k in range(stage.steps + 1)])
+
+    def path(spec: str) -> Array:
+        def answer(problem: FrictionProblem) -> Array:
+            return solve(problem, spec, tol=1e-9).impulse
+
+        return np.vstack([stage.geometry.centres(now.q) for now in simulate(stage, answer)])
+
+    cone = path(CONE)
     for count in facets:
-        path = slide(partial(_answer, f"lemke[facets={count}]"), step)[0] if count else cone
-        pick = np.linspace(0, len(path) - 1, shown).astype(int)
+        found = path(f"lemke[facets={count}]") if count else cone
+        pick = np.linspace(0, len(found) - 1, shown).astype(int)
         yield {
             "facets": count,
             "step": step,
-            "from_parabola": apart(path, parabola),
-            "from_cone": apart(path, cone),
-            "x": path[pick, 0],
-            "y": path[pick, 1],
-            "aside": (path - parabola)[pick] @ _across(parabola),
+            "from_parabola": float(np.linalg.norm(found - parabola, axis=1).max()),
+            "from_cone": float(np.linalg.norm(found - cone, axis=1).max()),
+            "x": found[pick, 0],
+            "y": found[pick, 1],
+            "aside": (found - parabola)[pick, :2] @ _across(parabola[:, :2]),
         }
 
 
-def _answer(spec: str, problem: FrictionProblem) -> Array:
-    return solve(problem, spec, tol=1e-9).impulse
-
-
 def _across(path: Array) -> Array:
-    """The unit vector across the chord of a path."""
+    """The unit vector across the chord of a path in the plane."""
     chord = path[-1] - path[0]
     return np.array([-chord[1], chord[0]]) / np.linalg.norm(chord)
 

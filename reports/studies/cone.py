@@ -17,6 +17,7 @@ from frictionbench.results.verdicts import ACCEPTED, Verdict
 
 CONE = "interior_point"
 KINK = 1e-9  # errors below it are rounding
+DISTINCT = 1e-4  # solutions further apart are two, and not one to a few digits
 
 
 def account(found: StudyTables) -> Account:
@@ -25,7 +26,7 @@ def account(found: StudyTables) -> Account:
     slope = order(polygons["facets"], polygons["from_cone"])
     erring = problems[problems["error"] > KINK].groupby("facets")["error"].median()
     of_problems = order(erring.index, erring)
-    two = problems[problems["solutions_apart"] > 1e-6].groupby("number").first()
+    two = problems[problems["solutions_apart"] > DISTINCT].groupby("number").first()
     times = _times(solves)
     ratio = times.div(times["cone"], axis=0).median()
     done = solves[solves["verdict"].isin([*ACCEPTED, Verdict.RELAXED])].groupby("variant").size()
