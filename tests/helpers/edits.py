@@ -10,6 +10,7 @@ import numpy as np
 
 CASES = int(os.environ.get("FRICTIONBENCH_MUTATIONS", "10"))
 MOST_MEMORY = 500_000  # KiB
+MOST_SECONDS = 10.0  # of processor time, which other processes on the machine do not change
 STRANGE: list[Any] = [
     None,
     True,
@@ -81,8 +82,23 @@ def mutated(content: bytes, random: np.random.Generator) -> bytes:
 
 
 @contextmanager
-def little_memory() -> Iterator[None]:
-    """Asserts that the block does not raise the peak of this process's memory by more than MOST_MEMORY."""
-    used = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+def little_time() -> Iterator[None]:
+    """Asserts that the block, with the processes that it starts and waits for, takes no more than MOST_SECONDS."""
+    before = _processor_seconds()
     yield
-    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < used + MOST_MEMORY
+    assert _processor_seconds() < before + MOST_SECONDS
+
+
+def _processor_seconds() -> float:
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(each.ru_utime + each.ru_stime for each in used)
+
+
+@contextmanager
+def little_memory() -> Iterator[None]:
+    """Asserts that the block does not raise this process's peak of memory by more than MOST_MEMORY, nor that of the processes
+    that it starts and waits for to more than that beyond its own, or than one of them had before."""
+    own, children = (resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    yield
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < own + MOST_MEMORY
+    assert resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss < max(children, own + MOST_MEMORY)

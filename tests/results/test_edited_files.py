@@ -1,6 +1,7 @@
 """Results folders and baselines that someone edited: every command ends in 0 or 2 with one line.
 
-A few cases by default; FRICTIONBENCH_MUTATIONS=1000 runs more, and fails where the process needs more than 500 MB in addition.
+Each takes at most ten seconds of the processor and 500 MB in addition. A few cases by default; FRICTIONBENCH_MUTATIONS=1000
+runs more.
 """
 
 import json
@@ -12,9 +13,16 @@ import pytest
 
 from frictionbench.harness.commands.accept import accept
 from frictionbench.results.schema import arrow_schema
-from tests.helpers.command_line import Done, frictionbench
-from tests.helpers.edits import CASES, edited, little_memory
+from tests.helpers import command_line
+from tests.helpers.command_line import Done
+from tests.helpers.edits import CASES, edited, little_memory, little_time
 from tests.helpers.made_results import SETTINGS, simulation_row, solve_row, write_folder
+
+
+def frictionbench(*arguments: str) -> Done:
+    """Run a command; it must take little time."""
+    with little_time():
+        return command_line.frictionbench(*arguments)
 
 
 def good(done: Done, compared: bool = False) -> None:
