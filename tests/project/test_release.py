@@ -5,6 +5,7 @@ import tomllib
 
 import pytest
 
+from frictionbench.results.summaries import read
 from tests.helpers.paths import ROOT
 
 yaml = pytest.importorskip("yaml")
@@ -26,6 +27,13 @@ def test_placeholders_stand_in_one_place() -> None:
     texts = {*ROOT.glob("*.md"), *ROOT.glob("*.toml"), *(ROOT / "docs").rglob("*.md"), *WORKFLOWS}
     found = [path.name for path in texts if re.search(r"example\.org|10\.0000/", path.read_text(encoding="utf-8"))]
     assert found == []
+
+
+def test_published_summaries_are_read_and_small() -> None:
+    found = sorted((ROOT / "results" / "published").glob("*.json"))
+    assert [read(path)["name"] for path in found] == [path.stem for path in found]
+    assert found
+    assert sum(path.stat().st_size for path in found) < 2 * 2**20
 
 
 @pytest.mark.parametrize("workflow", WORKFLOWS, ids=lambda path: path.name)
