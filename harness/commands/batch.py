@@ -5,7 +5,8 @@
 At each size the problems are stacks of as many contacts, each with its own push, friction and mass ratio. All ways of solving
 them are timed in turn, ROUNDS times, by the processor's time, which another process on the core does not change, and the least
 time counts; threads by the wall's. Rates are relative to single calls of lemke on the same problems in the same run. A rate is
-refused where it says nothing: without contacts, where friction is idle in all problems, and where a residual is above TOL.
+refused where it says nothing: without contacts, where friction is idle in all problems, and where a residual is above TOL; that
+of threads where the machine's load was above QUIET beforehand.
 """
 
 import os
@@ -28,10 +29,11 @@ from frictionbench.problems.packed import residuals
 from frictionbench.solvers import Status, available, solve, solve_many
 from frictionbench.solvers.pivots.dense_lcp import dense_lcp
 
-SIZES = {2: 1000, 4: 600, 10: 300, 20: 100, 40: 40}  # problems of so many contacts: some hundredths of a second each
+SIZES = {2: 500, 4: 300, 10: 150, 20: 60, 40: 20}  # problems of so many contacts: some hundredths of a second each
 LOOPED = ("lemke", "dantzig", "nsgs", "hybrid")
 ALONE = ("osqp", "daqp")  # one by one: their loop is Python's
-TOL, ROUNDS, SAMPLE, AGAIN, SEED = 1e-8, 5, 40, 25, 1
+TOL, ROUNDS, SAMPLE, AGAIN, SEED = 1e-8, 5, 20, 10, 1
+QUIET = 0.5  # processes that wait for a core, by the system's mean over a minute
 HEAD = """# Performance
 
 ## By the thousand
@@ -41,10 +43,10 @@ to 2 m/s), friction (0.2 to 0.8) and mass ratio (1 to 10), **relative to single 
 problems in the same run; processor's time, least of {rounds} rounds in turn. *packed* is `solve_many` over a `Batch`, form,
 solve and the residual of every answer included; *with packing* over a list of problems. *p50*, *p95* and *worst* are the times
 of a problem in the packed loop, of {sample} problems repeated {again} times each, over the mean time of a single call of lemke.
-*{workers} threads* is the rate of the packed loop over that of one thread, by the wall's clock; what else the machine does
-counts there. The loop of quantecon is its own compiled kernel called from compiled code, on dense matrices made beforehand:
-without form and residuals, which ours include. osqp and daqp solve the convex relaxation. Compiling and loading kernels is in
-no figure; all starts are cold, from zero impulses.
+*threads* is the rate of the packed loop on {workers} cores over that on one, by the wall's clock; *busy* where other processes
+ran. The loop of quantecon is its own compiled kernel called from compiled code, on dense matrices made beforehand: without form
+and residuals, which ours include. osqp and daqp solve the convex relaxation. Compiling and loading kernels is in no figure; all
+starts are cold, from zero impulses.
 
 A rate is shown only where every residual is within 1e-8; otherwise the share that is.
 """
@@ -103,8 +105,8 @@ def make_case(contacts: int, count: int) -> Case:
     return Case(contacts, problems, float(bearing.mean()), float(np.mean(rested)))
 
 
-def rates(case: Case, workers: int) -> Iterator[Rate]:
-    """All ways of solving the case, called in turn in each round."""
+def rates(case: Case, workers: int, quiet: bool) -> Iterator[Rate]:
+    """All ways of solving the case, called in turn in each round; threads only on a quiet machine."""
     whole, sample = Batch(case.problems), Batch(case.problems[:SAMPLE])
     ways: dict[str, Way] = {}
     for spec in ("lemke", *ALONE):
@@ -123,18 +125,19 @@ def rates(case: Case, workers: int) -> Iterator[Rate]:
     single = least["lemke, single calls"]
     for name in ways:
         spec, _, how = name.partition(", ")
-        yield Rate(
-            name, single / least[name], verified[name], *(_details(whole, spec, single, workers) if how == "packed" else ())
-        )
+        details = _details(whole, spec, single, workers if quiet else 1) if how == "packed" else ()
+        yield Rate(name, single / least[name], verified[name], *details)
 
 
-def _details(batch: Batch, spec: str, single: float, workers: int) -> tuple[tuple[float, float, float], float]:
-    """Percentiles of a problem's time over that of a single call, and what threads gain."""
+def _details(batch: Batch, spec: str, single: float, workers: int) -> tuple[tuple[float, float, float], float | None]:
+    """Percentiles of a problem's time over that of a single call, and what several threads gain."""
     times = []
     for problem in batch.problems[:SAMPLE]:
         again = Batch([problem] * AGAIN)
         times.append(min(_seconds(partial(_many, again, spec), process_time) for _ in range(2)) / AGAIN / single)
     p50, p95, worst = (float(np.percentile(times, share)) for share in (50, 95, 100))
+    if workers == 1:
+        return (p50, p95, worst), None
     runs = {number: partial(_many, batch, spec, number) for number in (1, workers)}
     walls = [{number: _seconds(run, perf_counter) for number, run in runs.items()} for _ in range(ROUNDS)]
     return (p50, p95, worst), min(each[1] for each in walls) / min(each[workers] for each in walls)
@@ -185,29 +188,29 @@ def quantecon(batch: Batch) -> Way:
     return Way(batch, partial(loop, first, square, M, q), impulses)
 
 
-def table(case: Case, found: list[Rate], workers: int) -> str:
+def table(case: Case, found: list[Rate]) -> str:
     """The rates of a case in Markdown."""
     lines = [
         f"### {case.contacts} contacts",
         f"{len(case.problems)} problems; {100 * case.active:.0f} % of the contacts bear, and in {100 * case.idle:.0f} % of the "
         "problems friction is idle.",
-        f"| | rate | p50 | p95 | worst | {workers} threads |\n|---|--:|--:|--:|--:|--:|",
+        "| | rate | p50 | p95 | worst | threads |\n|---|--:|--:|--:|--:|--:|",
     ]
     rows = []
     for rate in found:
         why = refusal(case, rate)
         shares = [f"{share:.2f}" for share in rate.percentiles] if rate.percentiles and not why else ["", "", ""]
-        gained = f"{rate.threads:.2f}" if rate.threads and not why else ""
+        gained = f"{rate.threads:.2f}" if rate.threads and not why else "busy" if rate.percentiles and not why else ""
         rows.append(f"| {rate.way} | {why or f'{rate.ratio:.2g}'} | {' | '.join(shares)} | {gained} |")
     return "\n\n".join(lines) + "\n" + "\n".join(rows) + "\n"
 
 
 def page() -> str:
     """docs/performance.md."""
-    workers = len(os.sched_getaffinity(0))
+    workers, quiet = len(os.sched_getaffinity(0)), os.getloadavg()[0] < QUIET
     head = HEAD.format(rounds=ROUNDS, sample=SAMPLE, again=AGAIN, workers=workers)
     cases = [make_case(contacts, count) for contacts, count in SIZES.items()]
-    return "\n".join([head, *(table(case, list(rates(case, workers)), workers) for case in cases)])
+    return "\n".join([head, *(table(case, list(rates(case, workers, quiet))) for case in cases)])
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ RATE = Rate("lemke, packed", 5.0, 1.0, (0.1, 0.2, 0.3), 1.9)
 def test_rates_that_say_nothing_are_refused(case: Case, rate: Rate, why: str) -> None:
     assert refusal(case, rate).startswith(why)
     assert bool(refusal(case, rate)) == bool(why)
-    shown = table(case, [rate], workers=2)
+    shown = table(case, [rate])
     assert (f"| {rate.ratio:.2g} |" in shown) == (not why)
 
 
