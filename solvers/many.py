@@ -118,7 +118,9 @@ def _looped(instance: Solver, packed: Packed, tol: float, limit: int | None, wor
 
     def part(share: Packed) -> tuple[Solved, Array]:
         solved = instance.solve_many(share, tol, limit)  # type: ignore[attr-defined]
-        return solved, residuals(share, np.ascontiguousarray(solved.impulse))
+        impulse, expected = np.ascontiguousarray(solved.impulse, float), (int(share.contacts[-1]), share.dimension)
+        require(impulse.shape == expected, "solve_many", f"must return impulses of shape {expected}, got {impulse.shape}")
+        return solved, residuals(share, impulse)
 
     if workers == 1:
         return part(packed)

@@ -5,6 +5,9 @@ import pytest
 
 import frictionbench as fb
 from frictionbench.problems import FrictionProblem
+from frictionbench.problems.packed import Packed
+from frictionbench.solvers import many
+from frictionbench.solvers.interface import Solved
 
 LOOPED = ("lemke", "dantzig", "nsgs", "hybrid")
 
@@ -59,6 +62,32 @@ def test_rounding_is_told() -> None:
 def test_a_method_without_a_loop_goes_one_by_one(planar: list[FrictionProblem]) -> None:
     answers = fb.solve_many(planar[:2], "murty")
     np.testing.assert_array_equal(answers[1], fb.solve(planar[1], "murty").impulse)
+
+
+class Plugin:
+    """Gives no impulses in its own loop, of a shape, and leaves the last problem to `solve`."""
+
+    def __init__(self, missing: int) -> None:
+        self.missing = missing
+
+    def solve_many(self, packed: Packed, tol: float, limit: int | None) -> Solved:
+        status = np.array([fb.Status.FAILED] * (packed.size - 1) + [None])
+        impulse = np.zeros((packed.contacts[-1] - self.missing, packed.dimension))
+        return Solved(impulse, status, {"passes": np.ones(packed.size, np.int64)})
+
+
+@pytest.mark.parametrize("missing", [0, 1])
+def test_a_solver_may_have_its_own_loop(missing: int, planar: list[FrictionProblem], monkeypatch: pytest.MonkeyPatch) -> None:
+    info = fb.available()["murty"]
+    monkeypatch.setattr(many, "find", lambda spec: (info, Plugin(missing)))
+    if missing:
+        with pytest.raises(fb.InputError, match="solve_many: must return impulses of shape"):
+            fb.solve_many(planar[:2], "murty")
+        return
+    answers = fb.solve_many(planar[:2], "murty")
+    assert answers.status.tolist() == [fb.Status.FAILED, fb.solve(planar[1], "murty").status]
+    assert (answers.residual[0], answers.solved.tolist()) == (fb.residual(planar[0], answers[0]), [False, True])
+    assert answers.work["passes"].tolist() == [1, 1]
 
 
 def test_no_problems() -> None:
