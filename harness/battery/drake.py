@@ -5,13 +5,18 @@ from typing import Any
 
 import numpy as np
 
-from frictionbench.harness.battery.world import Setting
+from frictionbench.harness.battery.world import Setting, Unsupported, gravity
 from frictionbench.problems.check import Array
 
 
 def default(setting: Setting, step: float) -> "Drake":
     """Compliant bodies with the default modulus, 1e7 Pa, on rigid half spaces; the default approximation, kLagged."""
     return Drake(setting, step, 1e7, "kLagged")
+
+
+def softer(setting: Setting, step: float) -> "Drake":
+    """As by default, with a modulus of 1e6 Pa, for which these light boxes are no longer nearly rigid at these steps."""
+    return Drake(setting, step, 1e6, "kLagged")
 
 
 def stiff(setting: Setting, step: float) -> "Drake":
@@ -23,6 +28,8 @@ class Drake:
     """A setting as a discrete MultibodyPlant."""
 
     def __init__(self, setting: Setting, step: float, modulus: float, approximation: str) -> None:
+        if setting.restitution:
+            raise Unsupported("its dissipation has no coefficient of restitution, and implicit steps damp it besides")
         d: Any = import_module("pydrake.all")
         builder = d.DiagramBuilder()
         self._plant, scene = d.AddMultibodyPlantSceneGraph(builder, step)
@@ -39,7 +46,7 @@ class Drake:
             d.AddRigidHydroelasticProperties(properties)
             d.AddContactMaterial(friction=friction, properties=properties)
             self._plant.RegisterCollisionGeometry(ground, pose, d.HalfSpace(), f"floor {k}", properties)
-        self._bodies = []
+        self._bodies, self._masses, self._gravity = [], [body.mass for body in setting.bodies], setting.gravity
         for k, body in enumerate(setting.bodies):
             ball = len(body.size) == 1
             shape = d.Sphere(*body.size) if ball else d.Box(*(2 * np.array(body.size)))
@@ -57,6 +64,14 @@ class Drake:
 
     def run(self, seconds: float) -> None:
         self._simulator.AdvanceTo(self._simulator.get_context().get_time() + seconds)
+
+    def tilt(self, slope: float) -> None:
+        """By forces at the centres: a plant's gravity is fixed."""
+        force = np.zeros((len(self._bodies), 6))
+        for one, mass in zip(self._bodies, self._masses, strict=True):
+            start = one.floating_velocities_start_in_v() // 6
+            force[start, 3:] = mass * (gravity(slope) - self._gravity)
+        self._plant.get_applied_generalized_force_input_port().FixValue(self._context, force.ravel())
 
     def position(self, body: int) -> Array:
         return np.array(self._plant.EvalBodyPoseInWorld(self._context, self._bodies[body]).translation())

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from frictionbench.harness.battery.world import Setting
+from frictionbench.harness.battery.world import Setting, gravity
 from frictionbench.problems.check import Array
 
 # "Modeling", sections on solver parameters and on slip: elliptic cones and a large impratio against slip, then the noslip
@@ -27,6 +27,7 @@ class MuJoCo:
     """A setting as MJCF: planes and free bodies."""
 
     def __init__(self, setting: Setting, step: float, option: str, contact: str) -> None:
+        contact = _bouncing(setting.restitution) if setting.restitution else contact
         self._mj: Any = import_module("mujoco")
         gravity = " ".join(map(str, setting.gravity))
         self._model = self._mj.MjModel.from_xml_string(f"""
@@ -44,11 +45,21 @@ class MuJoCo:
         for _ in range(round(seconds / self._model.opt.timestep)):
             self._mj.mj_step(self._model, self._data)
 
+    def tilt(self, slope: float) -> None:
+        self._model.opt.gravity[:] = gravity(slope)
+
     def position(self, body: int) -> Array:
         return np.array(self._data.qpos[7 * body : 7 * body + 3])
 
     def velocity(self, body: int) -> Array:
         return np.array(self._data.qvel[6 * body : 6 * body + 3])
+
+
+def _bouncing(e: float) -> str:
+    """The solref of an oscillator that rebounds with e: of the damping ratio zeta = -ln e / sqrt(pi^2 + ln^2 e), with the time
+    constant of 20 ms; for e = 1 as stiff as that for e = 0.5, without damping."""
+    ratio = [-np.log(x) / np.hypot(np.pi, np.log(x)) for x in (e, 0.5)]
+    return f'solref="0.02 {ratio[0]}"' if e < 1 else f'solref="{-((0.02 * ratio[1]) ** -2)} 0"'
 
 
 def _floors(setting: Setting) -> str:

@@ -4,6 +4,7 @@ Each is a problem of rigid bodies with Coulomb friction, in SI units; what an en
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from frictionbench.harness.battery.world import GRAVITY, Body, Make, Setting
 
 CUBE, SETTLED = (0.1, 0.1, 0.1), 0.5  # half sizes, m; s until a body that is put down rests
+TILTING = 0.6  # s: 12 ms between two slopes, steps of any size in the table
 
 
 class Phenomenon(NamedTuple):
@@ -55,12 +57,12 @@ def heavy_on_light(make: Make, step: float) -> float:
     return float(0.3 - world.position(1)[2])
 
 
-def rebound(make: Make, step: float) -> float:
-    """The speed upwards after a ball without restitution has fallen 0.2 m, the largest in the time that follows."""
-    world = make(Setting((Body((0.1,), 1.0, (0, 0, 0.3)),), 0.5), step)
-    world.run(np.sqrt(0.4 / GRAVITY))
+def rebound(make: Make, step: float, restitution: float = 0.0) -> float:
+    """The speed upwards after a ball with restitution e has fallen 0.2 m, the largest in the time that follows."""
+    world = make(Setting((Body((0.1,), 1.0, (0, 0, 0.3)),), 0.5, restitution=restitution), step)
+    world.run(np.sqrt(0.4 / GRAVITY) - 0.01)
     most = 0.0
-    for _ in range(round(0.2 / step)):
+    for _ in range(round(0.1 / step)):
         world.run(step)
         most = max(most, float(world.velocity(0)[2]))
     return most
@@ -90,12 +92,17 @@ def wedge(make: Make, step: float) -> float:
 
 
 def tipping(make: Make, step: float) -> float:
-    """The tangent of the slope at which a box of 0.1 x 0.1 x 0.4 m tips over within two seconds, by bisection."""
+    """The tangent of the slope at which a box of 0.1 x 0.1 x 0.4 m tips over, bisected to 0.001: it settles on level ground, which
+    is then tilted in 0.6 s."""
     low, high = 0.15, 0.35
     while high - low > 1e-3:
         middle = (low + high) / 2
-        world = make(Setting((Body((0.05, 0.05, 0.2), 1.0, (0, 0, 0.2)),), 1.0, slope=float(np.arctan(middle))), step)
-        world.run(2.0)
+        world = make(Setting((Body((0.05, 0.05, 0.2), 1.0, (0, 0, 0.2)),), 1.0), step)
+        world.run(0.2)
+        for share in np.linspace(0, 1, 51)[1:]:
+            world.tilt(float(share * np.arctan(middle)))
+            world.run(TILTING / 50)
+        world.run(1.5)
         tipped = world.position(0)[2] < 0.15
         low, high = (low, middle) if tipped else (middle, high)
     return (low + high) / 2
@@ -107,6 +114,8 @@ PHENOMENA = (
     Phenomenon("direction of sliding", "that of the throw", 30.0, "°", direction),
     Phenomenon("1000 kg on 1 kg, sinking", "0", 0.0, "m", heavy_on_light),
     Phenomenon("rebound, e = 0", "0", 0.0, "m/s", rebound),
+    Phenomenon("rebound, e = 0.5", "e √(2 g H)", 0.5 * np.sqrt(0.4 * GRAVITY), "m/s", partial(rebound, restitution=0.5)),
+    Phenomenon("rebound, e = 1", "√(2 g H)", np.sqrt(0.4 * GRAVITY), "m/s", partial(rebound, restitution=1.0)),
     Phenomenon("sliding ball that rolls", "5/7 v", 10 / 7, "m/s", rolling),
     Phenomenon("stack of five at rest", "0", 0.0, "m", stack),
     Phenomenon("box in a groove", "g (sin a - √2 mu cos a) t²/2", GRAVITY * (0.5 - 0.2 * np.sqrt(1.5)) / 2, "m", wedge),

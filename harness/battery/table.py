@@ -3,15 +3,17 @@
 import warnings
 from importlib.metadata import PackageNotFoundError, version
 
-from frictionbench.harness.battery import drake, mujoco
+from frictionbench.harness.battery import drake, mujoco, own
 from frictionbench.harness.battery.phenomena import PHENOMENA, Phenomenon
-from frictionbench.harness.battery.world import Make
+from frictionbench.harness.battery.world import Make, Unsupported
 
 STEPS = (0.004, 0.002, 0.001)  # s
 ENGINES: dict[str, tuple[str, Make]] = {  # by name, what has to be installed, and the engine
+    "frictionbench": ("frictionbench", own.exact),
     "MuJoCo": ("mujoco", mujoco.default),
     "MuJoCo, stiff": ("mujoco", mujoco.stiff),
     "Drake": ("drake", drake.default),
+    "Drake, softer": ("drake", drake.softer),
     "Drake, stiff": ("drake", drake.stiff),
 }
 PAGE = """# Engines on phenomena with closed forms
@@ -22,8 +24,10 @@ stepping, one that does not is one of its model.
 
 {table}
 {remarks}
-Scripts: `harness/battery/phenomena.py` has each phenomenon in some ten lines, `harness/battery/mujoco.py` and
-`harness/battery/drake.py` how each engine builds them.
+Scripts: `harness/battery/phenomena.py` has each phenomenon in some ten lines, `harness/battery/mujoco.py`,
+`harness/battery/drake.py` and `harness/battery/own.py` how each engine builds them. Most of them are scenes of this project too
+(`sliding_box`, `box_tower`, `box_in_groove`, `sliding_ball`, `dropped_ball`), on which the suite `spatial` simulates every
+solver in space; the column `path_error` has the distance from the closed form, and `frictionbench show` their motion.
 
 ## What each phenomenon is
 
@@ -34,16 +38,25 @@ Scripts: `harness/battery/phenomena.py` has each phenomenon in some ten lines, `
 Engines regularise contacts on purpose: a soft contact has an answer that is unique, can be differentiated and inverted, and
 costs the same in every step. The columns *stiff* have much stiffer settings, of kinds that the documentation describes.
 
+* **frictionbench** is no engine: its contacts are rigid, their friction problems are solved by `interior_point` to 1e-8, and
+  time is stepped by Anitescu and Potra's scheme. What remains is the error of this scheme, of first order, and nothing where a
+  body rests. A body may overlap by a step's motion when it lands, and restitution acts at the end of the step.
 * **MuJoCo** is as it is by default: pyramidal cones, `impratio` 1, `solref` of 20 ms. A pyramid slows a box that is thrown
   askew along one of its axes first, so that its path bends; a soft contact creeps under a steady load in proportion to the
   load. *Stiff*: elliptic cones, `impratio` 100, `noslip_iterations`, `solref` of two steps, `solimp` .99. It has no
-  coefficient of restitution; rebounds by `solref` are not measured here.
+  coefficient of restitution: the rebounds are those of a `solref` with the damping ratio of an oscillator that rebounds so, and
+  its default time constant, 20 ms.
 * **Drake** has contacts by surfaces (hydroelastic), with the default modulus of 1e7 Pa and the default approximation, kLagged.
   A surface with dissipation resists rolling, which a point does not: the ball's row contains that. *Stiff*: 1e9 Pa and the
-  approximation kSimilar. It has no coefficient of restitution.
+  approximation kSimilar. *Softer*: 1e6 Pa. Where a body is nearly rigid, its period of oscillation short against a step, flat
+  faces on each other lose and gain contact from step to step under kLagged and kSimilar (RobotLocomotion/drake, issues 21510
+  and 21514): the default modulus does this to the sliding box of 1 kg, and the column *softer* has the same box without it. An
+  elastic foundation also tips over early: with the stiffness K per area the strip it stands on at last shrinks like K^(-1/3),
+  and with it the distance from width/height, for every step alike. It has no coefficient of restitution: its dissipation acts
+  in proportion to the speed, and implicit steps damp besides, so that these rows are left out.
 
 Bodies are put down at rest or with their speed, touching what they stand on: a compliant contact begins with an oscillation
-that the closed forms do not have, and that the tipping box and the one on the slope can feel.
+that the closed forms do not have, and that the box on the slope can feel. The box that tips has settled on level ground before.
 
 A body that sticks or rests has the same closed form for every step; one that moves has an error of the order of the step for
 any first-order scheme: the box that stops misses v h/2, 4 mm at 4 ms, with exact contacts.
@@ -71,11 +84,17 @@ def page() -> str:
 
 def phenomena() -> str:
     """What each phenomenon is, as a list."""
-    return "\n".join(f"* **{one.name}**: {one.measure.__doc__}" for one in PHENOMENA)
+    return "\n".join(f"* **{one.name}**: {_text(one)}" for one in PHENOMENA)
+
+
+def _text(one: Phenomenon) -> str:
+    """The docstring of the measure, in a line."""
+    return " ".join(str(getattr(one.measure, "func", one.measure).__doc__).split())
 
 
 def _errors(one: Phenomenon, make: Make) -> str:
-    return " / ".join(_error(one, make, step) for step in STEPS)
+    errors = [_error(one, make, step) for step in STEPS]
+    return "–" if set(errors) == {"–"} else " / ".join(errors)
 
 
 def _error(one: Phenomenon, make: Make, step: float) -> str:
@@ -83,6 +102,8 @@ def _error(one: Phenomenon, make: Make, step: float) -> str:
         warnings.simplefilter("ignore")
         try:
             return f"{one.measure(make, step) - one.exact:.1e}"
+        except Unsupported:
+            return "–"
         except (Exception, SystemExit) as error:  # whatever an engine raises is its cell
             return f"failed: {type(error).__name__}"
 

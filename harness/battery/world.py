@@ -10,10 +10,15 @@ from frictionbench.problems.check import Array
 GRAVITY = 9.81  # m/s^2
 
 
+def gravity(slope: float) -> Array:
+    """Gravity (3,), m/s^2, turned by an angle from -z towards x."""
+    return GRAVITY * np.array([np.sin(slope), 0.0, -np.cos(slope)])
+
+
 class Body(NamedTuple):
     """A box of half sizes (3,), or a ball of one radius, in m; mass in kg.
 
-    position (3,), velocity (3,), spin (3,) in m, m/s and 1/s; turn: about the x axis, radians.
+    position (3,), velocity (3,), spin (3,) in the body's axes, in m, m/s and 1/s; turn: about the x axis, radians.
     """
 
     size: Sequence[float]
@@ -27,18 +32,20 @@ class Body(NamedTuple):
 class Setting(NamedTuple):
     """What the engines build: bodies on half spaces through the origin with these turns about the x axis.
 
-    friction: of every contact. slope: angle by which gravity is turned from -z towards x, which tilts the whole scene.
+    friction, restitution: of every contact. slope: angle by which gravity is turned from -z towards x, which tilts the whole
+    scene.
     """
 
     bodies: tuple[Body, ...]
     friction: float
     slope: float = 0.0
     floors: tuple[float, ...] = (0.0,)
+    restitution: float = 0.0
 
     @property
     def gravity(self) -> Array:
         """(3,), m/s^2."""
-        return GRAVITY * np.array([np.sin(self.slope), 0.0, -np.cos(self.slope)])
+        return gravity(self.slope)
 
     @property
     def volume_inertia(self) -> tuple[Array, ...]:
@@ -51,11 +58,18 @@ class Setting(NamedTuple):
         )
 
 
+class Unsupported(Exception):  # noqa: N818  # a finding about an engine, not an error
+    """The engine has no such property; the message says which."""
+
+
 class World(Protocol):
     """A running simulation."""
 
     def run(self, seconds: float) -> None:
         """Take as many steps as last so long."""
+
+    def tilt(self, slope: float) -> None:
+        """Turn gravity to this slope from now on."""
 
     def position(self, body: int) -> Array:
         """The centre (3,), m."""
@@ -68,4 +82,4 @@ class Make(Protocol):
     """An engine with its settings."""
 
     def __call__(self, setting: Setting, step: float) -> World:
-        """The engine's world. Errors: ImportError where it is not installed."""
+        """The engine's world. Errors: ImportError where it is not installed, Unsupported."""

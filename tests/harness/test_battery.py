@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from frictionbench.harness.battery import drake, mujoco, table
+from frictionbench.harness.battery import drake, mujoco, own, table
 from frictionbench.harness.battery.phenomena import PHENOMENA
-from frictionbench.harness.battery.world import Body, Setting
+from frictionbench.harness.battery.world import Body, Setting, Unsupported
 from tests.helpers.paths import ROOT
 
 BY_NAME = {one.name: one for one in PHENOMENA}
@@ -36,6 +36,33 @@ class Point:
 def test_closed_forms_on_an_exact_motion(name) -> None:
     one = BY_NAME[name]
     assert one.measure(Point, 0.01) == pytest.approx(one.exact, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ["rebound, e = 0.5", "sliding ball that rolls", "1000 kg on 1 kg, sinking"])
+def test_own_contacts_are_near_the_closed_forms(name) -> None:
+    one = BY_NAME[name]
+    assert one.measure(own.exact, 0.01) == pytest.approx(one.exact, abs=1e-7 if "rebound" not in name else 0.15)
+
+
+def test_own_world_is_tilted_and_turned() -> None:
+    """A box on its edge in a groove stays there on level ground, and slides down it with the tilt."""
+    corner = Body((0.1, 0.1, 0.1), 1.0, (0, 0, 0.1 * np.sqrt(2)), turn=np.pi / 4)
+    world = own.exact(Setting((corner,), 0.2, floors=(np.pi / 4, -np.pi / 4)), 0.01)
+    world.run(0.05)
+    assert world.position(0) == pytest.approx(corner.position, abs=1e-9)
+    world.tilt(np.radians(30))
+    world.run(0.05)
+    assert world.velocity(0) == pytest.approx([9.81 * (0.5 - 0.2 * np.sqrt(1.5)) * 0.05, 0, 0], abs=1e-6)
+
+
+def test_rebounds_that_an_engine_does_not_have_are_left_out(monkeypatch) -> None:
+    def rigid(setting: Setting, step: float) -> Point:
+        raise Unsupported("no restitution")
+
+    monkeypatch.setattr(table, "ENGINES", {"rigid": ("numpy", rigid)})
+    monkeypatch.setattr(table, "PHENOMENA", (BY_NAME["rebound, e = 0.5"],))
+    (row,) = [line for line in table.page().splitlines() if line.startswith("| rebound")]
+    assert row.endswith("| – |")
 
 
 def test_inertia_is_that_of_uniform_bodies() -> None:

@@ -46,7 +46,7 @@ MAY_IMPORT = {
     "harness.contract": {
         *("problems", "solvers", "results", "harness.cells", "harness.plans", "harness.verify", "harness.workers"),
     },
-    "harness.battery": {"problems.check"},
+    "harness.battery": {"problems", "solvers"},
     "harness.commands": {"problems", "solvers", "results", "harness"},
     "harness.cli": {"problems", "solvers", "results", "harness", "reports"},
     "harness": {"problems", "solvers", "results", "harness"},

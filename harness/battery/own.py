@@ -1,0 +1,59 @@
+"""This project's own rigid contacts: a time-stepping scheme whose friction problems are solved exactly."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from frictionbench.harness.battery.world import Setting, gravity
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.problems.scene import Scene
+from frictionbench.problems.schemes import SCHEMES, start
+from frictionbench.problems.spatial.bodies import HalfSpace, solid_box, solid_sphere
+from frictionbench.problems.spatial.rotation import turned
+from frictionbench.solvers import solve
+
+SOLVER, TOLERANCE = "interior_point", 1e-8
+
+
+def exact(setting: Setting, step: float) -> "Exact":
+    """Anitescu and Potra's scheme, with Poisson's law of restitution."""
+    return Exact(setting, step, "anitescu_potra")
+
+
+class Exact:
+    """A setting as a scene."""
+
+    def __init__(self, setting: Setting, step: float, scheme: str) -> None:
+        turn = turned(np.tile(np.eye(4)[0], (len(setting.bodies), 1)), np.array([[b.turn, 0.0, 0.0] for b in setting.bodies]))
+        self._scene = Scene(
+            bodies=tuple(
+                solid_sphere(body.size[0], body.mass) if len(body.size) == 1 else solid_box(body.size, body.mass)
+                for body in setting.bodies
+            ),
+            obstacles=tuple(HalfSpace(np.array([0.0, -np.sin(floor), np.cos(floor)])) for floor in setting.floors),
+            q0=np.hstack([np.array([body.position for body in setting.bodies], dtype=float), turn]),
+            v0=np.array([[*body.velocity, *body.spin] for body in setting.bodies], dtype=float),
+            friction=setting.friction,
+            restitution=setting.restitution,
+            gravity=tuple(setting.gravity),
+            step=step,
+        )
+        self._step, self._scheme = start(self._scene), SCHEMES[scheme]
+
+    def run(self, seconds: float) -> None:
+        for _ in range(round(seconds / self._scene.step)):
+            self._step = self._scheme(self._scene, self._step, _solved)
+
+    def tilt(self, slope: float) -> None:
+        self._scene = replace(self._scene, gravity=tuple(gravity(slope)))
+
+    def position(self, body: int) -> Array:
+        return self._scene.geometry.centres(self._step.q)[body]
+
+    def velocity(self, body: int) -> Array:
+        return self._step.v.reshape(-1, 6)[body, :3]
+
+
+def _solved(problem: FrictionProblem) -> Array:
+    return solve(problem, SOLVER, tol=TOLERANCE).impulse
