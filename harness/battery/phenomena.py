@@ -92,8 +92,8 @@ def wedge(make: Make, step: float) -> float:
 
 
 def tipping(make: Make, step: float) -> float:
-    """The tangent of the slope at which a box of 0.1 x 0.1 x 0.4 m tips over, bisected to 0.001: it settles on level ground, which
-    is then tilted in 0.6 s."""
+    """The tangent of the slope at which a box of 0.1 x 0.1 x 0.4 m tips over, bisected to 0.001: it settles on level ground,
+    which is then tilted in 0.6 s."""
     low, high = 0.15, 0.35
     while high - low > 1e-3:
         middle = (low + high) / 2
