@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from frictionbench.reports.studies import cone, convexity, inclusion, interior, relaxation
+from frictionbench.reports.studies import cone, convexity, dissipation, inclusion, interior, relaxation
 from frictionbench.reports.studies.account import Account, Figure
 from frictionbench.results.studies import StudyTables
 
@@ -10,6 +10,7 @@ ACCOUNTS: dict[str, Callable[[StudyTables], Account]] = {
     "convexity": convexity.account,
     "relaxation": relaxation.account,
     "interior": interior.account,
+    "dissipation": dissipation.account,
     "inclusion": inclusion.account,
     "cone": cone.account,
 }
