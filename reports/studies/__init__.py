@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from frictionbench.reports.studies import cone, convexity, dissipation, inclusion, interior, relaxation
+from frictionbench.reports.studies import compliance, cone, convexity, coordinates, dissipation, inclusion, interior, relaxation
 from frictionbench.reports.studies.account import Account, Figure
 from frictionbench.results.studies import StudyTables
 
@@ -13,6 +13,8 @@ ACCOUNTS: dict[str, Callable[[StudyTables], Account]] = {
     "dissipation": dissipation.account,
     "inclusion": inclusion.account,
     "cone": cone.account,
+    "coordinates": coordinates.account,
+    "compliance": compliance.account,
 }
 
 __all__ = ["ACCOUNTS", "Account", "Figure"]
