@@ -58,7 +58,9 @@ class Hybrid:
 
     def form(self, problem: FrictionProblem) -> Prepared:
         nc, d = problem.contacts, problem.dimension
-        members = _members(d, bool(nc <= PIVOTS if d == 2 else _sweeps_help(nc, len(problem.free_velocity))))
+        members = _members(
+            d, bool(nc <= PIVOTS if d == 2 else _sweeps_help(nc, len(problem.free_velocity), len(problem.joint_bias)))
+        )
         return Prepared(problem, members, members[0][1].form(problem))
 
     def setup(self, formed: Prepared) -> Prepared:
@@ -90,7 +92,7 @@ class Hybrid:
         """The simpler first method's loop, where it comes first; what that does not solve goes through all members."""
         nc, space = np.diff(packed.contacts), packed.dimension == 3
         simple = "nsgs" if space else "lemke"
-        chosen = _sweeps_help(nc, np.diff(packed.velocities)) if space else nc <= PIVOTS
+        chosen = _sweeps_help(nc, np.diff(packed.velocities), 0) if space else nc <= PIVOTS
         loop: Any = find(simple)[1]
         own_limit = min(SWEEPS, limit or SWEEPS) if space else limit
         found = loop.solve_many(packed._replace(spread=np.where(chosen, packed.spread, np.inf)), tol, own_limit)
@@ -100,9 +102,10 @@ class Hybrid:
         return Solved(found.impulse, np.array([None, Status.SOLVED])[solved.astype(int)], work)
 
 
-def _sweeps_help(nc: Any, velocities: Any) -> Any:
-    """Whether nsgs comes first in space, for numbers or arrays of numbers."""
-    return (nc <= SWEPT[0]) | ((nc >= SWEPT[1]) & (nc * 3 <= HYPERSTATIC * velocities))
+def _sweeps_help(nc: Any, velocities: Any, joints: Any) -> Any:
+    """Whether nsgs comes first in space, for numbers or arrays of numbers. Joints couple all contacts: W, of which it then takes
+    the rows, is dense."""
+    return (nc <= SWEPT[0]) | ((nc >= SWEPT[1]) & (nc * 3 <= HYPERSTATIC * velocities) & (joints == 0))
 
 
 @cache

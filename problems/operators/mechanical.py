@@ -4,8 +4,9 @@ With F the joints' Jacobian, P = M^-1 - M^-1 F' (F M^-1 F')^+ F M^-1 is the inve
 
     W = J P J',      q = J (P M v* - M^-1 F' (F M^-1 F')^+ b_F) + b e_n.
 
-Joints are few and may be redundant: what they add is dense, with a generalised inverse. Redundant equations must agree: where
-F v + b_F = 0 has no solution, no impulses satisfy it, and the problem is refused.
+Joints may be redundant: the inverse is a generalised one, dense for few equations (few_joints) and of a band for many
+(many_joints). Redundant equations must agree: where F v + b_F = 0 has no solution, no impulses satisfy it, and the problem is
+refused.
 """
 
 from dataclasses import dataclass
@@ -15,7 +16,6 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.linalg import lstsq
 
 from frictionbench.problems import check
 from frictionbench.problems.check import Array
@@ -24,6 +24,8 @@ from frictionbench.problems.forms.balance import mechanical_factors
 from frictionbench.problems.forms.delassus import Blocks
 from frictionbench.problems.forms.islands import islands, mechanical_graph, mechanical_units, spread
 from frictionbench.problems.forms.mass import inverse_mass
+from frictionbench.problems.operators.few_joints import FewJoints
+from frictionbench.problems.operators.many_joints import ManyJoints
 from frictionbench.problems.operators.operator import NO_ROWS, Operator
 from frictionbench.problems.rows import ByContact, Index64, Rows, by_contact
 
@@ -31,6 +33,8 @@ from frictionbench.problems.rows import ByContact, Index64, Rows, by_contact
 CONTRADICTION = 1e-8
 # Of the largest terms of any joint equation, as speeds of unit kinetic energy: what rounding leaves.
 ROUNDING = 1000 * float(np.finfo(float).eps)
+
+FEW = 100  # joint equations up to which a dense inverse is as fast as a factorisation of a band
 
 _NO_TERMS = np.zeros((0, 0))
 
@@ -139,9 +143,8 @@ class MechanicalOperator(Operator):
     def W(self) -> sparse.csr_array:
         if not self._has_joints:
             return self.blocks.matrix()
-        coupling, inverse = self._joint_coupling
         moves = sparse.diags_array((~self._locked).astype(float).ravel())
-        W = self._free_blocks().matrix() - sparse.csr_array(coupling.T @ inverse @ coupling)
+        W = self._free_blocks().matrix() - sparse.csr_array(self._held.coupled())
         W = sparse.csr_array(moves @ W @ moves)
         W.eliminate_zeros()
         return W
@@ -160,9 +163,7 @@ class MechanicalOperator(Operator):
     def velocity_size(self, r: Array) -> Array:
         size: Array = delassus.velocity_size(*self.contact_rows, *self.inverse_rows, self.free_velocity, r, self.bias)
         if self._has_joints:
-            response, inverse = self._joint_response
-            held = abs(self.joints) @ np.abs(super().velocity(r)) + np.abs(self.joint_bias)
-            size += (abs(self.jacobian) @ (np.abs(response) @ (np.abs(inverse) @ held))).reshape(size.shape)
+            size += (abs(self.jacobian) @ self._held.rounding(super().velocity(r))).reshape(size.shape)
         return size
 
     @property
@@ -174,26 +175,15 @@ class MechanicalOperator(Operator):
         return Blocks(*delassus.delassus(*self.contact_rows, *self.inverse_rows))
 
     @cached_property
-    def _joint_response(self) -> tuple[Array, Array]:
-        """(M^-1 F', (F M^-1 F')^+), dense. Errors: InputError naming joints where F M^-1 F' overflows."""
-        response = delassus.joint_response(*self.joint_rows, *self.inverse_rows)
-        G = delassus.product(*self.joint_rows, response)
-        check.require(bool(np.isfinite(G).all()), "joints", "F M^-1 F' overflows")
-        return response, _generalised_inverse(G)
-
-    @property
-    def _joint_coupling(self) -> tuple[Array, Array]:
-        """(F M^-1 J', (F M^-1 F')^+), dense."""
-        response, inverse = self._joint_response
-        return delassus.coupling(*self.contact_rows, response), inverse
+    def _held(self) -> FewJoints | ManyJoints:
+        """The joints' equations with an inverse of F M^-1 F'."""
+        if len(self.joint_bias) <= FEW:
+            return FewJoints(self.joint_rows, self.joint_bias, self.inverse_rows, self.contact_rows)
+        return ManyJoints(self.joints, self.joint_bias, self.inverse_mass, self.jacobian)
 
     def _on_joints(self, velocity: Array) -> Array:
         """The velocity nearest in the kinetic metric with F v + b_F = 0."""
-        if not self._has_joints:
-            return velocity
-        response, inverse = self._joint_response
-        joint_velocity = delassus.product(*self.joint_rows, velocity[:, None].copy())[:, 0]
-        return velocity - response @ (inverse @ (joint_velocity + self.joint_bias))
+        return self._held.hold(velocity) if self._has_joints else velocity
 
     @cached_property
     def _joint_units(self) -> Array:
@@ -215,11 +205,11 @@ class MechanicalOperator(Operator):
         with the rounding of its terms and of those of F v*.
         """
         root, unit = np.sqrt(self.inverse_mass.diagonal()), self._joint_units
-        F, bias = self.joints.toarray() * root / unit[:, None], self.joint_bias / unit
-        check.require(bool(np.isfinite(F).all() and np.isfinite(bias).all()), "joints", "F M^-1 F' or b_F overflows")
-        v = lstsq(F, -bias, cond=np.sqrt(_dependent(len(F))), lapack_driver="gelsy")[0]
-        terms = np.abs(F) @ (np.abs(v) + np.abs(self.free_velocity) / root) + np.abs(bias)
-        defect = np.abs(F @ v + bias)
+        F, bias = self.joints, self.joint_bias / unit
+        check.require(bool(np.isfinite(bias).all()), "joints", "b_F overflows")
+        v = self._held.solution(unit, root)
+        terms = abs(F) @ (np.abs(v) + np.abs(self.free_velocity)) / unit + np.abs(bias)
+        defect = np.abs(F @ v / unit + bias)
         bad = np.flatnonzero(~(defect <= np.maximum(CONTRADICTION * np.abs(bias), ROUNDING * terms.max())))
         listed = ", ".join(map(str, bad[:6].tolist())) + ", ..." * (len(bad) > 6)
         missed = f"rows {listed} are missed by up to {(defect * unit)[bad].max(initial=0.0):.2g} m/s"
@@ -260,10 +250,9 @@ class MechanicalOperator(Operator):
         """The diagonal (nc, d) of W, 0 in locked directions, but without the joints where they lock the whole contact; and the
         locked directions (nc, d): those in which joints leave a contact no velocity that impulses could change, so that W's
         diagonal is a rounding error."""
-        coupling, inverse = self._joint_coupling
         diagonal: Array = delassus.diagonal(*self.contact_rows, *self.inverse_rows)
-        held = np.einsum("ji,jk,ki->i", coupling, inverse, coupling).reshape(diagonal.shape)
-        size = diagonal + np.einsum("ji,jk,ki->i", *map(np.abs, (coupling, inverse, coupling))).reshape(diagonal.shape)
+        held, terms = (share.reshape(diagonal.shape) for share in self._held.shares())
+        size = diagonal + terms
         locked: NDArray[np.bool_] = diagonal - held <= delassus.LOCKED * size
         return np.where(locked.all(axis=1, keepdims=True), diagonal, np.where(locked, 0.0, diagonal - held)), locked
 
@@ -271,19 +260,3 @@ class MechanicalOperator(Operator):
     def _locked(self) -> NDArray[np.bool_]:
         """(nc, d): see _joint_diagonal."""
         return self._joint_diagonal[1]
-
-
-def _generalised_inverse(G: Array) -> Array:
-    """X with G X G = G of a symmetric positive semidefinite G (nj, nj), symmetric.
-
-    The rank is that of G with a unit diagonal, so that it does not depend on the units of the joints' equations.
-    """
-    diagonal = G.diagonal()
-    unit = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
-    inverse = np.linalg.pinv(unit[:, None] * G * unit, rcond=_dependent(len(G)), hermitian=True)
-    return np.asarray(unit[:, None] * inverse * unit)
-
-
-def _dependent(nj: int) -> float:
-    """The share of the largest eigenvalue of F M^-1 F' up to which those of dependent rows come out as rounding errors."""
-    return 10 * nj * float(np.finfo(float).eps)

@@ -171,7 +171,8 @@ class Geometry:
         """Whether each pair (n, 2) of shapes belongs to two bodies on a common hinge, (n,)."""
         bodies = np.sort(self.owner[pairs], axis=1)
         held = self.hinges[self.hinges[:, 0] >= 0]
-        return np.asarray((bodies[:, None] == held).all(axis=2).any(axis=1))
+        pair = 1 + max(bodies.max(initial=0), held.max(initial=0)), 1  # one number for two bodies
+        return np.isin(bodies @ pair, held @ pair) & (bodies[:, 0] >= 0)
 
     def world_corners(self, q: Any) -> Array:
         """The corners (k, 2) in the world, for coordinates q (3 per body)."""
