@@ -58,9 +58,8 @@ class Hybrid:
 
     def form(self, problem: FrictionProblem) -> Prepared:
         nc, d = problem.contacts, problem.dimension
-        members = _members(
-            d, bool(nc <= PIVOTS if d == 2 else _sweeps_help(nc, len(problem.free_velocity), len(problem.joint_bias)))
-        )
+        size = nc, len(problem.free_velocity), len(problem.joint_bias)
+        members = _members(d, bool(nc <= PIVOTS if d == 2 else _sweeps_help(*size)))
         return Prepared(problem, members, members[0][1].form(problem))
 
     def setup(self, formed: Prepared) -> Prepared:
@@ -103,8 +102,7 @@ class Hybrid:
 
 
 def _sweeps_help(nc: Any, velocities: Any, joints: Any) -> Any:
-    """Whether nsgs comes first in space, for numbers or arrays of numbers. Joints couple all contacts: W, of which it then takes
-    the rows, is dense."""
+    """Whether nsgs comes first in space, for numbers or arrays of numbers. With joints it takes W, which they make dense."""
     return (nc <= SWEPT[0]) | ((nc >= SWEPT[1]) & (nc * 3 <= HYPERSTATIC * velocities) & (joints == 0))
 
 

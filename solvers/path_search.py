@@ -28,7 +28,7 @@ Differences from PATH, and their reasons:
 * The crash basis must have det M_AA > 0. Along a path t rises with the sign of det B: from a negative one it can only
   reach solutions of index -1, of which there is usually one fewer than of index +1, often none. Where no basis is found
   the path starts at z = 0, and is then Lemke's with the covering vector delta (PATH's ray start).
-* PATH factorises sparse; here an LU in reverse Cuthill-McKee order skips zeros (solvers.pivots.lu_basis).
+* PATH updates its sparse factors; here they stay, with a column for every pivot since, up to 96 (solvers.pivots.lu_basis).
 
 References: Dirkse and Ferris, The PATH solver, Optimization Methods and Software 5 (1995); Ralph, Global convergence of
 damped Newton's method for nonsmooth equations via the path search, Mathematics of Operations Research 19 (1994).
@@ -53,8 +53,9 @@ from frictionbench.solvers.pivots.lu_basis import (
     basic_z,
     factorise_basis,
     largest_magnitude,
-    new_basis,
     orientation,
+    roomier_basis,
+    roomy_basis,
     set_complementary_basis,
 )
 from frictionbench.solvers.pivots.natural import MARGIN, exact_residual, natural_residual, own_measures, scaled_and_weighed
@@ -100,18 +101,20 @@ class PathSearch:
     def setup(self, formed: "Formed") -> "Prepared":
         problem, lcp, *parts = formed
         n = lcp.size
-        start, row, value, q, weight, order, stretch = in_order(*lcp.rows, lcp.q, *parts)
+        start, row, value, q, weight, order, stretch = in_order(*lcp.rows, lcp.q, *parts, lcp.contacts[0])
         columns = Columns(start, row, value, np.zeros(n), np.zeros(n))
         noise = perturbations(self.seed, self.restarts + 1, n)
-        return Prepared(problem, lcp, stretch, order, columns, new_basis(n), q, weight, noise)
+        return Prepared(problem, lcp, stretch, order, columns, roomy_basis(columns), q, weight, noise)
 
     def solve(self, prepared: "Prepared", tol: float, limit: int | None, start: Array | None = None) -> Answer:
         problem, lcp, stretch, order, columns, basis, q, weight, noise = prepared
         limit = 50 * lcp.size + 1000 if limit is None else limit
         target = MARGIN * tol
-        y, least, end, ray, work = search(
-            columns, basis, q, weight, noise, target, limit, deadline(), self.crash, self.proximal
-        )
+        settings = q, weight, noise, target, limit, deadline(), self.crash, self.proximal
+        y, least, end, ray, work = search(columns, basis, *settings)
+        while basis.size[2]:  # a factor did not fit into its storage
+            basis = roomier_basis(basis)
+            y, least, end, ray, work = search(columns, basis, *settings)
         z = np.empty(lcp.size)
         z[order] = y
         z *= stretch
@@ -145,7 +148,7 @@ def perturbations(seed: int, attempts: int, n: int) -> Array:
 
 
 class Prepared(NamedTuple):
-    """The scaled LCP in reverse Cuthill-McKee order, storage for one basis, and the perturbations of all attempts.
+    """The scaled LCP in an order of little fill, storage for one basis, and the perturbations of all attempts.
 
     stretch (n,): theta D, in the LCP's own order.
     """
@@ -185,8 +188,12 @@ def search(columns, basis, q, weight, noise, tol, limit, until, steps, proximal)
         for i in range(n):  # residual r of x: -delta on A; below, with w_i = max(F_i, 0) + delta_i
             columns.cover[i] = -delta[i] if A[i] else min(w[i] - delta[i], 0.0) - delta[i]
             right[i] = columns.cover[i] - along[i]
+        if basis.size[2]:
+            break
         end = follow_newton_path(basis, columns, right, v, limit, until, work)
         residual = np.inf
+        if basis.size[2]:
+            break
         if end == NEWTON:
             residual = newton_point(basis, columns, q, weight, v, z, w, work)
             if residual < least:
@@ -229,7 +236,7 @@ def crash_point(basis, columns, q, A, z, w, steps, work):  # type: ignore[no-unt
     least = np.inf
     for step in range(steps + 1):
         dependent = complementary(basis, columns, A, work)
-        basic_point(basis, right, z, w)
+        basic_point(basis, columns, right, z, w)
         if not dependent:
             infeasible = 0.0
             for i in range(n):
@@ -246,7 +253,7 @@ def crash_point(basis, columns, q, A, z, w, steps, work):  # type: ignore[no-unt
     put(A, stored)
     for _ in range(4):
         dependent = complementary(basis, columns, A, work)
-        basic_point(basis, right, z, w)
+        basic_point(basis, columns, right, z, w)
         basic_z(basis, A)
         below = dependent
         for i in range(n):
@@ -287,11 +294,11 @@ def newton_point(basis, columns, q, weight, end, z, w, work):  # type: ignore[no
     put(best, z)
     for i in range(n):
         right[i] = -q[i]
-    basic_point(basis, right, z, w)
+    basic_point(basis, columns, right, z, w)
     for i in range(n):
         right[i], point[i] = w[i] - q[i], -z[i]
     add_columns_product(columns, point, right)
-    basic_point(basis, right, correction, w)
+    basic_point(basis, columns, right, correction, w)
     residual = np.inf
     for refined in (True, False):
         for i in range(n):

@@ -5,9 +5,9 @@ Methods that pivot on w = M z + q work with n columns chosen from
     z_i:  M e_i + prox_i e_i        w_i:  -e_i        t:  cover
 
 numbered i, n + i and 2n. Where a basis holds w_i it leaves row i to it, so that only the other rows, the core, need an LU.
-Its columns are eliminated from the left (Gilbert and Peierls 1988) in dense storage, of which only the span of nonzeros is
-touched: with M in reverse Cuthill-McKee order a banded problem costs what its band costs. A pivot is a product-form update
-(Dantzig and Orchard-Hays 1954); after UPDATES of them the basis is refactorised, which also removes the accumulated
+Its columns are eliminated from the left and kept sparse (Gilbert and Peierls 1988), with pivots on the diagonal of M where
+they are large enough, so that its unknowns can be ordered for little fill (solvers.pivots.ordering). A pivot is a product-form
+update (Dantzig and Orchard-Hays 1954); after UPDATES of them the basis is refactorised, which also removes the accumulated
 round-off. Values are in M's units; scale M first.
 """
 
@@ -21,6 +21,9 @@ from frictionbench.problems.compiled import kernel, part
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.pivots.vectors import fill, put
 
+DENSE = 512  # unknowns up to which there is storage for full factors
+FILL = 24  # entries of L, and of U, for every entry of a larger M, for which there is storage at first
+ON_DIAGONAL = 0.1  # of the largest entry of a column: what an entry on M's diagonal needs to be the pivot
 UPDATES = 96  # of a factorisation; each costs n products in every later solve, n numbers, and its rounding
 
 
@@ -34,38 +37,56 @@ class Columns(NamedTuple):
     cover: Array
 
 
+class Factor(NamedTuple):
+    """A triangular factor by columns: start (n+1,), index and value of its entries."""
+
+    start: Index64
+    index: Index64
+    value: Array
+
+
 class LUBasis(NamedTuple):
     """head (n,): the variable that stands at position i. The rest is its factorisation, internal to this file."""
 
     head: Index64
-    size: Index64  # of the core, of the updates
-    order: Index64  # the row, and so the position, of the k-th core column
-    L: Array  # L[k]: the k-th column's multipliers, by row
-    U: Array  # U[k]: the k-th column of U above its diagonal, by elimination order
+    size: Index64  # of the core; of the updates; 1 where the factors did not fit into their storage, 0 where they did
+    core: Index64  # the variable of the k-th core column
+    order: Index64  # its row, and so its position
+    L: Factor  # the k-th column's multipliers, by row
+    U: Factor  # the k-th column of U above its diagonal, by elimination order
     diagonal: Array
-    span: Index64  # first row and row after the last of L[k], first entry of U[k]
     slack: NDArray[np.bool_]  # rows left to their own w
+    place: Index64  # of each row: k of order, -1 where it is none of them
+    column: Array  # the column at work: zeros between factorisations
+    listed: Index64  # its rows
+    seen: Index64  # of each row: the last column's variable that listed it
     update: Array
     updated: Index64
 
 
-def new_basis(n: int) -> LUBasis:
-    """Storage for a basis of n columns with at most UPDATES updates; all w, not yet factorised."""
-    whole = np.int64
-    head, order, updated = np.arange(n, 2 * n), np.zeros(n, whole), np.zeros(UPDATES, whole)
-    square, span = np.empty((2, n, n)), np.zeros((n, 3), whole)
+def new_basis(n: int, entries: int | None = None) -> LUBasis:
+    """Storage for a basis of n columns with at most UPDATES updates and factors of `entries` each, by default of any number.
+
+    The basis is all w, and not yet factorised.
+    """
+    whole, storage = np.int64, n * n if entries is None else min(entries, n * n)
+    L, U = (Factor(np.zeros(n + 1, whole), np.empty(storage, whole), np.empty(storage)) for _ in range(2))
+    rows = np.zeros((5, n), whole)
+    slack, sizes, values = np.zeros(n, bool), np.zeros(3, whole), np.zeros((2, n))
+    updates = np.empty((UPDATES, n)), np.zeros(UPDATES, whole)
     return LUBasis(
-        head,
-        np.zeros(2, whole),
-        order,
-        square[0],
-        square[1],
-        np.zeros(n),
-        span,
-        np.zeros(n, bool),
-        np.empty((UPDATES, n)),
-        updated,
+        np.arange(n, 2 * n), sizes, rows[0], rows[1], L, U, values[0], slack, rows[2], values[1], rows[3], rows[4], *updates
     )
+
+
+def roomy_basis(columns: Columns) -> LUBasis:
+    """A new basis with room for the fill of most bases of these columns."""
+    return new_basis(len(columns.cover), max(DENSE * DENSE, FILL * len(columns.value)))
+
+
+def roomier_basis(basis: LUBasis) -> LUBasis:
+    """A new basis with four times the room."""
+    return new_basis(len(basis.head), 4 * len(basis.L.value))
 
 
 @kernel
@@ -118,82 +139,128 @@ def factorise_basis(basis, columns, floor):  # type: ignore[no-untyped-def]
     """Factorise head, placing its variables anew; the number of linearly dependent columns.
 
     A column of which elimination leaves no more than `floor` of its size counts as dependent. The w of a row that is then
-    left over takes its place, so that head is a regular basis in any case.
+    left over takes its place, so that head is a regular basis in any case; so it does for columns that exceed the storage.
     """
-    head, order, L, U, span, slack = basis.head, basis.order, basis.L, basis.U, basis.span, basis.slack
-    n = len(head)
+    head, order, L, U, slack, place, y = basis.head, basis.order, basis.L, basis.U, basis.slack, basis.place, basis.column
+    n, listed, seen = len(head), basis.listed, basis.seen
     core = np.zeros(2 * n + 1, np.bool_)
     for i in range(n):
         core[head[i]] = True
     for i in range(n):
         slack[i] = core[n + i]
         core[n + i] = False
-        head[i] = n + i
-    free = np.empty(n, np.bool_)
-    for i in range(n):
-        free[i] = not slack[i]
+        head[i], place[i], seen[i] = n + i, -1, -1
     m = dependent = 0
+    basis.size[2] = 0
     for j in range(2 * n + 1):
         if not core[j]:
             continue
-        y = L[m]
-        least = floor * column(columns, j, y)
-        span[m, 2] = m
-        for k in range(m):
-            u = y[order[k]]
-            U[m, k] = u
-            if u != 0.0:
-                span[m, 2] = min(span[m, 2], k)
-                for i in range(span[k, 0], span[k, 1]):
-                    y[i] -= u * L[k, i]
-                y[order[k]] = 0.0
-        p = -1
-        for i in range(n):
-            if free[i] and abs(y[i]) > least:
-                p, least = i, abs(y[i])
-        if p < 0:
+        at, u_at = L.start[m], U.start[m]
+        if at + n - m > len(L.value) or u_at + m > len(U.value):
+            basis.size[2] = 1
             dependent += 1
             continue
-        order[m], head[p], free[p], basis.diagonal[m] = p, j, False, y[p]
-        y[p] = 0.0
-        span[m, 0] = n
-        for i in range(n):
-            if y[i] != 0.0:
-                y[i] /= basis.diagonal[m]
-                span[m, 0], span[m, 1] = min(span[m, 0], i), i + 1
-        m += 1
+        filled, least, first = scatter(columns, j, y, listed, seen, place, slack)
+        least *= floor
+        for k in range(first, m):  # columns before the first have no entry in its rows
+            u = y[order[k]]
+            if u != 0.0:
+                U.index[u_at], U.value[u_at] = k, u
+                u_at += 1
+                for a in range(L.start[k], L.start[k + 1]):
+                    i = L.index[a]
+                    if seen[i] != j:
+                        listed[filled], seen[i] = i, j
+                        filled += 1
+                    y[i] -= u * L.value[a]
+        p = -1
+        for a in range(filled):
+            i = listed[a]
+            if place[i] < 0 and (abs(y[i]) > least or (p > i and abs(y[i]) == least)):
+                p, least = i, abs(y[i])
+        if p >= 0 and j < n and place[j] < 0 and abs(y[j]) >= ON_DIAGONAL * least:
+            p = j
+        if p < 0:
+            dependent += 1
+        else:
+            order[m], basis.core[m], head[p], place[p], basis.diagonal[m] = p, j, j, m, y[p]
+            for a in range(filled):
+                i = listed[a]
+                if place[i] < 0 and y[i] != 0.0:
+                    L.index[at], L.value[at] = i, y[i] / y[p]
+                    at += 1
+            m += 1
+            L.start[m], U.start[m] = at, u_at
+        for a in range(filled):
+            y[listed[a]] = 0.0
     for i in range(n):
-        slack[i] = slack[i] or free[i]
+        slack[i] = slack[i] or place[i] < 0
     basis.size[0], basis.size[1] = m, 0
     return dependent
 
 
+@part
+def scatter(columns, j, y, listed, seen, place, slack):  # type: ignore[no-untyped-def]
+    """Write the rows of the core of the column of z_j or t over y, which is zero, and list those that are not zero.
+
+    Returns their number, the largest magnitude in all rows of the column, and the first place of the listed rows.
+    """
+    n, count, most, first = len(y), 0, 0.0, len(y)
+    begin, end = (0, n) if j == 2 * n else (columns.start[j], columns.start[j + 1])
+    for k in range(begin, end):
+        i, entry = (k, columns.cover[k]) if j == 2 * n else (columns.row[k], columns.value[k])
+        most = np.inf if np.isnan(entry) else max(most, abs(entry))
+        if entry != 0.0 and not slack[i]:
+            y[i], listed[count], seen[i] = entry, i, j
+            count += 1
+            if place[i] >= 0:
+                first = min(first, place[i])
+    if j < n and columns.prox[j] != 0.0 and not slack[j]:  # M may have no entry on its diagonal
+        if seen[j] != j:
+            listed[count], seen[j] = j, j
+            count += 1
+            first = min(first, place[j]) if place[j] >= 0 else first
+        y[j] += columns.prox[j]
+        most = max(most, abs(y[j]))
+    return count, most, first
+
+
 @kernel
-def ftran(basis, y):  # type: ignore[no-untyped-def]
+def ftran(basis, columns, y):  # type: ignore[no-untyped-def]
     """Solve B x = y, in place, x by position."""
-    order, L, U, span = basis.order, basis.L, basis.U, basis.span
+    order, L, U, slack, n = basis.order, basis.L, basis.U, basis.slack, len(y)
     m, updates = basis.size[0], basis.size[1]
     x = np.empty(m)
     for k in range(m):
         x[k] = y[order[k]]
         if x[k] != 0.0:
-            for i in range(span[k, 0], span[k, 1]):
-                y[i] -= x[k] * L[k, i]
+            for a in range(L.start[k], L.start[k + 1]):
+                y[L.index[a]] -= x[k] * L.value[a]
     for k in range(m - 1, -1, -1):
         if x[k] != 0.0:
             x[k] /= basis.diagonal[k]
-            for i in range(span[k, 2], k):
-                x[i] -= x[k] * U[k, i]
-    for i in range(len(y)):
-        if basis.slack[i]:
+            for a in range(U.start[k], U.start[k + 1]):
+                x[U.index[a]] -= x[k] * U.value[a]
+    for i in range(n):
+        if slack[i]:
             y[i] = -y[i]
+    for k in range(m):
+        if x[k] != 0.0:
+            j = basis.core[k]
+            begin, end = (0, n) if j == 2 * n else (columns.start[j], columns.start[j + 1])
+            for a in range(begin, end):
+                i, entry = (a, columns.cover[a]) if j == 2 * n else (columns.row[a], columns.value[a])
+                if slack[i]:
+                    y[i] += x[k] * entry
+            if j < n and slack[j]:
+                y[j] += x[k] * columns.prox[j]
     for k in range(m):
         y[order[k]] = x[k]
     for k in range(updates):
         d, p = basis.update[k], basis.updated[k]
         if y[p] != 0.0:
             step = y[p] / d[p]
-            for i in range(len(y)):
+            for i in range(n):
                 y[i] -= step * d[i]
             y[p] = step
 
@@ -209,12 +276,12 @@ def replace_column(basis, p, j, d):  # type: ignore[no-untyped-def]
 
 
 @part
-def basic_point(basis, b, z, w):  # type: ignore[no-untyped-def]
+def basic_point(basis, columns, b, z, w):  # type: ignore[no-untyped-def]
     """Write over z and w (n,) the basis's own solution of M z - w = b, t = 0."""
     n = len(b)
     x = np.empty(n)
     put(x, b)
-    ftran(basis, x)
+    ftran(basis, columns, x)
     fill(z, 0.0)
     fill(w, 0.0)
     for i in range(n):

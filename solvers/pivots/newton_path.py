@@ -41,10 +41,10 @@ def follow_newton_path(basis, columns, b, v, limit, until, work):  # type: ignor
     t_at = -1
     d, x = np.empty(n), np.empty(n)
     put(x, b)
-    ftran(basis, x)
+    ftran(basis, columns, x)
     while True:
         column(columns, entering, d)
-        ftran(basis, d)
+        ftran(basis, columns, d)
         size = max(largest_magnitude(d), 1.0)
         if size == np.inf:
             return SINGULAR
@@ -95,7 +95,7 @@ def follow_newton_path(basis, columns, b, v, limit, until, work):  # type: ignor
             if factorise_basis(basis, columns, DEPENDENT):
                 return SINGULAR
             put(x, b)
-            ftran(basis, x)
+            ftran(basis, columns, x)
             for i in range(n):
                 if basis.head[i] == t:
                     t_at = i

@@ -1,25 +1,20 @@
-"""Reverse Cuthill-McKee order: the unknowns level by level from one with few neighbours, which gives a banded matrix.
-
-From the unknown with the fewest neighbours its neighbours are numbered, those with fewer neighbours first, then theirs; the
-numbers are reversed at the end (George 1971), which leaves less fill. The graph is that of M + M'.
-"""
+"""The unknowns of an LCP in an order of elimination with little fill: minimum degree on the graph of the contacts."""
 
 import numpy as np
 
 from frictionbench.problems.compiled import kernel, part
-from frictionbench.solvers.pivots.inverse_basis import symmetrised
+from frictionbench.solvers.sparse_lu.minimum_degree import minimum_degree
 
 
 @kernel
-def in_order(start, column, value, q, D, theta, weight):  # type: ignore[no-untyped-def]
-    """A scaled LCP with its unknowns in this order.
+def in_order(start, column, value, q, D, theta, weight, nc):  # type: ignore[no-untyped-def]
+    """A scaled LCP of nc contacts, or a bare one with nc = 0, with its unknowns in this order, a contact's together.
 
     M by rows, D and theta: solvers.pivots.scaling. Returns D M D by columns (start, row, value), rows ascending, D q / theta,
     the weight (n,), the order (n,) and, not in it, theta D.
     """
     n = len(q)
-    degree, first, neighbour = _graph(*symmetrised(start, column, value, D))
-    order = _by_levels(first, neighbour, degree)
+    order = _least_fill(start, column, n, nc)
     own_q, own_weight, stretch = np.empty(n), np.empty(n), np.empty(n)
     for i in range(n):
         own_q[i], own_weight[i] = D[order[i]] * q[order[i]] / theta, weight[order[i]]
@@ -29,60 +24,40 @@ def in_order(start, column, value, q, D, theta, weight):  # type: ignore[no-unty
 
 
 @part
-def _graph(begin, rows, column, row):  # type: ignore[no-untyped-def]
-    """How many neighbours each unknown has, itself counted twice, and which: neighbour[start[i]:start[i+1]], ascending."""
-    n = len(begin) - 1
-    degree, start, neighbour, at = np.zeros(n, np.int32), np.zeros(n + 1, np.int64), np.empty(len(rows), np.int64), 0
+def _least_fill(start, column, n, nc):  # type: ignore[no-untyped-def]
+    groups = nc if nc else n
+    group = np.empty(
+        n, np.int64
+    )  # unknowns are ordered by contact: normal impulses, tangential ones, lambda (problems.forms.lcp)
+    facets = n // nc - 2 if nc else 1
     for i in range(n):
-        for k in range(begin[i], begin[i + 1]):
-            if column[k] + row[k] != 0:
-                neighbour[at] = rows[k]
-                at += 1
-                degree[i] += 2 if rows[k] == i else 1
-        start[i + 1] = at
-    return degree, start, neighbour
-
-
-@part
-def _by_levels(start, neighbour, degree):  # type: ignore[no-untyped-def]
-    n = len(degree)
-    order, numbered, end = np.empty(n, np.int64), np.zeros(n, np.bool_), 0
-    for seed in _by_degree(degree):
-        if numbered[seed]:
-            continue
-        order[end], numbered[seed], at = seed, True, end
-        end += 1
-        while at < end:
-            first = end
-            for k in range(start[order[at]], start[order[at] + 1]):
-                j = neighbour[k]
-                if not numbered[j]:
-                    numbered[j], here = True, end
-                    while here > first and degree[order[here - 1]] > degree[j]:
-                        order[here] = order[here - 1]
-                        here -= 1
-                    order[here] = j
-                    end += 1
-            at += 1
-    for i in range(n // 2):
-        order[i], order[n - 1 - i] = order[n - 1 - i], order[i]
-    return order
-
-
-@part
-def _by_degree(degree):  # type: ignore[no-untyped-def]
-    """The unknowns by their degree, those of the same one as they come."""
-    n, most = len(degree), 0
+        group[i] = i if i < groups else i - (n - nc) if i >= n - nc else (i - nc) // facets
+    width, entries = np.zeros(groups, np.int64), start[groups]
     for i in range(n):
-        most = max(most, degree[i])
-    begin, order = np.zeros(most + 2, np.int64), np.empty(n, np.int64)
+        width[group[i]] += 1
+    # The elements: each group for itself, and pairs of neighbours. Normal rows hold all neighbours of a contact but rare ones.
+    first, member = np.empty(groups + entries + 1, np.int64), np.empty(groups + 2 * entries, np.int64)
+    seen, pairs = np.empty(groups, np.int64), 0
+    for g in range(groups):
+        first[g], member[g], seen[g] = g, g, g
+    for g in range(groups):
+        for k in range(start[g], start[g + 1]):
+            other = group[column[k]]
+            if other != g and seen[other] != groups + g:
+                seen[other] = groups + g
+                first[groups + pairs], member[groups + 2 * pairs], member[groups + 2 * pairs + 1] = groups + 2 * pairs, g, other
+                pairs += 1
+    first[groups + pairs] = groups + 2 * pairs
+    fronts, listed, pivots, _, _ = minimum_degree(first[: groups + pairs + 1], member[: groups + 2 * pairs], width)
+    turn, free = 0, np.zeros(groups, np.int64)
+    for f in range(len(pivots)):
+        for k in range(fronts[f], fronts[f] + pivots[f]):
+            free[listed[k]] = turn
+            turn += width[listed[k]]
+    order = np.empty(n, np.int64)
     for i in range(n):
-        begin[degree[i] + 1] += 1
-    for k in range(most + 1):
-        begin[k + 1] += begin[k]
-    for i in range(n):
-        order[begin[degree[i]]] = i
-        begin[degree[i]] += 1
+        order[free[group[i]]] = i
+        free[group[i]] += 1
     return order
 
 

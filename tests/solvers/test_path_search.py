@@ -207,15 +207,15 @@ def test_a_basis_solves_and_is_updated() -> None:
     for position, entering in ((3, 2 * n), (5, int(np.flatnonzero(~A)[0])), (7, n + int(np.flatnonzero(A)[0]))):
         d = np.empty(n)
         column(columns, entering, d)
-        ftran(basis, d)
+        ftran(basis, columns, d)
         replace_column(basis, position, entering, d)
         y = random.standard_normal(n)
         x = y.copy()
-        ftran(basis, x)
+        ftran(basis, columns, x)
         assert dense[:, basis.head] @ x == pytest.approx(y, abs=1e-8)
     assert factorise_basis(basis, columns, 1e-12) == 0
     x = y.copy()
-    ftran(basis, x)
+    ftran(basis, columns, x)
     assert dense[:, basis.head] @ x == pytest.approx(y, abs=1e-8)
 
 
