@@ -38,10 +38,10 @@ class Columns(NamedTuple):
 
 
 class Factor(NamedTuple):
-    """A triangular factor by columns: start (n+1,), index and value of its entries."""
+    """A triangular factor by columns: start (n+1,), number and value of its entries."""
 
     start: Index64
-    index: Index64
+    number: Index64
     value: Array
 
 
@@ -165,10 +165,10 @@ def factorise_basis(basis, columns, floor):  # type: ignore[no-untyped-def]
         for k in range(first, m):  # columns before the first have no entry in its rows
             u = y[order[k]]
             if u != 0.0:
-                U.index[u_at], U.value[u_at] = k, u
+                U.number[u_at], U.value[u_at] = k, u
                 u_at += 1
                 for a in range(L.start[k], L.start[k + 1]):
-                    i = L.index[a]
+                    i = L.number[a]
                     if seen[i] != j:
                         listed[filled], seen[i] = i, j
                         filled += 1
@@ -187,7 +187,7 @@ def factorise_basis(basis, columns, floor):  # type: ignore[no-untyped-def]
             for a in range(filled):
                 i = listed[a]
                 if place[i] < 0 and y[i] != 0.0:
-                    L.index[at], L.value[at] = i, y[i] / y[p]
+                    L.number[at], L.value[at] = i, y[i] / y[p]
                     at += 1
             m += 1
             L.start[m], U.start[m] = at, u_at
@@ -235,12 +235,12 @@ def ftran(basis, columns, y):  # type: ignore[no-untyped-def]
         x[k] = y[order[k]]
         if x[k] != 0.0:
             for a in range(L.start[k], L.start[k + 1]):
-                y[L.index[a]] -= x[k] * L.value[a]
+                y[L.number[a]] -= x[k] * L.value[a]
     for k in range(m - 1, -1, -1):
         if x[k] != 0.0:
             x[k] /= basis.diagonal[k]
             for a in range(U.start[k], U.start[k + 1]):
-                x[U.index[a]] -= x[k] * U.value[a]
+                x[U.number[a]] -= x[k] * U.value[a]
     for i in range(n):
         if slack[i]:
             y[i] = -y[i]
