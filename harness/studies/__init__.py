@@ -1,9 +1,19 @@
 """Studies: open questions of the field, each answered by tables; one file a study, here in the order in which they are told."""
 
-from frictionbench.harness.studies import compliance, cone, convexity, coordinates, dissipation, inclusion, interior, relaxation
+from frictionbench.harness.studies import (
+    compliance,
+    cone,
+    convexity,
+    coordinates,
+    dissipation,
+    inclusion,
+    interior,
+    orders,
+    relaxation,
+)
 from frictionbench.harness.studies.study import Study, Table
 
-_MODULES = (convexity, relaxation, interior, dissipation, inclusion, cone, coordinates, compliance)
+_MODULES = (convexity, relaxation, interior, dissipation, inclusion, cone, orders, coordinates, compliance)
 STUDIES: dict[str, Study] = {module.STUDY.name: module.STUDY for module in _MODULES}
 
 __all__ = ["STUDIES", "Study", "Table"]

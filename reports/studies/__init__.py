@@ -2,7 +2,17 @@
 
 from collections.abc import Callable
 
-from frictionbench.reports.studies import compliance, cone, convexity, coordinates, dissipation, inclusion, interior, relaxation
+from frictionbench.reports.studies import (
+    compliance,
+    cone,
+    convexity,
+    coordinates,
+    dissipation,
+    inclusion,
+    interior,
+    orders,
+    relaxation,
+)
 from frictionbench.reports.studies.account import Account, Figure
 from frictionbench.results.studies import StudyTables
 
@@ -13,6 +23,7 @@ ACCOUNTS: dict[str, Callable[[StudyTables], Account]] = {
     "dissipation": dissipation.account,
     "inclusion": inclusion.account,
     "cone": cone.account,
+    "orders": orders.account,
     "coordinates": coordinates.account,
     "compliance": compliance.account,
 }

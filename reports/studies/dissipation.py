@@ -65,7 +65,7 @@ def account(found: StudyTables) -> Account:
 def _energies(ax: Axes, solutions: pd.DataFrame) -> None:
     for rank, own in solutions.groupby("rank"):
         ax.plot(own["number"], own["energy"], "o", color=COLOURS[int(rank) - 1], ms=3, label=f"rank {rank}")
-    finish(ax, "problem", "kinetic energy over that of the free motion")
+    finish(ax, "problem", "energy left, share")
 
 
 def _returned(ax: Axes, returned: pd.DataFrame) -> None:
