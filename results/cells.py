@@ -21,11 +21,12 @@ from frictionbench.results.commands import sources
 from frictionbench.results.files import ResultsError
 from frictionbench.results.rank_by import RankBy
 from frictionbench.results.store import read_manifest, read_table
-from frictionbench.results.verdicts import RANK, measured
+from frictionbench.results.verdicts import RANK, Verdict, measured
 
 TEXTS = ("table", "variant", "scene", "step", "phase", "start", "verdict", "reason", "work")
 NUMBERS = ("tol", "residual", "seconds", "limit")
 MOST = 10**18  # a count; larger ones are no counts
+ROUNDED = 1.1  # a baseline's residuals have two digits
 ENOUGH = 5  # repeats, of which at least one is undisturbed as a rule
 
 
@@ -58,7 +59,15 @@ def read(path: Path, rank_by: RankBy = RankBy.BODIES) -> Cells:
     if found.table.index.has_duplicates:
         twice = found.table.index[found.table.index.duplicated()][0]
         raise ResultsError(f"{path}: duplicate key {twice!r}")
+    _require_residuals(path, found.table)
     return found
+
+
+def _require_residuals(path: Path, table: pd.DataFrame) -> None:
+    """Errors: ResultsError naming a cell that is called solved and whose residual does not show it."""
+    solved = table[(table["verdict"] == Verdict.SOLVED) & (table["table"] == "solve")]
+    for key, row in solved[~(solved["residual"] <= ROUNDED * solved["tol"])].head(1).iterrows():
+        raise ResultsError(f"{path}: {key}: solved, with a residual of {row['residual']:g} at a tolerance of {row['tol']:g}")
 
 
 def _of_text(path: Path) -> Cells:
