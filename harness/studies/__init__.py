@@ -10,10 +10,11 @@ from frictionbench.harness.studies import (
     interior,
     orders,
     relaxation,
+    warm,
 )
 from frictionbench.harness.studies.study import Study, Table
 
-_MODULES = (convexity, relaxation, interior, dissipation, inclusion, cone, orders, coordinates, compliance)
+_MODULES = (convexity, relaxation, interior, dissipation, inclusion, cone, orders, coordinates, compliance, warm)
 STUDIES: dict[str, Study] = {module.STUDY.name: module.STUDY for module in _MODULES}
 
 __all__ = ["STUDIES", "Study", "Table"]

@@ -12,6 +12,7 @@ from frictionbench.reports.studies import (
     interior,
     orders,
     relaxation,
+    warm,
 )
 from frictionbench.reports.studies.account import Account, Figure
 from frictionbench.results.studies import StudyTables
@@ -26,6 +27,7 @@ ACCOUNTS: dict[str, Callable[[StudyTables], Account]] = {
     "orders": orders.account,
     "coordinates": coordinates.account,
     "compliance": compliance.account,
+    "warm": warm.account,
 }
 
 __all__ = ["ACCOUNTS", "Account", "Figure"]
