@@ -31,7 +31,7 @@ MAY_IMPORT = {
     "solvers.balanced": {"problems"},
     "solvers.clock": {"problems.compiled"},
     "solvers.interface": {"problems", "solvers.needs", "solvers.balanced", "solvers.clock"},
-    "solvers.pivots": {"problems", "solvers.interface", "solvers.clock"},
+    "solvers.pivots": {"problems", "solvers.interface", "solvers.clock", "solvers.sparse_lu"},
     "solvers.sweeps": {"problems", "solvers.interface", "solvers.clock"},
     "solvers.sparse_lu": {"problems.check", "problems.compiled"},
     "solvers.interior": {"problems", "solvers.interface", "solvers.clock", "solvers.sparse_lu"},
