@@ -21,7 +21,7 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.packed import Packed, residuals
 from frictionbench.problems.residual import residual_with_floor
 from frictionbench.solvers.clock import is_over, left, within
-from frictionbench.solvers.interface import Answer, Solved, Solver, SolverInfo, Status, find, solver
+from frictionbench.solvers.interface import Answer, Solved, Solver, SolverInfo, Status, dense_storage, find, solver
 
 PLANAR = ("lemke", "interior_point", "path_search", "staggered", "anitescu_hart", "fischer_newton")
 SPATIAL = ("nsgs", "interior_point", "proximal_newton", "nncg", "apgd_coulomb", "staggered", "admm_coulomb", "anitescu_hart")
@@ -31,6 +31,7 @@ SWEPT = 6, 60  # contacts up to which nsgs alone is faster, and from which its s
 HYPERSTATIC = 1.25  # contact rows per velocity above which sweeps help in the smallest problems only: W is singular
 SWEEPS = 30  # of nsgs: a fraction of the time of interior_point at any size
 ALL_THE_TIME = nullcontext()
+STORAGE = 2**32  # bytes of dense matrices above which a member is left out: its pivots would take hours
 CLOSE = 0.01  # largest residual at which the impulses of one member are a better start for the next than none
 
 
@@ -70,6 +71,8 @@ class Hybrid:
         impulse, least, found_by = np.zeros((problem.contacts, problem.dimension)), np.inf, ""
         work: dict[str, int] = {}
         for tried, (info, member) in enumerate(prepared.members, start=1):
+            if dense_storage(member, problem) > STORAGE:
+                continue
             stage = prepared.first if tried == 1 else member.prepare(problem)
             own_limit = (SWEEPS if limit is None else min(SWEEPS, limit)) if info.name == "nsgs" else limit
             guess = impulse if least <= CLOSE else start

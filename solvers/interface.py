@@ -155,7 +155,9 @@ class SolverInfo:
     model: the model that it solves: "coulomb" the friction problem itself, "lcp" its LCP (equivalent in the plane, polygonal in
     space; such a solver also takes a bare LCP), "relaxation" the convex relaxation, "regularised" that with soft contacts.
     dimension: of the contacts, 2 or 3 or both. warm_start: whether it uses a start.
-    sparse: whether it stays sparse on large problems. needs: required distributions, in the syntax of solvers.needs.
+    sparse: whether it stays sparse on large problems. A class with dense matrices of the LCP's size tells their number in an
+    attribute `dense_matrices`; the harness skips it where they exceed the memory.
+    needs: required distributions, in the syntax of solvers.needs.
     lacks: what is not supported: friction_bias, joints, or asymmetry (of W, by methods that work in velocities: the Jacobian of
     an unsymmetric W is that of its symmetric part); problems where it is not zero, asymmetry up to DIGITS, are refused.
     remote: whether the library runs in another process, for reasons of ours: it is then timed by its own clock (Answer.clock).
@@ -233,6 +235,15 @@ class SolverInfo:
         digits = {"asymmetry": DIGITS}
         present = [field for field in self.lacks if np.sum(abs(getattr(problem, field))) > digits.get(field, 0.0)]
         return f"{self.name} does not support {', '.join(present)}" if present else None
+
+
+def dense_storage(instance: Solver, problem: FrictionProblem | LCP) -> int:
+    """The bytes of the dense matrices of an LCP's size that a solver holds: as many as its class's `dense_matrices` says."""
+    if isinstance(problem, LCP):
+        n = problem.size
+    else:
+        n = problem.contacts * (4 if problem.dimension == 2 else 2 + getattr(instance, "facets", 0))
+    return 8 * getattr(instance, "dense_matrices", 0) * n**2
 
 
 _solvers: dict[str, SolverInfo] = {}

@@ -187,6 +187,7 @@ class Lemke:
 
     restarts: int = 8
     facets: int = 8
+    dense_matrices = 2  # the inverse of the basis, old and new
 
     def __post_init__(self) -> None:
         require(self.restarts >= 0, "restarts", f"must not be negative, got {self.restarts!r}")

@@ -74,7 +74,7 @@ EPSILON = float(np.finfo(float).eps)  # rounding
 CRASH, STEPS, RESTARTS = 2, 3, 4  # counted in work, after pivots and factorisations
 
 
-@solver("path_search", family="newton", model="lcp", dimension=(2, 3))
+@solver("path_search", family="newton", model="lcp", dimension=(2, 3), sparse=True)
 class PathSearch:
     """PATH-like normal-map Newton: crash, then a pivotal path to the Newton point, restarted where it stalls.
 

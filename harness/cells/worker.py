@@ -40,6 +40,7 @@ from frictionbench.results.polygon import read_deviations, write_deviations
 from frictionbench.results.store import Row
 from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers import Solver, SolverInfo, find, plugins
+from frictionbench.solvers.interface import dense_storage
 
 
 @dataclass
@@ -48,6 +49,7 @@ class _Worker:
     core: int | None
     folder: Path
     plugins: tuple[Plugin, ...]
+    memory: int
     warm: set[tuple[str, int, bool]] = field(default_factory=set)
     met: set[tuple[str, str]] = field(default_factory=set)
 
@@ -65,8 +67,7 @@ def start(deadline: Deadline, core: int | None, folder: Path, plugin_files: tupl
     global _worker  # noqa: PLW0603  # the state of the worker process, set once
     if core is not None:
         os.sched_setaffinity(0, {core})
-    _worker = _Worker(deadline, core, folder, plugin_files)
-    process.bound_memory(memory_limit)
+    _worker = _Worker(deadline, core, folder, plugin_files, process.bound_memory(memory_limit))
 
 
 def describe_plugin(source: str, named: list[str], limit: float) -> dict[str, Any]:
@@ -125,7 +126,8 @@ def run_solve(cell: SolveCell, record: Record, limit: float) -> Row:
     info, solver = _solver(cell.variant)
     problem = _problem(cell.problem)
     takes_start = info.warm_start or cell.start == COLD
-    if reason := info.missing or info.refuses(problem) or (None if takes_start else f"{info.name} takes no start"):
+    no_start = None if takes_start else f"{info.name} takes no start"
+    if reason := info.missing or info.refuses(problem) or _too_large(solver, problem) or no_start:
         return _done(start_time, row | {"verdict": Verdict.SKIPPED, "reason": reason})
     start_time += _warm_up(cell.variant, *_kind(problem), limit)
     given = duplicate(problem)
@@ -144,6 +146,13 @@ def run_solve(cell: SolveCell, record: Record, limit: float) -> Row:
     if not same(problem, given):
         row |= {"verdict": Verdict.WRONG, "reason": "the solver changed its input"}
     return _done(start_time, row | {"overhead": perf_counter() - start_time - timing.spent})
+
+
+def _too_large(solver: Solver, problem: FrictionProblem | LCP) -> str | None:
+    """Why the solver's dense matrices do not fit into the memory, or None."""
+    need = dense_storage(solver, problem)
+    told = f"its dense matrices need {need / 2**30:.1f} GiB, and the memory is limited to {_worker.memory / 2**30:.1f} GiB"
+    return told if need > _worker.memory else None
 
 
 def run_simulation(cell: SimulationCell, limit: float) -> Row:

@@ -85,6 +85,7 @@ class MeritNewton(ABC):
     regularisation: float
     facets: int = 8
 
+    dense_matrices = 3  # M, the Jacobian and its factors
     memory = 1  # merits that a nonmonotone search compares with
 
     def __post_init__(self) -> None:

@@ -24,6 +24,7 @@ class PrincipalPivoting(ABC):
     """
 
     facets: int = 8
+    dense_matrices = 2  # the inverse of the basis, old and new
 
     @abstractmethod
     def pivot(self, lcp: ScaledLCP, tol: float, limit: int) -> tuple[int, Array, int, int]:

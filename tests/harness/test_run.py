@@ -47,6 +47,17 @@ def test_run_writes_every_row_once_and_resumes(tmp_path) -> None:
     assert set(manifest["problems"]) == set(store.read_table(folder, "solves")["problem"])
 
 
+def test_dense_matrices_beyond_the_memory_are_told_before_they_are_made(tmp_path) -> None:
+    """A solver whose matrices cannot fit is skipped with their size; it does not crash."""
+    dense, piles = ("lemke", "murty", "fischer_newton"), (Source("stack", {"blocks": 700, "push": 1.0}),)
+    plan = small_plan(sources=piles, solvers=(*dense, "interior_point"), tolerances=(1e-4,), simulations=(), memory_limit=2**28)
+    run(plan, tmp_path, 1, quiet())
+    rows = store.read_table(tmp_path, "solves").set_index("variant")
+    assert rows.loc[[*dense], "verdict"].tolist() == ["skipped"] * 3
+    assert rows["reason"]["lemke"].startswith("its dense matrices need 0.5 GiB, and the memory is limited to 0.2")
+    assert rows["verdict"]["interior_point"] == "solved"
+
+
 def test_different_plan_is_refused(tmp_path) -> None:
     folder = tmp_path / "run"
     run(small_plan(simulations=()), folder, 1, quiet())
