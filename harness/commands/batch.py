@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from frictionbench.harness.commands.large import section
 from frictionbench.problems import FrictionProblem, scene
 from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.batch import Batch
@@ -210,7 +211,7 @@ def page() -> str:
     workers, quiet = len(os.sched_getaffinity(0)), os.getloadavg()[0] < QUIET
     head = HEAD.format(rounds=ROUNDS, sample=SAMPLE, again=AGAIN, workers=workers)
     cases = [make_case(contacts, count) for contacts, count in SIZES.items()]
-    return "\n".join([head, *(table(case, list(rates(case, workers, quiet))) for case in cases)])
+    return "\n".join([head, *(table(case, list(rates(case, workers, quiet))) for case in cases), section()])
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from frictionbench.harness.commands import large
 from frictionbench.harness.commands.batch import Case, Rate, make_case, refusal, table
 
 CASE = Case(4, (), active=0.9, idle=0.1)
@@ -31,3 +32,14 @@ def test_cases_are_the_same_each_time() -> None:
     assert [problem.hash for problem in one.problems] == [problem.hash for problem in other.problems]
     assert len({problem.hash for problem in one.problems}) == 3
     assert np.isclose(one.active, 1.0)
+
+
+def test_large_problems_are_told_with_what_was_not_run(monkeypatch) -> None:
+    monkeypatch.setattr(large, "FAMILIES", {"stack of boxes": ("stack", "blocks", (2, 4)), "chain": ("chain", "links", (3,))})
+    monkeypatch.setattr(large, "ROUNDS", 1)
+    monkeypatch.setattr(large, "STORAGE", 8 * 2 * 16**2)  # of two matrices of the first stack's size
+    rows = [line.split("|")[1:-1] for line in large.section().splitlines() if line.startswith("| ") and "growth" not in line]
+    assert [[cell.strip() for cell in row[:3]] for row in rows] == [["2", "4", "16"], ["4", "8", "32"], ["3", "6", "24"]]
+    assert all(float(row[4]) > 0 for row in rows)
+    assert float(rows[0][6]) > 0
+    assert [row[6].strip() for row in rows[1:]] == ["–", "–"]
