@@ -8,13 +8,14 @@ from frictionbench.harness.studies import (
     dissipation,
     inclusion,
     interior,
+    neighbours,
     orders,
     relaxation,
     warm,
 )
 from frictionbench.harness.studies.study import Study, Table
 
-_MODULES = (convexity, relaxation, interior, dissipation, inclusion, cone, orders, coordinates, compliance, warm)
+_MODULES = (convexity, relaxation, interior, dissipation, inclusion, cone, orders, coordinates, compliance, neighbours, warm)
 STUDIES: dict[str, Study] = {module.STUDY.name: module.STUDY for module in _MODULES}
 
 __all__ = ["STUDIES", "Study", "Table"]

@@ -10,6 +10,7 @@ from frictionbench.reports.studies import (
     dissipation,
     inclusion,
     interior,
+    neighbours,
     orders,
     relaxation,
     warm,
@@ -27,6 +28,7 @@ ACCOUNTS: dict[str, Callable[[StudyTables], Account]] = {
     "orders": orders.account,
     "coordinates": coordinates.account,
     "compliance": compliance.account,
+    "neighbours": neighbours.account,
     "warm": warm.account,
 }
 
