@@ -6,6 +6,7 @@ from frictionbench.harness.studies import (
     convexity,
     coordinates,
     dissipation,
+    events,
     inclusion,
     interior,
     neighbours,
@@ -15,7 +16,10 @@ from frictionbench.harness.studies import (
 )
 from frictionbench.harness.studies.study import Study, Table
 
-_MODULES = (convexity, relaxation, interior, dissipation, inclusion, cone, orders, coordinates, compliance, neighbours, warm)
+_MODULES = (
+    *(convexity, relaxation, interior, dissipation, inclusion, cone),
+    *(orders, events, coordinates, compliance, neighbours, warm),
+)
 STUDIES: dict[str, Study] = {module.STUDY.name: module.STUDY for module in _MODULES}
 
 __all__ = ["STUDIES", "Study", "Table"]

@@ -20,13 +20,14 @@ def by_events(law: Impact, accuracy: float) -> Callable[[Scene, Step, Callable[[
     return lambda made, now, answer: follow(made, now, answer, law, accuracy)
 
 
-def sampled(made: Scene, scheme: Callable[..., Step]) -> tuple[Array, int]:
-    """The coordinates (samples, nq) after each step, fewer where the scheme ends; and the work."""
+def sampled(made: Scene, scheme: Callable[..., Step], every: int = 1) -> tuple[Array, int]:
+    """The coordinates (samples, nq) after each so many steps, fewer where the scheme ends; and the work."""
     now, path, work = start(made), [], 0
     try:
         for _ in range(SAMPLES):
-            now = scheme(made, now, exact)
-            work += len(now.solved) + sum(smooth.evaluations for smooth in now.smooth)
+            for _ in range(every):
+                now = scheme(made, now, exact)
+                work += len(now.solved) + sum(smooth.evaluations for smooth in now.smooth)
             path.append(now.q)
     except NoSolution:
         pass

@@ -41,7 +41,7 @@ CLOSED = 1e-9  # of the largest body: a gap at which a contact is closed, far ab
 LOW = 1e-9  # of the largest body: see above
 AT_REST = 1e-9  # of the fastest speed: a normal or tangential speed that is none
 SURE = 1e-8  # of the accelerations at hand: one that is none; far below events.path.HAIR
-MOST = 2000  # events in a step
+MOST = 500  # smooth parts of a step, each with an event at its end: also touches that leave the motion as it is
 
 Impact = Callable[[Scene, Array, Array, Contacts, Solve], tuple[list[Solved], Array]]
 
@@ -99,7 +99,7 @@ def follow(scene: Scene, now: Step, solve: Solve, law: Impact, accuracy: float) 
         time, q, v = flight.time, flight.q, flight.v
         if flight.event not in ("", "touch"):  # what touches has an impact, or leaves the motion as it is
             events.append(Event(time, flight.event, v, v))
-        if len(events) > MOST:
+        if len(smooth) > MOST:
             raise NoSolution(f"{MOST} events by t = {time:.9g} s: the events accumulate, and their limit is not known")
     return Step(end, q, v, _closed(scene, q), tuple(solved), tuple(smooth), tuple(events))
 
