@@ -7,6 +7,7 @@ import shutil
 import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from textwrap import fill
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
@@ -22,6 +23,7 @@ from frictionbench.results.files import replaced
 
 FAMILIES = {"serif": "STIXGeneral", "sans": "DejaVu Sans"}  # fonts that matplotlib includes
 PGF = {"pgf.texsystem": "pdflatex", "pgf.rcfonts": False, "pgf.preamble": ""}
+TITLE, LETTER = 96, 0.008  # letters of a panel's title, in lines of its width; inches of a letter for each point of the font
 BANDS = 3  # bootstrap bands in one panel; more would hide each other
 Escape = Callable[[str], str]
 
@@ -51,7 +53,7 @@ def save_sheet(
         grid = figure.subplots(rows, columns, squeeze=False).ravel()
         for ax, panel in zip(grid, panels, strict=False):
             panel.draw(ax)
-            ax.set_title(plain(panel.title))
+            ax.set_title(fill(plain(panel.title, TITLE), int(size[0] / (LETTER * font)), break_long_words=False))
             if len(looks) > BANDS:
                 remove_bands(ax)
         for ax in grid[len(panels) :]:
