@@ -90,7 +90,7 @@ def spatial() -> Plan:
         simulation_solvers=lineup,
         time_limit=2.0,
         simulation_limit=10.0,
-        expects="twenty minutes",
+        expects="twenty-five minutes",
     )
 
 
