@@ -42,9 +42,20 @@ def table(heads: Sequence[str], lines: Iterable[nodes.row]) -> nodes.table:
     return made
 
 
-class PublishedResults(SphinxDirective):
+class OfSummaries(SphinxDirective):
+    """A directive whose page is read again when summaries come or go."""
+
     def run(self) -> list[nodes.Node]:
-        return [table(HEADS, map(self.line, entries()))]
+        self.env.note_dependency(str(SUMMARIES))
+        return self.made(entries())
+
+    def made(self, found: list[Entry]) -> list[nodes.Node]:
+        raise NotImplementedError
+
+
+class PublishedResults(OfSummaries):
+    def made(self, found: list[Entry]) -> list[nodes.Node]:
+        return [table(HEADS, map(self.line, found))]
 
     def line(self, entry: Entry) -> nodes.row:
         s = entry.summary
@@ -57,11 +68,11 @@ def row(cells: list[nodes.Node]) -> nodes.row:
     return nodes.row("", *(nodes.entry("", cell) for cell in cells))
 
 
-class PublishedAnswer(SphinxDirective):
+class PublishedAnswer(OfSummaries):
     required_arguments = 1
 
-    def run(self) -> list[nodes.Node]:
-        entry = next((one for one in entries() if one.summary["suite"] == self.arguments[0]), None)
+    def made(self, found: list[Entry]) -> list[nodes.Node]:
+        entry = next((one for one in found if one.summary["suite"] == self.arguments[0]), None)
         if entry is None:
             return []
         rows = entry.summary["rankings"]
@@ -85,18 +96,18 @@ def first(found: Summary | None) -> str:
     return f"{found['solver']} {seconds(found['mean'])} ({found['reached']}/{found['problems']})"
 
 
-class PublishedHeadlines(SphinxDirective):
-    def run(self) -> list[nodes.Node]:
+class PublishedHeadlines(OfSummaries):
+    def made(self, found: list[Entry]) -> list[nodes.Node]:
         newest: dict[str, Entry] = {}
-        for entry in entries():
+        for entry in found:
             newest.setdefault(entry.summary["suite"], entry)
-        found: list[nodes.Node] = []
+        told: list[nodes.Node] = []
         for suite, entry in newest.items():
             if entry.summary["headline"]:
-                found.append(link(entry, suite))
+                told.append(link(entry, suite))
                 items = [nodes.list_item("", nodes.paragraph(text=line)) for line in entry.summary["headline"]]
-                found.append(nodes.bullet_list("", *items))
-        return found
+                told.append(nodes.bullet_list("", *items))
+        return told
 
 
 def write_pages(app: Any) -> None:
