@@ -28,14 +28,22 @@ FOLDERS = ("problems", "solvers")
 kernel = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 loop = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True)
 inlined = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, inline="always")
+# A kernel that creates and returns no array. Its arrays' references are not counted: the atomic counts of the tuples of arrays
+# that it hands on would take two thirds of the time of a pivot on ten unknowns. numba refuses to compile what needs them.
+lean_kernel = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, _nrt=False)
 
 
-def part(function: Callable[..., Any]) -> Any:
+def part(function: Callable[..., Any], counted: bool = True) -> Any:
     """A compiled function that only kernels call; its wrapper for Python would take longer to compile than the function."""
-    compiled = njit(error_model="numpy", no_cfunc_wrapper=True, no_cpython_wrapper=True)(function)
+    compiled = njit(error_model="numpy", no_cfunc_wrapper=True, no_cpython_wrapper=True, _nrt=counted)(function)
     if isinstance(compiled, CPUDispatcher):  # with NUMBA_DISABLE_JIT it is the function itself
         compiled.__class__ = _Part
     return compiled
+
+
+def lean(function: Callable[..., Any]) -> Any:
+    """A part that creates and returns no array; see lean_kernel."""
+    return part(function, counted=False)
 
 
 class _Part(CPUDispatcher):

@@ -20,17 +20,19 @@ import numpy as np
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, loop
-from frictionbench.problems.forms.lcp import impulse, tangent_basis
-from frictionbench.problems.packed import CONTACT, Packed
+from frictionbench.problems.forms.lcp import tangent_basis
+from frictionbench.problems.packed import Packed
 from frictionbench.problems.rows import Index64
-from frictionbench.solvers.balanced import UNLIKE
 from frictionbench.solvers.clock import deadline
 from frictionbench.solvers.interface import Solved, solver
+from frictionbench.solvers.loops import impulses_of, is_alone, solved, unsolved
 from frictionbench.solvers.pivots.inverse_basis import Matrix, slack_basis
 from frictionbench.solvers.pivots.lemke_path import (
     ACCURACY,
     COMPLEMENTARY,
+    HARRIS,
     INACCURATE,
+    PERTURBATION,
     RAY,
     STUCK,
     add_coordinates,
@@ -38,12 +40,9 @@ from frictionbench.solvers.pivots.lemke_path import (
     draw,
     follow_lemke_path,
 )
-from frictionbench.solvers.pivots.packed_lcp import ALONE, counted, scaled_lcp_of
+from frictionbench.solvers.pivots.packed_lcp import scaled_lcp_of, write_stretched
 from frictionbench.solvers.pivots.principal_pivoting import PrincipalPivoting, default_limit
-from frictionbench.solvers.pivots.scaled_lcp import MARGIN, ScaledLCP, finish
-
-PERTURBATION = 1e-7  # of q, whose largest entry is 1; as in solvers.lemke
-HARRIS = 1e-4  # how far below zero near ties may reach, relative to the perturbation; as in solvers.lemke
+from frictionbench.solvers.pivots.scaled_lcp import MARGIN, STATUSES, ScaledLCP, finish
 
 
 @kernel
@@ -54,6 +53,7 @@ def dantzig(
     n = len(q)
     work = np.zeros(2, np.int64)
     d, drawn, shifted, out, z, y = np.zeros(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.zeros(n)
+    space = np.empty((2, n))
     x, ray = np.zeros(n + 1), np.empty(n + 1)
     x[:n] = -1.0
     basis = slack_basis(n)
@@ -74,7 +74,7 @@ def dantzig(
             y[r] = 1.0
             d[:] = 0.0
             add_coordinates(M, basis, y, 1.0, d, z)
-            code = follow_lemke_path(M, shifted, d, basis, x, ray, blocking, HARRIS * size, limit, until, work)
+            code = follow_lemke_path(M, shifted, d, basis, x, ray, blocking, HARRIS * size, limit, until, work, space)
             y[:] = 0.0
             if code != COMPLEMENTARY:
                 return STUCK if code == RAY else code, y, work[0], work[1]
@@ -98,21 +98,15 @@ def contact_order(n: int, nc: int) -> Index64:
 @loop
 def dantzig_loop(packed, basis, tol, limit):  # type: ignore[no-untyped-def]
     """Packed problems one after the other: impulses, how each ended, and pivots and inversions (N, 2)."""
-    count, begin = len(packed.first) - 1, packed.first[0, CONTACT]
-    r, ended = np.zeros((packed.first[count, CONTACT] - begin, len(basis))), np.empty(count, np.int64)
-    work = np.zeros((count, 2), np.int64)
-    for k in range(count):
-        here, end = packed.first[k, CONTACT] - begin, packed.first[k + 1, CONTACT] - begin
-        if packed.spread[k] > UNLIKE:
-            ended[k] = ALONE
+    r, ended, work = unsolved(packed, 2)
+    for k in range(len(ended)):
+        if is_alone(packed, k):
             continue
         stretch, M, q, unit = scaled_lcp_of(packed, k, basis)
-        most = limit if limit else default_limit(len(q))
-        order = contact_order(len(q), end - here)
+        own, most = impulses_of(packed, k, r), limit if limit else default_limit(len(q))
+        order = contact_order(len(q), len(own))
         ended[k], y, work[k, 0], work[k, 1] = dantzig(order, M, q, unit, tol, most, np.inf)
-        for i in range(len(y)):
-            y[i] *= stretch[i]
-        r[here:end] = impulse(basis, y, end - here)
+        write_stretched(basis, y, stretch, own)
     return r, ended, work
 
 
@@ -128,4 +122,4 @@ class Dantzig(PrincipalPivoting):
 
     def solve_many(self, packed: Packed, tol: float, limit: int | None) -> Solved:
         r, ended, work = dantzig_loop(packed, tangent_basis(packed.dimension, self.facets), MARGIN * tol, limit or 0)
-        return counted(r, ended, work, ("pivots", "inversions"))
+        return solved(r, ended, STATUSES, work, ("pivots", "inversions"))

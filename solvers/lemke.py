@@ -30,19 +30,21 @@ import numpy as np
 
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array, require
-from frictionbench.problems.compiled import kernel, loop, part
-from frictionbench.problems.forms.lcp import impulse, tangent_basis
-from frictionbench.problems.packed import CONTACT, Packed
+from frictionbench.problems.compiled import kernel, lean_kernel, loop, part
+from frictionbench.problems.forms.lcp import tangent_basis
+from frictionbench.problems.packed import Packed
 from frictionbench.problems.rows import Index64
-from frictionbench.solvers.balanced import UNLIKE
 from frictionbench.solvers.clock import deadline, late
 from frictionbench.solvers.interface import Answer, Solved, impulses, solver
+from frictionbench.solvers.loops import impulses_of, is_alone, solved, unsolved
 from frictionbench.solvers.pivots.inverse_basis import Matrix, invert, slack_basis
 from frictionbench.solvers.pivots.lemke_path import (
     ACCURACY,
     COMPLEMENTARY,
+    HARRIS,
     INACCURATE,
     LIMIT,
+    PERTURBATION,
     RAY,
     add_coordinates,
     add_matrix_product,
@@ -50,12 +52,10 @@ from frictionbench.solvers.pivots.lemke_path import (
     draw,
     follow_lemke_path,
 )
-from frictionbench.solvers.pivots.packed_lcp import ALONE, counted, scaled_lcp_of
-from frictionbench.solvers.pivots.scaled_lcp import MARGIN, ScaledLCP, finish, scaled_lcp, scaled_residual
+from frictionbench.solvers.pivots.packed_lcp import scaled_lcp_of, write_stretched
+from frictionbench.solvers.pivots.scaled_lcp import MARGIN, STATUSES, ScaledLCP, finish, scaled_lcp, scaled_residual
 from frictionbench.solvers.pivots.vectors import fill, largest, least, put
 
-PERTURBATION = 1e-7  # of q, whose largest entry is 1: the root of rounding, half the digits for it, half for the solution
-HARRIS = 1e-4  # how far below zero near ties may reach, relative to the perturbation, which must still resolve ties
 EXACT = 1e-12  # residual at the level of round-off, below which no smaller perturbation is tried
 NONE = np.empty(0, np.int64)  # no guess of the basis
 CERTIFICATE = 1e-9  # largest defect of a ray, relative to its size: that of entering columns (lemke_path.LOSS)
@@ -103,7 +103,7 @@ def lemke(
     """
     n = len(q)
     work = np.zeros(2, np.int64)
-    space = np.empty((6, n))
+    space = np.empty((8, n))
     d, shifted, drawn, out, y, z = space[0], space[1], space[2], space[3], space[4], space[5]
     x, ray = np.empty(n + 1), np.empty(n + 1)
     blocking = np.empty(n + 1, np.bool_)
@@ -136,7 +136,7 @@ def lemke(
             put(shifted, q)
             add_coordinates(M, basis, drawn, size / 10.0, shifted, z)
             basic_values(M, d, basis, shifted, x, out, ACCURACY)
-            code = follow_lemke_path(M, shifted, d, basis, x, ray, blocking, HARRIS * size, budget, until, work)
+            code = follow_lemke_path(M, shifted, d, basis, x, ray, blocking, HARRIS * size, budget, until, work, space[6:])
             if code == RAY and cold and certified(M, q, d, ray, copositive):
                 ended = RAY
             elif work[0] >= limit or late(until):
@@ -158,22 +158,16 @@ def lemke(
 @loop
 def lemke_loop(packed, basis, tol, limit, restarts):  # type: ignore[no-untyped-def]
     """Packed problems one after the other: impulses, how each ended, and pivots, restarts and inversions (N, 3)."""
-    count, begin = len(packed.first) - 1, packed.first[0, CONTACT]
-    r, ended = np.zeros((packed.first[count, CONTACT] - begin, len(basis))), np.empty(count, np.int64)
-    work = np.zeros((count, 3), np.int64)
-    for k in range(count):
-        here, end = packed.first[k, CONTACT] - begin, packed.first[k + 1, CONTACT] - begin
-        if packed.spread[k] > UNLIKE:
-            ended[k] = ALONE
+    r, ended, work = unsolved(packed, 3)
+    none = np.empty(0, np.int64)
+    for k in range(len(ended)):
+        if is_alone(packed, k):
             continue
         stretch, M, q, unit = scaled_lcp_of(packed, k, basis)
-        most = limit if limit else 100_000 + 100 * len(q)
-        cover = np.empty(len(q))
-        set_cover(cover, end - here)
-        ended[k], y, work[k, 0], work[k, 1], work[k, 2] = lemke(M, q, cover, unit, NONE, True, tol, most, np.inf, restarts)
-        for i in range(len(y)):
-            y[i] *= stretch[i]
-        r[here:end] = impulse(basis, y, end - here)
+        own, most, cover = impulses_of(packed, k, r), limit if limit else 100_000 + 100 * len(q), np.empty(len(q))
+        set_cover(cover, len(own))
+        ended[k], y, work[k, 0], work[k, 1], work[k, 2] = lemke(M, q, cover, unit, none, True, tol, most, np.inf, restarts)
+        write_stretched(basis, y, stretch, own)
     return r, ended, work
 
 
@@ -212,10 +206,10 @@ class Lemke:
     def solve_many(self, packed: Packed, tol: float, limit: int | None) -> Solved:
         basis = tangent_basis(packed.dimension, self.facets)
         r, ended, work = lemke_loop(packed, basis, MARGIN * tol, limit or 0, self.restarts)
-        return counted(r, ended, work, ("pivots", "restarts", "inversions"))
+        return solved(r, ended, STATUSES, work, ("pivots", "restarts", "inversions"))
 
 
-@kernel
+@lean_kernel
 def set_cover(d, contacts):  # type: ignore[no-untyped-def]
     """See covering_vector."""
     fill(d, 1.0)

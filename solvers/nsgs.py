@@ -14,9 +14,9 @@ import numpy as np
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.compiled import kernel, loop
-from frictionbench.problems.packed import CONTACT, Packed
-from frictionbench.solvers.balanced import UNLIKE
+from frictionbench.problems.packed import Packed
 from frictionbench.solvers.interface import Answer, Solved, impulses, solver
+from frictionbench.solvers.loops import impulses_of, is_alone, solved, unsolved
 from frictionbench.solvers.sweeps.form import ContactForm, contact_form, contact_form_of
 from frictionbench.solvers.sweeps.gauss_seidel import CHECK, LIMIT, PATIENCE, monitor_sweeps, planar_sweeps, spatial_sweeps
 from frictionbench.solvers.sweeps.laws import residual_at
@@ -39,7 +39,7 @@ class NSGS:
     def solve_many(self, packed: Packed, tol: float, limit: int | None) -> Solved:
         space = True if packed.dimension == 3 else None
         r, ended, work = nsgs_loop(packed, float(self.relaxation), tol, LIMIT if limit is None else limit, space)
-        return Solved(r, _STATUS[ended], {"sweeps": work[:, 0], "checks": work[:, 1]})
+        return solved(r, ended, ENDS, work, ("sweeps", "checks"))
 
     def form(self, problem: FrictionProblem) -> ContactForm:
         return contact_form(problem)
@@ -50,22 +50,16 @@ class NSGS:
         return monitor.answer(r, sweeps=sweeps, checks=monitor.seen)
 
 
-_STATUS = np.array([*ENDS, None])  # the last for problems that are to be solved by themselves
-
-
 @loop
 def nsgs_loop(packed, relaxation, tol, limit, space):  # type: ignore[no-untyped-def]
-    """Packed problems one after the other: impulses, how each ended (-1 if not tried), and sweeps and checks (N, 2)."""
-    count, begin = len(packed.first) - 1, packed.first[0, CONTACT]
-    r, ended = np.zeros((packed.first[count, CONTACT] - begin, packed.J.shape[1])), np.full(count, -1)
-    work = np.zeros((count, 2), np.int64)
-    for k in range(count):
-        if packed.spread[k] > UNLIKE:
+    """Packed problems one after the other: impulses, how each ended, and sweeps and checks (N, 2)."""
+    r, ended, work = unsolved(packed, 2)
+    for k in range(len(ended)):
+        if is_alone(packed, k):
             continue
         records = np.empty(2 + limit // CHECK), np.array([np.inf, 0.0]), np.zeros(2, np.int64)
         monitor = Monitor(tol, limit, PATIENCE, records[0], records[1], records[2], np.inf)
-        own = r[packed.first[k, CONTACT] - begin : packed.first[k + 1, CONTACT] - begin]
-        work[k, 0] = _iterate(contact_form_of(packed, k), own, relaxation, monitor, space)
+        work[k, 0] = _iterate(contact_form_of(packed, k), impulses_of(packed, k, r), relaxation, monitor, space)
         ended[k], work[k, 1] = monitor.state[1], monitor.state[0]
     return r, ended, work
 

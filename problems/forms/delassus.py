@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import sparse
 
-from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.compiled import kernel, lean
 from frictionbench.problems.forms.islands import length, one_island
 from frictionbench.problems.rows import Array, Index32, nowhere
 
@@ -238,7 +238,7 @@ def _blocks(start, column, value, d):  # type: ignore[no-untyped-def]
     return first, neighbours[: first[nc]], block[: first[nc]]
 
 
-@part
+@lean
 def _insert(neighbours, place, j, begin, end):  # type: ignore[no-untyped-def]
     """Insert j into the ascending neighbours[begin:end]; place[j] is the position of j in it."""
     at = end

@@ -23,7 +23,7 @@ from scipy import sparse
 
 from frictionbench.problems import check
 from frictionbench.problems.check import Array, ReadOnly
-from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.compiled import kernel, lean, part
 from frictionbench.problems.display import count, html_table
 from frictionbench.problems.forms.delassus import LOCKED
 from frictionbench.problems.rows import Index32, Rows
@@ -156,17 +156,23 @@ def friction_lcp(W: tuple[Index32, Index32, Array], q: Array, friction: Array, f
 @kernel
 def impulse(basis, z, nc):  # type: ignore[no-untyped-def]
     """The contact impulses (nc, d) of a friction LCP's z."""
-    d, width = basis.shape
-    r = np.zeros((nc, d))
+    r = np.empty((nc, len(basis)))
+    write_impulse(basis, z, r)
+    return r
+
+
+@lean
+def write_impulse(basis, z, r):  # type: ignore[no-untyped-def]
+    """The same, over r (nc, d)."""
+    nc, (d, width) = len(r), basis.shape
     for i in range(nc):
         for a in range(d):
             r[i, a] = basis[a, 0] * z[i]
             for m in range(1, width):
                 r[i, a] += basis[a, m] * z[nc + i * (width - 1) + m - 1]
-    return r
 
 
-@part
+@lean
 def contact_of(j, n, nc):  # type: ignore[no-untyped-def]
     """The contact of unknown j of n among (c, beta, lambda)."""
     return j if j < nc else j - (n - nc) if j >= n - nc else (j - nc) // ((n - 2 * nc) // nc)

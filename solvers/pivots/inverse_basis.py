@@ -168,20 +168,23 @@ def exchange_pair(M: Matrix, d: Array, basis: InverseBasis, a: Array, p: int, z_
         for e in range(M.start[s], M.start[s + 1]):
             r = basis.row[M.rows[e]]
             if r >= 0:
+                share = M.row[e] / pivot
                 for c in range(k):
-                    g[c] += M.row[e] / pivot * G[c, r]
+                    g[c] += share * G[c, r]
         r = basis.row[n]
         if r >= 0:
+            share = d[s] / pivot
             for c in range(k):
-                g[c] += d[s] / pivot * G[c, r]
+                g[c] += share * G[c, r]
     for r in range(k):
         h[r] = a[basis.z[r]]
     if out >= 0:
         h[out] = 0.0
     for c in range(k):
-        if g[c] != 0.0:
+        entry = g[c]
+        if entry != 0.0:
             for r in range(k):
-                G[c, r] -= g[c] * h[r]
+                G[c, r] -= entry * h[r]
 
     column = k if z_enters else basis.column[p]
     if not z_enters:

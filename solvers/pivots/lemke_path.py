@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import inlined, kernel, part
+from frictionbench.problems.compiled import inlined, lean, lean_kernel, part
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.clock import late
 from frictionbench.solvers.pivots.inverse_basis import InverseBasis, Matrix, exchange_pair, refactor, transform
@@ -18,6 +18,8 @@ from frictionbench.solvers.pivots.vectors import put
 Flags = NDArray[np.bool_]
 
 COMPLEMENTARY, RAY, LIMIT, INACCURATE, STUCK = range(5)  # how a path ends
+PERTURBATION = 1e-7  # of q, whose largest entry is 1: the root of rounding, half the digits for it, half for the solution
+HARRIS = 1e-4  # how far below zero near ties may reach, relative to the perturbation, which must still resolve ties
 PIVOT = 1e-10  # the smallest pivot, relative to its column: smaller entries may be the error of the column
 ACCURACY = 1e-12  # relative defect above which a transformed column is refined: some thousand units of rounding
 LOSS = 1e-9  # relative defect after refinement above which the inverse is computed anew
@@ -65,7 +67,7 @@ def enter(M: Matrix, p: int, z_enters: bool, rhs: Array) -> None:
         rhs[p] = -1.0
 
 
-@kernel
+@lean_kernel
 def follow_lemke_path(
     M: Matrix,
     q: Array,
@@ -78,15 +80,16 @@ def follow_lemke_path(
     limit: int,
     until: float,
     work: Index64,
+    space: Array,
 ) -> int:
     """Follow Lemke's path from a complementary basis in which z0 lets every basic variable rise, and return how it ended.
 
     x (n+1,): the values of the basic variables, updated. a (n+1,): at the end of a ray its direction (z, z0).
     blocking (n+1,): the variables to keep nonnegative. slack: how far near ties may reach. until: the deadline.
-    work: counts of pivots and inversions, updated.
+    work: counts of pivots and inversions, updated. space (2, n): workspace.
     """
     n = len(q)
-    rhs, out = np.empty(n), np.empty(n)
+    rhs, out = space[0], space[1]
     put(rhs, d)
     p, z_enters, fresh = n, True, True  # z0 enters first
     while True:
@@ -133,7 +136,7 @@ def follow_lemke_path(
         enter(M, p, z_enters, rhs)
 
 
-@part
+@lean
 def add_matrix_product(M: Matrix, v: Array, u: Array) -> None:
     """u += M v."""
     for j in range(len(u)):
@@ -142,7 +145,7 @@ def add_matrix_product(M: Matrix, v: Array, u: Array) -> None:
                 u[M.rows[e]] += M.column[e] * v[j]
 
 
-@part
+@lean
 def add_coordinates(M: Matrix, basis: InverseBasis, y: Array, size: float, v: Array, z: Array) -> None:
     """v += the vector whose coordinates in a complementary basis are size * y, that is y_w - M y_z; z (n,) is workspace."""
     for i in range(len(v)):
@@ -155,7 +158,7 @@ def add_coordinates(M: Matrix, basis: InverseBasis, y: Array, size: float, v: Ar
         add_matrix_product(M, z, v)
 
 
-@part
+@lean
 def draw(seed: int, drawn: Array) -> None:
     """Numbers from [1, 2), the same ones for the same seed, by Knuth's MMIX congruence."""
     state = np.uint64(seed)

@@ -1,17 +1,10 @@
-"""The scaled LCP of a packed problem, for the loops of the pivoting methods, and what these loops return."""
+"""The scaled LCP of a packed problem, for the loops of the pivoting methods, and the way back to impulses."""
 
-import numpy as np
-
-from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import inlined
+from frictionbench.problems.compiled import inlined, lean
+from frictionbench.problems.forms.lcp import write_impulse
 from frictionbench.problems.packed import Q, blocks_of, law_of
-from frictionbench.problems.rows import Index64
-from frictionbench.solvers.interface import Solved
 from frictionbench.solvers.pivots.inverse_basis import Matrix
-from frictionbench.solvers.pivots.scaled_lcp import STATUS, scaled_friction_lcp
-
-ALONE = -1  # how a problem ends that is to be solved by itself, because its islands have unlike speeds
-_STATUS = np.array([STATUS[ended] for ended in range(len(STATUS))] + [None])
+from frictionbench.solvers.pivots.scaled_lcp import scaled_friction_lcp
 
 
 @inlined
@@ -26,6 +19,9 @@ def scaled_lcp_of(packed, k, basis):  # type: ignore[no-untyped-def]
     return stretch, Matrix(start, rows, column, row), right, unit
 
 
-def counted(impulse: Array, ended: Index64, work: Index64, names: tuple[str, ...]) -> Solved:
-    """The results of a loop, with the counts work (N, names)."""
-    return Solved(impulse, _STATUS[ended], dict(zip(names, work.T, strict=True)))
+@lean
+def write_stretched(basis, y, stretch, r):  # type: ignore[no-untyped-def]
+    """Write the impulses of z = stretch * y over r (nc, d); y is overwritten by z."""
+    for i in range(len(y)):
+        y[i] *= stretch[i]
+    write_impulse(basis, y, r)

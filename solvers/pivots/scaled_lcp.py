@@ -6,30 +6,17 @@ import numpy as np
 
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import kernel, part
-from frictionbench.problems.forms.lcp import contact_of, friction_rows, impulse, tangent_basis
+from frictionbench.problems.compiled import kernel, lean, part
+from frictionbench.problems.forms.lcp import friction_rows, impulse, tangent_basis
 from frictionbench.solvers.interface import Answer, Status
 from frictionbench.solvers.pivots.inverse_basis import InverseBasis, Matrix, compress, symmetrised
-from frictionbench.solvers.pivots.lemke_path import (
-    COMPLEMENTARY,
-    INACCURATE,
-    LIMIT,
-    RAY,
-    STUCK,
-    add_matrix_product,
-    basic_values,
-)
+from frictionbench.solvers.pivots.lemke_path import add_matrix_product, basic_values
 from frictionbench.solvers.pivots.scaling import diagonal_scaling, scaling
 from frictionbench.solvers.pivots.vectors import put
 
 MARGIN = 0.5  # of tol: rows measure a contact's normal and tangent apart, and add up in another order
-STATUS = {
-    COMPLEMENTARY: Status.SOLVED,
-    RAY: Status.RAY,
-    LIMIT: Status.WORK_LIMIT,
-    INACCURATE: Status.BREAKDOWN,
-    STUCK: Status.STALLED,
-}
+# By how a path ends (solvers.pivots.lemke_path).
+STATUSES = Status.SOLVED, Status.RAY, Status.WORK_LIMIT, Status.BREAKDOWN, Status.STALLED
 
 
 class ScaledLCP(NamedTuple):
@@ -55,7 +42,7 @@ class ScaledLCP(NamedTuple):
     def answer(self, y: Array, ended: int, **work: int) -> Answer:
         z = self.stretch * y
         r = np.zeros((0, 0)) if self.basis is None else impulse(self.basis, z, self.contacts[0])
-        return Answer(r, STATUS[ended], work, z=z)
+        return Answer(r, STATUSES[ended], work, z=z)
 
 
 def scaled_lcp(problem: FrictionProblem | LCP, facets: int) -> ScaledLCP:
@@ -94,16 +81,18 @@ def _residual_units(D, theta, scale, friction, units):  # type: ignore[no-untype
     """
     n, nc = len(D), len(scale)
     unit = np.empty((2, n))
-    for j in range(n):
-        i = contact_of(j, n, nc)
+    width = n // nc if nc else 0
+    for i in range(nc):
         s, free = scale[i], units[i] if units[i] > 0 else 1.0
-        more = 1.0 if j < nc else 1.0 + friction[i]
-        unit[0, j] = theta * D[j] * ((s if j < n - nc else 1.0) * more / free)
-        unit[1, j] = theta * (1 / D[j]) * ((1.0 if j < n - nc else s) * more / free)
+        for m in range(width):  # c, beta and lambda of contact i
+            j = i if m == 0 else nc + i * (width - 2) + m - 1 if m < width - 1 else n - nc + i
+            more = 1.0 if m == 0 else 1.0 + friction[i]
+            unit[0, j] = theta * D[j] * ((s if m < width - 1 else 1.0) * more / free)
+            unit[1, j] = theta * (1 / D[j]) * ((1.0 if m < width - 1 else s) * more / free)
     return unit
 
 
-@part
+@lean
 def scaled_residual(M: Matrix, q: Array, unit: Array, y: Array, w: Array) -> float:
     """max |min(unit_0 y, unit_1 w)|, w = M y + q; infinity where that is not a number."""
     put(w, q)

@@ -1,23 +1,23 @@
 """Loops over vectors, which compile much faster than numpy's expressions with their broadcasting and error handling."""
 
-from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.compiled import lean, lean_kernel
 
 
-@part
+@lean
 def put(v, u):  # type: ignore[no-untyped-def]
     """v = u."""
     for i in range(len(v)):
         v[i] = u[i]
 
 
-@part
+@lean
 def fill(v, value):  # type: ignore[no-untyped-def]
     """Every entry of v = value."""
     for i in range(len(v)):
         v[i] = value
 
 
-@kernel
+@lean_kernel
 def least(v, count):  # type: ignore[no-untyped-def]
     """The least of the first entries of v, NaN where one is."""
     smallest = v[0]
@@ -27,7 +27,7 @@ def least(v, count):  # type: ignore[no-untyped-def]
     return smallest
 
 
-@part
+@lean
 def largest(v, count):  # type: ignore[no-untyped-def]
     """The largest of the first entries of v, NaN where one is."""
     most = v[0]

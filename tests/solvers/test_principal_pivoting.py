@@ -90,8 +90,8 @@ def test_a_singular_guess_of_the_basis_is_refused():
 
 def test_a_path_that_starts_nonnegative_has_no_pivot():
     M, q, work = compress(LCP([[1]], [1]).rows, np.ones(1)), np.ones(1), np.zeros(2, np.int64)
-    x = np.array([1.0, 0.0])
-    assert follow_lemke_path(M, q, np.ones(1), slack_basis(1), x, np.empty(2), np.ones(2, np.bool_), 0.0, 10, np.inf, work) == 0
+    x, basis, space = np.array([1.0, 0.0]), slack_basis(1), np.empty((2, 1))
+    assert follow_lemke_path(M, q, np.ones(1), basis, x, np.empty(2), np.ones(2, np.bool_), 0.0, 10, np.inf, work, space) == 0
     assert work[0] == 0
 
 
