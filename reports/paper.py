@@ -8,7 +8,7 @@
 preview.tex is a document that shows all of them. The same tables always give the same files, byte for byte.
 """
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from shutil import which
@@ -27,7 +27,7 @@ from frictionbench.reports.drawing.print import pages, save_panels
 from frictionbench.reports.drawing.sheets import BANDS, save_sheet
 from frictionbench.reports.drawing.svg import in_file
 from frictionbench.reports.drawing.text import count, percent, power, residual, seconds
-from frictionbench.reports.drawing.tiles import Drawing
+from frictionbench.reports.drawing.tiles import Drawing, Text
 from frictionbench.reports.latex import Cell, Layout, Table, Tex, booktabs, escaped, one_unit
 from frictionbench.reports.references import bibliography, cited
 from frictionbench.reports.run import PORTFOLIO, Run
@@ -68,7 +68,7 @@ def write_paper(folder: Path, run: Run, layout: Layout | None = None, figures: S
             parts = pages(drawing, width, TALLEST)
             for one, part in zip(_floats(stem, caption, wide, len(parts)), parts, strict=True):
                 save_panels(part, paper / one.name, width, layout.font, escape)
-                floats.append(one)
+                floats.append(_marked(one, [shape.text for panel in part for shape in panel if isinstance(shape, Text)]))
         if panels := [one for one in found if isinstance(one, Panel)]:
             columns = max(chart.columns, MOST_COLUMNS) if len(panels) > MOST_IN_COLUMN else min(chart.columns, len(panels))
             width = (layout.column if columns == 1 else layout.page) / columns
@@ -76,8 +76,8 @@ def write_paper(folder: Path, run: Run, layout: Layout | None = None, figures: S
             sheets = [panels[k : k + most] for k in range(0, len(panels), most)]
             for one, sheet in zip(_floats(chart.name, _caption(chart, run), columns > 1, len(sheets)), sheets, strict=True):
                 size = width, ASPECT * width
-                save_sheet(sheet, run.looks, paper / one.name, columns, size, FONT, layout.font, escape)
-                floats.append(one)
+                drawn = save_sheet(sheet, run.looks, paper / one.name, columns, size, FONT, layout.font, escape)
+                floats.append(_marked(one, drawn))
     made = {name: make(run, layout) for name, make in TABLES.items()}
     for name, table in made.items():
         write_text(paper / f"{name}.tex", table.text)
@@ -104,12 +104,18 @@ def _floats(stem: str, caption: str, wide: bool, count: int) -> list[Float]:
 
 
 def _caption(chart: Chart, run: Run) -> str:
-    """The caption in print: the title, what the chart shows, and the marks that occur."""
+    """The caption in print: the title, what the chart shows, and its bands."""
     title = f"{chart.title}, {run.rank_by.words} ({run.rank_by.parts})" if chart.ranked else chart.title
     caption = f"{title}. {_plain(chart.told(run))}".removeprefix(". ")
     if chart is profiles.CHART and len(run.looks) <= BANDS:
         caption += " Bands: 95 % bootstrap bands over the problems."
-    return caption + " An asterisk marks a portfolio, which runs other solvers." * any(PORTFOLIO in name for name in run.looks)
+    return caption
+
+
+def _marked(one: Float, names: Iterable[str]) -> Float:
+    """The figure, its caption with the mark of portfolios explained where a name that is drawn has it."""
+    told = " An asterisk marks a portfolio, which runs other solvers." * any(PORTFOLIO in name for name in names)
+    return one._replace(caption=one.caption + told)
 
 
 def of_scenes(run: Run, names: Collection[str]) -> Run:

@@ -39,8 +39,8 @@ def save_sheet(
     escape: Escape | None = None,
     kinds: Sequence[str] = ("svg", "pdf"),
     paper: str = "none",
-) -> list[Path]:
-    """Save the panels on one sheet with a legend as STEM.svg and STEM.pdf, and as STEM.pgf if `escape` is given.
+) -> list[str]:
+    """Save the panels on one sheet with a legend as STEM.svg and STEM.pdf, and as STEM.pgf if `escape` is given; names drawn.
 
     size: of one panel, inches; font: points; escape: converts a text to LaTeX; paper: the colour of the background.
     """
@@ -65,15 +65,14 @@ def save_sheet(
         figure.legend(handles, [plain(name) for name in drawn], loc="outside lower center", ncols=across, handlelength=3)
         figure.draw_without_rendering()
         figure.set_layout_engine("none")  # keep the positions
-        paths = [stem.with_suffix(f".{kind}") for kind in kinds]
-        for path in paths:
+        for path in (stem.with_suffix(f".{kind}") for kind in kinds):
             date = "Date" if path.suffix == ".svg" else "CreationDate"
             with replaced(path) as file:
                 figure.savefig(file, dpi=IMAGE, facecolor=paper, metadata={date: None})
         if escape:
             figure.set_layout_engine("constrained")  # the font differs
-            paths += save_pgf(figure, stem, escape)
-        return paths
+            save_pgf(figure, stem, escape)
+        return list(drawn)
 
 
 def remove_bands(ax: Axes) -> None:

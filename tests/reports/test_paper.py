@@ -93,8 +93,19 @@ def test_bands_of_few_solvers(run, tmp_path) -> None:
     """Bands of many entries would hide each other."""
     few = chosen(run, ["lemke", "nsgs"])
     for drawn, banded in ((run, False), (few, True)):
-        sheet, _ = save_sheet(profiles.CHART.panels(drawn), drawn.looks, tmp_path / "profiles")
-        assert ("band-" in sheet.read_text()) is banded
+        save_sheet(profiles.CHART.panels(drawn), drawn.looks, tmp_path / "profiles")
+        assert ("band-" in (tmp_path / "profiles.svg").read_text()) is banded
+
+
+def test_asterisk_is_explained_where_a_portfolio_is_drawn(tmp_path) -> None:
+    rows = [solve_row(name, p) for name in ("lemke", "hybrid") for p in "pqr"]
+    for row in rows:
+        row["members"] = "lemke" if row["variant"] == "hybrid" else None
+    run = read_run(write_folder(tmp_path / "run", rows, [simulation_row("lemke")]))
+    paper = write_paper(tmp_path, run, figures=["profiles", "energy"])
+    captions = (paper / "captions.tex").read_text().splitlines()
+    told = {name: "asterisk" in line for line in captions for name in ("profiles", "energy") if f"caption@{name}\\" in line}
+    assert told == {"profiles": True, "energy": False}
 
 
 def test_map_drawing(tmp_path) -> None:
