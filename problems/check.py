@@ -31,18 +31,19 @@ class ReadOnly:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         for name, part in state.items():
-            _set_read_only(part)
+            set_read_only(part)
             object.__setattr__(self, name, part)
 
 
-def _set_read_only(value: Any) -> None:
+def set_read_only(value: Any) -> None:
+    """Arrays, also in tuples and sparse matrices. Kernels are compiled anew for another kind, so problems have one kind."""
     if isinstance(value, np.ndarray):
         value.setflags(write=False)
     elif isinstance(value, tuple):
         for part in value:
-            _set_read_only(part)
+            set_read_only(part)
     elif sparse.issparse(value):
-        _set_read_only((value.data, value.indices, value.indptr))
+        set_read_only((value.data, value.indices, value.indptr))
 
 
 def require(condition: bool, field: str, reason: str) -> None:

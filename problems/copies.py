@@ -14,7 +14,10 @@ _PARTS = ("data", "indices", "indptr")
 
 
 def duplicate(problem: Problem) -> Problem:
-    """A deep copy of the problem, read-only, without anything derived: changes to it leave the original as it is."""
+    """A deep copy of the problem without anything derived: changes to it leave the original as it is.
+
+    What is read-only in the original is read-only in the copy, since kernels are compiled for each kind of array.
+    """
     return _own(problem.fresh())
 
 
@@ -32,7 +35,7 @@ def _own(value: Any, factor: float = 1.0) -> Any:
     """A copy of the value, its real numbers multiplied by the factor."""
     if isinstance(value, np.ndarray):
         array = value * factor if value.dtype == float and factor != 1.0 else value.copy()
-        array.setflags(write=False)
+        array.setflags(write=value.flags.writeable)
         return array
     if isinstance(value, tuple) and hasattr(value, "_fields"):  # a matrix by rows
         return type(value)(*(_own(part, factor) for part in value))

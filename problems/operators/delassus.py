@@ -81,8 +81,9 @@ class DelassusOperator(Operator):
 
     def balanced(self) -> tuple[Self, Array]:
         factor: Array = delassus_factors(*self.blocks[:2], self.units)
-        q = self.q / np.repeat(factor, self.dimension)
-        same = type(self)(self.W, q, self.dimension, self.friction_bias / factor)
+        laws = self.q / np.repeat(factor, self.dimension), self.friction_bias / factor
+        check.set_read_only(laws)
+        same = type(self)(self.W, laws[0], self.dimension, laws[1])
         same.blocks = self.blocks
         return same, factor
 

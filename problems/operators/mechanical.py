@@ -117,6 +117,7 @@ class MechanicalOperator(Operator):
         joint_bias = self.joint_bias / by_velocity[self.joint_rows.column[self.joint_rows.start[:-1]]]
         rows = self.mass_rows, self.inverse_rows, self.joint_rows, self.contact_rows
         laws = self.free_velocity / by_velocity, self.bias / factor, self.friction_bias / factor, joint_bias
+        check.set_read_only(laws)
         return type(self)(*rows, *laws), factor
 
     @cached_property
