@@ -31,5 +31,5 @@ def test_no_kernel_is_compiled_for_a_copy(make) -> None:
 
 def _use(problem: FrictionProblem) -> None:
     """What methods ask of a problem."""
-    problem.dense(), problem.csr(), problem.units  # noqa: B018
+    problem.dense(), problem.csr(), problem.units
     problem.contact_velocity(0 * problem.offset)
