@@ -474,6 +474,10 @@ def map_(
 def study(
     name: Annotated[str, typer.Argument(metavar="NAME|all", help="A study, as `frictionbench list studies` names it.")],
     jobs: options.Jobs = None,
+    data: Annotated[
+        list[str] | None,
+        typer.Option(metavar="DIR|fclib/FAMILY", help="Also compare these recorded problems, in the study `rankings`."),
+    ] = None,
     paper: Annotated[bool, typer.Option("--paper", help="Also write the figures for LaTeX.")] = False,
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder of the studies.")] = Path("runs/studies"),
 ) -> None:
@@ -488,7 +492,7 @@ def study(
 
     studies = named(name)
     with _resumable(out, report=False):
-        run_studies(studies, out, _jobs(jobs), Progress())
+        run_studies(studies, out, _jobs(jobs), Progress(), data or ())
     for about, account in told(out):
         if about.name in {one.name for one in studies}:
             typer.echo(f"{about.name}: {about.question} {account.answer}")

@@ -14,7 +14,7 @@ from frictionbench.harness.workers.task import Task
 from frictionbench.problems.check import require
 from frictionbench.problems.names import near
 from frictionbench.results.files import ResultsError
-from frictionbench.results.studies import RUNS, finished, open_study, write_rows, written
+from frictionbench.results.studies import RECORDED, RUNS, finished, open_study, write_rows, written
 
 ALL = "all"
 
@@ -26,17 +26,23 @@ def named(name: str) -> list[Study]:
     return list(STUDIES.values()) if name == ALL else [STUDIES[name]]
 
 
-def run_studies(studies: Sequence[Study], folder: Path, jobs: int, progress: Progress) -> None:
-    """Complete these studies in folder.
+def run_studies(studies: Sequence[Study], folder: Path, jobs: int, progress: Progress, locations: Sequence[str] = ()) -> None:
+    """Complete these studies in folder. locations: of recorded problems, for the studies that compare them.
 
-    Errors: ResultsError where folder holds a study by other code, where a table could not be computed, and as of harness.run.
+    Errors: ResultsError where folder holds a study by other code, where a table could not be computed, and as of harness.run;
+    InputError where none of the studies takes recorded problems, or there are none at a location.
     """
+    takers = [study.name for study in STUDIES.values() if study.recorded]
+    require(not locations or any(study.recorded for study in studies), "data", f"recorded problems are for {', '.join(takers)}")
+    recorded = {study.name: study.recorded(locations) for study in studies if study.recorded and locations}
     for study in studies:
         open_study(folder, study.description)
     _compute(studies, folder, jobs, progress)
     for study in studies:
         if study.plan and not finished(folder, study.name):
             run(study.plan(), folder / study.name / RUNS, jobs, progress)
+        if study.name in recorded:
+            run(recorded[study.name], folder / study.name / RECORDED, jobs, progress)
 
 
 def _compute(studies: Sequence[Study], folder: Path, jobs: int, progress: Progress) -> None:

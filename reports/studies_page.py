@@ -65,6 +65,9 @@ def markdown(found: list[Told]) -> str:
         answer, result, limits = map(in_markdown, (account.answer, account.result, account.limits))
         lines += ["", f"## {about.name}", "", f"**{about.question}** {answer}", ""]
         lines += [f"*Method.* {in_markdown(about.method)}", "", f"*Result.* {result}", ""]
+        if account.table:
+            heads, *rows = ([in_markdown(cell) for cell in row] for row in account.table)
+            lines += [f"| {' | '.join(row)} |" for row in (heads, ["---"] * len(heads), *rows)] + [""]
         for figure in account.figures:
             caption = in_markdown(figure.caption)
             lines += [f"![{caption}]({FIGURES}/{about.name}_{figure.name}.svg)", "", caption, ""]

@@ -3,6 +3,7 @@
 study.json      what is asked and how, the columns of each table, and the code that computes them
 TABLE.json      the rows of a computed table
 runs/           the solver runs of the study, a results folder like any other (results.store)
+recorded/       the same on recorded problems, where they were given
 """
 
 import json
@@ -16,7 +17,7 @@ import pandas as pd
 from frictionbench.results.files import ResultsError, read_json, subfolder, write_text
 from frictionbench.results.store import Row, read_manifest, read_table
 
-DESCRIPTION, RUNS, MANIFEST = "study.json", "runs", "manifest.json"
+DESCRIPTION, RUNS, RECORDED, MANIFEST = "study.json", "runs", "recorded", "manifest.json"
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,10 @@ class Description:
 
 @dataclass(frozen=True)
 class StudyTables:
-    """A study's tables by name; of solver runs `solves` and `simulations`, with the columns of results.schema."""
+    """A study's tables by name; of solver runs `solves` and `simulations`, with the columns of results.schema.
+
+    `recorded` has the rows of `solves` of recorded problems, where they were given.
+    """
 
     about: Description
     tables: Mapping[str, pd.DataFrame] = field(repr=False)
@@ -71,8 +75,7 @@ def finished(folder: Path, name: str) -> bool:
     if not path.exists():
         return False
     about, runs = _described(path), path.parent / RUNS
-    complete = not about.runs or ((runs / MANIFEST).exists() and "finished" in read_manifest(runs))
-    return complete and written(folder, about) == set(about.columns)
+    return (not about.runs or _run(runs)) and written(folder, about) == set(about.columns)
 
 
 def write_rows(folder: Path, about: Description, table: str, rows: Any) -> None:
@@ -89,7 +92,14 @@ def read_study(folder: Path, name: str) -> StudyTables:
     tables = {table: _read_rows(folder / name / f"{table}.json", columns) for table, columns in about.columns.items()}
     if about.runs:
         tables |= {table: read_table(folder / name / RUNS, table) for table in ("solves", "simulations")}
+    if _run(folder / name / RECORDED):
+        tables[RECORDED] = read_table(folder / name / RECORDED, "solves")
     return StudyTables(about, tables)
+
+
+def _run(runs: Path) -> bool:
+    """Whether a folder holds finished solver runs."""
+    return (runs / MANIFEST).exists() and "finished" in read_manifest(runs)
 
 
 def _described(path: Path) -> Description:

@@ -111,11 +111,15 @@ def with_data(plan: Plan, locations: list[str]) -> Plan:
     takers = (*names, REPLAY)
     if plan.suite not in takers:
         raise InputError(f"data: {plan.suite} has problems of its own; recorded ones are run by {', '.join(takers)}")
-    found = [source for location in locations for source in _sources(location, of_the_paper)]
+    found = [source for location in locations for source in located(location, of_the_paper)]
     return replace(plan, sources=tuple(found))
 
 
-def _sources(location: str, of_the_paper: bool) -> list[Source]:
+def located(location: str, of_the_paper: bool = False) -> list[Source]:
+    """The recorded problems of a file, a folder or a fetched family. of_the_paper: at its accuracies and limits.
+
+    Errors: InputError naming `data` or the family.
+    """
     if location.startswith("fclib/"):
         family = collection.family(location)
         folder = collection.folder(family)

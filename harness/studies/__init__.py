@@ -11,6 +11,7 @@ from frictionbench.harness.studies import (
     interior,
     neighbours,
     orders,
+    rankings,
     relaxation,
     warm,
 )
@@ -19,6 +20,7 @@ from frictionbench.harness.studies.study import Study, Table
 _MODULES = (
     *(convexity, relaxation, interior, dissipation, inclusion, cone),
     *(orders, events, coordinates, compliance, neighbours, warm),
+    rankings,
 )
 STUDIES: dict[str, Study] = {module.STUDY.name: module.STUDY for module in _MODULES}
 

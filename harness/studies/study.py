@@ -6,7 +6,7 @@ are a plan like that of a suite, with the same isolation, verification and table
 reports.studies, which reads nothing else.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from frictionbench.harness import machine
@@ -32,13 +32,14 @@ class Table:
 
 @dataclass(frozen=True)
 class Study:
-    """question, method: for readers. plan: solver runs, if any."""
+    """question, method: for readers. plan: solver runs, if any. recorded: those on recorded problems at given locations."""
 
     name: str
     question: str
     method: str
     tables: tuple[Table, ...] = ()
     plan: Callable[[], Plan] | None = None
+    recorded: Callable[[Sequence[str]], Plan] | None = None
 
     @property
     def description(self) -> Description:

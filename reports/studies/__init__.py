@@ -13,6 +13,7 @@ from frictionbench.reports.studies import (
     interior,
     neighbours,
     orders,
+    rankings,
     relaxation,
     warm,
 )
@@ -32,6 +33,7 @@ ACCOUNTS: dict[str, Callable[[StudyTables], Account]] = {
     "compliance": compliance.account,
     "neighbours": neighbours.account,
     "warm": warm.account,
+    "rankings": rankings.account,
 }
 
 __all__ = ["ACCOUNTS", "Account", "Figure"]

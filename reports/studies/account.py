@@ -24,9 +24,10 @@ class Figure:
 
 @dataclass(frozen=True)
 class Account:
-    """answer: a line. result, limits: paragraphs; limits says what the study does not show."""
+    """answer: a line. result, limits: paragraphs; limits says what the study does not show. table: rows, the heads first."""
 
     answer: str
     result: str
     limits: str
     figures: Sequence[Figure] = ()
+    table: Sequence[Sequence[str]] = ()

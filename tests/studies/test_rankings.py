@@ -1,0 +1,84 @@
+"""Published rankings under one verifier, at reduced size; runs are made rows."""
+
+import pandas as pd
+import pytest
+
+from frictionbench.harness.plans.families import SPACE_SMALL, sources
+from frictionbench.harness.progress import Progress
+from frictionbench.harness.run_studies import run_studies
+from frictionbench.harness.studies import STUDIES
+from frictionbench.harness.studies.rankings import recorded
+from frictionbench.problems import InputError
+from frictionbench.results.files import ResultsError
+from frictionbench.results.studies import RECORDED, StudyTables
+from tests.helpers.paths import ROOT
+from tests.helpers.studies import reduced, told
+
+SPEEDS = {"nsgs": 1.0, "proximal_newton": 3.0, "siconos[method=friction_3d_nsn_ac]": 9.0, "interior_point": 2.0}
+
+
+def runs(nsgs: str = "unsolved") -> pd.DataFrame:
+    """Three problems that need friction, the last without full rank, and one that needs none; nsgs ends so at 1e-8."""
+    rows = []
+    for problem, redundancy, idle in (("a", 0, False), ("b", 0, False), ("c", 3, False), ("d", 3, True)):
+        for tol in (1e-4, 1e-8):
+            common = {"problem": problem, "tol": tol, "dimension": 3, "redundancy": redundancy, "trivial": False, "idle": idle}
+            common |= {"form_time": 0.0, "setup_time": 0.0, "residual": 0.1}
+            for name, time in SPEEDS.items():
+                falls = (name == "nsgs" and tol == 1e-8) or ("nsn_ac" in name and redundancy)
+                rows.append(common | {"variant": name, "verdict": nsgs if falls else "solved", "solve_time": time})
+            rows += [common | {"variant": name, "verdict": "relaxed", "solve_time": 0.02} for name in ("apgd", "relaxation_ip")]
+    return pd.DataFrame(rows)
+
+
+@pytest.fixture(scope="module")
+def found() -> StudyTables:
+    small = [one for one in sources(SPACE_SMALL) if one.scene != "random_bodies"]
+    return reduced("rankings", {"solves": runs()}, ranks={"sources": [sources(SPACE_SMALL)[2], *small[:1], *small[2:3]]})
+
+
+def test_newton_needs_rank_and_nothing_needs_iterations_without_friction(found) -> None:
+    ranks, evidence = found["ranks"], found["evidence"]
+    plain = ranks[ranks["method"] == "plain_newton"].groupby("compliance")["solved"].sum()
+    assert plain[0.0] < plain[0.001] == ranks["number"].nunique()
+    assert (evidence.loc[~evidence["idle"], "iterations"] > 0).all()
+    given = evidence[evidence["idle"] & (evidence["start"] == "given") & (evidence["iterations"] == 0)]
+    assert given.groupby("kind")["residual"].apply(lambda own: own.value_counts().iloc[0]).min() >= 6
+
+
+def test_each_finding_has_its_verdict(found) -> None:
+    account = told(found)
+    _, *rows = account.table
+    verdicts = {row[0].split(" (")[0]: (row[1], row[-1]) for row in rows}
+    short = verdicts["It falls short of 1e-8 on most problems"]
+    assert short == ("nsgs solves 0 of 3", "confirmed"), "the idle problem is left out"
+    relaxed = verdicts["Convex relaxations widen the gap to reality"]
+    assert relaxed == ("3 of 3 of its solutions break Coulomb's law, by a median residual of 0.1", "confirmed")
+    tens = verdicts["Accelerated gradients are one or two orders faster than Gauss-Seidel"]
+    assert tens == ("50 times as fast in the median, at most 50", "confirmed")
+    assert all(row[2] in ("needs --data", "not repeated") for row in rows)
+    assert "needs a folder of them (--data)" in account.result
+
+
+def test_recorded_problems_stand_beside_the_generated_ones(found) -> None:
+    account = told(StudyTables(found.about, {**found.tables, RECORDED: runs("solved")}))
+    assert "3 generated problems in space and 3 recorded ones, without 1 that need no friction, are compared" in account.result
+    row = next(row for row in account.table if row[0].startswith("It falls short"))
+    assert row[1:] == ("nsgs solves 0 of 3", "nsgs solves 3 of 3", "in part")
+
+
+def test_sentences_that_the_tables_do_not_hold_are_refused(found) -> None:
+    working = found["evidence"].assign(iterations=0)
+    with pytest.raises(ResultsError, match="no method is without iterations where friction is at work"):
+        told(StudyTables(found.about, {**found.tables, "evidence": working}))
+
+
+def test_recorded_problems_are_located_or_refused(tmp_path) -> None:
+    plan = recorded([str(ROOT / "tests" / "data")])
+    assert plan.sources
+    assert all(source.file for source in plan.sources)
+    with pytest.raises(InputError, match="data: no problems in"):
+        recorded([str(tmp_path)])
+    with pytest.raises(InputError, match="data: recorded problems are for rankings"):
+        run_studies([STUDIES["warm"]], tmp_path, 1, Progress(), [str(tmp_path)])
+    assert not list(tmp_path.iterdir())
