@@ -18,6 +18,7 @@ def account(found: StudyTables) -> Account:
     slopes = {name: order(rows["stiffness"], rows["error"]) for name, rows in radau.groupby("scene")}
     stiffest = radau[radau["stiffness"] == radau["stiffness"].max()]
     dear = (stiffest["work"] / stiffest["rigid_work"]).agg(["min", "max"])
+    slower = (stiffest["time"] / stiffest["rigid_time"]).agg(["min", "max"])
     less, more = pressed[pressed["share"] < 1], pressed[pressed["share"] > 1]
     found.require(((less["spin"] - 4).abs() < 0.5).all(), "springs pressed less than the closed solution's let the rod lift")
     found.require(((more["spin"] - 4).abs() > 0.5).all(), "springs pressed more than that throw the rod")
@@ -28,8 +29,9 @@ def account(found: StudyTables) -> Account:
     )
     return Account(
         answer=f"Rigid where it has one answer: at k = {radau['stiffness'].max():.0e} N/m springs need {dear['min']:.2g} to "
-        f"{dear['max']:.2g} times the evaluations of the rigid motion by events. Where the rigid model has two answers the "
-        f"springs' state decides, and where forces have none they give the rigid impulse.",
+        f"{dear['max']:.2g} times the evaluations of the rigid motion by events and {slower['min']:.2g} to "
+        f"{slower['max']:.2g} times its time. Where the rigid model has two answers the springs' state decides, and where "
+        "forces have none they give the rigid impulse.",
         result=f"Least distances from the rigid motion, of coordinates in m or rad, with orders in 1/k with Radau over "
         f"{radau['stiffness'].min():.0e} to {radau['stiffness'].max():.0e} N/m: "
         f"{_negated(told)}. Where p < 0 < K, Painlevé's rod lifts from springs pressed to "

@@ -50,8 +50,7 @@ def account(found: StudyTables) -> Account:
         limits="Evaluations are not seconds: one between events is a small linear system, and a friction problem of a step has "
         "inequalities besides. The scenes have few contacts; with many, events are as frequent as steps. The reference is the "
         "scheme's own motion at a finer accuracy, so an event that it misses at every accuracy would not be seen here. That a "
-        "motion reached its end does not say that it was the only one. Accuracies coarser than 1e-5 are not among the "
-        "settings: at 1e-3 the slider-crank ends in touches that do not advance.",
+        "motion reached its end does not say that it was the only one.",
         figures=(
             Figure(
                 "work",

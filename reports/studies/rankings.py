@@ -123,7 +123,7 @@ def _solved(ax: Axes, ranks: pd.DataFrame) -> None:
         at = np.arange(len(table)) + 0.2 * k - 0.1
         ends = np.array([wilson(int(done), int(of)) for done, of in table.to_numpy()])
         curve(ax, k, table["sum"] / table["count"], at, label, ls="")
-        ax.hlines(at, *ends.T, color=f"C{k}" if not ax.lines else ax.lines[-1].get_color(), lw=0.8)
+        ax.hlines(at, *ends.T, color=ax.lines[-1].get_color(), lw=0.8)
     ax.set_yticks(range(len(table)), list(table.index))
     finish(ax, "share solved", "")
 

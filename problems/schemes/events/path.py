@@ -176,10 +176,10 @@ def _locate(path: _Path, dense: Callable[[float], Array], i: int, before: float,
     def value(time: float, shift: float = 0.0) -> float:
         return float(path.conditions(time, dense(time))[i] + shift)
 
-    shift = 0.0
-    if known <= 0:  # it begins on the boundary, as a ball that has just bounced: it may rise above it and return
-        risen = next((t for t in before + (after - before) * 0.5 ** np.arange(1, RISES) if value(t) > 0), None)
-        before, shift = (before, path.tolerance()[i]) if risen is None else (float(risen), 0.0)
+    shift, least = 0.0, path.tolerance()[i]
+    if known <= least:  # it begins on the boundary, as a ball that has just bounced: it may rise above it and return
+        risen = next((t for t in before + (after - before) * 0.5 ** np.arange(1, RISES) if value(t) > least), None)
+        before, shift = (before, least) if risen is None else (float(risen), 0.0)
     if value(before, shift) <= 0:
         return after
     xtol = EXACT * max(abs(after), after - before)
