@@ -15,6 +15,12 @@ eventually; no start has the shortest path in all problems, so that a long path 
 In space paths of many contacts with much friction are several times shorter where the friction's products are larger at the
 start than the normal ones, so that sliding and sticking are decided after opening and closing.
 
+Where masses are unlike, light bodies bear heavy ones: impulses that stop a contact's own velocity are far too small there, and
+paths that begin with them wind. Then paths begin with the same impulse at all contacts, that of the heaviest.
+
+Where a problem falls apart, one part in which the predictor-corrector is trapped shortens the steps of all others; then each
+part is solved by itself (solvers.interior.parts).
+
 Given impulses to start from, the predictor-corrector starts at the centred point around them. Its distance from the boundary is
 their residual, so that a good start saves most of the iterations, and a bad one does little harm.
 """
@@ -27,9 +33,12 @@ import numpy as np
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.residual import residual
-from frictionbench.solvers.interface import Answer, impulses, solve, solver
+from frictionbench.problems.rows import Index64
+from frictionbench.problems.separate import Parts, separate
+from frictionbench.solvers.interface import Answer, Status, impulses, solve, solver
 from frictionbench.solvers.interior.central_path import trace
 from frictionbench.solvers.interior.centred_point import centred_point
+from frictionbench.solvers.interior.parts import solve_parts
 from frictionbench.solvers.interior.phases import Phase, Phased, Prepared, first_point, run
 from frictionbench.solvers.interior.point import Point, start_point
 from frictionbench.solvers.interior.predictor_corrector import predictor_corrector
@@ -39,6 +48,7 @@ from frictionbench.solvers.interior.system import System, space_of
 # limit changed, the problems solved and the factorisations. Impulses and speeds are relative to a contact's own.
 PLANAR_STARTS = ((0.1, 10.0), (1.0, 10.0), (0.1, 100.0), (1.0, 100.0), (10.0, 1.0), (1.0, 1.0))  # (impulse, speed)
 FIRST_START, LAST_START = (1.0, 10.0, 10.0), (1.5, 5.0, 1.0)  # in space: (impulse, speed, factor on the friction's products)
+UNLIKE, LOAD_STARTS = 10.0, (0.75, 1.0)  # in space: the ratio of contacts' masses from which they start under load; exponents
 # In space around the relaxation's solution: (distance from the boundary in residuals, factor on the friction's products).
 RELAXED_STARTS = ((3.0, 10.0), (3.0, 30.0), (1.0, 10.0), (2.0, 6.0), (3.0, 3.0))
 SWEEPS = 1000  # of nsgs before its result is a start: their time is that of ten or twenty factorisations
@@ -74,21 +84,35 @@ class InteriorPoint(Phased):
         """limit bounds the factorisations."""
         problem, _ = prepared
         spent: dict[str, int] = {}
+        parts: Parts = []
 
         def polish(impulse: Array) -> Array:
             return _nested(problem, "proximal_newton", spent, tol=tol, limit=POLISHING, start=impulse)
 
-        phases, limit = self._phases(*prepared, start, spent), LIMIT if limit is None else limit
-        answer = run(prepared, phases, tol, limit, PATIENCE, residual, polish if problem.dimension == 3 else None)
+        phases, most = self._phases(*prepared, start, spent, parts), LIMIT if limit is None else limit
+        answer = run(prepared, phases, tol, most, PATIENCE, residual, polish if problem.dimension == 3 else None)
         answer.work |= spent
+        if answer.status is Status.STALLED and len(parts) > 1:
+            return solve_parts(problem, parts, answer, tol, lambda part, own: self._part(part, own, tol, limit, start))
         return answer
 
-    def _phases(self, problem: FrictionProblem, system: System, start: Array | None, spent: dict[str, int]) -> Iterator[Phase]:
-        """The methods in turn, with their starting points; spent: the work of nested solvers, added up."""
+    def _part(self, part: FrictionProblem, contacts: Index64, tol: float, limit: int | None, start: Array | None) -> Answer:
+        return self.solve(self.setup(self.form(part)), tol, limit, None if start is None else start[contacts])
+
+    def _phases(
+        self, problem: FrictionProblem, system: System, start: Array | None, spent: dict[str, int], parts: Parts
+    ) -> Iterator[Phase]:
+        """The methods in turn, with their starting points, until parts are found that can be solved one by one.
+
+        spent: the work of nested solvers, added up.
+        """
         if start is not None:
             yield predictor_corrector, _around(problem, system, impulses(start, system.offset.shape), LEAST_DISTANCE), SHARE
         if self.shortcut:
             yield predictor_corrector, first_point(system), SHARE
+        parts += separate(problem)
+        if len(parts) > 1:
+            return
         if problem.dimension == 3:
             yield from self._spatial(problem, system, start, spent)
             return
@@ -102,6 +126,9 @@ class InteriorPoint(Phased):
         if residual(problem, relaxed) <= CLOSE:
             yield predictor_corrector, _around(problem, system, relaxed, LEAST_DISTANCE), SHARE
         long = 2 * max(SHARE, problem.contacts)
+        if system.weight.max(initial=0) > UNLIKE * system.weight.min(initial=np.inf):
+            for share in LOAD_STARTS:
+                yield trace, _loaded(system, share), 2 * max(2 * SHARE, problem.contacts)
         yield trace, _generic(system, *FIRST_START), max(2 * SHARE, problem.contacts)
         for distance, wide in RELAXED_STARTS:
             yield trace, _widened(_around(problem, system, relaxed, distance), wide), long
@@ -128,6 +155,15 @@ def _generic(system: System, impulse: float, speed: float, wide: float) -> Point
     point = start_point(system, impulse, speed)
     point.s[:, 3] *= np.maximum(system.friction, 1)
     return _widened(point, wide)
+
+
+def _loaded(system: System, share: float) -> Point:
+    """A start in space with impulses that stop a unit velocity at the heaviest contact; share < 1: less at lighter ones."""
+    point = _generic(system, 1.0, 1.0, 1.0)
+    ratio = (system.weight / system.weight.min()) ** share
+    point.x[:, 0] *= ratio
+    point.s[:, 3] *= ratio
+    return point
 
 
 def _widened(point: Point, wide: float) -> Point:

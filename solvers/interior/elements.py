@@ -92,10 +92,12 @@ def _norm(a: float, b: float) -> float:
 
 @part
 def natural(r: Vector, u: Vector, mu: float, bias: float, shift: float, weight: float) -> float:
-    """weight |r - P_K(r - (u + shift |u_t| e_n) / weight)| for one contact (problems.residual)."""
+    """weight |r - P_K(r - (u + shift |u_t| e_n) / weight)| for one contact, and with a shift, for Coulomb's law, at least the
+    defect of Signorini's (problems.residual)."""
     compliance = 1 / weight
     n = r[0] - (u[0] + shift * _norm(u[1], u[2])) * compliance
     t1, t2 = r[1] - u[1] * compliance, r[2] - u[2] * compliance
     normal, share = nearest(n, _norm(t1, t2), mu, bias)
     off, off1, off2 = r[0] - normal, r[1] - share * t1, r[2] - share * t2
-    return weight * np.sqrt(off * off + off1 * off1 + off2 * off2)
+    defect = weight * np.sqrt(off * off + off1 * off1 + off2 * off2)
+    return larger(defect, abs(min(weight * r[0], u[0]))) if shift > 0 else defect

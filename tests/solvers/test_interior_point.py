@@ -6,6 +6,7 @@ from scipy import sparse
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.instances.cubes import cubes
+from frictionbench.problems.instances.local_graph import local_graph
 from frictionbench.problems.instances.random_bodies import random_bodies
 from frictionbench.problems.instances.spheres import sphere_pyramid
 from frictionbench.problems.random_problem import random_problem
@@ -565,3 +566,29 @@ def test_sphere_pyramid_solved_by_paths(seed, levels, friction, noise) -> None:
 @pytest.mark.parametrize("seed", [0, 5, 19, 26, 38])
 def test_unbounded_friction_solved_by_paths(seed) -> None:
     assert_solved(random_bodies(seed, contacts=40, friction=1000.0), "interior_point")
+
+
+def test_unconnected_parts_are_solved_one_by_one() -> None:
+    """Hundreds of parts in some of which the predictor-corrector is trapped: no path solves them all at once."""
+    problem = local_graph(seed=1, bodies=5000)
+    answer = solve(problem, "interior_point")
+    assert answer.status is Status.SOLVED
+    assert residual(problem, answer.impulse) <= 1e-8
+
+
+def test_internal_residual_counts_signorinis_own_defect() -> None:
+    """Of a large mu, the cone's defect is smaller by up to sqrt(1 + mu^2)."""
+    problem = FrictionProblem(
+        mass=np.eye(2), normal=[[1.0, 0.0]], tangent=[[0.0, 1.0]], friction=[30.0], free_velocity=[-0.1, -1.0], bias=[0.0]
+    )
+    system = build_system(problem)
+    point, work = start_point(system, 1.0, 1.0), new_work(system)
+    for c in (0.0, 0.02, 0.05, 0.09):
+        point.x[:] = c, 0.0, 0.0, 1.0
+        inside = evaluate_point(system, space_of(system), point, new_point(system), work)
+        assert inside == pytest.approx(residual(problem, work.impulse * system.impulse), rel=1e-10)
+
+
+@pytest.mark.parametrize("seed", [0, 4])
+def test_light_spheres_bear_heavy_ones(seed) -> None:
+    assert_solved(sphere_pyramid(seed=seed, levels=4, friction=0.5, mass_ratio=1e6), "interior_point", at_most=500)

@@ -1,0 +1,88 @@
+"""The parts of a problem that nothing connects: no body, no joint, no entry of the mass matrix or of W.
+
+Each part can be solved by itself, exactly. That differs from the islands of problems.forms.islands, in which couplings below
+rounding count as none.
+"""
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+
+from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.reduce import keep_contacts
+from frictionbench.problems.rows import Index64
+
+Parts = list[tuple[Index64, FrictionProblem]]
+
+
+def separate(problem: FrictionProblem) -> Parts:
+    """The parts, each with the contacts that are in it; one that is the whole problem is the problem itself."""
+    part = parts(problem)
+    count = int(part.max(initial=0)) + 1
+    if count == 1:
+        return [(np.arange(problem.contacts), problem)]
+    if problem.mechanical:
+        return _separate_mechanics(problem, part, count)
+    order, first = _by_part(part, count)
+    return [(own, keep_contacts(problem, own.tolist())) for own in np.split(order, first[1:-1])]
+
+
+def parts(problem: FrictionProblem) -> Index64:
+    """The part (nc,) that each contact is in, numbered from 0; with given mechanics followed by those of the velocities and of
+    the joints' equations, -1 where no contact is connected with them."""
+    nc, d = problem.contacts, problem.dimension
+    if not problem.mechanical:
+        W = problem.W.tocoo()
+        return _components([W.row // d], [W.col // d], nc, nc)
+    nv, nj = len(problem.free_velocity), len(problem.joint_bias)
+    N, T, F, M = (matrix.tocoo() for matrix in (problem.normal, problem.tangent, problem.joints, problem.mass))
+    rows = [N.row, T.row // (d - 1), nc + nv + F.row, nc + M.row]
+    return _components(rows, [nc + matrix.col for matrix in (N, T, F, M)], nc + nv + nj, nc)
+
+
+def _components(rows: list[Index64], columns: list[Index64], n: int, nc: int) -> Index64:
+    """The component (n,) of each node, those of the first nc nodes numbered from 0, all others -1."""
+    row, column = np.concatenate(rows), np.concatenate(columns)
+    graph = sparse.coo_matrix((np.ones(len(row)), (row, column)), shape=(n, n))
+    count, component = connected_components(graph, directed=False)
+    number = np.full(count, -1)
+    bearing = np.unique(component[:nc])
+    number[bearing] = np.arange(len(bearing))
+    return np.asarray(number[component])
+
+
+def _by_part(part: Index64, count: int) -> tuple[Index64, Index64]:
+    """The items of each part, one part after the other, and where each begins, with the end of the last."""
+    order = np.argsort(part, kind="stable")
+    return order, np.searchsorted(part[order], np.arange(count + 1))
+
+
+def _separate_mechanics(problem: FrictionProblem, part: Index64, count: int) -> Parts:
+    nc, nv, d = problem.contacts, len(problem.free_velocity), problem.dimension
+    of_contacts, of_velocities, of_joints = np.split(part, [nc, nc + nv])
+    (contact, c), (velocity, v), (joint, j) = (_by_part(of, count) for of in (of_contacts, of_velocities, of_joints))
+    tangents = (contact[:, None] * (d - 1) + np.arange(d - 1)).ravel()
+    # With rows and columns in order, a part is a block.
+    rows = problem.normal[contact], problem.tangent[tangents], problem.joints[joint], problem.mass[velocity]
+    N, T, F, M = (matrix[:, velocity] for matrix in rows)
+    found = []
+    for k in range(count):
+        own, bodies, joints = contact[c[k] : c[k + 1]], slice(v[k], v[k + 1]), slice(j[k], j[k + 1])
+        found.append(
+            (
+                own,
+                FrictionProblem(
+                    mass=M[bodies, bodies],
+                    normal=N[c[k] : c[k + 1], bodies],
+                    tangent=T[c[k] * (d - 1) : c[k + 1] * (d - 1), bodies],
+                    friction=problem.friction[own],
+                    free_velocity=problem.free_velocity[velocity[bodies]],
+                    bias=problem.bias[own],
+                    friction_bias=problem.friction_bias[own],
+                    joints=F[joints, bodies],
+                    joint_bias=problem.joint_bias[joint[joints]],
+                    dimension=d,
+                ),
+            )
+        )
+    return found
