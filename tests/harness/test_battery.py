@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from frictionbench.harness.battery import drake, mujoco, own, table
+from frictionbench.harness.battery import bullet, drake, mujoco, own, rapier, table
 from frictionbench.harness.battery.phenomena import PHENOMENA
 from frictionbench.harness.battery.world import Body, Setting, Unsupported
 from tests.helpers.paths import ROOT
@@ -83,7 +83,10 @@ def test_page_has_every_phenomenon_and_says_what_is_skipped(monkeypatch) -> None
     assert "failed: " in row  # the made-up engine has no two bodies
 
 
-@pytest.mark.parametrize(("engine", "package"), [(mujoco.stiff, "mujoco"), (drake.default, "pydrake")])
+@pytest.mark.parametrize(
+    ("engine", "package"),
+    [(mujoco.stiff, "mujoco"), (drake.default, "pydrake"), (bullet.stiff, "pybullet"), (rapier.default, "rapier3d")],
+)
 def test_installed_engines_stop_where_the_closed_form_says(engine, package) -> None:
     pytest.importorskip(package, reason=f"{package} is not installed")
     one = BY_NAME["sliding ball that rolls" if package == "mujoco" else "stopping distance"]
