@@ -1,13 +1,14 @@
 """Runs of plans with failure maps: first the grid points, then the points of finer grids where verdicts differ.
 
 Each round is the run of a plan with more grid points, in the same folder, so that an interrupted run resumes: which points to
-add follows from the rows found. At the end the thresholds of theory are traced over each map, and for each map and exact
-solver the smallest failing problem is reduced further.
+add follows from the rows found. At the end the thresholds of theory are traced over each map, its scene's first steps
+are recorded, and for each map and exact solver the smallest failing problem is reduced further.
 """
 
 from dataclasses import replace
 from pathlib import Path
 
+from frictionbench.harness.first_steps import store_first_steps
 from frictionbench.harness.plans import map_grid
 from frictionbench.harness.plans.plan import Plan
 from frictionbench.harness.progress import Progress
@@ -32,6 +33,7 @@ def run_maps(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: s
         run(_with_points(plan, points), folder, jobs, progress, cluster)
     for spec in plan.maps:
         trace(spec, folder)
+        store_first_steps(spec, folder)
     _shrink_failures(plan, folder, jobs, progress)
 
 

@@ -29,6 +29,7 @@ from frictionbench.reports.drawing.style import Look, apart, looks
 from frictionbench.results.commands import sources
 from frictionbench.results.conventions import COLD, KEEP_ANSWER
 from frictionbench.results.convergence import ConvergenceHistory, read_histories
+from frictionbench.results.first_steps import FirstSteps, read_first_steps
 from frictionbench.results.map_spec import GridPoint, maps_of, read_thresholds
 from frictionbench.results.polygon import Deviation, read_deviations
 from frictionbench.results.rank_by import RankBy
@@ -47,8 +48,8 @@ class Run:
     """The contents of a results folder. Values that several readers need are computed once.
 
     rows: the solves table; simulations: without those of maps in closed loop, which are in map_simulations; thresholds: points
-    on each threshold, by map and name. rank_by: the time by which solvers are ranked; budget: a time for each problem, s, if
-    the reader has one. printed: whether lines have to differ without their colours.
+    on each threshold, by map and name; first_steps: of the scene at grid points, by map. rank_by: the time by which solvers are
+    ranked; budget: a time for each problem, s, if the reader has one. printed: whether lines have to differ without colours.
     """
 
     manifest: dict[str, Any]
@@ -57,6 +58,7 @@ class Run:
     map_simulations: pd.DataFrame = field(default_factory=pd.DataFrame)
     histories: list[ConvergenceHistory] = field(default_factory=list)
     thresholds: dict[str, dict[str, list[GridPoint]]] = field(default_factory=dict)
+    first_steps: dict[str, list[FirstSteps]] = field(default_factory=dict)
     shrunk: dict[str, Shrunk] = field(default_factory=dict)
     deviations: list[Deviation] = field(default_factory=list)
     folder: Path = Path()
@@ -136,10 +138,13 @@ def read_run(folder: Path, rank_by: RankBy = RankBy.BODIES, budget: float | None
     where = zip(simulations["scene"], simulations["scheme"], simulations["parameters"], strict=True)
     mapped = np.array([simulation in loops for simulation in where], dtype=bool)
     thresholds = {spec.name: read_thresholds(folder, spec) for spec in specs}
+    first_steps = {spec.name: read_first_steps(folder, spec) for spec in specs}
     solves = annotate(read_table(folder, "solves"))
     both = simulations[~mapped], simulations[mapped]
     reduced, deviations = read_shrunk(folder), read_deviations(folder)
-    run = Run(manifest, solves, *both, read_histories(folder), thresholds, reduced, deviations, folder, budget=budget)
+    run = Run(
+        manifest, solves, *both, read_histories(folder), thresholds, first_steps, reduced, deviations, folder, budget=budget
+    )
     return run.ranked_by(rank_by)
 
 

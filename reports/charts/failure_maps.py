@@ -16,6 +16,7 @@ from matplotlib.colors import to_hex
 
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing import tiles
+from frictionbench.reports.drawing.first_steps import picture
 from frictionbench.reports.drawing.polylines import polylines
 from frictionbench.reports.drawing.style import INK
 from frictionbench.reports.drawing.text import seconds
@@ -105,7 +106,10 @@ def _drawing(run: Run, cells: MapCells, fields: Sequence[Field], note: str, lege
     grid = Grid(_axis(spec.x), _axis(spec.y), {THRESHOLDS[name][1]: polylines(places) for name, places in traced.items()})
     panels = tuple(tiles.panel(field.title, _tiles(field), grid, field.ground) for field in fields)
     title = f"{spec.title or spec.name}. {spec.note}".removesuffix(". ")
-    return Drawing(title, spec.name, tuple(entries), panels, note, _facts(spec) | {"folder": str(run.folder)})
+    pictures = [picture(found) for found in run.first_steps.get(spec.name, ())]
+    return Drawing(
+        title, spec.name, tuple(entries), panels, note, _facts(spec) | {"folder": str(run.folder), "pictures": pictures}
+    )
 
 
 def _axis(axis: Axis) -> tiles.Axis:
@@ -260,7 +264,8 @@ VERDICTS = Chart(
     "small change of the data, the distance of the solution to a change of mode, and its condition. Then follows a panel for "
     "each solver that fails somewhere, with the share solved of the grid points where a solution is known. Small tiles "
     "are refinements between neighbours with different verdicts. Lines are analytical thresholds, traced from the mechanics "
-    "without a solver. Hover over a failure to read its reason; click a tile for its problem and the commands that solve it.",
+    "without a solver. Hover over a failure to read its reason; click a tile for its problem, "
+    "its first steps, and the commands that solve it.",
 )
 TYPES = Chart(
     name="map_types",

@@ -113,8 +113,20 @@ for (const title of document.querySelectorAll(".panels:not(.whole) > figure > h3
   title.append(button);
 }
 
-// Maps: a button enlarges a panel; a click on a tile tells its problem and the commands that solve and show it. The field of tiles
-// has its place within a panel from the transform of its group, and grid points count from its lower left corner.
+// Maps: a button enlarges a panel; a click on a tile tells its problem and the commands that solve and show it, and draws its first
+// steps. The field of tiles has its place within a panel from the transform of its group, and grid points count from its lower
+// left corner.
+function steps(picture) {
+  const element = (name, attributes) => {
+    const made = document.createElementNS("http://www.w3.org/2000/svg", name);
+    for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+    return made;
+  };
+  const svg = element("svg", { viewBox: picture.view, class: "steps", role: "img", "aria-label": "first steps" });
+  svg.append(element("path", { d: picture.ground, class: "ground" }));
+  picture.frames.forEach((d, k) => svg.append(element("path", { d, opacity: (k + 1) / picture.frames.length })));
+  return svg;
+}
 const shown = (value) => (typeof value === "number" ? String(Number(value.toPrecision(6))) : String(value));
 for (const data of document.querySelectorAll("script.facts")) {
   const facts = JSON.parse(data.textContent), told = data.previousElementSibling;
@@ -126,10 +138,11 @@ for (const data of document.querySelectorAll("script.facts")) {
       const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(field.getScreenCTM().inverse());
       const pick = (axis, line) => {
         const k = Math.round(2 * (line - 0.5));
-        return k < 0 || k >= axis.values.length ? undefined : axis.values[k - (event.target.closest("path, rect")?.querySelector("title") ? 0 : k % 2)];
+        return k < 0 || k >= axis.values.length ? undefined : k - (event.target.closest("path, rect")?.querySelector("title") ? 0 : k % 2);
       };
-      const x = pick(facts.x, at.x), y = pick(facts.y, at.y);
-      if (x === undefined || y === undefined) return;
+      const i = pick(facts.x, at.x), j = pick(facts.y, at.y);
+      if (i === undefined || j === undefined) return;
+      const x = facts.x.values[i], y = facts.y.values[j];
       const parameters = { ...facts.parameters, [facts.x.parameter]: x, [facts.y.parameter]: y };
       const scene = `${facts.scene}[${Object.entries(parameters).map(([name, value]) => `${name}=${shown(value)}`).join(",")}]`;
       const title = event.target.querySelector?.("title")?.textContent || "";
@@ -138,6 +151,11 @@ for (const data of document.querySelectorAll("script.facts")) {
       if (key) lines.push(`frictionbench rerun ${facts.folder} ${key[1]}`);
       lines.push(`frictionbench solve '${scene}'`, `frictionbench show '${scene}'${facts.scheme === "anitescu_potra" ? "" : ` --scheme ${facts.scheme}`}`);
       told.textContent = lines.join("\n");
+      const away = ({ at: [a, b] }) => Math.hypot(a - i / 2, b - j / 2);
+      if (facts.pictures.length) {
+        const nearest = facts.pictures.reduce((best, one) => (away(one) < away(best) ? one : best)), [a, b] = nearest.at;
+        told.append(`\nthe first steps${away(nearest) ? ` at ${facts.x.parameter} ${shown(facts.x.values[2 * a])}, ${facts.y.parameter} ${shown(facts.y.values[2 * b])}` : ""}, darker later:\n`, steps(nearest));
+      }
       told.hidden = false;
     });
   }
