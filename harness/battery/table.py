@@ -62,8 +62,8 @@ costs the same in every step. The columns *stiff* have much stiffer settings, of
   in proportion to the speed, and implicit steps damp besides, so that these rows are left out.
 * **PyBullet** is as it is by default, 50 sequential impulses a step, but without the damping of 4 % a second of every motion,
   which would be no error of a contact. *Stiff*: 1000 of them, none left out. A contact is made before bodies touch: the speed
-  after the impact is the rebound's less gap over step, so that a rebound depends on where a step meets the ground, at 2 and 1 ms
-  more than at 4.
+  after the impact is the rebound's less gap over step, so that a rebound depends on where a step meets the ground, at 2 and
+  1 ms more than at 4.
 * **Rapier** is as it is by default, in single precision: 4 substeps, soft contacts of 30 Hz (60 Hz on fixed bodies), and one
   friction for a group of contacts. *Stiff*: 20 substeps and 300 Hz. Its other model of friction, `COULOMB`, gave stopping
   distances 27 mm longer at each of these settings and is not used. A soft contact that carries a thousand times the weight of
