@@ -17,7 +17,7 @@ class Batch:
     problems: FrictionProblems, of any sizes; in the plane, in space, or both. Errors: InputError naming the entry that is none.
 
     groups: the packed problems of the plane and of space, with their numbers. Those with joints are in none: they are solved
-    one by one. first (N+1,): where the impulses of each problem begin in a flat array of all.
+    one by one. dimension (N,): that of the contacts. first (N+1,): where the impulses of each problem begin in a flat array.
 
     >>> import frictionbench as fb
     >>> batch = fb.Batch(fb.scene("stack", blocks=n, push=1.0).problem() for n in (1, 2, 3))
@@ -27,6 +27,7 @@ class Batch:
 
     problems: tuple[FrictionProblem, ...]
     groups: tuple[tuple[Index64, Packed], ...]
+    dimension: Index64
     first: Index64
 
     def __init__(self, problems: Iterable[FrictionProblem]) -> None:
@@ -40,6 +41,7 @@ class Batch:
                 members.setdefault(problem.dimension, []).append(k)
         numbers = [np.array(which) for which in members.values()]
         self.groups = tuple((which, pack([self.problems[k] for k in which])) for which in numbers)
+        self.dimension = np.array([problem.dimension for problem in self.problems], np.int64)
         self.first = np.concatenate([[0], np.cumsum(np.array(sizes, np.int64))])
 
     def __len__(self) -> int:

@@ -28,11 +28,12 @@ from frictionbench.problems.rows import Index32, Index64
 
 
 class Packed(NamedTuple):
-    """N problems with contacts of dimension d. first: (N+1, 14), a column for each of the other arrays up to q.
+    """N problems with contacts of dimension d. first: (N+1, 17), a column for each of the other arrays up to q.
 
     friction, friction_bias: of all contacts. start, column, J (entries, d): J by contacts (problems.rows). m_start, m_column,
-    m_value: M^-1 by rows. free: v*. bias: b. w_start, neighbours, block: W by blocks (problems.forms.delassus); starts count
-    within a problem. q (contacts*d,), scale, units (contacts,): as in FrictionProblem. spread: (N,).
+    m_value: M^-1 by rows. mass_start, mass_column, mass_value: M by rows. free: v*. bias: b. w_start, neighbours, block: W by
+    blocks (problems.forms.delassus); starts count within a problem. q (contacts*d,), offset (contacts, d), zero where only W is
+    known, scale, units (contacts,): as in FrictionProblem. spread: (N,).
     """
 
     friction: Array
@@ -43,6 +44,9 @@ class Packed(NamedTuple):
     m_start: Index32
     m_column: Index32
     m_value: Array
+    mass_start: Index32
+    mass_column: Index32
+    mass_value: Array
     free: Array
     bias: Array
     w_start: Index32
@@ -50,6 +54,7 @@ class Packed(NamedTuple):
     block: Array
     q: Array
     first: Index64
+    offset: Array
     scale: Array
     units: Array
     spread: Array
@@ -81,8 +86,11 @@ class Packed(NamedTuple):
         return self._replace(first=self.first[begin : end + 1], spread=self.spread[begin:end])
 
 
-CONTACT, _, START, COLUMN, _, M_START, M_COLUMN, _, VELOCITY, BIAS, W_START, BLOCK, _, Q = range(14)  # columns of first
+# Columns of first.
+CONTACT, _, START, COLUMN, _, M_START, M_COLUMN, _, MASS_START, MASS_COLUMN, _, VELOCITY, BIAS, W_START, BLOCK, _, Q = range(17)
+SAME = {1: CONTACT, 4: COLUMN, 7: M_COLUMN, 10: MASS_COLUMN, 15: BLOCK}  # the arrays that go along with another
 NONE, NOTHING = np.zeros(0, np.int32), np.zeros(0)
+NO_BLOCKS = {d: np.zeros((0, d, d)) for d in (2, 3)}
 
 
 def pack(problems: Sequence[FrictionProblem]) -> Packed:
@@ -90,10 +98,20 @@ def pack(problems: Sequence[FrictionProblem]) -> Packed:
     arrays = list(zip(*map(_pieces, problems), strict=True))
     first = np.zeros((len(problems) + 1, len(arrays)), np.int64)
     for a, pieces in enumerate(arrays):
-        first[1:, a] = np.fromiter(map(len, pieces), np.int64, len(problems)).cumsum()
+        same = SAME.get(a)
+        first[1:, a] = np.fromiter(map(len, pieces), np.int64, len(problems)).cumsum() if same is None else first[1:, same]
     first[:, Q] = first[:, CONTACT] * problems[0].dimension
-    given = Packed._make((*map(np.concatenate, arrays), first, NOTHING, NOTHING, NOTHING))
-    for array in (given.friction, given.friction_bias, given.free, given.bias):  # as in a problem: kernels see the same types
+    given = Packed._make((*map(np.concatenate, arrays), first, NOTHING, NOTHING, NOTHING, NOTHING))
+    offset = np.zeros((len(given.friction), problems[0].dimension))
+    offset[np.repeat(np.diff(first[:, START]) > 0, np.diff(first[:, CONTACT])), 0] = given.bias
+    given = given._replace(offset=offset)
+    for array in (
+        given.friction,
+        given.friction_bias,
+        given.free,
+        given.bias,
+        offset,
+    ):  # as in a problem: kernels see the same types
         array.setflags(write=False)
     q, scale, units, spread = _measured(given)
     q.setflags(write=False)
@@ -104,9 +122,9 @@ def pack(problems: Sequence[FrictionProblem]) -> Packed:
 def _pieces(problem: FrictionProblem) -> tuple[Any, ...]:
     law, operator, d = (problem.friction, problem.friction_bias), problem.operator, problem.dimension
     if problem.mechanical:
-        rows = *operator.contact_rows, *operator.inverse_rows, operator.free_velocity, operator.bias
-        return *law, *rows, NONE, NONE, np.zeros((0, d, d)), NOTHING
-    unmoved = NONE, NONE, np.zeros((0, d)), NONE, NONE, NOTHING, NOTHING, NOTHING
+        rows = *operator.contact_rows, *operator.inverse_rows, *operator.mass_rows, operator.free_velocity, operator.bias
+        return *law, *rows, NONE, NONE, NO_BLOCKS[d], NOTHING
+    unmoved = NONE, NONE, np.zeros((0, d)), NONE, NONE, NOTHING, NONE, NONE, NOTHING, NOTHING, NOTHING
     return *law, *unmoved, *operator.blocks, operator.q
 
 
@@ -137,6 +155,14 @@ def mechanics_of(packed, k):  # type: ignore[no-untyped-def]
         packed.free[a[VELOCITY] : b[VELOCITY]],
         packed.bias[a[BIAS] : b[BIAS]],
     )
+
+
+@part
+def mass_of(packed, k):  # type: ignore[no-untyped-def]
+    """Problem k's M by rows."""
+    a, b = packed.first[k], packed.first[k + 1]
+    entries = slice(a[MASS_COLUMN], b[MASS_COLUMN])
+    return packed.mass_start[a[MASS_START] : b[MASS_START]], packed.mass_column[entries], packed.mass_value[entries]
 
 
 @part

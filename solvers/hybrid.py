@@ -15,6 +15,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
@@ -22,6 +23,7 @@ from frictionbench.problems.packed import Packed, residuals
 from frictionbench.problems.residual import residual_with_floor
 from frictionbench.solvers.clock import is_over, left, within
 from frictionbench.solvers.interface import Answer, Solved, Solver, SolverInfo, Status, dense_storage, find, solver
+from frictionbench.solvers.interior_point import first_phase_of
 
 PLANAR = ("lemke", "interior_point", "path_search", "staggered", "anitescu_hart", "fischer_newton")
 SPATIAL = ("nsgs", "interior_point", "proximal_newton", "nncg", "apgd_coulomb", "staggered", "admm_coulomb", "anitescu_hart")
@@ -91,17 +93,29 @@ class Hybrid:
         return Answer(impulse, Status.STALLED, work, detail=f"the nearest answer is by {found_by}" if found_by else "")
 
     def solve_many(self, packed: Packed, tol: float, limit: int | None) -> Solved:
-        """The simpler first method's loop, where it comes first; what that does not solve goes through all members."""
+        """The loops of the first two members; what they do not solve goes through all members by itself."""
         nc, space = np.diff(packed.contacts), packed.dimension == 3
         simple = "nsgs" if space else "lemke"
         chosen = _sweeps_help(nc, np.diff(packed.velocities), 0) if space else nc <= PIVOTS
         loop: Any = find(simple)[1]
         own_limit = min(SWEEPS, limit or SWEEPS) if space else limit
-        found = loop.solve_many(packed._replace(spread=np.where(chosen, packed.spread, np.inf)), tol, own_limit)
-        tried = np.array([status is not None for status in found.status], bool)
-        solved = tried & (residuals(packed, found.impulse)[:, 0] <= tol)
-        work = {f"{simple} {unit}": counts for unit, counts in found.work.items()} | {"members": np.ones(len(nc), np.int64)}
-        return Solved(found.impulse, np.array([None, Status.SOLVED])[solved.astype(int)], work)
+        swept = loop.solve_many(_only(packed, chosen), tol, own_limit)
+        least = np.where(chosen, residuals(packed, swept.impulse)[:, 0], np.inf)
+        solved, members = least <= tol, np.ones(len(nc), np.int64)
+        work = {f"{simple} {unit}": counts for unit, counts in swept.work.items()} | {"members": members}
+        if not solved.all():
+            found = first_phase_of(_only(packed, ~solved), tol, limit, swept.impulse, ~solved & (least <= CLOSE))
+            work |= {f"interior_point {unit}": counts for unit, counts in found.work.items()}
+            members[chosen & ~solved] = 2
+            of_contact = np.repeat(~solved, nc)
+            swept.impulse[of_contact] = found.impulse[of_contact]
+            solved |= (found.status == Status.SOLVED) & (residuals(packed, found.impulse)[:, 0] <= tol)
+        return Solved(swept.impulse, np.array([None, Status.SOLVED])[solved.astype(int)], work)
+
+
+def _only(packed: Packed, chosen: NDArray[np.bool_]) -> Packed:
+    """The same problems, of which loops leave all but the chosen ones."""
+    return packed._replace(spread=np.where(chosen, packed.spread, np.inf))
 
 
 def _sweeps_help(nc: Any, velocities: Any, joints: Any) -> Any:

@@ -29,15 +29,18 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
+from frictionbench.problems.packed import Packed, residuals
 from frictionbench.problems.residual import residual
 from frictionbench.problems.rows import Index64
 from frictionbench.problems.separate import Parts, separate
-from frictionbench.solvers.interface import Answer, Status, impulses, solve, solver
+from frictionbench.solvers.interface import Answer, Solved, Status, impulses, solve, solver
 from frictionbench.solvers.interior.central_path import trace
 from frictionbench.solvers.interior.centred_point import centred_point
+from frictionbench.solvers.interior.first_phase import NO_GUESS, first_phase
 from frictionbench.solvers.interior.parts import solve_parts
 from frictionbench.solvers.interior.phases import Phase, Phased, Prepared, first_point, run
 from frictionbench.solvers.interior.point import Point, start_point
@@ -96,6 +99,12 @@ class InteriorPoint(Phased):
             return solve_parts(problem, parts, answer, tol, lambda part, own: self._part(part, own, tol, limit, start))
         return answer
 
+    def solve_many(self, packed: Packed, tol: float, limit: int | None) -> Solved:
+        """The first phase in a compiled loop; what that leaves is solved by itself."""
+        return first_phase_of(
+            packed, tol, limit, np.zeros((packed.contacts[-1], packed.dimension)), np.zeros(packed.size, bool)
+        )
+
     def _part(self, part: FrictionProblem, contacts: Index64, tol: float, limit: int | None, start: Array | None) -> Answer:
         return self.solve(self.setup(self.form(part)), tol, limit, None if start is None else start[contacts])
 
@@ -134,6 +143,14 @@ class InteriorPoint(Phased):
             yield trace, _widened(_around(problem, system, relaxed, distance), wide), long
         yield trace, _generic(system, *LAST_START), long
         yield trace, _around(problem, system, _guess(problem, start, spent), 1.0), long
+
+
+def first_phase_of(packed: Packed, tol: float, limit: int | None, guess: Array, guessed: NDArray[np.bool_]) -> Solved:
+    """The first phase of many problems, started around their impulses guess (contacts, d) where guessed (N,)."""
+    distance = np.full(packed.size, NO_GUESS)
+    if guessed.any():
+        distance[guessed] = np.maximum(residuals(packed, guess)[guessed, 0], LEAST_DISTANCE)
+    return first_phase(packed, guess, distance, tol, SHARE if limit is None else min(SHARE, limit), PATIENCE)
 
 
 def _nested(problem: FrictionProblem, spec: str, spent: dict[str, int], **options: Any) -> Array:

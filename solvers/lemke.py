@@ -156,7 +156,7 @@ def lemke(
 
 
 @loop
-def lemke_loop(packed, basis, tol, limit, restarts):  # type: ignore[no-untyped-def]
+def lemke_loop(packed, basis, copositive, tol, limit, restarts):  # type: ignore[no-untyped-def]
     """Packed problems one after the other: impulses, how each ended, and pivots, restarts and inversions (N, 3)."""
     r, ended, work = unsolved(packed, 3)
     none = np.empty(0, np.int64)
@@ -166,7 +166,9 @@ def lemke_loop(packed, basis, tol, limit, restarts):  # type: ignore[no-untyped-
         stretch, M, q, unit = scaled_lcp_of(packed, k, basis)
         own, most, cover = impulses_of(packed, k, r), limit if limit else 100_000 + 100 * len(q), np.empty(len(q))
         set_cover(cover, len(own))
-        ended[k], y, work[k, 0], work[k, 1], work[k, 2] = lemke(M, q, cover, unit, none, True, tol, most, np.inf, restarts)
+        ended[k], y, work[k, 0], work[k, 1], work[k, 2] = lemke(
+            M, q, cover, unit, none, copositive, tol, most, np.inf, restarts
+        )
         write_stretched(basis, y, stretch, own)
     return r, ended, work
 
@@ -205,7 +207,7 @@ class Lemke:
 
     def solve_many(self, packed: Packed, tol: float, limit: int | None) -> Solved:
         basis = tangent_basis(packed.dimension, self.facets)
-        r, ended, work = lemke_loop(packed, basis, MARGIN * tol, limit or 0, self.restarts)
+        r, ended, work = lemke_loop(packed, basis, True, MARGIN * tol, limit or 0, self.restarts)
         return solved(r, ended, STATUSES, work, ("pivots", "restarts", "inversions"))
 
 

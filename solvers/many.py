@@ -73,8 +73,9 @@ def solve_many(
     problems: FrictionProblems of any sizes, or a Batch of them, which is packed already.
     spec, tol, limit: as in `solve`. workers: threads, each on a share of the problems.
 
-    Solvers with a loop of their own (lemke, dantzig, nsgs and hybrid's first member) go over all problems in compiled code; for
-    others and for problems with joints this is a loop over `solve`, which threads do not make faster.
+    Solvers with a loop of their own (lemke, dantzig, path_search, nsgs, interior_point's first phase and hybrid's first two
+    members) go over all problems in compiled code; for others, for problems with joints and for what a loop does not solve this
+    is a loop over `solve`, which threads do not make faster.
 
     Returns Answers: the impulses, statuses and counts as arrays, and each answer's residual on the exact problem.
     Errors: InputError as for `solve`, with the number of the problem that the solver does not take.
@@ -91,14 +92,14 @@ def solve_many(
     require(whole and workers >= 1, "workers", f"must be a whole number, at least 1, got {workers!r}")
     batch = problems if isinstance(problems, Batch) else Batch(problems)
     _require_taken(info, batch)
-    dimension = np.array([problem.dimension for problem in batch], np.int64)
     count, flat = len(batch), np.zeros(batch.first[-1])
-    answers = Answers(flat, batch.first, dimension, np.full(count, None), {}, np.empty(count), np.empty(count), tol)
+    answers = Answers(flat, batch.first, batch.dimension, np.full(count, None), {}, np.empty(count), np.empty(count), tol)
     if hasattr(instance, "solve_many"):
         for numbers, packed in batch.groups:
             _fill(answers, numbers, packed, *_looped(instance, packed, tol, limit, int(workers)))
-    rounded = (answers.status == Status.SOLVED) & (answers.floor > tol) & info.ours
-    answers.status[rounded] = Status.ROUNDING
+    for k in np.flatnonzero(answers.floor > tol).tolist() if info.ours else ():
+        if answers.status[k] is Status.SOLVED:
+            answers.status[k] = Status.ROUNDING
     for k in [k for k, status in enumerate(answers.status) if status is None]:
         _solve_alone(answers, k, batch.problems[k], spec, limit)
     return answers
@@ -135,9 +136,12 @@ def _looped(instance: Solver, packed: Packed, tol: float, limit: int | None, wor
 
 def _fill(answers: Answers, numbers: Index64, packed: Packed, solved: Solved, found: Array) -> None:
     """Write the results of the problems of these numbers to their places."""
-    begin = packed.contacts * packed.dimension
-    shift = np.repeat(answers.first[numbers] - begin[:-1], np.diff(begin))
-    answers.impulse[np.arange(begin[-1]) + shift] = solved.impulse.ravel()
+    if len(numbers) == len(answers):
+        answers.impulse[:] = solved.impulse.ravel()
+    else:
+        begin = packed.contacts * packed.dimension
+        shift = np.repeat(answers.first[numbers] - begin[:-1], np.diff(begin))
+        answers.impulse[np.arange(begin[-1]) + shift] = solved.impulse.ravel()
     answers.status[numbers] = solved.status
     answers.residual[numbers], answers.floor[numbers] = found.T
     for name, counts in solved.work.items():

@@ -41,10 +41,13 @@ import numpy as np
 
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array, require
-from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.compiled import kernel, loop, part
+from frictionbench.problems.forms.lcp import friction_rows, tangent_basis
+from frictionbench.problems.packed import Packed, Q, blocks_of, law_of
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.clock import deadline
-from frictionbench.solvers.interface import Answer, Status, solver
+from frictionbench.solvers.interface import Answer, Solved, Status, solver
+from frictionbench.solvers.loops import impulses_of, is_alone, solved, unsolved
 from frictionbench.solvers.pivots.lu_basis import (
     Columns,
     LUBasis,
@@ -54,13 +57,17 @@ from frictionbench.solvers.pivots.lu_basis import (
     factorise_basis,
     largest_magnitude,
     orientation,
+    overflowed,
+    room,
     roomier_basis,
     roomy_basis,
     set_complementary_basis,
+    stored_basis,
 )
 from frictionbench.solvers.pivots.natural import MARGIN, exact_residual, natural_residual, own_measures, scaled_and_weighed
 from frictionbench.solvers.pivots.newton_path import FACTORISATIONS, LIMIT, NEWTON, RAY, SINGULAR, follow_newton_path, is_ray
 from frictionbench.solvers.pivots.ordering import in_order
+from frictionbench.solvers.pivots.packed_lcp import write_stretched
 from frictionbench.solvers.pivots.vectors import fill, put
 
 SHIFT = 0.3  # size of the residual at a crash point, relative to the largest scaled q: smaller ones leave paths with near ties
@@ -108,11 +115,11 @@ class PathSearch:
 
     def solve(self, prepared: "Prepared", tol: float, limit: int | None, start: Array | None = None) -> Answer:
         problem, lcp, stretch, order, columns, basis, q, weight, noise = prepared
-        limit = 50 * lcp.size + 1000 if limit is None else limit
+        limit = default_limit(lcp.size) if limit is None else limit
         target = MARGIN * tol
         settings = q, weight, noise, target, limit, deadline(), self.crash, self.proximal
         y, least, end, ray, work = search(columns, basis, *settings)
-        while basis.size[2]:  # a factor did not fit into its storage
+        while overflowed(basis):
             basis = roomier_basis(basis)
             y, least, end, ray, work = search(columns, basis, *settings)
         z = np.empty(lcp.size)
@@ -127,8 +134,23 @@ class PathSearch:
             status = Status.BREAKDOWN
         else:
             status = Status.RAY if ray else Status.STALLED
-        names = ("pivots", "factorisations", "crash", "newton", "restarts")
-        return Answer(impulse, status, dict(zip(names, work.tolist(), strict=True)), z=z)
+        return Answer(impulse, status, dict(zip(COUNTS, work.tolist(), strict=True)), z=z)
+
+    def solve_many(self, packed: Packed, tol: float, limit: int | None) -> Solved:
+        """One compiled loop; what it does not solve is left to `solve`, which judges it by the exact residual."""
+        basis = tangent_basis(packed.dimension, self.facets)
+        sizes = np.diff(packed.contacts) * (len(basis[0]) + 1)
+        widest = int(sizes.max(initial=0))
+        first, noise = np.zeros(widest + 1, np.int64), [np.zeros(0)]
+        for n in np.unique(sizes).tolist():
+            first[n] = sum(map(len, noise))
+            noise.append(perturbations(self.seed, self.restarts + 1, n).ravel())
+        settings = self.restarts + 1, MARGIN * tol, limit or 0, self.crash, float(self.proximal)
+        r, ended, work = search_loop(packed, basis, np.concatenate(noise), first, *settings)
+        return solved(r, ended, (Status.SOLVED,), work, COUNTS)
+
+
+COUNTS = "pivots", "factorisations", "crash", "newton", "restarts"
 
 
 class Formed(NamedTuple):
@@ -165,6 +187,45 @@ class Prepared(NamedTuple):
 
 
 @kernel
+def default_limit(n):  # type: ignore[no-untyped-def]
+    """Of the pivots on n unknowns."""
+    return 50 * n + 1000
+
+
+@loop
+def search_loop(packed, basis, noise, place, attempts, tol, limit, steps, proximal):  # type: ignore[no-untyped-def]
+    """Packed problems one after the other: impulses, how each ended, 0 where solved, and the counts (N, 5).
+
+    noise: the perturbations of all attempts on n unknowns from place[n] on.
+    """
+    r, ended, work = unsolved(packed, 5)
+    for k in range(len(ended)):
+        if is_alone(packed, k):
+            continue
+        first, neighbours, block = blocks_of(packed, k)
+        mu, wider, scale, units = law_of(packed, k)
+        q = packed.q[packed.first[k, Q] : packed.first[k + 1, Q]]
+        start, column, value, right = friction_rows(first, neighbours, block, q, mu, wider, basis)
+        D, theta, weight = scaled_and_weighed(start, column, value, right, scale, units)
+        begin, row, entry, own_q, own_weight, order, stretch = in_order(start, column, value, right, D, theta, weight, len(mu))
+        n = len(right)
+        columns = Columns(begin, row, entry, np.zeros(n), np.zeros(n))
+        lu = stored_basis(n, room(n, len(entry)))
+        own_noise = noise[place[n] : place[n] + attempts * n].reshape(attempts, n)
+        most = limit if limit else default_limit(n)
+        y, least, _, _, counts = search(columns, lu, own_q, own_weight, own_noise, tol, most, np.inf, steps, proximal)
+        if least <= tol and not overflowed(lu):
+            ended[k] = 0
+            z = np.empty(n)
+            for i in range(n):
+                z[order[i]] = y[i]
+            for i in range(5):
+                work[k, i] = counts[i]
+            write_stretched(basis, z, stretch, impulses_of(packed, k, r))
+    return r, ended, work
+
+
+@kernel
 def search(columns, basis, q, weight, noise, tol, limit, until, steps, proximal):  # type: ignore[no-untyped-def]
     """Newton's method from z = 0: the best z found, its residual, how the last path ended, whether on a true ray; work."""
     n = len(q)
@@ -188,11 +249,10 @@ def search(columns, basis, q, weight, noise, tol, limit, until, steps, proximal)
         for i in range(n):  # residual r of x: -delta on A; below, with w_i = max(F_i, 0) + delta_i
             columns.cover[i] = -delta[i] if A[i] else min(w[i] - delta[i], 0.0) - delta[i]
             right[i] = columns.cover[i] - along[i]
-        if basis.size[2]:
-            break
-        end = follow_newton_path(basis, columns, right, v, limit, until, work)
+        if not overflowed(basis):
+            end = follow_newton_path(basis, columns, right, v, limit, until, work)
         residual = np.inf
-        if basis.size[2]:
+        if overflowed(basis):
             break
         if end == NEWTON:
             residual = newton_point(basis, columns, q, weight, v, z, w, work)

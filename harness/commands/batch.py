@@ -2,11 +2,12 @@
 
     python -m frictionbench.harness.commands.batch > docs/performance.md
 
-At each size the problems are stacks of as many contacts, each with its own push, friction and mass ratio. All ways of solving
-them are timed in turn, ROUNDS times, by the processor's time, which another process on the core does not change, and the least
-time counts; threads by the wall's. Rates are relative to single calls of lemke on the same problems in the same run. A rate is
-refused where it says nothing: without contacts, where friction is idle in all problems, and where a residual is above TOL; that
-of threads where the machine's load was above QUIET beforehand.
+At each size the problems are stacks of as many contacts, of boxes in the plane and of cubes in space, each with its own push,
+friction and mass ratio. All ways of solving them are timed in turn, ROUNDS times, by the processor's time, which another
+process on the core does not change, and the least time counts; threads by the wall's. Rates are relative to single calls of
+lemke, in space of hybrid, on the same problems in the same run. A rate is refused where it says nothing: without contacts,
+where friction is idle in all problems, and where a residual is above TOL; that of threads where the machine's load was above
+QUIET beforehand.
 """
 
 import os
@@ -26,12 +27,19 @@ from frictionbench.problems import FrictionProblem, scene
 from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.batch import Batch
 from frictionbench.problems.check import Array
+from frictionbench.problems.instances import make_instance
 from frictionbench.problems.packed import residuals
 from frictionbench.solvers import Status, available, solve, solve_many
 from frictionbench.solvers.pivots.dense_lcp import dense_lcp
 
-SIZES = {2: 500, 4: 300, 10: 150, 20: 60, 40: 20}  # problems of so many contacts: some hundredths of a second each
-LOOPED = ("lemke", "dantzig", "nsgs", "hybrid")
+# By the contacts' dimension: problems of so many contacts, some hundredths of a second each; the methods with a loop; single
+# calls of which method the rates are relative to.
+SIZES = {2: {2: 500, 4: 300, 10: 150, 20: 60, 40: 20}, 3: {4: 100, 12: 30, 40: 10}}
+LOOPED = {
+    2: ("lemke", "dantzig", "path_search", "nsgs", "interior_point", "hybrid"),
+    3: ("nsgs", "interior_point", "hybrid"),
+}
+BASE = {2: "lemke", 3: "hybrid"}
 ALONE = ("osqp", "daqp")  # one by one: their loop is Python's
 TOL, ROUNDS, SAMPLE, AGAIN, SEED = 1e-8, 5, 20, 10, 1
 QUIET = 0.5  # processes that wait for a core, by the system's mean over a minute
@@ -40,14 +48,14 @@ HEAD = """# Performance
 ## By the thousand
 
 Made by `python -m frictionbench.harness.commands.batch`. Problems a second in a loop over stacks, each with its own push (0.2
-to 2 m/s), friction (0.2 to 0.8) and mass ratio (1 to 10), **relative to single calls of `solve(problem, "lemke")`** on the same
-problems in the same run; processor's time, least of {rounds} rounds in turn. *packed* is `solve_many` over a `Batch`, form,
-solve and the residual of every answer included; *with packing* over a list of problems. *p50*, *p95* and *worst* are the times
-of a problem in the packed loop, of {sample} problems repeated {again} times each, over the mean time of a single call of lemke.
-*threads* is the rate of the packed loop on {workers} cores over that on one, by the wall's clock; *busy* where other processes
-ran. The loop of quantecon is its own compiled kernel called from compiled code, on dense matrices made beforehand: without form
-and residuals, which ours include. osqp and daqp solve the convex relaxation. Compiling and loading kernels is in no figure; all
-starts are cold, from zero impulses.
+to 2 m/s), friction (0.2 to 0.8) and mass ratio (1 to 10), **relative to single calls of `solve(problem, "lemke")`**, in space
+of `solve(problem, "hybrid")`, on the same problems in the same run; processor's time, least of {rounds} rounds in turn.
+*packed* is `solve_many` over a `Batch`, form, solve and the residual of every answer included; *with packing* over a list of
+problems. *p50*, *p95* and *worst* are the times of a problem in the packed loop, of {sample} problems repeated {again} times
+each, over the mean time of such a single call. *threads* is the rate of the packed loop on {workers} cores over that on one,
+by the wall's clock; *busy* where other processes ran. The loop of quantecon is its own compiled kernel called from compiled
+code, on dense matrices made beforehand: without form and residuals, which ours include. osqp and daqp solve the convex
+relaxation. Compiling and loading kernels is in no figure; all starts are cold, from zero impulses.
 
 A rate is shown only where every residual is within 1e-8; otherwise the share that is.
 """
@@ -55,10 +63,11 @@ A rate is shown only where every residual is within 1e-8; otherwise the share th
 
 @dataclass(frozen=True)
 class Case:
-    """Problems of one size. active: the share of contacts that bear in lemke's answers. idle: of problems without need of
-    friction, by SAMPLE of them."""
+    """Problems of one size. active: the share of contacts that bear. idle: of problems without need of friction, by SAMPLE of
+    them."""
 
     contacts: int
+    dimension: int
     problems: tuple[FrictionProblem, ...]
     active: float
     idle: float
@@ -75,7 +84,7 @@ class Way:
 
 @dataclass(frozen=True)
 class Rate:
-    """Of one way to solve a case: how often as many problems a second as single calls of lemke, and the share verified."""
+    """Of one way to solve a case: how often as many problems a second as single calls of BASE, and the share verified."""
 
     way: str
     ratio: float
@@ -93,37 +102,42 @@ def refusal(case: Case, rate: Rate) -> str:
     return "" if rate.verified == 1 else f"{100 * rate.verified:.0f} % verified"
 
 
-def make_case(contacts: int, count: int) -> Case:
+def make_case(dimension: int, contacts: int, count: int) -> Case:
     """So many stacks of as many contacts, from SEED."""
     rng = np.random.default_rng([SEED, contacts])
     settings = [
         {"push": rng.uniform(0.2, 2), "friction": rng.uniform(0.2, 0.8), "mass_ratio": rng.uniform(1, 10)} for _ in range(count)
     ]
-    problems = tuple(scene("stack", blocks=contacts // 2, **each).problem() for each in settings)
-    answers = solve_many(problems, "lemke", tol=TOL)
+    if dimension == 2:
+        problems = tuple(scene("stack", blocks=contacts // 2, **each).problem() for each in settings)
+    else:
+        problems = tuple(make_instance("cubes", boxes=contacts // 4, **each) for each in settings)
+    spec = BASE[dimension]
+    answers = solve_many(problems, spec, tol=TOL)
     bearing = np.concatenate([answers[k][:, 0] > 0 for k in range(count)])
-    rested = [idle(problem, lambda given: solve(given, "lemke").impulse) for problem in problems[:SAMPLE]]
-    return Case(contacts, problems, float(bearing.mean()), float(np.mean(rested)))
+    rested = [idle(problem, lambda given: solve(given, spec).impulse) for problem in problems[:SAMPLE]]
+    return Case(contacts, dimension, problems, float(bearing.mean()), float(np.mean(rested)))
 
 
 def rates(case: Case, workers: int, quiet: bool) -> Iterator[Rate]:
     """All ways of solving the case, called in turn in each round; threads only on a quiet machine."""
     whole, sample = Batch(case.problems), Batch(case.problems[:SAMPLE])
     ways: dict[str, Way] = {}
-    for spec in ("lemke", *ALONE):
-        if available()[spec].missing is None:
+    base = BASE[case.dimension]
+    for spec in (base, *ALONE):
+        if available()[spec].missing is None and available()[spec].refuses(case.problems[0]) is None:
             ways[f"{spec}, single calls"] = Way(sample, partial(_one_by_one, sample, spec))
-    for spec in LOOPED:
+    for spec in LOOPED[case.dimension]:
         ways[f"{spec}, packed"] = Way(whole, partial(_many, whole, spec))
         ways[f"{spec}, with packing"] = Way(whole, partial(_many, case.problems, spec))
-    if available()["quantecon"].missing is None:
+    if case.dimension == 2 and available()["quantecon"].missing is None:
         ways["quantecon, compiled loop"] = quantecon(whole)
     verified = {name: _verified(way) for name, way in ways.items()}  # also compiles and loads
     least = dict.fromkeys(ways, np.inf)
     for _ in range(ROUNDS):
         for name, way in ways.items():
             least[name] = min(least[name], _seconds(way.run, process_time) / len(way.batch))
-    single = least["lemke, single calls"]
+    single = least[f"{base}, single calls"]
     for name in ways:
         spec, _, how = name.partition(", ")
         details = _details(whole, spec, single, workers if quiet else 1) if how == "packed" else ()
@@ -192,7 +206,7 @@ def quantecon(batch: Batch) -> Way:
 def table(case: Case, found: list[Rate]) -> str:
     """The rates of a case in Markdown."""
     lines = [
-        f"### {case.contacts} contacts",
+        f"### {case.contacts} contacts in {'the plane' if case.dimension == 2 else 'space'}",
         f"{len(case.problems)} problems; {100 * case.active:.0f} % of the contacts bear, and in {100 * case.idle:.0f} % of the "
         "problems friction is idle.",
         "| | rate | p50 | p95 | worst | threads |\n|---|--:|--:|--:|--:|--:|",
@@ -210,7 +224,7 @@ def page() -> str:
     """docs/performance.md."""
     workers, quiet = len(os.sched_getaffinity(0)), os.getloadavg()[0] < QUIET
     head = HEAD.format(rounds=ROUNDS, sample=SAMPLE, again=AGAIN, workers=workers)
-    cases = [make_case(contacts, count) for contacts, count in SIZES.items()]
+    cases = [make_case(dimension, *each) for dimension, sizes in SIZES.items() for each in sizes.items()]
     return "\n".join([head, *(table(case, list(rates(case, workers, quiet))) for case in cases), section()])
 
 

@@ -49,13 +49,13 @@ def new_point(system: System) -> Point:
 
 def start_point(system: System, impulse: float, speed: float) -> Point:
     """Impulses of `impulse` times what stops a unit velocity at their contact, and `speed`; nothing tangential in space."""
-    x, s = _start(system.weight, system.pairs, space_of(system), impulse, speed)
+    x, s = start_pairs(system.weight, system.pairs, space_of(system), impulse, speed)
     return Point(x, s, np.zeros((len(system.joint_bias), 1)))
 
 
 @kernel
-def _start(weight: Array, pairs: Index64, space: Space, impulse: float, speed: float) -> tuple[Array, Array]:
-    """x and s."""
+def start_pairs(weight: Array, pairs: Index64, space: Space, impulse: float, speed: float) -> tuple[Array, Array]:
+    """The x and s of start_point."""
     x, s = np.zeros((len(weight), 4)), np.zeros((len(weight), 4))
     for i in range(len(x)):
         own = impulse / weight[i]

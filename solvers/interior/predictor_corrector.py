@@ -59,10 +59,13 @@ class Workspace(NamedTuple):
 
 
 def new_workspace(system: System) -> Workspace:
-    nc, nj = len(system.friction), len(system.joint_bias)
+    return workspace_around(new_work(system), len(system.friction), len(system.joint_bias), deadline())
+
+
+def workspace_around(work: Work, nc: int, nj: int, until: float) -> Workspace:
     pairs, joints = np.zeros((5, nc, 4)), np.zeros((2, nj, 1))
     step, defect = Point(pairs[0], pairs[1], joints[0]), Point(pairs[2], pairs[3], joints[1])
-    return Workspace(step, defect, pairs[4], new_work(system), deadline())
+    return Workspace(step, defect, pairs[4], work, until)
 
 
 @kernel

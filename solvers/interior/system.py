@@ -94,8 +94,9 @@ def new_work(system: System) -> Work:
     (nc, d), nv = system.offset.shape, len(system.free_velocity)
     storage, swap, joints = np.zeros(system.fronts.start[-1]), np.zeros(nv, np.int64), np.zeros((len(system.joint_bias), 1))
     own, contact, velocity = np.zeros((3, nc, 4)), np.zeros((2, nc, d)), np.zeros((2, nv))
-    factors = np.array([SOFTNESS]), storage, swap
-    return Work(*factors, own[0], own[1], own[2], contact[0], contact[1], joints, velocity[0], velocity[1])
+    return Work(
+        np.full(1, SOFTNESS), storage, swap, own[0], own[1], own[2], contact[0], contact[1], joints, velocity[0], velocity[1]
+    )
 
 
 def space_of(system: System) -> Space:
@@ -110,8 +111,8 @@ def in_velocities(problem: FrictionProblem) -> FrictionProblem:
 
 def build_system(problem: FrictionProblem, relaxed: bool = False) -> System:
     """Scale a problem, or its convex relaxation, find the order of elimination and lay out its matrices."""
-    nc, scale, speed = problem.contacts, problem.scale, float(largest(problem.units)) or 1.0
-    impulse = speed / float(np.exp(np.add.reduce(np.log(scale)) / nc)) if nc else speed
+    scale = problem.scale
+    speed, impulse = units_of(problem.units, scale)
     if not problem.mechanical:
         contacts, own, ratio = _delassus_elements(*problem.blocks, impulse / speed), 1.0, 1.0
     else:  # v = speed * unit * v^
@@ -119,11 +120,22 @@ def build_system(problem: FrictionProblem, relaxed: bool = False) -> System:
         contacts, own, ratio = (*rows, rows.value), impulse / speed, speed / impulse
     laws = problem.friction, problem.friction_bias, scale, problem.offset, problem.free_velocity, problem.joint_bias
     matrices = *problem.joint_rows, *problem.mass_rows, *problem.inverse_rows
-    return _system(*contacts, *matrices, *laws, own, ratio, relaxed, speed, impulse)
+    return system_of(*contacts, *matrices, *laws, own, ratio, relaxed, speed, impulse)
 
 
 @kernel
-def _system(  # type: ignore[no-untyped-def]
+def units_of(units, scale):  # type: ignore[no-untyped-def]
+    """The largest unit of the contacts, 1 where nothing moves, and the impulse that it takes at the geometric mean of s."""
+    speed, total = largest(units), 0.0
+    if speed == 0:
+        speed = 1.0
+    for s in scale:
+        total += np.log(s)
+    return speed, speed / np.exp(total / len(scale)) if len(scale) else speed
+
+
+@kernel
+def system_of(  # type: ignore[no-untyped-def]
     start, column, push, read, f_start, f_column, f_value, m_start, m_column, m_value, i_start, i_column, i_value,
     friction, friction_bias, scale, offset, free, joint_bias, own, ratio, relaxed, speed, impulse,
 ):  # fmt: skip

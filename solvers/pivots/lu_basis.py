@@ -69,24 +69,42 @@ def new_basis(n: int, entries: int | None = None) -> LUBasis:
 
     The basis is all w, and not yet factorised.
     """
-    whole, storage = np.int64, n * n if entries is None else min(entries, n * n)
-    L, U = (Factor(np.zeros(n + 1, whole), np.empty(storage, whole), np.empty(storage)) for _ in range(2))
-    rows = np.zeros((5, n), whole)
-    slack, sizes, values = np.zeros(n, bool), np.zeros(3, whole), np.zeros((2, n))
-    updates = np.empty((UPDATES, n)), np.zeros(UPDATES, whole)
+    return stored_basis(n, n * n if entries is None else min(entries, n * n))
+
+
+@kernel
+def stored_basis(n, storage):  # type: ignore[no-untyped-def]
+    """A new basis with so much storage for each factor."""
+    L = Factor(np.zeros(n + 1, np.int64), np.empty(storage, np.int64), np.empty(storage))
+    U = Factor(np.zeros(n + 1, np.int64), np.empty(storage, np.int64), np.empty(storage))
+    rows, values = np.zeros((5, n), np.int64), np.zeros((2, n))
     return LUBasis(
-        np.arange(n, 2 * n), sizes, rows[0], rows[1], L, U, values[0], slack, rows[2], values[1], rows[3], rows[4], *updates
-    )
+        np.arange(n, 2 * n), np.zeros(3, np.int64), rows[0], rows[1], L, U, values[0], np.zeros(n, np.bool_), rows[2],
+        values[1], rows[3], rows[4], np.empty((UPDATES, n)), np.zeros(UPDATES, np.int64),
+    )  # fmt: skip
+
+
+@kernel
+def room(n, entries):  # type: ignore[no-untyped-def]
+    """Entries of a factor that suffice for most bases of n unknowns and so many entries of M."""
+    return min(n * n, max(DENSE * DENSE, FILL * entries))
 
 
 def roomy_basis(columns: Columns) -> LUBasis:
     """A new basis with room for the fill of most bases of these columns."""
-    return new_basis(len(columns.cover), max(DENSE * DENSE, FILL * len(columns.value)))
+    n = len(columns.cover)
+    return stored_basis(n, room(n, len(columns.value)))
 
 
 def roomier_basis(basis: LUBasis) -> LUBasis:
     """A new basis with four times the room."""
     return new_basis(len(basis.head), 4 * len(basis.L.value))
+
+
+@kernel
+def overflowed(basis):  # type: ignore[no-untyped-def]
+    """Whether a factor did not fit into its storage when the basis was last factorised."""
+    return basis.size[2] > 0
 
 
 @kernel

@@ -7,9 +7,9 @@ import frictionbench as fb
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.packed import Packed
 from frictionbench.solvers import many
-from frictionbench.solvers.interface import Solved
+from frictionbench.solvers.interface import Solved, find
 
-LOOPED = ("lemke", "dantzig", "nsgs", "hybrid")
+LOOPED = ("lemke", "dantzig", "nsgs", "path_search", "interior_point", "hybrid")
 
 
 @pytest.fixture(scope="module")
@@ -25,10 +25,12 @@ def planar() -> list[FrictionProblem]:
 
 @pytest.fixture(scope="module")
 def spatial() -> list[FrictionProblem]:
-    """Spheres and cubes, with W only as well, and a problem that nsgs leaves to the other members of hybrid."""
+    """Spheres and cubes, with W only as well; the last but one and two are left by nsgs to the interior point, with and without
+    a start, and the last is the interior point's first."""
     spheres, cubes = fb.instance("sphere_pyramid", levels=2), fb.instance("cubes", boxes=1)
     known = FrictionProblem.from_delassus(spheres.W, spheres.q, spheres.friction, 3)
-    return [spheres, cubes, known, fb.instance("random_bodies", contacts=4)]
+    left = fb.instance("cubes", boxes=1, friction=0.8, twist=3.0), fb.instance("random_bodies", contacts=5)
+    return [spheres, cubes, known, *left, fb.instance("cubes", boxes=2)]
 
 
 def assert_as_one_by_one(problems: list[FrictionProblem], spec: str, workers: int) -> None:
@@ -45,6 +47,29 @@ def assert_as_one_by_one(problems: list[FrictionProblem], spec: str, workers: in
 @pytest.mark.parametrize("spec", LOOPED)
 def test_same_as_one_by_one(spec: str, planar: list[FrictionProblem], spatial: list[FrictionProblem]) -> None:
     assert_as_one_by_one([*planar, *spatial], spec, workers=1)
+
+
+@pytest.mark.parametrize("spec", LOOPED)
+def test_loops_leave_next_to_nothing(spec: str, planar: list[FrictionProblem]) -> None:
+    """What a loop leaves is solved one by one, so that the answers alone do not show that there is a loop."""
+    ((_, packed),) = fb.Batch(planar[:3]).groups
+    found = find(spec)[1].solve_many(packed, 1e-8, None)  # type: ignore[attr-defined]
+    assert found.status.tolist() == [fb.Status.SOLVED] * 3
+
+
+def test_hybrid_goes_from_sweeps_to_the_interior_point(spatial: list[FrictionProblem]) -> None:
+    ((_, packed),) = fb.Batch(spatial[3:]).groups
+    found = find("hybrid")[1].solve_many(packed, 1e-8, None)  # type: ignore[attr-defined]
+    assert found.work["members"].tolist() == [2, 2, 1]
+    assert (found.work["interior_point iterations"] > 0).all()
+
+
+def test_a_limit_is_that_of_one_by_one(planar: list[FrictionProblem]) -> None:
+    for spec in ("path_search", "interior_point"):
+        answers = fb.solve_many(planar[:2], spec, limit=4)
+        single = [fb.solve(problem, spec, limit=4) for problem in planar[:2]]
+        assert answers.status.tolist() == [answer.status for answer in single]
+        np.testing.assert_array_equal(answers[1], single[1].impulse)
 
 
 def test_same_in_threads(planar: list[FrictionProblem]) -> None:
