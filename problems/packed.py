@@ -105,13 +105,7 @@ def pack(problems: Sequence[FrictionProblem]) -> Packed:
     offset = np.zeros((len(given.friction), problems[0].dimension))
     offset[np.repeat(np.diff(first[:, START]) > 0, np.diff(first[:, CONTACT])), 0] = given.bias
     given = given._replace(offset=offset)
-    for array in (
-        given.friction,
-        given.friction_bias,
-        given.free,
-        given.bias,
-        offset,
-    ):  # as in a problem: kernels see the same types
+    for array in (*given[:2], given.free, given.bias, given.q, offset):  # as in a problem: kernels see the same types
         array.setflags(write=False)
     q, scale, units, spread = _measured(given)
     q.setflags(write=False)
@@ -205,7 +199,7 @@ def _measured(packed):  # type: ignore[no-untyped-def]
             at += len(own_q)
             first, neighbours, block = known_blocks(packed, k)
             own_scale = block_scale(first, neighbours, block)
-            unit = delassus_units(first, neighbours, block, own_q, own_scale, wider)
+            unit = delassus_units(first, neighbours, block, packed.q[at - len(own_q) : at], own_scale, wider)
         unlike[k] = spread(unit)
         for i in range(end - begin):
             scale[begin + i], units[begin + i] = own_scale[i], unit[i]

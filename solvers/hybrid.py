@@ -72,13 +72,12 @@ class Hybrid:
         problem = prepared.problem
         impulse, least, found_by = np.zeros((problem.contacts, problem.dimension)), np.inf, ""
         work: dict[str, int] = {}
-        for tried, (info, member) in enumerate(prepared.members, start=1):
-            if dense_storage(member, problem) > STORAGE:
-                continue
+        fitting = (each for each in prepared.members if dense_storage(each[1], problem) <= STORAGE)
+        for tried, (info, member) in enumerate(fitting, start=1):
             stage = prepared.first if tried == 1 else member.prepare(problem)
             own_limit = (SWEEPS if limit is None else min(SWEEPS, limit)) if info.name == "nsgs" else limit
             guess = impulse if least <= CLOSE else start
-            share = left() / (2 if tried < len(prepared.members) else 1)
+            share = left() / (1 if member is prepared.members[-1][1] else 2)
             with within(share) if share < np.inf else ALL_THE_TIME:
                 answer = member.solve(stage, tol, own_limit, guess if info.warm_start else None)
             work |= {f"{info.name} {unit}": count for unit, count in answer.work.items()} | {"members": tried}

@@ -39,9 +39,14 @@ class FewJoints:
         held: Array = velocity - self.response @ (self.inverse @ off)
         return held
 
-    def solution(self, unit: Array, root: Array) -> Array:
-        """A velocity that satisfies the equations, where one does: of least squares in rows of `unit`, velocities of `root`."""
-        F = self._dense * root / unit[:, None]
+    def solution(self) -> Array:
+        """A velocity that satisfies the equations, where one does: of least squares, with each velocity in that of a unit of
+        kinetic energy, and each equation in the speed that such velocities give it."""
+        root = np.sqrt(self.inverse_mass.matrix(len(self.response)).diagonal())
+        F = self._dense * root
+        size = np.linalg.norm(F, axis=1)
+        unit = np.where(size > 0, size, 1.0)
+        F /= unit[:, None]
         check.require(bool(np.isfinite(F).all()), "joints", "F M^-1 F' overflows")
         v: Array = lstsq(F, -self.bias / unit, cond=np.sqrt(_dependent(len(F))), lapack_driver="gelsy")[0]
         return v * root

@@ -33,7 +33,8 @@ class ManyJoints:
     jacobian: sparse.csr_array
 
     def __post_init__(self) -> None:
-        G = self.joints @ self.inverse_mass @ self.joints.T
+        response = self.joints @ self.inverse_mass
+        G = response @ self.joints.T
         check.require(bool(np.isfinite(G.data).all()), "joints", "F M^-1 F' overflows")
         size = G.diagonal()
         unit = sparse.diags_array(1 / np.sqrt(np.where(size > 0, size, 1.0)))
@@ -42,11 +43,11 @@ class ManyJoints:
         # From here on the equations are in that order and each in its own unit, so that G has a unit diagonal.
         F = sparse.csr_array((unit @ self.joints)[order])
         F.sort_indices()
-        response = sparse.csr_array(F @ self.inverse_mass)
+        response = sparse.csr_array((unit @ response)[order])
         self.rows, self.response = from_matrix(F), response
         self.coupling = sparse.csr_array(self.jacobian @ response.T)  # J M^-1 F' (nc*d, nj)
         self.own_bias = (unit @ self.bias)[order]
-        G = sparse.csr_array(response @ F.T)
+        G = sparse.csr_array((unit @ G @ unit)[order][:, order])
         half = max(_half_bandwidth(self.coupling), int(np.abs(np.subtract(*G.nonzero())).max(initial=0)))
         self.factor = banded.by_band(G.indptr, G.indices, G.data, half)
         banded.factorise(self.factor, 10 * len(order) * float(np.finfo(float).eps))
@@ -55,9 +56,9 @@ class ManyJoints:
         """The velocity (nv,) nearest in the kinetic metric that satisfies the equations."""
         return self._hold(self.own_bias, velocity)
 
-    def solution(self, unit: Array, root: Array) -> Array:
+    def solution(self) -> Array:
         """A velocity that satisfies the equations, where one does."""
-        return self.hold(np.zeros(len(root)))
+        return self.hold(np.zeros(self.response.shape[1]))
 
     def rounding(self, velocity: Array) -> Array:
         """(nv,) the size of the terms that `hold` adds to a velocity, and of what errors in them change.

@@ -205,10 +205,10 @@ class MechanicalOperator(Operator):
         Whether one does depends on F and b_F alone. With each row in its own unit, the velocity of least squares is compared
         with the rounding of its terms and of those of F v*.
         """
-        root, unit = np.sqrt(self.inverse_mass.diagonal()), self._joint_units
+        unit = self._joint_units
         F, bias = self.joints, self.joint_bias / unit
         check.require(bool(np.isfinite(bias).all()), "joints", "b_F overflows")
-        v = self._held.solution(unit, root)
+        v = self._held.solution()
         terms = abs(F) @ (np.abs(v) + np.abs(self.free_velocity)) / unit + np.abs(bias)
         defect = np.abs(F @ v / unit + bias)
         bad = np.flatnonzero(~(defect <= np.maximum(CONTRADICTION * np.abs(bias), ROUNDING * terms.max())))
