@@ -11,6 +11,7 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.parameters import count, number
 from frictionbench.problems.scene import GRAVITY, Scene
 from frictionbench.problems.scenes.catalogue import generator
+from frictionbench.problems.scenes.closed_forms import sliding
 from frictionbench.problems.spatial.bodies import HalfSpace, solid_box
 from frictionbench.problems.spatial.rotation import AT_REST
 
@@ -49,17 +50,8 @@ def sliding_box(
         gravity=(down, 0.0, -normal),
         step=step,
         duration=duration,
-        path=partial(_sliding, np.array([0, 0, half[2]]), along, speed, down, mu * normal) if straight and upright else None,
+        path=partial(sliding, np.array([0, 0, half[2]]), along, speed, down, mu * normal) if straight and upright else None,
     )
-
-
-def _sliding(start: Array, along: Array, speed: float, pull: float, rate: float, time: float) -> Array:
-    """The centre (1, 3) on a straight line: pull, m/s^2, along it, and friction of up to rate, m/s^2, against it."""
-    if speed == 0 and pull <= rate:
-        return start[None]
-    direction = np.sign(speed) or 1.0
-    until = min(time, abs(speed) / (rate - pull)) if rate > pull else time
-    return np.array([start + along * (speed * until + direction * (pull - rate) * until**2 / 2)])
 
 
 @generator(dimension=3)
@@ -115,5 +107,5 @@ def box_in_groove(slope: float = 0.5, friction: float = 0.2, step: float = 0.01,
         gravity=(down, 0.0, -normal),
         step=step,
         duration=duration,
-        path=partial(_sliding, start, np.array([1.0, 0, 0]), 0.0, down, mu * normal / side),
+        path=partial(sliding, start, np.array([1.0, 0, 0]), 0.0, down, mu * normal / side),
     )

@@ -1,11 +1,14 @@
 """One block on the ground: sliding down, tipping over, rocking."""
 
+from functools import partial
+
 import numpy as np
 
 from frictionbench.problems.parameters import number
 from frictionbench.problems.planar.bodies import half_plane, rigid_box
-from frictionbench.problems.scene import Scene
+from frictionbench.problems.scene import GRAVITY, Scene
 from frictionbench.problems.scenes.catalogue import generator
+from frictionbench.problems.scenes.closed_forms import sliding
 
 
 @generator()
@@ -44,15 +47,17 @@ def incline(angle: float = 0.5, friction: float = 0.3, speed: float = 0.0, step:
     does not tip over while tan(angle) and friction are below 2. angle: rad. speed: m/s, at first, downhill.
     """
     angle, speed = number("angle", angle, least=0, most=1.1), number("speed", speed)
-    cos, sin = np.cos(angle), np.sin(angle)
+    cos, sin, mu = np.cos(angle), np.sin(angle), number("friction", friction, least=0, most=2)
+    start, downhill = np.array([-0.5 * sin, 0.5 * cos]), np.array([-cos, -sin])
     return Scene(
         bodies=(rigid_box(2.0, 1.0),),
         obstacles=(half_plane(slope=angle),),
-        q0=np.array([-0.5 * sin, 0.5 * cos, angle]),
-        v0=np.array([-speed * cos, -speed * sin, 0.0]),
-        friction=number("friction", friction, least=0, most=2),
+        q0=np.array([*start, angle]),
+        v0=np.array([*speed * downhill, 0.0]),
+        friction=mu,
         step=step,
         duration=duration,
+        path=partial(sliding, start, downhill, speed, GRAVITY * sin, mu * GRAVITY * cos) if speed >= 0 else None,
     )
 
 

@@ -129,3 +129,18 @@ def test_newtons_and_poissons_laws_agree_on_a_ball(friction: float) -> None:
         followed("bouncing_ball", s, friction=friction, speed=1.0, step=1.0)[1] for s in ("event_driven", "event_driven_newton")
     ]
     assert ends[0].v[1] == pytest.approx(ends[1].v[1], abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters"),
+    [
+        ("stopping_block", {"speed": -1.0}),
+        ("incline", {}),
+        ("incline", {"friction": 0.7}),
+        ("incline", {"speed": 0.5, "friction": 0.7}),
+    ],
+)
+def test_planar_scenes_keep_to_their_closed_forms(name: str, parameters: dict[str, float]) -> None:
+    made = scene(name, step=0.1, **parameters)
+    errors = [made.path_error(step.q, step.time) for step in simulate(made, lemke, SCHEMES["event_driven"], 6)]
+    assert errors == pytest.approx([0.0] * 7, abs=1e-9)
