@@ -6,13 +6,13 @@
     machine      processor, cores, memory, system, python; without the name of the host
     settings     tolerances and time limit, s
     libraries    the versions of the libraries that the solvers used
-    problems     ranked, trivial and idle: their numbers; hashes: of each problem, by scene and step
+    problems     ranked, trivial and idle: their numbers; hashes: of each problem, by scene and step, of a map's together
     checks       [what, whether it holds, in words]
     headline     sentences
     rankings     rows: kind, by, target, solver, law, mean, p50, p99, worst (s; null is never), reached, problems;
                  unclear: why none of the kind is the winner, or ""
     reliability  rows: solver, model, problems, exact, own, near_miss, wrong, timeout, crashed
-    scenes       rows: scene, solver, solved, cells, at the tightest tolerance
+    scenes       rows: scene, solver, solved, cells, at the tightest tolerance; "map NAME": of grid points with a known solution
 
 Summaries may come from anybody: what does not have these fields and types is refused, and pages escape all text.
 """

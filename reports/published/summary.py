@@ -10,6 +10,7 @@ import pandas as pd
 from frictionbench.reports import choice, noise
 from frictionbench.reports.headline import headline
 from frictionbench.reports.reliability import reliabilities
+from frictionbench.reports.robustness import MapCells, map_cells
 from frictionbench.reports.run import Run
 from frictionbench.reports.settings import workers_on_all_cores
 from frictionbench.results.cells import scene_title
@@ -39,7 +40,7 @@ def summarise(run: Run, problems_held: tuple[bool, str]) -> Summary:
     of_machine = sha256(repr(sorted(machine.items())).encode()).hexdigest()[:6]
     name = "-".join((suite, version, of_machine, re.sub(r"\D", "", finished)[:14]))
     ranked = {one.rank_by: choice.choices(one) for one in (run, run.ranked_by(run.rank_by.other))} if run.times else {}
-    facts = run.rows[run.rows["problem"] != ""].drop_duplicates("problem_id")
+    facts, maps = run.rows[run.rows["problem"] != ""].drop_duplicates("problem_id"), map_cells(run)
     return {
         "name": re.sub(r"[^\w.+-]", "_", name),
         "suite": suite,
@@ -55,14 +56,25 @@ def summarise(run: Run, problems_held: tuple[bool, str]) -> Summary:
             "ranked": int(run.ranked["problem_id"].nunique()),
             "trivial": int(facts["trivial"].sum()),
             "idle": int((facts["idle"] & ~facts["trivial"]).sum()),
-            "hashes": {_place(row): row["problem"][:SHORT] for row in facts.to_dict("records")},
+            "hashes": _hashes(facts, maps),
         },
         "checks": _checks(run, ranked, facts, version, problems_held),
         "headline": headline(ranked, run.overall, run.outer_targets[-1]) if ranked else [],
         "rankings": [row for by, kinds in ranked.items() for kind in kinds for row in _places(run, by, kind)],
         "reliability": [_plain(one._asdict(), "label") for one in reliabilities(run)] if run.times else [],
-        "scenes": _scenes(run),
+        "scenes": _scenes(run, maps),
     }
+
+
+def _hashes(facts: pd.DataFrame, maps: list[MapCells]) -> dict[str, str]:
+    """The hash of each problem, by its place; of a map, with its hundreds of problems, that of all their hashes."""
+    found, left = {}, facts
+    for cells in maps:
+        own = set(cells.rows["problem"]) - {""} if "problem" in cells.rows else set()
+        left = left[~left["problem"].isin(own)]
+        if own:
+            found[f"map {cells.spec.name}, {len(own)} problems"] = sha256("".join(sorted(own)).encode()).hexdigest()[:SHORT]
+    return found | {_place(row): row["problem"][:SHORT] for row in left.to_dict("records")}
 
 
 def _place(row: dict[Any, Any]) -> str:
@@ -125,11 +137,17 @@ def _short(value: Any) -> Any:
     return int(number) if number == int(number) else float(f"{number:.{DIGITS}g}")
 
 
-def _scenes(run: Run) -> list[dict[str, Any]]:
-    """By scene and solver, how many cells at the tightest tolerance were solved, of how many that ran."""
-    rows = run.tightest[measured(run.tightest)]
-    found = rows.assign(good=rows["verdict"] == Verdict.SOLVED).groupby(["scene", "label"])["good"].agg(["sum", "size"])
-    return [
-        {"scene": str(scene), "solver": str(label), "solved": int(row["sum"]), "cells": int(row["size"])}
-        for (scene, label), row in found.iterrows()
-    ]
+def _scenes(run: Run, maps: list[MapCells]) -> list[dict[str, Any]]:
+    """By scene and solver, how many cells at the tightest tolerance were solved, of those that ran; by map and solver, of those
+    at grid points where a solution is known."""
+    keys = {key for cells in maps for key in cells.rows["key"]}
+    rest = run.tightest[~run.tightest["key"].isin(keys)]
+    mapped, found = {f"map {cells.spec.name}": cells.rows[cells.rows["known"]] for cells in maps}, []
+    for name, rows in [*rest.groupby("scene"), *mapped.items()]:
+        ran = rows[measured(rows)]
+        solved = (ran["verdict"] == Verdict.SOLVED).groupby(ran["label"]).agg(["sum", "size"])
+        found += [
+            {"scene": str(name), "solver": str(label), "solved": int(row["sum"]), "cells": int(row["size"])}
+            for label, row in solved.iterrows()
+        ]
+    return found
