@@ -19,7 +19,7 @@ Where masses are unlike, light bodies bear heavy ones: impulses that stop a cont
 paths that begin with them wind. Then paths begin with the same impulse at all contacts, that of the heaviest.
 
 Where a problem falls apart, one part in which the predictor-corrector is trapped shortens the steps of all others; then each
-part is solved by itself (solvers.interior.parts).
+part is solved by itself (solvers.interior.parts), unless one of them is nearly the whole.
 
 Given impulses to start from, the predictor-corrector starts at the centred point around them. Its distance from the boundary is
 their residual, so that a good start saves most of the iterations, and a bad one does little harm.
@@ -58,6 +58,7 @@ SWEEPS = 1000  # of nsgs before its result is a start: their time is that of ten
 LEAST_DISTANCE = 1e-10  # of a start from the boundary, in residuals, for the predictor-corrector: it rounds at less
 PATH_DISTANCE = 0.3  # the same in the plane for a path, which is shorter from well inside
 CLOSE = 0.01  # the largest residual of the relaxation's solution from which the predictor-corrector is tried
+GIANT = 0.9  # of the contacts in one part: it would take the whole's time once more to solve it by itself
 LIMIT = 6500  # factorisations in all: enough for every start's share in problems of a few hundred contacts
 SHARE = 250  # factorisations of one phase except paths in space: few paths that arrive in the plane are longer
 POLISHING = 20  # factorisations of proximal_newton near an answer; a pair that vanishes keeps a path at a residual of 1e-7
@@ -95,7 +96,7 @@ class InteriorPoint(Phased):
         phases, most = self._phases(*prepared, start, spent, parts), LIMIT if limit is None else limit
         answer = run(prepared, phases, tol, most, PATIENCE, residual, polish if problem.dimension == 3 else None)
         answer.work |= spent
-        if answer.status is Status.STALLED and len(parts) > 1:
+        if answer.status is Status.STALLED and parts:
             return solve_parts(problem, parts, answer, tol, lambda part, own: self._part(part, own, tol, limit, start))
         return answer
 
@@ -119,8 +120,9 @@ class InteriorPoint(Phased):
             yield predictor_corrector, _around(problem, system, impulses(start, system.offset.shape), LEAST_DISTANCE), SHARE
         if self.shortcut:
             yield predictor_corrector, first_point(system), SHARE
-        parts += separate(problem)
-        if len(parts) > 1:
+        found = separate(problem)
+        if max((len(own) for own, _ in found), default=0) < GIANT * problem.contacts:
+            parts += found
             return
         if problem.dimension == 3:
             yield from self._spatial(problem, system, start, spent)
