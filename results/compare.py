@@ -152,16 +152,12 @@ def _differences(before: pd.DataFrame, after: pd.DataFrame, alike: bool, limits:
 def _notes(old: Cells, new: Cells, timeouts: int) -> Iterator[str]:
     if timeouts:
         yield f"Not counted as changes: {timeouts} cells whose timeout the speed of the machine may explain."
-    limits = old.table["limit"], new.table["limit"].reindex(old.table.index)
-    if other := int((limits[1].notna() & limits[0].notna() & (limits[0] != limits[1])).sum()):
-        yield f"Another time limit: {other} cells, the first {_first_change(*limits)}."
+    limits = pd.DataFrame({"before": old.table["limit"], "after": new.table["limit"].reindex(old.table.index)}).dropna()
+    if len(other := limits[limits["before"] != limits["after"]]):
+        first = other.iloc[0]
+        yield f"Another time limit: {len(other)} cells, the first with {first['after']:g} s in place of {first['before']:g} s."
     if old.code and new.code and old.code != new.code:
         yield f"Code: {old.code} (baseline), {new.code} (current)."
-
-
-def _first_change(before: pd.Series, after: pd.Series) -> str:
-    key = before.index[before.notna() & after.notna() & (before != after)][0]
-    return f"with {after[key]:g} s in place of {before[key]:g} s"
 
 
 def suspects(comparison: Comparison, limits: Limits) -> list[Time]:

@@ -25,12 +25,18 @@ PROBLEMS = {
 }
 
 
+def _both(name: str, monkeypatch: pytest.MonkeyPatch) -> list[FrictionProblem]:
+    """The problem with a dense inverse of the joints' equations, and with a banded one."""
+    made = []
+    for few in (10_000, 0):
+        monkeypatch.setattr(mechanical, "FEW", few)
+        made.append(PROBLEMS[name]())
+    return made
+
+
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_both_inverses_agree(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(mechanical, "FEW", 10_000)
-    few = PROBLEMS[name]()
-    monkeypatch.setattr(mechanical, "FEW", 0)
-    many = PROBLEMS[name]()
+    few, many = _both(name, monkeypatch)
     assert few.hash == many.hash
     r = np.random.default_rng(0).uniform(0.0, 1.0, (few.contacts, few.dimension))
     W = few.W.toarray()
@@ -44,10 +50,7 @@ def test_both_inverses_agree(name: str, monkeypatch: pytest.MonkeyPatch) -> None
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_size_of_terms_covers_the_velocity_of_the_joints(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """The estimate of |X| from a few right sides stays within its number of equations of the exact sum."""
-    monkeypatch.setattr(mechanical, "FEW", 10_000)
-    few = PROBLEMS[name]()
-    monkeypatch.setattr(mechanical, "FEW", 0)
-    many = PROBLEMS[name]()
+    few, many = _both(name, monkeypatch)
     r = np.random.default_rng(1).uniform(0.0, 1.0, (few.contacts, few.dimension))
     exact, estimate = few.velocity_size(r), many.velocity_size(r)
     assert np.all(estimate >= np.abs(many.contact_velocity(r)) - 1e-9)
