@@ -65,17 +65,17 @@ for (const section of document.querySelectorAll(".filter")) {
     if (!points.length) return;
     const span = (values) => [Math.floor(Math.min(...values) - 0.15), Math.ceil(Math.max(...values) + 0.15)];
     const [left, right] = span(points.map(({ x }) => x)), [low, high] = span(points.map(({ y }) => y));
-    const X = (x) => 62 + 440 * (x - left) / (right - left), Y = (y) => 285 - 270 * (y - low) / (high - low);
+    const X = (x) => 66 + 420 * (x - left) / (right - left), Y = (y) => 285 - 270 * (y - low) / (high - low);
     const every = Math.ceil((high - low) / 6);
     for (let x = left; x <= right; x++) {
       put("line", { x1: X(x), x2: X(x), y1: 15, y2: 285, stroke: "currentColor", "stroke-opacity": 0.15 });
-      put("text", { x: X(x), y: 301, "text-anchor": "middle", "font-size": 12, fill: "currentColor" }, written(10 ** x));
+      put("text", { x: X(x), y: 310, "text-anchor": "middle", "font-size": 12, fill: "currentColor" }, written(10 ** x));
     }
     for (let y = low; y <= high; y += every) {
-      put("line", { x1: 62, x2: 502, y1: Y(y), y2: Y(y), stroke: "currentColor", "stroke-opacity": 0.15 });
-      put("text", { x: 56, y: Y(y) + 4, "text-anchor": "end", "font-size": 12, fill: "currentColor" }, `1e${y}`);
+      put("line", { x1: 66, x2: 486, y1: Y(y), y2: Y(y), stroke: "currentColor", "stroke-opacity": 0.15 });
+      put("text", { x: 58, y: Y(y) + 4, "text-anchor": "end", "font-size": 12, fill: "currentColor" }, `1e${y}`);
     }
-    put("text", { x: 282, y: 322, "text-anchor": "middle", "font-size": 12, fill: "currentColor" }, "mean time; upwards the median verified residual");
+    put("text", { x: 276, y: 334, "text-anchor": "middle", "font-size": 12, fill: "currentColor" }, "mean time; upwards the median verified residual");
     for (const row of points) {
       const own = row.k === mine;
       const dot = put("circle", { cx: X(row.x), cy: Y(row.y), r: own ? 8 : 5, fill: data.colours[row.k] || "currentColor", "fill-opacity": mine === undefined || own ? 1 : 0.35 });
