@@ -38,7 +38,7 @@ def account(found: StudyTables) -> Account:
         answer=f"The cone: a polygon of {coarse} facets bends the ball's path by "
         f"{100 * polygons['from_cone'].iloc[0]:.1f} cm in {np.hypot(cone['x'][-1], cone['y'][-1]):.2f} m, {fine} facets by "
         f"{1000 * polygons['from_cone'].iloc[-1]:.1f} mm, and from {_dearer(ratio)} facets on Lemke's method takes longer than "
-        f"{CONE} on the cone.",
+        f"{CONE} on the cone in the median.",
         result=f"The error of the ball's path falls with the order {slope} in the number of facets, not evenly, since it "
         f"depends on where the corners lie; the deficit of a polygon's friction, 1 - cos(pi/K), falls with order -2. The step "
         f"of {1000 * cone['step']:g} ms alone leaves {1000 * cone['from_parabola']:.1f} mm with the cone"

@@ -33,7 +33,8 @@ def account(found: StudyTables) -> Account:
     best, worst = order.index[0], order.index[-1]
     return Account(
         answer="No. Every one of the solutions dissipates most for its own normal impulses, so the principle rejects none; "
-        f"the solution of least energy is returned in {share(int(first['sum'].sum()), int(first['count'].sum()))} of answers.",
+        f"the solution of least energy is in {first['sum'].sum() / first['count'].sum():.0%} of the answers, which come from "
+        f"{len(order) - len(never)} of {len(order)} solvers.",
         result=f"{len(problems)} problems have {listing(counts, 'or')} isolated solutions. With its "
         f"normal impulses given, friction within all cones together can leave no less energy than each solution does, to "
         f"{gap:.0e} of the free motion's energy: by the conditions of optimality the joint principle and that of each contact "

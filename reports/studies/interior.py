@@ -26,8 +26,8 @@ def account(found: StudyTables) -> Account:
     groups = path.groupby("friction")[["traced", "arrived", "folded", "trapped", "both"]].first()
     last = groups.iloc[-1]
     return Account(
-        answer=f"Yes: from one start it solves {share(int(random['plain'].sum()), len(random))} of random problems, the "
-        f"relaxation's {int(random['relaxation'].sum())}; with paths after it {int(random['paths'].sum())}.",
+        answer=f"Yes, in the plane: from one start it solves {share(int(random['plain'].sum()), len(random))} of random "
+        f"problems, the relaxation's {int(random['relaxation'].sum())}; with paths after it {int(random['paths'].sum())}.",
         result=f"Up to mu = 1 the predictor-corrector alone solves {share(int(modest['plain'].sum()), len(modest))}, and "
         f"beyond, up to mu = {random['friction'].max():g}, {share(int(wide['plain'].sum()), len(wide))}. Where both solve, it "
         f"takes {ratio:.2f} times the relaxation's factorisations in the median. Height costs little: stacks of "

@@ -23,6 +23,7 @@ def account(found: StudyTables) -> Account:
     kinds = list(dict.fromkeys(errors["kind"]))
     high = {kind: [s for (k, s), slope in slopes.items() if k == kind and slope.value - slope.half > BEYOND] for kind in kinds}
     gains = [kind for kind in kinds if high[kind]]
+    nearest = max(slopes, key=lambda key: slopes[key].value - slopes[key].half)
     lost = [kind for kind in kinds if not high[kind]]
     apart = errors.groupby(["kind", "scheme"]).agg(apart=("limits_apart", "first"), error=("error", "min"))
     differing = apart[apart["apart"] > 10 * apart["error"].clip(lower=1e-4)]
@@ -31,7 +32,7 @@ def account(found: StudyTables) -> Account:
             f"For {listing(gains)} some schemes are of second order; for {listing(lost)} none of those compared is."
             if gains and lost
             else f"No scheme that steps over events is clearly above first order (interval above {BEYOND:g}) in any motion, "
-            "smooth sliding included."
+            f"smooth sliding included; nearest to it is {nearest[1]} in {nearest[0]}, {slopes[nearest]}."
             if not gains
             else "Second order is kept in every motion compared."
         ),
