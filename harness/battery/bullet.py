@@ -10,13 +10,17 @@ from frictionbench.problems.check import Array
 
 
 def default(setting: Setting, step: float) -> "Bullet":
-    """Bullet's own defaults but for the step, and without the damping of 4 % a second that it gives to every motion."""
+    """Bullet's own defaults but for the step, without the damping of every motion, and with rebounds at every speed."""
     return Bullet(setting, step)
 
 
 def stiff(setting: Setting, step: float) -> "Bullet":
-    """A thousand iterations, none left out because the residual is small."""
-    return Bullet(setting, step, numSolverIterations=1000, solverResidualThreshold=0.0)
+    """A thousand iterations, none left out because the residual is small; where there is restitution, contacts that are not
+    handled before bodies touch (contactProcessingThreshold)."""
+    bullet = Bullet(setting, step, numSolverIterations=1000, solverResidualThreshold=0.0)
+    if setting.restitution:
+        bullet.only_touching()
+    return bullet
 
 
 class Bullet:
@@ -48,6 +52,11 @@ class Bullet:
         roots = np.sqrt([setting.friction, setting.restitution])
         self._bullet.changeDynamics(one, -1, lateralFriction=roots[0], restitution=roots[1], **self._own)
         return one
+
+    def only_touching(self) -> None:
+        """Handle no contact before bodies touch."""
+        for one in range(self._bullet.getNumBodies(**self._own)):
+            self._bullet.changeDynamics(one, -1, contactProcessingThreshold=0.0, **self._own)
 
     def run(self, seconds: float) -> None:
         for _ in range(round(seconds / self._step)):

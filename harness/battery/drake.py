@@ -1,4 +1,4 @@
-"""Drake: contacts by surfaces (hydroelastic), with its SceneGraphConfig's defaults, and a hundred times stiffer."""
+"""Drake: contacts by surfaces (hydroelastic), with the moduli and the margin that its documentation names."""
 
 from importlib import import_module
 from typing import Any
@@ -10,24 +10,37 @@ from frictionbench.problems.check import Array
 
 
 def default(setting: Setting, step: float) -> "Drake":
-    """Compliant bodies with the default modulus, 1e7 Pa, on rigid half spaces; the default approximation, kLagged."""
-    return Drake(setting, step, 1e7, "kLagged")
+    """Compliant bodies, which has to be asked for, with the default modulus, 1e7 Pa, on rigid half spaces; kLagged."""
+    return Drake(setting, step, 1e7)
 
 
 def softer(setting: Setting, step: float) -> "Drake":
     """As by default, with a modulus of 1e6 Pa, for which these light boxes are no longer nearly rigid at these steps."""
-    return Drake(setting, step, 1e6, "kLagged")
+    return Drake(setting, step, 1e6)
+
+
+def margin(setting: Setting, step: float) -> "Drake":
+    """As by default, with the margin that the documentation names, within which faces keep their contact."""
+    return Drake(setting, step, 1e7, margin=1e-4)
 
 
 def stiff(setting: Setting, step: float) -> "Drake":
-    """A modulus of 1e9 Pa, with kSimilar, the convex approximation whose sliding box is then nearest to the closed form."""
-    return Drake(setting, step, 1e9, "kSimilar")
+    """A modulus of 1e9 Pa, more than the documentation advises, with kSimilar and a smaller stiction tolerance."""
+    return Drake(setting, step, 1e9, approximation="kSimilar", stiction=1e-6)
 
 
 class Drake:
-    """A setting as a discrete MultibodyPlant."""
+    """A setting as a discrete MultibodyPlant. modulus: Pa; margin: m; stiction: its tolerance, m/s."""
 
-    def __init__(self, setting: Setting, step: float, modulus: float, approximation: str) -> None:
+    def __init__(
+        self,
+        setting: Setting,
+        step: float,
+        modulus: float,
+        approximation: str = "kLagged",
+        margin: float | None = None,
+        stiction: float = 1e-4,
+    ) -> None:
         if setting.restitution:
             raise Unsupported("its dissipation has no coefficient of restitution, and implicit steps damp it besides")
         d: Any = import_module("pydrake.all")
@@ -36,8 +49,10 @@ class Drake:
         config = d.SceneGraphConfig()
         config.default_proximity_properties.compliance_type = "compliant"
         config.default_proximity_properties.hydroelastic_modulus = modulus
+        config.default_proximity_properties.margin = margin
         scene.set_config(config)
         self._plant.set_discrete_contact_approximation(getattr(d.DiscreteContactApproximation, approximation))
+        self._plant.set_stiction_tolerance(stiction)
         self._plant.mutable_gravity_field().set_gravity_vector(setting.gravity)
         friction, ground = d.CoulombFriction(setting.friction, setting.friction), self._plant.world_body()
         for k, turn in enumerate(setting.floors):

@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import Any
 
 import numpy as np
+from scipy.optimize import brentq
 
 from frictionbench.harness.battery.world import Setting, gravity
 from frictionbench.problems.check import Array
@@ -56,10 +57,18 @@ class MuJoCo:
 
 
 def _bouncing(e: float) -> str:
-    """The solref of an oscillator that rebounds with e: of the damping ratio zeta = -ln e / sqrt(pi^2 + ln^2 e), with the time
-    constant of 20 ms; for e = 1 as stiff as that for e = 0.5, without damping."""
-    ratio = [-np.log(x) / np.hypot(np.pi, np.log(x)) for x in (e, 0.5)]
-    return f'solref="0.02 {ratio[0]}"' if e < 1 else f'solref="{-((0.02 * ratio[1]) ** -2)} 0"'
+    """The solref of a spring and damper that let go with e times the speed: with the default time constant of 20 ms and the
+    damping ratio for which they do, or without damping for e = 1, as soft as contacts of several steps need."""
+    if e == 1:
+        return 'solref="-5000 0"'
+    return f'solref="0.02 {brentq(lambda ratio: _rebound(ratio) - e, 1e-9, 0.7)}"'
+
+
+def _rebound(ratio: float) -> float:
+    """The speed at which a mass leaves a spring with this damping ratio, over that at which it came: where the force of both
+    vanishes, which is before the spring has its length again, since a contact does not pull."""
+    root = np.sqrt(1 - ratio**2)
+    return float(np.exp(-ratio / root * (np.pi - np.arctan2(2 * ratio * root, 1 - 2 * ratio**2))))
 
 
 def _floors(setting: Setting) -> str:

@@ -13,6 +13,7 @@ ENGINES: dict[str, tuple[str, Make]] = {  # by name, what has to be installed, a
     "MuJoCo": ("mujoco", mujoco.default),
     "MuJoCo, stiff": ("mujoco", mujoco.stiff),
     "Drake": ("drake", drake.default),
+    "Drake, margin": ("drake", drake.margin),
     "Drake, softer": ("drake", drake.softer),
     "Drake, stiff": ("drake", drake.stiff),
     "PyBullet": ("pybullet", bullet.default),
@@ -23,8 +24,9 @@ ENGINES: dict[str, tuple[str, Make]] = {  # by name, what has to be installed, a
 PAGE = """# Engines on phenomena with closed forms
 
 Made by `python -m frictionbench.harness.battery.table`, which measures the engines that are installed. Each cell has the error,
-what the engine gave less the closed form, at steps of {steps} ms: an error that shrinks with the step is one of its time
-stepping, one that does not is one of its model.
+what the engine gave less the closed form, at steps of {steps} ms. An error that shrinks with the step is one of its time
+stepping; what another comes from, a model, a setting or a tolerance, is said below where it is known. Slopes of tipping are
+bisected: 4e-4 is their resolution.
 
 {table}
 {remarks}
@@ -48,26 +50,34 @@ costs the same in every step. The columns *stiff* have much stiffer settings, of
 * **MuJoCo** is as it is by default: pyramidal cones, `impratio` 1, `solref` of 20 ms. A pyramid slows a box that is thrown
   askew along one of its axes first, so that its path bends; a soft contact creeps under a steady load in proportion to the
   load. *Stiff*: elliptic cones, `impratio` 100, `noslip_iterations`, `solref` of two steps, `solimp` .99. It has no
-  coefficient of restitution: the rebounds are those of a `solref` with the damping ratio of an oscillator that rebounds so, and
-  its default time constant, 20 ms.
-* **Drake** has contacts by surfaces (hydroelastic), with the default modulus of 1e7 Pa and the default approximation, kLagged.
+  coefficient of restitution. In the rows with e > 0 both columns have a `solref` of the default time constant, 20 ms, and the
+  damping ratio with which a spring that does not pull lets go at e times the speed, .255 for e = .5, or `-5000 0` for e = 1;
+  such contacts last some steps, so that they need small ones. For e = 0 a critically damped one lets go at e^-2 times the
+  speed, .27 m/s, which is that row.
+* **Drake** has contacts by surfaces (hydroelastic), which have to be switched on, with the default modulus of 1e7 Pa and the
+  default approximation, kLagged. Its creep is the stiction tolerance, by default 1e-4 m/s.
   A surface with dissipation resists rolling, which a point does not: the ball's row contains that. An elastic foundation of
-  these moduli and Drake's default dissipation of 50 s/m, integrated by hand, loses 0.10 m/s, and 0.18 m/s with 1e6 Pa.
-  *Stiff*: 1e9 Pa and the approximation kSimilar. *Softer*: 1e6 Pa. Where a body is nearly rigid, its period of oscillation
+  these moduli and Drake's default dissipation of 50 s/m, integrated by hand, loses 0.10 m/s, and 0.18 m/s with 1e6 Pa; the
+  rest is that a sphere is a polyhedron there (`resolution_hint`, 2 cm), and the implicit step.
+  *Margin*: `margin` of 1e-4 m, which the documentation names. *Softer*: 1e6 Pa. *Stiff*: 1e9 Pa, where the documentation calls
+  1e5 to 1e7 good approximations of rigid contact, the approximation kSimilar, of which it says that bodies glide, and a
+  stiction tolerance of 1e-6 m/s. Where a body is nearly rigid, its period of oscillation
   short against a step, flat
-  faces on each other lose and gain contact from step to step under kLagged and kSimilar (RobotLocomotion/drake, issues 21510
-  and 21514): the default modulus does this to the sliding box of 1 kg, and the column *softer* has the same box without it. An
+  faces on each other lose and gain contact from step to step (RobotLocomotion/drake, issues 21510 and 21514): the default
+  modulus does this to the sliding box of 1 kg. The margin was made against it, *softer* has the same box without it. An
   elastic foundation also tips over early: with the stiffness K per area the strip it stands on at last shrinks like K^(-1/3),
   and with it the distance from width/height, for every step alike. It has no coefficient of restitution: its dissipation acts
   in proportion to the speed, and implicit steps damp besides, so that these rows are left out.
-* **PyBullet** is as it is by default, 50 sequential impulses a step, but without the damping of 4 % a second of every motion,
-  which would be no error of a contact. *Stiff*: 1000 of them, none left out. A contact is made before bodies touch: the speed
-  after the impact is the rebound's less gap over step, so that a rebound depends on where a step meets the ground, at 2 and
-  1 ms more than at 4.
-* **Rapier** is as it is by default, in single precision: 4 substeps, soft contacts of 30 Hz (60 Hz on fixed bodies), and one
-  friction for a group of contacts. *Stiff*: 20 substeps and 300 Hz. Its other model of friction, `COULOMB`, gave stopping
-  distances 27 mm longer at each of these settings and is not used. A soft contact that carries a thousand times the weight of
-  the lighter body gives way: by default the heavy box sinks through the light one.
+* **PyBullet** is as it is by default, 50 sequential impulses a step, but without the damping of every motion, 0.04 (1 + |v|) a
+  second, which would be no error of a contact, and with `restitutionVelocityThreshold` 0. *Stiff*: 1000 of them, none left out.
+  A contact is made before bodies touch: the speed after the impact is the rebound's less gap over step, so that by default a
+  rebound depends on where a step meets the ground, and is nearly lost at 1 ms. *Stiff* has `contactProcessingThreshold` 0 in
+  the rows with e > 0, which restores it.
+* **Rapier** is as it is by default, but that bodies do not sleep; its package for Python is in single precision. It
+  takes 4 substeps, has soft contacts of 30 Hz (60 Hz on fixed bodies), and one friction for a group of contacts. *Stiff*: 20
+  substeps and 300 Hz. Its other model of friction, `COULOMB`, gave stopping distances 27 mm longer at each of these
+  settings and is not used. A soft contact that carries a thousand times the weight of the lighter body gives way: by
+  default the heavy box sinks through the light one.
 * **Not measured**: Newton 1.8 with Kamino, a beta by its authors' word. It runs on a processor, after a minute of compilation,
   and its sliding box stopped 5.0 mm early at a step of 5 ms, as a first-order scheme does; at some tenths of a second a step
   the whole column would take hours. Genesis, which needs PyTorch, was not installed.
