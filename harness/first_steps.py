@@ -2,12 +2,10 @@
 
 from pathlib import Path
 
-import numpy as np
-
 from frictionbench.harness.cells.motion import record_motion
 from frictionbench.problems import scene
 from frictionbench.results.first_steps import FirstSteps, first_steps_file, write_first_steps
-from frictionbench.results.map_spec import Axis, Map
+from frictionbench.results.map_spec import Map
 
 STEPS, EVERY = 12, 4  # steps, and steps between two frames
 LINES = 8  # grid lines of each axis at most: a picture of another tile is the nearest of these
@@ -19,11 +17,7 @@ def store_first_steps(spec: Map, folder: Path) -> None:
     if scene(spec.scene, **spec.at((0.0, 0.0))).dimension != 2 or first_steps_file(folder, spec).exists():
         return
     found = []
-    for point in ((i, j) for i in _lines(spec.x) for j in _lines(spec.y)):
+    for point in ((float(i), float(j)) for i in spec.x.lines(LINES) for j in spec.y.lines(LINES)):
         motion = record_motion(scene(spec.scene, **spec.at(point)), SOLVER, spec.scheme, STEPS)
         found.append(FirstSteps(point, motion.outlines, motion.poses[::EVERY]))
     write_first_steps(folder, spec, found)
-
-
-def _lines(axis: Axis) -> list[float]:
-    return sorted({float(round(line)) for line in np.linspace(0, axis.count - 1, min(LINES, axis.count))})

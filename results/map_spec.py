@@ -49,6 +49,10 @@ class Axis:
         value = math.copysign(2.0**power, exact) if is_power else float(f"{exact:.{DIGITS}g}")
         return round(value) if self.whole else value
 
+    def lines(self, most: int) -> list[int]:
+        """At most so many of its grid lines, evenly apart, both ends among them; most: 2 or more."""
+        return sorted({round(k * (self.count - 1) / (most - 1)) for k in range(most)})
+
     @property
     def name(self) -> str:
         """The parameter with its unit."""

@@ -114,8 +114,7 @@ def _drawing(run: Run, cells: MapCells, fields: Sequence[Field], note: str, lege
 
 def _axis(axis: Axis) -> tiles.Axis:
     """An axis with a tick at up to TICKS of its grid lines, both ends among them."""
-    lines = sorted({round(k * (axis.count - 1) / (TICKS - 1)) for k in range(TICKS)})
-    ticks = tuple((float(line), re.sub(r"e([+-])0*", r"e\1", f"{axis.value(line):.3g}")) for line in lines)
+    ticks = tuple((float(line), re.sub(r"e([+-])0*", r"e\1", f"{axis.value(line):.3g}")) for line in axis.lines(TICKS))
     return tiles.Axis(axis.name, ticks, axis.count)
 
 

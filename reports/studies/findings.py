@@ -60,11 +60,11 @@ def _solved(rows: pd.DataFrame, tol: float, names: Sequence[str]) -> tuple[int, 
     return int(own["solved"].sum()), len(own)
 
 
-def _fastest(rows: pd.DataFrame, tol: float, names: Sequence[str] | None = None) -> "pd.Series[int]":
-    """By method, how many problems it solves in the least time."""
-    own = rows[(rows["tol"] == tol) & rows["solved"]]
-    own = own if names is None else own[own["name"].isin(names)]
-    return own.loc[own.groupby("problem")["time"].idxmin(), "name"].value_counts()
+def _fastest(rows: pd.DataFrame, tol: float, kind: Sequence[str], among: Sequence[str]) -> tuple[int, int]:
+    """On how many problems a method of the kind is the fastest among these, and on how many one of these solves."""
+    own = rows[(rows["tol"] == tol) & rows["solved"] & rows["name"].isin(among)]
+    first = own.loc[own.groupby("problem")["time"].idxmin(), "name"]
+    return int(first.isin(kind).sum()), len(first)
 
 
 def _row(finding: str, told: Told) -> Row:
@@ -91,8 +91,8 @@ def _robust(sets: list[pd.DataFrame]) -> Row:
     for rows in sets:
         counts = [(name, *_solved(rows, LOOSE, (name,))) for name in NSGS]
         robust = all(done >= 0.9 * of for _, done, of in counts)
-        shares = [_fastest(rows, LOOSE, names) for names in (THEIRS, [name for name in THEIRS if name.startswith("friction")])]
-        first = [(int(share.reindex(list(NSGS)).fillna(0).sum()), int(share.sum())) for share in shares]
+        siconos = [name for name in THEIRS if name.startswith("friction")]
+        first = [_fastest(rows, LOOSE, NSGS, among) for among in (THEIRS, siconos)]
         text = f"{_solves(counts)}; one of them is the fastest of the paper's kinds on {first[0][0]} of {first[0][1]}"
         text += f", Siconos' of Siconos' on {first[1][0]} of {first[1][1]}" if first[1][1] else ""
         told.append((text, _both(robust, all(mine > total / 2 for mine, total in first if total))))
@@ -117,8 +117,7 @@ def _proximal(sets: list[pd.DataFrame]) -> Row:
     for rows in sets:
         done, of = _solved(rows, TIGHT, PROXIMAL[:1])
         others = max(_solved(rows, TIGHT, (name,))[0] for name in THEIRS if name not in PROXIMAL)
-        counts = _fastest(rows, TIGHT, THEIRS)
-        mine, total = int(counts.reindex(list(PROXIMAL)).fillna(0).sum()), int(counts.sum())
+        mine, total = _fastest(rows, TIGHT, PROXIMAL, THEIRS)
         text = f"{PROXIMAL[0]} solves {done} of {of}, the best other {others}; this kind is first on {mine} of {total}"
         told.append((text, _both(done > others, mine > total / 2)))
     return _row("The proximal point with Newton's method is best at 1e-8 on most sets of rigid bodies (the same).", told)
