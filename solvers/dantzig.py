@@ -35,6 +35,7 @@ from frictionbench.solvers.pivots.lemke_path import (
     PERTURBATION,
     RAY,
     STUCK,
+    USUAL,
     add_coordinates,
     basic_values,
     draw,
@@ -74,7 +75,7 @@ def dantzig(
             y[r] = 1.0
             d[:] = 0.0
             add_coordinates(M, basis, y, 1.0, d, z)
-            code = follow_lemke_path(M, shifted, d, basis, x, ray, blocking, HARRIS * size, limit, until, work, space)
+            code = follow_lemke_path(M, shifted, d, basis, x, ray, blocking, HARRIS * size, USUAL, limit, until, work, space)
             y[:] = 0.0
             if code != COMPLEMENTARY:
                 return STUCK if code == RAY else code, y, work[0], work[1]

@@ -19,6 +19,10 @@ In floating point this is preserved by the following:
   Otherwise the method restarts with other covering vectors, from a fixed sequence. It does so after a ray too, which need
   not help: on a bimatrix game every d leads to a ray at once, though there are solutions. On a bare LCP lemke[restarts=0]
   is the textbook method, with d = 1 in scaled units.
+* A heavy body on a light one makes M nearly singular: at a mass ratio of 1e10 z0 falls by 1e-10 where impulses rise by 1, and
+  basic variables carry the rounding of impulses 1e10 times as large as q. Restarts refine every column to full accuracy, so
+  that pivots as small as that count, compute the basic variables anew with every pivot, and perturb q by more than their
+  rounding. A residual that rounding alone explains is accepted: none can be told to be smaller.
 
 A start (impulses) becomes a guess of the basis. If that is invertible the method starts there, in the same way as it continues
 with a smaller perturbation; if it is singular, or that fails, it starts from z = 0.
@@ -41,11 +45,13 @@ from frictionbench.solvers.pivots.inverse_basis import Matrix, invert, slack_bas
 from frictionbench.solvers.pivots.lemke_path import (
     ACCURACY,
     COMPLEMENTARY,
+    FULL,
     HARRIS,
     INACCURATE,
     LIMIT,
     PERTURBATION,
     RAY,
+    USUAL,
     add_coordinates,
     add_matrix_product,
     basic_values,
@@ -53,12 +59,24 @@ from frictionbench.solvers.pivots.lemke_path import (
     follow_lemke_path,
 )
 from frictionbench.solvers.pivots.packed_lcp import scaled_lcp_of, write_stretched
-from frictionbench.solvers.pivots.scaled_lcp import MARGIN, STATUSES, ScaledLCP, finish, scaled_lcp, scaled_residual
+from frictionbench.solvers.pivots.scaled_lcp import (
+    EPSILON,
+    MARGIN,
+    STATUSES,
+    ScaledLCP,
+    finish,
+    scaled_lcp,
+    scaled_residual,
+    scaled_rounding,
+)
 from frictionbench.solvers.pivots.vectors import fill, largest, least, put
 
 EXACT = 1e-12  # residual at the level of round-off, below which no smaller perturbation is tried
 NONE = np.empty(0, np.int64)  # no guess of the basis
-CERTIFICATE = 1e-9  # largest defect of a ray, relative to its size: that of entering columns (lemke_path.LOSS)
+CERTIFICATE = 1e-12  # largest defect of a ray, relative to its size: that of entering columns (lemke_path.ACCURACY)
+ROUGH = 1e-3  # the largest residual that may pass for rounding: where rounding causes more, impulses are far too large
+NOISE = 1e3 * EPSILON  # of a basic variable relative to the largest: a perturbation must exceed it
+COARSEST = 1e-3  # the largest perturbation
 
 
 @part
@@ -114,9 +132,12 @@ def lemke(
     best = scaled_residual(M, q, unit, best_y, out)
     ended = COMPLEMENTARY if best <= tol else INACCURATE
     trial = first = -1 if len(guess) else 0
-    while best > tol and work[0] < limit and trial <= restarts and not late(until):
+    goal, reach = tol, 0.0  # the residual to reach; the largest basic variable at the end of a path
+    while best > goal and work[0] < limit and trial <= restarts and not late(until):
         basis = slack_basis(n)
-        code, size = COMPLEMENTARY, PERTURBATION
+        code, size, precision = COMPLEMENTARY, PERTURBATION, USUAL
+        if trial > 0:
+            size, precision = max(PERTURBATION, min(NOISE * reach, COARSEST)), FULL
         if trial < 0:
             work[1] += 1
             if not invert(M, d, basis, guess):
@@ -136,20 +157,24 @@ def lemke(
             put(shifted, q)
             add_coordinates(M, basis, drawn, size / 10.0, shifted, z)
             basic_values(M, d, basis, shifted, x, out, ACCURACY)
-            code = follow_lemke_path(M, shifted, d, basis, x, ray, blocking, HARRIS * size, budget, until, work, space[6:])
+            slack = HARRIS * size
+            code = follow_lemke_path(M, shifted, d, basis, x, ray, blocking, slack, precision, budget, until, work, space[6:])
+            reach = max(reach, largest(x, n))
             if code == RAY and cold and certified(M, q, d, ray, copositive):
                 ended = RAY
             elif work[0] >= limit or late(until):
                 ended = LIMIT
             if code == COMPLEMENTARY:
                 error = finish(M, d, basis, q, unit, x, y, out)
+                told = min(scaled_rounding(M, q, unit, y, out), ROUGH)
                 if error < best:
                     best = error
                     put(best_y, y)
-                if size < 1e-12 or error <= min(tol, EXACT) or least(x, n) >= -4e-16 * largest(x, n):
+                    goal = max(tol, told)
+                if size < 1e-12 or error <= max(min(tol, EXACT), told) or least(x, n) >= -4e-16 * largest(x, n):
                     break
                 size, cold = size * 1e-2, False
-        if best <= tol:
+        if best <= goal:
             ended = COMPLEMENTARY
         trial += 1
     return ended, best_y, work[0], max(trial - 1 - first, 0), work[1]

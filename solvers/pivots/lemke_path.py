@@ -22,6 +22,9 @@ PERTURBATION = 1e-7  # of q, whose largest entry is 1: the root of rounding, hal
 HARRIS = 1e-4  # how far below zero near ties may reach, relative to the perturbation, which must still resolve ties
 PIVOT = 1e-10  # the smallest pivot, relative to its column: smaller entries may be the error of the column
 ACCURACY = 1e-12  # relative defect above which a transformed column is refined: some thousand units of rounding
+FINEST = 4e-16  # relative defect that refinement can reach: twice the unit of rounding
+# The smallest pivot and the accuracy of columns, usually and in restarts.
+USUAL, FULL = (PIVOT, ACCURACY), (1e-13, FINEST)
 LOSS = 1e-9  # relative defect after refinement above which the inverse is computed anew
 
 
@@ -77,6 +80,7 @@ def follow_lemke_path(
     a: Array,
     blocking: Flags,
     slack: float,
+    precision: tuple[float, float],
     limit: int,
     until: float,
     work: Index64,
@@ -85,17 +89,19 @@ def follow_lemke_path(
     """Follow Lemke's path from a complementary basis in which z0 lets every basic variable rise, and return how it ended.
 
     x (n+1,): the values of the basic variables, updated. a (n+1,): at the end of a ray its direction (z, z0).
-    blocking (n+1,): the variables to keep nonnegative. slack: how far near ties may reach. until: the deadline.
+    blocking (n+1,): the variables to keep nonnegative. slack: how far near ties may reach. precision: USUAL or FULL, which
+    also computes x anew with every pivot. until: the deadline.
     work: counts of pivots and inversions, updated. space (2, n): workspace.
     """
     n = len(q)
+    pivot, accuracy = precision
     rhs, out = space[0], space[1]
     put(rhs, d)
     p, z_enters, fresh = n, True, True  # z0 enters first
     while True:
-        defect, size = transform(M, d, basis, rhs, a, out, ACCURACY)
+        defect, size = transform(M, d, basis, rhs, a, out, accuracy)
         if p < n:
-            s = ratio_test(x, a, blocking, PIVOT * size, slack)
+            s = ratio_test(x, a, blocking, pivot * size, slack)
             t = max(x[s], 0.0) / a[s] if s >= 0 else 0.0
         else:  # to the level at which the last basic variable becomes nonnegative
             s, t = -1, 0.0
@@ -108,7 +114,7 @@ def follow_lemke_path(
             work[1] += 1
             if not refactor(M, d, basis):
                 return INACCURATE
-            basic_values(M, d, basis, q, x, out, ACCURACY)
+            basic_values(M, d, basis, q, x, out, accuracy)
             fresh = True
             continue
         if defect > LOSS:
@@ -130,8 +136,8 @@ def follow_lemke_path(
         work[0] += 1
         if s == n:
             return COMPLEMENTARY
-        if work[0] % 64 == 0:
-            basic_values(M, d, basis, q, x, out, ACCURACY)
+        if work[0] % 64 == 0 or accuracy == FINEST:
+            basic_values(M, d, basis, q, x, out, accuracy)
         p, z_enters, fresh = s, w_leaves, False
         enter(M, p, z_enters, rhs)
 

@@ -10,10 +10,11 @@ from frictionbench.problems.compiled import kernel, lean, part
 from frictionbench.problems.forms.lcp import friction_rows, impulse, tangent_basis
 from frictionbench.solvers.interface import Answer, Status
 from frictionbench.solvers.pivots.inverse_basis import InverseBasis, Matrix, compress, symmetrised
-from frictionbench.solvers.pivots.lemke_path import add_matrix_product, basic_values
+from frictionbench.solvers.pivots.lemke_path import FINEST, add_matrix_product, basic_values
 from frictionbench.solvers.pivots.scaling import diagonal_scaling, scaling
 from frictionbench.solvers.pivots.vectors import put
 
+EPSILON = float(np.finfo(float).eps)
 MARGIN = 0.5  # of tol: rows measure a contact's normal and tangent apart, and add up in another order
 # By how a path ends (solvers.pivots.lemke_path).
 STATUSES = Status.SOLVED, Status.RAY, Status.WORK_LIMIT, Status.BREAKDOWN, Status.STALLED
@@ -104,10 +105,26 @@ def scaled_residual(M: Matrix, q: Array, unit: Array, y: Array, w: Array) -> flo
     return worst
 
 
+@lean
+def scaled_rounding(M: Matrix, q: Array, unit: Array, y: Array, size: Array) -> float:
+    """The scaled residual that rounding alone may leave in w = M y + q, at most the floor of problems.residual; size (n,) is
+    workspace."""
+    for i in range(len(q)):
+        size[i] = abs(q[i])
+    for j in range(len(q)):
+        if y[j] != 0.0:
+            for e in range(M.start[j], M.start[j + 1]):
+                size[M.rows[e]] += abs(M.column[e] * y[j])
+    worst = 0.0
+    for i in range(len(q)):
+        worst = max(worst, unit[0, i] * y[i] + unit[1, i] * size[i])
+    return 2 * EPSILON * worst
+
+
 @part
 def finish(M: Matrix, d: Array, basis: InverseBasis, q: Array, unit: Array, x: Array, y: Array, out: Array) -> float:
     """Solve a complementary basis for q itself, as exactly as can be: x (n+1,), y = its z part, cut off at 0; the residual."""
-    basic_values(M, d, basis, q, x, out, 4e-16)  # twice the unit of rounding, as less cannot be reached
+    basic_values(M, d, basis, q, x, out, FINEST)
     for i in range(len(q)):
         y[i] = max(x[i], 0.0) if basis.row[i] >= 0 else 0.0
     return scaled_residual(M, q, unit, y, out)

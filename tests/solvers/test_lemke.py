@@ -6,7 +6,8 @@ from scipy import sparse
 
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.random_problem import random_problem
-from frictionbench.problems.residual import residual
+from frictionbench.problems.residual import residual, residual_with_floor
+from frictionbench.problems.scenes import scene
 from frictionbench.solvers.interface import Status, solve
 from frictionbench.solvers.lemke import Lemke
 from tests.helpers.paths import DATA
@@ -181,6 +182,19 @@ def test_mass_ratios(mu, ratio):
     for n in (2, 5, 20):
         problem = stack(n, mu, ratio)
         assert_solved(problem, solve(problem, "lemke"), max(1e-10, 1e-14 * ratio))
+
+
+@pytest.mark.parametrize("ratio", [3e9, 1e10, 1e11])
+def test_heavy_tops_to_the_floor_of_rounding(ratio):
+    random = np.random.default_rng(5)
+    for n in (2, 3, 4, 7, 12, 18):
+        problem = scene(
+            "stack", blocks=n, mass_ratio=ratio, friction=random.uniform(0.2, 0.8), push=random.uniform(0.2, 2)
+        ).problem()
+        answer = solve(problem, "lemke")
+        found, floor = residual_with_floor(problem, answer.impulse)
+        assert answer.status is Status.ROUNDING
+        assert found <= floor < 1e-3
 
 
 def test_random_problems():

@@ -10,7 +10,7 @@ from frictionbench.solvers.dantzig import Dantzig, contact_order
 from frictionbench.solvers.interface import Status, solve
 from frictionbench.solvers.murty import Murty
 from frictionbench.solvers.pivots.inverse_basis import compress, exchange_pair, invert, slack_basis, transform
-from frictionbench.solvers.pivots.lemke_path import enter, follow_lemke_path
+from frictionbench.solvers.pivots.lemke_path import USUAL, enter, follow_lemke_path
 
 PRINCIPAL = {"dantzig": Dantzig, "murty": Murty}
 
@@ -91,7 +91,8 @@ def test_a_singular_guess_of_the_basis_is_refused():
 def test_a_path_that_starts_nonnegative_has_no_pivot():
     M, q, work = compress(LCP([[1]], [1]).rows, np.ones(1)), np.ones(1), np.zeros(2, np.int64)
     x, basis, space = np.array([1.0, 0.0]), slack_basis(1), np.empty((2, 1))
-    assert follow_lemke_path(M, q, np.ones(1), basis, x, np.empty(2), np.ones(2, np.bool_), 0.0, 10, np.inf, work, space) == 0
+    given = M, q, np.ones(1), basis, x, np.empty(2), np.ones(2, np.bool_)
+    assert follow_lemke_path(*given, 0.0, USUAL, 10, np.inf, work, space) == 0
     assert work[0] == 0
 
 
