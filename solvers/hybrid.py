@@ -1,13 +1,14 @@
 """A portfolio: the fastest method first, then others until an answer is within the tolerance.
 
 No single method is fast, accurate and reliable on every friction problem. In the plane Lemke's pivots are the fastest up to
-some dozens of contacts, an interior point's sparse factorisations beyond. In space a few sweeps of Gauss-Seidel solve the
-smallest problems, and give the interior point a start for the largest that saves most of its iterations. In between they cost
-more than they save, as they do for hyperstatic contacts such as those of stacks of cubes: W is singular there, and 30 sweeps
-leave a residual of a tenth. The interior point is itself a portfolio of the convex relaxation and central paths, and solves
-nearly all that is left. Pivoting ends on an exact basis; each method fails on some instances that another solves. The portfolio
-stops at the first answer whose residual, computed here from the problem's own velocities, is within the tolerance; it solves
-what any member solves, and reports failure if none does. (Algorithm portfolios: Gomes and Selman 2001.)
+some dozens of contacts (solvers.pivots.few_pivots), an interior point's sparse factorisations beyond. In space a few sweeps of
+Gauss-Seidel solve the smallest problems, and give the interior point a start for the largest that saves most of its
+iterations. In between they cost more than they save, as they do for hyperstatic contacts such as those of stacks of cubes: W
+is singular there, and 30 sweeps leave a residual of a tenth. The interior point is itself a portfolio of the convex relaxation
+and central paths, and solves nearly all that is left. Pivoting ends on an exact basis; each method fails on some instances
+that another solves. The portfolio stops at the first answer whose residual, computed here from the problem's own velocities,
+is within the tolerance; it solves what any member solves, and reports failure if none does. (Algorithm portfolios: Gomes and
+Selman 2001.)
 """
 
 from contextlib import nullcontext
@@ -24,11 +25,11 @@ from frictionbench.problems.residual import residual_with_floor
 from frictionbench.solvers.clock import is_over, left, within
 from frictionbench.solvers.interface import Answer, Solved, Solver, SolverInfo, Status, dense_storage, find, solver
 from frictionbench.solvers.interior_point import first_phase_of
+from frictionbench.solvers.pivots.few_pivots import few_pivots, few_pivots_each
 
 PLANAR = ("lemke", "interior_point", "path_search", "staggered", "anitescu_hart", "fischer_newton")
 SPATIAL = ("nsgs", "interior_point", "proximal_newton", "nncg", "apgd_coulomb", "staggered", "admm_coulomb", "anitescu_hart")
 # Measured by tests/benchmarks/test_hybrid.py, which times hybrid beside its members at every size.
-PIVOTS = 48  # contacts up to which lemke, form and solve, is faster than interior_point
 SWEPT = 6, 60  # contacts up to which nsgs alone is faster, and from which its sweeps save interior_point more than they cost
 HYPERSTATIC = 1.25  # contact rows per velocity above which sweeps help in the smallest problems only: W is singular
 SWEEPS = 30  # of nsgs: a fraction of the time of interior_point at any size
@@ -55,14 +56,17 @@ MEMBERS = tuple(dict.fromkeys((*PLANAR, *SPATIAL)))
 class Hybrid:
     """A portfolio: the interior point or a simpler method first, then others, until a checked answer is within the tolerance.
 
+    Impulses that a member claims and whose residual rounding alone explains are an answer too.
     The limit bounds each member's unit of work. Of a time limit each member may take half of what is left, the last one all.
     work counts the members tried and, by name, the work of each.
     """
 
+    knows_rounding = True
+
     def form(self, problem: FrictionProblem) -> Prepared:
         nc, d = problem.contacts, problem.dimension
-        size = nc, len(problem.free_velocity), len(problem.joint_bias)
-        members = _members(d, bool(nc <= PIVOTS if d == 2 else _sweeps_help(*size)))
+        simple = few_pivots(problem) if d == 2 else _sweeps_help(nc, len(problem.free_velocity), len(problem.joint_bias))
+        members = _members(d, bool(simple))
         return Prepared(problem, members, members[0][1].form(problem))
 
     def setup(self, formed: Prepared) -> Prepared:
@@ -72,21 +76,27 @@ class Hybrid:
         problem = prepared.problem
         impulse, least, found_by = np.zeros((problem.contacts, problem.dimension)), np.inf, ""
         work: dict[str, int] = {}
-        fitting = (each for each in prepared.members if dense_storage(each[1], problem) <= STORAGE)
-        for tried, (info, member) in enumerate(fitting, start=1):
+        tried = 0
+        for info, member in prepared.members:
+            if tried and dense_storage(member, problem) > STORAGE:  # the first is sparse, or the problem small
+                continue
+            tried += 1
             stage = prepared.first if tried == 1 else member.prepare(problem)
             own_limit = (SWEEPS if limit is None else min(SWEEPS, limit)) if info.name == "nsgs" else limit
             guess = impulse if least <= CLOSE else start
             share = left() / (1 if member is prepared.members[-1][1] else 2)
             with within(share) if share < np.inf else ALL_THE_TIME:
                 answer = member.solve(stage, tol, own_limit, guess if info.warm_start else None)
-            work |= {f"{info.name} {unit}": count for unit, count in answer.work.items()} | {"members": tried}
+            for unit, count in answer.work.items():
+                work[f"{info.name} {unit}"] = count
+            work["members"] = tried
             found, floor = residual_with_floor(problem, answer.impulse)
             if found < least:
                 impulse, least, found_by = answer.impulse, found, info.name
-            if least <= tol:
-                status = Status.SOLVED if floor <= tol else Status.ROUNDING  # other members' impulses would be as large
-                return Answer(impulse, status, work, detail=f"answered by {found_by}")
+                # Where the floor is above the tolerance, other members' impulses would be as large.
+                if found <= tol or (found <= floor and answer.status is Status.SOLVED):
+                    status = Status.SOLVED if floor <= tol else Status.ROUNDING
+                    return Answer(impulse, status, work, detail=f"answered by {found_by}")
             if is_over():
                 break
         return Answer(impulse, Status.STALLED, work, detail=f"the nearest answer is by {found_by}" if found_by else "")
@@ -95,18 +105,19 @@ class Hybrid:
         """The loops of the first two members; what they do not solve goes through all members by itself."""
         nc, space = np.diff(packed.contacts), packed.dimension == 3
         simple = "nsgs" if space else "lemke"
-        chosen = _sweeps_help(nc, np.diff(packed.velocities), 0) if space else nc <= PIVOTS
+        chosen = _sweeps_help(nc, np.diff(packed.velocities), 0) if space else few_pivots_each(packed)
         loop: Any = find(simple)[1]
         own_limit = min(SWEEPS, limit or SWEEPS) if space else limit
         swept = loop.solve_many(_only(packed, chosen), tol, own_limit)
         least = np.where(chosen, residuals(packed, swept.impulse)[:, 0], np.inf)
         solved, members = least <= tol, np.ones(len(nc), np.int64)
+        tried = ~solved & (swept.status != Status.SOLVED)  # what is claimed but above the tolerance, solve judges
         work = {f"{simple} {unit}": counts for unit, counts in swept.work.items()} | {"members": members}
-        if not solved.all():
-            found = first_phase_of(_only(packed, ~solved), tol, limit, swept.impulse, ~solved & (least <= CLOSE))
+        if tried.any():
+            found = first_phase_of(_only(packed, tried), tol, limit, swept.impulse, tried & (least <= CLOSE))
             work |= {f"interior_point {unit}": counts for unit, counts in found.work.items()}
-            members[chosen & ~solved] = 2
-            of_contact = np.repeat(~solved, nc)
+            members[chosen & tried] = 2
+            of_contact = np.repeat(tried, nc)
             swept.impulse[of_contact] = found.impulse[of_contact]
             solved |= (found.status == Status.SOLVED) & (residuals(packed, found.impulse)[:, 0] <= tol)
         return Solved(swept.impulse, np.array([None, Status.SOLVED])[solved.astype(int)], work)

@@ -6,10 +6,19 @@ Its first member should be the fastest at every size: the table of docs/peers.md
 import pytest
 
 from frictionbench.problems.instances.cubes import cubes
+from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.scenes import scene
 from frictionbench.solvers import solve
 
 BOXES = [1, 2, 3, 5, 10, 12, 16, 24, 50, 100, 300, 1000]
+KINDS = {
+    "stack": lambda nc: scene("stack", blocks=nc // 2, push=1.0).problem(),
+    "sheared stack": lambda nc: scene("stack", blocks=nc // 2, shear=1.0).problem(),
+    "pyramid": lambda nc: scene("pyramid", rows=round((nc / 2) ** 0.5)).problem(),
+    "arch": lambda nc: scene("arch", stones=nc // 2 - 1, push=1.0).problem(),
+    "discs": lambda nc: scene("disc_pile", rows=round((2 * nc / 3) ** 0.5)).problem(),
+    "random": lambda nc: random_problem(nc, nc),
+}
 CUBES = [1, 2, 3, 5, 8, 12, 16, 25, 50, 100, 250]  # interfaces of four contacts
 
 
@@ -17,6 +26,13 @@ CUBES = [1, 2, 3, 5, 8, 12, 16, 25, 50, 100, 250]  # interfaces of four contacts
 @pytest.mark.parametrize("spec", ["hybrid", "nsgs", "lemke", "interior_point"])
 def test_in_the_plane(benchmark, spec, boxes) -> None:
     run(benchmark, spec, scene("stack", blocks=boxes, push=1.0).problem())
+
+
+@pytest.mark.parametrize("spec", ["hybrid", "lemke", "interior_point"])
+@pytest.mark.parametrize("contacts", [24, 36, 48, 60, 80])
+@pytest.mark.parametrize("kind", KINDS)
+def test_where_pivots_are_no_longer_faster(benchmark, kind, contacts, spec) -> None:
+    run(benchmark, spec, KINDS[kind](contacts))
 
 
 @pytest.mark.parametrize("boxes", CUBES)
