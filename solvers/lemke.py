@@ -10,7 +10,8 @@ the LCP, or on a secondary ray. For a friction step with b >= 0 there is no seco
 In floating point this is preserved by the following:
 
 * The problem is scaled (solvers.pivots.scaling), so that tolerances are dimensionless. Pivoting uses the inverse of the basis's
-  active part with iterative refinement against M; where that is no longer accurate the inverse is recomputed.
+  active part with iterative refinement against M; where that is no longer accurate the inverse is recomputed. Small problems
+  are pivoted on a dense tableau first (solvers.pivots.tableau), whose last basis is refined and checked in the same way.
 * Ties. q is perturbed along a vector with random positive entries, which makes every basis nondegenerate with probability
   one, and a path through nondegenerate bases cannot return to one of them. Near ties go to the largest pivot (Harris 1973).
   The last basis is solved for q itself; if a negative entry leaves more of a residual than round-off does, the method goes on
@@ -41,7 +42,7 @@ from frictionbench.problems.rows import Index64
 from frictionbench.solvers.clock import deadline, late
 from frictionbench.solvers.interface import Answer, Solved, impulses, solver
 from frictionbench.solvers.loops import impulses_of, is_alone, solved, unsolved
-from frictionbench.solvers.pivots.inverse_basis import Matrix, invert, slack_basis
+from frictionbench.solvers.pivots.inverse_basis import Matrix, invert, refactor, slack_basis
 from frictionbench.solvers.pivots.lemke_path import (
     ACCURACY,
     COMPLEMENTARY,
@@ -69,6 +70,7 @@ from frictionbench.solvers.pivots.scaled_lcp import (
     scaled_residual,
     scaled_rounding,
 )
+from frictionbench.solvers.pivots.tableau import SMALL, follow_in_tableau
 from frictionbench.solvers.pivots.vectors import fill, largest, least, put
 
 EXACT = 1e-12  # residual at the level of round-off, below which no smaller perturbation is tried
@@ -156,16 +158,28 @@ def lemke(
                 drawn[i] += 9.0  # tenths: nearly uniform perturbations make for shorter paths
             put(shifted, q)
             add_coordinates(M, basis, drawn, size / 10.0, shifted, z)
-            basic_values(M, d, basis, shifted, x, out, ACCURACY)
             slack = HARRIS * size
-            code = follow_lemke_path(M, shifted, d, basis, x, ray, blocking, slack, precision, budget, until, work, space[6:])
-            reach = max(reach, largest(x, n))
+            code, rough = INACCURATE, cold and trial == 0 and n <= SMALL
+            if rough:
+                T, at = np.empty((n + 1, n)), np.empty(3 * n + 1, np.int64)
+                code = follow_in_tableau(M, shifted, d, basis, ray, slack, budget, work, T, space[6:], at)
+            if code == INACCURATE or (code == RAY and not certified(M, q, d, ray, copositive)):
+                basic_values(M, d, basis, shifted, x, out, ACCURACY)
+                code = follow_lemke_path(
+                    M, shifted, d, basis, x, ray, blocking, slack, precision, budget, until, work, space[6:]
+                )
+                reach = max(reach, largest(x, n))
             if code == RAY and cold and certified(M, q, d, ray, copositive):
                 ended = RAY
             elif work[0] >= limit or late(until):
                 ended = LIMIT
             if code == COMPLEMENTARY:
                 error = finish(M, d, basis, q, unit, x, y, out)
+                if rough and error > tol:
+                    work[1] += 1
+                    if refactor(M, d, basis):
+                        error = finish(M, d, basis, q, unit, x, y, out)
+                reach = max(reach, largest(x, n))
                 told = min(scaled_rounding(M, q, unit, y, out), ROUGH)
                 if error < best:
                     best = error

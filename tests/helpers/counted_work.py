@@ -17,6 +17,7 @@ KERNELS = (
     ("frictionbench.solvers.pivots.lu_basis", "factorise_basis", "basis factorisations", lambda arguments: 1),
     ("frictionbench.solvers.pivots.lu_basis", "replace_column", "basis exchanges", lambda arguments: 1),
     ("frictionbench.solvers.pivots.inverse_basis", "exchange_pair", "exchanges", lambda arguments: 1),
+    ("frictionbench.solvers.pivots.tableau", "exchange", "exchanges", lambda arguments: 1),
     ("frictionbench.solvers.pivots.inverse_basis", "refactor", "inversions", lambda arguments: 1),
     ("frictionbench.solvers.pivots.merit_newton", "solve_dense", "dense factorisations", lambda arguments: 1),
     ("frictionbench.solvers.sweeps.form", "state", "products", lambda arguments: 1),

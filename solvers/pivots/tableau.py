@@ -1,0 +1,160 @@
+"""Lemke's path on a dense tableau: for LCPs of some dozens of unknowns, where arithmetic costs less than bookkeeping.
+
+The basic variables are x - T' t for values t of the nonbasic ones, from the slack basis w = q + M z + d z0 on; T_p is the rate
+at which they fall as the p-th one rises. If that enters with a = T_p, and the basic variable of row s leaves,
+
+    T_js /= a_s,    T_ji -= a_i T_js  for all other columns j,      and    T_ps = 1 / a_s,    T_pi = -a_i / a_s
+
+is the column of the one that left. The rules for ties and pivots are those of solvers.pivots.lemke_path, so that the path is
+the same. But nothing is refined on the way, and rounding errors add up: the caller checks how the path ends.
+"""
+
+import numpy as np
+
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import inlined, lean, lean_kernel
+from frictionbench.problems.rows import Index64
+from frictionbench.solvers.pivots.inverse_basis import InverseBasis, Matrix
+from frictionbench.solvers.pivots.lemke_path import COMPLEMENTARY, LIMIT, PIVOT, RAY
+
+SMALL = 64  # unknowns up to which it is the faster way: from some 80 on lemke_path is, as it leaves out zeros of M
+
+
+@lean_kernel
+def follow_in_tableau(
+    M: Matrix,
+    q: Array,
+    d: Array,
+    basis: InverseBasis,
+    ray: Array,
+    slack: float,
+    limit: int,
+    work: Index64,
+    T: Array,
+    space: Array,
+    at: Index64,
+) -> int:
+    """Follow Lemke's path from the slack basis, and return how it ended: at a complementary basis, which is stored in `basis`.
+
+    ray, slack, limit, work: as a, slack, limit, work in follow_lemke_path. T (n+1, n), space (2, n): workspace. at (3n+1,): the
+    variable of each row, and from n on the column of each nonbasic variable, where w_i is variable i, z_i n + i and z0 2n.
+    """
+    n = len(q)
+    x, a = space[0], space[1]
+    _fill(M, q, d, T, x, at)
+    entering, p, s, z0_row = 2 * n, n, _most_negative(q, d), -1
+    while s >= 0:
+        if work[0] >= limit:
+            return LIMIT
+        for i in range(n):
+            a[i] = T[p, i]
+        t = (x[s] if z0_row < 0 else max(x[s], 0.0)) / a[s]
+        leaving = at[s]
+        exchange(T, a, p, s)
+        for i in range(n):
+            x[i] -= t * a[i]
+        x[s], at[s], at[n + leaving] = t, entering, p
+        z0_row = s if z0_row < 0 else z0_row
+        work[0] += 1
+        if leaving == 2 * n:
+            break
+        entering = leaving - n if leaving >= n else leaving + n
+        p = at[n + entering]
+        s = _blocking_row(x, T, p, z0_row, slack)
+    if s >= 0:
+        _store(T, at, basis, n)
+    elif z0_row >= 0:
+        _write_ray(T, at, p, entering, ray)
+        return RAY
+    return COMPLEMENTARY
+
+
+@inlined
+def _fill(M, q, d, T, x, at):  # type: ignore[no-untyped-def]
+    """The tableau of the slack basis."""
+    n = len(q)
+    for j in range(n):
+        for i in range(n):
+            T[j, i] = 0.0
+        for e in range(M.start[j], M.start[j + 1]):
+            T[j, M.rows[e]] = -M.column[e]
+        T[n, j], x[j], at[j], at[2 * n + j] = -d[j], q[j], j, j
+    at[3 * n] = n
+
+
+@inlined
+def _most_negative(q, d):  # type: ignore[no-untyped-def]
+    """The row of the largest -q/d, which is z0 as it enters; -1 where none is positive."""
+    s, t = -1, 0.0
+    for i in range(len(q)):
+        if -q[i] > t * d[i]:
+            s, t = i, -q[i] / d[i]
+    return s
+
+
+@lean
+def _blocking_row(x, T, p, z0_row, slack):  # type: ignore[no-untyped-def]
+    """As lemke_path.ratio_test, by rows."""
+    n = len(x)
+    size = 0.0
+    for i in range(n):
+        size = max(size, abs(T[p, i]))
+    least, bound = PIVOT * size, np.inf
+    for i in range(n):
+        if T[p, i] > least:
+            bound = min(bound, (max(x[i], 0.0) + slack) / T[p, i])
+    if T[p, z0_row] > least and x[z0_row] <= bound * T[p, z0_row]:
+        return z0_row
+    s, pivot = -1, least
+    for i in range(n):
+        if T[p, i] > pivot and x[i] <= bound * T[p, i]:
+            s, pivot = i, T[p, i]
+    return s
+
+
+@lean
+def exchange(T, a, p, s):  # type: ignore[no-untyped-def]
+    """Column p, of which a is a copy, enters in row s."""
+    n, pivot = len(a), a[s]
+    for j in range(n + 1):
+        entry = T[j, s]
+        if entry != 0.0 and j != p:
+            entry /= pivot
+            for i in range(n):
+                T[j, i] -= a[i] * entry
+            T[j, s] = entry
+    for i in range(n):
+        T[p, i] = -a[i] / pivot
+    T[p, s] = 1.0 / pivot
+
+
+@lean
+def _write_ray(T, at, p, entering, ray):  # type: ignore[no-untyped-def]
+    """The direction (z, z0) in which variable `entering` of column p rises without end."""
+    n = len(ray) - 1
+    for i in range(n + 1):
+        ray[i] = 0.0
+    for i in range(n):
+        if at[i] >= n:
+            ray[at[i] - n] = -T[p, i]
+    if entering >= n:
+        ray[entering - n] = 1.0
+
+
+@lean
+def _store(T, at, basis, n):  # type: ignore[no-untyped-def]
+    """The complementary basis at the end: a z is basic where its w is not, and T holds -K^-1."""
+    k = 0
+    for i in range(n):
+        j = at[i] - n
+        if j >= 0:
+            basis.z[k] = basis.w[k] = j
+            basis.row[j] = basis.column[j] = k
+            k += 1
+    for c in range(k):
+        r, p = 0, at[n + basis.w[c]]
+        for i in range(n):
+            if at[i] >= n:
+                basis.inverse[c, r] = -T[p, i]
+                r += 1
+    basis.size[0] = k
