@@ -22,9 +22,8 @@ from frictionbench.solvers.pivots.vectors import fill, put
 
 DEPENDENT = 1e-12  # a column of which elimination leaves less than this share is rounding, and depends on the others
 PIVOT = 1e-9  # smaller rates of change, relative to the largest, count as zero: they may be rounding of 96 updates
-UNRELIABLE = 1e-5  # smaller pivots are taken only from a fresh factorisation, without the rounding of updates
-SLIP = 1e-12  # how far below zero a basic variable may go for the sake of a larger pivot, in units of the scaled q
-LAST_SLIP = 1e-10  # the same in the step to t = 1, which rounding might otherwise keep a path from reaching
+UNRELIABLE = 1e-7  # smaller pivots are taken only from a fresh factorisation, without the rounding of updates
+SLIP = 1e-10  # how far below zero a basic variable may go for the sake of a larger pivot, in units of the scaled q
 
 NEWTON, RETURNED, RAY, LIMIT, SINGULAR = range(5)  # how a path ends: t = 1, t = 0, a ray, the limit, a singular basis
 PIVOTS, FACTORISATIONS = 0, 1  # counted in work
@@ -51,12 +50,11 @@ def follow_newton_path(basis, columns, b, v, limit, until, work):  # type: ignor
         remaining = 1.0 if entering == t else np.inf  # until t = 1
         if t_at >= 0 and d[t_at] < -PIVOT * size:
             remaining = max(1.0 - x[t_at], 0.0) / -d[t_at]
-        reach = end = np.inf  # until a basic variable is at zero, but for the slip
+        reach = np.inf  # until a basic variable is at zero, but for the slip
         for i in range(n):
             if d[i] > PIVOT * size:
                 reach = min(reach, (max(x[i], 0.0) + SLIP) / d[i])
-                end = min(end, (max(x[i], 0.0) + LAST_SLIP) / d[i])
-        if remaining <= end and remaining < np.inf:
+        if remaining <= reach and remaining < np.inf:
             for i in range(n):
                 x[i] -= remaining * d[i]
             if entering != t:

@@ -197,6 +197,12 @@ def random_columns(n, rank, seed=0) -> tuple[Columns, np.ndarray]:
     return columns, np.column_stack([M, -np.eye(n), cover])
 
 
+def test_small_pivots_of_long_stacks_are_taken_without_new_factors() -> None:
+    answer = solve(scene("stack", blocks=600, push=1.0).problem(), "path_search")
+    assert answer.status is Status.SOLVED
+    assert answer.work["factorisations"] < answer.work["pivots"] / 60
+
+
 def test_a_basis_solves_and_is_updated() -> None:
     n, random = 20, np.random.default_rng(1)
     columns, dense = random_columns(n, n)
