@@ -18,6 +18,9 @@ start than the normal ones, so that sliding and sticking are decided after openi
 Where masses are unlike, light bodies bear heavy ones: impulses that stop a contact's own velocity are far too small there, and
 paths that begin with them wind. Then paths begin with the same impulse at all contacts, that of the heaviest.
 
+In the plane semismooth Newton (solvers.interior.fischer_burmeister) comes before the paths: it has none to follow, and solves
+most large random contact graphs and piles of discs in which the predictor-corrector is trapped.
+
 Where a problem falls apart, one part in which the predictor-corrector is trapped shortens the steps of all others; then each
 part is solved by itself (solvers.interior.parts), unless one of them is nearly the whole.
 
@@ -41,6 +44,7 @@ from frictionbench.solvers.interface import Answer, Solved, Status, impulses, so
 from frictionbench.solvers.interior.central_path import trace
 from frictionbench.solvers.interior.centred_point import centred_point
 from frictionbench.solvers.interior.first_phase import NO_GUESS, first_phase
+from frictionbench.solvers.interior.fischer_burmeister import fischer_burmeister
 from frictionbench.solvers.interior.parts import solve_parts
 from frictionbench.solvers.interior.phases import Phase, Phased, Prepared, first_point, run
 from frictionbench.solvers.interior.point import Point, start_point
@@ -49,6 +53,7 @@ from frictionbench.solvers.interior.system import System, space_of
 
 # All of these were tuned by experiment: tests/benchmarks/test_interior_point_starts.py counts, for each start left out and each
 # limit changed, the problems solved and the factorisations. Impulses and speeds are relative to a contact's own.
+NEWTON_STARTS = ((0.1, 1.0), (1.0, 1.0))  # of semismooth Newton in the plane: (impulse, speed)
 PLANAR_STARTS = ((0.1, 10.0), (1.0, 10.0), (0.1, 100.0), (1.0, 100.0), (10.0, 1.0), (1.0, 1.0))  # (impulse, speed)
 FIRST_START, LAST_START = (1.0, 10.0, 10.0), (1.5, 5.0, 1.0)  # in space: (impulse, speed, factor on the friction's products)
 UNLIKE, LOAD_STARTS = 10.0, (0.75, 1.0)  # in space: the ratio of contacts' masses from which they start under load; exponents
@@ -60,6 +65,7 @@ PATH_DISTANCE = 0.3  # the same in the plane for a path, which is shorter from w
 CLOSE = 0.01  # the largest residual of the relaxation's solution from which the predictor-corrector is tried
 GIANT = 0.9  # of the contacts in one part: it would take the whole's time once more to solve it by itself
 LIMIT = 6500  # factorisations in all: enough for every start's share in problems of a few hundred contacts
+NEWTON_SHARE = 100  # factorisations of one run of semismooth Newton: of those that arrive in 150, 95 % take fewer
 SHARE = 250  # factorisations of one phase except paths in space: few paths that arrive in the plane are longer
 POLISHING = 20  # factorisations of proximal_newton near an answer; a pair that vanishes keeps a path at a residual of 1e-7
 PATIENCE = 12  # iterations of the predictor-corrector without progress: no run that recovered took more
@@ -78,8 +84,8 @@ class InteriorPoint(Phased):
     """Predictor-corrector on Coulomb's law, then its central path; one sparse factorisation an iteration.
 
     A portfolio where it is trapped: paths start around the results of nsgs and relaxation_ip, and proximal_newton refines
-    nearly solved points; their work is counted under their names. shortcut: try the predictor-corrector first; otherwise follow
-    the path from the beginning.
+    nearly solved points; their work is counted under their names. shortcut: try the predictor-corrector and, in the
+    plane, semismooth Newton first; otherwise follow the path from the beginning.
     """
 
     shortcut: bool = True
@@ -118,8 +124,9 @@ class InteriorPoint(Phased):
         """
         if start is not None:
             yield predictor_corrector, _around(problem, system, impulses(start, system.offset.shape), LEAST_DISTANCE), SHARE
+        trapped = first_point(system)
         if self.shortcut:
-            yield predictor_corrector, first_point(system), SHARE
+            yield predictor_corrector, trapped, SHARE
         found = separate(problem)
         if max((len(own) for own, _ in found), default=0) < GIANT * problem.contacts:
             parts += found
@@ -127,6 +134,10 @@ class InteriorPoint(Phased):
         if problem.dimension == 3:
             yield from self._spatial(problem, system, start, spent)
             return
+        if self.shortcut:
+            for impulse, speed in NEWTON_STARTS:
+                yield fischer_burmeister, start_point(system, impulse, speed), NEWTON_SHARE
+            yield fischer_burmeister, trapped, NEWTON_SHARE
         yield trace, _around(problem, system, _guess(problem, start, spent), PATH_DISTANCE), SHARE
         for impulse, speed in PLANAR_STARTS:
             yield trace, start_point(system, impulse, speed), SHARE
