@@ -40,6 +40,7 @@ from frictionbench.problems.packed import Packed, residuals
 from frictionbench.problems.residual import residual
 from frictionbench.problems.rows import Index64
 from frictionbench.problems.separate import Parts, separate
+from frictionbench.problems.separate import parts as parts_of
 from frictionbench.solvers.interface import Answer, Solved, Status, impulses, solve, solver
 from frictionbench.solvers.interior.central_path import trace
 from frictionbench.solvers.interior.centred_point import centred_point
@@ -127,9 +128,8 @@ class InteriorPoint(Phased):
         trapped = first_point(system)
         if self.shortcut:
             yield predictor_corrector, trapped, SHARE
-        found = separate(problem)
-        if max((len(own) for own, _ in found), default=0) < GIANT * problem.contacts:
-            parts += found
+        if np.bincount(parts_of(problem)[: problem.contacts]).max(initial=0) < GIANT * problem.contacts:
+            parts += separate(problem)
             return
         if problem.dimension == 3:
             yield from self._spatial(problem, system, start, spent)

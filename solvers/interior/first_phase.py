@@ -8,8 +8,9 @@ import numpy as np
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import loop, part
-from frictionbench.problems.forms.delassus import largest, pushed_contact_velocity
+from frictionbench.problems.forms.delassus import pushed_contact_velocity
 from frictionbench.problems.packed import CONTACT, Packed, Q, law_of, mass_of, mechanical, mechanics_of, residuals
+from frictionbench.problems.residual import contact_residual
 from frictionbench.solvers.interface import Solved, Status
 from frictionbench.solvers.interior.centred_point import centred_point
 from frictionbench.solvers.interior.phases import MARGIN, ROUNDING
@@ -45,12 +46,12 @@ def first_phase_loop(packed, guess, distance, space, relaxed, tol, limit, patien
     for k in range(len(ended)):
         if is_alone(packed, k):
             continue
-        if largest(packed.q[packed.first[k, Q] : packed.first[k + 1, Q]], r.shape[1]) == 0:
+        mu, wider, scale, units = law_of(packed, k)
+        if free_residual(packed.q[packed.first[k, Q] : packed.first[k + 1, Q]], scale, mu, wider, units) <= tol:
             ended[k] = SOLVED
             continue
         if not mechanical(packed, k):
             continue
-        mu, wider, scale, units = law_of(packed, k)
         start, column, J, m_start, m_column, m_value, free, bias = mechanics_of(packed, k)
         mass_start, mass_column, mass_value = mass_of(packed, k)
         offset = packed.offset[packed.first[k, CONTACT] : packed.first[k + 1, CONTACT]]
@@ -78,3 +79,13 @@ def first_phase_loop(packed, guess, distance, space, relaxed, tol, limit, patien
                 own[i, a] = best.impulse[i, a] * impulse
         ended[k] = SOLVED if best.residual[0] + ROUNDING * heaviest <= sharp else NEARLY
     return r, ended, work
+
+
+@part
+def free_residual(q, scale, mu, wider, units):  # type: ignore[no-untyped-def]
+    """The residual of no impulses at all, u = q (nc*d,)."""
+    nc = len(mu)
+    u, none, worst = q.reshape(nc, -1), np.zeros(len(q) // max(nc, 1)), 0.0
+    for i in range(nc):
+        worst = max(worst, contact_residual(none, u[i], scale[i], mu[i], wider[i], units[i], 1.0))
+    return worst

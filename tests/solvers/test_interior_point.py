@@ -9,6 +9,7 @@ from frictionbench.problems.instances.cubes import cubes
 from frictionbench.problems.instances.local_graph import local_graph
 from frictionbench.problems.instances.random_bodies import random_bodies
 from frictionbench.problems.instances.spheres import sphere_pyramid
+from frictionbench.problems.packed import pack
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.recorded import read
 from frictionbench.problems.residual import contact_residuals, relaxation_residual, residual
@@ -37,6 +38,17 @@ def assert_solved(problem, spec, tol=1e-8, at_most=2000) -> None:
     assert measure(problem, answer.impulse) <= tol
     assert answer.work["factorisations"] <= at_most
     assert len(answer.history) == answer.work["iterations"]
+
+
+@pytest.mark.parametrize("push", [0.0, 1.0])
+def test_a_stack_that_lifts_off_takes_no_iterations(push: float) -> None:
+    """The lowest contacts neither close nor open, where the iteration converges linearly only."""
+    problem = scene("stack", blocks=5, push=push, fall=-1.0).problem()
+    answer, packed = solve(problem, "interior_point"), find("interior_point")[1].solve_many(pack([problem]), 1e-8, None)
+    assert answer.status is packed.status[0] is Status.SOLVED
+    assert answer.work["iterations"] == packed.work["iterations"][0] == 0
+    assert not answer.impulse.any()
+    assert not packed.impulse.any()
 
 
 @pytest.mark.parametrize("spec", [*METHODS, "relaxation_ip"])
