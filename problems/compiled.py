@@ -32,6 +32,10 @@ inlined = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, inline="a
 # that it hands on would take two thirds of the time of a pivot on ten unknowns. numba refuses to compile what needs them.
 lean_kernel = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, _nrt=False)
 
+# A loop of that kind. The counts of arrays that several threads read would be written by all of them in turn, which takes
+# longer than to solve a problem of few contacts.
+lean_loop = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True, _nrt=False)
+
 
 def part(function: Callable[..., Any], counted: bool = True) -> Any:
     """A compiled function that only kernels call; its wrapper for Python would take longer to compile than the function."""

@@ -11,15 +11,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import loop, part
+from frictionbench.problems.compiled import inlined, lean_loop, loop, part
 from frictionbench.problems.forms.delassus import (
-    act,
-    act_size,
     block_scale,
     delassus,
     measures,
-    pushed_contact_velocity,
-    velocity_size,
+    write_act,
+    write_act_size,
+    write_contact_velocity,
+    write_velocity,
+    write_velocity_size,
 )
 from frictionbench.problems.forms.islands import delassus_units, mechanical_units, spread
 from frictionbench.problems.friction import FrictionProblem
@@ -122,20 +123,20 @@ def _pieces(problem: FrictionProblem) -> tuple[Any, ...]:
     return *law, *unmoved, *operator.blocks, operator.q
 
 
-@part
+@inlined
 def law_of(packed, k):  # type: ignore[no-untyped-def]
     """Problem k's friction, friction_bias, scale and units (nc,)."""
     begin, end = packed.first[k, CONTACT], packed.first[k + 1, CONTACT]
     return packed.friction[begin:end], packed.friction_bias[begin:end], packed.scale[begin:end], packed.units[begin:end]
 
 
-@part
+@inlined
 def mechanical(packed, k):  # type: ignore[no-untyped-def]
     """Whether problem k has mechanics."""
     return packed.first[k + 1, START] > packed.first[k, START]
 
 
-@part
+@inlined
 def mechanics_of(packed, k):  # type: ignore[no-untyped-def]
     """Problem k's J by contacts, M^-1 by rows, v* and b."""
     a, b = packed.first[k], packed.first[k + 1]
@@ -151,7 +152,7 @@ def mechanics_of(packed, k):  # type: ignore[no-untyped-def]
     )
 
 
-@part
+@inlined
 def mass_of(packed, k):  # type: ignore[no-untyped-def]
     """Problem k's M by rows."""
     a, b = packed.first[k], packed.first[k + 1]
@@ -159,7 +160,7 @@ def mass_of(packed, k):  # type: ignore[no-untyped-def]
     return packed.mass_start[a[MASS_START] : b[MASS_START]], packed.mass_column[entries], packed.mass_value[entries]
 
 
-@part
+@inlined
 def known_blocks(packed, k):  # type: ignore[no-untyped-def]
     """Problem k's W by blocks, where it is what is known."""
     a, b = packed.first[k], packed.first[k + 1]
@@ -208,21 +209,31 @@ def _measured(packed):  # type: ignore[no-untyped-def]
     return q, scale, units, unlike
 
 
-@loop
-def residuals(packed, impulse):  # type: ignore[no-untyped-def]
+def residuals(packed: Packed, impulse: Array) -> Array:
     """(N, 2): the residual and its floor (problems.residual) of the impulses of all contacts (contacts, d)."""
-    count, d, begin = len(packed.first) - 1, packed.J.shape[1], packed.first[0, CONTACT]
-    found = np.empty((count, 2))
-    for k in range(count):
+    contacts, velocities = np.diff(packed.contacts).max(initial=0), np.diff(packed.first[:, VELOCITY]).max(initial=0)
+    found = np.empty((packed.size, 2))
+    _residuals(packed, impulse, np.empty((2, velocities)), np.empty((2, contacts, packed.dimension)), found)
+    return found
+
+
+@lean_loop
+def _residuals(packed, impulse, by_velocity, by_contact, found):  # type: ignore[no-untyped-def]
+    """The same over found (N, 2); by_velocity (2, nv) and by_contact (2, nc, d), for the largest problem, are workspace."""
+    begin = packed.first[0, CONTACT]
+    for k in range(len(found)):
         r = impulse[packed.first[k, CONTACT] - begin : packed.first[k + 1, CONTACT] - begin]
+        u, terms = by_contact[0, : len(r)], by_contact[1, : len(r)]
         mu, wider, scale, units = law_of(packed, k)
         if mechanical(packed, k):
             start, column, J, m_start, m_column, m_value, free, bias = mechanics_of(packed, k)
-            u = pushed_contact_velocity(start, column, J, m_start, m_column, m_value, free, r, bias)
-            terms = velocity_size(start, column, J, m_start, m_column, m_value, free, r, bias)
+            momentum, pushed = by_velocity[0], by_velocity[1]
+            write_velocity(start, column, J, m_start, m_column, m_value, free, r, momentum, pushed)
+            write_contact_velocity(start, column, J, pushed, bias, u)
+            write_velocity_size(start, column, J, m_start, m_column, m_value, free, r, bias, momentum, terms)
         else:
             first, neighbours, block = known_blocks(packed, k)
-            q = packed.q[packed.first[k, Q] : packed.first[k + 1, Q]].reshape(len(r), d)
-            u, terms = act(first, neighbours, block, r, q), act_size(first, neighbours, block, r, q)
+            q = packed.q[packed.first[k, Q] : packed.first[k + 1, Q]].reshape(len(r), r.shape[1])
+            write_act(first, neighbours, block, r, q, u)
+            write_act_size(first, neighbours, block, r, q, terms)
         found[k, 0], found[k, 1] = largest_with_floor(r, u, terms, scale, mu, wider, units)
-    return found

@@ -25,7 +25,7 @@ import numpy as np
 
 from frictionbench.problems import check
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import inlined, kernel
+from frictionbench.problems.compiled import inlined, kernel, lean_kernel
 from frictionbench.problems.forms.cone import nearest
 from frictionbench.problems.forms.delassus import pushed_contact_velocity, velocity_size
 from frictionbench.problems.forms.islands import length
@@ -196,10 +196,14 @@ def relative_defect(defect: float, unit: float) -> float:
     return share if share == 0 or (unit > 0 and share < np.inf) else np.inf
 
 
-@kernel
+@lean_kernel
 def largest_with_floor(r, u, terms, s, mu, b, units):  # type: ignore[no-untyped-def]
     """The largest of _residuals and of _floors, of Coulomb's law."""
-    return largest(_residuals(r, u, s, mu, b, units, 1.0)), largest(_floors(r, u, terms, s, mu, b, units, 1.0))
+    worst = floor = 0.0
+    for i in range(len(r)):
+        worst = max(worst, contact_residual(r[i], u[i], s[i], mu[i], b[i], units[i], 1.0))
+        floor = max(floor, _contact_floor(r[i], u[i], terms[i], s[i], mu[i], b[i], units[i], 1.0))
+    return worst, floor
 
 
 @kernel
@@ -215,12 +219,20 @@ def _floors(r, u, terms, s, mu, b, units, shift):  # type: ignore[no-untyped-def
     """(nc,): see contact_floors."""
     floor = np.empty(len(r))
     for i in range(len(r)):
-        impulse, moved = s[i] * length(r[i], 0, r.shape[1]), 2 * EPSILON * (1 + mu[i]) * length(terms[i], 0, r.shape[1])
-        sliding = (1 - shift) * mu[i] * np.abs(u[i, 1:]).sum()
-        if u[i, 0] > (1 + mu[i]) * impulse + sliding + 2 * EPSILON * impulse + moved:
-            moved = min(moved, 2 * s[i] * b[i])
-        floor[i] = relative_defect(2 * EPSILON * impulse + moved, units[i])
+        floor[i] = _contact_floor(r[i], u[i], terms[i], s[i], mu[i], b[i], units[i], shift)
     return floor
+
+
+@inlined
+def _contact_floor(r, u, terms, s, mu, b, unit, shift):  # type: ignore[no-untyped-def]
+    """See contact_floors; r, u and terms (d,)."""
+    impulse, moved = s * length(r, 0, len(r)), 2 * EPSILON * (1 + mu) * length(terms, 0, len(r))
+    sliding = 0.0
+    for k in range(1, len(u)):
+        sliding += abs(u[k])
+    if u[0] > (1 + mu) * impulse + (1 - shift) * mu * sliding + 2 * EPSILON * impulse + moved:
+        moved = min(moved, 2 * s * b)
+    return relative_defect(2 * EPSILON * impulse + moved, unit)
 
 
 @kernel

@@ -41,7 +41,7 @@ from frictionbench.solvers.pivots.lemke_path import (
     draw,
     follow_lemke_path,
 )
-from frictionbench.solvers.pivots.packed_lcp import scaled_lcp_of, write_stretched
+from frictionbench.solvers.pivots.packed_lcp import lcp_space, scaled_lcp_of, write_stretched
 from frictionbench.solvers.pivots.principal_pivoting import PrincipalPivoting, default_limit
 from frictionbench.solvers.pivots.scaled_lcp import MARGIN, STATUSES, ScaledLCP, finish
 
@@ -97,13 +97,15 @@ def contact_order(n: int, nc: int) -> Index64:
 
 
 @loop
-def dantzig_loop(packed, basis, tol, limit):  # type: ignore[no-untyped-def]
+def dantzig_loop(packed, basis, space, tol, limit):  # type: ignore[no-untyped-def]
     """Packed problems one after the other: impulses, how each ended, and pivots and inversions (N, 2)."""
     r, ended, work = unsolved(packed, 2)
     for k in range(len(ended)):
         if is_alone(packed, k):
             continue
-        stretch, M, q, unit = scaled_lcp_of(packed, k, basis)
+        fits, stretch, M, q, unit = scaled_lcp_of(packed, k, basis, space)
+        if not fits:
+            continue
         own, most = impulses_of(packed, k, r), limit if limit else default_limit(len(q))
         order = contact_order(len(q), len(own))
         ended[k], y, work[k, 0], work[k, 1] = dantzig(order, M, q, unit, tol, most, np.inf)
@@ -122,5 +124,6 @@ class Dantzig(PrincipalPivoting):
         return dantzig(contact_order(len(lcp.q), lcp.contacts[0]), lcp.M, lcp.q, lcp.unit, tol, limit, deadline())
 
     def solve_many(self, packed: Packed, tol: float, limit: int | None) -> Solved:
-        r, ended, work = dantzig_loop(packed, tangent_basis(packed.dimension, self.facets), MARGIN * tol, limit or 0)
+        basis = tangent_basis(packed.dimension, self.facets)
+        r, ended, work = dantzig_loop(packed, basis, lcp_space(packed, basis), MARGIN * tol, limit or 0)
         return solved(r, ended, STATUSES, work, ("pivots", "inversions"))

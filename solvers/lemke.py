@@ -30,19 +30,20 @@ with a smaller perturbation; if it is singular, or that fails, it starts from z 
 """
 
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array, require
-from frictionbench.problems.compiled import kernel, lean_kernel, loop, part
+from frictionbench.problems.compiled import kernel, lean, lean_kernel, lean_loop, part
 from frictionbench.problems.forms.lcp import tangent_basis
 from frictionbench.problems.packed import Packed
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.clock import deadline, late
 from frictionbench.solvers.interface import Answer, Solved, impulses, solver
 from frictionbench.solvers.loops import impulses_of, is_alone, solved, unsolved
-from frictionbench.solvers.pivots.inverse_basis import Matrix, invert, refactor, slack_basis
+from frictionbench.solvers.pivots.inverse_basis import InverseBasis, Matrix, invert, make_slack, refactor, slack_basis
 from frictionbench.solvers.pivots.lemke_path import (
     ACCURACY,
     COMPLEMENTARY,
@@ -53,13 +54,14 @@ from frictionbench.solvers.pivots.lemke_path import (
     PERTURBATION,
     RAY,
     USUAL,
+    Flags,
     add_coordinates,
     add_matrix_product,
     basic_values,
     draw,
     follow_lemke_path,
 )
-from frictionbench.solvers.pivots.packed_lcp import scaled_lcp_of, write_stretched
+from frictionbench.solvers.pivots.packed_lcp import lcp_space, scaled_lcp_of, write_stretched
 from frictionbench.solvers.pivots.scaled_lcp import (
     EPSILON,
     MARGIN,
@@ -104,6 +106,28 @@ def certified(M: Matrix, q: Array, d: Array, ray: Array, copositive: bool) -> bo
     return not copositive or (v0 <= slack and along < -slack)
 
 
+class Space(NamedTuple):
+    """Workspace for LCPs of up to n unknowns: vectors (11, n+1), blocking (n+1,), work (2,), a basis, and a tableau T of up to
+    SMALL unknowns with its places `at`."""
+
+    vectors: Array
+    blocking: Flags
+    work: Index64
+    basis: InverseBasis
+    T: Array
+    at: Index64
+
+
+@kernel
+def room(n):  # type: ignore[no-untyped-def]
+    """Workspace for LCPs of up to n unknowns."""
+    small = min(n, SMALL)
+    vectors, blocking = np.empty((11, n + 1)), np.empty(n + 1, np.bool_)
+    fill(blocking, True)
+    tableau, at = np.empty((small + 1, small)), np.empty(3 * small + 1, np.int64)
+    return Space(vectors, blocking, np.empty(2, np.int64), slack_basis(n), tableau, at)
+
+
 @kernel
 def lemke(
     M: Matrix,
@@ -121,14 +145,41 @@ def lemke(
 
     cover: the first covering vector. unit: see residual. guess: the indices of basic z, if any. until: the deadline.
     """
+    y = np.empty(len(q))
+    ended, pivots, restarted, inversions = lemke_within(
+        room(len(q)), M, q, cover, unit, guess, copositive, tol, limit, until, restarts, y
+    )
+    return ended, y, pivots, restarted, inversions
+
+
+@lean
+def lemke_within(
+    space: Space,
+    M: Matrix,
+    q: Array,
+    cover: Array,
+    unit: Array,
+    guess: Index64,
+    copositive: bool,
+    tol: float,
+    limit: int,
+    until: float,
+    restarts: int,
+    best_y: Array,
+) -> tuple[int, int, int, int]:
+    """The same, with y over best_y (n,)."""
     n = len(q)
-    work = np.zeros(2, np.int64)
-    space = np.empty((8, n))
-    d, shifted, drawn, out, y, z = space[0], space[1], space[2], space[3], space[4], space[5]
-    x, ray = np.empty(n + 1), np.empty(n + 1)
-    blocking = np.empty(n + 1, np.bool_)
-    fill(blocking, True)
-    best_y = np.empty(n)
+    work, vectors, blocking, basis = space.work, space.vectors, space.blocking[: n + 1], space.basis
+    d, shifted, drawn, out, y, z = (
+        vectors[0, :n],
+        vectors[1, :n],
+        vectors[2, :n],
+        vectors[3, :n],
+        vectors[4, :n],
+        vectors[5, :n],
+    )
+    own, x, ray = vectors[6:8, :n], vectors[8, : n + 1], vectors[9, : n + 1]
+    work[0] = work[1] = 0
     fill(best_y, 0.0)
     fill(d, 1.0)
     best = scaled_residual(M, q, unit, best_y, out)
@@ -136,7 +187,7 @@ def lemke(
     trial = first = -1 if len(guess) else 0
     goal, reach = tol, 0.0  # the residual to reach; the largest basic variable at the end of a path
     while best > goal and work[0] < limit and trial <= restarts and not late(until):
-        basis = slack_basis(n)
+        make_slack(basis, n)
         code, size, precision = COMPLEMENTARY, PERTURBATION, USUAL
         if trial > 0:
             size, precision = max(PERTURBATION, min(NOISE * reach, COARSEST)), FULL
@@ -161,13 +212,10 @@ def lemke(
             slack = HARRIS * size
             code, rough = INACCURATE, cold and trial == 0 and n <= SMALL
             if rough:
-                T, at = np.empty((n + 1, n)), np.empty(3 * n + 1, np.int64)
-                code = follow_in_tableau(M, shifted, d, basis, ray, slack, budget, work, T, space[6:], at)
+                code = follow_in_tableau(M, shifted, d, basis, ray, slack, budget, work, space.T, x, y, space.at)
             if code == INACCURATE or (code == RAY and not certified(M, q, d, ray, copositive)):
                 basic_values(M, d, basis, shifted, x, out, ACCURACY)
-                code = follow_lemke_path(
-                    M, shifted, d, basis, x, ray, blocking, slack, precision, budget, until, work, space[6:]
-                )
+                code = follow_lemke_path(M, shifted, d, basis, x, ray, blocking, slack, precision, budget, until, work, own)
                 reach = max(reach, largest(x, n))
             if code == RAY and cold and certified(M, q, d, ray, copositive):
                 ended = RAY
@@ -191,25 +239,25 @@ def lemke(
         if best <= goal:
             ended = COMPLEMENTARY
         trial += 1
-    return ended, best_y, work[0], max(trial - 1 - first, 0), work[1]
+    return ended, work[0], max(trial - 1 - first, 0), work[1]
 
 
-@loop
-def lemke_loop(packed, basis, copositive, tol, limit, restarts):  # type: ignore[no-untyped-def]
-    """Packed problems one after the other: impulses, how each ended, and pivots, restarts and inversions (N, 3)."""
-    r, ended, work = unsolved(packed, 3)
-    none = np.empty(0, np.int64)
+@lean_loop
+def lemke_loop(packed, basis, copositive, tol, limit, restarts, lcp, space, r, ended, work):  # type: ignore[no-untyped-def]
+    """Packed problems one after the other, over: impulses, how each ended, and pivots, restarts and inversions (N, 3)."""
     for k in range(len(ended)):
         if is_alone(packed, k):
             continue
-        stretch, M, q, unit = scaled_lcp_of(packed, k, basis)
-        own, most, cover = impulses_of(packed, k, r), limit if limit else 100_000 + 100 * len(q), np.empty(len(q))
+        fits, stretch, M, q, unit = scaled_lcp_of(packed, k, basis, lcp)
+        if not fits:
+            continue
+        n, own = len(q), impulses_of(packed, k, r)
+        most, y, cover = limit if limit else 100_000 + 100 * n, space.vectors[7, :n], space.vectors[10, :n]
         set_cover(cover, len(own))
-        ended[k], y, work[k, 0], work[k, 1], work[k, 2] = lemke(
-            M, q, cover, unit, none, copositive, tol, most, np.inf, restarts
+        ended[k], work[k, 0], work[k, 1], work[k, 2] = lemke_within(
+            space, M, q, cover, unit, space.work[:0], copositive, tol, most, np.inf, restarts, y
         )
         write_stretched(basis, y, stretch, own)
-    return r, ended, work
 
 
 @solver("lemke", family="pivoting", model="lcp", dimension=(2, 3), warm_start=True)
@@ -246,7 +294,9 @@ class Lemke:
 
     def solve_many(self, packed: Packed, tol: float, limit: int | None) -> Solved:
         basis = tangent_basis(packed.dimension, self.facets)
-        r, ended, work = lemke_loop(packed, basis, True, MARGIN * tol, limit or 0, self.restarts)
+        r, ended, work = unsolved(packed, 3)
+        space = lcp_space(packed, basis), room(int(np.diff(packed.contacts).max(initial=0)) * (len(basis[0]) + 1))
+        lemke_loop(packed, basis, True, MARGIN * tol, limit or 0, self.restarts, *space, r, ended, work)
         return solved(r, ended, STATUSES, work, ("pivots", "restarts", "inversions"))
 
 

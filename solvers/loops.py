@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import lean, part
+from frictionbench.problems.compiled import inlined, kernel, lean
 from frictionbench.problems.packed import CONTACT
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.balanced import UNLIKE
@@ -14,7 +14,7 @@ from frictionbench.solvers.interface import Solved, Status
 ALONE = -1  # how a problem ends that is to be solved by itself
 
 
-@part
+@kernel
 def unsolved(packed, counts):  # type: ignore[no-untyped-def]
     """Impulses (contacts, d) of zeros, ALONE for each of the N problems, and its counts (N, counts), zeros."""
     count = len(packed.first) - 1
@@ -28,7 +28,7 @@ def is_alone(packed, k):  # type: ignore[no-untyped-def]
     return packed.spread[k] > UNLIKE
 
 
-@part
+@inlined
 def impulses_of(packed, k, r):  # type: ignore[no-untyped-def]
     """Problem k's among the impulses of all (contacts, d), as a view."""
     begin = packed.first[0, CONTACT]

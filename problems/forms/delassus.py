@@ -42,7 +42,18 @@ def blocks(W: sparse.csr_array, d: int) -> Blocks:
 @kernel
 def velocity(start, column, J, m_start, m_column, m_value, free, impulse):  # type: ignore[no-untyped-def]
     """free + M^-1 J' impulse (nv,), for impulse (nc, d)."""
-    momentum, pushed = np.zeros(len(free)), np.empty(len(free))
+    pushed = np.empty(len(free))
+    write_velocity(start, column, J, m_start, m_column, m_value, free, impulse, np.empty(len(free)), pushed)
+    return pushed
+
+
+@lean
+def write_velocity(  # type: ignore[no-untyped-def]
+    start, column, J, m_start, m_column, m_value, free, impulse, momentum, pushed
+):
+    """The same over pushed (nv,); momentum (nv,) is workspace."""
+    for v in range(len(free)):
+        momentum[v] = 0.0
     for i in range(len(impulse)):
         for a in range(impulse.shape[1]):
             for k in range(start[i], start[i + 1]):
@@ -51,32 +62,52 @@ def velocity(start, column, J, m_start, m_column, m_value, free, impulse):  # ty
         pushed[v] = free[v]
         for m in range(m_start[v], m_start[v + 1]):
             pushed[v] += m_value[m] * momentum[m_column[m]]
-    return pushed
 
 
 @kernel
 def contact_velocity(start, column, J, v, bias):  # type: ignore[no-untyped-def]
     """J v + bias e_n (nc, d)."""
-    nc, d = len(start) - 1, J.shape[1]
-    u = np.zeros((nc, d))
+    u = np.empty((len(start) - 1, J.shape[1]))
+    write_contact_velocity(start, column, J, v, bias, u)
+    return u
+
+
+@lean
+def write_contact_velocity(start, column, J, v, bias, u):  # type: ignore[no-untyped-def]
+    """The same over u (nc, d)."""
+    nc, d = u.shape
     for i in range(nc):
+        for a in range(d):
+            u[i, a] = 0.0
         for k in range(start[i], start[i + 1]):
             for a in range(d):
                 u[i, a] += J[k, a] * v[column[k]]
         u[i, 0] += bias[i]
-    return u
 
 
 @kernel
 def velocity_size(start, column, J, m_start, m_column, m_value, free, impulse, bias):  # type: ignore[no-untyped-def]
     """|J| (|free| + |M^-1| |J'| |impulse|) + |bias| e_n (nc, d): the terms of pushed_contact_velocity in absolute values."""
-    nc, d = impulse.shape
-    momentum, u = np.zeros(len(free)), np.zeros((nc, d))
+    u = np.empty(impulse.shape)
+    write_velocity_size(start, column, J, m_start, m_column, m_value, free, impulse, bias, np.empty(len(free)), u)
+    return u
+
+
+@lean
+def write_velocity_size(  # type: ignore[no-untyped-def]
+    start, column, J, m_start, m_column, m_value, free, impulse, bias, momentum, u
+):
+    """The same over u (nc, d); momentum (nv,) is workspace."""
+    nc, d = u.shape
+    for v in range(len(free)):
+        momentum[v] = 0.0
     for i in range(nc):
         for a in range(d):
             for k in range(start[i], start[i + 1]):
                 momentum[column[k]] += abs(J[k, a]) * abs(impulse[i, a])
     for i in range(nc):
+        for a in range(d):
+            u[i, a] = 0.0
         u[i, 0] = abs(bias[i])
         for k in range(start[i], start[i + 1]):
             v = column[k]
@@ -85,7 +116,6 @@ def velocity_size(start, column, J, m_start, m_column, m_value, free, impulse, b
                 pushed += abs(m_value[m]) * momentum[m_column[m]]
             for a in range(d):
                 u[i, a] += abs(J[k, a]) * pushed
-    return u
 
 
 @kernel
@@ -148,28 +178,50 @@ def coupling(start, column, J, response):  # type: ignore[no-untyped-def]
 
 @kernel
 def delassus(start, column, J, m_start, m_column, m_value):  # type: ignore[no-untyped-def]
-    """W by blocks.
+    """W by blocks."""
+    nc, d, nv = len(start) - 1, J.shape[1], len(m_start) - 1
+    places, response = np.empty(places_of_delassus(nc, nv, len(column)), np.int32), np.empty((nv, d))
+    first, size = np.empty(nc + 1, np.int32), 8 + 4 * nc
+    while True:
+        neighbours, block = np.empty(size, np.int32), np.empty((size, d, d))
+        if write_delassus(start, column, J, m_start, m_column, m_value, places, response, first, neighbours, block):
+            return first, neighbours[: first[nc]], block[: first[nc]]
+        size *= 2
+
+
+@lean
+def places_of_delassus(nc, nv, entries):  # type: ignore[no-untyped-def]
+    """The length of the workspace `places`."""
+    return nc + 4 * nv + 1 + 2 * entries
+
+
+@lean
+def write_delassus(  # type: ignore[no-untyped-def]
+    start, column, J, m_start, m_column, m_value, places, response, first, neighbours, block
+):
+    """The same over first (nc+1,), neighbours and block; False where these are too short. response (nv, d): workspace.
 
     For each contact i: y = M^-1 J_i', then J y over the contacts of each nonzero entry of y.
     """
-    nc, d, nv = len(start) - 1, J.shape[1], len(m_start) - 1
+    nc, d, nv, entries = len(start) - 1, J.shape[1], len(m_start) - 1, len(column)
     # The contacts that touch each velocity, and where: J by columns.
-    c_start = np.zeros(nv + 1, np.int64)
-    for k in range(len(column)):
+    c_start, end = places[: nv + 1], places[nv + 1 : 2 * nv + 1]
+    reached, seen = places[2 * nv + 1 : 3 * nv + 1], places[3 * nv + 1 : 4 * nv + 1]
+    contact, entry = places[4 * nv + 1 : 4 * nv + 1 + entries], places[4 * nv + 1 + entries : 4 * nv + 1 + 2 * entries]
+    place = places[4 * nv + 1 + 2 * entries :]
+    for v in range(nv + 1):
+        c_start[v] = 0
+    for k in range(entries):
         c_start[column[k] + 1] += 1
     for v in range(nv):
         c_start[v + 1] += c_start[v]
-    contact, entry, end = np.empty(len(column), np.int32), np.empty(len(column), np.int32), np.empty(nv, np.int64)
-    for v in range(nv):
-        end[v] = c_start[v]
+        end[v], seen[v] = c_start[v], -1
     for i in range(nc):
+        place[i] = -1
         for k in range(start[i], start[i + 1]):
             contact[end[column[k]]], entry[end[column[k]]] = i, k
             end[column[k]] += 1
-    response, reached = np.zeros((nv, d)), np.empty(nv, np.int32)
-    seen, place = nowhere(nv), nowhere(nc)
-    first, size = np.zeros(nc + 1, np.int32), 8 + 4 * nc
-    neighbours, block = np.empty(size, np.int32), np.zeros((size, d, d))
+    first[0] = at = 0
     for i in range(nc):
         velocities = 0
         for k in range(start[i], start[i + 1]):
@@ -182,29 +234,23 @@ def delassus(start, column, J, m_start, m_column, m_value):  # type: ignore[no-u
                     velocities += 1
                 for a in range(d):
                     response[v, a] += J[k, a] * m_value[m]
-        at = first[i]
         for k in range(velocities):
             v = reached[k]
             for m in range(c_start[v], c_start[v + 1]):
                 j = contact[m]
                 if place[j] >= first[i]:
                     continue
-                if at == size:
-                    size *= 2
-                    longer, larger = np.empty(size, np.int32), np.zeros((size, d, d))
-                    for old in range(at):
-                        longer[old] = neighbours[old]
-                        for a in range(d):
-                            for b in range(d):
-                                larger[old, a, b] = block[old, a, b]
-                    neighbours, block = longer, larger
+                if at == len(neighbours):
+                    return False
+                for a in range(d):
+                    for b in range(d):
+                        block[at, a, b] = 0.0
                 _insert(neighbours, place, j, first[i], at)  # the blocks of this contact are still zero
                 at += 1
         for k in range(velocities):
             v = reached[k]
             for m in range(c_start[v], c_start[v + 1]):
-                here = place[contact[m]]
-                k2 = entry[m]
+                here, k2 = place[contact[m]], entry[m]
                 if d == 2:  # as below, unrolled
                     block[here, 0, 0] += response[v, 0] * J[k2, 0]
                     block[here, 0, 1] += response[v, 0] * J[k2, 1]
@@ -215,7 +261,62 @@ def delassus(start, column, J, m_start, m_column, m_value):  # type: ignore[no-u
                     for b in range(d):
                         block[here, a, b] += response[v, a] * J[k2, b]
         first[i + 1] = at
-    return first, neighbours[: first[nc]], block[: first[nc]]
+    return True
+
+
+@lean
+def write_partners(first, neighbours, partner, following):  # type: ignore[no-untyped-def]
+    """Write the place of block ji at that of block ij over partner; False where one of them is missing. following (nc,) is
+    workspace."""
+    nc = len(first) - 1
+    for i in range(nc):
+        following[i] = first[i]
+    for i in range(nc):
+        for k in range(first[i], first[i + 1]):
+            j = neighbours[k]
+            if following[j] == first[j + 1] or neighbours[following[j]] != i:
+                return False
+            partner[k] = following[j]
+            following[j] += 1
+    left = 0
+    for i in range(nc):
+        left += first[i + 1] - following[i]
+    return left == 0
+
+
+@kernel
+def with_partners(first, neighbours, block):  # type: ignore[no-untyped-def]
+    """The same matrix, with a block of zeros for every block ij whose ji is missing."""
+    nc, d, entries = len(first) - 1, block.shape[1], len(neighbours)
+    own_first, own_neighbours, own_block = (
+        np.zeros(nc + 1, np.int32),
+        np.empty(2 * entries, np.int32),
+        np.zeros((2 * entries, d, d)),
+    )
+    place = nowhere(nc)
+    start, end, row = np.zeros(nc + 1, np.int64), np.zeros(nc, np.int64), np.empty(entries, np.int32)
+    for k in range(entries):
+        start[neighbours[k] + 1] += 1
+    for j in range(nc):
+        start[j + 1] += start[j]
+        end[j] = start[j]
+    for i in range(nc):
+        for k in range(first[i], first[i + 1]):
+            row[end[neighbours[k]]] = i
+            end[neighbours[k]] += 1
+    for i in range(nc):
+        at = own_first[i]
+        for k in range(first[i], first[i + 1]):
+            _insert(own_neighbours, place, neighbours[k], own_first[i], at)
+            at += 1
+        for k in range(start[i], start[i + 1]):
+            if place[row[k]] < own_first[i]:
+                _insert(own_neighbours, place, row[k], own_first[i], at)
+                at += 1
+        for k in range(first[i], first[i + 1]):
+            own_block[place[neighbours[k]]] = block[k]
+        own_first[i + 1] = at
+    return own_first, own_neighbours[: own_first[nc]], own_block[: own_first[nc]]
 
 
 @kernel
@@ -252,27 +353,41 @@ def _insert(neighbours, place, j, begin, end):  # type: ignore[no-untyped-def]
 @kernel
 def act(first, neighbours, block, r, q):  # type: ignore[no-untyped-def]
     """W r + q (nc, d)."""
-    u = np.zeros(r.shape)
+    u = np.empty(r.shape)
+    write_act(first, neighbours, block, r, q, u)
+    return u
+
+
+@lean
+def write_act(first, neighbours, block, r, q, u):  # type: ignore[no-untyped-def]
+    """The same over u (nc, d)."""
     for i in range(len(u)):
         for a in range(u.shape[1]):
+            u[i, a] = 0.0
             for k in range(first[i], first[i + 1]):
                 for b in range(u.shape[1]):
                     u[i, a] += block[k, a, b] * r[neighbours[k], b]
             u[i, a] += q[i, a]
-    return u
 
 
 @kernel
 def act_size(first, neighbours, block, r, q):  # type: ignore[no-untyped-def]
     """|W| |r| + |q| (nc, d): the terms of act in absolute values."""
-    size = np.zeros(r.shape)
+    size = np.empty(r.shape)
+    write_act_size(first, neighbours, block, r, q, size)
+    return size
+
+
+@lean
+def write_act_size(first, neighbours, block, r, q, size):  # type: ignore[no-untyped-def]
+    """The same over size (nc, d)."""
     for i in range(len(size)):
         for a in range(size.shape[1]):
+            size[i, a] = 0.0
             for k in range(first[i], first[i + 1]):
                 for b in range(size.shape[1]):
                     size[i, a] += abs(block[k, a, b]) * abs(r[neighbours[k], b])
             size[i, a] += abs(q[i, a])
-    return size
 
 
 @kernel

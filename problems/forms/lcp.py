@@ -23,7 +23,7 @@ from scipy import sparse
 
 from frictionbench.problems import check
 from frictionbench.problems.check import Array, ReadOnly
-from frictionbench.problems.compiled import kernel, lean, part
+from frictionbench.problems.compiled import kernel, lean
 from frictionbench.problems.display import count, html_table
 from frictionbench.problems.forms.delassus import LOCKED
 from frictionbench.problems.rows import Index32, Rows
@@ -195,7 +195,8 @@ def friction_rows(first, neighbours, block, q, friction, friction_bias, basis): 
     K = width - 1
     n, entries = nc * (width + 1), len(neighbours) * width * width + nc * (2 * K + 1)
     start, column, value, right = np.empty(n + 1, np.int32), np.empty(entries, np.int32), np.empty(entries), np.zeros(n)
-    part = _in_basis(block, basis)
+    part = np.empty((len(block), width, width))
+    write_in_basis(block, len(block), basis, part)
     start[0] = at = row = 0
     for tangential in range(2):  # the normal rows of all contacts, then the tangential rows contact by contact
         for i in range(nc):
@@ -224,17 +225,20 @@ def friction_rows(first, neighbours, block, q, friction, friction_bias, basis): 
     return start, column[:at], value[:at], right
 
 
-@part
-def _in_basis(block, basis):  # type: ignore[no-untyped-def]
-    """basis' B basis for each block B; diagonal entries that are rounding, of directions that joints lock, are 0."""
+@lean
+def write_in_basis(block, entries, basis, part):  # type: ignore[no-untyped-def]
+    """basis' B basis for each block B of so many, over part (entries, width, width); diagonal entries that are rounding, of
+    directions that joints lock, are 0."""
     d, width = basis.shape
-    part = np.zeros((len(block), width, width))
-    for k in range(len(block)):
+    for k in range(entries):
         if d == 2:  # as below, unrolled: t and -t
             part[k, 0, 0], part[k, 0, 1], part[k, 0, 2] = block[k, 0, 0], block[k, 0, 1], -block[k, 0, 1]
             part[k, 1, 0], part[k, 1, 1], part[k, 1, 2] = block[k, 1, 0], block[k, 1, 1], -block[k, 1, 1]
             part[k, 2, 0], part[k, 2, 1], part[k, 2, 2] = -block[k, 1, 0], -block[k, 1, 1], block[k, 1, 1]
             continue
+        for a in range(width):
+            for b in range(width):
+                part[k, a, b] = 0.0
         for s in range(d):
             for t in range(d):
                 for a in range(width):
@@ -247,7 +251,6 @@ def _in_basis(block, basis):  # type: ignore[no-untyped-def]
         for a in range(width):
             if abs(part[k, a, a]) <= LOCKED * trace:
                 part[k, a, a] = 0.0
-    return part
 
 
 def content_hash(**fields: Any) -> str:

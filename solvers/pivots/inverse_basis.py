@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import inlined, kernel, part
+from frictionbench.problems.compiled import inlined, kernel, lean, part
 from frictionbench.problems.rows import Index64, Rows
 
 
@@ -96,11 +96,17 @@ def symmetrised(indptr, indices, data, D):  # type: ignore[no-untyped-def]
 def slack_basis(n: int) -> InverseBasis:
     """All w basic."""
     index = np.empty((5, n + 1), np.int64)
-    for k in range(5):
-        for i in range(n + 1):
-            index[k, i] = -1
-    index[4, 0] = 0
-    return InverseBasis(np.empty((n + 1, n + 1)), index[0], index[1], index[2], index[3], index[4], np.empty((2, n + 1)))
+    basis = InverseBasis(np.empty((n + 1, n + 1)), index[0], index[1], index[2], index[3], index[4], np.empty((2, n + 1)))
+    make_slack(basis, n)
+    return basis
+
+
+@lean
+def make_slack(basis: InverseBasis, n: int) -> None:
+    """Make all w basic, of n pairs, which may be fewer than there is room for."""
+    for i in range(n + 1):
+        basis.z[i] = basis.w[i] = basis.row[i] = basis.column[i] = -1
+    basis.size[0] = 0
 
 
 @inlined

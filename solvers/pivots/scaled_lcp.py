@@ -7,11 +7,12 @@ import numpy as np
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, lean, part
-from frictionbench.problems.forms.lcp import friction_rows, impulse, tangent_basis
+from frictionbench.problems.forms.delassus import with_partners, write_partners
+from frictionbench.problems.forms.lcp import impulse, tangent_basis, write_in_basis
 from frictionbench.solvers.interface import Answer, Status
-from frictionbench.solvers.pivots.inverse_basis import InverseBasis, Matrix, compress, symmetrised
+from frictionbench.solvers.pivots.inverse_basis import InverseBasis, Matrix, compress
 from frictionbench.solvers.pivots.lemke_path import FINEST, add_matrix_product, basic_values
-from frictionbench.solvers.pivots.scaling import diagonal_scaling, scaling
+from frictionbench.solvers.pivots.scaling import scaling
 from frictionbench.solvers.pivots.vectors import put
 
 EPSILON = float(np.finfo(float).eps)
@@ -64,24 +65,120 @@ def scaled_lcp(problem: FrictionProblem | LCP, facets: int) -> ScaledLCP:
 @kernel
 def scaled_friction_lcp(first, neighbours, block, q, friction, friction_bias, basis, scale, units):  # type: ignore[no-untyped-def]
     """The scaled matrix on its symmetrised pattern, the stretch, the scaled right side and the units."""
-    start, column, value, right = friction_rows(first, neighbours, block, q, friction, friction_bias, basis)
-    D, theta = diagonal_scaling(start, column, value, right)
-    begin, rows, below, across = symmetrised(start, column, value, D)
-    unit = _residual_units(D, theta, scale, friction, units)
-    for i in range(len(D)):
-        right[i] = D[i] * right[i] / theta
-        D[i] *= theta
-    return begin, rows, below, across, D, right, unit
+    nc, width = len(friction), basis.shape[1]
+    n, partner, following = nc * (width + 1), np.empty(len(neighbours), np.int32), np.empty(nc, np.int32)
+    if not write_partners(first, neighbours, partner, following):
+        first, neighbours, block = with_partners(first, neighbours, block)
+        partner = np.empty(len(neighbours), np.int32)
+        write_partners(first, neighbours, partner, following)
+    entries, part = most_entries(len(neighbours), nc, width), np.empty((len(neighbours), width, width))
+    start, rows, column, row = np.empty(n + 1, np.int64), np.empty(entries, np.uint32), np.empty(entries), np.empty(entries)
+    stretch, right, unit = np.empty(n), np.empty(n), np.empty((2, n))
+    write_in_basis(block, len(neighbours), basis, part)
+    law = friction, friction_bias
+    write_scaled_lcp(
+        first, neighbours, part, partner, q, *law, basis, scale, units, start, rows, column, row, stretch, right, unit
+    )
+    return start, rows[: start[n]], column[: start[n]], row[: start[n]], stretch, right, unit
 
 
-@part
-def _residual_units(D, theta, scale, friction, units):  # type: ignore[no-untyped-def]
-    """(2, n): what turns y and w into velocities relative to the contact's unit, as problems.residual measures them.
+@lean
+def most_entries(blocks, nc, width):  # type: ignore[no-untyped-def]
+    """An upper bound of the matrix's entries."""
+    return blocks * width * width + 2 * nc * width
+
+
+@lean
+def write_scaled_lcp(  # type: ignore[no-untyped-def]
+    first, neighbours, part, partner, q, friction, friction_bias, basis, scale, units, start, rows, column, row, D, right, unit
+):
+    """The results of scaled_friction_lcp, D the stretch, over arrays that are long enough.
+
+    part, partner: of the blocks of W, see write_in_basis and write_partners.
+    """
+    nc, (d, width) = len(friction), basis.shape
+    K = width - 1
+    n = nc * (width + 1)
+    start[0] = at = j = 0
+    for tangential in range(2):  # the columns of c, then those of beta contact by contact, as problems.forms.lcp orders them
+        for i in range(nc):
+            for own in range(1, width) if tangential else range(1):
+                right[j] = D[j] = 0.0
+                for a in range(d):
+                    right[j] += basis[a, own] * q[i * d + a]
+                for k in range(first[i], first[i + 1]):
+                    rows[at], column[at], row[at] = neighbours[k], part[partner[k], 0, own], part[k, own, 0]
+                    if own == 0 and neighbours[k] == i and column[at] != 0.0:
+                        D[j] = 1 / np.sqrt(abs(column[at]))
+                    at += column[at] != 0.0 or row[at] != 0.0
+                for k in range(first[i], first[i + 1]):
+                    for m in range(1, width):
+                        rows[at], column[at], row[at] = (
+                            nc + neighbours[k] * K + m - 1,
+                            part[partner[k], m, own],
+                            part[k, own, m],
+                        )
+                        if own == m and neighbours[k] == i and column[at] != 0.0:
+                            D[j] = 1 / np.sqrt(abs(column[at]))
+                        at += column[at] != 0.0 or row[at] != 0.0
+                if own:
+                    rows[at], column[at], row[at] = nc * width + i, -1.0, 1.0
+                    at += 1
+                elif friction[i] != 0.0:
+                    rows[at], column[at], row[at] = nc * width + i, friction[i], 0.0
+                    at += 1
+                j += 1
+                start[j] = at
+    for i in range(nc):  # the columns of lambda
+        right[j], D[j] = friction_bias[i], 0.0
+        if friction[i] != 0.0:
+            rows[at], column[at], row[at] = i, 0.0, friction[i]
+            at += 1
+        for m in range(K):
+            rows[at], column[at], row[at] = nc + i * K + m, 1.0, -1.0
+            at += 1
+        j += 1
+        start[j] = at
+    theta = _scale_symmetrised(start, rows, column, row, right, D, unit[0])
+    _write_residual_units(D, theta, scale, friction, units, unit)
+    for j in range(n):
+        right[j] = D[j] * right[j] / theta
+        D[j] *= theta
+
+
+@lean
+def _scale_symmetrised(start, rows, column, row, q, D, reach):  # type: ignore[no-untyped-def]
+    """Scale the matrix as solvers.pivots.scaling says, D there where the diagonal is not zero; theta. reach (n,): workspace."""
+    n = len(q)
+    for by_rows in range(2):
+        for j in range(n):
+            reach[j] = 0.0
+            if D[j] == 0.0:
+                for e in range(start[j], start[j + 1]):
+                    reach[j] = max(reach[j], D[rows[e]] * abs(row[e] if by_rows else column[e]))
+        for j in range(n):
+            if reach[j] > 0.0:
+                D[j] = 1 / reach[j]
+    theta = 0.0
+    for j in range(n):
+        if D[j] == 0.0:
+            D[j] = 1.0
+        theta = max(theta, abs(D[j] * q[j]))
+    for j in range(n):
+        for e in range(start[j], start[j + 1]):
+            share = D[j] * D[rows[e]]
+            column[e] *= share
+            row[e] *= share
+    return theta if theta > 0.0 else 1.0
+
+
+@lean
+def _write_residual_units(D, theta, scale, friction, units, unit):  # type: ignore[no-untyped-def]
+    """Over unit (2, n), what turns y and w into velocities relative to the contact's unit, as problems.residual measures them.
 
     An impulse counts s times, in its own row and in the friction row mu c - e'beta; a tangential defect counts 1 + mu times.
     """
     n, nc = len(D), len(scale)
-    unit = np.empty((2, n))
     width = n // nc if nc else 0
     for i in range(nc):
         s, free = scale[i], units[i] if units[i] > 0 else 1.0
@@ -90,7 +187,6 @@ def _residual_units(D, theta, scale, friction, units):  # type: ignore[no-untype
             more = 1.0 if m == 0 else 1.0 + friction[i]
             unit[0, j] = theta * D[j] * ((s if m < width - 1 else 1.0) * more / free)
             unit[1, j] = theta * (1 / D[j]) * ((1.0 if m < width - 1 else s) * more / free)
-    return unit
 
 
 @lean

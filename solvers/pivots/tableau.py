@@ -31,16 +31,16 @@ def follow_in_tableau(
     limit: int,
     work: Index64,
     T: Array,
-    space: Array,
+    x: Array,
+    a: Array,
     at: Index64,
 ) -> int:
     """Follow Lemke's path from the slack basis, and return how it ended: at a complementary basis, which is stored in `basis`.
 
-    ray, slack, limit, work: as a, slack, limit, work in follow_lemke_path. T (n+1, n), space (2, n): workspace. at (3n+1,): the
+    ray, slack, limit, work: as a, slack, limit, work in follow_lemke_path. T (n+1, n), x and a (n,): workspace. at (3n+1,): the
     variable of each row, and from n on the column of each nonbasic variable, where w_i is variable i, z_i n + i and z0 2n.
     """
     n = len(q)
-    x, a = space[0], space[1]
     _fill(M, q, d, T, x, at)
     entering, p, s, z0_row = 2 * n, n, _most_negative(q, d), -1
     while s >= 0:
@@ -60,7 +60,7 @@ def follow_in_tableau(
             break
         entering = leaving - n if leaving >= n else leaving + n
         p = at[n + entering]
-        s = _blocking_row(x, T, p, z0_row, slack)
+        s = _blocking_row(n, x, T, p, z0_row, slack)
     if s >= 0:
         _store(T, at, basis, n)
     elif z0_row >= 0:
@@ -93,9 +93,8 @@ def _most_negative(q, d):  # type: ignore[no-untyped-def]
 
 
 @lean
-def _blocking_row(x, T, p, z0_row, slack):  # type: ignore[no-untyped-def]
+def _blocking_row(n, x, T, p, z0_row, slack):  # type: ignore[no-untyped-def]
     """As lemke_path.ratio_test, by rows."""
-    n = len(x)
     size = 0.0
     for i in range(n):
         size = max(size, abs(T[p, i]))
