@@ -228,7 +228,7 @@ def lemke_within(
                     if refactor(M, d, basis):
                         error = finish(M, d, basis, q, unit, x, y, out)
                 reach = max(reach, largest(x, n))
-                told = min(scaled_rounding(M, q, unit, y, out), ROUGH)
+                told = 0.0 if error <= min(tol, EXACT) else min(scaled_rounding(M, q, unit, y, out), ROUGH)
                 if error < best:
                     best = error
                     put(best_y, y)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import inlined, lean, lean_kernel, part
+from frictionbench.problems.compiled import inlined, lean, lean_kernel
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.clock import late
 from frictionbench.solvers.pivots.inverse_basis import InverseBasis, Matrix, exchange_pair, refactor, transform
@@ -49,10 +49,10 @@ def ratio_test(x: Array, a: Array, blocking: Flags, least: float, slack: float) 
     return best
 
 
-@part
+@lean
 def basic_values(M: Matrix, d: Array, basis: InverseBasis, q: Array, x: Array, out: Array, accuracy: float) -> float:
     """x (n+1,) = the basic variables' values for the right side q; returns the relative defect."""
-    rhs = np.empty(len(q))
+    rhs = basis.work[1, : len(q)]
     for i in range(len(q)):
         rhs[i] = -q[i]
     return transform(M, d, basis, rhs, x, out, accuracy)[0]

@@ -6,7 +6,7 @@ import numpy as np
 
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import kernel, lean, part
+from frictionbench.problems.compiled import kernel, lean
 from frictionbench.problems.forms.delassus import with_partners, write_partners
 from frictionbench.problems.forms.lcp import impulse, tangent_basis, write_in_basis
 from frictionbench.solvers.interface import Answer, Status
@@ -179,14 +179,19 @@ def _write_residual_units(D, theta, scale, friction, units, unit):  # type: igno
     An impulse counts s times, in its own row and in the friction row mu c - e'beta; a tangential defect counts 1 + mu times.
     """
     n, nc = len(D), len(scale)
-    width = n // nc if nc else 0
+    K = n // nc - 2 if nc else 0
     for i in range(nc):
-        s, free = scale[i], units[i] if units[i] > 0 else 1.0
-        for m in range(width):  # c, beta and lambda of contact i
-            j = i if m == 0 else nc + i * (width - 2) + m - 1 if m < width - 1 else n - nc + i
-            more = 1.0 if m == 0 else 1.0 + friction[i]
-            unit[0, j] = theta * D[j] * ((s if m < width - 1 else 1.0) * more / free)
-            unit[1, j] = theta * (1 / D[j]) * ((1.0 if m < width - 1 else s) * more / free)
+        s, free, more = scale[i], units[i] if units[i] > 0 else 1.0, 1.0 + friction[i]
+        _write_unit(unit, D, theta, i, s / free, 1.0 / free)
+        force, speed = s * more / free, more / free
+        for j in range(nc + i * K, nc + i * K + K):
+            _write_unit(unit, D, theta, j, force, speed)
+        _write_unit(unit, D, theta, n - nc + i, speed, force)
+
+
+@lean
+def _write_unit(unit, D, theta, j, force, speed):  # type: ignore[no-untyped-def]
+    unit[0, j], unit[1, j] = theta * D[j] * force, theta * (1 / D[j]) * speed
 
 
 @lean
@@ -217,7 +222,7 @@ def scaled_rounding(M: Matrix, q: Array, unit: Array, y: Array, size: Array) -> 
     return 2 * EPSILON * worst
 
 
-@part
+@lean
 def finish(M: Matrix, d: Array, basis: InverseBasis, q: Array, unit: Array, x: Array, y: Array, out: Array) -> float:
     """Solve a complementary basis for q itself, as exactly as can be: x (n+1,), y = its z part, cut off at 0; the residual."""
     basic_values(M, d, basis, q, x, out, FINEST)
