@@ -7,10 +7,13 @@ few steps. Then a moves there and rho is halved; if Newton's method fails, it st
 
     a <- r,  rho <- rho / 2      where |s F| fell below a hundredth of the residual,         otherwise    rho <- 5 rho.
 
+From a given start rho begins with its residual, as in Levenberg and Marquardt's method near solutions that are not isolated: a
+larger rho only holds it up there.
+
 Where a is stationary it is a Coulomb solution, for every rho. For a monotone problem the anchors converge; Coulomb's law is not
 monotone, so they need not. It solves problems that trap interior points: large friction, and contacts in random directions.
 
-References: Rockafellar 1976; Acary, Brémond and Huber 2018, section 4.4.
+References: Rockafellar 1976; Yamashita and Fukushima 2001; Acary, Brémond and Huber 2018, section 4.4.
 """
 
 import numpy as np
@@ -60,7 +63,7 @@ class ProximalNewton:
         state.r[:] = anchor
         impulse = anchor * system.impulse
         least = residual(problem, impulse)
-        history, factorisations, rho = [least], 0, SOFT
+        history, factorisations, rho = [least], 0, SOFT if start is None else min(SOFT, least)
         while least > tol and factorisations < limit and not is_over():
             steps = min(STEPS, limit - factorisations)
             aim = max(ACCURATE / 100, ENOUGH / 10 * min(least, 1.0))

@@ -69,3 +69,13 @@ def test_work_limit_status() -> None:
     answer = solve(make_instance("sphere_pyramid", levels=3), "proximal_newton", limit=7)
     assert answer.status is Status.WORK_LIMIT
     assert answer.work["factorisations"] == 7
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_last_digits_take_a_few_steps(seed) -> None:
+    """Impulses of a pyramid are not unique: with rho = 1 at first they drift along the solutions in up to 24 steps."""
+    problem = make_instance("sphere_pyramid", seed=seed, levels=4)
+    near = solve(problem, "interior_point", tol=1e-5).impulse
+    answer = solve(problem, "proximal_newton", tol=1e-8, start=near)
+    assert answer.status is Status.SOLVED
+    assert answer.work["factorisations"] <= 5
