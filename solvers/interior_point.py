@@ -13,7 +13,8 @@ result of SWEEPS sweeps of Gauss-Seidel, around the relaxation's solution, or ar
 eventually; no start has the shortest path in all problems, so that a long path is abandoned for the next start.
 
 In space paths of many contacts with much friction are several times shorter where the friction's products are larger at the
-start than the normal ones, so that sliding and sticking are decided after opening and closing.
+start than the normal ones, so that sliding and sticking are decided after opening and closing. How long the path of a start is
+varies by a factor of ten and more from problem to problem: first all starts have a short share, then a few have a long one.
 
 Where masses are unlike, light bodies bear heavy ones: impulses that stop a contact's own velocity are far too small there, and
 paths that begin with them wind. Then paths begin with the same impulse at all contacts, that of the heaviest.
@@ -58,16 +59,19 @@ NEWTON_STARTS = ((0.1, 1.0), (1.0, 1.0))  # of semismooth Newton in the plane: (
 PLANAR_STARTS = ((0.1, 10.0), (1.0, 10.0), (0.1, 100.0), (1.0, 100.0), (10.0, 1.0), (1.0, 1.0))  # (impulse, speed)
 FIRST_START, LAST_START = (1.0, 10.0, 10.0), (1.5, 5.0, 1.0)  # in space: (impulse, speed, factor on the friction's products)
 UNLIKE, LOAD_STARTS = 10.0, (0.75, 1.0)  # in space: the ratio of contacts' masses from which they start under load; exponents
-# In space around the relaxation's solution: (distance from the boundary in residuals, factor on the friction's products).
-RELAXED_STARTS = ((3.0, 10.0), (3.0, 30.0), (1.0, 10.0), (2.0, 6.0), (3.0, 3.0))
+# Around what Gauss-Seidel and the relaxation find: (distance from the boundary in residuals, factor on friction's products).
+SWEPT_START = (1.0, 10.0)
+RELAXED_STARTS, LONG_RELAXED_START = ((3.0, 30.0), (3.0, 10.0), (1.0, 10.0), (3.0, 3.0)), (1.0, 10.0)
+PLANAR_RELAXED_STARTS = ((3.0, 1.0), (10.0, 1.0))
 SWEEPS = 1000  # of nsgs before its result is a start: their time is that of ten or twenty factorisations
 LEAST_DISTANCE = 1e-10  # of a start from the boundary, in residuals, for the predictor-corrector: it rounds at less
 PATH_DISTANCE = 0.3  # the same in the plane for a path, which is shorter from well inside
 CLOSE = 0.01  # the largest residual of the relaxation's solution from which the predictor-corrector is tried
 GIANT = 0.9  # of the contacts in one part: it would take the whole's time once more to solve it by itself
-LIMIT = 6500  # factorisations in all: enough for every start's share in problems of a few hundred contacts
+LIMIT = 16000  # factorisations in all: enough for the shares of all starts in problems of a few hundred contacts
 NEWTON_SHARE = 100  # factorisations of one run of semismooth Newton: of those that arrive in 150, 95 % take fewer
-SHARE = 250  # factorisations of one phase except paths in space: few paths that arrive in the plane are longer
+SHARE = 250  # factorisations of one phase: few paths that arrive in the plane are longer
+PATH, LONG_PATH = 3, 10  # factorisations a contact, or in small problems in 2 SHARE, of paths in space: see docs/space.md
 POLISHING = 20  # factorisations of proximal_newton near an answer; a pair that vanishes keeps a path at a residual of 1e-7
 PATIENCE = 12  # iterations of the predictor-corrector without progress: no run that recovered took more
 
@@ -141,21 +145,32 @@ class InteriorPoint(Phased):
         yield trace, _around(problem, system, _guess(problem, start, spent), PATH_DISTANCE), SHARE
         for impulse, speed in PLANAR_STARTS:
             yield trace, start_point(system, impulse, speed), SHARE
+        relaxed = _nested(problem, "relaxation_ip", spent)
+        for distance, wide in PLANAR_RELAXED_STARTS:
+            yield trace, _widened(_around(problem, system, relaxed, distance), wide), 4 * max(SHARE, problem.contacts)
 
     def _spatial(self, problem: FrictionProblem, system: System, start: Array | None, spent: dict[str, int]) -> Iterator[Phase]:
         """The relaxation, then paths."""
         relaxed = _nested(problem, "relaxation_ip", spent)
         if residual(problem, relaxed) <= CLOSE:
             yield predictor_corrector, _around(problem, system, relaxed, LEAST_DISTANCE), SHARE
-        long = 2 * max(SHARE, problem.contacts)
+        share = max(2 * SHARE, problem.contacts)
         if system.weight.max(initial=0) > UNLIKE * system.weight.min(initial=np.inf):
-            for share in LOAD_STARTS:
-                yield trace, _loaded(system, share), 2 * max(2 * SHARE, problem.contacts)
-        yield trace, _generic(system, *FIRST_START), max(2 * SHARE, problem.contacts)
-        for distance, wide in RELAXED_STARTS:
-            yield trace, _widened(_around(problem, system, relaxed, distance), wide), long
-        yield trace, _generic(system, *LAST_START), long
-        yield trace, _around(problem, system, _guess(problem, start, spent), 1.0), long
+            for exponent in LOAD_STARTS:
+                yield trace, _loaded(system, exponent), 2 * share
+        yield trace, _generic(system, *FIRST_START), share
+        swept = _guess(problem, start, spent)
+
+        def around(impulse: Array, distance: float, wide: float) -> Point:
+            return _widened(_around(problem, system, impulse, distance), wide)
+
+        yield trace, around(swept, *SWEPT_START), PATH * share
+        for each in RELAXED_STARTS:
+            yield trace, around(relaxed, *each), PATH * share
+        yield trace, _generic(system, *LAST_START), PATH * share
+        yield trace, around(swept, *SWEPT_START), LONG_PATH * share
+        yield trace, around(relaxed, *LONG_RELAXED_START), LONG_PATH * share
+        yield trace, _generic(system, *FIRST_START), LONG_PATH * share
 
 
 def first_phase_of(packed: Packed, tol: float, limit: int | None, guess: Array, guessed: NDArray[np.bool_]) -> Solved:

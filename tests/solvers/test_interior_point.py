@@ -8,6 +8,7 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.instances.cubes import cubes
 from frictionbench.problems.instances.local_graph import local_graph
 from frictionbench.problems.instances.random_bodies import random_bodies
+from frictionbench.problems.instances.recorded_step import recorded_step
 from frictionbench.problems.instances.spheres import sphere_pyramid
 from frictionbench.problems.packed import pack
 from frictionbench.problems.random_problem import random_problem
@@ -204,6 +205,16 @@ def test_falling_walls_need_no_path() -> None:
     answer = solve(problem, "interior_point", tol=1e-8)
     assert residual(problem, answer.impulse) <= 1e-8
     assert answer.work["factorisations"] < 60
+
+
+def test_a_pile_of_discs_from_the_relaxation() -> None:
+    """Neither semismooth Newton nor a path from elsewhere arrives within its share of factorisations."""
+    assert_solved(scene("disc_pile", rows=20).problem(), "interior_point", at_most=4000)
+
+
+def test_walls_of_boxes_take_long_paths() -> None:
+    """All paths of this wall take about 1300 factorisations, four a contact."""
+    assert_solved(recorded_step("wall_8"), "interior_point", at_most=2500)
 
 
 def test_ten_thousand_sheared_boxes() -> None:
