@@ -10,11 +10,11 @@ piles with much friction. In space the convex relaxation is then solved, which c
 solution, that is the answer. Then the central path is followed around its folds (solvers.interior.central_path) from one start
 after the other: some are the same for all problems, the others are centred points (solvers.interior.centred_point) around the
 result of SWEEPS sweeps of Gauss-Seidel, around the relaxation's solution, or around given impulses. Most paths converge
-eventually; no start has the shortest path in all problems, so that a long path is abandoned for the next start.
+eventually; no start has the shortest path in all problems, so that a long path is abandoned for the next start. How long the
+path of a start is varies by a factor of ten and more: first all starts have a short share, then a few have a long one.
 
 In space paths of many contacts with much friction are several times shorter where the friction's products are larger at the
-start than the normal ones, so that sliding and sticking are decided after opening and closing. How long the path of a start is
-varies by a factor of ten and more from problem to problem: first all starts have a short share, then a few have a long one.
+start than the normal ones, so that sliding and sticking are decided after opening and closing.
 
 Where masses are unlike, light bodies bear heavy ones: impulses that stop a contact's own velocity are far too small there, and
 paths that begin with them wind. Then paths begin with the same impulse at all contacts, that of the heaviest.
@@ -62,10 +62,9 @@ UNLIKE, LOAD_STARTS = 10.0, (0.75, 1.0)  # in space: the ratio of contacts' mass
 # Around what Gauss-Seidel and the relaxation find: (distance from the boundary in residuals, factor on friction's products).
 SWEPT_START = (1.0, 10.0)
 RELAXED_STARTS, LONG_RELAXED_START = ((3.0, 30.0), (3.0, 10.0), (1.0, 10.0), (3.0, 3.0)), (1.0, 10.0)
-PLANAR_RELAXED_STARTS = ((3.0, 1.0), (10.0, 1.0))
 SWEEPS = 1000  # of nsgs before its result is a start: their time is that of ten or twenty factorisations
 LEAST_DISTANCE = 1e-10  # of a start from the boundary, in residuals, for the predictor-corrector: it rounds at less
-PATH_DISTANCE = 0.3  # the same in the plane for a path, which is shorter from well inside
+PATH_DISTANCE, LONG_DISTANCES = 0.3, (3.0, 10.0)  # the same in the plane for paths, which are shorter from well inside
 CLOSE = 0.01  # the largest residual of the relaxation's solution from which the predictor-corrector is tried
 GIANT = 0.9  # of the contacts in one part: it would take the whole's time once more to solve it by itself
 LIMIT = 16000  # factorisations in all: enough for the shares of all starts in problems of a few hundred contacts
@@ -142,12 +141,12 @@ class InteriorPoint(Phased):
             for impulse, speed in NEWTON_STARTS:
                 yield fischer_burmeister, start_point(system, impulse, speed), NEWTON_SHARE
             yield fischer_burmeister, trapped, NEWTON_SHARE
-        yield trace, _around(problem, system, _guess(problem, start, spent), PATH_DISTANCE), SHARE
+        swept = _guess(problem, start, spent)
+        yield trace, _around(problem, system, swept, PATH_DISTANCE), SHARE
         for impulse, speed in PLANAR_STARTS:
             yield trace, start_point(system, impulse, speed), SHARE
-        relaxed = _nested(problem, "relaxation_ip", spent)
-        for distance, wide in PLANAR_RELAXED_STARTS:
-            yield trace, _widened(_around(problem, system, relaxed, distance), wide), 4 * max(SHARE, problem.contacts)
+        for distance in LONG_DISTANCES:
+            yield trace, _around(problem, system, swept, distance), PATH * max(2 * SHARE, problem.contacts)
 
     def _spatial(self, problem: FrictionProblem, system: System, start: Array | None, spent: dict[str, int]) -> Iterator[Phase]:
         """The relaxation, then paths."""

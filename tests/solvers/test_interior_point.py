@@ -207,8 +207,8 @@ def test_falling_walls_need_no_path() -> None:
     assert answer.work["factorisations"] < 60
 
 
-def test_a_pile_of_discs_from_the_relaxation() -> None:
-    """Neither semismooth Newton nor a path from elsewhere arrives within its share of factorisations."""
+def test_a_pile_of_discs_takes_a_long_path() -> None:
+    """Neither semismooth Newton nor a path of 250 factorisations arrives."""
     assert_solved(scene("disc_pile", rows=20).problem(), "interior_point", at_most=4000)
 
 
