@@ -145,8 +145,10 @@ class InteriorPoint(Phased):
         yield trace, _around(problem, system, swept, PATH_DISTANCE), SHARE
         for impulse, speed in PLANAR_STARTS:
             yield trace, start_point(system, impulse, speed), SHARE
+        share = PATH * max(2 * SHARE, problem.contacts)
         for distance in LONG_DISTANCES:
-            yield trace, _around(problem, system, swept, distance), PATH * max(2 * SHARE, problem.contacts)
+            yield trace, _around(problem, system, swept, distance), share
+        yield trace, _around(problem, system, _nested(problem, "relaxation_ip", spent), LONG_DISTANCES[-1]), share
 
     def _spatial(self, problem: FrictionProblem, system: System, start: Array | None, spent: dict[str, int]) -> Iterator[Phase]:
         """The relaxation, then paths."""
