@@ -318,6 +318,36 @@ def solve(
 
 
 @app.command()
+def batch(
+    contacts: Annotated[str, typer.Option("--contacts", metavar="2,4,...", help="Contacts of a problem.")] = "4",
+    count: Annotated[int, typer.Option("--count", metavar="N", help="The number of problems.")] = 1000,
+    solver: Annotated[
+        list[str] | None, typer.Option("--solver", metavar="SOLVER", help="Only this solver, like lemke; may be repeated.")
+    ] = None,
+    space: Annotated[bool, typer.Option("--space", help="Stacks of cubes in space; boxes in the plane otherwise.")] = False,
+    workers: Annotated[int, typer.Option("--workers", metavar="N", help="Threads whose gain is measured.")] = 1,
+    out: Annotated[Path | None, typer.Option("--out", metavar="FILE.tsv", help="Also write all figures.")] = None,
+) -> None:
+    """Time many small problems solved at once, at a verified residual.
+
+    The problems are stacks, each with its own push, friction and mass ratio. Rates without verified residuals are not shown.
+    """
+    from frictionbench.harness.commands.batch import COLUMNS, tables
+    from frictionbench.problems import InputError
+    from frictionbench.results.files import write_text
+
+    sizes = options.split_names(contacts)
+    if not sizes or not all(size.isdecimal() for size in sizes):
+        raise InputError(f"contacts: must be whole numbers like 2,4,10, got {contacts!r}")
+    lines = ["\t".join(COLUMNS)]
+    for shown, found in tables(3 if space else 2, [int(size) for size in sizes], count, solver or [], workers):
+        typer.echo(shown)
+        lines += found
+    if out:
+        write_text(out, "\n".join(lines) + "\n")
+
+
+@app.command()
 def judge(
     folder: Annotated[
         Path,

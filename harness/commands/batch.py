@@ -1,18 +1,19 @@
-"""docs/performance.md: the rates of `solve_many` on thousands of small problems, beside single calls and other libraries.
+"""`frictionbench batch`: the rates of `solve_many` on thousands of small problems, beside single calls and other libraries.
 
-    python -m frictionbench.harness.commands.batch > docs/performance.md
+    python -m frictionbench.harness.commands.batch > docs/performance.md      # all sizes, and large problems
 
 At each size the problems are stacks of as many contacts, of boxes in the plane and of cubes in space, each with its own push,
 friction and mass ratio. All ways of solving them are timed in turn, ROUNDS times, by the processor's time, which another
 process on the core does not change, and the least time counts; threads by the wall's. Rates are relative to single calls of
 lemke, in space of hybrid, on the same problems in the same run. A rate is refused where it says nothing: without contacts,
-where friction is idle in all problems, and where a residual is above TOL; that of threads where the machine's load was above
-QUIET beforehand.
+where friction is idle in all problems, and where a residual is above TOL; that of threads, on as many problems as take
+LONG seconds, where the machine's load was above QUIET beforehand.
 """
 
+import math
 import os
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
@@ -26,11 +27,15 @@ from frictionbench.harness.commands.large import section
 from frictionbench.problems import FrictionProblem, scene
 from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.batch import Batch
-from frictionbench.problems.check import Array
+from frictionbench.problems.check import Array, require
+from frictionbench.problems.forms.lcp import tangent_basis
 from frictionbench.problems.instances import make_instance
 from frictionbench.problems.packed import residuals
 from frictionbench.solvers import Status, available, solve, solve_many
+from frictionbench.solvers.interface import find
+from frictionbench.solvers.loops import impulses_of
 from frictionbench.solvers.pivots.dense_lcp import dense_lcp
+from frictionbench.solvers.pivots.packed_lcp import lcp_space, scaled_lcp_of, write_stretched
 
 # By the contacts' dimension: problems of so many contacts, some hundredths of a second each; the methods with a loop; single
 # calls of which method the rates are relative to.
@@ -42,6 +47,21 @@ LOOPED = {
 BASE = {2: "lemke", 3: "hybrid"}
 ALONE = ("osqp", "daqp")  # one by one: their loop is Python's
 TOL, ROUNDS, SAMPLE, AGAIN, SEED = 1e-8, 5, 20, 10, 1
+SHORT, LONG = 0.01, 0.5  # s: in shorter runs a call's own time counts, and that of starting threads
+COLUMNS = (
+    "dimension",
+    "contacts",
+    "active",
+    "idle",
+    "way",
+    "problems_per_second",
+    "ratio",
+    "verified",
+    "p50",
+    "p95",
+    "worst",
+    "threads",
+)
 QUIET = 0.5  # processes that wait for a core, by the system's mean over a minute
 HEAD = """# Performance
 
@@ -51,11 +71,13 @@ Made by `python -m frictionbench.harness.commands.batch`. Problems a second in a
 to 2 m/s), friction (0.2 to 0.8) and mass ratio (1 to 10), **relative to single calls of `solve(problem, "lemke")`**, in space
 of `solve(problem, "hybrid")`, on the same problems in the same run; processor's time, least of {rounds} rounds in turn.
 *packed* is `solve_many` over a `Batch`, form, solve and the residual of every answer included; *with packing* over a list of
-problems. *p50*, *p95* and *worst* are the times of a problem in the packed loop, of {sample} problems repeated {again} times
-each, over the mean time of such a single call. *threads* is the rate of the packed loop on {workers} cores over that on one,
-by the wall's clock; *busy* where other processes ran. The loop of quantecon is its own compiled kernel called from compiled
-code, on dense matrices made beforehand: without form and residuals, which ours include. osqp and daqp solve the convex
-relaxation. Compiling and loading kernels is in no figure; all starts are cold, from zero impulses.
+problems. *p50*, *p95* and *worst* are the times of a problem in the packed loop, of {sample} problems repeated at least {again}
+times each, over the mean time of such a single call. *threads* is the rate of the packed loop on {workers} cores over that on
+one, by the wall's clock, on the problems repeated for half a second; *busy* where other processes ran. The compiled loop of
+quantecon is its own kernel called from compiled code, on dense matrices made beforehand: without form and residuals, which ours
+include. *quantecon, our form and residuals* is the same kernel with our form before it and our residuals after it, like
+*lemke, packed*, so that kernels alone differ. osqp and daqp solve the convex relaxation. Compiling and loading kernels is in no
+figure; all starts are cold, from zero impulses.
 
 A rate is shown only where every residual is within 1e-8; otherwise the share that is.
 """
@@ -91,6 +113,7 @@ class Rate:
     verified: float
     percentiles: tuple[float, float, float] | None = None
     threads: float | None = None
+    per_second: float = 0.0
 
 
 def refusal(case: Case, rate: Rate) -> str:
@@ -119,19 +142,21 @@ def make_case(dimension: int, contacts: int, count: int) -> Case:
     return Case(contacts, dimension, problems, float(bearing.mean()), float(np.mean(rested)))
 
 
-def rates(case: Case, workers: int, quiet: bool) -> Iterator[Rate]:
-    """All ways of solving the case, called in turn in each round; threads only on a quiet machine."""
+def rates(case: Case, workers: int, quiet: bool, looped: Sequence[str] = ()) -> Iterator[Rate]:
+    """All ways of solving the case, or those of these solvers, called in turn in each round; threads only on a quiet
+    machine."""
     whole, sample = Batch(case.problems), Batch(case.problems[:SAMPLE])
     ways: dict[str, Way] = {}
     base = BASE[case.dimension]
     for spec in (base, *ALONE):
         if available()[spec].missing is None and available()[spec].refuses(case.problems[0]) is None:
             ways[f"{spec}, single calls"] = Way(sample, partial(_one_by_one, sample, spec))
-    for spec in LOOPED[case.dimension]:
+    for spec in looped or LOOPED[case.dimension]:
         ways[f"{spec}, packed"] = Way(whole, partial(_many, whole, spec))
         ways[f"{spec}, with packing"] = Way(whole, partial(_many, case.problems, spec))
     if case.dimension == 2 and available()["quantecon"].missing is None:
         ways["quantecon, compiled loop"] = quantecon(whole)
+        ways["quantecon, our form and residuals"] = quantecon_from_bodies(whole)
     verified = {name: _verified(way) for name, way in ways.items()}  # also compiles and loads
     least = dict.fromkeys(ways, np.inf)
     for _ in range(ROUNDS):
@@ -140,20 +165,26 @@ def rates(case: Case, workers: int, quiet: bool) -> Iterator[Rate]:
     single = least[f"{base}, single calls"]
     for name in ways:
         spec, _, how = name.partition(", ")
-        details = _details(whole, spec, single, workers if quiet else 1) if how == "packed" else ()
-        yield Rate(name, single / least[name], verified[name], *details)
+        shares, gained = _details(whole, spec, single, least[name], workers, quiet) if how == "packed" else (None, None)
+        yield Rate(name, single / least[name], verified[name], shares, gained, 1 / least[name])
 
 
-def _details(batch: Batch, spec: str, single: float, workers: int) -> tuple[tuple[float, float, float], float | None]:
-    """Percentiles of a problem's time over that of a single call, and what several threads gain."""
-    times = []
+Percentiles = tuple[float, float, float]
+
+
+def _details(
+    batch: Batch, spec: str, single: float, packed: float, workers: int, quiet: bool
+) -> tuple[Percentiles, float | None]:
+    """Percentiles of a problem's time over that of a single call, and what several threads gain. packed: s a problem."""
+    times, repeats = [], max(AGAIN, math.ceil(SHORT / packed))
     for problem in batch.problems[:SAMPLE]:
-        again = Batch([problem] * AGAIN)
-        times.append(min(_seconds(partial(_many, again, spec), process_time) for _ in range(2)) / AGAIN / single)
+        again = Batch([problem] * repeats)
+        times.append(min(_seconds(partial(_many, again, spec), process_time) for _ in range(2)) / repeats / single)
     p50, p95, worst = (float(np.percentile(times, share)) for share in (50, 95, 100))
-    if workers == 1:
-        return (p50, p95, worst), None
-    runs = {number: partial(_many, batch, spec, number) for number in (1, workers)}
+    if workers == 1 or not quiet:
+        return (p50, p95, worst), 1.0 if workers == 1 else None
+    long = Batch(batch.problems * math.ceil(LONG / (packed * len(batch))))
+    runs = {number: partial(_many, long, spec, number) for number in (1, workers)}
     walls = [{number: _seconds(run, perf_counter) for number, run in runs.items()} for _ in range(ROUNDS)]
     return (p50, p95, worst), min(each[1] for each in walls) / min(each[workers] for each in walls)
 
@@ -203,6 +234,36 @@ def quantecon(batch: Batch) -> Way:
     return Way(batch, partial(loop, first, square, M, q), impulses)
 
 
+def quantecon_from_bodies(batch: Batch) -> Way:
+    """The same kernel in the place of ours, between our form of the bodies and the residuals of the impulses."""
+    lemke: Any = import_module("quantecon.optimize.lcp_lemke").lcp_lemke
+    options = import_module("quantecon.optimize.linprog_simplex").PivOptions()
+    ((_, packed),), basis = batch.groups, tangent_basis(2)
+    most = 4 * int(np.diff(packed.contacts).max())
+    room = np.empty(most**2), np.empty(most * (2 * most + 2)), np.empty(most, np.int_), np.empty(most)
+
+    @njit(nogil=True)
+    def loop(packed, basis, lcp, M, tableau, places, z, r):  # type: ignore[no-untyped-def]
+        for k in range(len(packed.first) - 1):
+            _, stretch, columns, q, _ = scaled_lcp_of(packed, k, basis, lcp)
+            n = len(q)
+            dense, y = M[: n * n].reshape(n, n), z[:n]
+            dense[:] = 0.0
+            for j in range(n):
+                for e in range(columns.start[j], columns.start[j + 1]):
+                    dense[columns.rows[e], j] = columns.column[e]
+            lemke(dense, q, None, 100_000, options, tableau[: n * (2 * n + 2)].reshape(n, 2 * n + 2), places[:n], y)
+            write_stretched(basis, y, stretch, impulses_of(packed, k, r))
+
+    def run() -> Array:
+        r = np.empty((int(packed.contacts[-1]), 2))
+        loop(packed, basis, lcp_space(packed, basis), *room, r)
+        residuals(packed, r)
+        return r
+
+    return Way(batch, run)
+
+
 def table(case: Case, found: list[Rate]) -> str:
     """The rates of a case in Markdown."""
     lines = [
@@ -218,6 +279,38 @@ def table(case: Case, found: list[Rate]) -> str:
         gained = f"{rate.threads:.2f}" if rate.threads and not why else "busy" if rate.percentiles and not why else ""
         rows.append(f"| {rate.way} | {why or f'{rate.ratio:.2g}'} | {' | '.join(shares)} | {gained} |")
     return "\n\n".join(lines) + "\n" + "\n".join(rows) + "\n"
+
+
+def lines(case: Case, found: list[Rate]) -> Iterator[str]:
+    """The lines of a table of COLUMNS; where a rate says nothing stands why, and no times."""
+    for rate in found:
+        why = refusal(case, rate)
+        numbers = (why, "") if why else (rate.per_second, rate.ratio)
+        times = ("",) * 4 if why else (*(rate.percentiles or ("",) * 3), rate.threads or "")
+        parts = (case.dimension, case.contacts, case.active, case.idle, rate.way, *numbers, rate.verified, *times)
+        yield "\t".join(f"{part:.4g}" if isinstance(part, float) else str(part) for part in parts)
+
+
+def tables(
+    dimension: int, contacts: Sequence[int], count: int, solvers: Sequence[str], workers: int
+) -> Iterator[tuple[str, list[str]]]:
+    """For each number of contacts the table in Markdown and the lines of COLUMNS, of so many problems.
+
+    Errors: InputError naming contacts, count, workers or solver.
+    """
+    step = 2 if dimension == 2 else 4
+    for each in contacts:
+        require(each >= step and each % step == 0, "contacts", f"boxes have {step} each: must be a multiple of it, got {each}")
+    require(count >= 1, "count", f"must be at least 1, got {count}")
+    require(workers >= 1, "workers", f"must be at least 1, got {workers}")
+    for spec in solvers:
+        info, _ = find(spec)
+        require(info.missing is None, "solver", str(info.missing))
+        require(dimension in info.dimension, "solver", f"{spec} takes no problems of dimension {dimension}")
+    for each in contacts:
+        case = make_case(dimension, each, count)
+        found = list(rates(case, workers, os.getloadavg()[0] < QUIET, solvers))
+        yield table(case, found), list(lines(case, found))
 
 
 def page() -> str:
