@@ -72,9 +72,10 @@ from frictionbench.solvers.pivots.scaled_lcp import (
     scaled_residual,
     scaled_rounding,
 )
-from frictionbench.solvers.pivots.tableau import SMALL, follow_in_tableau
+from frictionbench.solvers.pivots.tableau import SMALL, follow_in_tableau, store
 from frictionbench.solvers.pivots.vectors import fill, largest, least, put
 
+CLEAN = 1e-14  # residual at which the solution that a tableau gives is not refined
 EXACT = 1e-12  # residual at the level of round-off, below which no smaller perturbation is tried
 NONE = np.empty(0, np.int64)  # no guess of the basis
 CERTIFICATE = 1e-12  # largest defect of a ray, relative to its size: that of entering columns (lemke_path.ACCURACY)
@@ -107,7 +108,7 @@ def certified(M: Matrix, q: Array, d: Array, ray: Array, copositive: bool) -> bo
 
 
 class Space(NamedTuple):
-    """Workspace for LCPs of up to n unknowns: vectors (11, n+1), blocking (n+1,), work (2,), a basis, and a tableau T of up to
+    """Workspace for LCPs of up to n unknowns: vectors (12, n+1), blocking (n+1,), work (2,), a basis, and a tableau T of up to
     SMALL unknowns with its places `at`."""
 
     vectors: Array
@@ -122,8 +123,9 @@ class Space(NamedTuple):
 def room(n):  # type: ignore[no-untyped-def]
     """Workspace for LCPs of up to n unknowns."""
     small = min(n, SMALL)
-    vectors, blocking = np.empty((11, n + 1)), np.empty(n + 1, np.bool_)
+    vectors, blocking = np.empty((12, n + 1)), np.empty(n + 1, np.bool_)
     fill(blocking, True)
+    draw(1, vectors[11])  # a shorter vector's are the first of them
     tableau, at = np.empty((small + 1, small)), np.empty(3 * small + 1, np.int64)
     return Space(vectors, blocking, np.empty(2, np.int64), slack_basis(n), tableau, at)
 
@@ -204,7 +206,10 @@ def lemke_within(
                 draw(2 * trial, drawn)
             fill(d, 0.0)
             add_coordinates(M, basis, drawn, 1.0, d, z)
-            draw(2 * trial + 1, drawn)
+            if trial:
+                draw(2 * trial + 1, drawn)
+            else:
+                put(drawn, space.vectors[11, :n])
             for i in range(n):
                 drawn[i] += 9.0  # tenths: nearly uniform perturbations make for shorter paths
             put(shifted, q)
@@ -212,7 +217,8 @@ def lemke_within(
             slack = HARRIS * size
             code, rough = INACCURATE, cold and trial == 0 and n <= SMALL
             if rough:
-                code = follow_in_tableau(M, shifted, d, basis, ray, slack, budget, work, space.T, x, y, space.at)
+                put(z, q)
+                code = follow_in_tableau(M, shifted, d, ray, slack, budget, work, space.T, x, z, y, out, space.at)
             if code == INACCURATE or (code == RAY and not certified(M, q, d, ray, copositive)):
                 basic_values(M, d, basis, shifted, x, out, ACCURACY)
                 code = follow_lemke_path(M, shifted, d, basis, x, ray, blocking, slack, precision, budget, until, work, own)
@@ -222,7 +228,11 @@ def lemke_within(
             elif work[0] >= limit or late(until):
                 ended = LIMIT
             if code == COMPLEMENTARY:
-                error = finish(M, d, basis, q, unit, x, y, out)
+                error = scaled_residual(M, q, unit, y, out) if rough else np.inf
+                if rough and error > min(tol, CLEAN):
+                    store(space.T, space.at, basis, n)
+                if not rough or error > min(tol, CLEAN):
+                    error = finish(M, d, basis, q, unit, x, y, out)
                 if rough and error > tol:
                     work[1] += 1
                     if refactor(M, d, basis):

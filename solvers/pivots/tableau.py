@@ -14,7 +14,7 @@ import numpy as np
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import inlined, lean, lean_kernel
 from frictionbench.problems.rows import Index64
-from frictionbench.solvers.pivots.inverse_basis import InverseBasis, Matrix
+from frictionbench.solvers.pivots.inverse_basis import Matrix
 from frictionbench.solvers.pivots.lemke_path import COMPLEMENTARY, LIMIT, PIVOT, RAY
 
 SMALL = 64  # unknowns up to which it is the faster way: from some 80 on lemke_path is, as it leaves out zeros of M
@@ -25,20 +25,23 @@ def follow_in_tableau(
     M: Matrix,
     q: Array,
     d: Array,
-    basis: InverseBasis,
     ray: Array,
     slack: float,
     limit: int,
     work: Index64,
     T: Array,
     x: Array,
+    exact: Array,
+    y: Array,
     a: Array,
     at: Index64,
 ) -> int:
-    """Follow Lemke's path from the slack basis, and return how it ended: at a complementary basis, which is stored in `basis`.
+    """Follow Lemke's path from the slack basis, and return how it ended: at a complementary basis, of which y (n,) is the
+    solution for the right side `exact` in place of q, cut off at 0.
 
-    ray, slack, limit, work: as a, slack, limit, work in follow_lemke_path. T (n+1, n), x and a (n,): workspace. at (3n+1,): the
-    variable of each row, and from n on the column of each nonbasic variable, where w_i is variable i, z_i n + i and z0 2n.
+    ray, slack, limit, work: as a, slack, limit, work in follow_lemke_path. exact (n,): overwritten. T (n+1, n), x and a (n,):
+    workspace. at (3n+1,): the variable of each row, and from n on the column of each nonbasic variable, where w_i is variable
+    i, z_i n + i and z0 2n.
     """
     n = len(q)
     _fill(M, q, d, T, x, at)
@@ -49,11 +52,12 @@ def follow_in_tableau(
         for i in range(n):
             a[i] = T[p, i]
         t = (x[s] if z0_row < 0 else max(x[s], 0.0)) / a[s]
-        leaving = at[s]
+        u, leaving = exact[s] / a[s], at[s]
         exchange(T, a, p, s)
         for i in range(n):
             x[i] -= t * a[i]
-        x[s], at[s], at[n + leaving] = t, entering, p
+            exact[i] -= u * a[i]
+        x[s], exact[s], at[s], at[n + leaving] = t, u, entering, p
         z0_row = s if z0_row < 0 else z0_row
         work[0] += 1
         if leaving == 2 * n:
@@ -61,11 +65,14 @@ def follow_in_tableau(
         entering = leaving - n if leaving >= n else leaving + n
         p = at[n + entering]
         s = _blocking_row(n, x, T, p, z0_row, slack)
-    if s >= 0:
-        _store(T, at, basis, n)
-    elif z0_row >= 0:
+    if s < 0 and z0_row >= 0:
         _write_ray(T, at, p, entering, ray)
         return RAY
+    for i in range(n):
+        y[i] = 0.0
+    for i in range(n):
+        if at[i] >= n:
+            y[at[i] - n] = max(exact[i], 0.0)
     return COMPLEMENTARY
 
 
@@ -141,8 +148,8 @@ def _write_ray(T, at, p, entering, ray):  # type: ignore[no-untyped-def]
 
 
 @lean
-def _store(T, at, basis, n):  # type: ignore[no-untyped-def]
-    """The complementary basis at the end: a z is basic where its w is not, and T holds -K^-1."""
+def store(T, at, basis, n):  # type: ignore[no-untyped-def]
+    """Store the complementary basis at the end of a path: a z is basic where its w is not, and T holds -K^-1."""
     k = 0
     for i in range(n):
         j = at[i] - n
