@@ -6,21 +6,20 @@ convex relaxation. Mehrotra's predictor-corrector (solvers.interior.predictor_co
 little more for a thousand boxes than for ten.
 
 The problem is not monotone, and the predictor-corrector can be trapped: in a few random instances of a hundred, and in large
-piles with much friction. In space the convex relaxation is then solved, which cannot be trapped: if nothing slides in its
-solution, that is the answer. Then the central path is followed around its folds (solvers.interior.central_path) from one start
-after the other: some are the same for all problems, the others are centred points (solvers.interior.centred_point) around the
-result of SWEEPS sweeps of Gauss-Seidel, around the relaxation's solution, or around given impulses. Most paths converge
-eventually; no start has the shortest path in all problems, so that a long path is abandoned for the next start. How long the
-path of a start is varies by a factor of ten and more: first all starts have a short share, then a few have a long one.
+piles with much friction. The convex relaxation is then solved, which cannot be trapped: if nothing slides in its solution,
+that is the answer. In the plane semismooth Newton (solvers.interior.fischer_burmeister) is next: it has no path to follow, and
+solves most large random contact graphs and piles of discs. Then the central path is followed around its folds
+(solvers.interior.central_path) from one start after the other: some are the same for all problems, the others are centred
+points (solvers.interior.centred_point) around the result of SWEEPS sweeps of Gauss-Seidel, around the relaxation's solution, or
+around given impulses. Most paths converge eventually; no start has the shortest path in all problems, so that a long path is
+abandoned for the next start. How long the path of a start is varies by a factor of ten and more: first all starts have a short
+share, then a few have a long one.
 
 In space paths of many contacts with much friction are several times shorter where the friction's products are larger at the
 start than the normal ones, so that sliding and sticking are decided after opening and closing.
 
 Where masses are unlike, light bodies bear heavy ones: impulses that stop a contact's own velocity are far too small there, and
 paths that begin with them wind. Then paths begin with the same impulse at all contacts, that of the heaviest.
-
-In the plane semismooth Newton (solvers.interior.fischer_burmeister) comes before the paths: it has none to follow, and solves
-most large random contact graphs and piles of discs in which the predictor-corrector is trapped.
 
 Where a problem falls apart, one part in which the predictor-corrector is trapped shortens the steps of all others; then each
 part is solved by itself (solvers.interior.parts), unless one of them is nearly the whole.
@@ -134,8 +133,11 @@ class InteriorPoint(Phased):
         if np.bincount(parts_of(problem)[: problem.contacts]).max(initial=0) < GIANT * problem.contacts:
             parts += separate(problem)
             return
-        if problem.dimension == 3:
-            yield from self._spatial(problem, system, start, spent)
+        space, relaxed = problem.dimension == 3, _nested(problem, "relaxation_ip", spent)
+        if (space or self.shortcut) and residual(problem, relaxed) <= CLOSE:
+            yield predictor_corrector, _around(problem, system, relaxed, LEAST_DISTANCE), SHARE
+        if space:
+            yield from self._spatial(problem, system, relaxed, start, spent)
             return
         if self.shortcut:
             for impulse, speed in NEWTON_STARTS:
@@ -148,13 +150,12 @@ class InteriorPoint(Phased):
         share = PATH * max(2 * SHARE, problem.contacts)
         for distance in LONG_DISTANCES:
             yield trace, _around(problem, system, swept, distance), share
-        yield trace, _around(problem, system, _nested(problem, "relaxation_ip", spent), LONG_DISTANCES[-1]), share
+        yield trace, _around(problem, system, relaxed, LONG_DISTANCES[-1]), share
 
-    def _spatial(self, problem: FrictionProblem, system: System, start: Array | None, spent: dict[str, int]) -> Iterator[Phase]:
-        """The relaxation, then paths."""
-        relaxed = _nested(problem, "relaxation_ip", spent)
-        if residual(problem, relaxed) <= CLOSE:
-            yield predictor_corrector, _around(problem, system, relaxed, LEAST_DISTANCE), SHARE
+    def _spatial(
+        self, problem: FrictionProblem, system: System, relaxed: Array, start: Array | None, spent: dict[str, int]
+    ) -> Iterator[Phase]:
+        """Paths in space; relaxed: the impulses of the relaxation's solution."""
         share = max(2 * SHARE, problem.contacts)
         if system.weight.max(initial=0) > UNLIKE * system.weight.min(initial=np.inf):
             for exponent in LOAD_STARTS:

@@ -60,8 +60,12 @@ def test_stops_where_the_history_is_full() -> None:
     assert TOL < residual(problem, impulse) <= history.min() * problem.spread
 
 
-def test_pile_of_discs_that_traps_all_paths() -> None:
-    problem = disc_pile(rows=16, friction=0.3).problem()
+@pytest.mark.parametrize(("rows", "friction"), [(16, 0.3), (20, 0.9)], ids=["sliding", "sticking"])
+def test_piles_of_discs_that_trap_all_paths(rows, friction) -> None:
+    """The first is solved by semismooth Newton, the second, where nothing slides, by the relaxation."""
+    problem = disc_pile(rows=rows, friction=friction).problem()
     answer = solve(problem, "interior_point")
     assert answer.status is Status.SOLVED
     assert residual(problem, answer.impulse) <= 1e-8
+    assert answer.work["factorisations"] < 400
+    assert answer.work["relaxation_ip factorisations"] > 0
