@@ -34,6 +34,7 @@ from frictionbench.problems.packed import residuals
 from frictionbench.solvers import Status, available, solve, solve_many
 from frictionbench.solvers.interface import find
 from frictionbench.solvers.loops import impulses_of
+from frictionbench.solvers.outside.quantecon import TIES
 from frictionbench.solvers.pivots.dense_lcp import dense_lcp
 from frictionbench.solvers.pivots.packed_lcp import lcp_space, scaled_lcp_of, write_stretched
 
@@ -71,13 +72,13 @@ Made by `python -m frictionbench.harness.commands.batch`. Problems a second in a
 to 2 m/s), friction (0.2 to 0.8) and mass ratio (1 to 10), **relative to single calls of `solve(problem, "lemke")`**, in space
 of `solve(problem, "hybrid")`, on the same problems in the same run; processor's time, least of {rounds} rounds in turn.
 *packed* is `solve_many` over a `Batch`, form, solve and the residual of every answer included; *with packing* over a list of
-problems. *p50*, *p95* and *worst* are the times of a problem in the packed loop, of {sample} problems repeated at least {again}
-times each, over the mean time of such a single call. *threads* is the rate of the packed loop on {workers} cores over that on
-one, by the wall's clock, on the problems repeated for half a second; *busy* where other processes ran. The compiled loop of
-quantecon is its own kernel called from compiled code, on dense matrices made beforehand: without form and residuals, which ours
-include. *quantecon, our form and residuals* is the same kernel with our form before it and our residuals after it, like
-*lemke, packed*, so that kernels alone differ. osqp and daqp solve the convex relaxation. Compiling and loading kernels is in no
-figure; all starts are cold, from zero impulses.
+problems. *p50*, *p95* and *worst* are the times of a problem in the packed loop, of {sample} problems repeated at least
+{again} times each, over the mean time of such a single call. *threads* is the rate of the packed loop on {workers} cores over
+that on one, by the wall's clock, on the problems repeated for half a second; *busy* where other processes ran. The compiled
+loop of quantecon is its own kernel called from compiled code, on dense matrices made beforehand: without form and residuals,
+which ours include. *quantecon, our form and residuals* is the same kernel with our form before it and our residuals after it,
+like *lemke, packed*, so that kernels alone differ. Both take ratios within 1e-10 as ties, its tuned setting. osqp and daqp
+solve the convex relaxation. Compiling and loading kernels is in no figure; all starts are cold, from zero impulses.
 
 A rate is shown only where every residual is within 1e-8; otherwise the share that is.
 """
@@ -212,7 +213,7 @@ def _verified(way: Way) -> float:
 
 def quantecon(batch: Batch) -> Way:
     """A compiled loop over QuantEcon's kernel, on dense matrices that are made here."""
-    lemke: Any = import_module("quantecon.optimize.lcp_lemke").lcp_lemke
+    lemke, options = _quantecon()
     forms = [dense_lcp(problem) for problem in batch]
     size = np.array([len(form.q) for form in forms])
     first, square = np.concatenate([[0], size.cumsum()]), np.concatenate([[0], (size**2).cumsum()])
@@ -223,7 +224,7 @@ def quantecon(batch: Batch) -> Way:
         z = np.empty(len(q))
         for k in range(len(first) - 1):
             n = first[k + 1] - first[k]
-            found = lemke(M[square[k] : square[k + 1]].reshape(n, n), q[first[k] : first[k + 1]], None, 100_000)
+            found = lemke(M[square[k] : square[k + 1]].reshape(n, n), q[first[k] : first[k + 1]], None, 100_000, options)
             z[first[k] : first[k + 1]] = found.z
         return z
 
@@ -234,10 +235,15 @@ def quantecon(batch: Batch) -> Way:
     return Way(batch, partial(loop, first, square, M, q), impulses)
 
 
+def _quantecon() -> tuple[Any, Any]:
+    """Its kernel, and its tuned options: by default it cycles among ties where matrices differ in their last bits."""
+    options = import_module("quantecon.optimize.linprog_simplex").PivOptions(tol_ratio_diff=TIES["tuned"])
+    return import_module("quantecon.optimize.lcp_lemke").lcp_lemke, options
+
+
 def quantecon_from_bodies(batch: Batch) -> Way:
     """The same kernel in the place of ours, between our form of the bodies and the residuals of the impulses."""
-    lemke: Any = import_module("quantecon.optimize.lcp_lemke").lcp_lemke
-    options = import_module("quantecon.optimize.linprog_simplex").PivOptions()
+    lemke, options = _quantecon()
     ((_, packed),), basis = batch.groups, tangent_basis(2)
     most = 4 * int(np.diff(packed.contacts).max())
     room = np.empty(most**2), np.empty(most * (2 * most + 2)), np.empty(most, np.int_), np.empty(most)

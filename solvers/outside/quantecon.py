@@ -21,7 +21,7 @@ from frictionbench.solvers.interface import Answer, Status, solver
 from frictionbench.solvers.outside.settings import require_settings
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 
-_TIES = {"default": 1e-13, "tuned": 1e-10}  # ratios that differ by less are a tie
+TIES = {"default": 1e-13, "tuned": 1e-10}  # ratios that differ by less are a tie
 _ENDED = {0: Status.SOLVED, 1: Status.WORK_LIMIT, 2: Status.RAY}
 
 
@@ -50,6 +50,6 @@ class QuantEcon:
     def solve(self, prepared: DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         quantecon: Any = import_module("quantecon.optimize")
         lemke: Any = import_module("quantecon.optimize.lcp_lemke").lcp_lemke
-        options = quantecon.PivOptions(tol_ratio_diff=_TIES[self.settings])
+        options = quantecon.PivOptions(tol_ratio_diff=TIES[self.settings])
         found = lemke(prepared.M, prepared.q, None, limit or 100_000, options)
         return prepared.answer(found.z, _ENDED.get(found.status, Status.FAILED), pivots=int(found.num_iter))
