@@ -220,6 +220,7 @@ def lemke_within(
                 put(z, q)
                 code = follow_in_tableau(M, shifted, d, ray, slack, budget, work, space.T, x, z, y, out, space.at)
             if code == INACCURATE or (code == RAY and not certified(M, q, d, ray, copositive)):
+                rough = False  # the basis is now that of this path, not the tableau's
                 basic_values(M, d, basis, shifted, x, out, ACCURACY)
                 code = follow_lemke_path(M, shifted, d, basis, x, ray, blocking, slack, precision, budget, until, work, own)
                 reach = max(reach, largest(x, n))

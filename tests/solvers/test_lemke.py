@@ -307,3 +307,12 @@ def test_same_problem_same_work():
     first, second = (lemke.solve(lemke.prepare(problem), 1e-8, None) for _ in range(2))
     assert first.work == second.work
     assert np.array_equal(first.z, second.z)
+
+
+def test_ray_of_the_tableau_that_is_none() -> None:
+    """The tableau ends at a ray that its certificate does not confirm: the path that is followed instead has its own basis."""
+    problem = random_problem(4, contacts=10, friction=10 ** np.random.default_rng(4).uniform(-3, 6))
+    answer = solve(problem, "lemke", tol=1e-10)
+    assert answer.status in (Status.SOLVED, Status.ROUNDING)
+    found, floor = residual_with_floor(problem, answer.impulse)
+    assert found <= max(1e-10, floor)
