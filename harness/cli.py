@@ -328,9 +328,10 @@ def batch(
     workers: Annotated[int, typer.Option("--workers", metavar="N", help="Threads whose gain is measured.")] = 1,
     out: Annotated[Path | None, typer.Option("--out", metavar="FILE.tsv", help="Also write all figures.")] = None,
 ) -> None:
-    """Time many small problems solved at once, at a verified residual.
+    """Time many small problems solved at once.
 
-    The problems are stacks, each with its own push, friction and mass ratio. Rates without verified residuals are not shown.
+    Each answer is verified. The problems are stacks, each with its own push, friction and mass ratio. Rates without
+    verified residuals are not shown.
     """
     from frictionbench.harness.commands.batch import COLUMNS, tables
     from frictionbench.problems import InputError

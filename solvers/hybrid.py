@@ -76,7 +76,7 @@ class Hybrid:
         problem = prepared.problem
         impulse, least, found_by = np.zeros((problem.contacts, problem.dimension)), np.inf, ""
         work: dict[str, int] = {}
-        tried = 0
+        tried, rounded = 0, False
         for info, member in prepared.members:
             if tried and dense_storage(member, problem) > STORAGE:  # the first is sparse, or the problem small
                 continue
@@ -93,13 +93,15 @@ class Hybrid:
             found, floor = residual_with_floor(problem, answer.impulse)
             if found < least:
                 impulse, least, found_by = answer.impulse, found, info.name
-                # Where the floor is above the tolerance, other members' impulses would be as large.
-                if found <= tol or (found <= floor and answer.status is Status.SOLVED):
+                if found <= tol:
                     status = Status.SOLVED if floor <= tol else Status.ROUNDING
                     return Answer(impulse, status, work, detail=f"answered by {found_by}")
-            if is_over():
+                rounded = rounded or (found <= floor and answer.status is Status.SOLVED)
+            # Where the floor is above the tolerance, a second member may find smaller impulses; more seldom do.
+            if is_over() or (rounded and tried > 1):
                 break
-        return Answer(impulse, Status.STALLED, work, detail=f"the nearest answer is by {found_by}" if found_by else "")
+        status = Status.ROUNDING if rounded else Status.STALLED
+        return Answer(impulse, status, work, detail=f"the nearest answer is by {found_by}" if found_by else "")
 
     def solve_many(self, packed: Packed, tol: float, limit: int | None) -> Solved:
         """The loops of the first two members; what they do not solve goes through all members by itself."""

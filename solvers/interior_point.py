@@ -7,13 +7,13 @@ little more for a thousand boxes than for ten.
 
 The problem is not monotone, and the predictor-corrector can be trapped: in a few random instances of a hundred, and in large
 piles with much friction. The convex relaxation is then solved, which cannot be trapped: if nothing slides in its solution,
-that is the answer. In the plane semismooth Newton (solvers.interior.fischer_burmeister) is next: it has no path to follow, and
-solves most large random contact graphs and piles of discs. Then the central path is followed around its folds
-(solvers.interior.central_path) from one start after the other: some are the same for all problems, the others are centred
-points (solvers.interior.centred_point) around the result of SWEEPS sweeps of Gauss-Seidel, around the relaxation's solution, or
-around given impulses. Most paths converge eventually; no start has the shortest path in all problems, so that a long path is
-abandoned for the next start. How long the path of a start is varies by a factor of ten and more: first all starts have a short
-share, then a few have a long one.
+that is the answer. In the plane, from LARGE contacts on, semismooth Newton (solvers.interior.fischer_burmeister) is next: it
+has no path to follow, and solves most large random contact graphs and piles of discs. Then the central path is followed around
+its folds (solvers.interior.central_path) from one start after the other: some are the same for all problems, the others are
+centred points (solvers.interior.centred_point) around the result of SWEEPS sweeps of Gauss-Seidel, around the relaxation's
+solution, or around given impulses. Most paths converge eventually; no start has the shortest path in all problems, so that a
+long path is abandoned for the next start. How long the path of a start is varies by a factor of ten and more: first all starts
+have a short share, then a few have a long one.
 
 In space paths of many contacts with much friction are several times shorter where the friction's products are larger at the
 start than the normal ones, so that sliding and sticking are decided after opening and closing.
@@ -54,6 +54,9 @@ from frictionbench.solvers.interior.system import System, space_of
 
 # All of these were tuned by experiment: tests/benchmarks/test_interior_point_starts.py counts, for each start left out and each
 # limit changed, the problems solved and the factorisations. Impulses and speeds are relative to a contact's own.
+# In the plane the relaxation and semismooth Newton come before paths from so many contacts on: in smaller problems paths are as
+# short, and where there are several solutions they find neighbouring ones in neighbouring problems.
+LARGE = 40
 NEWTON_STARTS = ((0.1, 1.0), (1.0, 1.0))  # of semismooth Newton in the plane: (impulse, speed)
 PLANAR_STARTS = ((0.1, 10.0), (1.0, 10.0), (0.1, 100.0), (1.0, 100.0), (10.0, 1.0), (1.0, 1.0))  # (impulse, speed)
 FIRST_START, LAST_START = (1.0, 10.0, 10.0), (1.5, 5.0, 1.0)  # in space: (impulse, speed, factor on the friction's products)
@@ -134,12 +137,13 @@ class InteriorPoint(Phased):
             parts += separate(problem)
             return
         space, relaxed = problem.dimension == 3, _nested(problem, "relaxation_ip", spent)
-        if (space or self.shortcut) and residual(problem, relaxed) <= CLOSE:
+        large = self.shortcut and problem.contacts >= LARGE
+        if (space or large) and residual(problem, relaxed) <= CLOSE:
             yield predictor_corrector, _around(problem, system, relaxed, LEAST_DISTANCE), SHARE
         if space:
             yield from self._spatial(problem, system, relaxed, start, spent)
             return
-        if self.shortcut:
+        if large:
             for impulse, speed in NEWTON_STARTS:
                 yield fischer_burmeister, start_point(system, impulse, speed), NEWTON_SHARE
             yield fischer_burmeister, trapped, NEWTON_SHARE
