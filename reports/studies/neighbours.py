@@ -46,8 +46,7 @@ def account(found: StudyTables) -> Account:
     late = [f"{name} up to {delay:.1g} s" for name, delay in small.items()]
     return Account(
         answer=f"At edges, yes: neighbours part for good in {listing(sorted(parted['case'].unique()))}. Inside the region of "
-        "p < 0 neighbours stay neighbours; in the jam it is above all the solvers that differ, by up to "
-        f"{between:.2g} m/s.",
+        f"p < 0 neighbours stay neighbours; in the jam the solvers' answers differ by up to {between:.2g} m/s.",
         result=f"On the ground the rod's neighbours end at most {_gain(inside):.2g} times as far apart as they began, on "
         f"either side of p = 0. Neighbours end more than {PARTED:g} times as far apart as they began, for some change, in "
         f"{'; '.join(told)}. As the rod's tip leaves the ground, velocities that part are up to "
