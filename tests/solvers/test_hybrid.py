@@ -40,4 +40,4 @@ def test_a_claim_within_the_floor_of_rounding_is_an_answer() -> None:
     """A block of 1e10 times the mass of the one below it: no impulses have a residual that can be told from 1e-6."""
     answer = solve(scene("stack", blocks=4, mass_ratio=1e10, push=1.0).problem(), "hybrid")
     assert answer.status is Status.ROUNDING
-    assert answer.work["members"] == 1
+    assert answer.work["members"] == 2  # a second one, which might find smaller impulses, and no more
