@@ -16,7 +16,6 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from importlib import import_module
 from time import perf_counter, process_time
 from typing import Any
 
@@ -34,7 +33,7 @@ from frictionbench.problems.packed import residuals
 from frictionbench.solvers import Status, available, solve, solve_many
 from frictionbench.solvers.interface import find
 from frictionbench.solvers.loops import impulses_of
-from frictionbench.solvers.outside.quantecon import TIES
+from frictionbench.solvers.outside.quantecon import kernel_of
 from frictionbench.solvers.pivots.dense_lcp import dense_lcp
 from frictionbench.solvers.pivots.packed_lcp import lcp_space, scaled_lcp_of, write_stretched
 
@@ -213,7 +212,7 @@ def _verified(way: Way) -> float:
 
 def quantecon(batch: Batch) -> Way:
     """A compiled loop over QuantEcon's kernel, on dense matrices that are made here."""
-    lemke, options = _quantecon()
+    lemke, options = kernel_of("tuned")  # by default it cycles among ties where matrices differ in their last bits
     forms = [dense_lcp(problem) for problem in batch]
     size = np.array([len(form.q) for form in forms])
     first, square = np.concatenate([[0], size.cumsum()]), np.concatenate([[0], (size**2).cumsum()])
@@ -235,15 +234,9 @@ def quantecon(batch: Batch) -> Way:
     return Way(batch, partial(loop, first, square, M, q), impulses)
 
 
-def _quantecon() -> tuple[Any, Any]:
-    """Its kernel, and its tuned options: by default it cycles among ties where matrices differ in their last bits."""
-    options = import_module("quantecon.optimize.linprog_simplex").PivOptions(tol_ratio_diff=TIES["tuned"])
-    return import_module("quantecon.optimize.lcp_lemke").lcp_lemke, options
-
-
 def quantecon_from_bodies(batch: Batch) -> Way:
     """The same kernel in the place of ours, between our form of the bodies and the residuals of the impulses."""
-    lemke, options = _quantecon()
+    lemke, options = kernel_of("tuned")
     ((_, packed),), basis = batch.groups, tangent_basis(2)
     most = 4 * int(np.diff(packed.contacts).max())
     room = np.empty(most**2), np.empty(most * (2 * most + 2)), np.empty(most, np.int_), np.empty(most)
