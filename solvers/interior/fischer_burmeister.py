@@ -25,7 +25,7 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
 from frictionbench.solvers.clock import late
 from frictionbench.solvers.interior.newton import direction, linearise
-from frictionbench.solvers.interior.point import Point, new_point, set_step
+from frictionbench.solvers.interior.point import Point, add_step, new_point, set_step
 from frictionbench.solvers.interior.predictor_corrector import Best, Workspace, evaluate_and_record
 from frictionbench.solvers.interior.system import Space, System
 
@@ -46,8 +46,9 @@ def fischer_burmeister(
     history receives the residual of every iterate; their number is returned.
     """
     step, defect, target, work = workspace.step, workspace.defect, workspace.target, workspace.work
-    derivative, exact, trial = new_point(system), new_point(system), new_point(system)
-    merits = np.zeros(MEMORY)
+    derivative, trial, merits = new_point(system), new_point(system), np.zeros(MEMORY)
+    none = np.zeros((len(point.x), 4))
+    exact, along = Point(none, none, defect.joint), Point(step.x, none, step.joint)  # s is no unknown: it follows from x
     work.softness[0] = FIRST
     for i in range(len(point.s)):
         for k in range(4):
@@ -60,18 +61,12 @@ def fischer_burmeister(
         merits[iteration % MEMORY] = merit
         linearise(system, space, derivative, work)
         best.factorisations[0] += 1
-        for j in range(len(defect.joint)):
-            exact.joint[j, 0] = defect.joint[j, 0]
         direction(system, space, derivative, target, exact, step, work)
         slope = _slope(system, derivative, target, step, merit, work.softness[0])
         length = 1.0 if slope < 0 else 0.0
         while length > 0:
             set_step(trial, 1.0, point)
-            for i in range(len(trial.x)):
-                for k in range(4):
-                    trial.x[i, k] += length * step.x[i, k]
-            for j in range(len(trial.joint)):
-                trial.joint[j, 0] += length * step.joint[j, 0]
+            add_step(trial, length, along)
             evaluate_and_record(system, space, trial, defect, work, best)
             if _equation(system, trial, defect, target, derivative) <= merits.max() + ARMIJO * length * slope:
                 set_step(point, 1.0, trial)
