@@ -29,6 +29,7 @@ their residual, so that a good start saves most of the iterations, and a bad one
 """
 
 from collections.abc import Iterator
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -71,8 +72,8 @@ CLOSE = 0.01  # the largest residual of the relaxation's solution from which the
 GIANT = 0.9  # of the contacts in one part: it would take the whole's time once more to solve it by itself
 LIMIT = 16000  # factorisations in all: enough for the shares of all starts in problems of a few hundred contacts
 NEWTON_SHARE = 100  # factorisations of one run of semismooth Newton: of those that arrive in 150, 95 % take fewer
-SHARE = 250  # factorisations of one phase: few paths that arrive in the plane are longer
-PATH, LONG_PATH = 3, 10  # factorisations a contact, or in small problems in 2 SHARE, of paths in space: see docs/space.md
+SHARE = 250  # factorisations of one phase but long paths: few that arrive in the plane are longer
+PATH, LONG_PATH = 3, 10  # factorisations of long paths a contact, or in small problems in 2 SHARE: see docs/space.md
 POLISHING = 20  # factorisations of proximal_newton near an answer; a pair that vanishes keeps a path at a residual of 1e-7
 PATIENCE = 12  # iterations of the predictor-corrector without progress: no run that recovered took more
 
@@ -136,12 +137,16 @@ class InteriorPoint(Phased):
         if np.bincount(parts_of(problem)[: problem.contacts]).max(initial=0) < GIANT * problem.contacts:
             parts += separate(problem)
             return
-        space, relaxed = problem.dimension == 3, _nested(problem, "relaxation_ip", spent)
-        large = self.shortcut and problem.contacts >= LARGE
-        if (space or large) and residual(problem, relaxed) <= CLOSE:
-            yield predictor_corrector, _around(problem, system, relaxed, LEAST_DISTANCE), SHARE
+
+        @cache
+        def relaxed() -> Array:
+            return _nested(problem, "relaxation_ip", spent)
+
+        space, large = problem.dimension == 3, self.shortcut and problem.contacts >= LARGE
+        if (space or large) and residual(problem, relaxed()) <= CLOSE:
+            yield predictor_corrector, _around(problem, system, relaxed(), LEAST_DISTANCE), SHARE
         if space:
-            yield from self._spatial(problem, system, relaxed, start, spent)
+            yield from self._spatial(problem, system, relaxed(), start, spent)
             return
         if large:
             for impulse, speed in NEWTON_STARTS:
@@ -154,7 +159,7 @@ class InteriorPoint(Phased):
         share = PATH * max(2 * SHARE, problem.contacts)
         for distance in LONG_DISTANCES:
             yield trace, _around(problem, system, swept, distance), share
-        yield trace, _around(problem, system, relaxed, LONG_DISTANCES[-1]), share
+        yield trace, _around(problem, system, relaxed(), LONG_DISTANCES[-1]), share
 
     def _spatial(
         self, problem: FrictionProblem, system: System, relaxed: Array, start: Array | None, spent: dict[str, int]
