@@ -10,7 +10,7 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import loop, part
 from frictionbench.problems.forms.delassus import pushed_contact_velocity
 from frictionbench.problems.packed import CONTACT, Packed, Q, law_of, mass_of, mechanical, mechanics_of, residuals
-from frictionbench.problems.residual import contact_residual
+from frictionbench.problems.residual import largest_with_floor
 from frictionbench.solvers.interface import Solved, Status
 from frictionbench.solvers.interior.centred_point import centred_point
 from frictionbench.solvers.interior.phases import MARGIN, ROUNDING
@@ -47,7 +47,9 @@ def first_phase_loop(packed, guess, distance, space, relaxed, tol, limit, patien
         if is_alone(packed, k):
             continue
         mu, wider, scale, units = law_of(packed, k)
-        if free_residual(packed.q[packed.first[k, Q] : packed.first[k + 1, Q]], scale, mu, wider, units) <= tol:
+        free_motion = packed.q[packed.first[k, Q] : packed.first[k + 1, Q]].reshape(len(mu), r.shape[1])
+        zero = np.zeros(free_motion.shape)
+        if largest_with_floor(zero, free_motion, zero, scale, mu, wider, units)[0] <= tol:
             ended[k] = SOLVED
             continue
         if not mechanical(packed, k):
@@ -79,13 +81,3 @@ def first_phase_loop(packed, guess, distance, space, relaxed, tol, limit, patien
                 own[i, a] = best.impulse[i, a] * impulse
         ended[k] = SOLVED if best.residual[0] + ROUNDING * heaviest <= sharp else NEARLY
     return r, ended, work
-
-
-@part
-def free_residual(q, scale, mu, wider, units):  # type: ignore[no-untyped-def]
-    """The residual of no impulses at all, u = q (nc*d,)."""
-    nc = len(mu)
-    u, none, worst = q.reshape(nc, -1), np.zeros(len(q) // max(nc, 1)), 0.0
-    for i in range(nc):
-        worst = max(worst, contact_residual(none, u[i], scale[i], mu[i], wider[i], units[i], 1.0))
-    return worst
