@@ -12,7 +12,7 @@ from frictionbench.problems.forms.lcp import impulse, tangent_basis, write_in_ba
 from frictionbench.solvers.interface import Answer, Status
 from frictionbench.solvers.pivots.inverse_basis import InverseBasis, Matrix, compress
 from frictionbench.solvers.pivots.lemke_path import FINEST, add_matrix_product, basic_values
-from frictionbench.solvers.pivots.scaling import scaling
+from frictionbench.solvers.pivots.scaling import complete, scale_reached, scaling
 from frictionbench.solvers.pivots.vectors import put
 
 EPSILON = float(np.finfo(float).eps)
@@ -156,20 +156,14 @@ def _scale_symmetrised(start, rows, column, row, q, D, reach):  # type: ignore[n
             if D[j] == 0.0:
                 for e in range(start[j], start[j + 1]):
                     reach[j] = max(reach[j], D[rows[e]] * abs(row[e] if by_rows else column[e]))
-        for j in range(n):
-            if reach[j] > 0.0:
-                D[j] = 1 / reach[j]
-    theta = 0.0
-    for j in range(n):
-        if D[j] == 0.0:
-            D[j] = 1.0
-        theta = max(theta, abs(D[j] * q[j]))
+        scale_reached(D, reach)
+    theta = complete(D, q)
     for j in range(n):
         for e in range(start[j], start[j + 1]):
             share = D[j] * D[rows[e]]
             column[e] *= share
             row[e] *= share
-    return theta if theta > 0.0 else 1.0
+    return theta
 
 
 @lean

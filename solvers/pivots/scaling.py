@@ -14,7 +14,7 @@ import numpy as np
 
 from frictionbench.problems import LCP
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import kernel
+from frictionbench.problems.compiled import kernel, lean
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,12 +60,24 @@ def diagonal_scaling(start, column, value, q):  # type: ignore[no-untyped-def]
                 bare, other = (column[k], i) if by_column else (i, column[k])
                 if D[bare] == 0:
                     reach[bare] = max(reach[bare], D[other] * abs(value[k]))
-        for i in range(n):
-            if reach[i] > 0:
-                D[i] = 1 / reach[i]
+        scale_reached(D, reach)
+    return D, complete(D, q)
+
+
+@lean
+def scale_reached(D, reach):  # type: ignore[no-untyped-def]
+    """D is 1/reach where something is reached."""
+    for i in range(len(D)):
+        if reach[i] > 0:
+            D[i] = 1 / reach[i]
+
+
+@lean
+def complete(D, q):  # type: ignore[no-untyped-def]
+    """D is 1 where nothing has scaled it; theta."""
     theta = 0.0
-    for i in range(n):
+    for i in range(len(D)):
         if D[i] == 0:
             D[i] = 1.0
         theta = max(theta, abs(D[i] * q[i]))
-    return D, theta if theta > 0 else 1.0
+    return theta if theta > 0 else 1.0
