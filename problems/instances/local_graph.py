@@ -13,6 +13,7 @@ from frictionbench.problems.rows import Index64
 REACH = 1.05  # of the mean distance of bodies: pairs that may touch
 PAIRS = 1.6  # contacts for each body, as in a disordered packing between isostatic (1.5) and hexagonal (3)
 FRICTION = (0.1, 3.2)  # log-uniform in it
+INERTIA = 0.1  # kg m^2 for 1 kg
 
 
 @instance
@@ -36,19 +37,19 @@ def local_graph(seed: int = 0, bodies: int = 100, mass_ratio: float = 1.0) -> Fr
     least, most = FRICTION
     mass = number("mass_ratio", mass_ratio, least=1) ** random.random(nb)
     return FrictionProblem(
-        mass=sparse.diags_array((mass[:, None] * [1.0, 1.0, 0.1]).ravel()),
-        normal=_rows(pair, arm, normal, nb),
-        tangent=_rows(pair, arm, tangent, nb),
+        mass=sparse.diags_array((mass[:, None] * [1.0, 1.0, INERTIA]).ravel()),
+        normal=graph_rows(pair, (arm, -arm), normal, nb),
+        tangent=graph_rows(pair, (arm, -arm), tangent, nb),
         friction=least * (most / least) ** random.random(nc),
         free_velocity=random.standard_normal(3 * nb),
         bias=np.zeros(nc),
     )
 
 
-def _rows(pair: Index64, arm: Array, along: Array, bodies: int) -> sparse.csr_array:
-    """The rows (nc, 3 nb) of relative velocities along directions (nc, 2): first body, at arm, minus second, at -arm."""
-    turn = arm[:, 0] * along[:, 1] - arm[:, 1] * along[:, 0]
-    value = np.column_stack([along, turn, -along, turn])
+def graph_rows(pair: Index64, arm: tuple[Array, Array], along: Array, bodies: int) -> sparse.csr_array:
+    """The rows (nc, 3 nb) of relative velocities along directions (nc, 2): first body, at its arm (nc, 2), minus second."""
+    first, second = (at[:, 0] * along[:, 1] - at[:, 1] * along[:, 0] for at in arm)
+    value = np.column_stack([along, first, -along, -second])
     column = np.column_stack([3 * pair[:, [0]] + np.arange(3), 3 * pair[:, [1]] + np.arange(3)])
     row = np.repeat(np.arange(len(pair)), 6)
     return sparse.csr_array((value.ravel(), (row, column.ravel())), shape=(len(pair), 3 * bodies))

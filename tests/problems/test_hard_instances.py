@@ -71,6 +71,18 @@ def test_a_local_graph_touches_near_bodies_only() -> None:
     assert residual(problem, solve(problem, "interior_point").impulse) <= 1e-8
 
 
+def test_the_contacts_of_a_random_graph_are_between_two_bodies_each_at_its_own_arm() -> None:
+    problem = make_instance("random_graph", bodies=60)
+    assert problem.contacts == 96
+    rows = problem.normal.toarray().reshape(96, 60, 3)
+    touched = np.abs(rows[:, :, :2]).sum(axis=2) > 0
+    assert (touched.sum(axis=1) == 2).all()
+    assert np.allclose(problem.jacobian @ np.tile([0.3, -0.5, 0.0], 60), 0)
+    arms = rows[:, :, 2][touched].reshape(96, 2)
+    assert np.abs(arms.sum(axis=1)).min() > 1e-6
+    assert residual(problem, solve(problem, "interior_point").impulse) <= 1e-8
+
+
 @pytest.mark.parametrize("case", recorded_steps())
 def test_recorded_steps_have_a_solution(case) -> None:
     problem = make_instance("recorded_step", case=case)

@@ -9,8 +9,13 @@ from frictionbench.problems.reduce import keep_contacts
 from frictionbench.problems.residual import residual
 from frictionbench.solvers import solve
 
-SPATIAL = ("cubes", "packed_spheres", "random_bodies", "rod_chain", "sphere_pyramid")
-SMALL = {"packed_spheres": {"spheres": 12}, "sphere_pyramid": {"levels": 3}, "cubes": {"boxes": 3}}
+SPATIAL = ("box_wall", "cubes", "packed_spheres", "random_bodies", "rod_chain", "sphere_pyramid")
+SMALL = {
+    "box_wall": {"rows": 3, "bricks": 3},
+    "packed_spheres": {"spheres": 12},
+    "sphere_pyramid": {"levels": 3},
+    "cubes": {"boxes": 3},
+}
 
 
 @pytest.mark.parametrize("name", SPATIAL)
@@ -42,6 +47,16 @@ def test_a_stack_of_cubes_carries_its_weight() -> None:
     impulse = solve(problem, "interior_point", tol=1e-12).impulse
     carried = impulse[:, 0].reshape(4, 4).sum(axis=1)
     assert np.allclose(carried, 9.81 * 0.01 * np.cumsum(mass[::-1])[::-1], rtol=1e-9)
+
+
+@pytest.mark.parametrize("points", [4, 8])
+def test_a_wall_of_boxes_carries_its_weight(points) -> None:
+    problem = make_instance("box_wall", rows=3, bricks=3, points=points, noise=0.0, push=0.0)
+    assert problem.contacts == (3 + 2 * 2 + 2 * 2) * points + (2 + 1 + 2) * 4
+    impulse = solve(problem, "interior_point").impulse
+    held = np.abs(problem.jacobian.toarray().reshape(problem.contacts, 3, 8, 6)[:, 0, :, :3]).sum(axis=2) > 1e-9
+    grounded = held.sum(axis=1) == 1
+    assert impulse[grounded, 0].sum() == pytest.approx(8 * 9.81 * 0.01, rel=2e-3)  # the normals are askew by 1e-3
 
 
 @pytest.mark.parametrize("fraction", [0.35, 0.64])
