@@ -103,20 +103,22 @@ class Hybrid:
         status = Status.ROUNDING if rounded else Status.STALLED
         return Answer(impulse, status, work, detail=f"the nearest answer is by {found_by}" if found_by else "")
 
-    def solve_many(self, packed: Packed, tol: float, limit: int | None) -> Solved:
+    def solve_many(self, packed: Packed, tol: float, limit: int | None, start: Array | None = None) -> Solved:
         """The loops of the first two members; what they do not solve goes through all members by itself."""
         nc, space = np.diff(packed.contacts), packed.dimension == 3
         simple = "nsgs" if space else "lemke"
         chosen = _sweeps_help(nc, np.diff(packed.velocities), 0) if space else few_pivots_each(packed)
         loop: Any = find(simple)[1]
         own_limit = min(SWEEPS, limit or SWEEPS) if space else limit
-        swept = loop.solve_many(_only(packed, chosen), tol, own_limit)
+        swept = loop.solve_many(_only(packed, chosen), tol, own_limit, start)
         least = np.where(chosen, residuals(packed, swept.impulse)[:, 0], np.inf)
         solved, members = least <= tol, np.ones(len(nc), np.int64)
         tried = ~solved & (swept.status != Status.SOLVED)  # what is claimed but above the tolerance, solve judges
         work = {f"{simple} {unit}": counts for unit, counts in swept.work.items()} | {"members": members}
         if tried.any():
-            found = first_phase_of(_only(packed, tried), tol, limit, swept.impulse, tried & (least <= CLOSE))
+            close = least <= CLOSE
+            guess = swept.impulse if start is None else np.where(np.repeat(close, nc)[:, None], swept.impulse, start)
+            found = first_phase_of(_only(packed, tried), tol, limit, guess, tried & (close | (start is not None)))
             work |= {f"interior_point {unit}": counts for unit, counts in found.work.items()}
             members[chosen & tried] = 2
             of_contact = np.repeat(tried, nc)

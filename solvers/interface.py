@@ -30,10 +30,11 @@ claim; the harness verifies every answer independently.
 
 A solver may also have a method
 
-    solve_many(self, packed, tol, limit) -> Solved
+    solve_many(self, packed, tol, limit, start=None) -> Solved
 
 for `solve_many`, which solves the problems of a problems.packed.Packed, all of one dimension and without joints, and gives each
-the impulses that `solve` would give. It may be called in several threads at once, for parts of the problems.
+the impulses that `solve` would give. start: impulses of all contacts (contacts, d), passed only to solvers with warm_start. It
+may be called in several threads at once, for parts of the problems.
 """
 
 import re

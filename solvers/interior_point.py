@@ -113,11 +113,10 @@ class InteriorPoint(Phased):
             return solve_parts(problem, parts, answer, tol, lambda part, own: self._part(part, own, tol, limit, start))
         return answer
 
-    def solve_many(self, packed: Packed, tol: float, limit: int | None) -> Solved:
+    def solve_many(self, packed: Packed, tol: float, limit: int | None, start: Array | None = None) -> Solved:
         """The first phase in a compiled loop; what that leaves is solved by itself."""
-        return first_phase_of(
-            packed, tol, limit, np.zeros((packed.contacts[-1], packed.dimension)), np.zeros(packed.size, bool)
-        )
+        guess = impulses(start, (int(packed.contacts[-1]), packed.dimension))
+        return first_phase_of(packed, tol, limit, guess, np.full(packed.size, start is not None))
 
     def _part(self, part: FrictionProblem, contacts: Index64, tol: float, limit: int | None, start: Array | None) -> Answer:
         return self.solve(self.setup(self.form(part)), tol, limit, None if start is None else start[contacts])

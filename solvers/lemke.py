@@ -33,12 +33,13 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.compiled import kernel, lean, lean_kernel, lean_loop, part
 from frictionbench.problems.forms.lcp import tangent_basis
-from frictionbench.problems.packed import Packed
+from frictionbench.problems.packed import CONTACT, Packed
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.clock import deadline, late
 from frictionbench.solvers.interface import Answer, Solved, impulses, solver
@@ -78,6 +79,7 @@ from frictionbench.solvers.pivots.vectors import fill, largest, least, put
 CLEAN = 1e-14  # residual at which the solution that a tableau gives is not refined
 EXACT = 1e-12  # residual at the level of round-off, below which no smaller perturbation is tried
 NONE = np.empty(0, np.int64)  # no guess of the basis
+NEGLIGIBLE = 1e-9  # an impulse relative to the largest of a start below which it is taken for none
 CERTIFICATE = 1e-12  # largest defect of a ray, relative to its size: that of entering columns (lemke_path.ACCURACY)
 ROUGH = 1e-3  # the largest residual that may pass for rounding: where rounding causes more, impulses are far too large
 NOISE = 1e3 * EPSILON  # of a basic variable relative to the largest: a perturbation must exceed it
@@ -108,7 +110,7 @@ def certified(M: Matrix, q: Array, d: Array, ray: Array, copositive: bool) -> bo
 
 
 class Space(NamedTuple):
-    """Workspace for LCPs of up to n unknowns: vectors (12, n+1), blocking (n+1,), work (2,), a basis, and a tableau T of up to
+    """Workspace for LCPs of up to n unknowns: vectors (13, n+1), blocking (n+1,), work (2,), a basis, and a tableau T of up to
     SMALL unknowns with its places `at`."""
 
     vectors: Array
@@ -123,7 +125,7 @@ class Space(NamedTuple):
 def room(n):  # type: ignore[no-untyped-def]
     """Workspace for LCPs of up to n unknowns."""
     small = min(n, SMALL)
-    vectors, blocking = np.empty((12, n + 1)), np.empty(n + 1, np.bool_)
+    vectors, blocking = np.empty((13, n + 1)), np.empty(n + 1, np.bool_)
     fill(blocking, True)
     draw(1, vectors[11])  # a shorter vector's are the first of them
     tableau, at = np.empty((small + 1, small)), np.empty(3 * small + 1, np.int64)
@@ -254,8 +256,11 @@ def lemke_within(
 
 
 @lean_loop
-def lemke_loop(packed, basis, copositive, tol, limit, restarts, lcp, space, r, ended, work):  # type: ignore[no-untyped-def]
-    """Packed problems one after the other, over: impulses, how each ended, and pivots, restarts and inversions (N, 3)."""
+def lemke_loop(packed, basis, guess, first, copositive, tol, limit, restarts, lcp, space, r, ended, work):  # type: ignore[no-untyped-def]
+    """Packed problems one after the other, over: impulses, how each ended, and pivots, restarts and inversions (N, 3).
+
+    guess: the indices of basic z, problem k's from first[k] to first[k + 1].
+    """
     for k in range(len(ended)):
         if is_alone(packed, k):
             continue
@@ -263,10 +268,10 @@ def lemke_loop(packed, basis, copositive, tol, limit, restarts, lcp, space, r, e
         if not fits:
             continue
         n, own = len(q), impulses_of(packed, k, r)
-        most, y, cover = limit if limit else 100_000 + 100 * n, space.vectors[7, :n], space.vectors[10, :n]
+        most, y, cover = limit if limit else 100_000 + 100 * n, space.vectors[12, :n], space.vectors[10, :n]
         set_cover(cover, len(own))
         ended[k], work[k, 0], work[k, 1], work[k, 2] = lemke_within(
-            space, M, q, cover, unit, space.work[:0], copositive, tol, most, np.inf, restarts, y
+            space, M, q, cover, unit, guess[first[k] : first[k + 1]], copositive, tol, most, np.inf, restarts, y
         )
         write_stretched(basis, y, stretch, own)
 
@@ -303,11 +308,12 @@ class Lemke:
         )
         return scaled.answer(y, ended, pivots=pivots, restarts=restarts, inversions=inversions)
 
-    def solve_many(self, packed: Packed, tol: float, limit: int | None) -> Solved:
+    def solve_many(self, packed: Packed, tol: float, limit: int | None, start: Array | None = None) -> Solved:
         basis = tangent_basis(packed.dimension, self.facets)
+        guess = (NONE, np.zeros(packed.size + 1, np.int64)) if start is None else guess_bases(packed, start, basis)
         r, ended, work = unsolved(packed, 3)
         space = lcp_space(packed, basis), room(int(np.diff(packed.contacts).max(initial=0)) * (len(basis[0]) + 1))
-        lemke_loop(packed, basis, True, MARGIN * tol, limit or 0, self.restarts, *space, r, ended, work)
+        lemke_loop(packed, basis, *guess, True, MARGIN * tol, limit or 0, self.restarts, *space, r, ended, work)
         return solved(r, ended, STATUSES, work, ("pivots", "restarts", "inversions"))
 
 
@@ -332,20 +338,42 @@ def covering_vector(n: int, contacts: int) -> Array:
 
 
 def guess_basis(lcp: LCP, impulse: Array) -> Index64:
-    """The z that contact impulses (nc, d) suggest to be basic: c and beta where impulses act, lambda where contacts slide."""
-    nc, d = lcp.contacts
+    """The z that contact impulses (nc, d) suggest to be basic: see basic_by_contact."""
+    nc, _ = lcp.contacts
     impulse = impulses(impulse, lcp.contacts)
     if not nc:
         return NONE
-    K = lcp.size // nc - 2
-    c, r_t = impulse[:, 0], impulse[:, 1:]
-    directions = lcp.basis[1:, 1:].T  # type: ignore[index]
-    nearest = np.argsort(-(r_t @ directions.T), axis=1, kind="stable")[:, : d - 1]
+    mu, least = np.asarray(lcp.M[-nc:, :nc].diagonal()), np.full(nc, NEGLIGIBLE * np.abs(impulse).max())
+    basic = basic_by_contact(impulse, mu, lcp.q[-nc:], lcp.basis, least)  # type: ignore[arg-type]
+    return np.flatnonzero(np.concatenate([basic[:, 0], basic[:, 1:-1].ravel(), basic[:, -1]]))
+
+
+def guess_bases(packed: Packed, impulse: Array, basis: Array) -> tuple[Index64, Index64]:
+    """The same for packed problems: the indices of all, problem by problem, and where those of each begin (N+1,)."""
+    nc, width = np.diff(packed.contacts), len(basis[0]) + 1
+    problem, size = np.repeat(np.arange(packed.size), nc), np.zeros(packed.size)
+    np.maximum.at(size, problem, np.abs(impulse).max(axis=1))
+    own = slice(packed.first[0, CONTACT], packed.first[-1, CONTACT])
+    law = packed.friction[own], packed.friction_bias[own]
+    contact, unknown = np.nonzero(basic_by_contact(impulse, *law, basis, NEGLIGIBLE * size[problem]))
+    problem = problem[contact]
+    i, n = contact - packed.contacts[problem], nc[problem]
+    index = np.where(unknown == 0, i, np.where(unknown < width - 1, n + i * (width - 2) + unknown - 1, n * (width - 1) + i))
+    ordered = np.lexsort((index, problem))
+    return index[ordered], np.searchsorted(problem, np.arange(packed.size + 1))
+
+
+def basic_by_contact(impulse: Array, mu: Array, wider: Array, basis: Array, least: Array) -> NDArray[np.bool_]:
+    """(nc, K + 2): which of a contact's unknowns c, beta (K) and lambda its impulse suggests to be basic.
+
+    c and beta where impulses above `least` (nc,) act, lambda where contacts slide; wider: of the cone, by an impulse at hand.
+    """
+    r_t, directions = impulse[:, 1:], basis[1:, 1:].T
+    along = np.einsum("ia,ka->ik", r_t, directions)
+    nearest = np.argsort(-along, axis=1, kind="stable")[:, : len(basis) - 1]
     part = np.linalg.solve(np.swapaxes(directions[nearest], 1, 2), r_t[:, :, None])[:, :, 0]
-    beta = np.zeros((nc, K))
+    beta = np.zeros(along.shape)
     np.put_along_axis(beta, nearest, part, axis=1)
-    least = 1e-9 * np.abs(impulse).max()
-    mu = np.asarray(lcp.M[-nc:, :nc].diagonal())
-    sliding = beta.sum(axis=1) >= (1 - 1e-6) * (mu * c + lcp.q[-nc:])
+    sliding = beta.sum(axis=1) >= (1 - 1e-6) * (mu * impulse[:, 0] + wider)
     sliding &= beta.max(axis=1) > least
-    return np.flatnonzero(np.concatenate([c > least, (beta > least).ravel(), sliding]))
+    return np.column_stack([impulse[:, 0] > least, beta > least[:, None], sliding])

@@ -5,7 +5,7 @@ with the status None, as it does where islands have unlike speeds (solvers.balan
 one. A compiled loop does not hold the interpreter's lock (problems.compiled.loop), so that threads share the problems.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from numbers import Integral
@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionbench.problems import FrictionProblem
+from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.batch import Batch
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.packed import Packed, residuals
 from frictionbench.problems.residual import residual_with_floor
 from frictionbench.problems.rows import Index64
-from frictionbench.solvers.interface import Solved, Solver, SolverInfo, Status, find, solve, tolerance, work_limit
+from frictionbench.solvers.interface import Solved, Solver, SolverInfo, Status, find, impulses, solve, tolerance, work_limit
 
 CHUNKS = 8  # for each worker: so many that the last ones end together, so few that a thread's call costs nothing beside one
 
@@ -66,25 +66,35 @@ class Answers:
 
 
 def solve_many(
-    problems: Batch | Iterable[FrictionProblem], spec: str, *, tol: float = 1e-8, limit: int | None = None, workers: int = 1
+    problems: Batch | Iterable[FrictionProblem],
+    spec: str,
+    *,
+    tol: float = 1e-8,
+    limit: int | None = None,
+    start: Array | Answers | Sequence[Array] | None = None,
+    workers: int = 1,
 ) -> Answers:
     """Solve many friction problems with one solver: the impulses of `solve`, to the last bit, at less time for each.
 
     problems: FrictionProblems of any sizes, or a Batch of them, which is packed already.
     spec, tol, limit: as in `solve`. workers: threads, each on a share of the problems.
+    start: guesses of the impulses, N s: an array (nc, d) for each problem, Answers, or their flat `impulse`. A solver without
+        warm start ignores them.
 
     Solvers with a loop of their own (lemke, dantzig, path_search, nsgs, interior_point's first phase and hybrid's first two
     members) go over all problems in compiled code; for others, for problems with joints and for what a loop does not solve this
     is a loop over `solve`, which threads do not make faster.
 
     Returns Answers: the impulses, statuses and counts as arrays, and each answer's residual on the exact problem.
-    Errors: InputError as for `solve`, with the number of the problem that the solver does not take.
+    Errors: InputError as for `solve`, with the number of the problem that the solver does not take, or of its start.
 
     >>> import frictionbench as fb
     >>> problems = [fb.scene("stack", blocks=1, push=push).problem() for push in (0.5, 1.0, 2.0)]
     >>> answers = fb.solve_many(problems, "lemke")
     >>> answers.solved.tolist(), answers[1].shape
     ([True, True, True], (2, 2))
+    >>> fb.solve_many(problems, "lemke", start=answers).work["pivots"].sum() < answers.work["pivots"].sum()
+    True
     """
     info, instance = find(spec)
     tol, limit = tolerance(tol), work_limit(limit)
@@ -92,16 +102,20 @@ def solve_many(
     require(whole and workers >= 1, "workers", f"must be a whole number, at least 1, got {workers!r}")
     batch = problems if isinstance(problems, Batch) else Batch(problems)
     _require_taken(info, batch)
+    begin = None if start is None else _flat(start, batch)
+    begin = begin if info.warm_start else None
     count, flat = len(batch), np.zeros(batch.first[-1])
     answers = Answers(flat, batch.first, batch.dimension, np.full(count, None), {}, np.empty(count), np.empty(count), tol)
     if hasattr(instance, "solve_many"):
         for numbers, packed in batch.groups:
-            _fill(answers, numbers, packed, *_looped(instance, packed, tol, limit, int(workers)))
+            places = _places(answers, numbers, packed)
+            own = None if begin is None else begin[places].reshape(-1, packed.dimension)
+            _fill(answers, numbers, places, *_looped(instance, packed, tol, limit, own, int(workers)))
     for k in np.flatnonzero(answers.floor > tol).tolist() if info.ours else ():
         if answers.status[k] is Status.SOLVED:
             answers.status[k] = Status.ROUNDING
     for k in [k for k, status in enumerate(answers.status) if status is None]:
-        _solve_alone(answers, k, batch.problems[k], spec, limit)
+        _solve_alone(answers, k, batch.problems[k], spec, limit, begin)
     return answers
 
 
@@ -114,11 +128,32 @@ def _require_taken(info: SolverInfo, batch: Batch) -> None:
         require(reason is None, f"problems[{k}]", str(reason))
 
 
-def _looped(instance: Solver, packed: Packed, tol: float, limit: int | None, workers: int) -> tuple[Solved, Array]:
-    """What the solver's own loop finds, and the residuals with their floors (N, 2)."""
+def _flat(start: Any, batch: Batch) -> Array:
+    """A checked copy of the impulses of all problems as a flat array. Errors: InputError naming start or its entry."""
+    if isinstance(start, Answers):
+        start = start.impulse
+    if isinstance(start, np.ndarray) and start.ndim == 1 and start.dtype != object:
+        return impulses(start, (int(batch.first[-1]),))
+    require(isinstance(start, Sequence | np.ndarray), "start", f"must be impulses of each problem, got {type(start)}")
+    require(len(start) == len(batch), "start", f"expected impulses of {len(batch)} problems, got {len(start)}")
+    parts = [np.zeros(0)]
+    for k, (given, problem) in enumerate(zip(start, batch, strict=True)):
+        require(given is not None, f"start[{k}]", "must be impulses, got None")
+        try:
+            parts.append(impulses(given, (problem.contacts, problem.dimension)).ravel())
+        except InputError as error:
+            raise InputError(f"start[{k}]{str(error).removeprefix('start')}") from None
+    return np.concatenate(parts)
 
-    def part(share: Packed) -> tuple[Solved, Array]:
-        solved = instance.solve_many(share, tol, limit)  # type: ignore[attr-defined]
+
+def _looped(
+    instance: Solver, packed: Packed, tol: float, limit: int | None, start: Array | None, workers: int
+) -> tuple[Solved, Array]:
+    """What the solver's own loop finds, and the residuals with their floors (N, 2). start: (contacts, d), or None."""
+
+    def part(share: Packed, begin: int = 0) -> tuple[Solved, Array]:
+        own = () if start is None else (start[begin : begin + int(share.contacts[-1])],)
+        solved = instance.solve_many(share, tol, limit, *own)  # type: ignore[attr-defined]
         impulse, expected = np.ascontiguousarray(solved.impulse, float), (int(share.contacts[-1]), share.dimension)
         require(impulse.shape == expected, "solve_many", f"must return impulses of shape {expected}, got {impulse.shape}")
         return solved, residuals(share, impulse)
@@ -127,30 +162,39 @@ def _looped(instance: Solver, packed: Packed, tol: float, limit: int | None, wor
         return part(packed)
     ends = np.unique(np.linspace(0, packed.size, min(packed.size, CHUNKS * workers) + 1).astype(int)).tolist()
     with ThreadPoolExecutor(workers) as pool:
-        parts = list(pool.map(part, [packed.part(*ends[i : i + 2]) for i in range(len(ends) - 1)]))
+        shares = [packed.part(*ends[i : i + 2]) for i in range(len(ends) - 1)]
+        parts = list(pool.map(part, shares, packed.contacts[ends].tolist()))
     solved = [each for each, _ in parts]
-    work = {name: np.concatenate([each.work[name] for each in solved]) for name in solved[0].work}
+    names = dict.fromkeys(name for each in solved for name in each.work)  # a share may lack what others count
+    work = {
+        name: np.concatenate([each.work.get(name, np.zeros(len(each.status), np.int64)) for each in solved]) for name in names
+    }
     joined = Solved(np.concatenate([each.impulse for each in solved]), np.concatenate([each.status for each in solved]), work)
     return joined, np.concatenate([found for _, found in parts])
 
 
-def _fill(answers: Answers, numbers: Index64, packed: Packed, solved: Solved, found: Array) -> None:
-    """Write the results of the problems of these numbers to their places."""
+def _places(answers: Answers, numbers: Index64, packed: Packed) -> Index64 | slice:
+    """Where the impulses of packed problems of these numbers are among those of all."""
     if len(numbers) == len(answers):
-        answers.impulse[:] = solved.impulse.ravel()
-    else:
-        begin = packed.contacts * packed.dimension
-        shift = np.repeat(answers.first[numbers] - begin[:-1], np.diff(begin))
-        answers.impulse[np.arange(begin[-1]) + shift] = solved.impulse.ravel()
+        return slice(None)
+    begin = packed.contacts * packed.dimension
+    return np.arange(begin[-1]) + np.repeat(answers.first[numbers] - begin[:-1], np.diff(begin))
+
+
+def _fill(answers: Answers, numbers: Index64, places: Index64 | slice, solved: Solved, found: Array) -> None:
+    """Write the results of the problems of these numbers to their places."""
+    answers.impulse[places] = solved.impulse.ravel()
     answers.status[numbers] = solved.status
     answers.residual[numbers], answers.floor[numbers] = found.T
     for name, counts in solved.work.items():
         answers.work.setdefault(name, np.zeros(len(answers), np.int64))[numbers] = counts
 
 
-def _solve_alone(answers: Answers, k: int, problem: FrictionProblem, spec: str, limit: int | None) -> None:
-    answer: Any = solve(problem, spec, tol=answers.tol, limit=limit)
-    answers.impulse[answers.first[k] : answers.first[k + 1]] = answer.impulse.ravel()
+def _solve_alone(answers: Answers, k: int, problem: FrictionProblem, spec: str, limit: int | None, start: Array | None) -> None:
+    own = slice(answers.first[k], answers.first[k + 1])
+    guess = None if start is None else start[own].reshape(-1, problem.dimension)
+    answer: Any = solve(problem, spec, tol=answers.tol, limit=limit, start=guess)
+    answers.impulse[own] = answer.impulse.ravel()
     answers.status[k] = answer.status
     answers.residual[k], answers.floor[k] = residual_with_floor(problem, answer.impulse)
     for name, value in answer.work.items():

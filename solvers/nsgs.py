@@ -36,9 +36,9 @@ class NSGS:
     def __post_init__(self) -> None:
         require(0 < self.relaxation < 2, "relaxation", f"must lie between 0 and 2, got {self.relaxation!r}")
 
-    def solve_many(self, packed: Packed, tol: float, limit: int | None) -> Solved:
-        space = True if packed.dimension == 3 else None
-        r, ended, work = nsgs_loop(packed, float(self.relaxation), tol, LIMIT if limit is None else limit, space)
+    def solve_many(self, packed: Packed, tol: float, limit: int | None, start: Array | None = None) -> Solved:
+        r, space = impulses(start, (int(packed.contacts[-1]), packed.dimension)), True if packed.dimension == 3 else None
+        ended, work = nsgs_loop(packed, r, float(self.relaxation), tol, LIMIT if limit is None else limit, space)
         return solved(r, ended, ENDS, work, ("sweeps", "checks"))
 
     def form(self, problem: FrictionProblem) -> ContactForm:
@@ -51,9 +51,9 @@ class NSGS:
 
 
 @loop
-def nsgs_loop(packed, relaxation, tol, limit, space):  # type: ignore[no-untyped-def]
-    """Packed problems one after the other: impulses, how each ended, and sweeps and checks (N, 2)."""
-    r, ended, work = unsolved(packed, 2)
+def nsgs_loop(packed, r, relaxation, tol, limit, space):  # type: ignore[no-untyped-def]
+    """Overwrite the impulses r of packed problems, one after the other: how each ended, and sweeps and checks (N, 2)."""
+    _, ended, work = unsolved(packed, 2)
     for k in range(len(ended)):
         if is_alone(packed, k):
             continue
@@ -61,7 +61,7 @@ def nsgs_loop(packed, relaxation, tol, limit, space):  # type: ignore[no-untyped
         monitor = Monitor(tol, limit, PATIENCE, records[0], records[1], records[2], np.inf)
         work[k, 0] = _iterate(contact_form_of(packed, k), impulses_of(packed, k, r), relaxation, monitor, space)
         ended[k], work[k, 1] = monitor.state[1], monitor.state[0]
-    return r, ended, work
+    return ended, work
 
 
 @kernel

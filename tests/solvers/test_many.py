@@ -33,10 +33,12 @@ def spatial() -> list[FrictionProblem]:
     return [spheres, cubes, known, *left, fb.instance("cubes", boxes=2)]
 
 
-def assert_as_one_by_one(problems: list[FrictionProblem], spec: str, workers: int) -> None:
-    answers = fb.solve_many(problems, spec, workers=workers)
+def assert_as_one_by_one(
+    problems: list[FrictionProblem], spec: str, workers: int, start: list[np.ndarray] | None = None, limit: int | None = None
+) -> None:
+    answers = fb.solve_many(problems, spec, workers=workers, start=start, limit=limit)
     for k, problem in enumerate(problems):
-        answer = fb.solve(problem, spec)
+        answer = fb.solve(problem, spec, start=None if start is None else start[k], limit=limit)
         np.testing.assert_array_equal(answers[k], answer.impulse)
         assert answers.status[k] is answer.status
         assert {name: answers.work[name][k] for name in answer.work} == answer.work
@@ -74,6 +76,82 @@ def test_a_limit_is_that_of_one_by_one(planar: list[FrictionProblem]) -> None:
 
 def test_same_in_threads(planar: list[FrictionProblem]) -> None:
     assert_as_one_by_one(planar, "lemke", workers=3)
+
+
+def starts(problems: list[FrictionProblem], exact: bool) -> list[np.ndarray]:
+    """The answers, or impulses that are none: of each third contact far too large, and open contacts between."""
+    rng = np.random.default_rng(5)
+    answers = [fb.solve(problem, "hybrid").impulse for problem in problems]
+    if exact:
+        return answers
+    return [
+        impulse * rng.choice([0.0, 1.0, 7.0], (len(impulse), 1)) + 0.1 * rng.normal(size=impulse.shape) for impulse in answers
+    ]
+
+
+@pytest.mark.parametrize("exact", [True, False])
+@pytest.mark.parametrize("spec", LOOPED)
+def test_same_from_a_start(spec: str, exact: bool, planar: list[FrictionProblem], spatial: list[FrictionProblem]) -> None:
+    problems = [*planar, *spatial]
+    assert_as_one_by_one(problems, spec, workers=3, start=starts(problems, exact))
+
+
+@pytest.mark.parametrize("spec", ["lemke", "nsgs", "interior_point"])
+def test_loops_start_at_the_answers_of_before(spec: str, planar: list[FrictionProblem]) -> None:
+    cold = fb.solve_many(planar[:3], spec)
+    for start in (cold, cold.impulse, list(cold)):
+        warm = fb.solve_many(planar[:3], spec, start=start)
+        assert warm.solved.all()
+        assert sum(counts.sum() for counts in warm.work.values()) < sum(counts.sum() for counts in cold.work.values())
+    loop = find(spec)[1].solve_many(fb.Batch(planar[:3]).groups[0][1], 1e-8, None, cold.impulse.reshape(-1, 2))  # type: ignore[attr-defined]
+    assert loop.status.tolist() == [fb.Status.SOLVED] * 3
+
+
+def anything(rng: np.random.Generator) -> list[FrictionProblem]:
+    """Problems of mixed sizes in mixed order, in the plane and in space, by bodies and by W: also without contacts, without
+    friction and without solution."""
+    squeezed = np.array([[1.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 1.0], [-1.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0]])
+    problems = [
+        FrictionProblem.from_delassus(squeezed, [-1.0, 0.3, -1.0, 0.3], [0.5, 0.5], 2),  # two walls close in on a body
+        *(FrictionProblem.from_delassus(np.zeros((0, 0)), [], [], d) for d in (2, 3)),
+    ]
+    for _ in range(4):
+        push, mu = rng.uniform(0, 2), rng.choice([0.0, rng.uniform(0.01, 2)])
+        stack = {"blocks": int(rng.integers(1, 6)), "push": push, "mass_ratio": 10 ** rng.uniform(-2, 2)}
+        problems.append(fb.scene("stack", **stack, friction=mu).problem())
+        cubes = {"boxes": int(rng.integers(1, 3)), "push": push, "twist": rng.uniform(0, 2), "fall": 1.0}
+        problems.append(fb.instance("cubes", **cubes, friction=mu))
+        for d in (2, 3):
+            nc = int(rng.integers(1, 7))
+            A = rng.normal(size=(nc * d, int(rng.integers(1, nc * d + 3))))
+            mu = rng.choice([0.0, 0.3, 1.0], nc)
+            problems.append(FrictionProblem.from_delassus(A @ A.T, rng.normal(size=nc * d), mu, d))
+    return [problems[k] for k in rng.permutation(len(problems))]
+
+
+@pytest.mark.parametrize("spec", LOOPED)
+def test_anything_is_as_one_by_one(spec: str) -> None:
+    rng = np.random.default_rng(LOOPED.index(spec))
+    problems = anything(rng)
+    start = [rng.normal(size=(problem.contacts, problem.dimension)) for problem in problems]
+    for given in (None, start):
+        assert_as_one_by_one(problems, spec, workers=int(rng.integers(1, 4)), start=given, limit=60)
+
+
+@pytest.mark.parametrize(
+    ("start", "named"),
+    [
+        (3, "start: must be"),
+        ([], "start: expected impulses of 2 problems, got 0"),
+        (np.zeros(3), "start: expected"),
+        ([np.zeros((2, 2)), np.zeros((3, 2))], r"start\[1\]: expected"),
+        ([np.zeros((2, 2)), None], r"start\[1\]"),
+        (np.full(16, np.nan), "start: must be finite"),
+    ],
+)
+def test_a_start_that_is_none(start: object, named: str, planar: list[FrictionProblem]) -> None:
+    with pytest.raises(fb.InputError, match=named):
+        fb.solve_many(planar[:2], "dantzig", start=start)  # type: ignore[arg-type]
 
 
 def test_rounding_is_told() -> None:
