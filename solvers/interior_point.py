@@ -43,7 +43,7 @@ from frictionbench.problems.rows import Index64
 from frictionbench.problems.separate import Parts, separate
 from frictionbench.problems.separate import parts as parts_of
 from frictionbench.solvers.interface import Answer, Solved, Status, impulses, solve, solver
-from frictionbench.solvers.interior.central_path import trace
+from frictionbench.solvers.interior.central_path import Path, new_path, trace
 from frictionbench.solvers.interior.centred_point import centred_point
 from frictionbench.solvers.interior.first_phase import NO_GUESS, first_phase
 from frictionbench.solvers.interior.fischer_burmeister import fischer_burmeister
@@ -64,7 +64,7 @@ FIRST_START, LAST_START = (1.0, 10.0, 10.0), (1.5, 5.0, 1.0)  # in space: (impul
 UNLIKE, LOAD_STARTS = 10.0, (0.75, 1.0)  # in space: the ratio of contacts' masses from which they start under load; exponents
 # Around what Gauss-Seidel and the relaxation find: (distance from the boundary in residuals, factor on friction's products).
 SWEPT_START = (1.0, 10.0)
-RELAXED_STARTS, LONG_RELAXED_START = ((3.0, 30.0), (3.0, 10.0), (1.0, 10.0), (3.0, 3.0)), (1.0, 10.0)
+RELAXED_STARTS = ((3.0, 10.0), (3.0, 3.0), (1.0, 10.0), (3.0, 30.0))  # the last one is behind the swept one
 SWEEPS = 1000  # of nsgs before its result is a start: their time is that of ten or twenty factorisations
 LEAST_DISTANCE = 1e-10  # of a start from the boundary, in residuals, for the predictor-corrector: it rounds at less
 PATH_DISTANCE, LONG_DISTANCES = 0.3, (3.0, 10.0)  # the same in the plane for paths, which are shorter from well inside
@@ -73,8 +73,9 @@ GIANT = 0.9  # of the contacts in one part: it would take the whole's time once 
 LIMIT = 16000  # factorisations in all: enough for the shares of all starts in problems of a few hundred contacts
 NEWTON_SHARE = 100  # factorisations of one run of semismooth Newton: of those that arrive in 150, 95 % take fewer
 SHARE = 250  # factorisations of one phase but long paths: few that arrive in the plane are longer
-PATH, LONG_PATH = 3, 10  # factorisations of long paths a contact, or in small problems in 2 SHARE: see docs/space.md
-POLISHING = 20  # factorisations of proximal_newton near an answer; a pair that vanishes keeps a path at a residual of 1e-7
+# Of long paths: factorisations a contact, or in small problems in 2 SHARE. In space each round follows all as much further.
+PATH, SHORT_PATH, LOADED_PATH = 3, 0.4, 2
+POLISHING = 20  # factorisations of Newton's methods near an answer; a pair that vanishes keeps a path at a residual of 1e-7
 PATIENCE = 12  # iterations of the predictor-corrector without progress: no run that recovered took more
 
 
@@ -99,15 +100,21 @@ class InteriorPoint(Phased):
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         """limit bounds the factorisations."""
-        problem, _ = prepared
+        problem, system = prepared
         spent: dict[str, int] = {}
         parts: Parts = []
 
         def polish(impulse: Array) -> Array:
-            return _nested(problem, "proximal_newton", spent, tol=tol, limit=POLISHING, start=impulse)
+            if problem.dimension == 3:
+                return _nested(problem, "proximal_newton", spent, tol=tol, limit=POLISHING, start=impulse)
+            newton = fischer_burmeister, _around(problem, system, impulse, LEAST_DISTANCE), POLISHING
+            refined = run(prepared, [newton], tol, POLISHING, PATIENCE, residual)
+            _add(spent, "polishing", refined)
+            return refined.impulse
 
         phases, most = self._phases(*prepared, start, spent, parts), LIMIT if limit is None else limit
-        answer = run(prepared, phases, tol, most, PATIENCE, residual, polish if problem.dimension == 3 else None)
+        polishable = problem.dimension == 3 or problem.contacts >= LARGE
+        answer = run(prepared, phases, tol, most, PATIENCE, residual, polish if polishable else None)
         answer.work |= spent
         if answer.status is Status.STALLED and parts:
             return solve_parts(problem, parts, answer, tol, lambda part, own: self._part(part, own, tol, limit, start))
@@ -152,35 +159,37 @@ class InteriorPoint(Phased):
                 yield fischer_burmeister, start_point(system, impulse, speed), NEWTON_SHARE
             yield fischer_burmeister, trapped, NEWTON_SHARE
         swept = _guess(problem, start, spent)
-        yield trace, _around(problem, system, swept, PATH_DISTANCE), SHARE
+        yield trace, new_path(_around(problem, system, swept, PATH_DISTANCE)), SHARE
         for impulse, speed in PLANAR_STARTS:
-            yield trace, start_point(system, impulse, speed), SHARE
+            yield trace, new_path(start_point(system, impulse, speed)), SHARE
         share = PATH * max(2 * SHARE, problem.contacts)
         for distance in LONG_DISTANCES:
-            yield trace, _around(problem, system, swept, distance), share
-        yield trace, _around(problem, system, relaxed(), LONG_DISTANCES[-1]), share
+            yield trace, new_path(_around(problem, system, swept, distance)), share
+        yield trace, new_path(_around(problem, system, relaxed(), LONG_DISTANCES[-1])), share
 
     def _spatial(
         self, problem: FrictionProblem, system: System, relaxed: Array, start: Array | None, spent: dict[str, int]
     ) -> Iterator[Phase]:
         """Paths in space; relaxed: the impulses of the relaxation's solution."""
         share = max(2 * SHARE, problem.contacts)
+        loaded = []
         if system.weight.max(initial=0) > UNLIKE * system.weight.min(initial=np.inf):
-            for exponent in LOAD_STARTS:
-                yield trace, _loaded(system, exponent), 2 * share
-        yield trace, _generic(system, *FIRST_START), share
-        swept = _guess(problem, start, spent)
+            loaded = [new_path(_loaded(system, exponent)) for exponent in LOAD_STARTS]
+        for path in loaded:
+            yield trace, path, LOADED_PATH * share
 
-        def around(impulse: Array, distance: float, wide: float) -> Point:
-            return _widened(_around(problem, system, impulse, distance), wide)
+        def around(impulse: Array, distance: float, wide: float) -> Path:
+            return new_path(_widened(_around(problem, system, impulse, distance), wide))
 
-        yield trace, around(swept, *SWEPT_START), PATH * share
-        for each in RELAXED_STARTS:
-            yield trace, around(relaxed, *each), PATH * share
-        yield trace, _generic(system, *LAST_START), PATH * share
-        yield trace, around(swept, *SWEPT_START), LONG_PATH * share
-        yield trace, around(relaxed, *LONG_RELAXED_START), LONG_PATH * share
-        yield trace, _generic(system, *FIRST_START), LONG_PATH * share
+        first, last = (new_path(_generic(system, *each)) for each in (FIRST_START, LAST_START))
+        yield trace, first, int(SHORT_PATH * share)
+        swept = around(_guess(problem, start, spent), *SWEPT_START)
+        yield trace, swept, int(SHORT_PATH * share)
+        *soon, late = (around(relaxed, *each) for each in RELAXED_STARTS)
+        paths = [*loaded, *soon, swept, late, first, last]
+        while paths := [path for path in paths if not path.ended]:
+            for path in paths:
+                yield trace, path, PATH * share
 
 
 def first_phase_of(packed: Packed, tol: float, limit: int | None, guess: Array, guessed: NDArray[np.bool_]) -> Solved:
@@ -194,9 +203,13 @@ def first_phase_of(packed: Packed, tol: float, limit: int | None, guess: Array, 
 def _nested(problem: FrictionProblem, spec: str, spent: dict[str, int], **options: Any) -> Array:
     """The impulses (nc, d) that another solver finds; its work is added to spent, under its name."""
     answer = solve(problem, spec, **options)
-    for unit, count in answer.work.items():
-        spent[f"{spec} {unit}"] = spent.get(f"{spec} {unit}", 0) + count
+    _add(spent, spec, answer)
     return answer.impulse
+
+
+def _add(spent: dict[str, int], name: str, answer: Answer) -> None:
+    for unit, count in answer.work.items():
+        spent[f"{name} {unit}"] = spent.get(f"{name} {unit}", 0) + count
 
 
 def _guess(problem: FrictionProblem, start: Array | None, spent: dict[str, int]) -> Array:

@@ -20,12 +20,16 @@ The direction along the tangent follows from the sign of det A: along a curve dt
 of the derivative by (x, s), and nowhere else (Allgower and Georg 1990, section 2.1), and that of the eliminated contacts is
 positive. If this direction is opposite to that of the last step, the step has jumped to another branch and is shortened.
 
+A path that has used up its share of the work can be followed further later on: all that it takes is kept in a Path.
+
 Where t is small the faster predictor_corrector is tried from there. The curve may also leave to t > 1, or be very long; then
 another start is tried. Speeds s0 large against W x0 make that rare: the problem at t = 1 then has nearly q > 0, as for the ray
 on which Lemke's method starts. This is an observation, not a theorem.
 
 References: Kojima, Megiddo, Noda and Yoshise 1991 (the path); Allgower and Georg 1990, chapters 2 to 6 (tracing a curve).
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
@@ -53,24 +57,49 @@ HAND_OVER = 1e-4  # t at which the predictor-corrector is tried, and again after
 END, DIVERGED = 1e-20, 20.0  # t at which rounding hides all progress, and t beyond which no path was seen to return
 
 
+class Path(NamedTuple):
+    """A path: its start, where it is, and the last step, from a point of the curve by length ahead + length² curvature."""
+
+    start: Point
+    point: Point
+    saved: Point
+    ahead: Point
+    curvature: Point
+    numbers: Array  # (8,): t, or nan at the path's end; t at the saved point, rate, bend, length, hand_over, corrections, sign
+
+    @property
+    def ended(self) -> bool:
+        """Whether the path is solved or abandoned, so that it is not followed further."""
+        return bool(np.isnan(self.numbers[0]))
+
+
+def new_path(start: Point) -> Path:
+    """The path from a start, which is not changed."""
+    saved, ahead, curvature = (Point(*map(np.zeros_like, start)) for _ in range(3))
+    numbers = np.array([1.0, 1.0, 0.0, 0.0, 0.0, HAND_OVER, 0.0, 0.0])
+    return Path(start, Point(*map(np.copy, start)), saved, ahead, curvature, numbers)
+
+
 @kernel
 def trace(
-    system: System, space: Space, point: Point, workspace: Workspace, best: Best, tol: float, patience: int, history: Array
+    system: System, space: Space, path: Path, workspace: Workspace, best: Best, tol: float, patience: int, history: Array
 ) -> int:
-    """Follow the path from the point; stop where the residual is within tol, history is full, or the path is abandoned.
+    """Follow the path on; stop where the residual is within tol, history is full, or the path is abandoned.
 
     patience: that of the predictor-corrector, where it is tried. history receives the residual of every iterate; their
     number is returned.
     """
-    first, defect, correction, tangent, curvature = _five_points(system)
-    log_step, log_tangent, ahead, saved, trial = _five_points(system)
+    point, saved, ahead, curvature, numbers = path.point, path.saved, path.ahead, path.curvature, path.numbers
+    first, defect, correction, tangent, log_step = _five_points(system)
+    log_tangent, trial = new_point(system), new_point(system)
     work = workspace.work
     work.softness[0] = SOFTNESS
-    evaluate_and_record(system, space, point, first, work, best)
+    evaluate_and_record(system, space, path.start, first, work, best)
     product, target = np.zeros((len(point.x), 4)), np.zeros((len(point.x), 4))
-    _set_target(space, product, 0.0, target, -1.0, point)
-    t, saved_t, rate, bend, length, hand_over = 1.0, 1.0, 0.0, 0.0, 0.0, HAND_OVER
-    used, corrections, initial_sign = 0, 0, 0
+    _set_target(space, product, 0.0, target, -1.0, path.start)
+    t, saved_t, rate, bend, length, hand_over = numbers[0], numbers[1], numbers[2], numbers[3], numbers[4], numbers[5]
+    used, corrections, initial_sign = 0, int(numbers[6]), int(numbers[7])
+    numbers[0] = np.nan
     while used < len(history):
         history[used] = evaluate_and_record(system, space, point, defect, work, best)
         used += 1
@@ -79,7 +108,8 @@ def trace(
         linearise(system, space, point, work)
         best.factorisations[0] += 1
         sign = determinant_sign(system.fronts, work.storage, work.swap)
-        if used == 1:
+        begins = initial_sign == 0
+        if begins:
             initial_sign = sign
         orientation = -1.0 if sign == initial_sign else 1.0
         _set_target(space, target, t, product, 1.0, point)
@@ -101,7 +131,7 @@ def trace(
             cosine /= np.sqrt(square * (_dot(log_step, log_step) + change * change))
         back = _orthogonal(system, space, point, correction, log_step, tangent, log_tangent, square)
         off = larger(_size(log_step), abs(back))
-        if used > 1 and (not off <= (FAR if corrections == 0 else TOO_LARGE) or not cosine >= TURN or corrections > MOST):
+        if not begins and (not off <= (FAR if corrections == 0 else TOO_LARGE) or not cosine >= TURN or corrections > MOST):
             length *= SHORTER
             corrections = 0
             if length < SHORTEST:
@@ -144,6 +174,7 @@ def trace(
         set_step(point, 1.0, saved)
         add_step(point, 1.0, trial)
         t = saved_t + change
+    numbers[:] = np.array([t, saved_t, rate, bend, length, hand_over, float(corrections), float(initial_sign)])
     return used
 
 

@@ -8,6 +8,7 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.solvers.clock import is_over
 from frictionbench.solvers.interface import Answer, Status
+from frictionbench.solvers.interior.central_path import Path
 from frictionbench.solvers.interior.point import Point, start_point
 from frictionbench.solvers.interior.predictor_corrector import Best, new_workspace
 from frictionbench.solvers.interior.system import System, build_system, in_velocities, space_of
@@ -15,7 +16,7 @@ from frictionbench.solvers.interior.system import System, build_system, in_veloc
 POLISHABLE = 1e-5  # residual up to which polishing is tried: from there Newton's method mostly converges
 ROUNDING = 4 * np.finfo(float).eps  # of the residual relative to the largest impulse: four roundings of a contact's terms
 MARGIN = 0.5  # of tol: the same residual in other units, added up in another order
-Phase = tuple[Callable[..., int], Point, int]  # a method, the point that it starts from, to be moved, and its factorisations
+Phase = tuple[Callable[..., int], Point | Path, int]  # a method, the point or path on which to go on, and its factorisations
 Measure = Callable[[FrictionProblem, Array], float]
 Polish = Callable[[Array], Array]
 Prepared = tuple[FrictionProblem, System]

@@ -61,7 +61,7 @@ SPACE_VARIANTS = {
     "first start not widened": {"FIRST_START": (1.0, 10.0, 1.0)},
     "never close": {"CLOSE": 0.0},
     "no polishing": {"POLISHING": 1},
-    **halved_and_doubled("SHARE", "PATIENCE"),
+    **halved_and_doubled("SHARE", "PATIENCE", "PATH", "SHORT_PATH"),
 }
 
 

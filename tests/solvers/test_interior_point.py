@@ -15,9 +15,9 @@ from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.recorded import read
 from frictionbench.problems.residual import contact_residuals, relaxation_residual, residual
 from frictionbench.problems.scenes import scene
-from frictionbench.solvers import Status, solve
+from frictionbench.solvers import Status, interior_point, solve
 from frictionbench.solvers.interface import find
-from frictionbench.solvers.interior.central_path import trace
+from frictionbench.solvers.interior.central_path import new_path, trace
 from frictionbench.solvers.interior.centred_point import centred_point
 from frictionbench.solvers.interior.lorentz import longest_in_cone
 from frictionbench.solvers.interior.phases import run
@@ -555,18 +555,64 @@ def test_polishing() -> None:
     assert residual(problem, answer.impulse) <= 1e-8
 
 
+def test_polishing_in_the_plane(monkeypatch) -> None:
+    problem = scene("disc_pile", rows=8, friction=0.5).problem()
+    right = solve(problem, "interior_point", tol=1e-12).impulse
+    wrong = right * (1 + 1e-7 * np.random.default_rng(0).standard_normal(right.shape))
+
+    def leave(system, space, point, workspace, best, tol, patience, history):
+        best.impulse[:], history[0] = wrong / system.impulse, 1.0
+        return 1
+
+    monkeypatch.setattr(interior_point, "predictor_corrector", leave)
+    assert 1e-8 < residual(problem, wrong) < 1e-5
+    answer = solve(problem, "interior_point")
+    assert residual(problem, answer.impulse) <= 1e-8
+    assert 0 < answer.work["polishing factorisations"] <= 20
+    assert answer.work["factorisations"] == 0
+
+
 @pytest.mark.parametrize("steps", [1, 5, 20, 40])
 def test_path_defect_is_proportional(steps) -> None:
     """The defect of a point of the path is that of its start, times the same t for all contacts, corrected or foretold."""
     system = build_system(sphere_pyramid(0, levels=3, friction=0.5))
-    point, first, defect, workspace = start_point(system, 1.5, 5.0), new_point(system), new_point(system), new_workspace(system)
-    evaluate_point(system, True, point, first, workspace.work)
+    path, first, defect, workspace = _path(system), new_point(system), new_point(system), new_workspace(system)
+    evaluate_point(system, True, path.start, first, workspace.work)
     best = Best(np.zeros_like(system.offset), np.array([np.inf]), np.zeros(1, np.int64))
-    trace(system, True, point, workspace, best, 0.0, 12, np.empty(steps))
-    evaluate_point(system, True, point, defect, workspace.work)
+    trace(system, True, path, workspace, best, 0.0, 12, np.empty(steps))
+    evaluate_point(system, True, path.point, defect, workspace.work)
     t = np.vdot(defect.x, first.x) / np.vdot(first.x, first.x)
     assert 0 < t < 1
     assert np.allclose(defect.x, t * first.x, rtol=0, atol=1e-11 * abs(first.x).max())
+
+
+def test_path_is_followed_further() -> None:
+    """In shares a path takes the same way as at once, to its end."""
+    system = build_system(sphere_pyramid(0, levels=3, friction=0.5))
+    at_once, in_shares, workspace = _path(system), _path(system), new_workspace(system)
+    best, again = (Best(np.zeros_like(system.offset), np.array([np.inf]), np.zeros(1, np.int64)) for _ in range(2))
+    history = np.empty(12)
+    trace(system, True, at_once, workspace, best, 0.0, 12, history)
+    for share in (1, 4, 7):
+        trace(system, True, in_shares, workspace, again, 0.0, 12, history[:share])
+    assert np.array_equal(in_shares.point.x, at_once.point.x)
+    assert best.factorisations == again.factorisations == 12
+    assert not in_shares.ended
+    trace(system, True, in_shares, workspace, again, 1e-4, 12, np.empty(1000))
+    assert again.residual <= 1e-4
+    assert in_shares.ended
+
+
+def _path(system):
+    return new_path(start_point(system, 1.5, 5.0))
+
+
+def test_no_start_is_followed_long_before_others() -> None:
+    """Paths of this pyramid from nothing and around Gauss-Seidel take more than a thousand, one around the relaxation 141."""
+    problem = sphere_pyramid(0, levels=6, friction=0.5)
+    answer = solve(problem, "interior_point")
+    assert residual(problem, answer.impulse) <= 1e-8
+    assert answer.work["factorisations"] < 700
 
 
 @pytest.mark.parametrize("friction", [0.7, 1.0])
