@@ -75,7 +75,7 @@ NEWTON_SHARE = 100  # factorisations of one run of semismooth Newton: of those t
 SHARE = 250  # factorisations of one phase but long paths: few that arrive in the plane are longer
 # Of long paths: factorisations a contact, or in small problems in 2 SHARE. In space each round follows all as much further.
 PATH, SHORT_PATH, LOADED_PATH = 3, 0.4, 2
-POLISHING = 20  # factorisations of Newton's methods near an answer; a pair that vanishes keeps a path at a residual of 1e-7
+POLISHING = 60  # factorisations of Newton's methods near an answer; a pair that vanishes keeps a path at a residual of 1e-7
 PATIENCE = 12  # iterations of the predictor-corrector without progress: no run that recovered took more
 
 

@@ -52,7 +52,7 @@ def run(
 
     phases: generated one by one, each after the previous one has failed.
     patience: iterations of the predictor-corrector without progress.
-    polish: refines impulses (nc, d) whose residual is at most POLISHABLE and less than at the last refinement.
+    polish: refines the best impulses (nc, d) of a phase where their residual is at most POLISHABLE.
     """
     problem, system = prepared
     sharp = tol / problem.spread  # of the largest unit, in which the system measures all contacts
@@ -60,14 +60,16 @@ def run(
         return Answer(np.zeros_like(system.offset), Status.SOLVED, {"iterations": 0, "factorisations": 0})
     history, space, workspace = np.empty(limit), space_of(system), new_workspace(system)
     best = Best(np.zeros_like(system.offset), np.array([np.inf]), np.zeros(1, np.int64))
-    used, polished = 0, POLISHABLE
+    used = 0
     status = Status.STALLED
     for method, point, share in phases:
-        used += method(system, space, point, workspace, best, MARGIN * sharp, patience, history[used : used + share])
-        solved = _is_solved(best, tol, sharp, system, problem, measure)
-        if polish and not solved and best.residual[0] < polished:
-            solved = _is_polished(best, tol, prepared, measure, polish)
-            polished = best.residual[0]
+        found = Best(np.zeros_like(best.impulse), np.array([np.inf]), best.factorisations)
+        used += method(system, space, point, workspace, found, MARGIN * sharp, patience, history[used : used + share])
+        solved = _is_solved(found, tol, sharp, system, problem, measure)
+        if polish and not solved and found.residual[0] <= POLISHABLE:
+            solved = _is_polished(found, tol, prepared, measure, polish)
+        if found.residual[0] < best.residual[0]:
+            best.impulse[:], best.residual[:] = found.impulse, found.residual
         if solved:
             status = Status.SOLVED
             break
