@@ -18,14 +18,21 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse.linalg import splu
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
-from frictionbench.problems.rows import Index32
-from frictionbench.solvers.interface import Answer, impulses, solver
+from frictionbench.problems.rows import Index32, Index64
+from frictionbench.solvers.clock import deadline, is_past
+from frictionbench.solvers.interface import Answer, Status, impulses, solver
+from frictionbench.solvers.sparse_lu.multifrontal import (
+    Fronts,
+    analyse,
+    factorise,
+    operations,
+    position_in_front,
+    solve_factorised,
+)
 from frictionbench.solvers.sweeps.form import ContactForm, contact_form
 from frictionbench.solvers.sweeps.laws import residual_at
 from frictionbench.solvers.sweeps.projected_gradient import step
@@ -37,26 +44,34 @@ CHECK = 10  # iterations between two residuals, whose cost is then a tenth of an
 ALPHA = 1.6  # over-relaxation: 1.5 to 1.8 is recommended (Boyd et al. 2011, section 3.4.3)
 RHO = 0.1  # initial penalty, relative to the scales S; adapted afterwards, as OSQP does from the same value
 RETUNE = 2.0  # least factor of rho that is worth a factorisation
+PIVOT = 1e-3  # the least pivot, relative to rho S: W has no negative eigenvalue, so that smaller ones are rounding
 
 
 class Factor(NamedTuple):
-    """P_r A P_c = L U of a sparse matrix; L and U by columns (start, row, entry), L's diagonal 1 and U's stored separately."""
+    """Sparse factors of W + rho S, and what they are made of (solvers.sparse_lu.multifrontal).
 
-    row: Index32
-    column: Index32
-    L: tuple[Index32, Index32, Array]
-    U: tuple[Index32, Index32, Array]
-    diagonal: Array
+    place (nc*d,): of each row in the order of elimination. slot: where in storage each entry of the blocks of W is added.
+    storage, swap: the factors, for one rho. right (nc*d,): workspace.
+    """
+
+    fronts: Fronts
+    place: Index64
+    slot: Index64
+    storage: Array
+    swap: Index64
+    right: Array
 
 
 @dataclass(frozen=True, eq=False)
 class Formed:
-    """The packed problem; W, its contacts' scales S (nc*d,) and q (nc, d)."""
+    """The packed problem; W by contacts (problems.rows), and q (nc, d)."""
 
     form: ContactForm
-    W: sparse.csc_array
-    S: Array
+    W: tuple[Index32, Index32, Array]
     q: Array
+
+
+Prepared = tuple[Formed, Factor | None]  # None where there is no time for a factorisation
 
 
 @solver("admm", family="splitting", model="relaxation", dimension=(2, 3), warm_start=True, sparse=True)
@@ -70,16 +85,22 @@ class ADMM:
     shift = 0.0
 
     def form(self, problem: FrictionProblem) -> Formed:
-        W, S = sparse.csc_array(problem.W), np.repeat(problem.scale, problem.dimension)
-        return Formed(contact_form(problem), W, S, problem.q.reshape(-1, problem.dimension))
+        return Formed(contact_form(problem), problem.blocks, problem.q.reshape(-1, problem.dimension))
 
-    def setup(self, formed: Formed) -> tuple[Formed, Factor]:
-        return formed, _factorise(formed.W, RHO * formed.S)
+    def setup(self, formed: Formed) -> Prepared:
+        factor = _lay_out(*formed.W)
+        if is_past(deadline(operations(factor.fronts))):
+            return formed, None
+        return formed, _factorise(factor, formed.W[2], formed.form.scale, RHO)
 
-    def solve(self, prepared: tuple[Formed, Factor], tol: float, limit: int | None, start: Array | None = None) -> Answer:
+    def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         formed, factor = prepared
         form, rho = formed.form, RHO
-        z, monitored = impulses(start, form.offset.shape), monitor(tol, LIMIT if limit is None else limit, PATIENCE, CHECK)
+        z = impulses(start, form.offset.shape)
+        if factor is None:
+            return Answer(z, Status.TIME_LIMIT, {"iterations": 0, "factorisations": 0, "checks": 0})
+        last = deadline(operations(factor.fronts))
+        monitored = monitor(tol, LIMIT if limit is None else limit, PATIENCE, CHECK)
         x, u, w = np.empty_like(form.rest), np.empty_like(z), np.empty_like(z)
         iterations, factorisations, retune = 0, 1, 0
         while should_continue(monitored, residual_at(form, z, x, u, self.shift), iterations):
@@ -90,10 +111,10 @@ class ADMM:
             primal, dual = _alternate(form, factor, formed.q, rho, self.shift, z, w, count)
             iterations += count
             ratio = (primal / dual) ** 0.25 if primal > 0 and dual > 0 else 1.0
-            if iterations >= retune and not 1 / RETUNE < ratio < RETUNE:
+            if iterations >= retune and not 1 / RETUNE < ratio < RETUNE and not is_past(last):
                 retune = 2 * iterations
                 rho = float(np.clip(rho * ratio, 1e-6, 1e6))
-                factor = _factorise(formed.W, rho * formed.S)
+                factor = _factorise(factor, formed.W[2], form.scale, rho)
                 factorisations += 1
         return monitored.answer(z, iterations=iterations, factorisations=factorisations, checks=monitored.seen)
 
@@ -109,42 +130,69 @@ class ADMMCoulomb(ADMM):
     shift = 1.0
 
 
-def _factorise(W: sparse.csc_array, diagonal: Array) -> Factor:
-    """Sparse factors of W + diag(diagonal)."""
-    if not len(diagonal):
-        nothing = (np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros(0))
-        return Factor(nothing[1], nothing[1], nothing, nothing, nothing[2])
-    A = sparse.csc_matrix(W + sparse.diags_array(diagonal))
-    lu = splu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-    strict = (sparse.tril(lu.L, -1, format="csc"), sparse.triu(lu.U, 1, format="csc"))
-    L, U = ((part.indptr.astype(np.int32), part.indices.astype(np.int32), part.data) for part in strict)
-    return Factor(lu.perm_r.astype(np.int32), lu.perm_c.astype(np.int32), L, U, lu.U.diagonal())
+@kernel
+def _lay_out(first, neighbours, block):  # type: ignore[no-untyped-def]
+    """The Factor of W (nc, nc blocks of d by d), yet to be factorised: each pair of coupled contacts is an element."""
+    nc, d = len(first) - 1, block.shape[1]
+    start, member = np.empty(len(neighbours) + 1, np.int64), np.empty(2 * d * len(neighbours), np.int64)
+    start[0] = at = 0
+    for i in range(nc):
+        for k in range(first[i], first[i + 1]):
+            for a in range(d):
+                member[at] = i * d + a
+                at += 1
+            for a in range(d if neighbours[k] != i else 0):
+                member[at] = neighbours[k] * d + a
+                at += 1
+            start[k + 1] = at
+    fronts, place, _ = analyse(start, member[:at], nc * d)
+    slot, at = np.empty(len(neighbours) * d * d, np.int64), 0
+    for i in range(nc):
+        for k in range(first[i], first[i + 1]):
+            for a in range(d):
+                for b in range(d):
+                    row, column = place[i * d + a], place[neighbours[k] * d + b]
+                    f = fronts.owner[min(row, column)]
+                    w = fronts.first[f + 1] - fronts.first[f]
+                    slot[at] = fronts.start[f] + position_in_front(fronts, f, row) * w + position_in_front(fronts, f, column)
+                    at += 1
+    return Factor(fronts, place, slot, np.empty(0), np.empty(nc * d, np.int64), np.empty(nc * d))
+
+
+@kernel
+def _factorise(factor, block, scale, rho):  # type: ignore[no-untyped-def]
+    """The factors of W, whose blocks these are, plus rho S."""
+    fronts, storage, d = factor.fronts, np.zeros(factor.fronts.start[-1]), block.shape[1]
+    swap = np.empty_like(factor.swap)
+    entry = block.ravel()
+    for k in range(len(entry)):
+        storage[factor.slot[k]] += entry[k]
+    least = np.inf
+    for i in range(len(scale)):
+        least = min(least, rho * scale[i])
+        for a in range(i * d, i * d + d):
+            f = fronts.owner[factor.place[a]]
+            at = position_in_front(fronts, f, factor.place[a])
+            storage[fronts.start[f] + at * (fronts.first[f + 1] - fronts.first[f] + 1)] += rho * scale[i]
+    factorise(fronts, storage, swap, PIVOT * least)
+    return Factor(fronts, factor.place, factor.slot, storage, swap, factor.right)
 
 
 @part
-def _solve(factor, b, y):  # type: ignore[no-untyped-def]
-    """Overwrite b by A^-1 b; y is scratch."""
-    n = len(b)
-    start, row, entry = factor.L
-    for i in range(n):
-        y[factor.row[i]] = b[i]
-    for j in range(n):
-        for k in range(start[j], start[j + 1]):
-            y[row[k]] -= entry[k] * y[j]
-    start, row, entry = factor.U
-    for j in range(n - 1, -1, -1):
-        y[j] /= factor.diagonal[j]
-        for k in range(start[j], start[j + 1]):
-            y[row[k]] -= entry[k] * y[j]
-    for i in range(n):
-        b[i] = y[factor.column[i]]
+def _solve(factor, b):  # type: ignore[no-untyped-def]
+    """Overwrite b by (W + rho S)^-1 b."""
+    for i in range(len(b)):
+        factor.right[factor.place[i]] = b[i]
+    solve_factorised(factor.fronts, factor.storage, factor.swap, factor.right)
+    for i in range(len(b)):
+        b[i] = factor.right[factor.place[i]]
 
 
 @kernel
 def _alternate(form, factor, q, rho, shift, z, w, count):  # type: ignore[no-untyped-def]
     """`count` iterations on z and w (nc, d). Returns the primal and the dual residual of the last, squared."""
     nc, d = z.shape
-    r, z_old, y = np.empty_like(z), np.empty_like(z), np.empty(nc * d)
+    r, z_old = np.empty_like(z), np.empty_like(z)
     primal, dual = 0.0, 0.0
     for _ in range(count):
         for i in range(nc):
@@ -153,7 +201,7 @@ def _alternate(form, factor, q, rho, shift, z, w, count):  # type: ignore[no-unt
                 slide += w[i, j] ** 2 if j else 0.0
                 r[i, j] = rho * form.scale[i] * z[i, j] - q[i, j] - w[i, j]
             r[i, 0] -= shift * form.friction[i] * np.sqrt(slide)
-        _solve(factor, r.reshape(nc * d), y)
+        _solve(factor, r.reshape(nc * d))
         z_old[:] = z
         r[:] = ALPHA * r + (1 - ALPHA) * z
         step(form, z, r, -w, 0.0, 1 / rho)

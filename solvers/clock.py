@@ -4,6 +4,9 @@
         until = deadline()               # s on the system's monotonic clock; infinity without a limit
         ...                              # in a kernel: stop with the best answer so far if late(until)
 
+A step that takes long and cannot be interrupted, such as a factorisation, is not begun where it would not end in time:
+deadline(operations) is earlier by the time that so many operations take.
+
 Without a limit the clock is not read, and nothing but counts decides. Where the system has no clock_gettime, as Windows,
 kernels run on to their limit of work.
 """
@@ -18,6 +21,7 @@ from numba import types
 
 from frictionbench.problems.compiled import part
 
+SPEED = 1e10  # operations a second of large factorisations: half of what one core with AVX-512 was measured to reach
 _HAS_CLOCK = hasattr(time, "clock_gettime")
 _MONOTONIC = int(time.CLOCK_MONOTONIC) if _HAS_CLOCK else 0
 _deadline: ContextVar[float] = ContextVar("deadline", default=np.inf)
@@ -38,9 +42,9 @@ def within(seconds: float) -> Iterator[None]:
         _deadline.reset(token)
 
 
-def deadline() -> float:
-    """When the time ends, s on the monotonic clock; infinity without a limit."""
-    return _deadline.get()
+def deadline(operations: float = 0.0) -> float:
+    """When the last step of so many operations may begin, s on the monotonic clock; infinity without a limit."""
+    return _deadline.get() - operations / SPEED
 
 
 def left() -> float:
@@ -52,6 +56,11 @@ def left() -> float:
 def is_over() -> bool:
     """Whether the time has ended."""
     return left() <= 0
+
+
+def is_past(until: float) -> bool:
+    """Whether a deadline has passed."""
+    return until < np.inf and _now() >= until
 
 
 @part

@@ -107,7 +107,7 @@ def iterate_fischer(M, q, y, descent, eps):  # type: ignore[no-untyped-def]
     work[EVALUATIONS] += 1
     k = 0
     while True:
-        end = record(descent, k, y, w, phi @ phi / 2)
+        end = record(descent, k, y, w, phi @ phi / 2, n)
         if end != GOING:
             return end, k
         A, B = jacobian(M, y, w)

@@ -138,7 +138,12 @@ class Solved(NamedTuple):
 
 
 class Solver(Protocol):
-    """An instance of a class decorated with @solver."""
+    """An instance of a class decorated with @solver.
+
+    knows_rounding: whether the solver itself reports ROUNDING in place of SOLVED, as a portfolio that checks its members does.
+    """
+
+    knows_rounding: bool
 
     def form(self, problem: Any) -> Any: ...
 
@@ -296,7 +301,10 @@ def solver(
 
 
 def with_all_steps(cls: Any) -> Any:
-    """Add the missing ones of form, setup and prepare. Errors: ValueError if it defines prepare together with form or setup."""
+    """Add the missing ones of form, setup, prepare and knows_rounding.
+
+    Errors: ValueError if it defines prepare together with form or setup.
+    """
     prepare = getattr(cls, "prepare", _form_and_set_up)
     if prepare is not _form_and_set_up:
         if {"form", "setup"} & vars(cls).keys():
@@ -306,6 +314,7 @@ def with_all_steps(cls: Any) -> Any:
         if not hasattr(cls, step):
             setattr(cls, step, _pass_on)
     cls.prepare = _form_and_set_up
+    cls.knows_rounding = getattr(cls, "knows_rounding", False)
     return cls
 
 
@@ -382,9 +391,9 @@ def solve(
     limit: the largest number of pivots, sweeps or iterations, whichever the method counts; None for the method's own limit.
     start: (nc, d), N s, normal first: a guess of the impulses. A solver without warm start ignores it.
     time_limit: s, > 0; None for none. Our own methods look at the clock between their steps, also as members of a portfolio,
-        and return the best answer found until then with the status TIME_LIMIT and its residual in `detail`. One step, the form
-        and the setup of a large problem, a first compilation and outside libraries are not interrupted; `frictionbench solve
-        --time-limit` ends those by their process.
+        and return the best answer found until then with the status TIME_LIMIT and its residual in `detail`. They do not begin
+        a factorisation that would not end in time. The form of a large problem, a first compilation and outside libraries are
+        not interrupted; `frictionbench solve --time-limit` ends those by their process.
 
     Returns an Answer: impulse (nc, d) in N s, normal first, also where the solver failed; status, what the solver claims, but
     ROUNDING for SOLVED by a solver of this package where rounding alone may leave a residual above tol (residual_floor);
@@ -410,7 +419,7 @@ def solve(
         answer = instance.solve(instance.prepare(problem), tol, limit, guess if info.warm_start else None)
     else:
         answer = _solve_in_time(instance, problem, tol, limit, guess if info.warm_start else None, time_limit)
-    checked = answer.status is Status.SOLVED and info.ours and not getattr(instance, "knows_rounding", False)
+    checked = answer.status is Status.SOLVED and info.ours and not instance.knows_rounding
     if checked and isinstance(problem, FrictionProblem) and residual_with_floor(problem, answer.impulse)[1] > tol:
         answer.status = Status.ROUNDING
     return answer
@@ -424,7 +433,7 @@ def _solve_in_time(
     require(valid, "time_limit", f"must be a positive, finite number of seconds, got {seconds!r}")
     with within(float(seconds)):
         answer = instance.solve(instance.prepare(problem), tol, limit, start)
-        if is_over() and answer.status not in (Status.SOLVED, Status.ROUNDING):
+        if answer.status is Status.TIME_LIMIT or (is_over() and answer.status not in (Status.SOLVED, Status.ROUNDING)):
             bare = isinstance(problem, LCP)
             found = problem.residual(answer.z) if bare else residual(problem, answer.impulse)  # type: ignore[union-attr,arg-type]
             answer.status, answer.detail = Status.TIME_LIMIT, f"after {seconds:g} s, with a residual of {found:.2g}"

@@ -133,32 +133,16 @@ def room(n):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def lemke(
-    M: Matrix,
-    q: Array,
-    cover: Array,
-    unit: Array,
-    guess: Index64,
-    copositive: bool,
-    tol: float,
-    limit: int,
-    until: float,
-    restarts: int,
-) -> tuple[int, Array, int, int, int]:
-    """(how it ended, y, pivots, restarts, inversions) for the scaled problem.
-
-    cover: the first covering vector. unit: see residual. guess: the indices of basic z, if any. until: the deadline.
-    """
+def lemke(M, q, *given):  # type: ignore[no-untyped-def]
+    """lemke_within in a workspace of its own, and y."""
     y = np.empty(len(q))
-    ended, pivots, restarted, inversions = lemke_within(
-        room(len(q)), M, q, cover, unit, guess, copositive, tol, limit, until, restarts, y
-    )
-    return ended, y, pivots, restarted, inversions
+    return *lemke_within(room(len(q)), y, M, q, *given), y
 
 
 @lean
 def lemke_within(
     space: Space,
+    best_y: Array,
     M: Matrix,
     q: Array,
     cover: Array,
@@ -169,9 +153,11 @@ def lemke_within(
     limit: int,
     until: float,
     restarts: int,
-    best_y: Array,
 ) -> tuple[int, int, int, int]:
-    """The same, with y over best_y (n,)."""
+    """(how it ended, pivots, restarts, inversions) for the scaled problem; y is written over best_y (n,).
+
+    cover: the first covering vector. unit: see ScaledLCP. guess: the indices of basic z, if any. until: the deadline.
+    """
     n = len(q)
     work, vectors, blocking, basis = space.work, space.vectors, space.blocking[: n + 1], space.basis
     d, shifted, drawn, out, y, z = (
@@ -271,7 +257,7 @@ def lemke_loop(packed, basis, guess, first, copositive, tol, limit, restarts, lc
         most, y, cover = limit if limit else 100_000 + 100 * n, space.vectors[12, :n], space.vectors[10, :n]
         set_cover(cover, len(own))
         ended[k], work[k, 0], work[k, 1], work[k, 2] = lemke_within(
-            space, M, q, cover, unit, guess[first[k] : first[k + 1]], copositive, tol, most, np.inf, restarts, y
+            space, y, M, q, cover, unit, guess[first[k] : first[k + 1]], copositive, tol, most, np.inf, restarts
         )
         write_stretched(basis, y, stretch, own)
 
@@ -303,7 +289,7 @@ class Lemke:
         guess = NONE if start is None else guess_basis(scaled.lcp, start)
         limit = limit or 100_000 + 100 * len(q)
         goal = MARGIN * tol
-        ended, y, pivots, restarts, inversions = lemke(
+        ended, pivots, restarts, inversions, y = lemke(
             M, q, cover, unit, guess, scaled.basis is not None, goal, limit, deadline(), self.restarts
         )
         return scaled.answer(y, ended, pivots=pivots, restarts=restarts, inversions=inversions)

@@ -104,7 +104,7 @@ def iterate_minmap(M, q, y, descent, eps, globalised):  # type: ignore[no-untype
     k = period = 0
     while True:
         value, A = np.minimum(y, w), w < y
-        end = record(descent, k, y, w, value @ value / 2)
+        end = record(descent, k, y, w, value @ value / 2, A.sum())
         if end != GOING:
             return end, k, period
         visited[k] = signature(A)

@@ -21,9 +21,10 @@ import numpy as np
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.residual import residual
-from frictionbench.solvers.clock import is_over
+from frictionbench.solvers.clock import is_past
 from frictionbench.solvers.interface import Answer, Status, impulses, solver
 from frictionbench.solvers.interior.alart_curnier import new_state, newton
+from frictionbench.solvers.interior.predictor_corrector import last_step
 from frictionbench.solvers.interior.system import System, build_system, in_velocities, new_work
 
 LIMIT = 1500  # factorisations by default: most problems that are solved take less than 500
@@ -64,10 +65,11 @@ class ProximalNewton:
         impulse = anchor * system.impulse
         least = residual(problem, impulse)
         history, factorisations, rho = [least], 0, SOFT if start is None else min(SOFT, least)
-        while least > tol and factorisations < limit and not is_over():
+        until = last_step(system)
+        while least > tol and factorisations < limit and not is_past(until):
             steps = min(STEPS, limit - factorisations)
             aim = max(ACCURATE / 100, ENOUGH / 10 * min(least, 1.0))
-            used, off = newton(system, state, trial, anchor, rho, step, work, aim, steps)
+            used, off = newton(system, state, trial, anchor, rho, step, work, aim, steps, until)
             factorisations += used
             if not used:
                 break  # |s F| is zero up to rounding, the residual is not
@@ -84,4 +86,5 @@ class ProximalNewton:
         spent = {"factorisations": factorisations, "anchors": len(history) - 1}
         if least <= tol:
             return Answer(impulse, Status.SOLVED, spent, tuple(history))
-        return Answer(impulse, Status.WORK_LIMIT if factorisations == limit else Status.STALLED, spent, tuple(history))
+        status = Status.WORK_LIMIT if factorisations == limit else Status.TIME_LIMIT if is_past(until) else Status.STALLED
+        return Answer(impulse, status, spent, tuple(history))

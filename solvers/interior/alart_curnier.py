@@ -21,6 +21,7 @@ import numpy as np
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import inlined, kernel, part
+from frictionbench.solvers.clock import late
 from frictionbench.solvers.interior.elements import add_spatial, push_spatial, read_spatial
 from frictionbench.solvers.interior.lorentz import Vector
 from frictionbench.solvers.interior.newton import PIVOT
@@ -143,12 +144,22 @@ def newton_step(system: System, state: State, anchor: Array, rho: float, step: A
 
 @kernel
 def newton(
-    system: System, state: State, trial: State, anchor: Array, rho: float, step: Array, work: Work, tol: float, limit: int
+    system: System,
+    state: State,
+    trial: State,
+    anchor: Array,
+    rho: float,
+    step: Array,
+    work: Work,
+    tol: float,
+    limit: int,
+    until: float,
 ) -> tuple[int, float]:
-    """Newton's method from state.r, which is overwritten, to |s F| <= tol in at most limit steps; the steps and |s F|."""
+    """Newton's method from state.r, which is overwritten, to |s F| <= tol in at most limit steps, the last begun before
+    `until`; the steps and |s F|."""
     size = equations(system, state, anchor, rho, work)
     for used in range(limit):
-        if not tol < size < np.inf:
+        if not tol < size < np.inf or late(until):
             return used, size
         newton_step(system, state, anchor, rho, step, work)
         length = 1.0

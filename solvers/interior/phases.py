@@ -6,7 +6,7 @@ import numpy as np
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
-from frictionbench.solvers.clock import is_over
+from frictionbench.solvers.clock import is_past
 from frictionbench.solvers.interface import Answer, Status
 from frictionbench.solvers.interior.central_path import Path
 from frictionbench.solvers.interior.point import Point, start_point
@@ -56,8 +56,10 @@ def run(
     """
     problem, system = prepared
     sharp = tol / problem.spread  # of the largest unit, in which the system measures all contacts
-    if measure(problem, np.zeros_like(system.offset)) <= tol:  # contacts that neither close nor open converge slowly
-        return Answer(np.zeros_like(system.offset), Status.SOLVED, {"iterations": 0, "factorisations": 0})
+    nothing = np.zeros_like(system.offset)
+    at_first = measure(problem, nothing)
+    if at_first <= tol:  # contacts that neither close nor open converge slowly
+        return Answer(nothing, Status.SOLVED, {"iterations": 0, "factorisations": 0})
     history, space, workspace = np.empty(limit), space_of(system), new_workspace(system)
     best = Best(np.zeros_like(system.offset), np.array([np.inf]), np.zeros(1, np.int64))
     used = 0
@@ -73,11 +75,14 @@ def run(
         if solved:
             status = Status.SOLVED
             break
-        if used == len(history) or is_over():
-            status = Status.WORK_LIMIT
+        if used == len(history) or is_past(workspace.until):
+            status = Status.WORK_LIMIT if used == len(history) else Status.TIME_LIMIT
             break
     work = {"iterations": used, "factorisations": int(best.factorisations[0])}
-    return Answer(best.impulse * system.impulse, status, work, tuple(history[:used].tolist()))
+    impulse = best.impulse * system.impulse
+    if status is Status.TIME_LIMIT and measure(problem, impulse) > at_first:  # the first points are far inside the cones
+        impulse = nothing
+    return Answer(impulse, status, work, tuple(history[:used].tolist()))
 
 
 def _is_solved(best: Best, tol: float, sharp: float, system: System, problem: FrictionProblem, measure: Measure) -> bool:

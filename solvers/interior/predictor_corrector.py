@@ -22,6 +22,7 @@ from frictionbench.solvers.clock import deadline, late
 from frictionbench.solvers.interior.newton import direction, evaluate_point, linearise
 from frictionbench.solvers.interior.point import Point, add_products, add_step, longest, set_identity
 from frictionbench.solvers.interior.system import SOFTNESS, Space, System, Work, new_work
+from frictionbench.solvers.sparse_lu.multifrontal import operations
 
 SOFTER, SOFTEST = 100.0, 1e-10  # the factor by which delta grows near an answer without progress, and the largest
 NEAR = 1e-5  # the residual up to which rounding, not a fold of the path, may be what ends progress
@@ -49,7 +50,8 @@ def evaluate_and_record(system: System, space: Space, point: Point, defect: Poin
 
 
 class Workspace(NamedTuple):
-    """Preallocated arrays, as arrays created inside the loop would cost reference counting in every call; the deadline."""
+    """Preallocated arrays, as arrays created inside the loop would cost reference counting in every call; the deadline of the
+    last factorisation."""
 
     step: Point
     defect: Point
@@ -59,7 +61,12 @@ class Workspace(NamedTuple):
 
 
 def new_workspace(system: System) -> Workspace:
-    return workspace_around(new_work(system), len(system.friction), len(system.joint_bias), deadline())
+    return workspace_around(new_work(system), len(system.friction), len(system.joint_bias), last_step(system))
+
+
+def last_step(system: System) -> float:
+    """When the last factorisation may begin."""
+    return deadline(operations(system.fronts)) if deadline() < np.inf else np.inf
 
 
 def workspace_around(work: Work, nc: int, nj: int, until: float) -> Workspace:

@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.compiled import kernel, part
-from frictionbench.solvers.clock import deadline, late
+from frictionbench.solvers.clock import SPEED, deadline, late
 from frictionbench.solvers.interface import Answer, Status
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 from frictionbench.solvers.pivots.natural import MARGIN, exact_residual, natural_residual, natural_weight
 
-STATUS = (Status.SOLVED, Status.STALLED, Status.WORK_LIMIT, Status.BREAKDOWN)
-SOLVED, STALLED, LIMIT, BREAKDOWN = range(4)  # how an iteration ends
+STATUS = (Status.SOLVED, Status.STALLED, Status.WORK_LIMIT, Status.BREAKDOWN, Status.TIME_LIMIT)
+SOLVED, STALLED, LIMIT, BREAKDOWN, TIME = range(5)  # how an iteration ends
 GOING = -1  # the iteration has not ended
 UNITS = ("newton", "gradient", "evaluations", "factorisations")
 NEWTON, GRADIENT, EVALUATIONS, FACTORISATIONS = range(4)  # counted in work: steps, of the merit, of dense matrices
@@ -39,7 +39,7 @@ class Descent(NamedTuple):
 
     weight (n,), tol: of the natural residual. limit: of the iterations. best (n,), least (1,): the point of the least residual
     and that. history: the residual of every iterate. recent: the last merits, for a nonmonotone search. work: counted by UNITS.
-    until: the deadline.
+    until, slowness: the deadline, and the seconds that an operation of a factorisation takes.
     """
 
     weight: Array
@@ -51,17 +51,18 @@ class Descent(NamedTuple):
     recent: Array
     work: NDArray[np.int64]
     until: float
+    slowness: float
 
 
 def new_descent(weight: Array, tol: float, limit: int, memory: int) -> Descent:
     n = len(weight)
     history, work = np.empty(limit + 1), np.zeros(len(UNITS), np.int64)
-    return Descent(weight, tol, limit, np.zeros(n), np.full(1, np.inf), history, np.zeros(memory), work, deadline())
+    return Descent(weight, tol, limit, np.zeros(n), np.full(1, np.inf), history, np.zeros(memory), work, deadline(), 1 / SPEED)
 
 
 @part
-def record(descent, k, y, w, merit):  # type: ignore[no-untyped-def]
-    """Record the k-th iterate y, w = M y + q and its merit; GOING, or how the method ended."""
+def record(descent, k, y, w, merit, size):  # type: ignore[no-untyped-def]
+    """Record the k-th iterate y, w = M y + q and its merit; GOING, or how the method ended. size: of the next linear system."""
     descent.history[k] = natural_residual(descent.weight, y, w)
     if descent.history[k] < descent.least[0]:
         descent.least[0] = descent.history[k]
@@ -69,8 +70,10 @@ def record(descent, k, y, w, merit):  # type: ignore[no-untyped-def]
     descent.recent[k % len(descent.recent)] = merit
     if descent.least[0] <= descent.tol:
         return SOLVED
-    if k == descent.limit or late(descent.until):
+    if k == descent.limit:
         return LIMIT
+    if late(descent.until - 2 / 3 * float(size) ** 3 * descent.slowness):
+        return TIME
     return GOING if merit < np.inf else BREAKDOWN
 
 

@@ -23,7 +23,6 @@ KERNELS = (
     ("frictionbench.solvers.sweeps.form", "state", "products", lambda arguments: 1),
     ("frictionbench.solvers.sweeps.gauss_seidel", "planar_sweeps", "sweeps", lambda arguments: arguments[-1]),
     ("frictionbench.solvers.sweeps.gauss_seidel", "spatial_sweeps", "sweeps", lambda arguments: arguments[-1]),
-    ("frictionbench.solvers.admm", "_factorise", "splitting factorisations", lambda arguments: 1),
     ("frictionbench.solvers.admm", "_alternate", "alternations", lambda arguments: arguments[-1]),
 )
 calls: Counter[str] = Counter()

@@ -5,9 +5,15 @@ import pytest
 
 import frictionbench as fb
 from frictionbench.problems import FrictionProblem
-from frictionbench.solvers.clock import deadline, is_over, left, within
+from frictionbench.problems.instances import make_instance
+from frictionbench.solvers import clock
+from frictionbench.solvers.clock import deadline, is_over, is_past, left, within
+from frictionbench.solvers.interface import find
+from frictionbench.solvers.interior.alart_curnier import new_state, newton
+from frictionbench.solvers.interior.system import build_system, new_work
+from frictionbench.solvers.pivots import merit_newton
 
-METHODS = ("lemke", "dantzig", "murty", "path_search", "fischer_newton", "nsgs", "interior_point", "hybrid")
+METHODS = ("lemke", "dantzig", "murty", "path_search", "fischer_newton", "nsgs", "admm_coulomb", "interior_point", "hybrid")
 
 
 @pytest.fixture(scope="module")
@@ -22,6 +28,48 @@ def test_time_is_over_at_once(spec: str, problem: FrictionProblem) -> None:
     assert answer.status is fb.Status.TIME_LIMIT
     assert answer.detail == f"after 1e-09 s, with a residual of {fb.residual(problem, answer.impulse):.2g}"
     assert answer.work.get("members", 1) == 1
+
+
+@pytest.mark.parametrize(
+    "spec", ["admm", "admm_coulomb", "interior_point", "relaxation_ip", "proximal_newton", "fischer_newton", "minmap_newton"]
+)
+def test_a_factorisation_that_would_not_end_in_time_is_not_begun(
+    spec: str, problem: FrictionProblem, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A machine so slow that one takes longer than the limit, of which next to nothing passes."""
+    for module in (clock, merit_newton):
+        monkeypatch.setattr(module, "SPEED", 1e-9)
+    given = make_instance("cubes", boxes=2, push=1.0) if spec == "proximal_newton" else problem
+    answer = fb.solve(given, spec, time_limit=1e6)
+    assert answer.status is fb.Status.TIME_LIMIT
+    assert answer.work["factorisations"] == 0
+    assert fb.residual(given, answer.impulse) <= fb.residual(given, 0 * answer.impulse)
+    assert fb.solve(given, spec).work["factorisations"] > 0
+
+
+def test_admm_keeps_its_penalty_where_there_is_no_time_for_another(
+    problem: FrictionProblem, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _, method = find("admm_coulomb")
+    prepared = method.prepare(problem)
+    free = method.solve(prepared, 1e-8, 40)
+    monkeypatch.setattr(clock, "SPEED", 1e-9)
+    with within(1e6):
+        held = method.solve(prepared, 1e-8, 40)
+    assert held.work["iterations"] == free.work["iterations"] == 40
+    assert held.work["factorisations"] == 1 < free.work["factorisations"]
+
+
+def test_newton_looks_at_the_clock_before_each_step() -> None:
+    problem = make_instance("cubes", boxes=1, push=1.0)
+    system = build_system(problem)
+    nc = problem.contacts
+
+    def steps(until: float) -> int:
+        state, trial, anchor = new_state(nc), new_state(nc), np.zeros((nc, 3))
+        return newton(system, state, trial, anchor, 1.0, np.zeros((nc, 3)), new_work(system), 1e-12, 20, until)[0]
+
+    assert steps(-1.0) == 0 < steps(np.inf)
 
 
 @pytest.mark.parametrize("spec", ["lemke", "hybrid"])
@@ -43,12 +91,15 @@ def test_invalid(seconds: object, problem: FrictionProblem) -> None:
 
 
 def test_limits_nest() -> None:
-    assert (deadline(), left(), is_over()) == (np.inf, np.inf, False)
+    assert (deadline(), deadline(1e9), left(), is_over()) == (np.inf, np.inf, np.inf, False)
     with within(1e6):
         outer = deadline()
+        assert deadline(clock.SPEED) == pytest.approx(outer - 1.0)
+        assert not is_past(outer)
         with within(1e9):
             assert deadline() == outer
         with within(-1.0):
             assert is_over()
+            assert is_past(deadline())
         assert not is_over()
     assert deadline() == np.inf

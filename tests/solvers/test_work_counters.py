@@ -22,7 +22,7 @@ UNITS = {
     **{name: {"sweeps": "sweeps", "checks": "products"} for name in ("nsgs", "nncg")},
     **{name: {"products": "products"} for name in ("apgd", "apgd_coulomb", "staggered", "anitescu_hart")},
     **{
-        name: {"factorisations": "splitting factorisations", "iterations": "alternations", "checks": "products"}
+        name: {"factorisations": "sparse factorisations", "iterations": "alternations", "checks": "products"}
         for name in ("admm", "admm_coulomb")
     },
 }
