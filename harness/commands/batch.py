@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from frictionbench.harness.commands import large, seeds
+from frictionbench.harness.commands import large, members, seeds
 from frictionbench.problems import FrictionProblem, scene
 from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.batch import Batch
@@ -317,9 +317,8 @@ def page() -> str:
     workers, quiet = len(os.sched_getaffinity(0)), os.getloadavg()[0] < QUIET
     head = HEAD.format(rounds=ROUNDS, sample=SAMPLE, again=AGAIN, workers=workers)
     cases = [make_case(dimension, *each) for dimension, sizes in SIZES.items() for each in sizes.items()]
-    return "\n".join(
-        [head, *(table(case, list(rates(case, workers, quiet))) for case in cases), large.section(), seeds.section()]
-    )
+    parts = [table(case, list(rates(case, workers, quiet))) for case in cases]
+    return "\n".join([head, *parts, large.section(), seeds.section(), members.section()])
 
 
 if __name__ == "__main__":

@@ -4,11 +4,14 @@ import numpy as np
 import pytest
 
 from frictionbench.problems import FrictionProblem
+from frictionbench.problems.instances.cubes import cubes
 from frictionbench.problems.packed import pack
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.scenes import scene
-from frictionbench.solvers.interface import Status, solve
-from frictionbench.solvers.pivots.few_pivots import few_pivots, few_pivots_each
+from frictionbench.solvers import clock
+from frictionbench.solvers.interface import Answer, Status, find, solve
+from frictionbench.solvers.portfolio.few_pivots import few_pivots, few_pivots_each
+from frictionbench.solvers.portfolio.shares import BROUGHT
 
 FIRST_BY_PIVOTS = {
     "a small random problem": (random_problem(1, 30), True),
@@ -41,3 +44,23 @@ def test_a_claim_within_the_floor_of_rounding_is_an_answer() -> None:
     answer = solve(scene("stack", blocks=4, mass_ratio=1e10, push=1.0).problem(), "hybrid")
     assert answer.status is Status.ROUNDING
     assert answer.work["members"] == 2  # a second one, which might find smaller impulses, and no more
+
+
+@pytest.mark.parametrize(("dimension", "first"), BROUGHT)
+def test_a_time_limit_is_divided_by_what_members_brought(dimension: int, first: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a clock that stands still, so that no member uses any of its time: each has its share of the whole limit."""
+    problem = (
+        random_problem(1, 40 if first == "interior_point" else 4) if dimension == 2 else cubes(1 if first == "nsgs" else 3)
+    )
+    monkeypatch.setattr(clock, "_now", lambda: 100.0)
+    given: list[float] = []
+
+    def nothing(self: object, prepared: object, tol: float, limit: int | None, start: object = None) -> Answer:
+        given.append(clock.left())
+        return Answer(np.zeros((problem.contacts, dimension)), Status.STALLED)
+
+    for name in BROUGHT[dimension, first]:
+        monkeypatch.setattr(type(find(name)[1]), "solve", nothing)
+    assert solve(problem, "hybrid", time_limit=10.0).work["members"] == len(given) == len(BROUGHT[dimension, first])
+    chance = np.array([count + 1 for count in BROUGHT[dimension, first].values()])
+    np.testing.assert_allclose(given, [10.0 * chance[k] / chance[k:].sum() for k in range(len(chance))])
