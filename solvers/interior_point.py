@@ -64,7 +64,7 @@ FIRST_START, LAST_START = (1.0, 10.0, 10.0), (1.5, 5.0, 1.0)  # in space: (impul
 UNLIKE, LOAD_STARTS = 10.0, (0.75, 1.0)  # in space: the ratio of contacts' masses from which they start under load; exponents
 # Around what Gauss-Seidel and the relaxation find: (distance from the boundary in residuals, factor on friction's products).
 SWEPT_START = (1.0, 10.0)
-RELAXED_STARTS = ((3.0, 10.0), (3.0, 3.0), (1.0, 10.0), (3.0, 30.0))  # the last one is behind the swept one
+RELAXED_STARTS = ((3.0, 10.0), (3.0, 3.0), (1.0, 10.0), (3.0, 30.0))  # the swept one is followed further after the first
 SWEEPS = 1000  # of nsgs before its result is a start: their time is that of ten or twenty factorisations
 LEAST_DISTANCE = 1e-10  # of a start from the boundary, in residuals, for the predictor-corrector: it rounds at less
 PATH_DISTANCE, LONG_DISTANCES = 0.3, (3.0, 10.0)  # the same in the plane for paths, which are shorter from well inside
@@ -185,8 +185,8 @@ class InteriorPoint(Phased):
         yield trace, first, int(SHORT_PATH * share)
         swept = around(_guess(problem, start, spent), *SWEPT_START)
         yield trace, swept, int(SHORT_PATH * share)
-        *soon, late = (around(relaxed, *each) for each in RELAXED_STARTS)
-        paths = [*loaded, *soon, swept, late, first, last]
+        nearest, *others = (around(relaxed, *each) for each in RELAXED_STARTS)
+        paths = [*loaded, nearest, swept, *others, first, last]
         while paths := [path for path in paths if not path.ended]:
             for path in paths:
                 yield trace, path, PATH * share
