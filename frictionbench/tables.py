@@ -22,6 +22,7 @@ class Results:
     manifest     dict: settings, machine, versions, seeds and times of the run
     solves       pandas.DataFrame, a row per cell: one problem, one solver, one tolerance
     simulations  pandas.DataFrame, a row per scene, scheme and solver run in closed loop
+    batches      pandas.DataFrame, a row per batch of small problems, solver and way to solve them all
 
     A run that was interrupted has the rows it wrote so far. A number that was not measured is NaN. Errors: ResultsError (a
     ValueError) naming the file and the column that cannot be read.
@@ -47,6 +48,11 @@ class Results:
         return read_table(self.folder, "simulations")
 
     @cached_property
+    def batches(self) -> pd.DataFrame:
+        """A row per batch of small problems, solver and way to solve them all."""
+        return read_table(self.folder, "batches")
+
+    @cached_property
     def run(self) -> Run:
         """The same tables prepared for charts, as the report reads them."""
         return read_run(self.folder)
@@ -67,8 +73,8 @@ Results.__doc__ = str(Results.__doc__).replace("{columns}", indent("\n\n".join(m
 def read_results(folder: str | Path) -> Results:
     """The results in a folder that `frictionbench run` wrote.
 
-    Returns a Results with `solves` and `simulations` as pandas.DataFrame and `manifest` as a dict. `help(Results)`, that is
-    `help(type(results))`, lists every column with its unit and meaning, as docs/columns.md does.
+    Returns a Results with `solves`, `simulations` and `batches` as pandas.DataFrame and `manifest` as a dict. `help(Results)`,
+    that is `help(type(results))`, lists every column with its unit and meaning, as docs/columns.md does.
     Errors: ResultsError (a ValueError) where the folder does not exist, holds no run, or was written with another schema;
     InputError naming folder, where it is no path.
 

@@ -106,7 +106,8 @@ def run(
     variants, plugins = load_plugins(solver or [])
     plan = choose(suite, scene or [], variants, tol, time_limit, plugins, tuple(data or ()))
     if scene:
-        require_buildable([(source.scene, source.parameters) for source in plan.sources])
+        named = [(source.scene, source.parameters) for source in plan.sources]
+        require_buildable([*named, *((batch.scene, batch.parameters) for batch in plan.batches)])
     folder = out or folder_for(plan)
     if plan.expects:
         typer.echo(f"{plan.suite} takes {plan.expects} with one worker on two cores", err=True)
@@ -149,9 +150,16 @@ def report(
     budget: options.Budget = None,
 ) -> None:
     """Make the HTML report of a results folder."""
+    from frictionbench.problems import InputError
+    from frictionbench.reports.batches import has_batches, write_batches
     from frictionbench.reports.page import write_report
     from frictionbench.reports.run import read_run
 
+    if has_batches(folder):
+        if paper or markdown:
+            raise InputError(f"{'paper' if paper else 'markdown'}: a run of batches has a page and no figures")
+        typer.echo(f"report: {write_batches(folder)}")
+        return
     run = read_run(folder, rank_by, budget)
     typer.echo(f"report: {write_report(folder, run)}")
     if paper:
@@ -315,37 +323,6 @@ def solve(
     from frictionbench.harness.commands.single import solve_one
 
     solve_one(problem, solver or [], tol, time_limit, _jobs(jobs), rank_by=rank_by, budget=budget)
-
-
-@app.command()
-def batch(
-    contacts: Annotated[str, typer.Option("--contacts", metavar="2,4,...", help="Contacts of a problem.")] = "4",
-    count: Annotated[int, typer.Option("--count", metavar="N", help="The number of problems.")] = 1000,
-    solver: Annotated[
-        list[str] | None, typer.Option("--solver", metavar="SOLVER", help="Only this solver, like lemke; may be repeated.")
-    ] = None,
-    space: Annotated[bool, typer.Option("--space", help="Stacks of cubes in space; boxes in the plane otherwise.")] = False,
-    workers: Annotated[int, typer.Option("--workers", metavar="N", help="Threads whose gain is measured.")] = 1,
-    out: Annotated[Path | None, typer.Option("--out", metavar="FILE.tsv", help="Also write all figures.")] = None,
-) -> None:
-    """Time many small problems solved at once.
-
-    Each answer is verified. The problems are stacks, each with its own push, friction and mass ratio. Rates without
-    verified residuals are not shown.
-    """
-    from frictionbench.harness.commands.batch import COLUMNS, tables
-    from frictionbench.problems import InputError
-    from frictionbench.results.files import write_text
-
-    sizes = options.split_names(contacts)
-    if not sizes or not all(size.isdecimal() for size in sizes):
-        raise InputError(f"contacts: must be whole numbers like 2,4,10, got {contacts!r}")
-    lines = ["\t".join(COLUMNS)]
-    for shown, found in tables(3 if space else 2, [int(size) for size in sizes], count, solver or [], workers):
-        typer.echo(shown)
-        lines += found
-    if out:
-        write_text(out, "\n".join(lines) + "\n")
 
 
 @app.command()

@@ -17,9 +17,9 @@ from pathlib import Path
 from frictionbench.harness import machine
 from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.records import Record
-from frictionbench.harness.cells.rows import no_problem, simulation_row, solve_row
+from frictionbench.harness.cells.rows import batch_row, no_problem, simulation_row, solve_row
 from frictionbench.harness.convergence import record_histories
-from frictionbench.harness.plans.plan import Cell, Plan, Plugin, SolveCell, origin
+from frictionbench.harness.plans.plan import BatchCell, Cell, Plan, Plugin, SolveCell, origin
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.workers.cluster import Cluster
 from frictionbench.harness.workers.pool import Pool
@@ -32,6 +32,7 @@ from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers import find
 
 Counted = dict[str, dict[Path, Extent]]  # of each table, what counts of its shards
+ROWS: dict[str, Callable[..., Row]] = {"solves": solve_row, "simulations": simulation_row, "batches": batch_row}
 COLLECT_SECONDS = 600.0  # seconds for one source's problems: a bound for scenes whose reference answers take too long
 
 
@@ -51,7 +52,7 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
             )
             records = _collect(plan, pool, progress)
             _record_motions(plan, pool, progress)
-            cells: list[Cell] = [*plan.solve_cells(records.values()), *plan.simulation_cells()]
+            cells: list[Cell] = [*plan.solve_cells(records.values()), *plan.simulation_cells(), *plan.batch_cells()]
             if not distant:
                 _run(cells, records, plan, folder, pool, progress, counted)
                 record_histories(plan, folder, records.values(), pool, progress)
@@ -86,9 +87,10 @@ def _run(
     with (
         ShardWriter(folder, "solves", writer) as solved,
         ShardWriter(folder, "simulations", writer) as simulated,
+        ShardWriter(folder, "batches", writer) as batched,
         progress.stage("cells", len(cells), len(cells) - len(left)) as stage,
     ):
-        shards = {"solves": solved, "simulations": simulated}
+        shards = {"solves": solved, "simulations": simulated, "batches": batched}
         tasks = []
         for task in (_task(cell, records, plan) for cell in left):
             if reason := _no_problem(task):
@@ -209,6 +211,9 @@ def _task(cell: Cell, records: dict[str, Record], plan: Plan) -> Task:
         name = f"{cell.variant} on {record['scene']}, {record['contacts']} contacts"
         limit = record.get("time_limit", plan.time_limit)
         return Task(name, worker.run_solve, (cell, record, limit), limit, owner)
+    if isinstance(cell, BatchCell):
+        name = f"{cell.variant} on {cell.count} of {cell.scene}, {cell.way}"
+        return Task(name, worker.run_batch, (cell, plan.time_limit), plan.time_limit, owner)
     return Task(
         f"{cell.variant} in {cell.scene}", worker.run_simulation, (cell, plan.simulation_limit), plan.simulation_limit, owner
     )
@@ -223,7 +228,7 @@ def _no_problem(task: Task) -> str:
 def row_of(outcome: Outcome, plugins: tuple[Plugin, ...]) -> Row:
     """The row of a cell: what its worker returned, or how it failed, with the facts known beforehand, which take precedence."""
     cell, *facts = outcome.task.arguments
-    make: Callable[..., Row] = solve_row if isinstance(cell, SolveCell) else simulation_row
+    make: Callable[..., Row] = ROWS[cell.table]
     found = {"verdict": outcome.failure, "reason": outcome.reason} if outcome.failure else outcome.value
     if not isinstance(found, dict) or found.get("verdict") not in list(Verdict):
         found = {"verdict": Verdict.CRASHED, "reason": "the worker returned a malformed row"}

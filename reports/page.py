@@ -10,6 +10,7 @@ from pathlib import Path
 import pandas as pd
 
 from frictionbench.reports.animation import write_animations
+from frictionbench.reports.batches import has_batches, write_batches
 from frictionbench.reports.run import Run, read_run
 from frictionbench.reports.templates import environment, script
 from frictionbench.reports.view import Page, view
@@ -23,6 +24,8 @@ def write_report(folder: Path, run: Run | None = None) -> Path:
     run: the result of read_run(folder), if at hand.
     Errors: results.files.ResultsError if DIR is not a results folder or a file in it cannot be read.
     """
+    if has_batches(folder):
+        return write_batches(folder)
     page = view(run or read_run(folder), write_animations(folder))
     if len(page.maps.failed):
         write_text(folder / "failures.txt", failures(folder, page.maps.failed, page.run.plugins))

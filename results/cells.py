@@ -65,7 +65,7 @@ def read(path: Path, rank_by: RankBy = RankBy.BODIES) -> Cells:
 
 def _require_residuals(path: Path, table: pd.DataFrame) -> None:
     """Errors: ResultsError naming a cell that is called solved and whose residual does not show it."""
-    solved = table[(table["verdict"] == Verdict.SOLVED) & (table["table"] == "solve")]
+    solved = table[(table["verdict"] == Verdict.SOLVED) & table["table"].isin(["solve", "batch"])]
     for key, row in solved[~(solved["residual"] <= ROUNDED * solved["tol"])].head(1).iterrows():
         raise ResultsError(f"{path}: {key}: solved, with a residual of {row['residual']:g} at a tolerance of {row['tol']:g}")
 
@@ -92,6 +92,10 @@ def _of_folder(folder: Path, rank_by: RankBy) -> Cells:
             table="simulation", step=None, start=simulations["after_failure"], work="", seconds=simulations["solver_time"]
         )
     )
+    batches = read_table(folder, "batches")
+    parts.append(
+        batches.assign(table="batch", step=None, phase=batches["way"], seconds=[_least(own) for own in batches["times"]])
+    )
     rows = pd.concat([part for part in parts if len(part)] or parts[:1], ignore_index=True)
     rows = rows.assign(
         scene=[scene_title(*pair) for pair in zip(rows["scene"], rows["parameters"], strict=True)],
@@ -109,6 +113,11 @@ def _of_folder(folder: Path, rank_by: RankBy) -> Cells:
         str(manifest.get("finished") or manifest.get("started") or ""),
         sources(settings),
     )
+
+
+def _least(times: Any) -> float:
+    """The least of the times of a batch's rounds; NaN where it has none."""
+    return float(_repeats(times).min(initial=np.inf)) if times is not None and len(times) else np.nan
 
 
 def _repeats(*steps: Any) -> np.ndarray:

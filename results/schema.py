@@ -1,7 +1,8 @@
-"""The two tables of a run: type, unit and meaning of every column.
+"""The three tables of a run: type, unit and meaning of every column.
 
     solves        a row per cell: one problem, solver, start and tolerance
     simulations   a row per scene, scheme, solver and way to continue after a failed step, run in closed loop
+    batches       a row per batch of small problems, solver, way to solve them all, start and tolerance
 
 Rows are in the order of the run's plan; while the run has not finished they are ordered by key. Lists hold single repeats or
 curves. The text columns `parameters` and `work` hold JSON objects. A number that was not measured is null. docs/columns.md is
@@ -14,6 +15,7 @@ from typing import NamedTuple
 
 import pyarrow as pa
 
+from frictionbench.results.conventions import WAYS
 from frictionbench.results.verdicts import Verdict
 
 VERSION = 3  # of files and columns; folders and baselines of another version are refused
@@ -182,7 +184,29 @@ SIMULATIONS = (
     Column("penetrations", _reals, "m", "largest penetration at these times"),
 )
 
-TABLES = {"solves": SOLVES, "simulations": SIMULATIONS}
+BATCHES = (
+    *_CELL,
+    Column("way", _text, "", "how all problems are solved: " + "; ".join(f"{way}: {means}" for way, means in WAYS.items())),
+    Column("start", _text, "", "cold (zero) or warm (impulses of the same problems at a smaller push)"),
+    Column("dimension", _whole, "", "2 planar, 3 spatial"),
+    Column("contacts", _whole, "", "number of contacts of each problem"),
+    Column("problems", _whole, "", "number of problems"),
+    Column("active", _real, "1", "share of the contacts that bear in the answers of `base`"),
+    Column("idle", _real, "1", "share of problems, of a sample, whose answer without friction satisfies Coulomb's law"),
+    Column("verified", _real, "1", "share of problems whose verified residual is within the tolerance"),
+    Column("residual", _real, "1", "largest verified residual"),
+    Column("work", _text, "", "deterministic counters, summed over the problems, a JSON object"),
+    Column("times", _reals, "s", "processor's time over the number of problems, of each round"),
+    Column("base", _text, "", "solver of the single calls to which rates are relative"),
+    Column("base_times", _reals, "s", "processor's time of such a single call, measured in turn with `times`"),
+    Column(
+        "problem_times", _reals, "s", "processor's time of each problem of a sample, solved many times over in the same way"
+    ),
+    Column("threads", _whole, "", "number of threads, on as many cores; null where they were not tried"),
+    Column("gain", _real, "1", "rate on them over that on one, by the wall's clock; null where other processes ran meanwhile"),
+)
+
+TABLES = {"solves": SOLVES, "simulations": SIMULATIONS, "batches": BATCHES}
 
 
 def arrow_schema(table: str) -> pa.Schema:
@@ -196,9 +220,9 @@ PAGE = """# Columns
 Made from the schema by `python -m frictionbench.results.schema`; a test compares the two. Schema version {version}; folders and
 baselines of another version are refused.
 
-A run writes two tables, `solves.parquet` and `simulations.parquet`; `frictionbench.read_results(DIR)` reads them as
-`pandas.DataFrame`. Units are SI, 1 marks a ratio. A number that was not measured is null. Text columns named `parameters` and
-`work` hold JSON objects.
+A run writes up to three tables, `solves.parquet`, `simulations.parquet` and `batches.parquet`, which
+`frictionbench.read_results(DIR)` reads as `pandas.DataFrame`. Units are SI, 1 marks a ratio. A number that was not measured is
+null. Text columns named `parameters` and `work` hold JSON objects.
 
 ## solves
 
@@ -211,6 +235,12 @@ A row per cell: one problem, solver, start and tolerance; in the order of the ru
 A row per scene, scheme, solver and way to continue after a failed step, run in closed loop; in the same order.
 
 {simulations}
+
+## batches
+
+A row per batch of small problems, solver, way to solve them all, start and tolerance; in the same order.
+
+{batches}
 """
 
 

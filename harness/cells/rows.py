@@ -3,7 +3,7 @@
 import json
 
 from frictionbench.harness import machine
-from frictionbench.harness.plans.plan import Plugin, SimulationCell, SolveCell, Source
+from frictionbench.harness.plans.plan import BatchCell, Plugin, SimulationCell, SolveCell, Source
 from frictionbench.results.conventions import COLD
 from frictionbench.results.store import Row
 from frictionbench.solvers import find
@@ -44,6 +44,21 @@ def simulation_row(cell: SimulationCell, limit: float, plugins: tuple[Plugin, ..
         "scheme": cell.scheme,
         "after_failure": cell.after,
         "steps": cell.steps,
+        "tol": cell.tol,
+        "time_limit": limit,
+    }
+    return facts | _solver_row(cell.variant, plugins)
+
+
+def batch_row(cell: BatchCell, limit: float, plugins: tuple[Plugin, ...] = ()) -> Row:
+    """The columns of the batch cell and of its solver."""
+    facts = {
+        "key": cell.key,
+        "scene": cell.scene,
+        "parameters": json.dumps(cell.parameters, sort_keys=True),
+        "problems": cell.count,
+        "way": cell.way,
+        "start": cell.start,
         "tol": cell.tol,
         "time_limit": limit,
     }

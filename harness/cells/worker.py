@@ -5,6 +5,7 @@ problem, and its answer is verified on the original.
 """
 
 import gc
+import json
 import os
 from collections.abc import Callable, Iterable
 from contextlib import suppress
@@ -18,6 +19,7 @@ import numpy as np
 
 from frictionbench.harness import process
 from frictionbench.harness.cells.answers import AnswerError
+from frictionbench.harness.cells.batch import batch_of, time_batch
 from frictionbench.harness.cells.collect import collect, stored, stored_start
 from frictionbench.harness.cells.columns import finding_columns
 from frictionbench.harness.cells.convergence import convergence_history
@@ -25,11 +27,11 @@ from frictionbench.harness.cells.judgement import judge_file
 from frictionbench.harness.cells.motion import record_motion, store_motion
 from frictionbench.harness.cells.polygon import measure
 from frictionbench.harness.cells.records import Record
-from frictionbench.harness.cells.rows import simulation_row, solve_row, solver_facts
+from frictionbench.harness.cells.rows import batch_row, simulation_row, solve_row, solver_facts
 from frictionbench.harness.cells.simulation import refusal, run_closed_loop
 from frictionbench.harness.cells.timing import MOST, Timing, time_solver
 from frictionbench.harness.deadline import COMPILE_SECONDS, Deadline
-from frictionbench.harness.plans.plan import Plugin, SimulationCell, SolveCell, Source
+from frictionbench.harness.plans.plan import BatchCell, Plugin, SimulationCell, SolveCell, Source
 from frictionbench.problems import LCP, FrictionProblem, InputError, scene
 from frictionbench.problems.copies import duplicate, same
 from frictionbench.problems.instances import instances, make_instance
@@ -173,6 +175,29 @@ def run_simulation(cell: SimulationCell, limit: float) -> Row:
     return _done(
         start_time, row | simulated | {"peak_memory": process.peak_memory()} | _core_columns(core, perf_counter() - start_time)
     )
+
+
+def run_batch(cell: BatchCell, limit: float) -> Row:
+    """Solve the problems of a batch in one way; the row of the batch cell."""
+    row = batch_row(cell, limit, _worker.plugins)
+    info, _ = _solver(cell.variant)
+    with _worker.deadline.within(limit, COMPILE_SECONDS):
+        batch = batch_of(cell.scene, json.dumps(cell.parameters), cell.count)
+    start_time = perf_counter()
+    refused = next(filter(None, map(info.refuses, batch.problems)), None)
+    row |= batch.facts
+    if reason := info.missing or refused:
+        return _done(start_time, row | {"verdict": Verdict.SKIPPED, "reason": reason})
+    start_time += _warm_up(cell.variant, batch.dimension, False, limit)
+    process.reset_peak_memory()
+    begun = perf_counter()
+    try:
+        with _worker.deadline.within(limit, *_compiling(cell.variant)), process.watch_core() as core:
+            found = time_batch(cell, batch, info)
+    except BaseException as error:
+        return _done(start_time, row | {"verdict": Verdict.CRASHED, "reason": plugins.describe_error(error)})
+    columns = _core_columns(core, perf_counter() - begun)
+    return _done(start_time, row | found | {"peak_memory": process.peak_memory()} | columns)
 
 
 def run_check(variant: str, check: str, violations: Callable[[SolverInfo, Solver, str], list[str]], limit: float) -> list[str]:

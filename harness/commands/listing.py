@@ -91,6 +91,7 @@ def _suites() -> Iterator[Item]:
             "sources of problems": plan.sources,
             "simulations": plan.simulations,
             "maps": plan.maps,
+            "batches": plan.batches,
             "solvers": plan.variants,
         }
         numbers = ", ".join(f"{what}: {len(part)}" for what, part in parts.items() if part)

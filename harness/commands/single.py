@@ -16,7 +16,7 @@ from frictionbench.harness.commands.stored_cell import stored_cell
 from frictionbench.harness.commands.table import columns, paragraph, screen
 from frictionbench.harness.commands.trusted import trusted
 from frictionbench.harness.plans.choose import require_known
-from frictionbench.harness.plans.plan import Plan, Plugin, SimulationCell, SolveCell, Source, origin, owner
+from frictionbench.harness.plans.plan import BatchCell, Plan, Plugin, SimulationCell, SolveCell, Source, origin, owner
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import COLLECT_SECONDS, row_of
 from frictionbench.harness.workers.plugins import load_plugins
@@ -184,6 +184,10 @@ def _task_again(row: Row, table: str, plugins: tuple[Plugin, ...]) -> Task:
         record = {name: row[name] for name in PROBLEM_FACTS}
         cell = SolveCell(row["problem"], origin(row), row["variant"], row["tol"], row["start"])
         return Task(row["variant"], worker.run_solve, (cell, record, limit), limit, outside)
+    if table == "batches":
+        size = row["scene"], json.loads(row["parameters"]), row["problems"]
+        batch = BatchCell(*size, row["variant"], row["way"], row["tol"], row["start"])
+        return Task(row["variant"], worker.run_batch, (batch, limit), limit, outside)
     facts = json.loads(row["parameters"]), row["variant"], row["tol"], row["scheme"], row["steps"], row["after_failure"]
     simulation = SimulationCell(row["scene"], *facts)
     return Task(row["variant"], worker.run_simulation, (simulation, limit), limit, outside)

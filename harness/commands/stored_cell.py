@@ -7,16 +7,17 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from frictionbench.problems.check import require
+from frictionbench.problems.instances import instances
 from frictionbench.problems.scenes.catalogue import scenes
 from frictionbench.problems.schemes import require_scheme
 from frictionbench.results import store
-from frictionbench.results.conventions import KEEP_ANSWER, KEEP_VELOCITY, RELAX
+from frictionbench.results.conventions import COLD, KEEP_ANSWER, KEEP_VELOCITY, RELAX, WARM, WAYS
 from frictionbench.results.schema import TABLES
 from frictionbench.results.store import Row
 
 # Limits within which a solver can be judged: with less than these, a fault of the folder would be told as the solver's.
 LEAST_SECONDS, MOST_SECONDS = 1e-3, 1e6
-LEAST_MEMORY, MOST_STEPS = 2**28, 10**6  # bytes, steps
+LEAST_MEMORY, MOST_STEPS, MOST_PROBLEMS = 2**28, 10**6, 10**5  # bytes, steps, problems of a batch
 
 
 class StoredCell(NamedTuple):
@@ -54,6 +55,16 @@ def stored_cell(folder: Path, key: str, tables: Sequence[str] = tuple(TABLES)) -
         steps = row["steps"]
         require(steps is None or 0 < steps <= MOST_STEPS, "steps", f"cannot be {steps}")
         require(row["scene"] in scenes(), "scene", f"unknown scene {row['scene']!r:.100}")
+    elif table == "batches":
+        require(
+            row["way"] in WAYS and row["start"] in (COLD, WARM),
+            "way",
+            f"unknown: {row['way']!r:.100} from {row['start']!r:.100}",
+        )
+        require(
+            type(row["problems"]) is int and 0 < row["problems"] <= MOST_PROBLEMS, "problems", f"cannot be {row['problems']}"
+        )
+        require(row["scene"] in scenes() or row["scene"] in instances(), "scene", f"unknown scene {row['scene']!r:.100}")
     elif row["problem"]:
         require(re.fullmatch("[0-9a-f]+", row["problem"]) is not None, "problem", f"not a hash: {row['problem']!r:.100}")
     return StoredCell(table, row, settings, memory)

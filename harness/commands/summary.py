@@ -33,7 +33,9 @@ def summary(folder: Path) -> str:
     lines = [_counted("cells of problems in which friction is at work", ranked)]
     if others := len(rows) - len(ranked):
         lines.append(f"cells of trivial and idle problems (nothing to solve, or friction not needed), not ranked: {others}")
-    lines += [_counted("simulations, scenes in closed loop", read_table(folder, "simulations")), _reasons(rows)]
+    lines += [_counted("simulations, scenes in closed loop", read_table(folder, "simulations"))]
+    batches = read_table(folder, "batches")
+    lines += [_counted("batches of small problems", batches), _reasons(rows), _reasons(batches)]
     lines.append(f"results: {folder}\nreport:  frictionbench report {folder}")
     return "\n\n".join(filter(None, lines))
 

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from typing import Any
 
+from frictionbench.harness.plans.batches import chosen_batches
 from frictionbench.harness.plans.plan import Plan, Plugin, Source
 from frictionbench.harness.plans.recorded import with_data
 from frictionbench.harness.plans.suites import SUITES
@@ -33,7 +34,9 @@ def choose(
     if data and scene_specs:
         raise InputError("data: names the problems to run, and so does --scene; give one of the two")
     plan = with_data(SUITES[suite](), list(data))
-    if scene_specs:
+    if scene_specs and plan.batches:
+        plan = replace(plan, batches=tuple(each for spec in scene_specs for each in chosen_batches(plan, spec)), expects="")
+    elif scene_specs:
         chosen = [_chosen(plan, spec) for spec in scene_specs]
         plan = replace(
             plan,

@@ -13,9 +13,11 @@ from typing import Any
 from frictionbench.problems import InputError
 from frictionbench.problems.instances import instances
 from frictionbench.problems.scenes.catalogue import SPATIAL
-from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, KEEP_ANSWER
+from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, KEEP_ANSWER, WARM
 from frictionbench.results.map_spec import Map
+from frictionbench.solvers import find
 
+KERNELS = {"quantecon": ("kernel", "kernel from bodies")}  # the further ways of solvers that have a compiled kernel
 MOST_SHOWN = 100  # steps of a motion that is recorded only for the report's animation
 MEMORY_LIMIT = (
     4 * 2**30
@@ -99,7 +101,40 @@ class SimulationCell:
         return _key("simulation", self)
 
 
-Cell = SolveCell | SimulationCell
+@dataclass(frozen=True)
+class BatchSource:
+    """So many problems of one scene or instance and size, each with settings of its own (harness.cells.batch)."""
+
+    scene: str
+    parameters: dict[str, Any]
+    count: int
+
+    @property
+    def spatial(self) -> bool:
+        """Whether its problems are in space, as those of all instances but the random ones of the plane are."""
+        return self.scene in SPATIAL or self.scene in instances()
+
+
+@dataclass(frozen=True)
+class BatchCell:
+    """The problems of a batch, all solved by one solver in one way (results.conventions.WAYS)."""
+
+    scene: str
+    parameters: dict[str, Any]
+    count: int
+    variant: str
+    way: str
+    tol: float
+    start: str = COLD
+
+    table = "batches"
+
+    @property
+    def key(self) -> str:
+        return _key("batch", self)
+
+
+Cell = SolveCell | SimulationCell | BatchCell
 
 
 @dataclass(frozen=True)
@@ -136,6 +171,7 @@ class Plan:
     schemes: tuple[str, ...] = (DEFAULT_SCHEME,)
     after_failure: tuple[str, ...] = (KEEP_ANSWER,)
     maps: tuple[Map, ...] = ()
+    batches: tuple[BatchSource, ...] = ()
     simulation_tol: float = 1e-8
     time_limit: float = 10.0
     simulation_limit: float = 60.0
@@ -178,6 +214,25 @@ class Plan:
             for after in self.after_failure
         ]
         return [*simulated, *self.map_simulations]
+
+    def batch_cells(self) -> list[BatchCell]:
+        """The cells of every batch with every solver, way and tolerance; what is packed starts warm as well, where it can."""
+        return [
+            BatchCell(batch.scene, batch.parameters, batch.count, variant, way, tol, start)
+            for batch in self.batches
+            for tol in sorted(self.tolerances, reverse=True)
+            for variant in self.lineup(3 if batch.spatial else 2)
+            for way, start in self._ways(variant)
+        ]
+
+    def _ways(self, variant: str) -> list[tuple[str, str]]:
+        """The ways in which a solver solves a batch, and their starts. A plug-in is not imported here, and tried in all."""
+        if self.owner(variant):
+            return [("calls", COLD), ("packed", COLD), ("packed", WARM), ("list", COLD)]
+        info, instance = find(variant)
+        if hasattr(instance, "solve_many"):
+            return [("calls", COLD), ("packed", COLD), *([("packed", WARM)] if info.warm_start else []), ("list", COLD)]
+        return [("calls", COLD), *((way, COLD) for way in KERNELS.get(info.name, ()))]
 
     def lineup(self, dimension: int | None) -> tuple[str, ...]:
         """The solvers of problems of this dimension; None for a bare LCP."""
@@ -222,7 +277,7 @@ def _check(condition: bool, field: str, reason: str) -> None:
         raise InputError(f"{field}: {reason}")
 
 
-def _key(kind: str, value: Source | SolveCell | SimulationCell) -> str:
+def _key(kind: str, value: Source | Cell) -> str:
     """A hash of the value's fields, without the default of `after`, which older runs did not have."""
     fields = {name: part for name, part in asdict(value).items() if (name, part) != ("after", KEEP_ANSWER)}
     return kind + "-" + sha256(json.dumps(fields, sort_keys=True).encode()).hexdigest()[:16]

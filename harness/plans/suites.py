@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from frictionbench.harness.plans import families
 from frictionbench.harness.plans.atlas import ATLAS
+from frictionbench.harness.plans.batches import batch
 from frictionbench.harness.plans.hard import hard
 from frictionbench.harness.plans.lineups import EXACT, LADDER, OTHERS, RELAXED, SPATIAL
 from frictionbench.harness.plans.peers import peers
@@ -164,6 +165,7 @@ SUITES = {
     "replay": replay,
     "scaling": scaling,
     "hard": hard,
+    "batch": batch,
     "maps": maps,
     "recorded": recorded,
     "spatial": spatial,

@@ -22,7 +22,7 @@ from frictionbench.solvers.outside.settings import require_settings
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 
 _TIES = {"default": 1e-13, "tuned": 1e-10}  # ratios that differ by less are a tie
-_ENDED = {0: Status.SOLVED, 1: Status.WORK_LIMIT, 2: Status.RAY}
+ENDED = {0: Status.SOLVED, 1: Status.WORK_LIMIT, 2: Status.RAY}
 
 
 def kernel_of(settings: str) -> tuple[Any, Any]:
@@ -56,4 +56,4 @@ class QuantEcon:
     def solve(self, prepared: DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         lemke, options = kernel_of(self.settings)
         found = lemke(prepared.M, prepared.q, None, limit or 100_000, options)
-        return prepared.answer(found.z, _ENDED.get(found.status, Status.FAILED), pivots=int(found.num_iter))
+        return prepared.answer(found.z, ENDED.get(found.status, Status.FAILED), pivots=int(found.num_iter))

@@ -1,0 +1,169 @@
+"""Many small problems solved in one way, timed and verified: the columns of a row of batches.
+
+The problems are of one scene and size, each with its own push, friction and mass ratio, drawn from SEED. The way is timed
+ROUNDS times, in turn with single calls of BASE on the same problems, by the processor's time, which another process on
+the core does not change; compiling and loading come before. Threads are timed by the wall's clock, where this run has all cores
+for itself, on the problems repeated for LONG seconds; where other processes took more than FOREIGN of these cores meanwhile,
+there is no figure. Every answer of every problem is verified.
+
+A warm start is the answer of the same problem with a push smaller by NEARBY, as of the step before in a simulation.
+"""
+
+import json
+import math
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from time import perf_counter, process_time
+from typing import Any
+
+import numpy as np
+
+from frictionbench.harness import process
+from frictionbench.harness.cells.compiled_loops import LOOPS, Way
+from frictionbench.harness.plans.plan import BatchCell
+from frictionbench.harness.verify import verify
+from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems.analysis.frictionless import idle
+from frictionbench.problems.batch import Batch
+from frictionbench.problems.check import Array
+from frictionbench.problems.instances import instances, make_instance
+from frictionbench.results.conventions import DRAWN, NEARBY, WARM
+from frictionbench.results.store import Row
+from frictionbench.results.verdicts import RANK, Verdict
+from frictionbench.solvers import Answer, Answers, SolverInfo, solve, solve_many
+
+BASE = {2: "lemke", 3: "hybrid"}  # by dimension
+TOL, ROUNDS, SAMPLE, AGAIN, SEED = 1e-8, 5, 20, 10, 1
+SHORT, LONG = 0.01, 0.3  # s: in shorter runs a call's own time counts, and that of starting threads
+FOREIGN = 0.02  # of the cores' time, that of other processes
+
+
+@dataclass(frozen=True)
+class Problems:
+    """A batch, the flat impulses from which it starts warm, and the columns that describe it."""
+
+    problems: tuple[FrictionProblem, ...]
+    before: Array
+    facts: Row
+
+    @property
+    def dimension(self) -> int:
+        return self.problems[0].dimension
+
+
+@lru_cache(maxsize=1)  # the cells of a batch come one after another
+def batch_of(name: str, parameters: str, count: int) -> Problems:
+    """So many problems of a scene or an instance with these parameters, a JSON object. Errors: InputError of the scene."""
+    given = json.loads(parameters)
+    rng = np.random.default_rng(SEED)
+    drawn = [{key: rng.uniform(*bounds) for key, bounds in DRAWN.items()} | given for _ in range(count)]
+    problems = [_problem(name, settings) for settings in drawn]
+    spec = BASE[problems[0].dimension]
+    before = solve_many([_problem(name, each | {"push": (1 - NEARBY) * each["push"]}) for each in drawn], spec, tol=TOL)
+    answers = solve_many(problems, spec, tol=TOL)
+    bearing = np.concatenate([answers[k][:, 0] > 0 for k in range(count)])
+    rested = [idle(problem, lambda given: solve(given, spec).impulse) for problem in problems[:SAMPLE]]
+    facts = {
+        "dimension": problems[0].dimension,
+        "contacts": problems[0].contacts,
+        "active": float(bearing.mean()) if len(bearing) else 0.0,
+        "idle": float(np.mean(rested)),
+        "base": spec,
+    }
+    return Problems(tuple(problems), before.impulse, facts)
+
+
+def _problem(name: str, settings: dict[str, Any]) -> FrictionProblem:
+    return make_instance(name, **settings) if name in instances() else scene(name, **settings).problem()
+
+
+def time_batch(cell: BatchCell, batch: Problems, info: SolverInfo) -> Row:
+    """The columns that are measured."""
+    run, answers_of = _way(cell, batch.problems, batch.before)
+    single = partial(_calls, batch.problems, batch.facts["base"], cell.tol)
+    answers = list(answers_of(run()))  # also compiles and loads
+    single()
+    times, singles = [], []
+    for _ in range(ROUNDS):
+        times.append(_seconds(run, process_time) / cell.count)
+        singles.append(_seconds(single, process_time) / cell.count)
+    row = {
+        "times": times,
+        "base_times": singles,
+        "problem_times": _each(cell, batch, max(AGAIN, math.ceil(SHORT / min(times)))),
+    }
+    if cell.way == "packed" and cell.start != WARM:
+        row |= _threads(cell, batch, min(times))
+    return row | _verified(cell, batch, answers, info)
+
+
+def _way(cell: BatchCell, problems: tuple[FrictionProblem, ...], before: Array, workers: int = 1) -> Way:
+    """How to solve these problems; what is done once, such as packing, is done here."""
+    start = before if cell.start == WARM else None
+    many = partial(solve_many, spec=cell.variant, tol=cell.tol, start=start, workers=workers)
+    if cell.way == "packed":
+        return Way(partial(many, Batch(problems)), _one_by_one)
+    if cell.way == "list":
+        return Way(lambda: many([problem.fresh() for problem in problems]), _one_by_one)
+    if cell.way in LOOPS:
+        return LOOPS[cell.way](Batch(problems), cell.variant)
+    return Way(partial(_calls, problems, cell.variant, cell.tol))
+
+
+def _calls(problems: tuple[FrictionProblem, ...], spec: str, tol: float) -> list[Answer]:
+    return [solve(problem.fresh(), spec, tol=tol) for problem in problems]
+
+
+def _one_by_one(found: Answers) -> list[Answer]:
+    counts = [(name, count.tolist()) for name, count in found.work.items()]
+    return [Answer(found[k], found.status[k], {name: count[k] for name, count in counts}) for k in range(len(found))]
+
+
+def _each(cell: BatchCell, batch: Problems, repeats: int) -> list[float]:
+    """The time of each problem of the sample, solved so many times over."""
+    times, nc, d = [], batch.facts["contacts"], batch.dimension
+    for k, problem in enumerate(batch.problems[:SAMPLE]):
+        before = np.tile(batch.before[k * nc * d : (k + 1) * nc * d], repeats)
+        way = _way(cell, (problem,) * repeats, before)
+        times.append(min(_seconds(way.run, process_time) for _ in range(2)) / repeats)
+    return times
+
+
+def _threads(cell: BatchCell, batch: Problems, seconds: float) -> Row:
+    """What threads on all cores gain. seconds: of a problem on one."""
+    with process.all_cores() as workers:
+        if workers == 1:
+            return {}
+        many = batch.problems * math.ceil(LONG / (seconds * cell.count))
+        runs = {number: _way(cell, many, batch.before, number).run for number in (1, workers)}
+        begun, busy, own = perf_counter(), process.busy_seconds(), process_time()
+        walls = [{number: _seconds(run, perf_counter) for number, run in runs.items()} for _ in range(ROUNDS)]
+        foreign = (process.busy_seconds() - busy) - (process_time() - own)
+        quiet = foreign <= FOREIGN * workers * (perf_counter() - begun)
+    gain = min(each[1] for each in walls) / min(each[workers] for each in walls)
+    return {"threads": workers, "gain": gain if quiet else None}
+
+
+def _verified(cell: BatchCell, batch: Problems, answers: list[Answer], info: SolverInfo) -> Row:
+    """The worst verdict, how often which verdict was found, and the counts of work together."""
+    findings = [verify(problem, answer, info, cell.tol) for problem, answer in zip(batch.problems, answers, strict=True)]
+    verdicts = Counter(finding.verdict for finding in findings)
+    work: Counter[str] = Counter()
+    for answer in answers:
+        work.update(answer.work)
+    failed = {verdict: count for verdict, count in verdicts.items() if verdict != Verdict.SOLVED}
+    return {
+        "verdict": max(verdicts, key=RANK.__getitem__),
+        "reason": ", ".join(f"{count} of {len(answers)} {verdict}" for verdict, count in sorted(failed.items())),
+        "verified": verdicts[Verdict.SOLVED] / len(answers),
+        "residual": max(finding.residual for finding in findings),
+        "work": json.dumps(work, sort_keys=True),
+    }
+
+
+def _seconds(run: Callable[[], Any], clock: Callable[[], float]) -> float:
+    begun = clock()
+    run()
+    return clock() - begun

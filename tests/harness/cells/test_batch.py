@@ -1,0 +1,65 @@
+"""Batches: the same problems each time, verified in every way, and what starts warm."""
+
+import json
+
+import numpy as np
+import pytest
+
+from frictionbench.harness.cells import batch
+from frictionbench.harness.cells.batch import batch_of, time_batch
+from frictionbench.harness.cells.compiled_loops import Way
+from frictionbench.harness.plans.plan import BatchCell
+from frictionbench.problems import InputError
+from frictionbench.results.batches import rate_of
+from frictionbench.solvers import Answer, find, solve_many
+
+SIZES = [("stack", {"blocks": 1}, 2, 2), ("cubes", {"boxes": 1}, 3, 4)]
+
+
+@pytest.fixture(autouse=True)
+def short(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, value in {"ROUNDS": 1, "SHORT": 0.0, "AGAIN": 1, "SAMPLE": 2, "LONG": 0.0}.items():
+        monkeypatch.setattr(batch, name, value)
+
+
+@pytest.mark.parametrize(("scene", "parameters", "dimension", "contacts"), SIZES)
+def test_problems_are_the_same_each_time(scene: str, parameters: dict[str, int], dimension: int, contacts: int) -> None:
+    one, other = (batch_of.__wrapped__(scene, json.dumps(parameters), 3) for _ in range(2))
+    assert [problem.hash for problem in one.problems] == [problem.hash for problem in other.problems]
+    assert len({problem.hash for problem in one.problems}) == 3
+    assert (one.facts["dimension"], one.facts["contacts"], one.facts["active"]) == (dimension, contacts, 1.0)
+
+
+def test_it_starts_warm_near_the_answers() -> None:
+    found = batch_of("stack", json.dumps({"blocks": 1}), 3)
+    answers = solve_many(found.problems, "lemke")
+    assert 0 < np.abs(found.before - answers.impulse).max() < 0.05 * np.abs(answers.impulse).max()
+
+
+@pytest.mark.parametrize("way", ["calls", "packed", "list"])
+def test_every_way_is_timed_and_verified(way: str) -> None:
+    cell = BatchCell("stack", {"blocks": 1}, 4, "lemke", way, 1e-8)
+    row = time_batch(cell, batch_of("stack", json.dumps(cell.parameters), 4), find("lemke")[0])
+    assert (row["verdict"], row["verified"], len(row["times"]), len(row["problem_times"])) == ("solved", 1.0, 1, 2)
+    assert json.loads(row["work"])["pivots"] > 0
+    assert rate_of({"threads": None, "gain": None, **vars(cell), **batch_of("stack", '{"blocks": 1}', 4).facts, **row}).rate > 0
+
+
+def test_what_is_not_solved_has_the_worst_verdict(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A loop that solves all problems but one, and claims that one as well."""
+    problems = batch_of("stack", '{"blocks": 1}', 4)
+    answers = solve_many(problems.problems, "lemke")
+    given = [Answer(answers[k] * (k != 2), answers.status[k]) for k in range(4)]
+    monkeypatch.setattr(batch, "_way", lambda *_: Way(lambda: given))
+    row = time_batch(BatchCell("stack", {"blocks": 1}, 4, "lemke", "calls", 1e-8), problems, find("lemke")[0])
+    assert (row["verdict"], row["verified"], row["reason"]) == ("wrong", 0.75, "1 of 4 wrong")
+
+
+def test_settings_that_are_given_are_not_drawn() -> None:
+    found = batch_of("stack", json.dumps({"blocks": 1, "friction": 0.25}), 3)
+    assert {float(mu) for problem in found.problems for mu in problem.friction} == {0.25}
+
+
+def test_a_scene_is_refused_by_its_own_error() -> None:
+    with pytest.raises(InputError, match="blocks"):
+        batch_of("stack", json.dumps({"blocks": 0}), 3)

@@ -1,0 +1,50 @@
+"""Rates that say nothing are refused, with the reason; the others follow from the raw times."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from frictionbench.results.batches import rate_of, rate_tables
+from tests.helpers.made_results import batch_row
+
+
+def test_a_rate_follows_from_the_fastest_round() -> None:
+    found = rate_of(batch_row("lemke", "packed", times=[3e-3, 1e-3], base_times=[4e-3, 5e-3], problem_times=[1e-3, 2e-3]))
+    assert (found.refused, found.rate, found.ratio, found.threads, found.gain) == ("", 1000.0, 4.0, 2, 1.9)
+    np.testing.assert_allclose(found.percentiles, [0.375, 0.4875, 0.5])
+
+
+@pytest.mark.parametrize(
+    ("facts", "why"),
+    [
+        ({"contacts": 0}, "no contacts"),
+        ({"idle": 1.0}, "friction is idle in all problems"),
+        ({"active": 0.0}, "friction is idle in all problems"),
+        ({"verified": 0.9996, "verdict": "wrong"}, "99.9 % verified"),
+        ({"verified": 0.0, "verdict": "relaxed"}, "0 % verified"),
+        ({"residual": 1e-7}, "residual above the tolerance"),
+        ({"verdict": "skipped", "verified": None, "reason": "osqp not installed"}, "skipped: osqp not installed"),
+        ({"verdict": "timeout", "verified": None, "reason": ""}, "timeout"),
+        ({"times": []}, "not timed"),
+        ({"base_times": [float("nan")]}, "not timed"),
+    ],
+)
+def test_rates_that_say_nothing_are_refused(facts: dict[str, object], why: str) -> None:
+    found = rate_of(batch_row("lemke", "packed", **facts))
+    assert (found.refused, found.texts[0]) == (why, why)
+    assert set(found.texts[1:]) == {"–"}
+
+
+@pytest.mark.parametrize(
+    ("facts", "shown"),
+    [({"threads": None, "gain": None}, "–"), ({"gain": None}, "busy"), ({"gain": 1.875}, "1.88")],
+)
+def test_threads_that_were_not_tried_have_a_dash(facts: dict[str, object], shown: str) -> None:
+    assert rate_of(batch_row("lemke", "packed", **facts)).texts[-1] == shown
+
+
+def test_batches_that_did_not_run_are_listed() -> None:
+    rows = [batch_row("osqp", "calls", contacts=None, verified=None, verdict="crashed", reason="killed")]
+    (table,) = rate_tables(pd.DataFrame(rows))
+    assert (table.title, table.problems) == ("not run: stack[blocks=2]", 100)
+    assert table.rates[0].refused == "crashed: killed"
