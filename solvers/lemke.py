@@ -41,7 +41,7 @@ from frictionbench.problems.compiled import kernel, lean, lean_kernel, lean_loop
 from frictionbench.problems.forms.lcp import tangent_basis
 from frictionbench.problems.packed import CONTACT, Packed
 from frictionbench.problems.rows import Index64
-from frictionbench.solvers.clock import deadline, late
+from frictionbench.solvers.clock import deadline, is_past, late
 from frictionbench.solvers.interface import Answer, Solved, impulses, solver
 from frictionbench.solvers.loops import impulses_of, is_alone, solved, unsolved
 from frictionbench.solvers.pivots.inverse_basis import InverseBasis, Matrix, invert, make_slack, refactor, slack_basis
@@ -287,6 +287,8 @@ class Lemke:
         scaled, cover = prepared
         M, q, unit = scaled.M, scaled.q, scaled.unit
         guess = NONE if start is None else guess_basis(scaled.lcp, start)
+        if is_past(deadline(2.0 * len(guess) ** 3)):  # its inverse would take too long; there may be time to begin from z = 0
+            guess = NONE
         limit = limit or 100_000 + 100 * len(q)
         goal = MARGIN * tol
         ended, pivots, restarts, inversions, y = lemke(

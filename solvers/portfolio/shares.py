@@ -31,7 +31,7 @@ BROUGHT: dict[tuple[int, str], dict[str, int]] = {
         "anitescu_hart": 0,
     },
     (3, "interior_point"): {
-        "interior_point": 86,
+        "interior_point": 85,
         "nsgs": 1,
         "proximal_newton": 0,
         "nncg": 0,

@@ -60,6 +60,17 @@ def test_admm_keeps_its_penalty_where_there_is_no_time_for_another(
     assert held.work["factorisations"] == 1 < free.work["factorisations"]
 
 
+def test_lemke_begins_from_nothing_where_there_is_no_time_to_invert_a_guessed_basis(
+    problem: FrictionProblem, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    start = fb.solve(problem, "lemke").impulse
+    assert fb.solve(problem, "lemke", start=start, time_limit=1e6).work["inversions"] > 0
+    monkeypatch.setattr(clock, "SPEED", 1e-9)
+    cold = fb.solve(problem, "lemke", start=start, time_limit=1e6)
+    assert cold.status is fb.Status.SOLVED
+    np.testing.assert_array_equal(cold.impulse, start)
+
+
 def test_newton_looks_at_the_clock_before_each_step() -> None:
     problem = make_instance("cubes", boxes=1, push=1.0)
     system = build_system(problem)
