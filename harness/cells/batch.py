@@ -83,20 +83,19 @@ def time_batch(cell: BatchCell, batch: Problems, info: SolverInfo) -> Row:
     """The columns that are measured."""
     run, answers_of = _way(cell, batch.problems, batch.before)
     single = partial(_calls, batch.problems, batch.facts["base"], cell.tol)
-    answers = list(answers_of(run()))  # also compiles and loads
+    row = _verified(cell, batch, list(answers_of(run())), info)  # also compiles and loads
     single()
     times, singles = [], []
     for _ in range(ROUNDS):
         times.append(_seconds(run, process_time) / cell.count)
         singles.append(_seconds(single, process_time) / cell.count)
-    row = {
-        "times": times,
-        "base_times": singles,
-        "problem_times": _each(cell, batch, max(AGAIN, math.ceil(SHORT / min(times)))),
-    }
+    row |= {"times": times, "base_times": singles}
+    if row["verified"] < 1:  # its rate is refused: what it would cost to measure more is saved
+        return row
+    row["problem_times"] = _each(cell, batch, max(AGAIN, math.ceil(SHORT / min(times))))
     if cell.way == "packed" and cell.start != WARM:
         row |= _threads(cell, batch, min(times))
-    return row | _verified(cell, batch, answers, info)
+    return row
 
 
 def _way(cell: BatchCell, problems: tuple[FrictionProblem, ...], before: Array, workers: int = 1) -> Way:

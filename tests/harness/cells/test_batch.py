@@ -53,6 +53,7 @@ def test_what_is_not_solved_has_the_worst_verdict(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(batch, "_way", lambda *_: Way(lambda: given))
     row = time_batch(BatchCell("stack", {"blocks": 1}, 4, "lemke", "calls", 1e-8), problems, find("lemke")[0])
     assert (row["verdict"], row["verified"], row["reason"]) == ("wrong", 0.75, "1 of 4 wrong")
+    assert "problem_times" not in row
 
 
 def test_settings_that_are_given_are_not_drawn() -> None:
