@@ -67,6 +67,7 @@ ON_LESS = {
     ),
     "run smoke": ("--scene 'random_bodies[contacts=8,friction=100]'", "--tol 1e-6"),
     "run spatial": ("--scene 'sphere_pyramid[levels=1]'", "--solver nsgs", "--tol 1e-4"),
+    "run batch": ("--scene 'stack[blocks=1]'", "--solver lemke"),
     "run maps": ("--scene redundant_table", "--solver lemke"),
     "run hard": ("--scene stack", "--solver lemke"),
     "run recorded": ("--solver lemke",),
