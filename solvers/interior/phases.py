@@ -57,32 +57,39 @@ def run(
     problem, system = prepared
     sharp = tol / problem.spread  # of the largest unit, in which the system measures all contacts
     nothing = np.zeros_like(system.offset)
-    at_first = measure(problem, nothing)
-    if at_first <= tol:  # contacts that neither close nor open converge slowly
+    if not _closing(problem, tol) and measure(problem, nothing) <= tol:  # contacts neither closing nor opening converge slowly
         return Answer(nothing, Status.SOLVED, {"iterations": 0, "factorisations": 0})
-    history, space, workspace = np.empty(limit), space_of(system), new_workspace(system)
-    best = Best(np.zeros_like(system.offset), np.array([np.inf]), np.zeros(1, np.int64))
-    used = 0
+    space, workspace = space_of(system), new_workspace(system)
+    best = Best(nothing, np.array([np.inf]), np.zeros(1, np.int64))
+    history: list[float] = []
     status = Status.STALLED
     for method, point, share in phases:
-        found = Best(np.zeros_like(best.impulse), np.array([np.inf]), best.factorisations)
-        used += method(system, space, point, workspace, found, MARGIN * sharp, patience, history[used : used + share])
+        found = Best(np.zeros_like(nothing), np.array([np.inf]), best.factorisations)
+        residuals = np.empty(min(share, limit - len(history)))
+        used = method(system, space, point, workspace, found, MARGIN * sharp, patience, residuals)
+        history += residuals[:used].tolist()
         solved = _is_solved(found, tol, sharp, system, problem, measure)
         if polish and not solved and found.residual[0] <= POLISHABLE:
             solved = _is_polished(found, tol, prepared, measure, polish)
         if found.residual[0] < best.residual[0]:
-            best.impulse[:], best.residual[:] = found.impulse, found.residual
+            best = found
         if solved:
             status = Status.SOLVED
             break
-        if used == len(history) or is_past(workspace.until):
-            status = Status.WORK_LIMIT if used == len(history) else Status.TIME_LIMIT
+        if len(history) == limit or is_past(workspace.until):
+            status = Status.WORK_LIMIT if len(history) == limit else Status.TIME_LIMIT
             break
-    work = {"iterations": used, "factorisations": int(best.factorisations[0])}
+    work = {"iterations": len(history), "factorisations": int(best.factorisations[0])}
     impulse = best.impulse * system.impulse
-    if status is Status.TIME_LIMIT and measure(problem, impulse) > at_first:  # the first points are far inside the cones
+    # The first points are far inside the cones.
+    if status is Status.TIME_LIMIT and measure(problem, impulse) > measure(problem, nothing):
         impulse = nothing
-    return Answer(impulse, status, work, tuple(history[:used].tolist()))
+    return Answer(impulse, status, work, tuple(history))
+
+
+def _closing(problem: FrictionProblem, tol: float) -> bool:
+    """Whether a contact approaches in the free motion, faster than no impulses may leave it."""
+    return bool((problem.q[:: problem.dimension] < -tol * problem.units).any())
 
 
 def _is_solved(best: Best, tol: float, sharp: float, system: System, problem: FrictionProblem, measure: Measure) -> bool:
