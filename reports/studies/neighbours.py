@@ -14,6 +14,7 @@ from frictionbench.reports.studies.numbers import listing
 from frictionbench.results.studies import StudyTables
 
 PARTED = 20.0  # times the change of the start: farther apart at the end than smooth growth in so short a motion explains
+SAME = 1e-6  # m/s: answers of two solvers that differ by less
 JAM, RODS, LANDING = "jam", ("rod at p > 0", "rod at p < 0"), "flat landing"
 EDGE = "rod leaving at p < 0"
 EVENTS = "event_driven"
@@ -39,21 +40,20 @@ def account(found: StudyTables) -> Account:
     steps = lifts.groupby(["step", "lift"]).agg(
         solutions=("solutions", "first"), apart=("along", lambda along: along.max() - along.min())
     )
-    differ, several = steps["apart"] > 1e-6, steps["solutions"] > 1
+    differ, several = steps["apart"] > SAME, steps["solutions"] > 1
     begins = steps[several].reset_index().groupby("step")["lift"].min()
     before = steps[~several].reset_index().query("lift < @begins.min()")["lift"].max()
     without = [f"{case} ({_pairs(own)})" for case, own in silent.groupby("case")]
     late = [f"{name} up to {delay:.1g} s" for name, delay in small.items()]
     return Account(
         answer=f"At edges, yes: neighbours part for good in {listing(sorted(parted['case'].unique()))}. Inside the region of "
-        f"p < 0 neighbours stay neighbours; in the jam the solvers' answers differ by up to {between:.2g} m/s.",
+        f"p < 0 neighbours stay neighbours; in the jam the solvers' answers {_apart(between)}.",
         result=f"On the ground the rod's neighbours end at most {_gain(inside):.2g} times as far apart as they began, on "
         f"either side of p = 0. Neighbours end more than {PARTED:g} times as far apart as they began, for some change, in "
         f"{'; '.join(told)}. As the rod's tip leaves the ground, velocities that part are up to "
         f"{edge['most_apart'].max():.2g} apart on the way and {edge['apart'].max():.1g} at the end, since the rod that opened "
         f"falls back and is caught. The census counts several solutions in {int(several.sum())} of {len(steps)} of the rod's "
-        f"first steps, and the solvers' answers differ in {int(differ.sum())}, "
-        f"{'the same' if differ.eq(several).all() else 'not all of them the same'}; for every step these begin between "
+        f"first steps, and the solvers' answers differ in {where_answers_differ(differ, several)}; several begin for every step between "
         f"{before:g} and {begins.max():g} g h of lift, so that the edge moves to the ground with h. A tall block that lands "
         f"flat stops; with a spin of {events['spin'].iloc[0]:.0e} rad/s, which delays the second hit by "
         f"{events['delay'].iloc[0]:.1g} s, the event-driven motion ends with {events['after'].iloc[0]:.3f} rad/s, the closed "
@@ -94,6 +94,19 @@ def _spread(rows: pd.DataFrame) -> float:
     """The largest distance between velocities at the end."""
     ends = np.array(rows["velocity"].tolist(), dtype=float)
     return float(np.linalg.norm(ends[:, None] - ends[None], axis=2).max())
+
+
+def _apart(distance: float) -> str:
+    """How answers whose velocities are so many m/s apart differ."""
+    return f"differ by up to {distance:.2g} m/s" if distance > SAME else "are the same"
+
+
+def where_answers_differ(differ: pd.Series, several: pd.Series) -> str:
+    """In how many steps answers differ, and whether in those with several solutions."""
+    if not differ.any():
+        return "none"
+    where = "all of these" if differ.eq(several).all() else "these only" if several[differ].all() else "others, too"
+    return f"{int(differ.sum())}, {where}"
 
 
 def _landings(ax: Axes, landings: pd.DataFrame) -> None:

@@ -1,7 +1,9 @@
 """Neighbouring starts part at edges, at reduced size."""
 
+import pandas as pd
 import pytest
 
+from frictionbench.reports.studies.neighbours import where_answers_differ
 from tests.helpers.studies import reduced, told
 
 
@@ -26,4 +28,17 @@ def test_neighbours_part_where_the_tip_leaves_and_by_the_order_of_hits() -> None
     assert landings.loc[("anitescu_potra", 1e-6), "after"] < 1e-5
     account = told(found)
     assert account.answer.startswith("At edges, yes: neighbours part for good in ")
-    assert "the solvers' answers differ in 0, not all of them the same;" in account.result
+    assert "the solvers' answers differ in none;" in account.result
+
+
+@pytest.mark.parametrize(
+    ("differ", "several", "text"),
+    [
+        ([0, 0], [1, 0], "none"),
+        ([1, 0], [1, 0], "1, all of these"),
+        ([1, 0], [1, 1], "1, these only"),
+        ([1, 1], [1, 0], "2, others, too"),
+    ],
+)
+def test_where_answers_differ(differ, several, text) -> None:
+    assert where_answers_differ(pd.Series(differ, dtype=bool), pd.Series(several, dtype=bool)) == text
