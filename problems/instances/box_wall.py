@@ -34,7 +34,7 @@ def box_wall(
     points: contacts at a horizontal face, 4 at its corners or 8 with those amid its edges; an upright face has 4. The normals
     are perturbed at random by 1e-3. noise: m/s and rad/s, standard deviation of every velocity, added to gravity. push: m/s.
     """
-    rows, bricks = count("rows", rows), count("bricks", bricks, least=2)
+    rows, bricks, points = count("rows", rows), count("bricks", bricks, least=2), count("points", points)
     require(points in {4, 8}, "points", f"expected 4 or 8, got {points!r}")
     random = np.random.default_rng([count("seed", seed, least=0), rows, bricks, points])
     place = [(k, j) for k in range(rows) for j in range(bricks - k % 2)]

@@ -99,6 +99,9 @@ def test_spatial_subproblems() -> None:
         ("random_bodies", {"mass_ratio": 0.5}, "mass_ratio"),
         ("sphere_pyramid", {"noise": "much"}, "noise"),
         ("random", {"contacts": 0}, "contacts"),
+        ("box_wall", {"points": 6}, "points"),
+        ("box_wall", {"points": 4.0}, "points"),
+        ("random_graph", {"bodies": 3}, "bodies"),
     ],
 )
 def test_bad_parameter(name, parameters, field) -> None:
