@@ -40,6 +40,7 @@ STANDS_FOR = {
     "--out NEW": "--out new/data",
     "new-folder": "new/set",
     "--out SITE": "--out site",
+    "run batch --out DIR": "run batch --out runs/batch",
     "BASELINE": "baselines/smoke.tsv",
     "FILE.hdf5": "made.hdf5",
     "FILE|SCENE": "problem.npz",
