@@ -37,28 +37,20 @@ def no_problem(source: Source, reason: str) -> Row:
 
 def simulation_row(cell: SimulationCell, limit: float, plugins: tuple[Plugin, ...] = ()) -> Row:
     """The columns of the simulation cell and of its solver."""
-    facts = {
-        "key": cell.key,
-        "scene": cell.scene,
-        "parameters": json.dumps(cell.parameters, sort_keys=True),
-        "scheme": cell.scheme,
-        "after_failure": cell.after,
-        "steps": cell.steps,
-        "tol": cell.tol,
-        "time_limit": limit,
-    }
-    return facts | _solver_row(cell.variant, plugins)
+    return _cell_row(cell, limit, plugins) | {"scheme": cell.scheme, "after_failure": cell.after, "steps": cell.steps}
 
 
 def batch_row(cell: BatchCell, limit: float, plugins: tuple[Plugin, ...] = ()) -> Row:
     """The columns of the batch cell and of its solver."""
+    return _cell_row(cell, limit, plugins) | {"problems": cell.count, "way": cell.way, "start": cell.start}
+
+
+def _cell_row(cell: SimulationCell | BatchCell, limit: float, plugins: tuple[Plugin, ...]) -> Row:
+    """The columns of a cell that is not of one stored problem, and of its solver."""
     facts = {
         "key": cell.key,
         "scene": cell.scene,
         "parameters": json.dumps(cell.parameters, sort_keys=True),
-        "problems": cell.count,
-        "way": cell.way,
-        "start": cell.start,
         "tol": cell.tol,
         "time_limit": limit,
     }
