@@ -103,10 +103,8 @@ def rate_of(row: dict[str, Any]) -> Rate:
         return Rate(*names, why or "not timed", np.nan, np.nan, [], 0, np.nan)
     single = singles.min()
     shares = [float(np.percentile(each, p)) / single for p in PERCENTILES] if len(each) else []
-    threads, gain = (
-        (0 if pd.isna(row["threads"]) else int(row["threads"])),
-        float("nan" if pd.isna(row["gain"]) else row["gain"]),
-    )
+    threads = 0 if pd.isna(row["threads"]) else int(row["threads"])
+    gain = np.nan if pd.isna(row["gain"]) else float(row["gain"])
     return Rate(*names, "", 1 / times.min(), single / times.min(), shares, threads, gain)
 
 
