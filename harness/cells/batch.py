@@ -22,13 +22,13 @@ import numpy as np
 
 from frictionbench.harness import process
 from frictionbench.harness.cells.compiled_loops import LOOPS, Way
+from frictionbench.harness.plans.named import problem_of
 from frictionbench.harness.plans.plan import BatchCell
 from frictionbench.harness.verify import verify
-from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.batch import Batch
 from frictionbench.problems.check import Array
-from frictionbench.problems.instances import instances, make_instance
 from frictionbench.results.conventions import DRAWN, NEARBY, WARM
 from frictionbench.results.store import Row
 from frictionbench.results.verdicts import RANK, Verdict
@@ -59,9 +59,9 @@ def batch_of(name: str, parameters: str, count: int) -> Problems:
     given = json.loads(parameters)
     rng = np.random.default_rng(SEED)
     drawn = [{key: rng.uniform(*bounds) for key, bounds in DRAWN.items()} | given for _ in range(count)]
-    problems = [_problem(name, settings) for settings in drawn]
+    problems = [problem_of(name, settings) for settings in drawn]
     spec = BASE[problems[0].dimension]
-    before = solve_many([_problem(name, each | {"push": (1 - NEARBY) * each["push"]}) for each in drawn], spec, tol=TOL)
+    before = solve_many([problem_of(name, each | {"push": (1 - NEARBY) * each["push"]}) for each in drawn], spec, tol=TOL)
     answers = solve_many(problems, spec, tol=TOL)
     bearing = np.concatenate([answers[k][:, 0] > 0 for k in range(count)])
     rested = [idle(problem, lambda given: solve(given, spec).impulse) for problem in problems[:SAMPLE]]
@@ -73,10 +73,6 @@ def batch_of(name: str, parameters: str, count: int) -> Problems:
         "base": spec,
     }
     return Problems(tuple(problems), before.impulse, facts)
-
-
-def _problem(name: str, settings: dict[str, Any]) -> FrictionProblem:
-    return make_instance(name, **settings) if name in instances() else scene(name, **settings).problem()
 
 
 def time_batch(cell: BatchCell, batch: Problems, info: SolverInfo) -> Row:

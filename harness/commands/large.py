@@ -9,8 +9,8 @@ the family, are not run.
 from collections.abc import Iterator
 from time import process_time
 
-from frictionbench.problems import FrictionProblem, scene
-from frictionbench.problems.instances import make_instance
+from frictionbench.harness.plans.named import problem_of
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.residual import residual
 from frictionbench.solvers import find, solve
 from frictionbench.solvers.interface import dense_storage
@@ -43,9 +43,9 @@ def _table(title: str, name: str, parameter: str, sizes: tuple[int, ...]) -> str
     lines.append("|--:" * (len(METHODS) + 3) + "|")
     late: set[str] = set()
     first = None
-    dict(_times(_problem(name, {parameter: 3}), set()))  # compiles and loads
+    dict(_times(problem_of(name, {parameter: 3}), set()))  # compiles and loads
     for size in sizes:
-        problem = _problem(name, {parameter: size})
+        problem = problem_of(name, {parameter: size})
         found = dict(_times(problem, late))
         base = found["interior_point"][0]
         first = first or base
@@ -53,10 +53,6 @@ def _table(title: str, name: str, parameter: str, sizes: tuple[int, ...]) -> str
         unknowns = problem.contacts * 4 if problem.dimension == 2 else problem.contacts * 3
         lines.append(f"| {size} | {problem.contacts} | {unknowns} | {base / first:.3g} | {' | '.join(shown)} |")
     return "\n".join(lines) + "\n"
-
-
-def _problem(name: str, parameters: dict[str, int]) -> FrictionProblem:
-    return make_instance(name, **parameters) if name == "rod_chain" else scene(name, **parameters).problem()
 
 
 def _times(problem: FrictionProblem, late: set[str]) -> Iterator[tuple[str, tuple[float, float]]]:

@@ -17,10 +17,9 @@ from time import process_time
 import numpy as np
 
 from frictionbench.harness.plans.hard import families
-from frictionbench.harness.plans.plan import Source
-from frictionbench.problems import FrictionProblem, scene
+from frictionbench.harness.plans.named import problem_of
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
-from frictionbench.problems.instances import instances, make_instance
 from frictionbench.problems.residual import residual_with_floor
 from frictionbench.solvers import solve
 from frictionbench.solvers.hybrid import PLANAR, SPATIAL, SWEEPS, in_order, simple_first
@@ -39,7 +38,7 @@ def table() -> str:
     """The module in Python."""
     lines = [HEAD]
     for dimension, members in ((2, PLANAR), (3, SPATIAL)):
-        problems = [problem_of(source) for family in families(dimension).values() for source in family]
+        problems = [problem_of(source.scene, source.parameters) for family in families(dimension).values() for source in family]
         seconds = _seconds(members, problems)
         simple = np.array([simple_first(problem) for problem in problems])
         for first in (True, False):
@@ -59,11 +58,6 @@ def brought(seconds: Array) -> list[int]:
         before, counts = counts, np.bincount(np.argmin(times / (counts + 1)[:, None], axis=0), minlength=len(times))
         if (counts == before).all():
             return [int(count) for count in counts]
-
-
-def problem_of(source: Source) -> FrictionProblem:
-    known = source.scene in instances()
-    return make_instance(source.scene, **source.parameters) if known else scene(source.scene, **source.parameters).problem()
 
 
 def _seconds(members: tuple[str, ...], problems: list[FrictionProblem]) -> Array:

@@ -15,7 +15,7 @@ from frictionbench.harness.cells.rows import PROBLEM_FACTS
 from frictionbench.harness.commands.stored_cell import stored_cell
 from frictionbench.harness.commands.table import columns, paragraph, screen
 from frictionbench.harness.commands.trusted import trusted
-from frictionbench.harness.plans.choose import require_known
+from frictionbench.harness.plans.named import require_known
 from frictionbench.harness.plans.plan import BatchCell, Plan, Plugin, SimulationCell, SolveCell, Source, origin, owner
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import COLLECT_SECONDS, row_of

@@ -2,10 +2,9 @@
 
 from typing import Any
 
+from frictionbench.harness.plans.named import require_known
 from frictionbench.harness.plans.plan import BatchSource, Plan
 from frictionbench.problems.check import require
-from frictionbench.problems.instances import CATALOGUE, instances
-from frictionbench.problems.scenes.catalogue import find_scene
 from frictionbench.problems.spec import parse
 from frictionbench.results.conventions import DRAWN
 
@@ -43,10 +42,9 @@ def chosen_batches(plan: Plan, spec: str) -> tuple[BatchSource, ...]:
     if own and not settings:
         return own
     given: dict[str, Any] = dict.fromkeys(DRAWN, 1.0) | settings
-    found = CATALOGUE.find if name in instances() else find_scene
-    found(name, settings)
+    require_known(name, settings)
     try:
-        found(name, given)
+        require_known(name, given)
     except ValueError:
         require(
             False, "scene", f"{name} cannot be a batch: its problems differ by {', '.join(DRAWN)}, and it has not all of them"

@@ -1,16 +1,15 @@
 """The plan for a suite's name and the command line's choices."""
 
 from dataclasses import replace
-from typing import Any
 
 from frictionbench.harness.plans.batches import chosen_batches
+from frictionbench.harness.plans.named import require_known
 from frictionbench.harness.plans.plan import Plan, Plugin, Source
 from frictionbench.harness.plans.recorded import with_data
 from frictionbench.harness.plans.suites import SUITES
 from frictionbench.problems import InputError
-from frictionbench.problems.instances import CATALOGUE, instances
+from frictionbench.problems.instances import instances
 from frictionbench.problems.names import near
-from frictionbench.problems.scenes.catalogue import find_scene
 from frictionbench.problems.spec import parse
 from frictionbench.results.map_spec import Map
 from frictionbench.solvers import find
@@ -69,14 +68,6 @@ def _chosen(plan: Plan, spec: str) -> tuple[list[Source], list[Source], list[Map
     if name in instances():
         return [Source(name, settings)], [], []
     return [Source(name, settings, pick=6)], [Source(name, settings)], []
-
-
-def require_known(name: str, settings: dict[str, Any]) -> None:
-    """Errors: InputError naming the scene or instance, or the setting, that is unknown; nothing is built."""
-    if name in instances():
-        CATALOGUE.find(name, settings)
-    else:
-        find_scene(name, settings)
 
 
 def tolerances(text: str) -> tuple[float, ...]:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from frictionbench.harness.commands import shares
+from frictionbench.harness.plans.named import problem_of
 from frictionbench.harness.plans.plan import Source
 from frictionbench.solvers.hybrid import PLANAR, SPATIAL
 from frictionbench.solvers.portfolio.shares import BROUGHT
@@ -39,7 +40,7 @@ def test_the_table_names_all_members_in_their_order(monkeypatch: pytest.MonkeyPa
 
 def test_what_is_not_solved_took_for_ever(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shares, "ROUNDS", 1)
-    (problem,) = (shares.problem_of(source) for source in [CHOSEN[2]])
+    (problem,) = (problem_of(source.scene, source.parameters) for source in [CHOSEN[2]])
     assert 0 < shares.time_of("lemke", problem) < 1
     assert shares.time_of("proximal_newton", problem) == np.inf  # it takes no planar contacts
     monkeypatch.setattr(shares, "TOL", 1e-300)
