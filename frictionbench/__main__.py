@@ -1,6 +1,6 @@
 """`python -m frictionbench` is the command line."""
 
-from frictionbench.harness.cli import main
+from frictionbench.commands.cli import main
 
 if __name__ == "__main__":
     main()

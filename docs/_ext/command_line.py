@@ -8,7 +8,7 @@ from docutils import nodes
 from sphinx.util.docutils import SphinxDirective
 from typer.testing import CliRunner
 
-from frictionbench.harness.cli import app as program
+from frictionbench.commands.cli import app as program
 
 
 def commands() -> list[str]:

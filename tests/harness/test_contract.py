@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from frictionbench.harness.cli import app
+from frictionbench.commands.cli import app
 from frictionbench.harness.contract.check import CHECKS, Subject
 from frictionbench.harness.contract.examine import GROUPS
 from frictionbench.solvers import Answer, Status, find, solve

@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 
+from frictionbench.commands.admit import admissible, fewest_contacts
 from frictionbench.harness.cells.reference import Reference
-from frictionbench.harness.commands.admit import admissible, fewest_contacts
 from frictionbench.harness.plans.hard import ANSWERS, FEWEST, METHODS, TOL, admitted, families, hard, kept_answer
 from frictionbench.harness.verify import verify
 from frictionbench.problems import FrictionProblem, scene

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import frictionbench as fb
-from frictionbench.harness.commands.judge import told
+from frictionbench.commands.judge import told
 from frictionbench.harness.judge import judge
 from frictionbench.problems.violations import judged, violations
 from frictionbench.reports.judgement import write_judgement

@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from frictionbench.commands.single import rerun_row
 from frictionbench.harness import run as run_module
 from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.rows import no_problem
-from frictionbench.harness.commands.single import rerun_row
 from frictionbench.harness.plans.choose import choose
 from frictionbench.harness.plans.plan import SolveCell, Source
 from frictionbench.harness.run import row_of, run
@@ -144,7 +144,7 @@ def test_repeatedly_killed_run_resumes(tmp_path) -> None:
     Progress is measured by the files in the folder, since a run spends most of its time starting.
     """
     command = ["run", "smoke", "--scene", "stack", "--scene", "pyramid", "--solver", "lemke", "--solver", "nsgs", "--out"]
-    python = [sys.executable, "-c", "from frictionbench.harness.cli import main; main()"]
+    python = [sys.executable, "-c", "from frictionbench.commands.cli import main; main()"]
     random = np.random.default_rng(0)
     killed, interrupted = tmp_path / "killed", 0
     for _ in range(5):

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from frictionbench.harness.commands.single import rerun_row
-from frictionbench.harness.commands.summary import summary
+from frictionbench.commands.single import rerun_row
+from frictionbench.commands.summary import summary
 from frictionbench.harness.plans.batches import batch
 from frictionbench.harness.plans.choose import choose
 from frictionbench.harness.plans.plan import BatchSource

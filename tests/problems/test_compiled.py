@@ -31,7 +31,7 @@ def package(tmp_path) -> Path:
     problems = home / "problems"
     (home / "__init__.py").touch()
     (problems / "__init__.py").write_text("import frictionbench.problems.compiled as compiled\ncompiled.set_kernel_cache()\n")
-    shutil.copy(ROOT / "problems" / "compiled.py", problems)
+    shutil.copy(ROOT / "frictionbench" / "problems" / "compiled.py", problems)
     (problems / "outer.py").write_text(KERNEL.format(module="inner"))
     write_inner(home, 1)
     return home

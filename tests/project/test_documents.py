@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from frictionbench.harness.cli import app
+from frictionbench.commands.cli import app
 from frictionbench.harness.workers import pool, supervisor
 from frictionbench.problems.recorded import archive, fclib, siconos
 from frictionbench.results import store

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from frictionbench.harness.cli import app
+from frictionbench.commands.cli import app
 from frictionbench.harness.workers.plugins import load_plugins
 from frictionbench.problems import FrictionProblem, InputError, scene
 from frictionbench.problems.residual import residual

@@ -36,9 +36,9 @@ SHOWS = {
 @pytest.fixture(scope="module")
 def source(tmp_path_factory) -> Path:
     copy = tmp_path_factory.mktemp("source")
+    shutil.copytree(ROOT / "frictionbench", copy / "frictionbench")
     for folder in ("problems", "solvers", "harness", "results", "reports"):
-        shutil.copytree(ROOT / folder, copy / folder)
-    shutil.copytree(ROOT / "frictionbench", copy / "frictionbench", symlinks=True)
+        (copy / folder).symlink_to(f"frictionbench/{folder}")
     share_compiled(copy)
     return copy
 
@@ -67,7 +67,7 @@ def follow(recipe: str, copy: Path) -> str:
     environment = os.environ | {"PYTHONPATH": str(copy), "COLUMNS": "200", "NUMBA_CACHE_DIR": str(copy / "compiled")}
     printed = ""
     for command in re.findall(r"^    ((?:frictionbench|echo) .+)$", recipe, re.M):
-        call = ["-c", "from frictionbench.harness.cli import main; main()", *shlex.split(command)[1:]]
+        call = ["-c", "from frictionbench.commands.cli import main; main()", *shlex.split(command)[1:]]
         shell = {"args": command, "shell": True} if command.startswith("echo ") else {"args": [sys.executable, *call]}
         done = subprocess.run(**shell, cwd=copy, env=environment, check=False, **PIPED)
         assert done.returncode == 0, done.stderr

@@ -31,11 +31,9 @@ def installed(request, tmp_path_factory) -> Path:
     home = tmp_path_factory.mktemp(f"a folder with spaces {request.param}")
     source, environment = home / "source", home / "an environment"
     source.mkdir()
-    for name in (*SUBPACKAGES, "frictionbench", "pyproject.toml", "README.md", "LICENSE"):
-        if (ROOT / name).is_dir():
-            shutil.copytree(ROOT / name, source / name, symlinks=True)
-        else:
-            shutil.copy(ROOT / name, source)
+    shutil.copytree(ROOT / "frictionbench", source / "frictionbench")
+    for name in ("pyproject.toml", "README.md", "LICENSE"):
+        shutil.copy(ROOT / name, source)
     if request.param == "sdist":
         shutil.unpack_archive(build("sdist", source, home / "sdists"), home / "unpacked", filter="data")
         shutil.rmtree(source)
@@ -70,7 +68,7 @@ def python(environment: Path, code: str, *arguments: str, **asked: str) -> subpr
 
 COMMANDS = """
 import json, sys
-from frictionbench.harness.cli import main
+from frictionbench.commands.cli import main
 for arguments in json.loads(sys.argv[1]):
     sys.argv[1:] = arguments
     try:

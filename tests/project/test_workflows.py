@@ -23,8 +23,8 @@ SMALL = ("--scene", "stack[blocks=1,push=1]", "--tol", "1e-6")
 COMMAND = f"""#!{sys.executable}
 import sys
 sys.path.insert(0, {str(ROOT)!r})
-from frictionbench.harness.cli import main
-from frictionbench.harness.commands import confirm
+from frictionbench.commands.cli import main
+from frictionbench.commands import confirm
 confirm.PAIRS = 1
 sys.argv += {SMALL!r} if sys.argv[1] == "run" else ()
 main()

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from frictionbench.harness.cli import app
+from frictionbench.commands.cli import app
 from tests.helpers.made_results import SETTINGS, batch_row, write_folder
 
 

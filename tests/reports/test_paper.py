@@ -11,7 +11,7 @@ import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from frictionbench.harness.commands.options import parse_length, split_names
+from frictionbench.commands.options import parse_length, split_names
 from frictionbench.reports.charts import pareto, profiles
 from frictionbench.reports.drawing import tiles
 from frictionbench.reports.drawing.polylines import polylines

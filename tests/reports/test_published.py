@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from frictionbench.harness.commands.stored_problems import held
+from frictionbench.commands.stored_problems import held
 from frictionbench.problems import InputError
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.recorded.own import save

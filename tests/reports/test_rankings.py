@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 import typer
 
-from frictionbench.harness.commands.options import parse_duration
-from frictionbench.harness.commands.single import advice
+from frictionbench.commands.options import parse_duration
+from frictionbench.commands.single import advice
 from frictionbench.reports import accuracy, balance, choice, leave_out, mix, noise, tables
 from frictionbench.reports.charts import profiles
 from frictionbench.reports.drawing.text import ahead, count, percent

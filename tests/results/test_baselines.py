@@ -6,7 +6,7 @@ import json
 import pytest
 from rich.console import Console
 
-from frictionbench.harness.commands.accept import accept
+from frictionbench.commands.accept import accept
 from frictionbench.reports.comparison import history as runs_over_time
 from frictionbench.reports.comparison.markdown import markdown
 from frictionbench.results import cells, known

@@ -182,7 +182,7 @@ def test_mutated_files(tmp_path, kind) -> None:
 def test_full_disk(tmp_path, room, unwritten) -> None:
     """The size of files is limited to the given number of bytes."""
     command = ["run", "smoke", "--jobs", "1", "--scene", "stack", "--solver", "nsgs", "--out", str(tmp_path / "run")]
-    full = "from resource import RLIMIT_FSIZE, setrlimit; from frictionbench.harness.cli import main; "
+    full = "from resource import RLIMIT_FSIZE, setrlimit; from frictionbench.commands.cli import main; "
     full += f"setrlimit(RLIMIT_FSIZE, ({room}, {room})); main()"
     broken = subprocess.run([sys.executable, "-c", full, *command], capture_output=True, text=True, check=False, timeout=120)
     assert broken.returncode == 2

@@ -5,9 +5,9 @@ from functools import cache
 import numpy as np
 import pytest
 
+from frictionbench.commands import listing
 from frictionbench.harness.cells.collect import collect, stored_friction
 from frictionbench.harness.cells.reference import Reference
-from frictionbench.harness.commands import listing
 from frictionbench.harness.plans import families
 from frictionbench.harness.plans.choose import choose
 from frictionbench.harness.plans.lineups import SPATIAL, every

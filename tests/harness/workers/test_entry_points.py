@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from frictionbench.harness.commands.single import all_variants
+from frictionbench.commands.single import all_variants
 from frictionbench.harness.workers import pool
 from frictionbench.harness.workers.plugins import load_plugins
 from frictionbench.problems import InputError

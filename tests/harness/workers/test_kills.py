@@ -25,7 +25,7 @@ OPTIONS = ("run", "smoke", "--jobs", "1", "--scene", "stack", "--scene", "pyrami
 
 
 def started(folder: Path, plugin: Path) -> psutil.Popen:
-    command = [sys.executable, "-c", "from frictionbench.harness.cli import main; main()", *OPTIONS]
+    command = [sys.executable, "-c", "from frictionbench.commands.cli import main; main()", *OPTIONS]
     options = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     return psutil.Popen([*command, "--solver", str(plugin), "--out", str(folder)], **options)
 

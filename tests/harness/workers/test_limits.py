@@ -6,8 +6,8 @@ import sys
 
 import pytest
 
+from frictionbench.commands.single import solve_one
 from frictionbench.harness.cells import worker
-from frictionbench.harness.commands.single import solve_one
 from frictionbench.harness.deadline import Deadline
 from tests.helpers.command_line import frictionbench
 from tests.helpers.paths import ROOT
@@ -16,7 +16,7 @@ BOUNDED = """
 import resource
 from frictionbench.harness import process
 from frictionbench.harness.cells import worker
-from frictionbench.harness.commands.single import solve_one
+from frictionbench.commands.single import solve_one
 print(process.bound_memory(2**28))
 soft, hard = resource.getrlimit(resource.RLIMIT_AS)
 print(soft == hard)

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from frictionbench.commands.shrink import shrink
+from frictionbench.commands.single import rerun_row
 from frictionbench.harness import machine
-from frictionbench.harness.commands.shrink import shrink
-from frictionbench.harness.commands.single import rerun_row
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.run import run
 from frictionbench.harness.workers.plugins import load_plugins

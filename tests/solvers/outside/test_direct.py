@@ -5,9 +5,9 @@ import re
 import numpy as np
 import pytest
 
-from frictionbench.harness.commands.charged import BLOCKS, FAIR, TOL, charged_table
-from frictionbench.harness.commands.claims import claims_table
-from frictionbench.harness.commands.markdown import markdown_table
+from frictionbench.commands.charged import BLOCKS, FAIR, TOL, charged_table
+from frictionbench.commands.claims import claims_table
+from frictionbench.commands.markdown import markdown_table
 from frictionbench.harness.direct import CALLS
 from frictionbench.harness.direct.given import arrays
 from frictionbench.problems import InputError, scene

@@ -15,8 +15,8 @@ import pytest
 from rich.console import Console
 from scipy import sparse
 
-from frictionbench.harness.commands.export import export
-from frictionbench.harness.commands.fairness import FIELDS, facts, outcomes, page
+from frictionbench.commands.export import export
+from frictionbench.commands.fairness import FIELDS, facts, outcomes, page
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import run
@@ -184,7 +184,7 @@ def test_treatment_is_documented(info) -> None:
 
 def test_fairness_page_is_generated() -> None:
     written = (ROOT / "docs" / "fairness.md").read_text(encoding="utf-8")
-    assert written == page(), "python -m frictionbench.harness.commands.fairness > docs/fairness.md"
+    assert written == page(), "python -m frictionbench.commands.fairness > docs/fairness.md"
 
 
 def test_contract_results_are_complete() -> None:

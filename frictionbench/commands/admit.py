@@ -1,0 +1,107 @@
+"""Choose the suite `hard` from its candidates by the rule of harness.plans.hard, and write hard.tsv and hard.npz beside it.
+
+    python -m frictionbench.commands.admit DIR
+
+runs every candidate with every method in DIR (about a quarter of an hour on one core), or goes on with a run that was
+interrupted.
+"""
+
+import csv
+import json
+import sys
+from collections import defaultdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from frictionbench.harness.cells.collect import stored_friction
+from frictionbench.harness.plans.hard import ADMITTED, ANSWERS, FEWEST, TOL, answer_key, candidates, families
+from frictionbench.harness.progress import Progress
+from frictionbench.harness.run import run
+from frictionbench.problems.check import Array
+from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.residual import residual, residual_floor
+from frictionbench.results import store
+from frictionbench.results.map_rows import THEORY
+from frictionbench.results.verdicts import Verdict
+from frictionbench.solvers import solve
+
+COLUMNS = ("family", "scene", "parameters", "contacts", "known", "residual", "floor", "answer", "failed")
+FAILED = (Verdict.NEAR_MISS, Verdict.UNJUDGEABLE, Verdict.UNSOLVED, Verdict.CRASHED, Verdict.WRONG)
+PROVEN = (*THEORY, "counted")  # values of the column `existence` that prove it
+FLOOR = TOL / 10
+
+Record = dict[str, Any]
+
+
+def admit(folder: Path) -> None:
+    """Run the candidates of both dimensions in folder, choose, and write the two files."""
+    lines: list[Record] = []
+    answers: dict[str, Array] = {}
+    for dimension in (2, 3):
+        place = folder / f"dimension_{dimension}"
+        run(candidates(dimension), place, 1, Progress())
+        by_problem: dict[tuple[str, str], list[Record]] = defaultdict(list)
+        for row in store.rows(place, "solves"):
+            by_problem[row["scene"], row["parameters"]].append(row)
+        for family, sources in families(dimension).items():
+            own = [by_problem[source.scene, json.dumps(source.parameters, sort_keys=True)] for source in sources]
+            for rows in fewest_contacts([rows for rows in own if admissible(rows)]):
+                line, answer = _line(family, rows, stored_friction(place, rows[0]["problem"]))
+                lines.append(line)
+                if answer is not None:
+                    answers[answer_key(line)] = answer
+    with ADMITTED.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS, delimiter="\t", lineterminator="\n", quoting=csv.QUOTE_NONE, quotechar=None)
+        writer.writeheader()
+        writer.writerows(lines)
+    np.savez_compressed(ANSWERS, allow_pickle=False, **answers)
+
+
+def failures(rows: list[Record]) -> dict[str, str]:
+    """The verdict of each method that failed on a problem."""
+    return {row["variant"]: row["verdict"] for row in rows if row["verdict"] in FAILED}
+
+
+def admissible(rows: list[Record]) -> bool:
+    """Whether a problem, given by all its rows, may be in the suite: see harness.plans.hard."""
+    first = rows[0]
+    if not first["problem"] or first["trivial"] or first["idle"] or not failures(rows):
+        return False
+    solved = any(row["verdict"] == Verdict.SOLVED for row in rows) and first["existence"] != "none"
+    best = min(rows, key=_distance)
+    known = first["existence"] in PROVEN or solved
+    return known and (best.get("residual_floor") or 0.0) <= FLOOR
+
+
+def fewest_contacts(problems: list[list[Record]]) -> list[list[Record]]:
+    """For each method the FEWEST problems of a family with the fewest contacts on which it fails, in the family's order."""
+    taken: dict[str, list[int]] = defaultdict(list)
+    for index in sorted(range(len(problems)), key=lambda i: problems[i][0]["contacts"]):
+        for method in failures(problems[index]):
+            taken[method].append(index)
+    chosen = {index for indices in taken.values() for index in indices[:FEWEST]}
+    return [problems[index] for index in sorted(chosen)]
+
+
+def _line(family: str, rows: list[Record], problem: FrictionProblem) -> tuple[Record, Array | None]:
+    """A row of hard.tsv, and the best answer if it is verified."""
+    best = min(rows, key=_distance)
+    answer = solve(problem, best["variant"], tol=TOL).impulse if best["verdict"] == Verdict.SOLVED else None
+    found = best["residual"] if answer is None else residual(problem, answer)
+    floor = best["residual_floor"] if answer is None else residual_floor(problem, answer)
+    known = ", ".join(filter(None, [rows[0]["existence"], "answer" if answer is not None else ""]))
+    failed = ", ".join(f"{method} {verdict}" for method, verdict in failures(rows).items())
+    line = {name: rows[0][name] for name in ("scene", "parameters", "contacts")}
+    line |= {"family": family, "known": known, "residual": f"{found:.1e}", "floor": f"{floor:.1e}"}
+    return line | {"answer": best["variant"] if answer is not None else "", "failed": failed}, answer
+
+
+def _distance(row: Record) -> float:
+    value = row.get("residual")
+    return np.inf if value is None or np.isnan(value) else value
+
+
+if __name__ == "__main__":
+    admit(Path(sys.argv[1]))

@@ -1,0 +1,639 @@
+"""The command line. Exit codes: 0 done, 1 a regression (compare) or a failed check (check-solver), 2 unusable input or output,
+3 an error of frictionbench itself, 128 + n ended by signal n; 141 also where the reader of a pipe has ended.
+
+Large imports are inside the commands that need them, so that --help is fast.
+"""
+
+import signal
+import sys
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import typer
+
+from frictionbench.commands import options
+from frictionbench.harness.streams import Unwritable, standard_streams
+from frictionbench.results.conventions import DEFAULT_SCHEME
+from frictionbench.results.printable import printable
+from frictionbench.results.rank_by import RankBy
+
+app = typer.Typer(
+    help="Compare solvers for the friction LCPs of rigid-body dynamics. To begin: frictionbench solve stack",
+    no_args_is_help=True,
+    add_completion=True,
+    rich_markup_mode=None,  # it would read [blocks=5] as markup
+    pretty_exceptions_enable=False,
+)
+
+
+def _version(requested: bool) -> None:
+    if requested:
+        from importlib.metadata import version
+
+        typer.echo(f"frictionbench {version('frictionbench')}")
+        raise typer.Exit
+
+
+@app.callback()
+def about(
+    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")] = False,
+) -> None:
+    pass
+
+
+@app.command()
+def fairness(
+    solver: options.Solvers = None,
+    scene: options.Scenes = None,
+    scheme: options.Scheme = DEFAULT_SCHEME,
+    markdown: Annotated[bool, typer.Option("--markdown", help="Print the table in Markdown.")] = False,
+) -> None:
+    """Time outside solvers beside calls by hand.
+
+    With --scene, compare what both claim on the steps of its motion by a --scheme.
+    """
+    from rich.console import Console
+
+    from frictionbench.commands.charged import charged_table
+    from frictionbench.commands.claims import claims_table
+    from frictionbench.commands.markdown import markdown_table
+
+    table = claims_table(solver or [], scene, scheme) if scene else charged_table(solver or [])
+    if markdown:
+        typer.echo(markdown_table(table))
+    else:
+        Console().print(table)
+
+
+@app.command("list")
+def list_(what: options.Listing) -> None:
+    """List the scenes, the solvers, the suites or the studies."""
+    from frictionbench.commands import listing
+
+    listing.show(what)
+
+
+@app.command()
+def run(
+    suite: options.Suite = "standard",
+    scene: options.Scenes = None,
+    solver: options.Solvers = None,
+    tol: options.Tolerances = None,
+    time_limit: options.SuitesLimit = None,
+    jobs: options.Jobs = None,
+    data: options.Data = None,
+    cluster: options.Cluster = None,
+    out: options.Out = None,
+    retake: Annotated[
+        bool, typer.Option("--retake", help="Run again the cells that shared their core with another process, or timed out.")
+    ] = False,
+) -> None:
+    """Run a suite, or the part of it that the options select.
+
+    The same command resumes an interrupted run.
+    """
+    from frictionbench.commands.summary import folder_for, summary
+    from frictionbench.harness.plans.choose import choose
+    from frictionbench.harness.progress import Progress
+    from frictionbench.harness.run import drop_disturbed
+    from frictionbench.harness.run import run as run_plan
+    from frictionbench.harness.workers.plugins import load_plugins
+    from frictionbench.harness.workers.scenes import require_buildable
+
+    variants, plugins = load_plugins(solver or [])
+    plan = choose(suite, scene or [], variants, tol, time_limit, plugins, tuple(data or ()))
+    if scene:
+        named = [(source.scene, source.parameters) for source in plan.sources]
+        require_buildable([*named, *((batch.scene, batch.parameters) for batch in plan.batches)])
+    folder = out or folder_for(plan)
+    if plan.expects:
+        typer.echo(f"{plan.suite} takes {plan.expects} with one worker on two cores", err=True)
+    with _resumable(folder):
+        if retake:
+            drop_disturbed(plan, folder)
+        if plan.maps:
+            from frictionbench.harness.run_maps import run_maps
+
+            run_maps(plan, folder, _jobs(jobs), Progress(), cluster)
+        else:
+            run_plan(plan, folder, _jobs(jobs), Progress(), cluster)
+    typer.echo(summary(folder))
+
+
+@app.command()
+def report(
+    folder: options.Folder,
+    paper: Annotated[
+        bool, typer.Option("--paper", help="Also write figures, tables, captions and references for LaTeX.")
+    ] = False,
+    solvers: Annotated[
+        str | None, typer.Option("--solvers", metavar="A,B,...", help="For the paper: only these solvers.")
+    ] = None,
+    scenes: Annotated[str | None, typer.Option("--scenes", metavar="A,B,...", help="For the paper: only these scenes.")] = None,
+    figures: Annotated[
+        str | None, typer.Option("--figures", metavar="A,B,...", help="For the paper: only these figures, like profiles.")
+    ] = None,
+    width: Annotated[
+        float,
+        typer.Option(
+            "--width", metavar="85mm|3.35in|241pt", parser=options.parse_length, help="For the paper: the width of a column."
+        ),
+    ] = 3.35,
+    font: Annotated[
+        Literal["serif", "sans"], typer.Option("--font", metavar="serif|sans", help="For the paper: its typeface.")
+    ] = "serif",
+    markdown: Annotated[bool, typer.Option("--markdown", help="Also write the report's tables as Markdown.")] = False,
+    rank_by: options.By = RankBy.BODIES,
+    budget: options.Budget = None,
+) -> None:
+    """Make the HTML report of a results folder."""
+    from frictionbench.problems import InputError
+    from frictionbench.reports.batches import has_batches, write_batches
+    from frictionbench.reports.page import write_report
+    from frictionbench.reports.run import read_run
+
+    if has_batches(folder):
+        if paper or markdown:
+            raise InputError(f"{'paper' if paper else 'markdown'}: a run of batches has a page and no figures")
+        typer.echo(f"report: {write_batches(folder)}")
+        return
+    run = read_run(folder, rank_by, budget)
+    typer.echo(f"report: {write_report(folder, run)}")
+    if paper:
+        from frictionbench.reports.latex import Layout
+        from frictionbench.reports.paper import chosen, of_scenes, write_paper
+
+        run_of_paper = of_scenes(run, options.split_names(scenes)) if scenes else run
+        run_of_paper = chosen(run_of_paper, options.split_names(solvers)) if solvers else run_of_paper
+        wanted = options.split_names(figures) if figures else None
+        written = write_paper(folder, run_of_paper, Layout(width, font), wanted)
+        typer.echo(f"paper:  {written}; preview.tex includes everything, references.bib has the references")
+        if not any(written.glob("*.pgf")):
+            typer.echo("no PGF figures: they need pdflatex, which is not installed")
+    if markdown:
+        from frictionbench.reports.markdown import write_markdown
+
+        typer.echo(f"markdown: {write_markdown(folder, run)}")
+
+
+@app.command()
+def compare(
+    baseline: Annotated[Path, typer.Argument(metavar="BASELINE", help="A baseline file or a results folder.")],
+    folder: Annotated[
+        Path, typer.Argument(metavar="DIR", help="A results folder. Both may also be results of pytest-benchmark.")
+    ],
+    confirm: Annotated[bool, typer.Option("--confirm", help="Run the cells with alerts again before exiting with 1.")] = False,
+    code: Annotated[
+        str | None,
+        typer.Option(
+            "--code",
+            metavar="REVISION|DIR",
+            help="With --confirm: the baseline's code, run alternately with this code to compare times: a git revision, a "
+            "checkout, or an environment in which it is installed.",
+        ),
+    ] = None,
+    solver: options.Trusted = None,
+    slowdown: Annotated[
+        float,
+        typer.Option("--slowdown", metavar="RATIO", min=1, help="Ratio of times above which a solver counts as slower."),
+    ] = 1.1,
+    growth: Annotated[
+        float,
+        typer.Option("--growth", metavar="RATIO", min=1, help="Ratio of work counters above which work counts as grown."),
+    ] = 1.05,
+    alpha: Annotated[
+        float,
+        typer.Option("--alpha", metavar="P", min=0, max=1, help="Error probability of the confidence intervals of times."),
+    ] = 0.05,
+    no_times: Annotated[bool, typer.Option("--no-times", help="Do not compare times.")] = False,
+    rank_by: options.By = RankBy.BODIES,
+    known: Annotated[
+        Path | None, typer.Option("--known", metavar="FILE", help="Acknowledged changes with their reasons, in TOML.")
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="FOLDER", help="Also write it as Markdown, JSON, benchmark JSON and JUnit XML."),
+    ] = None,
+) -> None:
+    """Compare two runs as Markdown.
+
+    Exit code 0: nothing is worse; 1: a regression; 2: unusable input.
+    """
+    from frictionbench.problems import InputError
+    from frictionbench.reports.comparison.files import write_files
+    from frictionbench.reports.comparison.markdown import markdown, summarise
+    from frictionbench.results.compare import Limits
+    from frictionbench.results.compare import compare as compare_runs
+    from frictionbench.results.known import acknowledge, read
+
+    if code and not confirm:
+        raise InputError("code: names the code that --confirm runs; give --confirm as well")
+    acknowledged = read(known) if known else []
+    limits = Limits(slowdown, growth, alpha, not no_times, rank_by)
+    comparison = compare_runs(baseline, folder, limits)
+    if confirm:
+        from frictionbench.commands.confirm import confirmed
+
+        comparison = confirmed(comparison, limits, solver or [], code, lambda line: typer.echo(line, err=True))
+    comparison = acknowledge(comparison, acknowledged)
+    _show_markdown(markdown(comparison))
+    summarise(comparison)
+    if out:
+        write_files(comparison, out)
+    raise typer.Exit(comparison.exit_code)
+
+
+@app.command()
+def accept(
+    folder: options.Folder,
+    baseline: Annotated[
+        Path | None, typer.Argument(metavar="BASELINE", help="The file to write; baselines/SUITE.tsv by default.")
+    ] = None,
+) -> None:
+    """Write a run as a baseline for comparisons.
+
+    Shows the changes against the previous baseline.
+    """
+    from frictionbench.commands.accept import accept as accept_run
+    from frictionbench.reports.comparison.markdown import markdown
+
+    before, accepted = accept_run(folder, baseline)
+    if before is not None:
+        _show_markdown(markdown(before))
+    typer.echo(accepted)
+
+
+@app.command()
+def history(
+    folders: Annotated[list[Path], typer.Argument(metavar="DIR...", help="Results folders and baselines.")],
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", metavar="FILE.html", help="Also draw them, with the changes marked.")
+    ] = None,
+) -> None:
+    """Show verdicts, work and times of runs over time."""
+    from rich.console import Console
+
+    from frictionbench.reports.comparison.history import history as table_of
+    from frictionbench.reports.comparison.history import lines
+
+    found = lines(folders)
+    console, table = Console(), table_of(found)
+    (console if console.is_terminal else Console(width=10**6)).print(table)  # lines are not wrapped in a pipe
+    if out:
+        from frictionbench.reports.comparison.history_page import write_history
+
+        typer.echo(f"history: {write_history(found, out)}")
+
+
+@app.command()
+def publish(
+    folders: Annotated[
+        list[Path], typer.Argument(metavar="DIR...", help="Results folders, summaries, or folders of summaries.")
+    ],
+    out: Annotated[Path | None, typer.Option("--out", metavar="SITE", help="The folder of the site.")] = None,
+    summaries: Annotated[
+        Path | None, typer.Option("--summaries", metavar="FOLDER", help="Also write each run's summary as text.")
+    ] = None,
+) -> None:
+    """Make a static site of results.
+
+    Runs of several machines and versions stand beside each other; each is checked, and none are merged.
+    """
+    from frictionbench.commands.stored_problems import held
+    from frictionbench.reports.published.publish import publish as publish_runs
+
+    for path in publish_runs(folders, out, summaries, held):
+        typer.echo(path)
+
+
+@app.command()
+def solve(
+    problem: Annotated[str, typer.Argument(metavar="FILE|SCENE", help="A problem file, or a scene like 'stack[blocks=5]'.")],
+    solver: options.Solvers = None,
+    tol: options.Tolerance = 1e-8,
+    time_limit: options.Limit = 10.0,
+    jobs: options.Jobs = None,
+    rank_by: options.ByOfProblem = None,
+    budget: options.Budget = None,
+) -> None:
+    """Solve one problem with every solver and show a table."""
+    from frictionbench.commands.single import solve_one
+
+    solve_one(problem, solver or [], tol, time_limit, _jobs(jobs), rank_by=rank_by, budget=budget)
+
+
+@app.command()
+def judge(
+    folder: Annotated[
+        Path,
+        typer.Argument(metavar="FOLDER", help="Steps of an engine, *.npz, by frictionbench.capture or frictionbench.save."),
+    ],
+    against: Annotated[
+        list[str] | None,
+        typer.Option("--against", metavar="SOLVER", help="A further solver to run on the same steps; may be repeated."),
+    ] = None,
+    tol: options.Tolerance = 1e-8,
+    time_limit: options.Limit = 10.0,
+    jobs: options.Jobs = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Results folder; by default one below runs/ for these steps."),
+    ] = None,
+) -> None:
+    """Judge how exact an engine's own steps are.
+
+    Its impulses are measured by Coulomb's law, and exact solvers answer the same steps.
+    """
+    from frictionbench.commands.judge import told
+    from frictionbench.harness.judge import judge as judge_folder
+    from frictionbench.harness.workers.plugins import load_plugins
+    from frictionbench.reports.judgement import write_judgement
+
+    variants, plugins = load_plugins(against or [])
+    written = judge_folder(folder, variants, plugins, tol, time_limit, _jobs(jobs), out)
+    typer.echo(told(written))
+    typer.echo(f"report: {write_judgement(written)}")
+
+
+@app.command()
+def export(
+    problems: Annotated[str, typer.Argument(metavar="SCENE|DIR", help="A scene, or a results folder.")],
+    out: Annotated[
+        Path, typer.Option("--out", "-o", metavar="FILE|FOLDER", help="A file, .hdf5 or .npz, or a folder for several.")
+    ],
+    pick: Annotated[
+        int,
+        typer.Option("--pick", metavar="N", min=0, help="Number of problems, spread over the motion; 0: the first problem."),
+    ] = 0,
+) -> None:
+    """Write problems in FCLIB's HDF5 format, or as .npz."""
+    from frictionbench.commands.export import export as export_problems
+
+    for path in export_problems(problems, out, pick):
+        typer.echo(path)
+
+
+@app.command()
+def dataset(
+    suites: Annotated[
+        list[str] | None, typer.Argument(metavar="[SUITE]...", help="Suites; by default standard, spatial and hard.")
+    ] = None,
+    scene: options.Scenes = None,
+    out: Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="The folder to write, new or empty.")] = Path(
+        "dataset"
+    ),
+) -> None:
+    """Write the generated problems of suites as a data set.
+
+    It has a data card, known answers and checksums, as .npz and in FCLIB's HDF5 format.
+    """
+    from frictionbench.commands.dataset import dataset as write_dataset
+
+    typer.echo(f"data card: {write_dataset(suites or [], scene or [], out, lambda line: typer.echo(line, err=True))}")
+
+
+@app.command()
+def fetch(
+    family: Annotated[str, typer.Argument(metavar="fclib/FAMILY", help="Like fclib/Capsules; `fclib/` lists all.")],
+) -> None:
+    """Download recorded problems of FCLIB's collection.
+
+    They are verified by size and sha256 and stored in the user's cache.
+    """
+    from frictionbench.commands.fetch import fetch as fetch_family
+
+    fetch_family(family)
+
+
+@app.command()
+def show(
+    scene: Annotated[str, typer.Argument(metavar="SCENE", help="Like stack or 'stack[blocks=5]'.")],
+    solver: Annotated[
+        str | None,
+        typer.Option(
+            "--solver",
+            metavar="SOLVER",
+            help="A solver, or a file that defines one; by default lemke, in space interior_point.",
+        ),
+    ] = None,
+    scheme: options.Scheme = DEFAULT_SCHEME,
+    steps: Annotated[
+        int | None,
+        typer.Option("--steps", metavar="N", min=1, help="Number of steps; by default the scene's duration."),
+    ] = None,
+    out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE.html", help="SCENE.html by default.")] = None,
+) -> None:
+    """Animate a scene on an HTML page.
+
+    It shows bodies, contact impulses, friction cones and the energy balance.
+    """
+    from frictionbench.commands.show import recorded, told
+    from frictionbench.reports.animation import write_animation
+
+    motion = recorded(scene, solver, scheme, steps)
+    typer.echo(f"animation: {write_animation(motion, out or Path(f'{motion.scene}.html'))}")
+    typer.echo(told(motion))
+    if motion.ended:
+        typer.echo(f"the motion ends after {len(motion.times) - 1} steps: {motion.ended}", err=True)
+
+
+@app.command("map")
+def map_(
+    scene: Annotated[str, typer.Argument(metavar="SCENE", help="Like painleve_rod or 'stack[push=1]'.")],
+    x: Annotated[str, typer.Option("--x", metavar="PARAMETER=FROM:TO:N", help="Like friction=.1:3:30.")],
+    y: Annotated[str, typer.Option("--y", metavar="PARAMETER=FROM:TO:N", help="Like mass_ratio=log:1e-6:1e6:13.")],
+    solver: options.Solvers = None,
+    tol: Annotated[str, typer.Option("--tol", metavar="T", help="Tolerance on the residual.")] = "1e-6",
+    time_limit: options.Limit = 1.0,
+    scheme: options.Scheme = DEFAULT_SCHEME,
+    steps: Annotated[
+        int,
+        typer.Option("--steps", metavar="N", min=0, help="Steps in closed loop; 0 for only the first problem."),
+    ] = 0,
+    jobs: options.Jobs = None,
+    out: options.Out = None,
+) -> None:
+    """Draw a failure map of a scene over two of its parameters.
+
+    Every solver runs on a grid that is refined where verdicts differ.
+    """
+    from frictionbench.commands.map import plan_map
+    from frictionbench.commands.summary import folder_for
+    from frictionbench.harness.plans.map_grid import corners
+    from frictionbench.harness.progress import Progress
+    from frictionbench.harness.run_maps import run_maps
+    from frictionbench.harness.workers.plugins import load_plugins
+    from frictionbench.harness.workers.scenes import require_buildable
+    from frictionbench.reports.page import write_report
+
+    variants, plugins = load_plugins(solver or [])
+    plan = plan_map(scene, x, y, variants, plugins, tol, time_limit, scheme, steps)
+    require_buildable([(spec.scene, spec.at(corner)) for spec in plan.maps for corner in corners(spec)])
+    folder = out or folder_for(plan)
+    with _resumable(folder):
+        run_maps(plan, folder, _jobs(jobs), Progress())
+    typer.echo(f"report: {write_report(folder)}")
+
+
+@app.command()
+def study(
+    name: Annotated[str, typer.Argument(metavar="NAME|all", help="A study, as `frictionbench list studies` names it.")],
+    jobs: options.Jobs = None,
+    data: Annotated[
+        list[str] | None,
+        typer.Option(metavar="DIR|fclib/FAMILY", help="Also compare these recorded problems, in the study `rankings`."),
+    ] = None,
+    paper: Annotated[bool, typer.Option("--paper", help="Also write the figures for LaTeX.")] = False,
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder of the studies.")] = Path("runs/studies"),
+) -> None:
+    """Answer an open question by tables and figures.
+
+    The same command resumes an interrupted study. The page shows all finished studies of the folder.
+    """
+    from frictionbench.harness.progress import Progress
+    from frictionbench.harness.run_studies import named, run_studies
+    from frictionbench.reports.latex import Layout
+    from frictionbench.reports.studies_page import told, write_paper, write_studies
+
+    studies = named(name)
+    with _resumable(out, report=False):
+        run_studies(studies, out, _jobs(jobs), Progress(), data or ())
+    for about, account in told(out):
+        if about.name in {one.name for one in studies}:
+            typer.echo(f"{about.name}: {about.question} {account.answer}")
+    typer.echo(f"report: {write_studies(out)}")
+    if paper:
+        typer.echo(f"paper:  {write_paper(out, Layout())}")
+
+
+@app.command("check-solver")
+def check_solver(
+    solver: Annotated[
+        list[str], typer.Argument(metavar="FILE|NAME...", help="Files that define solvers, or names; all variants of each.")
+    ],
+    jobs: options.Jobs = None,
+) -> None:
+    """Check a solver against the contract.
+
+    Shows what is wrong and how to correct it. Exit code 0: all checks passed; 1: a check failed.
+    """
+    from frictionbench.harness.contract.examine import examine, format_findings
+
+    found = examine(solver, _jobs(jobs))
+    typer.echo(format_findings(found))
+    raise typer.Exit(int(any(one.violations for one in found)))
+
+
+@app.command()
+def rerun(folder: options.Folder, row: options.Row, solver: options.Trusted = None) -> None:
+    """Run one cell of a results folder again and show both rows."""
+    from frictionbench.commands.single import show_rerun
+
+    show_rerun(folder, row, solver or [])
+
+
+@app.command()
+def shrink(folder: options.Folder, row: options.Row, solver: options.Trusted = None) -> None:
+    """Reduce the problem of a failing cell.
+
+    Contacts are removed while it still fails; the rest is saved as a file.
+    """
+    from frictionbench.commands.shrink import shrink as shrink_row
+
+    small = shrink_row(folder, row, solver or [])
+    size = f"{small.problem.contacts} contacts and {len(small.problem.free_velocity)} velocities"
+    typer.echo(f"reduced to {size} in {small.trials} trials: {small.path}")
+    typer.echo(f"solve it: {small.command}")
+
+
+def _show_markdown(text: str) -> None:
+    """Print Markdown: laid out on a terminal, as it is into a pipe or a file."""
+    from rich.console import Console
+    from rich.markdown import Markdown
+
+    console = Console()
+    if console.is_terminal:
+        console.print(Markdown(text))
+    else:
+        typer.echo(text)
+
+
+def _jobs(jobs: int | None) -> int:
+    """The number of workers; by default a core is left to this process and the system, whose work would disturb the timings."""
+    from frictionbench.harness.process import cores, require_linux
+    from frictionbench.problems import InputError
+
+    require_linux()
+    most = len(cores())
+    if jobs is not None and jobs > most:
+        raise InputError(f"jobs: at most {most} on this machine, one per core")
+    return jobs or max(1, most - 1)
+
+
+class _Stopped(BaseException):
+    """A signal interrupted the command; the argument is its number."""
+
+
+def _stop(number: int, _: Any) -> None:
+    for same in _SIGNALS:
+        signal.signal(same, signal.SIG_IGN)  # further signals do not interrupt the clean-up
+    raise _Stopped(number)
+
+
+@contextmanager
+def _resumable(folder: Path, report: bool = True) -> Iterator[None]:
+    """Print the run's folder, and if the run is interrupted how to resume it; report: whether what it holds can be reported."""
+    typer.echo(f"results are written to {folder}", err=True)
+    try:
+        yield
+    except _Stopped as stopped:
+        stopped.add_note("run the same command again to resume")
+        if report:
+            stopped.add_note(f"report of the results so far: frictionbench report {folder}")
+        raise
+
+
+_SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+
+
+def main() -> None:
+    """The entry point: run the command line. Errors of input are printed as one line, our own in full."""
+    for number in _SIGNALS:
+        signal.signal(number, _stop)
+    with standard_streams():
+        try:
+            _command()
+        except Unwritable:
+            raise
+        except Exception:  # Python would exit with 1, which means a regression
+            traceback.print_exc()
+            sys.exit(3)
+
+
+def _command() -> None:
+    try:
+        app()
+    except (ValueError, OSError) as error:
+        from frictionbench.problems import InputError
+        from frictionbench.results.files import ResultsError
+
+        if not isinstance(error, InputError | ResultsError | OSError):
+            raise
+        typer.echo(f"frictionbench: {_message(error)}", err=True)
+        sys.exit(2)
+    except _Stopped as stopped:
+        number = stopped.args[0]
+        notes = [f"interrupted by {signal.Signals(number).name}", *getattr(stopped, "__notes__", ["nothing was stored"])]
+        with suppress(Unwritable):  # the terminal may be closed
+            typer.echo(f"\nfrictionbench: {'; '.join(notes)}", err=True)
+        sys.exit(128 + number)
+
+
+def _message(error: Exception) -> str:
+    """The error's message; of an error of the system the file and the reason."""
+    if isinstance(error, OSError) and error.filename and error.strerror:
+        return printable(f"{error.filename}: {error.strerror}")
+    return "\n".join(map(printable, str(error).splitlines()))

@@ -1,0 +1,159 @@
+"""`compare --confirm`: run the alerting cells again in new processes, alternating the baseline's code and the current code.
+
+The baseline's code is a revision of the repository in the current folder, a checkout (of frictionbench, or of the repository
+that holds the solver's file), or an environment in which it is installed. Without it only the current code runs again: alerts
+on verdicts and counters that do not recur are dropped, and times are not compared.
+"""
+
+import io
+import json
+import subprocess
+import sys
+import tarfile
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from frictionbench.commands.trusted import trusted
+from frictionbench.harness.plans.suites import SUITES
+from frictionbench.problems import InputError
+from frictionbench.problems.compiled import PACKAGE
+from frictionbench.results import cells, store
+from frictionbench.results.compare import Comparison, Limits, confirm, suspects
+from frictionbench.results.files import ResultsError
+from frictionbench.results.rank_by import RankBy
+from frictionbench.results.times import Pair
+from frictionbench.solvers import plugins
+
+PAIRS, PAIRS_UNTIMED = 8, 3  # runs of each code: eight equal signs are significant at 1 %; verdicts and counters hardly vary
+START = "import sys; sys.path.insert(0, sys.argv.pop(1)); from frictionbench.commands.cli import main; main()"
+
+
+class Code(NamedTuple):
+    """A version of the code: the command that runs it, and its own copies of the outside solvers."""
+
+    command: list[str]
+    solvers: list[str]
+
+
+def confirmed(
+    comparison: Comparison, limits: Limits, named: list[str], code: str | None, tell: Callable[[str], None]
+) -> Comparison:
+    """The comparison with only those alerts that recur when their cells run again.
+
+    named: outside solvers that the user trusts. code: the location of the baseline's code. tell: prints a line of progress.
+    Errors: InputError naming the option, ResultsError where a run fails.
+    """
+    if comparison.unusable or comparison.benchmarks:
+        return comparison
+    if code:
+        require_code(code)
+    settings = store.read_manifest(comparison.current)["settings"]
+    slow = suspects(comparison, limits) if code and limits.times else []
+    stored, current = cells.read(comparison.baseline), cells.read(comparison.current)
+    known = set(stored.measured["variant"]) & set(current.measured["variant"])
+    variants = {found.variant for found in (*comparison.worse, *slow)} & known
+    if code and limits.times and not comparison.times:  # times of another machine cannot select the slow ones: all are timed
+        variants = known
+    if not variants:
+        return comparison
+    for variant in sorted(variants):
+        trusted({"variant": variant}, settings, named)
+    outside = [spec for spec in named if variants & comparison.sources.keys()]
+    options = [*_options(settings), *(part for variant in sorted(variants) for part in ("--solver", variant))]
+    with tempfile.TemporaryDirectory() as name:
+        scratch = Path(name)
+        now = Code([sys.executable, "-P", "-c", START, str(PACKAGE.parent)], outside)
+        before = baseline_code(code, outside, scratch) if code else None
+        timed = before is not None and limits.times
+        sides = [side for side in (before, now) if side is not None]
+        pairs: list[Pair] = []
+        for i in range(PAIRS if timed else PAIRS_UNTIMED):
+            tell(f"confirm: pair {i + 1} of {PAIRS if timed else PAIRS_UNTIMED}")
+            found = {
+                id(side): _cells(side, options, scratch / f"{i}-{sides.index(side)}", limits.rank_by)
+                for side in sides[:: (-1) ** i]
+            }
+            base = found[id(before)] if before else stored
+            pairs.append((base.table, found[id(now)].table))
+    return confirm(comparison, pairs, before is not None, limits)
+
+
+def _options(settings: dict[str, Any]) -> list[str]:
+    """The command-line options of a run with these settings. Errors: InputError where its problems come from files."""
+    try:
+        suite, sources = settings["suite"], settings["sources"]
+        if suite not in SUITES or any(source["file"] for source in sources):
+            raise InputError(f"confirm: the problems of {suite} come from files; its cells cannot be run again")
+        own = {cells.scene_title(source.scene, json.dumps(source.parameters)) for source in SUITES[suite]().sources}
+        specs = [(source["scene"], cells.scene_title(source["scene"], json.dumps(source["parameters"]))) for source in sources]
+        chosen = dict.fromkeys(scene if spec in own else spec for scene, spec in specs)
+        limits = ["--tol", ",".join(map(repr, settings["tolerances"])), "--time-limit", repr(settings["time_limit"])]
+    except (KeyError, TypeError):
+        raise ResultsError("confirm: the run's manifest lacks the settings to run its cells again") from None
+    return [suite, *limits, *(part for scene in chosen for part in ("--scene", scene))]
+
+
+def _cells(code: Code, options: list[str], folder: Path, rank_by: RankBy) -> cells.Cells:
+    """Run with these options and a version of the code. Errors: ResultsError with the last line of its error output."""
+    given = [part for spec in code.solvers for part in ("--solver", spec)]
+    done = subprocess.run(
+        [*code.command, "run", *options, *given, "--out", folder], capture_output=True, text=True, check=False
+    )
+    if done.returncode:
+        last_line = (done.stderr.strip().splitlines() or ["no error output"])[-1]
+        raise ResultsError(f"confirm: {code.command[0]} exited with {done.returncode}: {last_line[:300]}")
+    return cells.read(folder, rank_by)
+
+
+def require_code(code: str) -> None:
+    """Errors: InputError where there is neither a folder nor a revision of this name."""
+    revision = not code.startswith("-") and _git("rev-parse", "--verify", "--quiet", f"{code}^{{tree}}")
+    if not revision and not Path(code).is_dir():
+        raise InputError(f"code: {code!r} is neither a folder nor a revision of the git repository in the current folder")
+
+
+def baseline_code(code: str, named: list[str], scratch: Path) -> Code:
+    """The baseline's code at `code`; a revision is unpacked in scratch. Errors: InputError where it cannot be used."""
+    require_code(code)
+    folder = Path(code).absolute()
+    if (folder / "bin" / "python").exists():
+        return Code([str(folder / "bin" / "python"), "-P", "-m", "frictionbench"], named)
+    top = _git("rev-parse", "--show-toplevel")
+    home = Path(top.decode().strip()) if top else Path.cwd()
+    if not folder.is_dir():
+        folder = _unpacked(code, scratch / "code")
+    if (folder / "frictionbench.py").is_file():
+        raise InputError(
+            f"code: {code} is older than the single package frictionbench and cannot be run; give a later revision"
+        )
+    ours = (folder / "frictionbench" / "harness" / "cli.py").is_file()
+    moved = [_moved(spec, home, folder) if not ours else spec for spec in named]
+    return Code([sys.executable, "-P", "-c", START, str(folder if ours else PACKAGE.parent)], moved)
+
+
+def _moved(spec: str, home: Path, folder: Path) -> str:
+    """The solver's file in another checkout of the repository at home."""
+    if not plugins.is_file(spec):
+        raise InputError(f"code: {spec} is installed; give an environment with the baseline's version of it, like .venv-base")
+    path = Path(spec).absolute()
+    if not path.is_relative_to(home) or not (folder / path.relative_to(home)).is_file():
+        raise InputError(f"code: {spec} is not in {folder}")
+    return str(folder / path.relative_to(home))
+
+
+def _unpacked(revision: str, folder: Path) -> Path:
+    archive = _git("archive", "--format=tar", revision)
+    if archive is None:
+        raise InputError(f"code: git cannot unpack {revision!r}")
+    with tarfile.open(fileobj=io.BytesIO(archive)) as packed:
+        packed.extractall(folder, filter="data")
+    return folder
+
+
+def _git(*arguments: str) -> bytes | None:
+    try:
+        return subprocess.run(["git", *arguments], capture_output=True, check=True, timeout=60).stdout
+    except (OSError, subprocess.SubprocessError):
+        return None

@@ -1,0 +1,65 @@
+"""docs/outside.tsv: the results of the contract for every installed outside solver, and the licences of its packages.
+
+    python -m frictionbench.commands.outcomes > docs/outside.tsv
+
+One line per variant: its name, the versions of the libraries it needs, the licences in the packages' metadata, the date, and
+the checks that it fails, each with the first violation; "none" if it passes all, and the reason if it is not installed. The
+table is part of the page that commands.fairness generates.
+"""
+
+import subprocess
+import sys
+from collections.abc import Iterable
+from datetime import UTC, datetime
+from email import message_from_string
+from email.message import Message
+from importlib.metadata import PackageNotFoundError, metadata
+from typing import Any
+
+from frictionbench.harness.contract.examine import Found, examine
+from frictionbench.harness.process import cores
+from frictionbench.solvers import available, find
+
+COLUMNS = ("variant", "versions", "licences", "date", "failed_checks")
+
+
+def lines(specs: list[str], jobs: int) -> Iterable[str]:
+    """The lines of the table, the header first."""
+    yield "\t".join(COLUMNS)
+    installed = [spec for spec in specs if not find(spec)[0].missing]
+    found = examine(installed, jobs) if installed else []
+    for spec in specs:
+        info, _ = find(spec)
+        licences = "; ".join(f"{need}: {licence(need)}" for need in info.needs)
+        failed = info.missing or _failed_checks([one for one in found if one.variant == spec])
+        yield "\t".join([spec, info.version, licences, f"{datetime.now(UTC):%Y-%m-%d}", failed])
+
+
+def licence(need: str) -> str:
+    """An installed package's licence by its metadata: its expression, its classifiers, or the first line of its text."""
+    name, _, python = need.partition(">=")[0].partition("@")
+    try:
+        facts: Any = _metadata_of(name, python) if python else metadata(name)
+    except (PackageNotFoundError, OSError, subprocess.SubprocessError):
+        return "not stated"
+    named = [name.split(" :: ")[-1] for name in facts.get_all("Classifier") or [] if name.startswith("License ::")]
+    first = next(iter((facts["License"] or "").strip().splitlines()), "")
+    return facts["License-Expression"] or ", ".join(named) or first or "not stated"
+
+
+def _metadata_of(module: str, python: str) -> Message:
+    """The metadata of a package of another Python."""
+    script = f"import importlib.metadata as m; print(m.metadata({module.partition('.')[0]!r}))"
+    done = subprocess.run([python, "-c", script], capture_output=True, text=True, check=True, timeout=60)
+    return message_from_string(done.stdout)
+
+
+def _failed_checks(found: list[Found]) -> str:
+    failed = [f"{one.check.replace('_', ' ')} ({' '.join(one.violations[0].split())})" for one in found if one.violations]
+    return "; ".join(failed) or "none"
+
+
+if __name__ == "__main__":
+    outside = [info for _, info in sorted(available().items()) if info.needs]
+    for line in lines([spec for info in outside for spec in info.specs], len(cores())):
+        sys.stdout.write(line + "\n")

@@ -1,0 +1,49 @@
+"""docs/performance.md: the rates of a run of the suite `batch`, and its further parts, from large problems on.
+
+frictionbench run batch --out DIR
+python -m frictionbench.commands.performance DIR > docs/performance.md
+"""
+
+import sys
+from pathlib import Path
+from textwrap import fill
+
+from frictionbench.commands import large, members, seeds
+from frictionbench.results.batches import HEADER, METHOD, RateTable, rate_tables
+from frictionbench.results.files import ResultsError
+from frictionbench.results.store import read_table
+
+HEAD = """# Performance
+
+## By the thousand
+
+Made by `frictionbench run batch --out DIR`, and from that by `python -m frictionbench.commands.performance DIR`."""
+
+
+def rates(folder: Path) -> str:
+    """The first part of the page, in Markdown. Errors: ResultsError where the folder holds no rows of batches."""
+    rows = read_table(folder, "batches")
+    if rows.empty:
+        raise ResultsError(f"{folder}: has no rows of batches; `frictionbench run batch` writes some")
+    tables = rate_tables(rows)
+    return "\n\n".join([HEAD, *map(_wrapped, METHOD), *map(_table, tables)]) + "\n"
+
+
+def _table(table: RateTable) -> str:
+    told = (
+        f"{table.problems} problems, to {table.tol:g}; {100 * table.active:.0f} % of the contacts bear, and in "
+        f"{100 * table.idle:.0f} % of the problems friction is idle. Ratios are over single calls of {table.base}."
+    )
+    rows = [[rate.variant, rate.way, rate.start, *rate.texts] for rate in table.rates]
+    marks = ["---"] * 3 + ["--:"] * (len(HEADER) - 3)
+    lines = [f"| {' | '.join(row)} |" for row in [[*HEADER], marks, *rows]]
+    return "\n\n".join([f"### {table.title}", _wrapped(told), "\n".join(lines)])
+
+
+def _wrapped(text: str) -> str:
+    return fill(text, 128, break_on_hyphens=False)
+
+
+if __name__ == "__main__":
+    parts = [rates(Path(sys.argv[1])), large.section(), seeds.section(), members.section()]
+    sys.stdout.write("\n".join(parts))

@@ -1,0 +1,224 @@
+"""`frictionbench solve` and `frictionbench rerun`: one problem with every solver, and one cell again.
+
+Both run in isolated workers and are verified like any run.
+"""
+
+import json
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from frictionbench.commands.stored_cell import stored_cell
+from frictionbench.commands.table import columns, paragraph, screen
+from frictionbench.commands.trusted import trusted
+from frictionbench.harness.cells import worker
+from frictionbench.harness.cells.records import Record
+from frictionbench.harness.cells.rows import PROBLEM_FACTS
+from frictionbench.harness.plans.named import require_known
+from frictionbench.harness.plans.plan import BatchCell, Plan, Plugin, SimulationCell, SolveCell, Source, origin, owner
+from frictionbench.harness.progress import Progress
+from frictionbench.harness.run import COLLECT_SECONDS, row_of
+from frictionbench.harness.workers.plugins import load_plugins
+from frictionbench.harness.workers.pool import Pool
+from frictionbench.harness.workers.task import Task
+from frictionbench.problems import InputError
+from frictionbench.problems.spec import parse
+from frictionbench.results.cells import counts
+from frictionbench.results.laws import ending
+from frictionbench.results.printable import printable
+from frictionbench.results.rank_by import RankBy
+from frictionbench.results.store import Row
+from frictionbench.results.verdicts import RANK, Verdict
+from frictionbench.solvers import available, find
+from frictionbench.solvers.plugins import installed
+
+SPATIAL = 3  # dimensions
+
+
+def solve_one(
+    problem: str,
+    solver_specs: list[str],
+    tol: float,
+    time_limit: float,
+    jobs: int,
+    *,
+    rank_by: RankBy | None = None,
+    budget: float | None = None,
+) -> None:
+    """Solve one problem with solvers (all if none are named), and print a table with the best first and a recommendation.
+
+    rank_by: the time that ranks; by default from bodies where the problem has them, else from the method's own form.
+    budget: s, a time within which the problem has to be solved.
+
+    Errors: InputError naming the field.
+    """
+    source = _source(problem)
+    variants, plugins, unusable = (*load_plugins(solver_specs), []) if solver_specs else all_variants()
+    plan = Plan("solve", (), variants, (tol,), time_limit=time_limit, plugins=plugins)
+    with tempfile.TemporaryDirectory() as name, Pool(Path(name), jobs, plugins, plan.memory_limit) as pool:
+        record, summary, mechanical = _collect(problem, source, pool)
+        rank_by = rank_by or (RankBy.BODIES if mechanical else RankBy.FORM)
+        print(f"{problem}: {summary}", flush=True)
+        tasks = [
+            Task(cell.variant, worker.run_solve, (cell, record, time_limit), time_limit, plan.owner(cell.variant))
+            for cell in plan.solve_cells([record])
+        ]
+        rows: list[Row] = []
+        with Progress().stage("solvers", len(tasks), 0) as stage:
+            for outcome in pool.run(tasks, stage.started, stage.compiling):
+                rows.append(row_of(outcome, plugins))
+                stage.finished(outcome.task)
+    rows.sort(key=lambda row: (RANK[row["verdict"]], _seconds(row, rank_by), row["variant"]))
+    applicable = [row for row in rows if row["verdict"] != Verdict.SKIPPED or solver_specs]
+    title = f"tolerance {tol:g}, ranked {rank_by.words} ({rank_by.parts})"
+    if record["dimension"] != SPATIAL:  # in space the exact problem is no LCP
+        title = f"LCP of {record['size']} unknowns, {title}"
+    _show(title, {str(rank): row for rank, row in enumerate(applicable, start=1)}, rank_by)
+    if refused := [row["variant"] for row in rows if row not in applicable]:
+        print("\n".join(paragraph(f"not applicable to this problem: {', '.join(refused)}", screen(), "")))
+    for reason in unusable:
+        print("\n".join(paragraph(reason, screen(), "")))
+    print("\n".join(paragraph(advice(rows, rank_by, budget), screen(), "")))
+
+
+def advice(rows: list[Row], rank_by: RankBy = RankBy.BODIES, budget: float | None = None) -> str:
+    """Which solver to use, from rows with the best first; by the other ranking as well where that is another one."""
+    if solved := [row for row in rows if row["verdict"] == Verdict.SOLVED]:
+        best, others = solved[0], len(solved) - 1
+        told = f"use {best['variant']}: solved {rank_by.words} in {_time(_seconds(best, rank_by))}"
+        told += f"; {others} other{'s' * (others != 1)} solve{'s' * (others == 1)} it as well" if others else ""
+        other = min(solved, key=lambda row: _seconds(row, rank_by.other))
+        if other is not best and _seconds(other, rank_by.other) < _seconds(best, rank_by.other):
+            told += f"; {rank_by.other.words} {other['variant']} is faster: {_time(_seconds(other, rank_by.other))}"
+        if budget is not None:
+            within = sum(_seconds(row, rank_by) <= budget for row in solved)
+            told += f"; within {_time(budget)}: {within} of {len(solved)}"
+        return told
+    answered = [row for row in rows if row.get("residual") is not None]
+    if not answered:
+        return "no solver returned an answer"
+    nearest = min(answered, key=lambda row: row["residual"])
+    return f"no solver solves it; the smallest residual is {nearest['residual']:.1e}, by {nearest['variant']}"
+
+
+def _seconds(row: Row, rank_by: RankBy) -> float:
+    times = [row.get(name) for name in rank_by.columns]
+    return sum(filter(None, times)) if times[-1] is not None else np.inf
+
+
+def all_variants() -> tuple[tuple[str, ...], tuple[Plugin, ...], list[str]]:
+    """The variants of all available solvers, those of installed plug-ins included; the plug-ins; and a line for each installed
+    plug-in that cannot be used."""
+    variants = [spec for _, info in sorted(available().items()) for spec in info.specs if not find(spec)[0].missing]
+    plugins: list[Plugin] = []
+    unusable = []
+    for name in installed():
+        try:
+            named, loaded = load_plugins([name])
+        except InputError as error:
+            unusable.append(f"skipped: {error}")
+        else:
+            variants += named
+            plugins += loaded
+    return tuple(variants), tuple(plugins), unusable
+
+
+def rerun_row(folder: Path, key: str, named: list[str]) -> tuple[Row, Row]:
+    """Run the cell of a row again; the row and the new one. named: outside solvers that the user trusts.
+
+    Errors: as of store.find_row, and InputError where the row has no problem, or its solver is neither ours nor among named.
+    """
+    table, row, settings, memory_limit = stored_cell(folder, key)
+    if table == "solves" and not row["problem"]:
+        raise InputError(f"row: {row['key']} has no problem to run again: {row['reason']}")
+    plugins = trusted(row, settings, named)
+    task = _task_again(row, table, plugins)
+    with tempfile.TemporaryDirectory() as name:
+        if table == "solves":
+            (Path(name) / "problems").symlink_to((folder / "problems").resolve())
+        with Pool(Path(name), 1, plugins, memory_limit) as pool:
+            (outcome,) = pool.run([task])
+    return row, row_of(outcome, plugins)
+
+
+def show_rerun(folder: Path, key: str, named: list[str]) -> None:
+    """Run the cell of a row again and print both rows. Errors: as of rerun_row."""
+    row, again = rerun_row(folder, key, named)
+    title = printable(f"{row['key']}: {row['scene']} {row['parameters']}, tolerance {row['tol']:g}")
+    _show(title, {"stored": row, "rerun": again})
+
+
+def _source(problem: str) -> Source:
+    """The file, instance or scene that the command line names. Errors: InputError naming problem for a folder, and for what is
+    neither a file nor known."""
+    path = Path(problem)
+    if path.is_dir():
+        each, steps = (f"`frictionbench run {suite} --data {problem}`" for suite in ("recorded", "replay"))
+        share = "`frictionbench report DIR --budget 1ms` shows the share solved within a time"
+        raise InputError(f"problem: {problem} is a folder; {each} solves each problem, {steps} a sequence of steps; {share}")
+    named = path.is_file() or Path(problem.partition("[")[0]).suffix
+    if named:
+        return Source(path.name, file=str(path.absolute()))
+    name, settings = parse("scene", problem)
+    require_known(name, settings)
+    return Source(name, settings)
+
+
+def _collect(problem: str, source: Source, pool: Pool) -> tuple[Record, str, bool]:
+    """The record and the summary of the source's first problem, which a worker makes, and whether its mechanics are given.
+
+    Errors: InputError naming problem where it takes too much memory or time, and as of collect.
+    """
+    (outcome,) = pool.run([Task(problem, worker.run_problem, (source, COLLECT_SECONDS), COLLECT_SECONDS)])
+    if outcome.failure:
+        raise InputError(f"problem: {problem} cannot be made ({outcome.reason})")
+    if reason := outcome.value.get("refused"):
+        raise InputError(reason)
+    return outcome.value["record"], outcome.value["summary"], outcome.value["mechanical"]
+
+
+def _task_again(row: Row, table: str, plugins: tuple[Plugin, ...]) -> Task:
+    limit, outside = row["time_limit"], owner(row["variant"], plugins)
+    if table == "solves":
+        record = {name: row[name] for name in PROBLEM_FACTS}
+        cell = SolveCell(row["problem"], origin(row), row["variant"], row["tol"], row["start"])
+        return Task(row["variant"], worker.run_solve, (cell, record, limit), limit, outside)
+    if table == "batches":
+        size = row["scene"], json.loads(row["parameters"]), row["problems"]
+        batch = BatchCell(*size, row["variant"], row["way"], row["tol"], row["start"])
+        return Task(row["variant"], worker.run_batch, (batch, limit), limit, outside)
+    facts = json.loads(row["parameters"]), row["variant"], row["tol"], row["scheme"], row["steps"], row["after_failure"]
+    simulation = SimulationCell(row["scene"], *facts)
+    return Task(row["variant"], worker.run_simulation, (simulation, limit), limit, outside)
+
+
+def _show(title: str, rows: dict[str, Row], rank_by: RankBy = RankBy.BODIES) -> None:
+    """Print a table of rows, each after its label, and the rows' reasons below."""
+    lines, remarks = [], []
+    for label, row in rows.items():
+        times = [_time(row.get(name)) for name in ("form_time", "setup_time", "solve_time")]
+        work = ", ".join(f"{key} {value}" for key, value in counts(row.get("work")).items())
+        verdict = ending(row["verdict"], row["model"])
+        results = (verdict, _number(row.get("residual")), _time(_seconds(row, rank_by)), _number(row.get("model_residual")))
+        told = (label, row["variant"], *results, *times, (row.get("status") or "").lower(), work)
+        lines.append(tuple(map(printable, told)))
+        if row.get("reason"):
+            remarks.append(printable(f"{label} {row['variant']}: {row['reason']}"))
+    header = ("", "solver", "verdict", "residual", "time", "model residual", "form", "setup", "solve", "status", "work")
+    width = screen()
+    print(title, *columns(header, lines, width, ("work", "status", "model residual", "form", "setup", "solve")), sep="\n")
+    for remark in remarks:
+        print("\n".join(paragraph(remark, width, "  ")))
+
+
+def _number(value: float | None) -> str:
+    return "" if value is None else f"{value:.1e}"
+
+
+def _time(value: float | None) -> str:
+    """A time, s, with three digits and a unit."""
+    if value is None or value == np.inf:
+        return ""
+    scale, unit = next(((s, u) for s, u in ((1.0, "s"), (1e-3, "ms")) if value >= 0.9995 * s), (1e-6, "µs"))
+    return f"{value / scale:.3g} {unit}"

@@ -1,0 +1,58 @@
+"""The default folder of a run, and the summary at its end: counts of verdicts, the folder, the next commands."""
+
+import json
+from hashlib import sha256
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from frictionbench.commands.table import columns, screen
+from frictionbench.harness.plans.plan import Plan
+from frictionbench.harness.plans.suites import SUITES
+from frictionbench.results.laws import ENDINGS, endings
+from frictionbench.results.store import read_table
+from frictionbench.results.verdicts import Verdict
+
+MOST, LONGEST = 6, 160  # reasons shown and characters of each: two lines of a terminal at most
+
+
+def folder_for(plan: Plan) -> Path:
+    """The default folder of a plan's results: the suite's, or one named by a hash of the settings where they differ from it."""
+    runs = Path("runs")
+    if plan.suite in SUITES and plan.settings() == SUITES[plan.suite]().settings():
+        return runs / plan.suite
+    name = "-".join([plan.suite, *(spec.name for spec in plan.maps if plan.suite == "map")])
+    return runs / f"{name}-{sha256(json.dumps(plan.settings(), sort_keys=True).encode()).hexdigest()[:8]}"
+
+
+def summary(folder: Path) -> str:
+    """The verdicts of a finished run, one line per solver, its folder, and the command that makes the report."""
+    rows = read_table(folder, "solves")
+    ranked = rows[~rows["trivial"].eq(True) & ~rows["idle"].eq(True)]
+    lines = [_counted("cells of problems in which friction is at work", ranked)]
+    if others := len(rows) - len(ranked):
+        lines.append(f"cells of trivial and idle problems (nothing to solve, or friction not needed), not ranked: {others}")
+    lines += [_counted("simulations, scenes in closed loop", read_table(folder, "simulations"))]
+    batches = read_table(folder, "batches")
+    lines += [_counted("batches of small problems", batches), _reasons(rows), _reasons(batches)]
+    lines.append(f"results: {folder}\nreport:  frictionbench report {folder}")
+    return "\n\n".join(filter(None, lines))
+
+
+def _counted(what: str, rows: pd.DataFrame) -> str:
+    if rows.empty:
+        return ""
+    counts = pd.crosstab(rows["variant"], np.array(endings(rows))).reindex(columns=list(ENDINGS), fill_value=0)
+    counts = counts.sort_values(list(ENDINGS), ascending=False, kind="stable")
+    body = [(str(name), *(str(n or "") for n in row)) for name, row in zip(counts.index, counts.to_numpy(), strict=True)]
+    return "\n".join([f"{what}: {len(rows)}", *columns(("solver", *ENDINGS), body, screen())])
+
+
+def _reasons(rows: pd.DataFrame) -> str:
+    """Why cells were skipped or crashed, the most frequent reasons first."""
+    failed = rows[rows["verdict"].isin([Verdict.SKIPPED, Verdict.CRASHED]) & rows["reason"].notna()]
+    counts = failed.groupby(["variant", "verdict", "reason"]).size().sort_values(ascending=False, kind="stable")
+    lines = [f"{count} × {variant} {verdict}: {reason}"[:LONGEST] for (variant, verdict, reason), count in counts.items()]
+    more = [f"... and {len(lines) - MOST} more reasons, in the report"] if len(lines) > MOST else []
+    return "\n".join([*lines[:MOST], *more])

@@ -1,0 +1,189 @@
+"""Output of the command line on terminals and pipes: help, lists, tables, summaries, errors and interruptions."""
+
+import re
+import signal
+import subprocess
+import sys
+from importlib.metadata import version
+from io import StringIO
+
+import pytest
+from rich.console import Console
+from typer.testing import CliRunner
+
+from frictionbench.commands import listing
+from frictionbench.commands.cli import app
+from frictionbench.commands.summary import folder_for, summary
+from frictionbench.commands.table import columns
+from frictionbench.harness import process
+from frictionbench.harness.cells import worker
+from frictionbench.harness.plans.choose import choose
+from frictionbench.harness.plans.plan import MEMORY_LIMIT
+from frictionbench.harness.progress import Progress
+from frictionbench.harness.workers.plugins import load_plugins
+from frictionbench.harness.workers.pool import Pool
+from frictionbench.harness.workers.task import Task
+from frictionbench.results import store
+from frictionbench.results.files import ResultsError
+from frictionbench.results.store import ShardWriter
+from tests.helpers.made_results import simulation_row, solve_row, unanswered_row, write_folder
+
+JITTED = """
+import numpy as np
+from numba import njit
+from frictionbench import Answer, Status, solver
+
+@njit
+def sorted_sum(x):
+    return np.sum(np.sort(x)) + np.prod(np.sort(-x)) + np.median(x)
+
+@solver("jitted", family="outside", model="coulomb")
+class Jitted:
+    'It compiles.'
+    def solve(self, problem, tol, limit, start=None):
+        sorted_sum(np.ones(3))
+        return Answer(np.zeros((problem.contacts, 2)), Status.FAILED)
+"""
+
+
+def output_of(*arguments: str) -> str:
+    return CliRunner().invoke(app, arguments).output
+
+
+def test_help_text() -> None:
+    assert "'stack[blocks=5]'" in output_of("solve", "--help")
+    assert "nsgs[relaxation=1.3]" in output_of("run", "--help").replace("\n", "")
+    listed = output_of("--help").partition("Commands:")[2].splitlines()
+    assert [line for line in listed if len(line) > 80 or (line.endswith("...") and "compare" not in line)] == []
+
+
+def test_the_version_is_printed() -> None:
+    assert output_of("--version").split() == ["frictionbench", version("frictionbench")]
+
+
+@pytest.mark.parametrize(("cores", "jobs"), [(1, 1), (2, 1), (8, 7)])
+def test_a_core_is_left_free_by_default(monkeypatch, cores, jobs) -> None:
+    asked = []
+    monkeypatch.setattr(process, "cores", lambda: list(range(cores)))
+    monkeypatch.setattr("frictionbench.commands.single.solve_one", lambda *arguments, **_: asked.append(arguments[-1]))
+    for option in ((), ("--jobs", str(cores))):
+        CliRunner().invoke(app, ["solve", "stack", *option])
+    assert asked == [jobs, cores]
+    assert "all cores but one" in " ".join(output_of("run", "--help").split())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "option"),
+    [
+        (("run", "--jobs", "x"), "--jobs"),
+        (("run", "--jobs", "0"), "--jobs"),
+        (("solve", "stack", "--tol", "x"), "--tol"),
+        (("map", "stack", "--x", "a", "--y", "b", "--steps", "-1"), "--steps"),
+        (("compare", "a", "b", "--alpha", "2"), "--alpha"),
+        (("compare", "a", "b", "--alpha", "nan"), "--alpha"),
+        (("compare", "a", "b", "--slowdown", "0.9"), "--slowdown"),
+        (("export", "stack", "--pick", "-1", "--out", "c"), "--pick"),
+        (("report", "a", "--width", "3m"), "--width"),
+        (("report", "a", "--font", "comic"), "--font"),
+        (("list", "everything"), "scenes|solvers|suites|studies"),
+    ],
+)
+def test_invalid_option_values_are_named(arguments, option) -> None:
+    done = CliRunner().invoke(app, arguments)
+    assert done.exit_code == 2
+    assert f"Invalid value for '{option}': " in done.output.splitlines()[-1]
+
+
+def test_narrow_tables_omit_columns(capsys) -> None:
+    header, row = ("solver", "time", "empty", "work"), ("nsgs[relaxation=1.3]", "3 ms", "", "pivots 12, restarts 0")
+    (wide_head, wide), (_, narrow, *told) = (columns(header, [row], width, ("work",)) for width in (None, 30))
+    assert wide.split() == " ".join(row).split()
+    assert "empty" not in wide_head
+    assert narrow == "nsgs[relaxation=1.3]  3 ms"
+    assert "work" in " ".join(told)
+
+
+def test_lists_show_settings(capsys) -> None:
+    listing.show("solvers")
+    listed = capsys.readouterr().out
+    assert "settings: restarts=8, facets=8" in listed
+    assert "variants: clarabel[keep=false], clarabel[keep=false,settings=tuned], clarabel[keep=true]" in listed
+    listing.show("suites")
+    assert "every solver" not in capsys.readouterr().out.partition("seeds")[0]
+
+
+def test_default_folder_depends_on_settings() -> None:
+    whole, same, other = (choose("smoke", [], (), tol, None) for tol in (None, "1e-4,1e-8", "1e-6"))
+    assert str(folder_for(whole)) == str(folder_for(same)) == "runs/smoke"
+    assert str(folder_for(other)).startswith("runs/smoke-")
+    assert folder_for(other) == folder_for(choose("smoke", [], (), "1e-6", None))
+
+
+def test_run_summary(tmp_path) -> None:
+    solves = [
+        solve_row("a", "p"),
+        solve_row("a", "q"),
+        solve_row("b", "p"),
+        unanswered_row("b", "q", "timeout"),
+        unanswered_row("b", "s", "skipped"),
+    ]
+    write_folder(tmp_path, [*solves, solve_row("a", "r", trivial=True)], [simulation_row("a")])
+    lines = summary(tmp_path).splitlines()
+    assert lines[0].endswith(": 5")  # cells of problems that are not trivial
+    assert [line.split() for line in lines[1:4]] == [
+        ["solver", "solved", "timeout", "skipped"],
+        ["a", "2"],
+        ["b", "1", "1", "1"],
+    ]
+    assert [line for line in lines if re.search(r"\b1\b.*\bb\b.*skipped.*for a reason", line)]
+    assert lines[-1].endswith(f"frictionbench report {tmp_path}")
+
+
+def test_abbreviated_keys(tmp_path) -> None:
+    for table, keys in (("solves", ("solve-12ab", "solve-12cd", "solve-12")), ("simulations", ("simulation-77",))):
+        with ShardWriter(tmp_path, table, "test") as writer:
+            for key in keys:
+                writer.write({"key": key})
+    assert [store.find_row(tmp_path, given)[1]["key"] for given in ("12a", "solve-12c", "solve-12", "7")] == [
+        *("solve-12ab", "solve-12cd", "solve-12", "simulation-77")
+    ]
+    for given, facts in (("12", r"3 rows.*'12'"), ("13", "no row.*'13'"), ("", "no row")):
+        with pytest.raises(ResultsError, match=facts):
+            store.find_row(tmp_path, given)
+
+
+@pytest.mark.parametrize("command", ["solve stack", "run smoke --out run"])
+def test_interruption_message(tmp_path, command) -> None:
+    code = "import os, signal; from frictionbench.harness.workers import pool; begin = pool.Pool.__init__\n"
+    code += "pool.Pool.__init__ = lambda *given: (begin(*given), os.kill(os.getpid(), signal.SIGINT))[0]\n"
+    code += "from frictionbench.commands.cli import main; main()"
+    call = [sys.executable, "-c", code, *command.split()]
+    ended = subprocess.run(call, capture_output=True, text=True, check=False, timeout=60, cwd=tmp_path)
+    assert ended.returncode == 128 + signal.SIGINT
+    assert "SIGINT" in ended.stderr
+    assert "Traceback" not in ended.stderr
+    if "--out" in command:
+        assert "frictionbench report run" in ended.stderr
+        assert store.read_manifest(tmp_path / "run")["settings"]["suite"] == "smoke"  # the same command continues it
+
+
+def test_progress_shows_compilation(tmp_path) -> None:
+    plugin, heard, screen = tmp_path / "jitted.py", [], StringIO()
+    plugin.write_text(JITTED, encoding="utf-8")
+    _, plugins = load_plugins([str(plugin)])
+    call = ("stack", {}, "jitted", "anitescu_potra", 1, 60.0)
+    task = Task("jitted", worker.run_show, call, 60.0, plugins[0].source)
+    with (
+        Pool(tmp_path, 1, plugins, MEMORY_LIMIT) as pool,
+        Progress(Console(file=screen, force_terminal=True, width=100)).stage("motions", 1, 0) as stage,
+    ):
+
+        def compiling(which: Task, now: bool) -> None:
+            heard.append(now)
+            stage.compiling(which, now)
+
+        (outcome,) = pool.run([task], stage.started, compiling)
+        assert outcome.failure is None
+        stage.finished(task)
+    assert heard[0] is True
+    assert re.search(r"compiling.*jitted", screen.getvalue())

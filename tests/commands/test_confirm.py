@@ -1,0 +1,82 @@
+"""`compare --confirm` repeats alerts with the old and the new code in turn before it fails."""
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from frictionbench.commands import confirm
+from frictionbench.commands.accept import accept
+from frictionbench.problems import InputError
+from frictionbench.results import baseline, cells
+from frictionbench.results.compare import Comparison, Limits, compare
+from tests.helpers.command_line import frictionbench
+from tests.helpers.plugin import write
+
+SCENE = "stack[blocks=1,push=1]"
+UNTIMED = Limits(times=False)
+
+
+@pytest.fixture(scope="module")
+def seen(tmp_path_factory) -> Comparison:
+    """A plug-in that raises, in a folder of its own, against a baseline in which it did not."""
+    home = tmp_path_factory.mktemp("repository")
+    plugin = write(home / "solvers" / "guest.py", body="raise ValueError('no')")
+    out = home / "now"
+    done = frictionbench(*("run", "smoke", "--scene", SCENE, "--tol", "1e-6", "--solver", str(plugin), "--out", str(out)))
+    assert done.returncode == 0, done.stderr
+    accept(out, home / "smoke.tsv")
+    facts, rows = baseline.read(home / "smoke.tsv")
+    better = [["unsolved" if value == "crashed" else value for value in row] for row in rows]
+    baseline.write(home / "smoke.tsv", facts, [(*values, key) for key, *values in better])
+    return compare(home / "smoke.tsv", out, UNTIMED)
+
+
+def again(seen: Comparison, code: str | None, named: tuple[str, ...] = ("solvers/guest.py",)) -> Comparison:
+    return confirm.confirmed(seen, UNTIMED, list(named), code, lambda line: None)
+
+
+def test_alerts_are_repeated_with_both_codes(seen, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(seen.current.parent)
+    monkeypatch.setattr(confirm, "PAIRS_UNTIMED", 1)
+    assert {flip.after for flip in seen.worse} == {"crashed"}
+    (tmp_path / "base").mkdir()
+    write(tmp_path / "base" / "solvers" / "guest.py")
+    stands = again(seen, str(tmp_path / "base"))
+    assert (stands.exit_code, stands.worse) == (1, seen.worse)
+    monkeypatch.setattr(confirm, "_cells", lambda *_: cells.read(seen.current))  # as if both did what the current one does
+    falls = again(seen, str(tmp_path / "base"))
+    assert falls.exit_code == 0
+    assert all(
+        note.startswith("Not confirmed, both versions give the same result on this machine: guest")
+        for note in falls.notes[-len(seen.worse) :]
+    )
+
+
+def test_missing_code(seen, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(seen.current.parent)
+    for code, told in (("nowhere", "neither a folder nor a revision"), (str(tmp_path), "solvers/guest.py is not in")):
+        with pytest.raises(InputError, match=f"code: .*{told}"):
+            again(seen, code)
+    with pytest.raises(InputError, match="solver: guest is not part of frictionbench"):
+        again(seen, None, ())
+
+
+def test_baseline_revision_is_unpacked(tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    write(tmp_path / "solvers" / "guest.py", body="pass")
+    for command in (("init", "-q"), ("add", "."), ("-c", "user.name=a", "-c", "user.email=a@b", "commit", "-qm", "first")):
+        subprocess.run(["git", *command], check=True)
+    write(tmp_path / "solvers" / "guest.py", body="raise ValueError")
+    before = confirm.baseline_code("HEAD", ["solvers/guest.py"], tmp_path / "scratch")
+    (moved,) = before.solvers
+    assert Path(moved).is_relative_to(tmp_path / "scratch")
+    assert "raise" not in Path(moved).read_text(encoding="utf-8")
+
+
+def test_old_package_layout_is_refused(seen, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(seen.current.parent)
+    (tmp_path / "base").mkdir()
+    (tmp_path / "base" / "frictionbench.py").touch()
+    with pytest.raises(InputError, match=r"code: .* is older than the single package frictionbench and cannot be run"):
+        again(seen, str(tmp_path / "base"))

@@ -1,0 +1,75 @@
+"""Exported files: what their suffix says, in the folder that was named, also where the run's folder was edited."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from frictionbench.commands.export import export
+from frictionbench.harness.cells.collect import collect, stored_start
+from frictionbench.harness.plans.plan import Source, origin
+from frictionbench.problems import InputError, scene
+from frictionbench.problems.recorded import own
+from tests.helpers.command_line import frictionbench
+from tests.helpers.made_results import write_folder
+
+MOTION = Source("stopping_block", {}, pick=3, steps=6)
+
+
+def test_export_writes_what_the_suffix_says(tmp_path) -> None:
+    (path,) = export("stack[blocks=2]", tmp_path / "stack.npz")
+    assert own.load(path).hash == scene("stack", blocks=2).problem().hash
+    for name in ("stack.txt", "stack.xyz"):
+        with pytest.raises(InputError, match=rf"^out: .*{name} must end in .hdf5, .h5, .npz, or name a folder"):
+            list(export("stack[blocks=2]", tmp_path / name))
+        assert not (tmp_path / name).exists()
+
+
+@pytest.fixture
+def collected(tmp_path) -> Path:
+    """A folder with the problems of a motion, without rows."""
+    write_folder(tmp_path / "run", [])
+    collect(tmp_path / "run", MOTION)
+    return tmp_path / "run"
+
+
+EDITS = {
+    "scene": ["../../escaped", "/escaped", 1, None, "\x1b[31m"],
+    "step": ["1", None, -1, 2**70, 1.5],
+    "contacts": ["../../escaped", 1.5],
+    "problem": ["../../escaped", "", None],
+    "starts": [None, ["cold"], {"cold": "", "other": ""}, {"cold": 1}],
+    "parameters": [None, "{", "[]", "[" * 10**5],
+    "dimension": [KeyError],
+}
+
+
+@pytest.mark.parametrize(("field", "value"), [(field, value) for field, values in EDITS.items() for value in values])
+def test_edited_records(collected, tmp_path, field, value) -> None:
+    """What is exported stays in the folder that was named; a resumed run collects again what it cannot use."""
+    (path,) = collected.glob("problems/source-*.json")
+    records = json.loads(path.read_text(encoding="utf-8"))
+    last = {name: part for name, part in records[-1].items() if (name, value) != (field, KeyError)}
+    edited = last if value is KeyError else last | {field: value}
+    path.write_text(json.dumps([*records[:-1], edited]), encoding="utf-8")
+    done = frictionbench("export", str(collected), "--out", str(tmp_path / "out" / "files"))
+    assert done.returncode in (0, 2), done
+    assert "Traceback" not in done.stderr
+    assert len(done.stderr.splitlines()) <= 1
+    assert not [*tmp_path.glob("*escaped*"), *Path("/").glob("escaped*")]
+    assert collect(collected, MOTION) == records
+
+
+def test_starts_of_another(collected) -> None:
+    """A start that was edited since its problem was collected is not used."""
+    (path,) = collected.glob("problems/source-*.json")
+    record = json.loads(path.read_text(encoding="utf-8"))[-1]
+    (starts,) = collected.glob(f"problems/{record['problem']}.*.starts.npz")
+    given = collected, record["problem"], origin(record), "warm", record["starts"]["warm"]
+    good = stored_start(*given)
+    with np.load(starts) as stored:
+        np.savez(starts, **{name: 2.0 * value for name, value in stored.items()})
+    assert good.any()
+    with pytest.raises(InputError, match=r"holds another start warm than the one that was collected"):
+        stored_start(*given)

@@ -1,0 +1,38 @@
+"""The page on performance: rates of a run of batches, and large problems with what was not run."""
+
+from pathlib import Path
+
+import pytest
+
+from frictionbench.commands import large, performance
+from frictionbench.results.files import ResultsError
+from tests.helpers.made_results import batch_row, write_folder
+
+
+def test_rates_stand_in_a_table_for_each_batch(tmp_path: Path) -> None:
+    rows = [
+        batch_row("lemke", "calls"),
+        batch_row("lemke", "packed"),
+        batch_row("osqp", "calls", verified=0.5, verdict="relaxed"),
+    ]
+    told = performance.rates(write_folder(tmp_path, [], batches=rows))
+    assert "### 4 contacts in the plane: stack[blocks=2]" in told
+    assert "| lemke | packed | cold | 1,000 | 2 | 0.50 | 0.50 | 0.50 | 1.90 |" in told
+    assert "| osqp | calls | cold | 50 % verified | – |" in told
+    assert max(map(len, told.splitlines())) <= 128
+
+
+def test_a_folder_without_results_is_named(tmp_path: Path) -> None:
+    with pytest.raises(ResultsError, match="has no rows of batches"):
+        performance.rates(tmp_path)
+
+
+def test_large_problems_are_told_with_what_was_not_run(monkeypatch) -> None:
+    monkeypatch.setattr(large, "FAMILIES", {"stack of boxes": ("stack", "blocks", (2, 4)), "chain": ("chain", "links", (3,))})
+    monkeypatch.setattr(large, "ROUNDS", 1)
+    monkeypatch.setattr(large, "STORAGE", 8 * 2 * 16**2)  # of two matrices of the first stack's size
+    rows = [line.split("|")[1:-1] for line in large.section().splitlines() if line.startswith("| ") and "growth" not in line]
+    assert [[cell.strip() for cell in row[:3]] for row in rows] == [["2", "4", "16"], ["4", "8", "32"], ["3", "6", "24"]]
+    assert all(float(row[4]) > 0 for row in rows)
+    assert float(rows[0][6]) > 0
+    assert [row[6].strip() for row in rows[1:]] == ["–", "–"]

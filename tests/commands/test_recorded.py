@@ -1,0 +1,261 @@
+"""The commands solve, export and run on problem files and instances."""
+
+import json
+
+import h5py
+import numpy as np
+import pytest
+
+from frictionbench.commands.export import export
+from frictionbench.commands.shrink import shrink
+from frictionbench.commands.single import advice, rerun_row, solve_one
+from frictionbench.harness.cells.collect import collect
+from frictionbench.harness.plans.choose import choose
+from frictionbench.harness.plans.plan import Source
+from frictionbench.harness.progress import Progress
+from frictionbench.harness.run import run
+from frictionbench.problems import InputError
+from frictionbench.problems import scene as make_scene
+from frictionbench.problems.instances import make_instance
+from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.recorded import fclib, own, read
+from frictionbench.reports.page import write_report
+from frictionbench.reports.recorded import recorded_problems
+from frictionbench.reports.run import read_run
+from frictionbench.results.store import read_table
+from frictionbench.solvers import solve
+from tests.helpers.friction_problems import spatial
+from tests.helpers.paths import DATA
+
+
+def test_file_is_solved_and_ranked(tmp_path, capsys) -> None:
+    fclib.write(spatial(0, contacts=3), tmp_path / "p.hdf5")
+    solve_one(str(tmp_path / "p.hdf5"), ["nsgs", "interior_point", "ccp[backend=clarabel]"], 1e-8, 10.0, 1)
+    told = capsys.readouterr().out
+    assert "3 contacts" in told
+    assert "use " in told.splitlines()[-1]
+    assert told.splitlines()[-2].split()[:2] == ["3", "ccp[backend=clarabel]:"]  # planar only: skipped, and so last
+
+
+def test_bare_lcp_is_solved_by_lcp_solvers(tmp_path, capsys) -> None:
+    np.savez(tmp_path / "lcp.npz", M=[[2.0, 1.0], [1.0, 2.0]], q=[-5.0, -6.0])
+    solve_one(str(tmp_path / "lcp.npz"), ["lemke", "nsgs"], 1e-8, 10.0, 1)
+    told = capsys.readouterr().out
+    assert "lcp.npz: LCP of 2 unknowns" in told
+    assert "not bare LCPs" in told
+    assert "ranked from the method's own form" in told
+    assert "use lemke: solved from the method's own form" in told
+
+
+def test_advice() -> None:
+    solved = {"variant": "a", "verdict": "solved", "form_time": 1e-3, "setup_time": 0.0, "solve_time": 1e-3, "residual": 1e-9}
+    near = {"variant": "b", "verdict": "unsolved", "residual": 1e-3}
+    dead = {"variant": "c", "verdict": "timeout"}
+    assert advice([solved, solved, near]) == "use a: solved from bodies in 2 ms; 1 other solves it as well"
+    assert advice([near, dead]) == "no solver solves it; the smallest residual is 1.0e-03, by b"
+    assert advice([dead]) == "no solver returned an answer"
+
+
+def test_run_of_recorded_folder(tmp_path) -> None:
+    data, out = tmp_path / "set", tmp_path / "out"
+    data.mkdir()
+    for seed in (1, 2):
+        fclib.write(random_problem(seed, contacts=4), data / f"{'ab'[seed - 1]}.hdf5")
+    plan = choose("recorded", [], ("hybrid", "lemke"), "1e-8", 5.0, data=(str(data),))
+    run(plan, out, 1, Progress())
+    rows = read_table(out, "solves")
+    assert set(rows["scene"]) == {"set"}
+    assert set(rows["parameters"]) == {'{"file": "a.hdf5"}', '{"file": "b.hdf5"}'}
+    assert (rows["verdict"] == "solved").all()
+    assert len(rows) == 4
+    files = list(export(str(out), tmp_path / "again"))
+    assert {read(path).hash for path in files} == {random_problem(seed, contacts=4).hash for seed in (1, 2)}
+
+
+def test_source_tolerances_and_limit() -> None:
+    plan = choose("recorded", [], ("nsgs",), None, None, data=(str(DATA),))
+    entry = {"scene": "s", "parameters": "{}", "step": 0, "phase": "step", "problem": "p", "dimension": 2, "starts": ["cold"]}
+    assert [cell.tol for cell in plan.solve_cells([entry | {"tolerances": [1e-8]}])] == [1e-8]
+    assert [cell.tol for cell in plan.solve_cells([entry])] == [1e-4, 1e-6, 1e-8]
+
+
+def test_export(tmp_path) -> None:
+    (path,) = export("cubes[boxes=2,friction=0.3]", tmp_path / "cubes.hdf5")
+    assert read(path).hash == make_instance("cubes", boxes=2, friction=0.3).hash
+    several = list(export("stack[blocks=2,push=1]", tmp_path / "stack", pick=2))
+    assert len(several) == 2
+    assert all(read(path).contacts == 4 for path in several)
+    with pytest.raises(InputError, match=r"^out: .* exists; it was not overwritten"):
+        list(export("cubes[boxes=2,friction=0.3]", tmp_path / "cubes.hdf5"))
+    with pytest.raises(InputError, match=r"^out: 2 problems need a folder"):
+        list(export("stack[blocks=2,push=1]", tmp_path / "stack.hdf5", pick=2))
+
+
+def test_instance_labels(tmp_path) -> None:
+    (entry,) = collect(tmp_path, Source("cubes", {"boxes": 2}))
+    assert (entry["contacts"], entry["dimension"], entry["rank"], entry["redundancy"]) == (8, 3, 12, 12)
+    assert entry["solutions"] is None
+    assert np.isfinite(entry["sensitivity"])
+    assert not Source("cubes").moves
+    assert Source("stack").moves
+    with pytest.raises(InputError, match=r"^bricks: the instance cubes has no such parameter"):
+        choose("spatial", ["cubes[bricks=2]"], (), None, None)
+    with pytest.raises(InputError, match=r"^bricks: the instance cubes has no such parameter"):
+        collect(tmp_path, Source("cubes", {"bricks": 2}))
+
+
+def test_rerun_and_shrink_spatial_row(tmp_path) -> None:
+    plan = choose("spatial", ["cubes[boxes=2,mass_ratio=1e6,push=1]"], ("nsgs[relaxation=0.01]",), "1e-8", 5.0)
+    run(plan, tmp_path, 1, Progress())
+    (key,) = read_table(tmp_path, "solves")["key"]
+    row, again = rerun_row(tmp_path, key, [])
+    assert row["verdict"] == again["verdict"] == "unsolved"
+    assert again["residual"] == row["residual"]
+    path, small, *_ = shrink(tmp_path, key, [])
+    assert read(path).hash == small.hash
+    assert (small.dimension, small.contacts < 8) == (3, True)
+
+
+def test_run_of_bare_lcps(tmp_path) -> None:
+    """Beside a friction problem, whose headlines they do not enter; their rows are run again like any."""
+    data, out = tmp_path / "set", tmp_path / "out"
+    data.mkdir()
+    np.savez(data / "lcp.npz", M=[[2.0, 1.0], [1.0, 2.0]], q=[-5.0, -6.0])
+    fclib.write(random_problem(1, contacts=4), data / "whole.hdf5")
+    run(choose("recorded", [], ("nsgs", "lemke"), "1e-8", 5.0, data=(str(data),)), out, 1, Progress())
+    rows = read_table(out, "solves").set_index(["size", "variant"])
+    assert rows["verdict"].to_dict() == {
+        (2, "nsgs"): "skipped",
+        (2, "lemke"): "solved",
+        (16, "nsgs"): "solved",
+        (16, "lemke"): "solved",
+    }
+    lcp = rows.loc[(2, "lemke")]
+    assert np.isnan(lcp["contacts"])
+    assert lcp["solve_time"] > 0
+    _, again = rerun_row(out, lcp["key"], [])
+    assert (again["verdict"], again["residual"]) == ("solved", lcp["residual"])
+    ours = read_run(out)
+    assert ours.ranked["size"].tolist() == [16, 16]
+    told = recorded_problems(ours)
+    assert [(line.contacts, line.unknowns, list(line.solvers)) for line in told[:1]] == [(None, 2, ["lemke"])]
+    assert "LCP, n = 2" in write_report(out).read_text(encoding="utf-8")
+    with pytest.raises(InputError, match="is a bare LCP"):
+        list(export(str(out), tmp_path / "again"))
+
+
+def test_stored_guess_is_warm_start(tmp_path) -> None:
+    data, out = tmp_path / "set", tmp_path / "out"
+    data.mkdir()
+    problem = random_problem(1, contacts=4)
+    for name, guess in (("good", solve(problem, "lemke", tol=1e-12).impulse), ("zero", np.zeros((4, 2)))):
+        path = data / f"{name}.hdf5"
+        fclib.write(problem, path)
+        with h5py.File(path, "a") as file:
+            file["guesses/number_of_guesses"] = np.array([1], dtype=np.int32)
+            file["guesses/1/r"] = guess.ravel()
+    run(choose("recorded", [], ("nsgs", "lemke"), "1e-8", 5.0, data=(str(data),)), out, 1, Progress())
+    rows = read_table(out, "solves")
+    sweeps = rows[rows["variant"] == "nsgs"].set_index(["parameters", "start"])["work"].map(json.loads)
+    assert [start for _, start in sweeps.index] == ["cold", "warm", "cold"], "a guess of zeros is a cold start"
+    cold, warm = sweeps.iloc[0]["sweeps"], sweeps.iloc[1]["sweeps"]
+    assert warm < cold
+
+
+def test_unreadable_files_give_skipped_rows(tmp_path) -> None:
+    data, out = tmp_path / "set", tmp_path / "out"
+    data.mkdir()
+    np.savez(data / "lcp.npz", M=np.eye(2), q=np.ones(2))
+    (data / "torn.dat").write_text("3\n4\n")
+    fclib.write(random_problem(1, contacts=4), data / "whole.hdf5")
+    run(choose("recorded", [], ("nsgs",), "1e-8", 5.0, data=(str(data),)), out, 1, Progress())
+    lcp, torn, whole = read_table(out, "solves").to_dict("records")
+    assert (lcp["verdict"], torn["verdict"], whole["verdict"]) == ("skipped", "skipped", "solved")
+    assert lcp["reason"] == "nsgs solves friction problems, not bare LCPs"
+    assert "torn.dat: read as the text of Siconos: contacts: 4 is out of range" in torn["reason"]
+    with pytest.raises(InputError, match=r"^row: .* has no problem to run again: .*torn\.dat"):
+        rerun_row(out, torn["key"], [])
+
+
+def sequence(folder, names, problems):
+    folder.mkdir()
+    for name, problem in zip(names, problems, strict=True):
+        own.save(problem, folder / name)
+    return folder
+
+
+def steps_of_a_stack(count):
+    """A pushed stack, of which each step is a little faster."""
+    problem = make_scene("stack", blocks=3, push=1.0).problem()
+    return [problem.replace(free_velocity=problem.free_velocity * (1 + 0.01 * step)) for step in range(count)]
+
+
+@pytest.mark.parametrize("suite", ["replay", "recorded"])
+def test_files_in_order_are_a_sequence(tmp_path, suite) -> None:
+    """Every step but the first, and one after a step with another number of contacts, is started from the step before."""
+    *steps, last = steps_of_a_stack(4)
+    problems = [*steps, make_scene("stack", blocks=2, push=1.0).problem(), last]
+    names = ["step_1.npz", "step_2.npz", "step_3.npz", "step_9.npz", "step_10.npz"]
+    data, out = sequence(tmp_path / "set", names, problems), tmp_path / "out"
+    run(choose(suite, [], ("nsgs",), "1e-8", 5.0, data=(str(data),)), out, 1, Progress())
+    rows = read_table(out, "solves")
+    started = rows.groupby("step")["start"].agg(list).to_dict()
+    assert started == {0: ["cold"], 1: ["cold", "warm"], 2: ["cold", "warm"], 3: ["cold"], 4: ["cold"]}
+    assert rows["parameters"].map(json.loads).map(lambda one: one["file"]).unique().tolist() == names
+    assert (rows["verdict"] == "solved").all()
+    sweeps = rows.set_index(["step", "start"])["work"].map(lambda work: json.loads(work)["sweeps"])
+    assert sweeps[1, "warm"] < sweeps[1, "cold"]
+    assert set(rows.loc[rows["start"] == "warm", "reference"]) == {"lemke"}
+
+
+def test_names_that_differ_in_more_than_a_number_are_no_sequence(tmp_path) -> None:
+    names = ["step_1.npz", "step_2.npz", "other.npz"]
+    data = sequence(tmp_path / "set", names, steps_of_a_stack(3))
+    assert {source.before for source in choose("recorded", [], ("nsgs",), None, None, data=(str(data),)).sources} == {""}
+    (one,) = choose("recorded", [], ("nsgs",), None, None, data=(str(data / "other.npz"),)).sources
+    assert (one.scene, one.parameters, one.before) == ("other.npz", {"file": "other.npz"}, "")
+
+
+def test_broken_step_of_a_sequence(tmp_path) -> None:
+    data, out = sequence(tmp_path / "set", ["s0.npz", "s1.npz", "s2.npz"], steps_of_a_stack(3)), tmp_path / "out"
+    (data / "s1.npz").write_bytes(b"PK torn")
+    run(choose("replay", [], ("nsgs",), "1e-8", 5.0, data=(str(data),)), out, 1, Progress())
+    rows = read_table(out, "solves")
+    assert sorted(rows["verdict"]) == ["skipped", "solved", "solved"]
+    assert "s1.npz" in rows.set_index("verdict").loc["skipped", "reason"]
+    assert set(rows["start"]) == {"cold"}
+
+
+@pytest.mark.parametrize(
+    ("suite", "scenes", "data", "complaint"),
+    [
+        ("recorded", ["stack"], ".", "data: names the problems to run, and so does --scene"),
+        ("standard", [], ".", "data: standard has problems of its own; recorded ones are run by recorded, abh2018, replay"),
+        ("recorded", [], "nowhere", "data: no problems in nowhere: it is no folder"),
+        ("replay", [], "empty", "data: no problems in .*empty: no .hdf5, .h5, .dat, .npz file"),
+    ],
+)
+def test_unusable_data(tmp_path, suite, scenes, data, complaint) -> None:
+    (tmp_path / "empty").mkdir()
+    location = str(tmp_path / data) if data == "empty" else data
+    with pytest.raises(InputError, match=f"^{complaint}"):
+        choose(suite, scenes, ("nsgs",), None, None, data=(location,))
+
+
+def test_solve_of_a_folder_names_the_command(tmp_path) -> None:
+    told = r"^problem: .* is a folder; `frictionbench run recorded --data .*`frictionbench run replay .*"
+    with pytest.raises(InputError, match=f"{told}`frictionbench report DIR --budget"):
+        solve_one(str(tmp_path), ["nsgs"], 1e-8, 10.0, 1, budget=1e-3)
+
+
+def test_first_line_says_what_was_read(tmp_path, capsys) -> None:
+    own.save(spatial(0, contacts=3), tmp_path / "p.npz")
+    own.save(make_scene("slider_crank").problem(), tmp_path / "joints.npz")
+    for name, size in (
+        ("p", "3 contacts in space, 18 velocities"),
+        ("joints", "contacts in the plane, 6 joint equations, 9 velocities"),
+    ):
+        solve_one(str(tmp_path / f"{name}.npz"), ["nsgs"], 1e-8, 10.0, 1)
+        first = capsys.readouterr().out.splitlines()[0]
+        assert first.startswith(f"{tmp_path / name}.npz: ")
+        assert size in first

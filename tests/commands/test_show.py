@@ -1,0 +1,347 @@
+"""Recorded motions agree with their scenes, and their pages draw them completely."""
+
+import json
+import os
+import re
+from base64 import b64encode
+from dataclasses import replace
+from hashlib import sha256
+from html.parser import HTMLParser
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+from frictionbench.commands import show
+from frictionbench.commands.show import recorded
+from frictionbench.harness.cells.motion import record_motion, store_motion
+from frictionbench.harness.plans.plan import Source
+from frictionbench.problems import InputError, scene, scenes
+from frictionbench.problems.schemes import SCHEMES
+from frictionbench.problems.simulate import simulate
+from frictionbench.reports import animation
+from frictionbench.reports.animation import write_animation, write_animations
+from frictionbench.reports.page import write_report
+from frictionbench.results.files import ResultsError
+from frictionbench.results.motion import read_motion, write_motion
+from frictionbench.solvers import available, solve
+from tests.helpers.browser import browse, in_browser
+from tests.helpers.made_results import simulation_row, solve_row, write_folder
+from tests.helpers.paths import BAD_SOLVERS
+
+OUTSIDER = """
+import os
+import numpy as np
+from frictionbench import Answer, Status, solver
+open({trace!r}, "w").write(str(os.getpid()))
+
+@solver("outsider", family="outside", model="coulomb")
+class Outsider:
+    'No answer.'
+    def solve(self, problem, tol, limit, start=None):
+        return Answer(np.full((problem.contacts, 2), np.nan), Status.SOLVED)
+"""
+
+
+@pytest.mark.parametrize(
+    ("name", "scheme", "steps"),
+    [
+        ("two_blocks", "anitescu_potra", 90),
+        ("slider_crank", "stewart_trinkle", 40),
+        ("bouncing_ball", "paoli_schatzman", 460),
+        ("incline", "lotstedt", 10),
+        ("painleve_rod", "moreau", 30),
+        ("stopping_block", "acceleration", 30),
+    ],
+)
+def test_recording_equals_simulation(name: str, scheme: str, steps: int) -> None:
+    stage = scene(name)
+    motion = record_motion(stage, "lemke", scheme, steps)
+    taken = list(simulate(stage, lambda problem: solve(problem, "lemke", tol=1e-8).impulse, SCHEMES[scheme], steps))
+    assert motion.ended == ""
+    assert motion.times == pytest.approx([step.time for step in taken], abs=0)
+    assert motion.poses == pytest.approx(np.array([step.q.reshape(-1, 3) for step in taken]), abs=0)
+    assert motion.energy == pytest.approx([stage.energy(step.q, step.v) for step in taken], abs=0)
+    scale = np.abs(motion.energy).max() + np.ptp(motion.kinetic)
+    for k, (before, after) in enumerate(pairwise(taken)):  # gravity comes in the last phase of a step
+        push = stage.step * stage.force(before.q, before.v, before.time)
+        middle = (after.solved[-1].problem.free_velocity[: len(push)] - push / stage.weights + after.v) / 2
+        work = sum(np.diff(curve)[k] for curve in (motion.friction, motion.normal, motion.joints))
+        assert np.diff(motion.kinetic)[k] == pytest.approx(push @ middle + work, abs=1e-10 * scale)
+
+
+def test_title_names_what_was_changed() -> None:
+    motion = record_motion(scene("painleve_rod", angle=1.23456, friction=0.5), "lemke", steps=2)
+    assert motion.title == "painleve_rod[angle=1.23,friction=0.5]"
+    assert record_motion(scene("stack"), "lemke", steps=1).title == "stack"
+
+
+def test_energy_in_a_line() -> None:
+    motion = record_motion(scene("bouncing_ball", restitution=1.0), "lemke", "moreau", 3)
+    motion = replace(motion, energy=np.array([4.0, 3.0, 3.5, 2.0]), kinetic=np.array([0.0, 1.0, 2.0, 0.0]))
+    told = show.told(motion)
+    assert told.startswith("energy: -100 % at the end, at most +25 % in a step, of the largest kinetic energy; worst residual")
+
+
+def test_problem_of_one_step_has_no_motion() -> None:
+    with pytest.raises(InputError, match="scene: random_bodies is a problem of one step and has no motion; `show` takes arch"):
+        recorded("random_bodies[contacts=3]", "nsgs", "anitescu_potra", None)
+
+
+@pytest.mark.parametrize("name", ["pyramid", "stack", "bowl", "jam", "incline"])
+def test_recorded_contacts_equal_scene_contacts(name: str) -> None:
+    stage = scene(name)
+    (contacts, _), found = record_motion(stage, "lemke", steps=1).contacts, stage.contacts(stage.q0)
+    down = (found.bodies >= 0).all(axis=1) & (found.direction[:, 1] < 0)
+    upper = np.where(down[:, None], -found.direction, found.direction)
+    wanted = np.hstack([found.point, upper])
+    distance = np.abs(contacts[:, None, :4] - wanted[None]).max(axis=2)
+    assert distance.min(axis=0).max() <= 1e-12
+    assert distance.min(axis=1).max() <= 1e-12
+
+
+@pytest.mark.parametrize("name", ["box_tower", "sliding_ball", "box_in_groove"])
+def test_recorded_contacts_in_space(name: str) -> None:
+    """Points, normals and impulses are those of the scene's contacts, and the balance of energy is that of the motion."""
+    stage = scene(name)
+    motion, found = record_motion(stage, "interior_point", steps=1), stage.contacts(stage.q0)
+    upper = np.where(found.direction[:, 2:] < 0, -found.direction, found.direction)
+    wanted, recorded = np.hstack([found.point, upper]), motion.contacts[0]
+    distance = np.abs(recorded[:, None, :6] - wanted[None]).max(axis=2)
+    assert distance.min(axis=0).max() <= 1e-12
+    assert distance.min(axis=1).max() <= 1e-12
+    normal = (recorded[:, 3:6] * recorded[:, 6:]).sum(axis=1)
+    sliding = np.linalg.norm(recorded[:, 6:] - normal[:, None] * recorded[:, 3:6], axis=1)
+    assert (sliding <= stage.friction * normal + 1e-9).all()
+    ground = found.bodies[distance.argmin(axis=1), 1] == -1
+    held = recorded[ground, 6:].sum(axis=0)  # what holds or slows all bodies
+    *_, last = simulate(stage, lambda problem: solve(problem, "interior_point", tol=1e-10).impulse, steps=1)
+    momentum = (stage.weights * (last.v - stage.v0)).reshape(-1, 6)[:, :3]
+    weight = stage.step * stage.weights[::6].sum() * np.array(stage.gravity)
+    assert held == pytest.approx(momentum.sum(axis=0) - weight, abs=1e-6)
+
+
+def test_recorded_impulses() -> None:
+    stage = scene("stack", blocks=4, push=0.0)
+    motion = record_motion(stage, "lemke", steps=5)
+    for contacts in motion.contacts[:-1]:
+        ground = contacts[:, 1] < stage.touch
+        assert contacts[ground, 4].sum() / stage.step == pytest.approx(stage.weights[1::3].sum() * 9.81)
+        assert (np.abs(contacts[:, 5]) <= stage.friction * contacts[:, 4] + 1e-12).all()
+    assert len(motion.contacts[-1]) == 0
+
+
+def test_energy_balance_by_hand() -> None:
+    block = record_motion(scene("stopping_block"), "lemke")
+    assert (block.friction[-1], block.normal[-1], block.defect[-1]) == pytest.approx((-1, 0, 0), abs=1e-12)  # 2 kg at 1 m/s
+    blocks = record_motion(scene("two_blocks"), "lemke", steps=100)
+    meeting = 3**2 - 2 * 0.02 * 9.81 * 2
+    assert blocks.normal[-1] == pytest.approx(-(1 - 0.2**2) / 4 * meeting, rel=0.01)
+    ball = scene("bouncing_ball")
+    fall = record_motion(ball, "lemke", steps=20)
+    assert fall.defect[-1] == pytest.approx(-20 * ball.weights[0] * (9.81 * ball.step) ** 2 / 2)
+    bounce = record_motion(ball, "lemke", steps=500)
+    hit = np.sqrt(2 * 9.81)
+    assert bounce.normal[-1] == pytest.approx(-(1 - 0.8**2) / 2 * ball.weights[0] * hit**2, rel=0.01)
+
+
+def test_failing_scheme_is_reported() -> None:
+    motion = recorded("painleve_rod", "lemke", "acceleration", None)
+    assert "no bounded force" in motion.ended
+    assert len(motion.times) == len(motion.contacts) == 1
+    for arguments, complaint in (
+        (("two_blocks", "lemke", "lotstedt", None), r"^scheme: it has no law of restitution"),
+        (("two_blocks", "lemke", "euler", None), r"^scheme: unknown scheme 'euler'"),
+        (("heap", "lemke", "moreau", None), r"^scene: unknown scene"),
+        (("stack", "lemkin", "moreau", None), r"^solver: unknown solver"),
+        (("stack", str(BAD_SOLVERS), "moreau", None), r"^solver: .* name one"),
+    ):
+        with pytest.raises(InputError, match=complaint):
+            recorded(*arguments)
+
+
+def test_plugin_runs_in_separate_process(tmp_path) -> None:
+    """It has no answer, which ends the motion, and says what it likes of the scene's name, which names a file."""
+    plugin = tmp_path / "outsider.py"
+    plugin.write_text(OUTSIDER.format(trace=str(tmp_path / "trace")), encoding="utf-8")
+    motion = recorded("stack[blocks=1]", str(plugin), "anitescu_potra", 5)
+    assert (tmp_path / "trace").read_text() != str(os.getpid())
+    assert motion.ended.startswith("outsider returned no usable answer")
+    assert (motion.scene, motion.solver) == ("stack", "outsider")
+    assert "outsider returned no usable answer" in write_animation(motion, tmp_path / "page.html").read_text()
+    assert "outsider" not in available()
+
+
+def test_diverging_motion_ends(monkeypatch) -> None:
+    monkeypatch.setattr("frictionbench.harness.cells.motion.DIVERGED", 1e-2)  # the block loses its 1 J; its measure is 23 J
+    motion = record_motion(scene("stopping_block"), "lemke")
+    assert motion.ended == f"diverged in step {len(motion.times)}"
+    assert 1 < len(motion.times) < 20
+
+
+def test_motion_file_round_trip(tmp_path) -> None:
+    motion = record_motion(scene("slider_crank"), "lemke", steps=40)
+    write_motion(tmp_path / "m.json", motion)
+    again = read_motion(tmp_path / "m.json")
+    assert again.parameters == motion.parameters
+    for name in ("times", "poses", "energy", "kinetic", "friction", "normal", "joints", "residual", "hinges"):
+        assert getattr(again, name) == pytest.approx(getattr(motion, name), rel=1e-11)
+    assert [c.shape for c in again.contacts] == [c.shape for c in motion.contacts]
+    assert [o.body for o in again.outlines] == [2, -1, -1, 0, 1]
+
+
+def test_invalid_motion_files_are_refused(tmp_path) -> None:
+    path = tmp_path / "m.json"
+    write_motion(path, record_motion(scene("jam"), "lemke", steps=2))
+    good = json.loads(path.read_text())
+    bad = [
+        {"times": [0.0]},
+        {"poses": [[1.0]]},
+        {"energy": [0, 0, float("nan")]},
+        {"outlines": [{}]},
+        {"contacts": [[1], [], []]},
+    ]
+    bad += [{"parameters": 3}, {"hinges": [[7, 0, 0]]}, {"poses": []}]
+    path.write_text("")
+    with pytest.raises(ResultsError, match=r"m\.json: cannot be read"):
+        read_motion(path)
+    for text in ("[]", "{}", *(json.dumps(good | change) for change in bad)):
+        path.write_text(text)
+        with pytest.raises(ResultsError, match="not a recorded motion"):
+            read_motion(path)
+    assert write_animations(tmp_path.parent) == []
+
+
+class _Page(HTMLParser):
+    """A page's tags, references, text outside scripts, and scripts by type."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.references: list[str] = []
+        self.scripts: dict[str, str] = {}
+        self.text = ""
+        self._script: str | None = None
+        self.feed(path.read_text(encoding="utf-8"))
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.references += [value or "" for name, value in attrs if name in ("href", "src")]
+        self._script = dict(attrs).get("type", "") if tag == "script" else None
+
+    def handle_data(self, data):
+        if self._script is None:
+            self.text += data
+        else:
+            self.scripts[self._script] = self.scripts.get(self._script, "") + data
+
+    def handle_endtag(self, tag):
+        self._script = None
+
+
+def test_every_scene_has_a_self_contained_page(tmp_path) -> None:
+    for name in scenes():
+        page = _Page(write_animation(recorded(name, None, "anitescu_potra", 3), tmp_path / f"{name}.html"))
+        assert page.references == []
+        assert page.tags.count("script") == 2
+        data = json.loads(page.scripts["application/json"])
+        assert len(data["times"]) == len(data["poses"]) == len(data["contacts"]) == 4
+        allowed = b64encode(sha256(page.scripts[""].encode()).digest()).decode()
+        assert f"script-src 'sha256-{allowed}'" in (tmp_path / f"{name}.html").read_text()
+
+
+def test_long_motion_is_thinned(tmp_path, monkeypatch) -> None:
+    motion = record_motion(scene("bouncing_ball"), "lemke", steps=600)
+    monkeypatch.setattr(animation, "MOST_NUMBERS", 700)
+    data = json.loads(_Page(write_animation(motion, tmp_path / "page.html")).scripts["application/json"])
+    assert 40 < len(data["times"]) <= 70
+    largest = max(contacts[4] for step in motion.contacts for contacts in step)
+    assert max(contacts[4] for contacts in data["contacts"] if contacts) == pytest.approx(largest, rel=1e-4)
+
+
+EVIL = "</script><script>document.documentElement.dataset.error='got in'</script><!--\u2028'\"&{{ 7 * 7 }}<b onload=x>"
+
+
+def evil_motion():
+    motion = record_motion(scene("stack", blocks=2), "lemke", steps=25)
+    for name in ("scene", "solver", "scheme", "ended"):
+        object.__setattr__(motion, name, EVIL)
+    object.__setattr__(motion, "parameters", {EVIL: EVIL})
+    return motion
+
+
+def test_untrusted_text_is_escaped(tmp_path) -> None:
+    page = _Page(write_animation(evil_motion(), tmp_path / "page.html"))
+    assert page.tags.count("script") == 2
+    assert "b" not in page.tags
+    assert "{{ 7 * 7 }}" in page.text
+    assert "<" not in page.scripts["application/json"]
+
+
+def test_report_links_to_motions(tmp_path) -> None:
+    folder = write_folder(tmp_path, [solve_row("a", "p", scene="stack"), solve_row("a", "q")], [simulation_row("a")])
+    source = Source("stack", {"blocks": 2}, steps=2)
+    store_motion(folder, source)
+    (made,) = (folder / "motion").iterdir()
+    written = made.stat().st_mtime_ns
+    store_motion(folder, source)  # is there
+    assert made.stat().st_mtime_ns == written
+    (folder / "motion" / "broken.json").write_text("{")
+    page = _Page(write_report(folder))
+    links = [reference for reference in page.references if not reference.startswith(("#", "data:"))]
+    assert links == [f"motion/{made.stem}.html"]  # on the sheet of its scene
+    assert (folder / links[0]).exists()
+    assert "stack[blocks=2" in page.text
+
+
+@in_browser
+@pytest.mark.parametrize("kind", ["three_blocks", "evil", "cut short"])
+def test_page_runs_in_browser(tmp_path, kind: str) -> None:
+    motions = {
+        "three_blocks": lambda: record_motion(scene("three_blocks"), "lemke", steps=100),
+        "evil": evil_motion,
+        "cut short": lambda: record_motion(scene("painleve_rod"), "lemke", "acceleration"),
+    }
+    motion = motions[kind]()
+    page = write_animation(motion, tmp_path / "page.html")
+    wanted = min(20, len(motion.times) - 1)
+    (opening,) = re.findall(r"<html[^>]*>", browse(page, "--dump-dom", anchor="frame=20"))
+    assert 'data-status="ready"' in opening
+    assert f'data-frame="{wanted}"' in opening
+    assert "data-error" not in opening
+    if kind == "three_blocks":
+        pictures = [page.with_name(f"{frame}.png") for frame in (0, 20)]
+        for frame, picture in zip((0, 20), pictures, strict=True):
+            browse(page, f"--screenshot={picture}", anchor=f"frame={frame}")
+        first, second = map(imread, pictures)
+        assert 0.001 < np.mean(np.any(first != second, axis=-1)) < 0.5
+
+
+HANDS = """
+requestAnimationFrame = (step) => setTimeout(() => step(performance.now()), 16);  // without a screen there are no frames
+const seen = [];
+const press = (key, shiftKey = false) => { dispatchEvent(new KeyboardEvent("keydown", { key, shiftKey })); seen.push(frame); };
+press("ArrowRight"); press("ArrowRight", true); press("ArrowLeft"); press("End"); press("ArrowRight"); press("Home");
+press(" ");
+setTimeout(() => {
+  seen.push(playing && frame > 10);
+  element("frame").value = 55;
+  element("frame").dispatchEvent(new Event("input"));
+  seen.push(playing, frame);
+  element("play").click();
+  setTimeout(() => { seen.push(playing, frame); page.dataset.seen = seen.join(" "); }, 8000);
+}, 500);
+"""
+
+
+@in_browser
+def test_page_controls(tmp_path) -> None:
+    page = write_animation(record_motion(scene("three_blocks"), "lemke", steps=100), tmp_path / "page.html")
+    script = _Page(page).scripts[""]
+    ours, allowed = (b64encode(sha256(text.encode()).digest()).decode() for text in (script, script + HANDS))
+    page.write_text(page.read_text().replace(script, script + HANDS).replace(ours, allowed))
+    (opening,) = re.findall(r"<html[^>]*>", browse(page, "--dump-dom", "--virtual-time-budget=10000", anchor="frame=0"))
+    assert "data-error" not in opening
+    assert 'data-seen="1 11 10 100 100 0 0 true false 55 false 100"' in opening

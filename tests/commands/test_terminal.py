@@ -1,0 +1,107 @@
+"""The command line on a terminal: tables and lists at 80 columns, completion by shells, and names that are mistyped."""
+
+import os
+import subprocess
+import sys
+from io import StringIO
+
+import pytest
+import rich.console
+from rich.console import Console
+
+from frictionbench.commands import listing, table
+from frictionbench.commands.table import columns, paragraph
+from frictionbench.harness.progress import Progress
+from frictionbench.harness.workers.task import Task
+from tests.helpers.command_line import frictionbench
+from tests.helpers.made_results import solve_row, write_folder
+from tests.helpers.paths import ROOT
+
+
+def test_columns_left_out_are_named() -> None:
+    rows = [("lemke", "solved", "pivots 12" * 9)]
+    *lines, told = columns(("solver", "verdict", "work"), rows, 80, ("work",))
+    assert lines == ["solver  verdict", "lemke   solved"]
+    assert told == "not shown on 80 columns: work; a wider terminal or a file has all"
+    assert len(columns(("solver", "verdict", "work"), rows, None, ("work",))) == 2
+
+
+def test_lines_break_between_words() -> None:
+    (first, second) = paragraph("a " + "x" * 90, 80)
+    assert (first.strip(), second.strip()) == ("a", "x" * 90)
+
+
+def test_scenes_are_listed_once(capsys, monkeypatch) -> None:
+    monkeypatch.setattr(table, "screen", lambda: 80)
+    listing.show("scenes")
+    told = capsys.readouterr().out
+    assert "\nexample_3\n" not in told
+    assert "also under the name example_3, which is two_blocks[]; example_4, which is two_blocks[friction=0.1]" in told.replace(
+        "\n    ", " "
+    )
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_shells_complete_commands(shell) -> None:
+    words = {"bash": {"COMP_WORDS": "frictionbench sh", "COMP_CWORD": "1"}}.get(
+        shell, {"_TYPER_COMPLETE_ARGS": "frictionbench sh"}
+    )
+    words |= {
+        "_FRICTIONBENCH_COMPLETE": f"complete_{shell}",
+        "_TYPER_COMPLETE_FISH_ACTION": "get-args",
+        "PYTHONPATH": str(ROOT),
+    }
+    call = "import sys; sys.argv = ['frictionbench']; from frictionbench.commands.cli import main; main()"
+    done = subprocess.run([sys.executable, "-c", call], env=os.environ | words, capture_output=True, text=True, check=True)
+    assert "show" in done.stdout
+    assert "shrink" in done.stdout
+    assert "lemke" not in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("command", "told"),
+    [
+        (("sovle", "stack"), "Did you mean 'solve'?"),
+        (("solve", "stak"), "scene: unknown scene 'stak' (did you mean stack?)"),
+        (("solve", "stack[block=2]"), "block: the scene stack has no such parameter (did you mean blocks?)"),
+        (("solve", "stack", "--solver", "lemka"), "solver: unknown solver 'lemka' (did you mean lemke?)"),
+        (("solve", "stack", "--solver", "nsgs[relax=1]"), "solver: nsgs has no setting 'relax' (did you mean relaxation?)"),
+        (("run", "smok"), "suite: unknown suite 'smok' (did you mean smoke?)"),
+        (("show", "stack", "--scheme", "moro"), "scheme: unknown scheme 'moro' (did you mean moreau?)"),
+    ],
+)
+def test_mistyped_names(command, told) -> None:
+    done = frictionbench(*command)
+    assert done.returncode == 2
+    assert told in done.stderr
+
+
+def test_clocks_of_the_progress_bar_are_whole() -> None:
+    """At 80 columns the name of what is running is cut, not the clocks."""
+    console = Console(file=StringIO(), force_terminal=True, width=80)
+    with Progress(console).stage("convergence histories", 1000, 0) as stage:
+        stage.started(task := Task("relaxation_ip[warm=true,steps=300]", print, (), 1.0))
+        stage.compiling(task, True)
+    told = console.file.getvalue()
+    assert "compiling" in told
+    assert "…" not in told
+    assert "0:00:00" in told
+
+
+def test_a_comparison_is_laid_out_on_a_terminal(tmp_path, monkeypatch) -> None:
+    """And Markdown in a pipe."""
+    runs = [str(write_folder(tmp_path / name, [solve_row("lemke", "p", verdict=name)])) for name in ("solved", "wrong")]
+    piped = frictionbench("compare", *runs)
+    assert piped.stdout.startswith("## worse 1 ")
+    monkeypatch.setattr(rich.console.Console, "is_terminal", property(lambda self: True))
+    shown = frictionbench("compare", *runs)
+    assert (shown.returncode, piped.returncode) == (1, 1)
+    assert "##" not in shown.stdout
+    assert "worse 1" in shown.stdout
+
+
+def test_the_lcp_is_named_in_the_plane_only() -> None:
+    """In space the exact problem is no LCP."""
+    for problem, named in (("stack[blocks=1]", True), ("cubes[boxes=1]", False)):
+        done = frictionbench("solve", problem, "--solver", "nsgs")
+        assert ("LCP of " in done.stdout) == named, done
