@@ -1,6 +1,7 @@
 # make bench   install, run the standard suite, write its results and report, and say where the report is
 # make quick   install, check the style and the types, run the tests that matter for most changes: half a minute with kernels compiled
-# make test    install, check the style and the types, run all tests
+# make test    install, check the style and the types, run the tests but the slow ones
+# make test-all  the same with the slow ones
 # make test-peers  the outside solvers as in make peers, and the tests of their adapters and of engines; what is missing is skipped with its
 #              reason. PEER_NAMES: the packages to install, all by default
 # make timing  install, time the kernels with pytest-benchmark, a file in runs/timing-REVISION each time
@@ -30,7 +31,7 @@ QUICK := tests/problems --ignore=tests/problems/recorded --ignore=tests/problems
 	tests/results/test_baselines.py tests/api tests/project/test_structure.py tests/project/test_documents.py
 PYTEST = $(BIN)/python -m pytest --numprocesses=2 --dist=loadfile --no-loadscope-reorder
 
-.PHONY: bench quick test test-peers timing peers studies docs release placeholders regress install clean
+.PHONY: bench quick test test-all test-peers timing peers studies docs release placeholders regress install clean
 install: .venv/installed
 
 .venv/installed: pyproject.toml constraints.txt
@@ -49,6 +50,10 @@ quick: checked
 test: install
 	$(MAKE) --jobs=2 --output-sync checked compiled-plane compiled-space
 	$(PYTEST)
+
+test-all: install
+	$(MAKE) --jobs=2 --output-sync checked compiled-plane compiled-space
+	$(PYTEST) -m ''
 
 # Kernels that both processes of the tests would otherwise compile at the same time.
 .PHONY: compiled-plane compiled-space
