@@ -11,12 +11,10 @@ from typing import Any
 from docutils import nodes
 from sphinx.util.docutils import SphinxDirective
 
-from frictionbench.reports.drawing.text import count, power, seconds
-from frictionbench.reports.published.publish import publish
-from frictionbench.reports.published.site import Entry
-from frictionbench.results import summaries
-from frictionbench.results.rank_by import RankBy
-from frictionbench.results.summaries import Summary
+from frictionbench.reports import count, power, seconds
+from frictionbench.results import RankBy
+from tools.publish.site import Entry, write_site
+from tools.publish.summary import Summary, read
 
 SUMMARIES = Path(__file__).parents[2] / "results" / "published"
 HEADS = ("suite", "version", "machine", "finished", "ranked problems")
@@ -24,7 +22,7 @@ HEADS = ("suite", "version", "machine", "finished", "ranked problems")
 
 def entries() -> list[Entry]:
     """The published runs, the newest first."""
-    found = [Entry(summaries.read(path)) for path in SUMMARIES.glob("*.json")]
+    found = [Entry(read(path)) for path in SUMMARIES.glob("*.json")]
     return sorted(found, key=lambda entry: (entry.summary["finished"], entry.summary["name"]), reverse=True)
 
 
@@ -112,7 +110,7 @@ class PublishedHeadlines(OfSummaries):
 
 def write_pages(app: Any) -> None:
     site = Path(app.srcdir) / "_build" / "extra" / "published"
-    list(publish([SUMMARIES], site, None, lambda folder, problems: (True, "")))
+    write_site(entries(), site)
 
 
 def setup(app: Any) -> dict[str, bool]:

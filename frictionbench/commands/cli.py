@@ -289,27 +289,6 @@ def history(
 
 
 @app.command()
-def publish(
-    folders: Annotated[
-        list[Path], typer.Argument(metavar="DIR...", help="Results folders, summaries, or folders of summaries.")
-    ],
-    out: Annotated[Path | None, typer.Option("--out", metavar="SITE", help="The folder of the site.")] = None,
-    summaries: Annotated[
-        Path | None, typer.Option("--summaries", metavar="FOLDER", help="Also write each run's summary as text.")
-    ] = None,
-) -> None:
-    """Make a static site of results.
-
-    Runs of several machines and versions stand beside each other; each is checked, and none are merged.
-    """
-    from frictionbench.commands.stored_problems import held
-    from frictionbench.reports.published.publish import publish as publish_runs
-
-    for path in publish_runs(folders, out, summaries, held):
-        typer.echo(path)
-
-
-@app.command()
 def solve(
     problem: Annotated[str, typer.Argument(metavar="FILE|SCENE", help="A problem file, or a scene like 'stack[blocks=5]'.")],
     solver: options.Solvers = None,

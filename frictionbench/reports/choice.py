@@ -5,7 +5,8 @@ The mean is the weighted shifted geometric mean of reports.balance, with problem
 solvers that ran on every problem of the kind are ordered, so that all are compared on the same problems; plane and space are
 different kinds. The lead is the mean of the second solver over that of the first. The win rate is the share of DRAWS bootstrap
 samples in which the same solver is first; a sample draws n_eff problems with the probabilities of their weights. Problems of
-one scene are similar, so the win rate applies to problems like these. Of too few problems no solver is the winner.
+one scene are similar, so the win rate applies to problems like these. Of too few problems no solver is the winner. `headline`
+says it in a sentence for the plane and one for space, the first of the report.
 """
 
 from typing import NamedTuple
@@ -16,10 +17,12 @@ from numpy.typing import NDArray
 
 from frictionbench.reports.accuracy import HUNDRED, OVERALL, percentiles, share_of_form
 from frictionbench.reports.balance import SHIFT, effective, weights
+from frictionbench.reports.drawing.text import ahead, count, percent, power, seconds
 from frictionbench.reports.run import Run
 from frictionbench.results.conventions import COLD, WARM
 from frictionbench.results.hardness import ILL
 from frictionbench.results.laws import law
+from frictionbench.results.rank_by import RankBy
 
 SMALL, MEDIUM = 10, 100  # contacts: the largest problems of these two kinds, a decade each
 DRAWS = 1000  # bootstrap samples: the standard error of a win rate is below 2 %
@@ -156,3 +159,52 @@ def _win_rate(logs: NDArray[np.float64], weight: NDArray[np.float64]) -> float |
         return None
     drawn = np.random.default_rng(0).multinomial(round(effective(weight)), weight / weight.sum(), size=DRAWS)
     return float(np.mean(np.argmin(drawn @ logs, axis=1) == 0))
+
+
+def headline(ranked: dict[RankBy, list[Kind]], overall: list[str], target: float) -> list[str]:
+    """A sentence for each class of all problems of a dimension. ranked: the choices by each ranking; target: the finest."""
+    found = {by: {kind.name: kind for kind in kinds} for by, kinds in ranked.items()}
+    return [
+        _headline({by: kinds[name] for by, kinds in found.items()}, target)
+        for name in overall
+        if all(name in one for one in found.values())
+    ]
+
+
+def differs(ranked: dict[RankBy, list[Kind]], target: float) -> bool:
+    """Whether the two rankings have another winner, or another order of the first three, for some kind of problem."""
+    return any(
+        one.choices[target].order != other.choices[target].order
+        for one, other in zip(*ranked.values(), strict=True)
+        if target in one.choices
+    )
+
+
+def _headline(kinds: dict[RankBy, Kind], target: float) -> str:
+    (first, one), (second, other) = kinds.items()
+    where = f"{one.name.capitalize()}, {count(one.problems, 'problem')}, to a verified residual of {power(target)}: "
+    if target not in one.choices:
+        return f"{where}no solver that ran on all of them reaches it."
+    mine, theirs = one.choices[target], other.choices[target]
+    if mine.winner and theirs.winner and mine.order == theirs.order:
+        same = f"{second.words} the first three are the same, the fastest {_figures(second, theirs)}"
+        return f"{where}{_winner(first, mine)}; {same}."
+    if mine.unclear == theirs.unclear != "":
+        return f"{where}{mine.unclear}."
+    return f"{where}{_winner(first, mine)}; {_winner(second, theirs)}."
+
+
+def _winner(by: RankBy, choice: Choice) -> str:
+    best = choice.winner
+    if best is None:
+        return f"{by.words} {choice.unclear}"
+    name = f"{best.label} ({best.law})" if best.law else best.label
+    return f"{by.words} {name} is the fastest, {_figures(by, choice)}"
+
+
+def _figures(by: RankBy, choice: Choice) -> str:
+    """The mean of the first, the share of form in it, how many problems it solved, and how far it is ahead of the second."""
+    best = choice.places[0]
+    form = f", {percent(best.form)} of the time form" if by is RankBy.BODIES else ""
+    mean = f"with a mean of {seconds(best.mean)}{form}, {best.reached} of {choice.problems} solved"
+    return mean + (f", {ahead(choice.lead, choice.places[1].label)}" if choice.lead else "")

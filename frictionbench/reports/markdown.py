@@ -12,7 +12,6 @@ import pandas as pd
 from frictionbench.reports import choice, leave_out, noise, tables
 from frictionbench.reports.accuracy import in_order, overall, percentiles, shown_levels
 from frictionbench.reports.drawing.text import ahead, code, count, escaped, percent, power, seconds
-from frictionbench.reports.headline import headline
 from frictionbench.reports.reliability import reliabilities, sentences
 from frictionbench.reports.run import Run
 from frictionbench.results.files import write_text
@@ -58,9 +57,9 @@ def _first(run: Run) -> list[str]:
     runs = run, run.ranked_by(run.rank_by.other)
     ranked = {one.rank_by: choice.choices(one) for one in runs}
     families = leave_out.sentences({one.rank_by: leave_out.left_out(one) for one in runs})
-    found = noise.noise(run, ranked)
+    found = noise.timing_noise(run, ranked)
     noisy = [noise.sentence(found, len(run.rows)), *found.changed] if found else []
-    return [*headline(ranked, run.overall, target), *families, *noisy]
+    return [*choice.headline(ranked, run.overall, target), *families, *noisy]
 
 
 def _which(run: Run) -> str:

@@ -32,7 +32,7 @@ class Noise(NamedTuple):
     changed: list[str]
 
 
-def noise(run: Run, ranked: Mapping[RankBy, list[Kind]]) -> Noise | None:
+def timing_noise(run: Run, ranked: Mapping[RankBy, list[Kind]]) -> Noise | None:
     """The noise of a run; None if no cell was disturbed. ranked: its choices by each ranking."""
     disturbed = run.rows[run.rows["disturbed"].eq(True) & run.rows["solve_time"].notna()]
     if disturbed.empty:

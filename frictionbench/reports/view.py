@@ -11,14 +11,13 @@ from frictionbench.reports.accuracy import CHARGES, OVERALL, by_charge, overall,
 from frictionbench.reports.animation import Animation
 from frictionbench.reports.charts import CHARTS
 from frictionbench.reports.charts.chart import Chart
-from frictionbench.reports.choice import Kind, choices
+from frictionbench.reports.choice import Kind, choices, differs, headline
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.sheets import BANDS
 from frictionbench.reports.drawing.tiles import Drawing
 from frictionbench.reports.filter import cells
 from frictionbench.reports.hard import HardShares, hard_shares
-from frictionbench.reports.headline import differs, headline
-from frictionbench.reports.noise import Noise, noise, sentence
+from frictionbench.reports.noise import Noise, sentence, timing_noise
 from frictionbench.reports.recorded import Recorded, recorded_problems
 from frictionbench.reports.reliability import sentences
 from frictionbench.reports.run import Run
@@ -191,7 +190,7 @@ def view(run: Run, animations: Sequence[Animation] = ()) -> Page:
 
 def _head(run: Run, rankings: list[Ranked]) -> Head:
     kinds, target = {one.by: one.kinds for one in rankings}, run.outer_targets[-1]
-    disturbance = noise(run, kinds)
+    disturbance = timing_noise(run, kinds)
     return Head(
         setup=_setup(run.manifest),
         finished="finished" in run.manifest,

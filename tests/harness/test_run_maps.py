@@ -27,7 +27,6 @@ from frictionbench.reports.drawing import svg, tiles
 from frictionbench.reports.drawing.tiles import Grid, Tile, panel
 from frictionbench.reports.page import write_report
 from frictionbench.reports.paper import write_paper
-from frictionbench.reports.published.summary import summarise
 from frictionbench.reports.robustness import costs, failures, map_cells, robustness, smallest
 from frictionbench.reports.run import read_run
 from frictionbench.results import store
@@ -301,17 +300,3 @@ def test_after_failure_policies(tmp_path) -> None:
     found = costs(read_run(tmp_path / "run"))
     assert found["variant"].tolist() == ["lemke", *["reports_stalled"] * 3] * 2
     assert set(found.loc[found["variant"] == "lemke", "unsolved"]) == {0}
-
-
-def test_published_summary_tells_maps_apart(atlas) -> None:
-    """A hash and the shares of a map, not of its hundreds of problems."""
-    run = read_run(atlas)
-    summary = summarise(run, (True, ""))
-    maps = {f"map {cells.spec.name}": cells for cells in map_cells(run)}
-    hashed = {place.partition(",")[0] for place in summary["problems"]["hashes"]}
-    assert hashed == {name for name, cells in maps.items() if not cells.spec.steps}
-    found = {(row["scene"], row["solver"]): row["solved"] / row["cells"] for row in summary["scenes"]}
-    table = robustness(list(maps.values())).set_index("label")
-    for (name, label), share in found.items():
-        assert share == pytest.approx(table.loc[label, name.removeprefix("map ")])
-    assert {name for name, _ in found} == maps.keys()

@@ -5,8 +5,8 @@ import tomllib
 
 import pytest
 
-from frictionbench.results.summaries import read
 from tests.helpers.paths import ROOT
+from tools.publish.summary import read
 
 yaml = pytest.importorskip("yaml")
 WORKFLOWS = sorted((ROOT / ".github" / "workflows").glob("*.yml"))

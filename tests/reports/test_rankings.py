@@ -9,8 +9,8 @@ from frictionbench.commands.options import parse_duration
 from frictionbench.commands.single import advice
 from frictionbench.reports import accuracy, balance, choice, leave_out, mix, noise, tables
 from frictionbench.reports.charts import profiles
+from frictionbench.reports.choice import headline
 from frictionbench.reports.drawing.text import ahead, count, percent
-from frictionbench.reports.headline import headline
 from frictionbench.reports.markdown import write_markdown
 from frictionbench.reports.page import write_report
 from frictionbench.reports.paper import write_paper

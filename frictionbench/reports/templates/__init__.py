@@ -7,7 +7,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from frictionbench.reports.accuracy import shown_levels
@@ -21,9 +21,9 @@ from frictionbench.results.commands import rerun
 from frictionbench.results.laws import ENDINGS, ending
 
 
-def script(*names: str) -> tuple[Markup, str]:
-    """Scripts of this folder as one, and the hash by which a page's security policy allows this script only."""
-    text = "".join(Path(__file__).with_name(name).read_text(encoding="utf-8") for name in names)
+def script(*names: str | Path) -> tuple[Markup, str]:
+    """Scripts, of this folder or by their paths, as one; and the hash by which a page's policy allows this script only."""
+    text = "".join((Path(__file__).parent / name).read_text(encoding="utf-8") for name in names)
     return Markup(text), b64encode(sha256(text.encode()).digest()).decode()
 
 
@@ -32,10 +32,11 @@ def as_json(value: Any) -> Markup:
     return Markup(json.dumps(value, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"))
 
 
-def environment() -> Environment:
-    """Templates with escaping, and filters for numbers, commands and drawings; "–" stands for a missing number."""
+def environment(*folders: Path) -> Environment:
+    """Templates of this folder and of others with escaping, and filters for numbers, commands and drawings; "–" stands for a
+    missing number."""
     made = Environment(
-        loader=PackageLoader("frictionbench.reports"),
+        loader=FileSystemLoader([Path(__file__).parent, *folders]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

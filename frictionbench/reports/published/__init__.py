@@ -1,1 +1,0 @@
-"""Published results: the summary of a run as text, and a static site of runs, machine beside machine."""

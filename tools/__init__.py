@@ -1,0 +1,1 @@
+"""What uses the package and is not part of it: published results, generators of documents."""

@@ -1,0 +1,95 @@
+"""A static site of published runs: a page for each suite and version with the runs of all machines one below the other, and an
+index with the history over versions and machines, which a reader sorts and filters.
+
+Runs are shown beside each other and never merged: no figure on the site is computed from two of them. What comes from a results
+folder is copied by name from a list, without following links; all text is escaped, and pages load nothing from elsewhere.
+"""
+
+import shutil
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pandas as pd
+
+from frictionbench.reports import OVERALL, environment, script, write_report
+from frictionbench.results import TABLES, RankBy, read_table, subfolder, write_text
+from tools.publish.summary import Summary, write
+
+HERE = Path(__file__).parent
+COPIED = (
+    *("manifest.json", "convergence.json", "polygon.json", "shrunk/index.json", "maps/*.json", "motion/*.json"),
+    *(f"{table}.parquet" for table in TABLES),
+)
+
+
+class Entry(NamedTuple):
+    """A published run: its summary, and the results folder that it was made from, if that is at hand."""
+
+    summary: Summary
+    folder: Path | None = None
+
+    @property
+    def page(self) -> str:
+        """The name of the page of its suite and version."""
+        return f"{self.summary['name'].rsplit('-', 2)[0]}.html"
+
+
+def write_site(entries: Sequence[Entry], site: Path) -> Path:
+    """Write the site; return its index. Errors: ResultsError and OSError naming what cannot be read or written."""
+    site.mkdir(parents=True, exist_ok=True)
+    templates, downloads = environment(HERE), {entry.summary["name"]: _files(entry, site) for entry in entries}
+    pages: dict[str, list[Entry]] = {}
+    for entry in sorted(entries, key=lambda entry: (entry.summary["finished"], entry.summary["name"]), reverse=True):
+        pages.setdefault(entry.page, []).append(entry)
+    for page, runs in pages.items():
+        values = {"runs": runs, "downloads": downloads, "same": [same_problems(run, runs) for run in runs], "by": tuple(RankBy)}
+        write_text(site / page, templates.get_template("published_suite.html").render(values))
+    text, digest = script(HERE / "published.js")
+    rows = [row for runs in pages.values() for run in runs for row in history_rows(run)]
+    values = {"pages": pages, "rows": rows, "script": text, "script_hash": digest}
+    write_text(site / "index.html", templates.get_template("published.html").render(values))
+    return site / "index.html"
+
+
+def history_rows(entry: Entry) -> list[dict[str, Any]]:
+    """A row for each solver in the plane and in space, from bodies and to the finest target."""
+    facts = {name: entry.summary[name] for name in ("suite", "version", "release", "finished", "machine")}
+    rows = [row for row in entry.summary["rankings"] if row["kind"] in OVERALL.values() and row["by"] == RankBy.BODIES]
+    finest = min((row["target"] for row in rows), default=None)
+    return [facts | row | {"page": entry.page} for row in rows if row["target"] == finest]
+
+
+def same_problems(entry: Entry, runs: Sequence[Entry]) -> list[str]:
+    """How many problems of the run are the same, to the last bit, as in each other run of the page."""
+    own, lines = entry.summary["problems"]["hashes"], []
+    for other in (one for one in runs if one is not entry):
+        theirs = other.summary["problems"]["hashes"]
+        same = sum(theirs.get(place) == found for place, found in own.items())
+        lines.append(f"{same} of {len(own)} problems are those of the run of {other.summary['finished'][:16]}.")
+    return lines
+
+
+def _files(entry: Entry, site: Path) -> list[dict[str, str]]:
+    """Write what can be downloaded of a run, into a folder of its own; the address of each file and what it is."""
+    name = entry.summary["name"]
+    home = subfolder(site, name)
+    write(entry.summary, home)
+    write_text(home / "rankings.csv", pd.DataFrame(entry.summary["rankings"]).to_csv(index=False))
+    found = {"rankings.csv": "rankings, CSV", f"{name}.json": "summary, JSON"}
+    if entry.folder is not None:
+        for pattern in COPIED:
+            for path in sorted(entry.folder.glob(pattern)):
+                if path.is_file() and not path.is_symlink() and not path.parent.is_symlink():
+                    copy = home / path.relative_to(entry.folder)
+                    copy.parent.mkdir(exist_ok=True)
+                    shutil.copyfile(path, copy, follow_symlinks=False)
+        write_report(home)
+        found = {"report.html": "the whole report", **found}
+        for table in TABLES:
+            rows = read_table(home, table)
+            if len(rows):
+                write_text(home / f"{table}.csv", rows.to_csv(index=False))
+                found |= {f"{table}.{kind}": f"{table}, {kind}" for kind in ("csv", "parquet")}
+        found["manifest.json"] = "manifest: machine, versions, settings"
+    return [{"address": f"{name}/{file}", "what": what} for file, what in found.items()]

@@ -1,0 +1,217 @@
+"""Summaries of runs as they are published: one JSON file a run, text of some ten kilobytes.
+
+    format       1
+    name         SUITE-VERSION-MACHINE-DATE, the name of the file
+    suite, version, release, finished, cells, workers
+    machine      processor, cores, memory, system, python; without the name of the host
+    settings     tolerances and time limit, s
+    libraries    the versions of the libraries that the solvers used
+    problems     ranked, trivial and idle: their numbers; hashes: of each problem, by scene and step, of a map's together
+    checks       [what, whether it holds, in words]
+    headline     sentences
+    rankings     rows: kind, by, target, solver, law, mean, p50, p99, worst (s; null is never), reached, problems;
+                 unclear: why none of the kind is the winner, or ""
+    reliability  rows: solver, model, problems, exact, own, near_miss, wrong, timeout, crashed
+    scenes       rows: scene, solver, solved, cells, at the tightest tolerance; "map NAME": of grid points with a known solution
+
+Summaries may come from anybody: what does not have these fields and types is refused, and pages escape all text.
+"""
+
+import json
+import re
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+import frictionbench as fb
+from frictionbench import reports
+from frictionbench.reports import Kind, MapCells, Run
+from frictionbench.results import RankBy, ResultsError, measured, read_json, scene_title, write_text
+
+FORMAT = 1
+LARGEST = 4 * 2**20  # bytes of a summary
+Summary = dict[str, Any]
+MACHINE = ("processor", "cores", "memory", "system", "python")
+DIGITS, SHORT = 4, 12  # digits of times; characters of a problem's hash, enough to tell some thousands apart
+NUMBER = (int, float, type(None))
+TYPES: dict[str, Any] = {
+    **dict.fromkeys(("name", "suite", "version", "release", "finished"), str),
+    **dict.fromkeys(("cells", "workers"), int),
+    **dict.fromkeys(("machine", "settings", "libraries", "problems"), dict),
+    **dict.fromkeys(("checks", "headline", "rankings", "reliability", "scenes"), list),
+}
+ROWS: dict[str, dict[str, Any]] = {
+    "rankings": {
+        **dict.fromkeys(("kind", "by", "solver", "law", "unclear"), str),
+        **dict.fromkeys(("target", "mean", "p50", "p99", "worst"), NUMBER),
+        **dict.fromkeys(("reached", "problems"), int),
+    },
+    "reliability": {
+        **dict.fromkeys(("solver", "model"), str),
+        **dict.fromkeys(("problems", "exact", "own", "near_miss", "wrong", "timeout", "crashed"), int),
+    },
+    "scenes": {**dict.fromkeys(("scene", "solver"), str), **dict.fromkeys(("solved", "cells"), int)},
+}
+
+
+def write(summary: Summary, folder: Path) -> Path:
+    """Write FOLDER/NAME.json, a row of a table on a line, so that a change is one line of a diff; return its path."""
+    parts = []
+    for key, value in ({"format": FORMAT} | summary).items():
+        text = json.dumps(value, ensure_ascii=False, allow_nan=False)
+        if value and isinstance(value, list):
+            text = "[\n" + ",\n".join("  " + json.dumps(row, ensure_ascii=False, allow_nan=False) for row in value) + "\n]"
+        parts.append(f'"{key}": {text}')
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{summary['name']}.json"
+    write_text(path, "{\n" + ",\n".join(parts) + "\n}\n")
+    return path
+
+
+def read(path: Path) -> Summary:
+    """The summary in a file. Errors: ResultsError naming the file and the field that is missing or of another type."""
+    found = read_json(path, LARGEST)
+    if not isinstance(found, dict) or found.get("format") != FORMAT:
+        raise ResultsError(f"{path}: not a published summary of format {FORMAT}")
+    good = {field: isinstance(found.get(field), kind) for field, kind in TYPES.items()}
+    if all(good.values()):
+        good["name"] = bool(re.fullmatch(r"[\w+-][\w.+-]*", found["name"]))
+        good["problems.hashes"] = isinstance(found["problems"].get("hashes"), dict)
+        good["headline"] = all(isinstance(line, str) for line in found["headline"])
+        good["checks"] = all(isinstance(one, list) and list(map(type, one)) == [str, bool, str] for one in found["checks"])
+        for table, columns in ROWS.items():
+            good[table] = all(isinstance(row, dict) for row in found[table])
+            for row in found[table] if good[table] else ():
+                good |= {f"{table}.{name}": False for name, kind in columns.items() if not isinstance(row.get(name), kind)}
+    for field, is_good in good.items():
+        if not is_good:
+            raise ResultsError(f"{path}: {field} is missing or of another type")
+    return found
+
+
+def summarise(run: Run) -> Summary:
+    """The summary of a run. Errors: ResultsError where it has not finished or nothing was measured; InputError or ResultsError
+    naming a stored problem that is damaged or another one than its name says."""
+    manifest, settings = run.manifest, run.manifest["settings"]
+    if not manifest.get("finished"):
+        raise ResultsError(f"{run.folder}: the run has not finished; the same command continues it")
+    if not measured(run.rows).any():
+        raise ResultsError(f"{run.folder}: nothing was measured")
+    machine = {name: manifest.get("machine", {}).get(name) for name in MACHINE}
+    version, finished = str(manifest.get("versions", {}).get("frictionbench", "")), str(manifest["finished"])
+    of_machine = sha256(repr(sorted(machine.items())).encode()).hexdigest()[:6]
+    name = "-".join((str(settings.get("suite")), version, of_machine, re.sub(r"\D", "", finished)[:14]))
+    runs = (run, run.ranked_by(run.rank_by.other)) if run.times else ()
+    ranked = {one.rank_by: reports.choices(one) for one in runs}
+    facts, maps = run.rows[run.rows["problem"] != ""].drop_duplicates("problem_id"), reports.map_cells(run)
+    libraries = run.rows.dropna(subset=["version"]).drop_duplicates("solver").set_index("solver")["version"].astype(str)
+    return {
+        "name": re.sub(r"[^\w.+-]", "_", name),
+        "suite": str(settings.get("suite")),
+        "version": version,
+        "release": str(manifest.get("release", "")),
+        "finished": finished,
+        "cells": len(run.rows),
+        "workers": int(manifest.get("workers") or 0),
+        "machine": machine,
+        "settings": {key: settings.get(key) for key in ("tolerances", "time_limit")},
+        "libraries": libraries[libraries != version].to_dict(),
+        "problems": {
+            "ranked": int(run.ranked["problem_id"].nunique()),
+            "trivial": int(facts["trivial"].sum()),
+            "idle": int((facts["idle"] & ~facts["trivial"]).sum()),
+            "hashes": _hashes(facts, maps),
+        },
+        "checks": _checks(run, ranked, facts, version),
+        "headline": reports.headline(ranked, run.overall, run.outer_targets[-1]) if ranked else [],
+        "rankings": [row for by, kinds in ranked.items() for kind in kinds for row in _places(run, by, kind)],
+        "reliability": [_plain(one._asdict()) for one in reports.reliabilities(run)] if ranked else [],
+        "scenes": _scenes(run, maps),
+    }
+
+
+def _hashes(facts: pd.DataFrame, maps: list[MapCells]) -> dict[str, str]:
+    """The hash of each problem, by its place; of a map, with its hundreds of problems, that of all their hashes."""
+    found, left = {}, facts
+    for cells in maps:
+        own = set(cells.rows["problem"]) - {""} if "problem" in cells.rows else set()
+        left = left[~left["problem"].isin(own)]
+        if own:
+            found[f"map {cells.spec.name}, {len(own)} problems"] = sha256("".join(sorted(own)).encode()).hexdigest()[:SHORT]
+    for row in left.to_dict("records"):
+        step = "" if pd.isna(row["step"]) else f" step {int(row['step'])}"
+        found[f"{scene_title(row['scene'], row['parameters'])}{step} {row['phase']}".strip()] = row["problem"][:SHORT]
+    return found
+
+
+def held(folder: Path, names: set[str]) -> tuple[bool, str]:
+    """Whether the folder stores each problem under the hash that names it; and in words. Errors: as of summarise."""
+    there = {name: folder / "problems" / f"{name}.npz" for name in names}
+    there = {name: path for name, path in there.items() if path.exists()}
+    for name, path in there.items():
+        if fb.load(path).hash != name:
+            raise ResultsError(f"{path}: holds another problem than its name says")
+    missing = len(names) - len(there)
+    if not missing:
+        return True, f"The {len(names)} problems in the folder are those that the rows name, by their hashes."
+    return False, f"{missing} of {len(names)} problems are not in the folder, so that their hashes were not checked."
+
+
+def _checks(run: Run, ranked: dict[RankBy, list[Kind]], facts: pd.DataFrame, version: str) -> list[list[Any]]:
+    idle = float((facts["trivial"] | facts["idle"]).mean()) if len(facts) else 0.0
+    noise = reports.timing_noise(run, ranked) if ranked else None
+    lines = [reports.sentence(noise, len(run.rows)), *noise.changed] if noise else ["No cell waited for its core."]
+    crowded = reports.workers_on_all_cores(run.manifest)
+    checks = [
+        ("tables", True, "All columns are those of the schema."),
+        ("problems", *held(run.folder, set(run.rows["problem"]) - {""})),
+        ("version", "dirty" not in version, f"The code is {version}" + ", a changed checkout." * ("dirty" in version)),
+        ("friction at work", idle <= 0.5, f"{100 * idle:.0f} % of the problems are trivial or idle and not ranked."),
+        ("timing noise", not (noise and noise.changed), " ".join(lines)),
+        ("cores", not crowded, "Workers had all cores." if crowded else "A core was left free, or there was one worker."),
+    ]
+    return [[what, bool(holds), text] for what, holds, text in checks]
+
+
+def _places(run: Run, by: RankBy, kind: Kind) -> list[dict[str, Any]]:
+    """A row for each solver compared on a kind of problem: at each target in the plane and in space, else the finest."""
+    shown = {target: one for target, one in kind.choices.items() if kind.name in run.overall or target == run.outer_targets[-1]}
+    return [
+        _plain(
+            place._asdict()
+            | {"kind": kind.name, "by": by.value, "target": target, "problems": one.problems, "unclear": one.unclear}
+        )
+        for target, one in shown.items()
+        for place in one.places
+    ]
+
+
+def _plain(row: dict[str, Any]) -> dict[str, Any]:
+    """A row as JSON has it: the solver first, numbers short, what is not finite null."""
+    kept = {"solver": row["label"]} | {name: value for name, value in row.items() if name not in ("label", "form", "within")}
+    return {name: value if isinstance(value, bool | str | int) else _short(float(value)) for name, value in kept.items()}
+
+
+def _short(value: float) -> float | None:
+    if not np.isfinite(value):
+        return None
+    return int(value) if value == int(value) else float(f"{value:.{DIGITS}g}")
+
+
+def _scenes(run: Run, maps: list[MapCells]) -> list[dict[str, Any]]:
+    """By scene and solver, how many cells at the tightest tolerance were solved, of those that ran; by map and solver, of those
+    at grid points where a solution is known."""
+    keys = {key for cells in maps for key in cells.rows["key"]}
+    rest = run.tightest[~run.tightest["key"].isin(keys)]
+    mapped, found = {f"map {cells.spec.name}": cells.rows[cells.rows["known"]] for cells in maps}, []
+    for name, rows in [*rest.groupby("scene"), *mapped.items()]:
+        ran = rows[measured(rows)]
+        solved = (ran["verdict"] == fb.Verdict.SOLVED).groupby(ran["label"]).agg(["sum", "size"])
+        found += [
+            {"scene": str(name), "solver": str(label), "solved": int(row["sum"]), "cells": int(row["size"])}
+            for label, row in solved.iterrows()
+        ]
+    return found
