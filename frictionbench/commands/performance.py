@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from textwrap import fill
 
-from frictionbench.commands import large, members, seeds
+from frictionbench.commands import large, seeds
 from frictionbench.results.batches import HEADER, METHOD, RateTable, rate_tables
 from frictionbench.results.files import ResultsError
 from frictionbench.results.store import read_table
@@ -45,5 +45,5 @@ def _wrapped(text: str) -> str:
 
 
 if __name__ == "__main__":
-    parts = [rates(Path(sys.argv[1])), large.section(), seeds.section(), members.section()]
+    parts = [rates(Path(sys.argv[1])), large.section(), seeds.section()]
     sys.stdout.write("\n".join(parts))

@@ -1,23 +1,22 @@
-"""A portfolio: the fastest method first, then others until an answer is within the tolerance.
+"""A portfolio: the method that is fastest on the problem, then others if its answer is not within the tolerance.
 
-No single method is fast, accurate and reliable on every friction problem. In the plane Lemke's pivots are the fastest up to
-some dozens of contacts (solvers.portfolio.few_pivots), an interior point's sparse factorisations beyond. In space a few
-sweeps of Gauss-Seidel solve the smallest problems, and give the interior point a start for the largest that saves most of its
+No single method is fast, accurate and reliable on every friction problem. The interior point solves nearly all of them, and is
+the fastest from some dozens of contacts on. In the plane Lemke's pivots are faster below (`few_pivots`). In space a few sweeps
+of Gauss-Seidel solve the smallest problems, and give the interior point a start for the largest that saves most of its
 iterations. In between they cost more than they save, as they do for hyperstatic contacts such as those of stacks of cubes: W
-is singular there, and 30 sweeps leave a residual of a tenth. The interior point is itself a portfolio of the convex relaxation
-and central paths, and solves nearly all that is left. Pivoting ends on an exact basis; each method fails on some instances
-that another solves. The portfolio stops at the first answer whose residual, computed here from the problem's own velocities,
-is within the tolerance; it solves what any member solves, and reports failure if none does. (Algorithm portfolios: Gomes and
-Selman 2001.)
+is singular there, and 30 sweeps leave a residual of a tenth.
 
-A time limit is divided by what each member was measured to bring (solvers.portfolio.shares). With the fraction f_i of the limit
-member i solves a problem that takes it the time t_i within the limit t_i/f_i. How long limits are is not known beforehand, so
-that the mean logarithm of the least one is to be small: min_i t_i/f_i is reached by one member, and where n_i problems are
-member i's, the sum of -n_i log f_i is least for f_i ~ n_i, each member's chance to be the one that brings the answer. Chances
-are estimated as n_i + 1 over their sum (Laplace's rule). What a member leaves of its time is for those after it.
+The portfolio stops at the first answer whose residual, computed here from the problem's own velocities, is within the
+tolerance. On the candidates of the suite `hard` no other method solves a problem that the first two do not solve; in space
+proximal points solve walls of boxes in which the interior point stops short. (Algorithm portfolios: Gomes and Selman 2001.)
+
+The time of an interior point grows with the number of contacts, that of a pivot with the square of the active ones, and the
+number of pivots is not known beforehand: one a contact in stacks that stick, two to five where contacts slide or open. In
+stacks, pyramids, arches, discs, cards and random problems the two methods take the same time near 36 contacts in most
+families, and near 70 in chains of bodies of which few slip in the free motion. Arches are such chains, too, but take many
+pivots; nothing cheap was found that distinguishes them. (tests/benchmarks/test_hybrid.py measures both bounds.)
 """
 
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -25,85 +24,93 @@ from numpy.typing import NDArray
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
-from frictionbench.problems.packed import Packed, residuals
+from frictionbench.problems.compiled import kernel, loop
+from frictionbench.problems.packed import CONTACT, Packed, Q, mechanical, mechanics_of, residuals
 from frictionbench.problems.residual import residual_with_floor
 from frictionbench.solvers.clock import is_over, left, within
-from frictionbench.solvers.interface import Answer, Solved, Solver, SolverInfo, Status, dense_storage, find, solver
+from frictionbench.solvers.interface import Answer, Solved, Status, dense_storage, find, solver
 from frictionbench.solvers.interior_point import first_phase_of
-from frictionbench.solvers.portfolio.few_pivots import few_pivots, few_pivots_each
-from frictionbench.solvers.portfolio.shares import BROUGHT
 
-PLANAR = ("lemke", "interior_point", "path_search", "staggered", "anitescu_hart", "fischer_newton")
-SPATIAL = ("nsgs", "interior_point", "proximal_newton", "nncg", "apgd_coulomb", "staggered", "admm_coulomb", "anitescu_hart")
-# Measured by tests/benchmarks/test_hybrid.py, which times hybrid beside its members at every size.
+PLANAR, SPATIAL = ("lemke", "interior_point"), ("nsgs", "interior_point", "proximal_newton")
+SHARE = 0.9  # of what is left of a time limit, for each member but the last: nearly all problems are solved by the first
+STORAGE = 2**32  # bytes of dense matrices above which another member is left out: its pivots would take hours
+CLOSE = 0.01  # largest residual at which the impulses of one member are a better start for the next than none
+SWEEPS = 30  # of nsgs: a fraction of the time of interior_point at any size
 SWEPT = 6, 60  # contacts up to which nsgs alone is faster, and from which its sweeps save interior_point more than they cost
 HYPERSTATIC = 1.25  # contact rows per velocity above which sweeps help in the smallest problems only: W is singular
-SWEEPS = 30  # of nsgs: a fraction of the time of interior_point at any size
-STORAGE = 2**32  # bytes of dense matrices above which a member is left out: its pivots would take hours
-CLOSE = 0.01  # largest residual at which the impulses of one member are a better start for the next than none
+ALWAYS, CHAINS = 36, 64  # contacts up to which pivots are faster, in general and in chains
+LINKS = 4  # contacts of a body in a chain: two with each neighbour
+STICKING = 0.75  # of the contacts in a chain
+AT_REST = 1e-6  # speeds below, relative to the fastest, are rounding
+
+Prepared = tuple[FrictionProblem, tuple[str, ...], Any]  # the problem, its members in order, the first one's form or setup
 
 
-Members = tuple[tuple[SolverInfo, Solver, float], ...]  # with the share of what is then left of a time limit
-Prepared = tuple[FrictionProblem, Members, Any]  # the problem, the members in order, and the first one's form, later its setup
-MEMBERS = tuple(dict.fromkeys((*PLANAR, *SPATIAL)))
-
-
-@solver("hybrid", family="portfolio", model="coulomb", dimension=(2, 3), warm_start=True, sparse=True, members=MEMBERS)
+@solver(
+    "hybrid",
+    family="portfolio",
+    model="coulomb",
+    dimension=(2, 3),
+    warm_start=True,
+    sparse=True,
+    members=("lemke", "interior_point", "nsgs", "proximal_newton"),
+)
 class Hybrid:
     """A portfolio: the interior point or a simpler method first, then others, until a checked answer is within the tolerance.
 
     Impulses that a member claims and whose residual rounding alone explains are an answer too.
-    The limit bounds each member's unit of work. A time limit is divided by what each member was measured to bring.
-    work counts the members tried and, by name, the work of each.
+    The limit bounds each member's unit of work. work counts the members tried and, by name, the work of each.
     """
 
     knows_rounding = True
 
     def form(self, problem: FrictionProblem) -> Prepared:
-        members = _members(problem.dimension, simple_first(problem))
-        return problem, members, members[0][1].form(problem)
+        simple, other, *others = PLANAR if problem.dimension == 2 else SPATIAL
+        members = (simple, other, *others) if simple_first(problem) else (other, simple, *others)
+        return problem, members, find(members[0])[1].form(problem)
 
     def setup(self, formed: Prepared) -> Prepared:
         problem, members, first = formed
-        return problem, members, members[0][1].setup(first)
+        return problem, members, find(members[0])[1].setup(first)
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        problem, members, first = prepared
-        impulse, least, found_by, stage = None, np.inf, "", first
+        problem, members, stage = prepared
+        impulse, least, found_by = np.zeros((problem.contacts, problem.dimension)), np.inf, ""
         work: dict[str, int] = {}
         tried, rounded, late = 0, False, False
-        for info, member, share in members:
-            if tried and dense_storage(member, problem) > STORAGE:  # the first is sparse, or the problem small
-                continue
+        for name in members:
+            info, member = find(name)
+            if tried:  # the first is sparse, or the problem small
+                if dense_storage(member, problem) > STORAGE:
+                    continue
+                stage = member.prepare(problem)
             tried += 1
-            own_limit = (SWEEPS if limit is None else min(SWEEPS, limit)) if info.name == "nsgs" else limit
+            own_limit = min(SWEEPS, limit or SWEEPS) if name == "nsgs" else limit
             guess = (impulse if least <= CLOSE else start) if info.warm_start else None
-            if (seconds := left()) < np.inf:
-                with within(share * seconds):
-                    answer = member.solve(_ready(member, stage, problem), tol, own_limit, guess)
-            else:  # without the cost of a context, a fiftieth of the time of the smallest problems
-                answer = member.solve(_ready(member, stage, problem), tol, own_limit, guess)
-            stage = None
-            work.update(zip(_units_of(info.name, *answer.work), answer.work.values(), strict=True))
-            work["members"] = tried
+            if (
+                seconds := left()
+            ) < np.inf:  # without a limit no context, which costs a fiftieth of the smallest problems' time
+                with within(seconds if name == members[-1] else SHARE * seconds):
+                    answer = member.solve(stage, tol, own_limit, guess)
+            else:
+                answer = member.solve(stage, tol, own_limit, guess)
+            work |= {f"{name} {unit}": count for unit, count in answer.work.items()} | {"members": tried}
             found, floor = residual_with_floor(problem, answer.impulse)
             if found < least:
-                impulse, least, found_by = answer.impulse, found, info.name
+                impulse, least, found_by = answer.impulse, found, name
                 if found <= tol:
                     status = Status.SOLVED if floor <= tol else Status.ROUNDING
-                    return Answer(impulse, status, work, (), None, f"answered by {found_by}")
+                    return Answer(impulse, status, work, detail=f"answered by {found_by}")
                 rounded = rounded or (found <= floor and answer.status is Status.SOLVED)
             late = late or answer.status is Status.TIME_LIMIT
             # Where the floor is above the tolerance, a second member may find smaller impulses; more seldom do.
             if is_over() or (rounded and tried > 1):
                 break
         status = Status.ROUNDING if rounded else Status.TIME_LIMIT if late else Status.STALLED
-        if impulse is None:
-            return Answer(np.zeros((problem.contacts, problem.dimension)), status, work)
-        return Answer(impulse, status, work, detail=f"the nearest answer is by {found_by}")
+        return Answer(impulse, status, work, detail=f"the nearest answer is by {found_by}" if found_by else "")
 
     def solve_many(self, packed: Packed, tol: float, limit: int | None, start: Array | None = None) -> Solved:
-        """The loops of the first two members; what they do not solve goes through all members by itself."""
+        """The loops of the first two members; what they do not solve is solved by itself."""
         nc, space = np.diff(packed.contacts), packed.dimension == 3
         simple = "nsgs" if space else "lemke"
         chosen = _sweeps_help(nc, np.diff(packed.velocities), 0) if space else few_pivots_each(packed)
@@ -127,7 +134,7 @@ class Hybrid:
 
 
 def simple_first(problem: FrictionProblem) -> bool:
-    """Whether the simpler method of the first two comes before the interior point."""
+    """Whether the simpler method comes before the interior point."""
     if problem.dimension == 2:
         return few_pivots(problem)
     return bool(_sweeps_help(problem.contacts, len(problem.free_velocity), len(problem.joint_bias)))
@@ -143,31 +150,42 @@ def _sweeps_help(nc: Any, velocities: Any, joints: Any) -> Any:
     return (nc <= SWEPT[0]) | ((nc >= SWEPT[1]) & (nc * 3 <= HYPERSTATIC * velocities) & (joints == 0))
 
 
-def _ready(member: Solver, stage: Any, problem: FrictionProblem) -> Any:
-    """What the member solves, prepared unless it has been."""
-    return member.prepare(problem) if stage is None else stage
+def few_pivots(problem: FrictionProblem) -> bool:
+    """Whether Lemke's method is likely to be faster than an interior point on a planar problem."""
+    nc = problem.contacts
+    if nc <= ALWAYS or nc > CHAINS or not problem.mechanical or len(problem.joint_bias):
+        return nc <= ALWAYS
+    return bool(_sticking_chain(problem.contact_rows.column, problem.q, len(problem.free_velocity)))
 
 
-@cache
-def _units_of(member: str, *units: str) -> tuple[str, ...]:
-    return tuple(f"{member} {unit}" for unit in units)
+@loop
+def few_pivots_each(packed):  # type: ignore[no-untyped-def]
+    """The same (N,) for planar packed problems, which have no joints."""
+    few = np.empty(len(packed.first) - 1, np.bool_)
+    for k in range(len(few)):
+        nc = packed.first[k + 1, CONTACT] - packed.first[k, CONTACT]
+        few[k] = nc <= ALWAYS
+        if ALWAYS < nc <= CHAINS and mechanical(packed, k):
+            _, column, _, _, _, _, free, _ = mechanics_of(packed, k)
+            few[k] = _sticking_chain(column, packed.q[packed.first[k, Q] : packed.first[k + 1, Q]], len(free))
+    return few
 
 
-@cache
-def _members(dimension: int, simple_first: bool) -> Members:
-    """The members in order, each with its share."""
-    order = in_order(SPATIAL if dimension == 3 else PLANAR, simple_first)
-    shares = _shares(dimension, order)
-    return tuple((*find(name), share) for name, share in zip(order, shares, strict=True))
+@kernel
+def _sticking_chain(column, q, nv):  # type: ignore[no-untyped-def]
+    """Whether no body has more than LINKS contacts and most contacts of the free motion q (2 nc,) do not slip.
 
-
-def in_order(members: tuple[str, ...], simple_first: bool) -> tuple[str, ...]:
-    """The simpler method of the first two before the other, or after it."""
-    simple, other, *rest = members
-    return (simple, other, *rest) if simple_first else (other, simple, *rest)
-
-
-def _shares(dimension: int, order: tuple[str, ...]) -> list[float]:
-    """Of what is left of a time limit, the share of each member; see the top of this file."""
-    chance = [BROUGHT[dimension, order[0]][name] + 1 for name in order]
-    return [chance[k] / sum(chance[k:]) for k in range(len(chance))]
+    column: the velocities (nv of them) that act at the contacts, each contact's after the other's.
+    """
+    contacts = np.zeros(nv, np.int64)
+    for v in column:
+        contacts[v] += 1
+        if contacts[v] > LINKS:
+            return False
+    fastest = 0.0
+    for i in range(len(q)):
+        fastest = max(fastest, abs(q[i]))
+    slipping = 0
+    for i in range(1, len(q), 2):
+        slipping += abs(q[i]) > AT_REST * fastest
+    return slipping <= (1 - STICKING) * (len(q) // 2)

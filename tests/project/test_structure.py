@@ -35,7 +35,6 @@ MAY_IMPORT = {
     "solvers.loops": {"problems", "solvers.balanced", "solvers.interface"},
     "solvers.pivots": {"problems", "solvers.interface", "solvers.clock", "solvers.sparse_lu"},
     "solvers.sweeps": {"problems", "solvers.interface", "solvers.clock"},
-    "solvers.portfolio": {"problems"},
     "solvers.sparse_lu": {"problems.check", "problems.compiled"},
     "solvers.interior": {"problems", "solvers.interface", "solvers.clock", "solvers.loops", "solvers.sparse_lu"},
     "solvers.outside.children": set(),

@@ -1,4 +1,6 @@
-"""hybrid: which member comes first, and when an answer is as good as can be told."""
+"""hybrid: which member comes first, and when an answer is within rounding."""
+
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -9,9 +11,8 @@ from frictionbench.problems.packed import pack
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.scenes import scene
 from frictionbench.solvers import clock
+from frictionbench.solvers.hybrid import few_pivots, few_pivots_each
 from frictionbench.solvers.interface import Answer, Status, find, solve
-from frictionbench.solvers.portfolio.few_pivots import few_pivots, few_pivots_each
-from frictionbench.solvers.portfolio.shares import BROUGHT
 
 FIRST_BY_PIVOTS = {
     "a small random problem": (random_problem(1, 30), True),
@@ -32,7 +33,7 @@ def test_pivots_come_first_in_small_problems_and_sticking_chains(name: str) -> N
     assert ("lemke pivots" in answer.work) is first
 
 
-def test_packed_problems_are_told_apart_in_the_same_way() -> None:
+def test_packed_problems_take_the_same_member_first() -> None:
     problems: list[FrictionProblem] = [problem for problem, _ in FIRST_BY_PIVOTS.values()]
     bare = FrictionProblem.from_delassus(problems[2].W, problems[2].q, problems[2].friction, 2)
     problems.append(bare)
@@ -40,27 +41,43 @@ def test_packed_problems_are_told_apart_in_the_same_way() -> None:
 
 
 def test_a_claim_within_the_floor_of_rounding_is_an_answer() -> None:
-    """A block of 1e10 times the mass of the one below it: no impulses have a residual that can be told from 1e-6."""
+    """A block of 1e10 times the mass of the one below it: rounding hides any residual below 1e-6."""
     answer = solve(scene("stack", blocks=4, mass_ratio=1e10, push=1.0).problem(), "hybrid")
     assert answer.status is Status.ROUNDING
     assert answer.work["members"] == 2  # a second one, which might find smaller impulses, and no more
 
 
-@pytest.mark.parametrize(("dimension", "first"), BROUGHT)
-def test_a_time_limit_is_divided_by_what_members_brought(dimension: int, first: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """On a clock that stands still, so that no member uses any of its time: each has its share of the whole limit."""
-    problem = (
-        random_problem(1, 40 if first == "interior_point" else 4) if dimension == 2 else cubes(1 if first == "nsgs" else 3)
-    )
+@pytest.mark.parametrize(
+    ("problem", "members"),
+    [
+        (random_problem(1, 4), ("lemke", "interior_point")),
+        (random_problem(1, 40), ("interior_point", "lemke")),
+        (cubes(1), ("nsgs", "interior_point", "proximal_newton")),
+        (cubes(3), ("interior_point", "nsgs", "proximal_newton")),
+    ],
+)
+def test_members_share_a_time_limit(problem, members: tuple[str, ...], monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a clock that stands still, so that no member uses any of its time; the last one has all of it."""
     monkeypatch.setattr(clock, "_now", lambda: 100.0)
-    given: list[float] = []
+    given: dict[str, float] = {}
 
-    def nothing(self: object, prepared: object, tol: float, limit: int | None, start: object = None) -> Answer:
-        given.append(clock.left())
-        return Answer(np.zeros((problem.contacts, dimension)), Status.STALLED)
+    def nothing(name: str) -> Callable[..., Answer]:
+        def solve(self: object, prepared: object, tol: float, limit: int | None, start: object = None) -> Answer:
+            given[name] = clock.left()
+            return Answer(np.zeros((problem.contacts, problem.dimension)), Status.STALLED)
 
-    for name in BROUGHT[dimension, first]:
-        monkeypatch.setattr(type(find(name)[1]), "solve", nothing)
-    assert solve(problem, "hybrid", time_limit=10.0).work["members"] == len(given) == len(BROUGHT[dimension, first])
-    chance = np.array([count + 1 for count in BROUGHT[dimension, first].values()])
-    np.testing.assert_allclose(given, [10.0 * chance[k] / chance[k:].sum() for k in range(len(chance))])
+        return solve
+
+    for name in members:
+        monkeypatch.setattr(type(find(name)[1]), "solve", nothing(name))
+    assert solve(problem, "hybrid", time_limit=10.0).work["members"] == len(members)
+    assert tuple(given) == members
+    assert list(given.values()) == pytest.approx([9.0] * (len(members) - 1) + [10.0])
+
+
+def test_proximal_points_solve_a_wall_that_stops_the_interior_point(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Here after one factorisation, which stands for the 16 000 that some walls of boxes take."""
+    problem = cubes(3, push=1.0)
+    stopped = Answer(np.zeros((problem.contacts, 3)), Status.STALLED)
+    monkeypatch.setattr(type(find("interior_point")[1]), "solve", lambda *_: stopped)
+    assert solve(problem, "hybrid").detail == "answered by proximal_newton"
