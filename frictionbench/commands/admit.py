@@ -23,7 +23,7 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.residual import residual, residual_floor
 from frictionbench.results import store
-from frictionbench.results.map_rows import THEORY
+from frictionbench.results.maps import THEORY
 from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers import solve
 

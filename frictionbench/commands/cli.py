@@ -16,9 +16,8 @@ import typer
 
 from frictionbench.commands import options
 from frictionbench.harness.streams import Unwritable, standard_streams
-from frictionbench.results.conventions import DEFAULT_SCHEME
-from frictionbench.results.printable import printable
-from frictionbench.results.rank_by import RankBy
+from frictionbench.results.conventions import DEFAULT_SCHEME, RankBy
+from frictionbench.results.files import printable
 
 app = typer.Typer(
     help="Compare solvers for the friction LCPs of rigid-body dynamics. To begin: frictionbench solve stack",

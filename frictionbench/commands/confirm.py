@@ -21,8 +21,8 @@ from frictionbench.problems import InputError
 from frictionbench.problems.compiled import PACKAGE
 from frictionbench.results import cells, store
 from frictionbench.results.compare import Comparison, Limits, confirm, suspects
+from frictionbench.results.conventions import RankBy, scene_title
 from frictionbench.results.files import ResultsError
-from frictionbench.results.rank_by import RankBy
 from frictionbench.results.times import Pair
 from frictionbench.solvers import plugins
 
@@ -86,8 +86,8 @@ def _options(settings: dict[str, Any]) -> list[str]:
         suite, sources = settings["suite"], settings["sources"]
         if suite not in SUITES or any(source["file"] for source in sources):
             raise InputError(f"confirm: the problems of {suite} come from files; its cells cannot be run again")
-        own = {cells.scene_title(source.scene, json.dumps(source.parameters)) for source in SUITES[suite]().sources}
-        specs = [(source["scene"], cells.scene_title(source["scene"], json.dumps(source["parameters"]))) for source in sources]
+        own = {scene_title(source.scene, json.dumps(source.parameters)) for source in SUITES[suite]().sources}
+        specs = [(source["scene"], scene_title(source["scene"], json.dumps(source["parameters"]))) for source in sources]
         chosen = dict.fromkeys(scene if spec in own else spec for scene, spec in specs)
         limits = ["--tol", ",".join(map(repr, settings["tolerances"])), "--time-limit", repr(settings["time_limit"])]
     except (KeyError, TypeError):

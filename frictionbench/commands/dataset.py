@@ -29,7 +29,7 @@ from frictionbench.problems import LCP, FrictionProblem, InputError
 from frictionbench.problems.check import Array
 from frictionbench.problems.recorded import fclib, own
 from frictionbench.problems.residual import residual
-from frictionbench.results.cells import scene_title
+from frictionbench.results.conventions import scene_title
 from frictionbench.results.schema import SOLVES
 
 FACTS = (

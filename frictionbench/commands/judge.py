@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from frictionbench.commands.table import columns, paragraph, screen
+from frictionbench.results.files import printable
 from frictionbench.results.judgement import (
     PERCENTILES,
     QUANTITIES,
@@ -16,7 +17,6 @@ from frictionbench.results.judgement import (
     touching,
     worst,
 )
-from frictionbench.results.printable import printable
 from frictionbench.results.store import read_table
 
 MOST = 5  # steps listed as the worst

@@ -9,7 +9,7 @@ from frictionbench.problems.scenes.catalogue import find_scene
 from frictionbench.problems.schemes import require_scheme
 from frictionbench.problems.spec import parse
 from frictionbench.results.conventions import DEFAULT_SCHEME
-from frictionbench.results.map_spec import Map
+from frictionbench.results.maps import Map
 
 SOLVERS = (*MAPPED, "relaxation_ip")
 

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from frictionbench.results.rank_by import RankBy
+from frictionbench.results.conventions import RankBy
 
 
 def parse_length(text: str) -> float:

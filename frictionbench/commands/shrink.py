@@ -10,7 +10,7 @@ from frictionbench.harness.shrink import shrink_rows
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.recorded.own import load
 from frictionbench.results.commands import solve, sources
-from frictionbench.results.shrunk import FOLDER
+from frictionbench.results.extras import SHRUNK
 from frictionbench.results.verdicts import Verdict
 
 
@@ -36,7 +36,7 @@ def shrink(folder: Path, key: str, named: list[str]) -> Reduced:
     ((_, found),) = shrink_rows(folder, [row], trusted(row, settings, named), memory_limit, 1, inf)
     if not found.file:
         raise InputError(f"row: {key} does not fail again from a cold start; it was not shrunk")
-    path = folder / FOLDER / found.file
+    path = folder / SHRUNK / found.file
     small = load(path)
     assert isinstance(small, FrictionProblem)
     command = solve(path, row["variant"], row["tol"], sources(settings))

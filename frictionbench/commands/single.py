@@ -25,9 +25,8 @@ from frictionbench.harness.workers.task import Task
 from frictionbench.problems import InputError
 from frictionbench.problems.spec import parse
 from frictionbench.results.cells import counts
-from frictionbench.results.laws import ending
-from frictionbench.results.printable import printable
-from frictionbench.results.rank_by import RankBy
+from frictionbench.results.conventions import RankBy, ending
+from frictionbench.results.files import printable
 from frictionbench.results.store import Row
 from frictionbench.results.verdicts import RANK, Verdict
 from frictionbench.solvers import available, find

@@ -10,7 +10,7 @@ import pandas as pd
 from frictionbench.commands.table import columns, screen
 from frictionbench.harness.plans.plan import Plan
 from frictionbench.harness.plans.suites import SUITES
-from frictionbench.results.laws import ENDINGS, endings
+from frictionbench.results.conventions import ENDINGS, endings
 from frictionbench.results.store import read_table
 from frictionbench.results.verdicts import Verdict
 

@@ -1,4 +1,4 @@
-"""The convergence histories of a run (results.convergence): residual against work on a few problems, after all cells are done.
+"""The convergence histories of a run (results.extras): residual against work on a few problems, after all cells are done.
 
 The problems are the largest of up to MOST contacts of different scenes, and the small ones with the most redundant contacts,
 none of them trivial or idle. The solvers are single methods, not portfolios, that solved the problem at the tightest tolerance.
@@ -16,7 +16,7 @@ from frictionbench.harness.progress import Progress
 from frictionbench.harness.workers.pool import Pool
 from frictionbench.harness.workers.task import Task
 from frictionbench.results import store
-from frictionbench.results.convergence import NAME, ConvergenceHistory, checked, write_histories
+from frictionbench.results.extras import CONVERGENCE, ConvergenceHistory, convergence_history, write_histories
 from frictionbench.results.verdicts import ACCEPTED
 
 LARGE, REDUNDANT = 4, 2  # problems of each kind; each is a panel of the report's figure, which stays legible with few
@@ -27,7 +27,7 @@ LIMIT = 10.0  # seconds for one history: five times the budget of harness.cells.
 
 def record_histories(plan: Plan, folder: Path, records: Iterable[Record], pool: Pool, progress: Progress) -> None:
     """Write the histories, unless they have been written; those that fail are left out. Runs of maps have none."""
-    if plan.maps or (folder / NAME).exists():
+    if plan.maps or (folder / CONVERGENCE).exists():
         return
     tol, problems = min(plan.tolerances), {record["problem"]: record for record in chosen(records)}
     solved = {
@@ -75,9 +75,9 @@ def _one_a_scene(records: list[Record]) -> list[Record]:
 
 
 def _history(record: Record, variant: str, found: Any) -> ConvergenceHistory:
-    """Errors: as of results.convergence.checked; a plug-in's worker may reply with anything."""
+    """Errors: as of results.extras.convergence_history; a plug-in's worker may reply with anything."""
     redundant = bool(record["redundancy"])
     facts = {name: record[name] for name in ("scene", "parameters", "step", "contacts")}
     curve = {name: found[name] for name in ("units", "residuals")}
     impulse = found["impulse"] if redundant and record["contacts"] <= MOST_FORCES else []
-    return checked(facts | curve | {"variant": variant, "redundant": redundant, "impulse": impulse})
+    return convergence_history(facts | curve | {"variant": variant, "redundant": redundant, "impulse": impulse})

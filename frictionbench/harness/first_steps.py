@@ -4,8 +4,7 @@ from pathlib import Path
 
 from frictionbench.harness.cells.motion import record_motion
 from frictionbench.problems import scene
-from frictionbench.results.first_steps import FirstSteps, first_steps_file, write_first_steps
-from frictionbench.results.map_spec import Map
+from frictionbench.results.maps import FirstSteps, Map, first_steps_file, write_first_steps
 
 STEPS, EVERY = 12, 4  # steps, and steps between two frames
 LINES = 8  # grid lines of each axis at most: a picture of another tile is the nearest of these

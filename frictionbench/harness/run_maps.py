@@ -16,9 +16,8 @@ from frictionbench.harness.run import run
 from frictionbench.harness.shrink import ENOUGH, shrink_rows
 from frictionbench.harness.trace import trace
 from frictionbench.results import store
-from frictionbench.results.map_rows import THEORY, at_grid_points, failed_rows
-from frictionbench.results.map_spec import GridPoint, Map
-from frictionbench.results.shrunk import read_shrunk, write_shrunk
+from frictionbench.results.extras import read_shrunk, write_shrunk
+from frictionbench.results.maps import THEORY, GridPoint, Map, at_grid_points, failed_rows
 from frictionbench.results.store import Row
 
 MOST_SHRUNK = 100  # failures: with shrink.ENOUGH seconds each, a quarter of an hour at most

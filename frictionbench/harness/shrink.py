@@ -23,8 +23,8 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.recorded.own import save
 from frictionbench.problems.reduce import keep_contacts
 from frictionbench.results.conventions import COLD
+from frictionbench.results.extras import SHRUNK, Shrunk
 from frictionbench.results.files import replaced, subfolder
-from frictionbench.results.shrunk import FOLDER, Shrunk
 from frictionbench.results.store import Row
 
 ENOUGH = 10.0  # seconds of trials for each of many rows, so that a map's MOST_SHRUNK failures take a quarter of an hour at most
@@ -122,6 +122,6 @@ def _written(folder: Path, search: Search) -> Shrunk:
         return Shrunk("", search.problem.contacts, search.trials, whole=False)
     small, row = keep_contacts(search.problem, search.smallest), search.row
     name = f"{row['solver']}-{row['verdict']}-{small.contacts}-contacts-{small.hash}.npz"
-    with replaced(subfolder(folder, FOLDER) / name) as file:
+    with replaced(subfolder(folder, SHRUNK) / name) as file:
         save(small, file)
     return Shrunk(name, small.contacts, search.trials, search.minimal)

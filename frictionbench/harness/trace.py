@@ -15,7 +15,7 @@ from frictionbench.problems import FrictionProblem, scene
 from frictionbench.problems.analysis.thresholds import THRESHOLDS
 from frictionbench.problems.simulate import first_problem_of
 from frictionbench.results.files import subfolder, write_text
-from frictionbench.results.map_spec import Axis, GridPoint, Map, thresholds_file
+from frictionbench.results.maps import Axis, GridPoint, Map, thresholds_file
 
 LINES = 11  # along each axis at least, so that a curve drawn through the points looks smooth
 HALVINGS = 7  # of half a grid line: to 1/256 of it, finer than a printed map shows

@@ -1,9 +1,9 @@
 """Time to equal achieved accuracy, the measure of speed by which reports rank solvers.
 
 For a problem and a solver (a label, see reports.run) it is the least median time over all tolerances of the solver at which the
-*verified* residual is within the target; whether the solver claimed a solution has no influence. The time is one of
-results.rank_by. A problem not solved is charged the time limit. A class of problems is summarised by the shifted geometric mean
-(H. Mittelmann's benchmarks) with the weights w of reports.balance
+*verified* residual is within the target; whether the solver claimed a solution has no influence. The time is a
+RankBy. A problem not solved is charged the time limit. A class of problems is summarised by the shifted geometric mean (H.
+Mittelmann's benchmarks) with the weights w of reports.balance
 
     exp(sum w log(t + s)) - s,     s = 1e-5 s,
 
@@ -22,8 +22,7 @@ import numpy as np
 import pandas as pd
 
 from frictionbench.reports.balance import SHIFT, Array, effective, quantile, weights
-from frictionbench.results.laws import law
-from frictionbench.results.rank_by import RankBy
+from frictionbench.results.conventions import RankBy, law
 from frictionbench.results.verdicts import measured
 
 TARGETS = (1e-4, 1e-6, 1e-8)  # two decades apart: from the accuracy of real-time simulation to that of reference solutions

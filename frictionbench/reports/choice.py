@@ -19,10 +19,8 @@ from frictionbench.reports.accuracy import HUNDRED, OVERALL, percentiles, share_
 from frictionbench.reports.balance import SHIFT, effective, weights
 from frictionbench.reports.drawing.text import ahead, count, percent, power, seconds
 from frictionbench.reports.run import Run
-from frictionbench.results.conventions import COLD, WARM
+from frictionbench.results.conventions import COLD, WARM, RankBy, law
 from frictionbench.results.hardness import ILL
-from frictionbench.results.laws import law
-from frictionbench.results.rank_by import RankBy
 
 SMALL, MEDIUM = 10, 100  # contacts: the largest problems of these two kinds, a decade each
 DRAWS = 1000  # bootstrap samples: the standard error of a win rate is below 2 %

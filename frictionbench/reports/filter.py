@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from frictionbench.reports.run import Run
-from frictionbench.results.rank_by import RankBy
+from frictionbench.results.conventions import RankBy
 from frictionbench.results.verdicts import Verdict, measured
 
 MOST_CELLS = 20_000  # on a page: a megabyte; a run of more is filtered from Python

@@ -12,7 +12,7 @@ import pandas as pd
 from frictionbench.reports.balance import weights
 from frictionbench.reports.choice import compared, kinds, too_few
 from frictionbench.reports.run import Run
-from frictionbench.results.rank_by import RankBy
+from frictionbench.results.conventions import RankBy
 
 
 class LeftOut(NamedTuple):

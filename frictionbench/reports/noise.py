@@ -14,7 +14,7 @@ import numpy as np
 from frictionbench.reports.choice import Kind, choices
 from frictionbench.reports.drawing.text import power
 from frictionbench.reports.run import Run
-from frictionbench.results.rank_by import RankBy
+from frictionbench.results.conventions import RankBy
 
 PARTS = ("form", "setup", "solve")
 

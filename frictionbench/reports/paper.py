@@ -31,8 +31,8 @@ from frictionbench.reports.drawing.tiles import Drawing, Text
 from frictionbench.reports.latex import Cell, Layout, Table, Tex, booktabs, escaped, one_unit
 from frictionbench.reports.references import bibliography, cited
 from frictionbench.reports.run import PORTFOLIO, Run
+from frictionbench.results.conventions import ENDINGS
 from frictionbench.results.files import ResultsError, subfolder, write_text
-from frictionbench.results.laws import ENDINGS
 
 FONT = 7  # points, in figures: the smallest size that journals accept
 ASPECT, TALLEST = 0.75, 7.4  # height of a panel over its width; inches of a figure, which leaves room for its caption

@@ -1,6 +1,6 @@
 """The maps of a run as tables: the cells at their grid points, and how robust each solver is over each map.
 
-results.map_rows defines where a solution is known to exist.
+results.maps defines where a solution is known to exist.
 """
 
 from collections.abc import Mapping
@@ -10,9 +10,8 @@ from typing import Any
 import pandas as pd
 
 from frictionbench.reports.run import Run
-from frictionbench.results.map_rows import at_grid_points, failed_rows
-from frictionbench.results.map_spec import Map, maps_of
-from frictionbench.results.shrunk import Shrunk
+from frictionbench.results.extras import Shrunk
+from frictionbench.results.maps import Map, at_grid_points, failed_rows, maps_of
 from frictionbench.results.verdicts import Verdict, measured
 
 NOT_REDUCED = Shrunk("", 0, 0, whole=False)
@@ -20,7 +19,7 @@ NOT_REDUCED = Shrunk("", 0, 0, whole=False)
 
 @dataclass(frozen=True, eq=False)
 class MapCells:
-    """A map and its rows, with the columns that results.map_rows.at_grid_points adds."""
+    """A map and its rows, with the columns that results.maps.at_grid_points adds."""
 
     spec: Map
     rows: pd.DataFrame

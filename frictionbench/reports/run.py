@@ -7,7 +7,7 @@ Columns added to the solves table:
     problem_id      a number for the problem of one time step
     problem_class   the scene, with its range of sizes if the scene occurs in several
     stratum         the problems among which a weight is shared: see reports.balance
-    time            s, of the parts by which the run ranks: see results.rank_by
+    time            s, of the parts by which the run ranks: see results.conventions
     answered        whether there is an answer that was verified and timed
     own_solved      whether it solves the exact problem or the solver's own model to the tolerance
 
@@ -27,13 +27,9 @@ from frictionbench.reports.accuracy import OVERALL, summary, targets, times_to
 from frictionbench.reports.balance import strata
 from frictionbench.reports.drawing.style import Look, apart, looks
 from frictionbench.results.commands import sources
-from frictionbench.results.conventions import COLD, KEEP_ANSWER
-from frictionbench.results.convergence import ConvergenceHistory, read_histories
-from frictionbench.results.first_steps import FirstSteps, read_first_steps
-from frictionbench.results.map_spec import GridPoint, maps_of, read_thresholds
-from frictionbench.results.polygon import Deviation, read_deviations
-from frictionbench.results.rank_by import RankBy
-from frictionbench.results.shrunk import Shrunk, read_shrunk
+from frictionbench.results.conventions import COLD, KEEP_ANSWER, RankBy
+from frictionbench.results.extras import ConvergenceHistory, Deviation, Shrunk, read_deviations, read_histories, read_shrunk
+from frictionbench.results.maps import FirstSteps, GridPoint, maps_of, read_first_steps, read_thresholds
 from frictionbench.results.store import read_manifest, read_table
 from frictionbench.results.verdicts import Verdict, measured
 

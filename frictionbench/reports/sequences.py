@@ -10,7 +10,7 @@ import pandas as pd
 from frictionbench.reports.accuracy import in_order, percentiles
 from frictionbench.reports.recorded import file_of
 from frictionbench.reports.run import Run
-from frictionbench.results.cells import scene_title
+from frictionbench.results.conventions import scene_title
 
 FEWEST = 20  # steps: of fewer the 99th percentile is the longest time
 

@@ -3,8 +3,7 @@
 import json
 from typing import Any, NamedTuple
 
-from frictionbench.results.cells import scene_title
-from frictionbench.results.conventions import DEFAULT_SCHEME
+from frictionbench.results.conventions import DEFAULT_SCHEME, scene_title
 
 LONG = 160  # characters, two lines of the page, above which a setting is folded
 WALLS = {

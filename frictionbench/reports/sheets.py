@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from frictionbench.reports.run import Run
-from frictionbench.results.laws import endings
+from frictionbench.results.conventions import endings
 from frictionbench.results.verdicts import Verdict, measured
 
 MOST_FAILURES = 12  # kinds of failure listed for one solver, the most frequent ones

@@ -6,7 +6,7 @@ from typing import Any
 import pandas as pd
 
 from frictionbench.reports.run import Run
-from frictionbench.results.laws import ENDINGS, endings
+from frictionbench.results.conventions import ENDINGS, endings
 from frictionbench.results.verdicts import Verdict, measured
 
 CLOCK_MARGIN = 0.1  # relative difference of a library's own clock from solve_time that is larger than the overhead of a call

@@ -24,10 +24,9 @@ from frictionbench.reports.run import Run
 from frictionbench.reports.sequences import Motion, motions
 from frictionbench.reports.settings import Setting, settings, workers_on_all_cores
 from frictionbench.reports.sheets import Sheet, sheets
-from frictionbench.results.cells import scene_title
 from frictionbench.results.commands import solve
-from frictionbench.results.rank_by import RankBy
-from frictionbench.results.shrunk import FOLDER
+from frictionbench.results.conventions import RankBy, scene_title
+from frictionbench.results.extras import SHRUNK
 from frictionbench.results.verdicts import Verdict
 
 MOST_CLAIMS = 200  # wrong claims listed on the page; more make it slow to load
@@ -288,7 +287,7 @@ def _maps(run: Run) -> Maps:
     failed = robustness.failures(cells)
     smallest = robustness.smallest(failed, run.shrunk).to_dict("records")
     for row in smallest:
-        file = str(run.folder / FOLDER / row["file"])
+        file = str(run.folder / SHRUNK / row["file"])
         row["solve"] = solve(file, row["variant"], row["tol"], run.plugins) if row["file"] else ""
     changes = {one.spec.name: robustness.changes(one) for one in cells if one.spec.constant}
     return Maps(robustness.robustness(cells), changes, failed, smallest, robustness.costs(run))

@@ -8,9 +8,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from frictionbench.results.cells import scene_title
+    from frictionbench.results.conventions import RankBy, scene_title
     from frictionbench.results.files import ResultsError, read_json, subfolder, write_text
-    from frictionbench.results.rank_by import RankBy
     from frictionbench.results.schema import TABLES
     from frictionbench.results.store import read_table
     from frictionbench.results.verdicts import measured
@@ -27,9 +26,8 @@ __all__ = [
     "write_text",
 ]
 _FILES = {
-    "cells": ("scene_title",),
+    "conventions": ("RankBy", "scene_title"),
     "files": ("ResultsError", "read_json", "subfolder", "write_text"),
-    "rank_by": ("RankBy",),
     "schema": ("TABLES",),
     "store": ("read_table",),
     "verdicts": ("measured",),

@@ -9,8 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from frictionbench.results.cells import scene_title
-from frictionbench.results.conventions import DRAWN, NEARBY, WAYS
+from frictionbench.results.conventions import DRAWN, NEARBY, WAYS, scene_title
 from frictionbench.results.verdicts import Verdict
 
 PERCENTILES = (50, 95, 100)

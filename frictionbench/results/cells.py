@@ -3,12 +3,11 @@
 Columns, indexed by key: table, variant, scene (in the notation of the command line), step, phase, start, tol, verdict, reason,
 residual, work (the counters as `name count, ...`), seconds, disturbed, limit.
 
-seconds: form, setup and solve together, or setup and solve alone (results.rank_by), the minimum over the repeats of a process.
-Other load on the machine can only increase a time, and some of many short repeats are free of it; a cell counts as disturbed if
-it waited for its core and had few repeats.
+seconds: form, setup and solve together, or setup and solve alone, the minimum over the repeats of a process. Other load on
+the machine can only increase a time, and some of many short repeats are free of it; a cell counts as disturbed if it waited for
+its core and had few repeats.
 """
 
-import json
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -18,8 +17,8 @@ import pandas as pd
 
 from frictionbench.results import baseline
 from frictionbench.results.commands import sources
+from frictionbench.results.conventions import RankBy, json_object, scene_title
 from frictionbench.results.files import ResultsError
-from frictionbench.results.rank_by import RankBy
 from frictionbench.results.store import read_manifest, read_table
 from frictionbench.results.verdicts import RANK, Verdict, measured
 
@@ -142,16 +141,9 @@ def _numbers(values: Any) -> tuple[float, ...]:
         return ()
 
 
-def scene_title(scene: Any, parameters: Any) -> str:
-    """A scene with its parameters in the notation of the command line: `stack[blocks=5]`."""
-    settings = _object(parameters)
-    given = ",".join(f"{name}={value}" for name, value in settings.items())
-    return f"{scene}[{given}]" if given else str(scene)
-
-
 def counts(text: Any) -> dict[str, int]:
     """The counters in a row's JSON; values other than counts below MOST are left out, and so count as gone."""
-    return {name: count for name, count in _object(text).items() if type(count) is int and 0 <= count < MOST}
+    return {name: count for name, count in json_object(text).items() if type(count) is int and 0 <= count < MOST}
 
 
 def format_counts(work: dict[str, int]) -> str:
@@ -163,14 +155,6 @@ def parse_counts(line: str) -> dict[str, int]:
     """The counters in such a text."""
     parts = (part.rpartition(" ") for part in line.split(", "))
     return {name: int(count) for name, _, count in parts if count.isdecimal() and int(count[:20]) < MOST}
-
-
-def _object(text: Any) -> dict[str, Any]:
-    try:
-        found = json.loads(text) if isinstance(text, str) else {}
-    except (ValueError, RecursionError):
-        return {}
-    return found if isinstance(found, dict) else {}
 
 
 def rounded(value: float, digits: int) -> str:

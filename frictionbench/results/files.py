@@ -3,17 +3,21 @@
 A results folder may come from an untrusted source. A symbolic link in it could redirect what is written; subfolders that are
 symbolic links are therefore refused, and a file is written under a temporary name in the same folder and then renamed, which
 replaces a link instead of following it. What is read could be a pipe or a device, or a link to one, at which a read never ends;
-every file is therefore opened by `opened` or `read_text`.
+every file is therefore opened by `opened` or `read_text`. Texts in it can hold characters that a terminal would obey: they are
+shown by `printable`.
 """
 
 import json
 import os
 import stat
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any, BinaryIO
+from types import UnionType
+from typing import Any, BinaryIO, TypeVar, get_args, get_origin, get_type_hints
+
+T = TypeVar("T")
 
 LARGEST_JSON = 32 * 2**20  # bytes, several times the longest recorded motion; parsed it takes some ten times as much
 
@@ -71,6 +75,44 @@ def read_json(path: Path, most: int = LARGEST_JSON) -> Any:
         raise ResultsError(f"{path}: cannot be read (nested too deeply)") from None
     except ValueError as error:
         raise ResultsError(f"{path}: cannot be read ({error})") from None
+
+
+def read_parsed(path: Path, parse: Callable[[Any], T], missing: T | None = None) -> T:
+    """What `parse` makes of the value in a JSON file; `missing`, if given, where there is no file.
+
+    Errors: FileNotFoundError; ResultsError naming the file, where it cannot be read or `parse` raises.
+    """
+    if missing is not None and not path.exists():
+        return missing
+    value = read_json(path)
+    try:
+        return parse(value)
+    except (ValueError, TypeError, LookupError, AttributeError, OverflowError) as error:
+        raise ResultsError(f"{path}: cannot be read ({type(error).__name__}: {error})") from None
+
+
+def record(kind: type[T], row: Any) -> T:
+    """A NamedTuple from an object with a value for each of its fields, converted to the field's type.
+
+    Errors: ValueError, TypeError, LookupError or OverflowError where one is missing or cannot be converted.
+    """
+    return kind(**{name: _converted(row[name], to) for name, to in get_type_hints(kind).items()})
+
+
+def _converted(value: Any, to: Any) -> Any:
+    inner = get_args(to)
+    if isinstance(to, UnionType):  # with None
+        return None if value is None else _converted(value, inner[0])
+    if get_origin(to) is list:
+        return [_converted(item, inner[0]) for item in value]
+    if get_origin(to) is dict:
+        return {str(name): _converted(item, inner[1]) for name, item in value.items()}
+    return to(value)
+
+
+def printable(text: str) -> str:
+    """The text in one line without control characters."""
+    return "".join(c if c.isprintable() else "?" for c in " ".join(text.split()))
 
 
 def subfolder(folder: Path, name: str) -> Path:

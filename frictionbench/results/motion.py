@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionbench.results.cells import scene_title
+from frictionbench.results.conventions import scene_title
 from frictionbench.results.files import ResultsError, read_json, subfolder, write_text
 
 Array = NDArray[np.float64]

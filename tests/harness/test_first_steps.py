@@ -11,8 +11,7 @@ from frictionbench.problems import scene
 from frictionbench.problems.simulate import simulate
 from frictionbench.reports.drawing.first_steps import picture
 from frictionbench.results.files import ResultsError
-from frictionbench.results.first_steps import FirstSteps, first_steps_file, read_first_steps
-from frictionbench.results.map_spec import Axis, Map
+from frictionbench.results.maps import Axis, FirstSteps, Map, first_steps_file, read_first_steps
 from frictionbench.results.motion import Outline
 from frictionbench.solvers import solve
 

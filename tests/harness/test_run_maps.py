@@ -31,9 +31,9 @@ from frictionbench.reports.robustness import costs, failures, map_cells, robustn
 from frictionbench.reports.run import read_run
 from frictionbench.results import store
 from frictionbench.results.conventions import first_phase
+from frictionbench.results.extras import read_shrunk
 from frictionbench.results.files import ResultsError
-from frictionbench.results.map_spec import Axis, Map
-from frictionbench.results.shrunk import read_shrunk
+from frictionbench.results.maps import Axis, Map
 from frictionbench.solvers import Status, find, solve
 from tests.helpers.command_line import frictionbench
 from tests.helpers.paths import BAD_SOLVERS

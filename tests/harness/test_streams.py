@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from frictionbench.harness import cli
+from frictionbench.commands import cli
 from tests.helpers.made_results import solve_row, write_folder
 
 SHELL = f"{sys.executable} -m frictionbench"

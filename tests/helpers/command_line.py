@@ -8,7 +8,7 @@ from io import StringIO
 from pathlib import Path
 from unittest.mock import patch
 
-from frictionbench.harness import cli
+from frictionbench.commands import cli
 
 
 @dataclass(frozen=True)

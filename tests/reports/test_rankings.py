@@ -16,8 +16,7 @@ from frictionbench.reports.page import write_report
 from frictionbench.reports.paper import write_paper
 from frictionbench.reports.run import read_run
 from frictionbench.reports.sequences import motions
-from frictionbench.results.laws import ANOTHER_LAW, POLYGON, ending, law
-from frictionbench.results.rank_by import RankBy
+from frictionbench.results.conventions import ANOTHER_LAW, POLYGON, RankBy, ending, law
 from tests.helpers.made_results import solve_row, write_folder
 from tests.reports.test_report import PLANE, run_of
 

@@ -33,10 +33,9 @@ from frictionbench.reports.settings import WALLS, settings
 from frictionbench.reports.sheets import sheets
 from frictionbench.reports.tables import problem_classes
 from frictionbench.reports.templates import script
-from frictionbench.results.convergence import ConvergenceHistory, write_histories
+from frictionbench.results.conventions import ENDINGS
+from frictionbench.results.extras import ConvergenceHistory, Deviation, write_deviations, write_histories
 from frictionbench.results.files import ResultsError
-from frictionbench.results.laws import ENDINGS
-from frictionbench.results.polygon import Deviation, write_deviations
 from frictionbench.results.schema import SOLVES, arrow_schema
 from tests.helpers.browser import browse, in_browser
 from tests.helpers.made_results import simulation_row, solve_row, unanswered_row, write_folder

@@ -14,7 +14,7 @@ from frictionbench.reports.comparison.markdown import markdown, summarise
 from frictionbench.results import cells
 from frictionbench.results.changes import Flip
 from frictionbench.results.compare import Limits, compare, confirm, suspects
-from frictionbench.results.rank_by import RankBy
+from frictionbench.results.conventions import RankBy
 from frictionbench.results.times import estimate
 from tests.helpers.made_results import MACHINE, SETTINGS, simulation_row, solve_row, unanswered_row, write_folder
 

@@ -20,7 +20,7 @@ from frictionbench.reports.page import write_report
 from frictionbench.results import files, store
 from frictionbench.results.compare import compare
 from frictionbench.results.files import ResultsError
-from frictionbench.results.map_spec import maps_of
+from frictionbench.results.maps import maps_of
 from frictionbench.results.schema import VERSION, arrow_schema
 from frictionbench.results.store import ShardWriter
 from tests.helpers.command_line import frictionbench

@@ -11,8 +11,8 @@ from frictionbench.harness.run import run
 from frictionbench.harness.verify import verify
 from frictionbench.problems import InputError
 from frictionbench.problems.instances import make_instance
+from frictionbench.results.extras import POLYGON, read_deviations
 from frictionbench.results.files import ResultsError
-from frictionbench.results.polygon import NAME, read_deviations
 from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers import find, solve
 
@@ -63,6 +63,6 @@ def test_run_writes_polygon_deviations(tmp_path) -> None:
     assert [row.facets for row in polygons] == [4, 6, 8, 16, 32, 64]
     doubled = [row for row in polygons if row.facets != 6]  # a hexagon may happen to have a corner along the path
     assert all(later.from_cone < earlier.from_cone for earlier, later in pairwise(doubled))
-    (tmp_path / NAME).write_text('[{"facets": 4}]', encoding="utf-8")
+    (tmp_path / POLYGON).write_text('[{"facets": 4}]', encoding="utf-8")
     with pytest.raises(ResultsError, match=r"polygon\.json: cannot be read"):
         read_deviations(tmp_path)

@@ -12,7 +12,7 @@ from frictionbench.harness.verify import verify
 from frictionbench.problems import FrictionProblem, scene
 from frictionbench.problems.check import Array
 from frictionbench.problems.simulate import simulate
-from frictionbench.results.polygon import Deviation
+from frictionbench.results.extras import Deviation
 from frictionbench.solvers import find, solve
 
 CONE = "interior_point"  # solves spatial problems with the cone to TOLERANCE

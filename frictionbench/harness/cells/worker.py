@@ -37,8 +37,8 @@ from frictionbench.problems.copies import duplicate, same
 from frictionbench.problems.instances import instances, make_instance
 from frictionbench.problems.spec import split
 from frictionbench.results.conventions import COLD
+from frictionbench.results.extras import read_deviations, write_deviations
 from frictionbench.results.motion import encoded
-from frictionbench.results.polygon import read_deviations, write_deviations
 from frictionbench.results.store import Row
 from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers import Solver, SolverInfo, find, plugins

@@ -2,7 +2,7 @@
 
 import math
 
-from frictionbench.results.map_spec import Axis, Map
+from frictionbench.results.maps import Axis, Map
 
 GAPS = "stewart_trinkle"  # the scheme whose contacts keep their gaps
 FORCES = "acceleration"  # the scheme whose unknowns are forces

@@ -11,7 +11,7 @@ from frictionbench.problems import InputError
 from frictionbench.problems.instances import instances
 from frictionbench.problems.names import near
 from frictionbench.problems.spec import parse
-from frictionbench.results.map_spec import Map
+from frictionbench.results.maps import Map
 from frictionbench.solvers import find
 
 

@@ -13,7 +13,7 @@ from typing import get_args
 from frictionbench.harness.plans.plan import Plan, SimulationCell, Source
 from frictionbench.problems import InputError, scene, scenes
 from frictionbench.results.conventions import first_phase
-from frictionbench.results.map_spec import Axis, GridPoint, Map, Scale
+from frictionbench.results.maps import Axis, GridPoint, Map, Scale
 from frictionbench.results.store import Row
 
 SCALES = get_args(Scale)

@@ -14,7 +14,7 @@ from frictionbench.problems import InputError
 from frictionbench.problems.instances import instances
 from frictionbench.problems.scenes.catalogue import SPATIAL
 from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, KEEP_ANSWER, WARM
-from frictionbench.results.map_spec import Map
+from frictionbench.results.maps import Map
 from frictionbench.solvers import find
 
 KERNELS = {"quantecon": ("kernel", "kernel from bodies")}  # the further ways of solvers that have a compiled kernel

@@ -11,7 +11,7 @@ from frictionbench.harness.plans.plan import MEMORY_LIMIT
 from frictionbench.harness.workers.pool import Pool
 from frictionbench.harness.workers.task import Task
 from frictionbench.problems import InputError
-from frictionbench.results.cells import scene_title
+from frictionbench.results.conventions import scene_title
 
 BUILD_SECONDS = 60.0  # seconds to build a scene and its first problem: the largest of the suites takes one
 

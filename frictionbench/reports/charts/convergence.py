@@ -1,6 +1,6 @@
 """Residual against work: the verified residual when a solver is stopped after a number of its iterations, on a few problems.
 
-Each point is the answer of a separate, untimed call with that limit (results.convergence).
+Each point is the answer of a separate, untimed call with that limit (results.extras).
 """
 
 from collections.abc import Iterable
@@ -12,8 +12,8 @@ from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import GRID, ZERO, Look, log_ticks, residual_axis
 from frictionbench.reports.run import Run
-from frictionbench.results.cells import scene_title
-from frictionbench.results.convergence import ConvergenceHistory
+from frictionbench.results.conventions import scene_title
+from frictionbench.results.extras import ConvergenceHistory
 
 WORST = 1e3  # residuals of iterations that diverge are drawn here if they are larger
 

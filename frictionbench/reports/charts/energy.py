@@ -10,7 +10,7 @@ from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import ALARM, GRID, INK, Look, percent_axis
 from frictionbench.reports.run import Run
-from frictionbench.results.cells import scene_title
+from frictionbench.results.conventions import scene_title
 
 POINTS = 200  # of a curve, finer than the panel's resolution
 MOST = 24  # panels on the page; more make it slow to load

@@ -24,8 +24,8 @@ from frictionbench.reports.drawing.tiles import Drawing, Entry, Grid, Tile
 from frictionbench.reports.robustness import MapCells, map_cells
 from frictionbench.reports.run import Run
 from frictionbench.results.cells import counts
-from frictionbench.results.laws import ANOTHER_LAW, POLYGON, endings
-from frictionbench.results.map_spec import Axis, Map
+from frictionbench.results.conventions import ANOTHER_LAW, POLYGON, endings
+from frictionbench.results.maps import Axis, Map
 from frictionbench.results.verdicts import Verdict
 
 VERDICT = {

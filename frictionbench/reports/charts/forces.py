@@ -14,7 +14,7 @@ from frictionbench.reports.charts.convergence import by_problem
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import GRID, Look
 from frictionbench.reports.run import Run
-from frictionbench.results.convergence import ConvergenceHistory
+from frictionbench.results.extras import ConvergenceHistory
 
 EXACT = 1e-4  # residual below which an answer is drawn: an order of magnitude finer than the eye sees
 

@@ -18,8 +18,7 @@ from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import ALARM, GRID, INK, WORST, ZERO, Look, residual_axis, time_axis
 from frictionbench.reports.drawing.text import seconds
 from frictionbench.reports.run import Run
-from frictionbench.results.cells import scene_title
-from frictionbench.results.laws import endings
+from frictionbench.results.conventions import endings, scene_title
 from frictionbench.results.verdicts import Verdict, measured
 
 STRIP = 2e3  # the strip above WORST

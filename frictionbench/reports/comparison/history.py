@@ -13,8 +13,7 @@ from rich.text import Text
 
 from frictionbench.reports.drawing.text import seconds
 from frictionbench.results.cells import Cells, format_counts, parse_counts, read
-from frictionbench.results.files import ResultsError
-from frictionbench.results.printable import printable
+from frictionbench.results.files import ResultsError, printable
 from frictionbench.results.verdicts import ACCEPTED
 
 

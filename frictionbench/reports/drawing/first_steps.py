@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from frictionbench.results.first_steps import FirstSteps
+from frictionbench.results.maps import FirstSteps
 from frictionbench.results.motion import Array, Outline
 
 MARGIN = 0.15  # around the bodies, relative to their size

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from frictionbench.results.printable import printable
+from frictionbench.results.files import printable
 
 
 def plain(text: str, longest: int = 48) -> str:

@@ -16,9 +16,8 @@ from frictionbench.reports.drawing.style import Look
 from frictionbench.reports.drawing.svg import on_page
 from frictionbench.reports.drawing.text import count, percent, power, residual, seconds
 from frictionbench.reports.drawing.tiles import Drawing
-from frictionbench.results.cells import scene_title
 from frictionbench.results.commands import rerun
-from frictionbench.results.laws import ENDINGS, ending
+from frictionbench.results.conventions import ENDINGS, ending, scene_title
 
 
 def script(*names: str | Path) -> tuple[Markup, str]:

@@ -13,7 +13,7 @@ from frictionbench.reports.charts import convergence as chart
 from frictionbench.reports.charts import forces
 from frictionbench.reports.page import write_report
 from frictionbench.reports.run import read_run
-from frictionbench.results.convergence import NAME, ConvergenceHistory, read_histories, write_histories
+from frictionbench.results.extras import CONVERGENCE, ConvergenceHistory, read_histories, write_histories
 from frictionbench.results.files import ResultsError
 from frictionbench.solvers import Answer, Status, find
 from tests.helpers.made_results import solve_row, write_folder
@@ -97,6 +97,6 @@ def test_force_chart_of_redundant_problems(tmp_path) -> None:
 
 @pytest.mark.parametrize("text", ["{", "[1]", '[{"scene": "a"}]', "[[]]"])
 def test_invalid_history_file_is_refused(tmp_path, text) -> None:
-    (tmp_path / NAME).write_text(text, encoding="utf-8")
+    (tmp_path / CONVERGENCE).write_text(text, encoding="utf-8")
     with pytest.raises(ResultsError, match=r"convergence\.json: cannot be read"):
         read_histories(tmp_path)

@@ -3,18 +3,33 @@
 A position on an axis is measured in grid lines, from 0 at `low` to count - 1 at `high`; grid points between the lines come from
 refinement. Scales: `linear`; `log`, logarithmic; `zero`, logarithmic with 0 as one more line before `low`; and `both`,
 logarithmic in both directions from 0: -high ... -low, 0, low ... high. Between 0 and `low` the last two are linear.
+
+    DIR/maps/NAME.json          thresholds traced from the mechanics
+    DIR/maps/NAME-steps.json    the first steps of the scene at some grid points, for a picture
+
+A solution is known to exist at a grid point where theory or the enumeration of all solutions says so (column `existence`), or
+where the verified answer of some solver is one. It is not known where the enumeration finds none, even if an answer passes
+within the tolerance.
 """
 
+import json
 import math
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from itertools import product
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
-from frictionbench.results.conventions import DEFAULT_SCHEME
-from frictionbench.results.files import ResultsError, read_json
+import numpy as np
+
+from frictionbench.results.conventions import DEFAULT_SCHEME, first_phase
+from frictionbench.results.files import ResultsError, read_parsed, subfolder, write_text
+from frictionbench.results.motion import Array, Outline, outlines, plain
+from frictionbench.results.verdicts import Verdict
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Scale = Literal["linear", "log", "zero", "both"]
 GridPoint = tuple[float, float]  # positions on the two axes
@@ -27,6 +42,8 @@ UNITS = {
     **{"step": "s", "duration": "s", "shear": "1/s", "mass": "kg"},
 }
 MOST_LEVELS, MOST_POINTS = 8, 10**6  # of the refined grid: far above those of any suite
+THEORY = ("gaps", "pointed")  # reasons of existence that also hold for the same problem with fewer contacts
+EXACT = ("coulomb", "lcp")  # models
 DIGITS = 6  # significant digits of a parameter's value: few enough to be the same on every machine and short in a table
 
 
@@ -147,11 +164,75 @@ def thresholds_file(folder: Path, spec: Map) -> Path:
 
 def read_thresholds(folder: Path, spec: Map) -> dict[str, list[GridPoint]]:
     """Points on each threshold, by its name; empty where none were traced. Errors: ResultsError if the file cannot be read."""
-    path = thresholds_file(folder, spec)
-    if not path.exists():
-        return {}
-    traced = read_json(path)
-    try:
-        return {str(name): [(float(i), float(j)) for i, j in points] for name, points in traced.items()}
-    except (ValueError, TypeError, AttributeError, OverflowError) as error:
-        raise ResultsError(f"{path}: cannot be read ({error})") from None
+    return read_parsed(
+        thresholds_file(folder, spec),
+        lambda traced: {str(name): [(float(i), float(j)) for i, j in points] for name, points in traced.items()},
+        {},
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class FirstSteps:
+    """point: positions on the two axes. outlines: of all shapes, in the plane. poses: (frames, nb, 3), as of a motion."""
+
+    point: GridPoint
+    outlines: tuple[Outline, ...]
+    poses: Array
+
+
+def first_steps_file(folder: Path, spec: Map) -> Path:
+    return folder / "maps" / f"{spec.name}-steps.json"
+
+
+def write_first_steps(folder: Path, spec: Map, found: Sequence[FirstSteps]) -> None:
+    path = first_steps_file(folder, spec)
+    subfolder(folder, path.parent.name)
+    write_text(path, json.dumps([plain(asdict(one), DIGITS - 1) for one in found], separators=(",", ":")))
+
+
+def read_first_steps(folder: Path, spec: Map) -> list[FirstSteps]:
+    """What was recorded, empty where nothing was. Errors: ResultsError if the file cannot be read."""
+    return read_parsed(first_steps_file(folder, spec), lambda found: [_first_steps(one) for one in found], [])
+
+
+def _first_steps(one: dict[str, Any]) -> FirstSteps:
+    i, j = one["point"]
+    found = FirstSteps((float(i), float(j)), outlines(one["outlines"], 2), np.array(one["poses"], dtype=float))
+    poses = found.poses
+    if poses.ndim != 3 or len(poses) == 0 or poses.shape[2] != 3:
+        raise ValueError(f"poses: expected (frames, nb, 3), got {poses.shape}")
+    if not all(-1 <= outline.body < poses.shape[1] for outline in found.outlines):
+        raise ValueError("outlines: the index of a body is out of range")
+    numbers = np.concatenate([found.point, poses.ravel(), *(np.append(o.corners, o.radius) for o in found.outlines)])
+    if not np.isfinite(numbers).all():
+        raise ValueError("a number is not finite")
+    return found
+
+
+def at_grid_points(rows: "pd.DataFrame", spec: Map) -> "pd.DataFrame":
+    """The rows of a map, taken from simulations for a map in closed loop and from solves otherwise.
+
+    Added columns: i, j (the grid point), tile (width of its tile in grid lines) and known (whether a solution is known).
+    """
+    rows = rows[rows["scheme"] == spec.scheme] if spec.steps else rows[rows["phase"] == first_phase(spec.scheme)]
+    rows = rows[rows["scene"] == spec.scene]
+    points: dict[str, tuple[float, float, float]] = {}
+    for i, j in spec.grid_points():
+        tile = 1.0 if i % 1 == 0 and j % 1 == 0 else 0.5 if (2 * i) % 1 == 0 and (2 * j) % 1 == 0 else 0.25
+        points.setdefault(json.dumps(spec.at((i, j)), sort_keys=True), (i, j, tile))
+    rows = rows[rows["parameters"].isin(points.keys())]
+    found = [points[parameters] for parameters in rows["parameters"]]
+    rows = rows.assign(**{name: [point[k] for point in found] for k, name in enumerate(("i", "j", "tile"))})
+    solved = (rows["verdict"] == Verdict.SOLVED).groupby([rows["i"], rows["j"]]).transform("any")
+    if spec.steps:
+        return rows.assign(known=solved)
+    return rows.assign(known=rows["existence"].isin([*THEORY, "counted"]) | (solved & (rows["existence"] != "none")))
+
+
+def failed_rows(rows: "pd.DataFrame") -> "pd.DataFrame":
+    """The rows of exact methods that are not solved where a solution is known, those of the smallest problems first.
+
+    rows: of a map of first problems, see `at_grid_points`.
+    """
+    wanted = rows["known"] & rows["model"].isin(EXACT) & ~rows["verdict"].isin([Verdict.SOLVED, Verdict.SKIPPED])
+    return rows[wanted].sort_values(["contacts", "i", "j"], kind="stable")
