@@ -1,5 +1,7 @@
-"""Ordinary installs, from the wheel and from the sdist: in an environment of its own, used from elsewhere, nothing writable but
-a scratch folder."""
+"""Whatever the package is built from, it is whole: a checkout, an sdist, a ZIP archive without links, an editable install.
+
+The wheel is used in an environment of its own, from elsewhere, where nothing but a scratch folder can be written.
+"""
 
 import json
 import os
@@ -7,39 +9,101 @@ import shutil
 import subprocess
 import sys
 import venv
+import zipfile
 from pathlib import Path
 
 import pytest
 
 from tests.helpers.paths import ROOT
 
+pytestmark = pytest.mark.slow  # builds; the quick tests use the checkout, and would not see that a package is empty
 BUILD = "import sys; from setuptools import build_meta; getattr(build_meta, sys.argv[1])(sys.argv[2])"
-SUBPACKAGES = "problems", "solvers", "harness", "results", "reports"
+SUBPACKAGES = "problems", "solvers", "harness", "results", "reports", "commands"
+MODULES = {".".join(path.relative_to(ROOT).with_suffix("").parts) for path in (ROOT / "frictionbench").rglob("*.py")}
 
 
 def build(kind: str, source: Path, out: Path) -> Path:
-    """Build "wheel" or "sdist" of a source tree, as a build frontend does, and return the one file made."""
+    """Build "wheel", "editable" or "sdist" of a source tree, as a build frontend does, and return the one file made."""
     subprocess.run([sys.executable, "-c", BUILD, f"build_{kind}", str(out)], cwd=source, check=True, capture_output=True)
     (made,) = out.iterdir()
     return made
 
 
-@pytest.fixture(scope="module", params=["wheel", "sdist"])
-def installed(request, tmp_path_factory) -> Path:
-    """The environment: the wheel, or that of the sdist, and the dependencies of this one, but not this checkout. Its path has
-    spaces."""
-    home = tmp_path_factory.mktemp(f"a folder with spaces {request.param}")
-    source, environment = home / "source", home / "an environment"
-    source.mkdir()
-    shutil.copytree(ROOT / "frictionbench", source / "frictionbench")
-    for name in ("pyproject.toml", "README.md", "LICENSE"):
-        shutil.copy(ROOT / name, source)
-    if request.param == "sdist":
-        shutil.unpack_archive(build("sdist", source, home / "sdists"), home / "unpacked", filter="data")
-        shutil.rmtree(source)
-        (source,) = (home / "unpacked").iterdir()
-    wheel = build("wheel", source, home / "wheels")
-    shutil.rmtree(source)
+def source_tree(home: Path) -> Path:
+    """A copy of what is built, with the links at the root."""
+    (home / "source").mkdir(parents=True)
+    shutil.copytree(ROOT / "frictionbench", home / "source" / "frictionbench", ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("pyproject.toml", "setup.py", "README.md", "LICENSE"):
+        shutil.copy(ROOT / name, home / "source")
+    for name in SUBPACKAGES[:5]:
+        (home / "source" / name).symlink_to(f"frictionbench/{name}")
+    return home / "source"
+
+
+def from_sdist(source: Path) -> Path:
+    """The source tree that the sdist of a source tree holds."""
+    shutil.unpack_archive(build("sdist", source, source.parent / "sdists"), source.parent / "unpacked", filter="data")
+    (unpacked,) = (source.parent / "unpacked").iterdir()
+    return unpacked
+
+
+def from_zip(source: Path) -> Path:
+    """The source tree as a ZIP archive holds it, unpacked by Python: links are text files."""
+    for name in SUBPACKAGES[:5]:
+        (source / name).unlink()
+        (source / name).write_text(f"frictionbench/{name}", encoding="utf-8")
+    return source
+
+
+ORIGINS = {"checkout": lambda source: source, "sdist": from_sdist, "zip": from_zip}
+
+
+@pytest.mark.parametrize("origin", ORIGINS)
+def test_wheel_holds_all_modules(origin: str, tmp_path: Path) -> None:
+    wheel = build("wheel", ORIGINS[origin](source_tree(tmp_path)), tmp_path / "wheels")
+    with zipfile.ZipFile(wheel) as held:
+        names = [Path(name) for name in held.namelist()]
+    assert {".".join(name.with_suffix("").parts) for name in names if name.suffix == ".py"} == MODULES
+    data = {
+        path.relative_to(ROOT)
+        for path in (ROOT / "frictionbench").rglob("*")
+        if path.suffix in (".tsv", ".npz", ".csv", ".bib")
+    }
+    published = {path for path in data if "published" in path.parts}
+    assert data - published <= set(names)
+
+
+def test_editable_install_imports_all_modules(tmp_path: Path) -> None:
+    source = source_tree(tmp_path)
+    wheel = build("editable", source, tmp_path / "wheels")
+    shutil.unpack_archive(wheel, tmp_path / "site", "zip")
+    found = (
+        "import sys, site; site.addsitedir(sys.argv[1]); import frictionbench, pkgutil; "
+        "print(*['frictionbench', *(m.name for m in pkgutil.walk_packages(frictionbench.__path__, 'frictionbench.'))])"
+    )
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", found, str(tmp_path / "site")], cwd=tmp_path, check=True, capture_output=True, text=True
+    )
+    assert set(done.stdout.split()) == {module.removesuffix(".__init__") for module in MODULES}
+    (origin,) = (tmp_path / "site").glob("*.pth")
+    assert str(source) in origin.read_text(encoding="utf-8")
+
+
+def test_an_empty_build_is_refused(tmp_path: Path) -> None:
+    source = source_tree(tmp_path)
+    shutil.rmtree(source / "frictionbench" / "solvers")
+    with pytest.raises(subprocess.CalledProcessError) as failed:
+        build("wheel", source, tmp_path / "wheels")
+    assert b"frictionbench/solvers is missing" in failed.value.stderr
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory) -> Path:
+    """An environment with the wheel and the dependencies of this one, but not this checkout. Its path has spaces."""
+    home = tmp_path_factory.mktemp("a folder with spaces")
+    environment = home / "an environment"
+    wheel = build("wheel", source_tree(home), home / "wheels")
+    shutil.rmtree(home / "source")
     venv.create(environment, symlinks=True)
     (site,) = environment.glob("lib/python*/site-packages")
     shutil.unpack_archive(wheel, site, "zip")
@@ -103,7 +167,6 @@ def test_install_works_without_home(installed) -> None:
         (["--help"], "Compare solvers for the friction LCPs"),
         (["list", "solvers"], "nsgs"),
         (["run", "smoke", "--scene", "stack", "--solver", "lemke", "--jobs", "1", "--out", str(results)], "results of mine"),
-        (["accept", str(results), str(mine)], "accepted: "),
         (["compare", str(mine), str(results)], "## worse 0"),
         (["report", str(results)], "report: "),
         (["solve", "stack", "--solver", "lemke"], "use lemke: solved"),
