@@ -8,7 +8,7 @@ solvers.interior.central_path and solvers.interior.fischer_burmeister are compil
 rows "as it is".
 
 All variants take about five minutes on one core. Pyramids of ten levels need minutes each and are not among the sets; their
-figures are in docs/space.md. As measured, semismooth Newton saves two fifths of the factorisations where friction is large in
+figures are in docs/tried.md. As measured, semismooth Newton saves two fifths of the factorisations where friction is large in
 the plane, and half the PATIENCE a sixth of those in space.
 """
 
