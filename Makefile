@@ -1,7 +1,7 @@
 # make bench   install, run the standard suite, write its results and report, and say where the report is
 # make quick   install, check the style and the types, run the tests that matter for most changes: half a minute with kernels compiled
 # make test    install, check the style and the types, run the tests but the slow ones
-# make test-all  the same with the slow ones
+# make test-all  the same, and then the slow tests, which guard documents, recipes, builds, pages in a browser and the sandbox
 # make test-peers  the outside solvers as in make peers, and the tests of their adapters and of engines; what is missing is skipped with its
 #              reason. PEER_NAMES: the packages to install, all by default
 # make timing  install, time the kernels with pytest-benchmark, a file in runs/timing-REVISION each time
@@ -51,9 +51,8 @@ test: install
 	$(MAKE) --jobs=2 --output-sync checked compiled-plane compiled-space
 	$(PYTEST)
 
-test-all: install
-	$(MAKE) --jobs=2 --output-sync checked compiled-plane compiled-space
-	$(PYTEST) -m ''
+test-all: test
+	$(PYTEST) -m slow
 
 # Kernels that both processes of the tests would otherwise compile at the same time.
 .PHONY: compiled-plane compiled-space
