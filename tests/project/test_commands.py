@@ -7,10 +7,10 @@ tests/solvers/outside.
 import re
 import shlex
 import shutil
-from collections.abc import Iterator
+import socket
 from pathlib import Path
 from typing import Any
-from unittest.mock import patch
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -20,9 +20,10 @@ from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.recorded.engine_step import EngineStep
 from frictionbench.problems.recorded.own import save
 from frictionbench.results.store import read_table
-from tests.helpers.command_line import Done, frictionbench
+from tests.helpers.command_line import frictionbench
 from tests.helpers.paths import ROOT
 
+pytestmark = pytest.mark.slow  # the quick tests read the documents, and would not see a command that fails as it stands
 APART = ("peers.md", "executable.md", "fairness.md")
 DOCS = ROOT / "docs"
 FIRST = [ROOT / "README.md", DOCS / "choose.md", DOCS / "plugin.md"]  # they make what later commands use
@@ -127,48 +128,38 @@ def newcomer(tmp_path_factory) -> Path:
     return home
 
 
-@pytest.fixture(scope="module")
-def done(newcomer: Path) -> Iterator[dict[tuple[str, str], tuple[str, Done]]]:
-    """What each command of each document printed and how it ended, run in the order of the documents."""
-    with patch.object(cluster, "ANSWER_SECONDS", 0.5):  # no scheduler answers
-        yield executed(newcomer)
+@pytest.fixture
+def no_network(monkeypatch) -> None:
+    """No name is resolved, and no scheduler answers."""
+    monkeypatch.setattr(socket, "getaddrinfo", Mock(side_effect=socket.gaierror("no network")))
+    monkeypatch.setattr(cluster, "ANSWER_SECONDS", 0.5)
 
 
-def executed(newcomer: Path) -> dict[tuple[str, str], tuple[str, Done]]:
-    found: dict[tuple[str, str], tuple[str, Done]] = {}
-    ended: dict[str, Done] = {}
-    row = ""
-    for document in DOCUMENTS:
-        for command in commands(document.read_text(encoding="utf-8")):
-            ran = executable(command, row)
-            makes = ran.startswith("run smoke") and "--out runs/now" in ran
-            if makes:
-                shutil.rmtree(newcomer / "runs" / "now", ignore_errors=True)
-            words = [word for word in shlex.split(ran) if "*" not in word]  # what a shell finds nothing for
-            if ran not in ended or "runs/now" in ran:  # which another document makes anew
-                ended[ran] = frictionbench(*words, cwd=newcomer)
-            found[document.name, command] = ran, ended[ran]
-            if makes:
-                rows = read_table(newcomer / "runs" / "now", "solves")
-                row = str(rows.loc[np.argmax(rows["verdict"] != "solved"), "key"])
-    return found
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
+def test_commands_of_a_document(document: Path, newcomer: Path, no_network) -> None:
+    """Each ends with exit code 0, or is refused with exit code 2 and the word that tells why."""
+    row, failed = "", []
+    for command in commands(document.read_text(encoding="utf-8")):
+        if "ROW" in command and not row:
+            row = first_failure(newcomer)
+        ran = executable(command, row)
+        ended = frictionbench(*(word for word in shlex.split(ran) if "*" not in word), cwd=newcomer)
+        refused = next((why for start, why in REFUSED.items() if ran.startswith(start)), "")
+        if ended.returncode != (2 if refused else 0) or refused not in ended.stderr:
+            failed.append(f"frictionbench {ran}\n{ended.stdout}\n{ended.stderr}")
+    assert not failed, "\n".join(failed)
 
 
-LISTED = [(path.name, command) for path in DOCUMENTS for command in commands(path.read_text(encoding="utf-8"))]
+def first_failure(newcomer: Path) -> str:
+    """The row of a failed cell of a small run, made anew in runs/now."""
+    shutil.rmtree(newcomer / "runs" / "now", ignore_errors=True)
+    options = shlex.split(" ".join(ON_LESS["run smoke"]))
+    frictionbench("run", "smoke", "--solver", "mine.py", *options, "--out", "runs/now", cwd=newcomer)
+    rows = read_table(newcomer / "runs" / "now", "solves")
+    return str(rows.loc[np.argmax(rows["verdict"] != "solved"), "key"])
 
 
-@pytest.mark.parametrize(("document", "command"), LISTED, ids=[f"{name}: {command}" for name, command in LISTED])
-def test_command(document: str, command: str, done) -> None:
-    ran, ended = done[document, command]
-    refused = next((why for start, why in REFUSED.items() if ran.startswith(start)), None)
-    if refused is not None:
-        assert ended.returncode in (0, 2), ended.stderr
-        assert ended.returncode == 0 or refused in ended.stderr
-    else:
-        assert ended.returncode == 0, f"frictionbench {ran}\n{ended.stdout}\n{ended.stderr}"
-
-
-def test_figure_of_ones_own(newcomer, done, monkeypatch) -> None:
+def test_figure_of_ones_own(newcomer, monkeypatch) -> None:
     """The script of docs/figures.md draws the run that the commands before it made."""
     (script,) = re.findall(r"```python\n(.*?)```", (DOCS / "figures.md").read_text(encoding="utf-8"), flags=re.DOTALL)
     monkeypatch.chdir(newcomer)
