@@ -82,17 +82,17 @@ $(PEERS)/installed: pyproject.toml constraints.txt
 	touch $@
 
 test-peers: $(PEERS)/installed
-	$(PEERS)/bin/python -m pytest --numprocesses=2 -rs tests/solvers/outside tests/problems/capture tests/harness/test_battery.py \
+	$(PEERS)/bin/python -m pytest --numprocesses=2 -rs tests/solvers/outside tests/tools/test_direct.py tests/problems/capture tests/harness/test_battery.py \
 		tests/harness/cells/test_judgement.py
 
 peers: $(PEERS)/installed
 	@/usr/bin/python3 -c 'import siconos.numerics' 2>/dev/null || echo 'Siconos is missing: apt-get install python3-siconos (Debian); its solvers are skipped'
 	$(PEERS)/bin/frictionbench run peers --out $(PEERS_RUN)
 	$(PEERS)/bin/frictionbench report $(PEERS_RUN) --markdown
-	$(PEERS)/bin/frictionbench fairness --markdown > $(PEERS_RUN)/fairness.md
+	$(PEERS)/bin/python -m tools.direct > $(PEERS_RUN)/direct.md
 	sed -i -e '/^<!-- begin: make peers/,/^<!-- end/{//!d}' -e '/^<!-- begin: make peers/r $(PEERS_RUN)/report.md' \
-		-e '/^<!-- begin: frictionbench fairness/,/^<!-- end/{//!d}' \
-		-e '/^<!-- begin: frictionbench fairness/r $(PEERS_RUN)/fairness.md' docs/peers.md
+		-e '/^<!-- begin: python -m tools.direct/,/^<!-- end/{//!d}' \
+		-e '/^<!-- begin: python -m tools.direct/r $(PEERS_RUN)/direct.md' docs/peers.md
 
 studies: install
 	$(BIN)/frictionbench study all --out $(STUDIES) $(RECORDED:%=--data %)

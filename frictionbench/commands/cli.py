@@ -43,30 +43,6 @@ def about(
     pass
 
 
-@app.command()
-def fairness(
-    solver: options.Solvers = None,
-    scene: options.Scenes = None,
-    scheme: options.Scheme = DEFAULT_SCHEME,
-    markdown: Annotated[bool, typer.Option("--markdown", help="Print the table in Markdown.")] = False,
-) -> None:
-    """Time outside solvers beside calls by hand.
-
-    With --scene, compare what both claim on the steps of its motion by a --scheme.
-    """
-    from rich.console import Console
-
-    from frictionbench.commands.charged import charged_table
-    from frictionbench.commands.claims import claims_table
-    from frictionbench.commands.markdown import markdown_table
-
-    table = claims_table(solver or [], scene, scheme) if scene else charged_table(solver or [])
-    if markdown:
-        typer.echo(markdown_table(table))
-    else:
-        Console().print(table)
-
-
 @app.command("list")
 def list_(what: options.Listing) -> None:
     """List the scenes, the solvers, the suites or the studies."""

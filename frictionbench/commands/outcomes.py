@@ -4,7 +4,7 @@
 
 One line per variant: its name, the versions of the libraries it needs, the licences in the packages' metadata, the date, and
 the checks that it fails, each with the first violation; "none" if it passes all, and the reason if it is not installed. The
-table is part of the page that commands.fairness generates.
+table is part of the page that tools.direct.page generates.
 """
 
 import subprocess

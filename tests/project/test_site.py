@@ -38,7 +38,7 @@ def test_faults_of_a_site(extension, tmp_path) -> None:
 
 
 def test_links_that_leave_docs(extension) -> None:
-    source = ["[how](../CONTRIBUTING.md#a-release), [code](../harness/direct), [page](ci.md)"]
+    source = ["[how](../CONTRIBUTING.md#a-release), [code](../tools/direct), [page](ci.md)"]
     extension("links").replace_links(None, "peers", source)
     assert source == ["[how](contribute.md#a-release), code, [page](ci.md)"]
 

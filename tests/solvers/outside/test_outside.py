@@ -16,7 +16,6 @@ from rich.console import Console
 from scipy import sparse
 
 from frictionbench.commands.export import export
-from frictionbench.commands.fairness import FIELDS, facts, outcomes, page
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import run
@@ -37,6 +36,7 @@ from frictionbench.solvers.outside.whitened import whitened
 from frictionbench.solvers.pivots.dense_lcp import dense_lcp
 from tests.helpers.friction_problems import block, nothing, spatial, with_joints
 from tests.helpers.paths import HELPERS, ROOT
+from tools.direct.page import FIELDS, facts, outcomes, page
 
 FAKE_LIBRARIES = HELPERS / "fake_libraries.py"
 SPECS = [spec for name, info in sorted(available().items()) if info.needs and name != "path" for spec in info.specs]
@@ -184,7 +184,7 @@ def test_treatment_is_documented(info) -> None:
 
 def test_fairness_page_is_generated() -> None:
     written = (ROOT / "docs" / "fairness.md").read_text(encoding="utf-8")
-    assert written == page(), "python -m frictionbench.commands.fairness > docs/fairness.md"
+    assert written == page(), "python -m tools.direct.page"
 
 
 def test_contract_results_are_complete() -> None:

@@ -11,9 +11,11 @@ and the relaxation's QP is min ½ v'Mv - (M v*)'v with C v + b >= 0, two rows N_
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.check import Array
+
+Array = NDArray[np.float64]
 
 
 class Arrays(NamedTuple):

@@ -1,0 +1,105 @@
+"""What an adapter is charged over a call of its library by hand: form + setup + solve over the wall time of tools.direct.calls.
+
+    python -m tools.direct [SOLVER ...]      a table in Markdown, of all libraries or of the solvers named
+
+The sample is a pushed stack of 2, 10 and 40 contacts at 1e-8. Each adapter and its call are timed in turn, one call after the
+other, least of REPEATS: what else the machine does falls on both. Of a library in another process, setup and solve are its own
+clock there, on both sides. Where the ratio is above FAIR, the adapter's docstring says why, under Charged. A verdict other than
+solved or relaxed follows the times: of the adapter's answer, and of the one by hand.
+"""
+
+import sys
+from collections.abc import Iterator
+from time import perf_counter
+from typing import NamedTuple
+
+import frictionbench as fb
+from frictionbench.problems import FrictionProblem
+from frictionbench.solvers import Answer, Status, find
+from tools.direct.calls import CALLS
+from tools.direct.given import arrays
+from tools.direct.page import facts
+
+BLOCKS = (1, 5, 20)
+TOL, REPEATS, FAIR = 1e-8, 15, 1.3
+
+
+class Charged(NamedTuple):
+    """Seconds by hand and of the adapter, and of these by the library's own clock, if it has one; the verdicts on both."""
+
+    by_hand: float
+    adapter: float
+    clock: float | None
+    verdicts: tuple[str, str]
+
+    def __str__(self) -> str:
+        own = "none" if self.clock is None else f"{1e6 * self.clock:.0f}"
+        good = set(self.verdicts) <= {"solved", "relaxed"}
+        verdicts = "" if good else f" ({self.verdicts[0]}, by hand {self.verdicts[1]})"
+        return f"{1e6 * self.by_hand:.0f}, {1e6 * self.adapter:.0f}, {own}; {self.ratio:.2f}{verdicts}"
+
+    @property
+    def ratio(self) -> float:
+        return self.adapter / self.by_hand
+
+
+def charged_table(solvers: list[str]) -> Iterator[str]:
+    """The lines of the table, a row for each library, or for those named; one that is not installed has its reason.
+
+    Errors: InputError where a named solver has no call by hand.
+    """
+    specs = chosen(solvers)
+    problems = [fb.scene("stack", blocks=blocks, push=1.0).problem() for blocks in BLOCKS]
+    heads = [f"{problem.contacts} contacts, µs: by hand, charged, own clock; ratio" for problem in problems]
+    yield _row("solver", *heads, f"why more than {FAIR}")
+    yield _row(*["---"] * (len(heads) + 2))
+    for spec in specs:
+        info, _ = find(spec)
+        if info.missing:
+            yield _row(spec, info.missing, *[""] * len(heads))
+            continue
+        measured = [charged(spec, problem) for problem in problems]
+        why = facts(info).get("Charged", "") if max(each.ratio for each in measured) > FAIR else ""
+        yield _row(spec, *map(str, measured), why)
+
+
+def _row(*cells: str) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+def chosen(solvers: list[str]) -> list[str]:
+    """The calls by hand of the named solvers, all if none is named. Errors: InputError where a named one has none."""
+    known = {name for spec in CALLS for name in (spec, spec.partition("[")[0])}
+    if unknown := [name for name in solvers if name not in known]:
+        raise fb.InputError(f"solver: {unknown[0]!r} has no call by hand; there are {', '.join(CALLS)}")
+    return [spec for spec in CALLS if not solvers or {spec, spec.partition("[")[0]} & set(solvers)]
+
+
+def charged(spec: str, problem: FrictionProblem) -> Charged:
+    """Time a call by hand and the adapter in turn."""
+    _, solver = find(spec)
+    given, by_hand, adapter, clock = arrays(problem), float("inf"), float("inf"), None
+    for _ in range(REPEATS):
+        begun = perf_counter()
+        called = CALLS[spec](given, TOL)
+        between, fresh = perf_counter(), problem.fresh()
+        start = perf_counter()
+        formed = solver.form(fresh)
+        ready = perf_counter()
+        answer = solver.solve(solver.setup(formed), TOL, None)
+        solving = perf_counter() - ready if called.clock is None or answer.clock is None else answer.clock
+        by_hand = min(by_hand, between - begun if called.clock is None else called.clock)
+        adapter = min(adapter, ready - start + solving)
+        if answer.clock is not None:
+            clock = min(clock or float("inf"), answer.clock)
+    direct = Answer(called.impulse, Status.SOLVED if called.claimed else Status.FAILED)
+    one, other = (fb.verify(problem, each, TOL, solver=spec).verdict.value for each in (answer, direct))
+    return Charged(by_hand, adapter, clock, (one, other))
+
+
+if __name__ == "__main__":
+    try:
+        for line in charged_table(sys.argv[1:]):
+            print(line)
+    except fb.InputError as error:
+        sys.exit(str(error))

@@ -1,0 +1,103 @@
+"""The sections of docs/fairness.md, made from the registry: how each outside solver is called.
+
+    python -m tools.direct.page      writes them into the page, after BEGIN
+
+The docstring of an outside solver, or that of its file, has the facts under the names of FIELDS, with a colon after each;
+Charged, why an adapter is charged more than a call by hand (tools.direct), stands only where it is. The results of the contract
+and the licences of the packages are in docs/outside.tsv.
+"""
+
+import csv
+import inspect
+import re
+import sys
+from itertools import groupby
+from operator import itemgetter
+from pathlib import Path
+
+from frictionbench.solvers import SolverInfo, available, find
+
+DOCS = Path(__file__).parents[2] / "docs"
+FIELDS = ("Licence", "Form", "Clock", "Charged", "Settings", "Tolerance", "Flaws", "Reference")
+BEGIN = "<!-- begin: python -m tools.direct.page -->\n"
+
+
+def page() -> str:
+    """The page with its sections as they are now: one for every outside solver, and our solvers in a table."""
+    known = sorted(available().items())
+    ours = [
+        f"| `{name}` | {info.model} | {_numbers(info.dimension)} | {'yes' if info.warm_start else 'no'} | {info.summary} |"
+        for name, info in known
+        if not info.needs and info.ours
+    ]
+    results = outcomes()
+    prose = (DOCS / "fairness.md").read_text(encoding="utf-8").partition(BEGIN)[0]
+    parts = [prose + BEGIN, *(_section(info, results) for _, info in known if info.needs and info.ours)]
+    table = ["| solver | model | dimension | warm start | |", "|---|---|---|---|---|", *ours]
+    return "\n".join([*parts, "## Ours (BSD-3-Clause)", "", *table, ""])
+
+
+def outcomes() -> dict[str, dict[str, str]]:
+    """The recorded line of each variant."""
+    with (DOCS / "outside.tsv").open(encoding="utf-8", newline="") as file:
+        return {line["variant"]: line for line in csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE)}
+
+
+def facts(info: SolverInfo) -> dict[str, str]:
+    """The text under each of FIELDS in the docstring of a solver, or else of its file."""
+    own = inspect.getdoc(info.make) or ""
+    text = own if "Licence:" in own else sys.modules[info.make.__module__].__doc__ or ""
+    found = re.findall(rf"^({'|'.join(FIELDS)}): (.*?)(?=^\w+: |\Z|^$)", text, flags=re.MULTILINE | re.DOTALL)
+    return {name: " ".join(words.split()) for name, words in found}
+
+
+def _section(info: SolverInfo, results: dict[str, dict[str, str]]) -> str:
+    stated = facts(info)
+    models = sorted({find(spec)[0].model for spec in info.specs})
+    dimensions = tuple(sorted({d for spec in info.specs for d in find(spec)[0].dimension}))
+    needs = sorted({need for spec in info.specs for need in find(spec)[0].needs})
+    lines = [
+        f"## {info.name}",
+        "",
+        info.summary,
+        "",
+        f"* Variants: {', '.join(f'`{spec}`' for spec in info.specs)}",
+        f"* Needs: {', '.join(needs)}",
+        f"* Model: {', '.join(models)}; dimension {_numbers(dimensions)}",
+        *(f"* {name}: {stated[name]}" for name in FIELDS if name in stated),
+        *_contract(info.specs, results),
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def _contract(specs: tuple[str, ...], results: dict[str, dict[str, str]]) -> list[str]:
+    """The licences and the results of the contract, variants with the same result together."""
+    known = [results[spec] for spec in specs if spec in results]
+    if not known:
+        return []
+    lines = [
+        f"* Licences in its packages' metadata: {_each(known, 'licences', '; ')}.",
+        f"* Contract, {known[0]['date']}, with {_each(known, 'versions', ', ')}:",
+    ]
+    for failed, same in groupby(sorted(known, key=itemgetter("failed_checks")), key=itemgetter("failed_checks")):
+        names = ", ".join(f"`{line['variant']}`" for line in same)
+        lines.append(f"    * {names}: {'passes all checks' if failed == 'none' else _failures(failed)}")
+    return lines
+
+
+def _each(lines: list[dict[str, str]], column: str, between: str) -> str:
+    """The parts of a column, each once."""
+    return between.join(dict.fromkeys(part for line in lines for part in line[column].split(between)))
+
+
+def _failures(failed: str) -> str:
+    return failed if failed.endswith("not installed") else f"fails {failed}"
+
+
+def _numbers(values: tuple[int, ...]) -> str:
+    return ", ".join(map(str, values))
+
+
+if __name__ == "__main__":
+    (DOCS / "fairness.md").write_text(page(), encoding="utf-8")
