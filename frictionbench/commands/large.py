@@ -9,7 +9,7 @@ the family, are not run.
 from collections.abc import Iterator
 from time import process_time
 
-from frictionbench.harness.plans.named import problem_of
+from frictionbench.harness.plans.choose import problem_of
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.residual import residual
 from frictionbench.solvers import find, solve

@@ -15,7 +15,7 @@ from frictionbench.commands.trusted import trusted
 from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.records import Record
 from frictionbench.harness.cells.rows import PROBLEM_FACTS
-from frictionbench.harness.plans.named import require_known
+from frictionbench.harness.plans.choose import require_known
 from frictionbench.harness.plans.plan import BatchCell, Plan, Plugin, SimulationCell, SolveCell, Source, origin, owner
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import COLLECT_SECONDS, row_of

@@ -8,9 +8,9 @@ import pytest
 
 from frictionbench.commands.single import rerun_row
 from frictionbench.commands.summary import summary
-from frictionbench.harness.plans.batches import batch
 from frictionbench.harness.plans.choose import choose
 from frictionbench.harness.plans.plan import BatchSource
+from frictionbench.harness.plans.suites import batch
 from frictionbench.harness.run import run
 from frictionbench.problems import InputError
 from frictionbench.results import store

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from frictionbench.harness.contract.change import in_units, permuted
+from frictionbench.harness.contract.check import in_units, permuted
 from frictionbench.harness.verify import NEAR, verify, verify_lcp
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.combine import side_by_side

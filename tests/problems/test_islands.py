@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from frictionbench.harness.contract.change import in_units, permuted
+from frictionbench.harness.contract.check import in_units, permuted
 from frictionbench.problems import FrictionProblem, scene
 from frictionbench.problems.analysis.stability import backward_error
 from frictionbench.problems.combine import side_by_side

@@ -22,7 +22,7 @@ import numpy as np
 
 from frictionbench.harness import process
 from frictionbench.harness.cells.compiled_loops import LOOPS, Way
-from frictionbench.harness.plans.named import problem_of
+from frictionbench.harness.plans.choose import problem_of
 from frictionbench.harness.plans.plan import BatchCell
 from frictionbench.harness.verify import verify
 from frictionbench.problems import FrictionProblem

@@ -1,4 +1,4 @@
 """The contract of a solver as checks that report what is wrong and how to correct it: `frictionbench check-solver`.
 
-One file for each group of checks, each check a function that yields violations; harness.contract.check has what they share.
+checks has the checks, each a function that yields violations; check has what they share; examine runs them isolated.
 """

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from frictionbench.harness.cells import worker
-from frictionbench.harness.contract import answer_format, degenerate, invariance, status, whole_problem
+from frictionbench.harness.contract import checks  # noqa: F401  # registers them
 from frictionbench.harness.contract.check import CHECKS, Subject
 from frictionbench.harness.plans.plan import Plan
 from frictionbench.harness.workers.plugins import load_plugins
@@ -15,7 +15,6 @@ from frictionbench.harness.workers.task import Task
 from frictionbench.problems import InputError
 from frictionbench.solvers import Solver, SolverInfo, available, find
 
-GROUPS = (answer_format, whole_problem, degenerate, status, invariance)  # each lists its checks
 LIMIT = 20.0  # seconds for one check, which solves some forty small problems
 
 

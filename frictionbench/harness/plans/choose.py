@@ -1,18 +1,22 @@
-"""The plan for a suite's name and the command line's choices."""
+"""The plan for a suite's name and the command line's choices, and the scenes and instances that it names."""
 
 from dataclasses import replace
+from typing import Any
 
-from frictionbench.harness.plans.batches import chosen_batches
-from frictionbench.harness.plans.named import require_known
-from frictionbench.harness.plans.plan import Plan, Plugin, Source
+from frictionbench.harness.plans.plan import BatchSource, Plan, Plugin, Source
 from frictionbench.harness.plans.recorded import with_data
 from frictionbench.harness.plans.suites import SUITES
-from frictionbench.problems import InputError
-from frictionbench.problems.instances import instances
+from frictionbench.problems import FrictionProblem, InputError, scene
+from frictionbench.problems.check import require
+from frictionbench.problems.instances import CATALOGUE, instances, make_instance
 from frictionbench.problems.names import near
+from frictionbench.problems.scenes.catalogue import find_scene
 from frictionbench.problems.spec import parse
+from frictionbench.results.conventions import DRAWN
 from frictionbench.results.maps import Map
 from frictionbench.solvers import find
+
+COUNT = 100  # problems of a batch that is named on the command line
 
 
 def choose(
@@ -34,7 +38,7 @@ def choose(
         raise InputError("data: names the problems to run, and so does --scene; give one of the two")
     plan = with_data(SUITES[suite](), list(data))
     if scene_specs and plan.batches:
-        plan = replace(plan, batches=tuple(each for spec in scene_specs for each in chosen_batches(plan, spec)), expects="")
+        plan = replace(plan, batches=tuple(each for spec in scene_specs for each in _batches(plan, spec)), expects="")
     elif scene_specs:
         chosen = [_chosen(plan, spec) for spec in scene_specs]
         plan = replace(
@@ -75,3 +79,36 @@ def tolerances(text: str) -> tuple[float, ...]:
         return tuple(dict.fromkeys(float(part) for part in text.split(",")))
     except ValueError:
         raise InputError(f"tol: cannot read {text!r}; write numbers like 1e-4,1e-8") from None
+
+
+def _batches(plan: Plan, spec: str) -> tuple[BatchSource, ...]:
+    """The plan's batches of the scene with this name, or one of COUNT problems where the spec has settings.
+
+    Errors: InputError naming the scene or the setting that is unknown, or where the scene has none of those that are drawn.
+    """
+    name, settings = parse("scene", spec)
+    own = tuple(source for source in plan.batches if source.scene == name)
+    if own and not settings:
+        return own
+    given: dict[str, Any] = dict.fromkeys(DRAWN, 1.0) | settings
+    require_known(name, settings)
+    try:
+        require_known(name, given)
+    except ValueError:
+        require(
+            False, "scene", f"{name} cannot be a batch: its problems differ by {', '.join(DRAWN)}, and it has not all of them"
+        )
+    return (BatchSource(name, settings, COUNT),)
+
+
+def require_known(name: str, settings: dict[str, Any]) -> None:
+    """Errors: InputError naming the scene or instance, or the setting, that is unknown; nothing is built."""
+    if name in instances():
+        CATALOGUE.find(name, settings)
+    else:
+        find_scene(name, settings)
+
+
+def problem_of(name: str, settings: dict[str, Any]) -> FrictionProblem:
+    """The instance, or the problem of the scene at its start. Errors: InputError as for require_known, or of a setting."""
+    return make_instance(name, **settings) if name in instances() else scene(name, **settings).problem()

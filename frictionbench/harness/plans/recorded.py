@@ -12,13 +12,14 @@ from pathlib import Path
 from typing import Any
 
 from frictionbench.harness.plans import families
-from frictionbench.harness.plans.lineups import LADDER, every
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.problems import InputError
 from frictionbench.problems.recorded import collection
 from frictionbench.results.conventions import COLD, WARM
+from frictionbench.solvers import available, find
 
 REPLAY = "replay"  # the suite of motions, which takes recorded ones as well
+LADDER = (1e-4, 1e-6, 1e-8)  # tolerances, from what simulations need to what exact methods reach
 FORMATS = (".hdf5", ".h5", ".dat", ".npz")  # suffixes of files that problems.recorded reads
 
 # Motions in space with closed forms, those of the battery of engines (harness.battery).
@@ -49,6 +50,19 @@ ABH2018 = {
     "Local/siconos/Chute_1000": (1e-4, 200.0),
     "Local/siconos/Chute_4000": (1e-4, 200.0),
 }
+
+
+def every(dimension: int) -> tuple[str, ...]:
+    """All solvers that are installed and take problems of this dimension, ours before those of outside libraries."""
+    ours = (spec for _, info in sorted(available().items()) if not info.needs for spec in info.specs)
+    specs = tuple(spec for spec in ours if dimension in find(spec)[0].dimension)
+    return (*specs, *(spec for spec in theirs(dimension) if not find(spec)[0].missing))
+
+
+def theirs(dimension: int) -> tuple[str, ...]:
+    """All solvers of outside libraries, also of those that are not installed, that take problems of this dimension."""
+    specs = (spec for _, info in sorted(available().items()) if info.needs for spec in info.specs)
+    return tuple(spec for spec in specs if dimension in find(spec)[0].dimension)
 
 
 def recorded() -> Plan:

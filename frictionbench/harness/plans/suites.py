@@ -4,15 +4,33 @@ from dataclasses import replace
 
 from frictionbench.harness.plans import families
 from frictionbench.harness.plans.atlas import ATLAS
-from frictionbench.harness.plans.batches import batch
 from frictionbench.harness.plans.hard import hard
-from frictionbench.harness.plans.lineups import EXACT, LADDER, OTHERS, RELAXED, SPATIAL
-from frictionbench.harness.plans.peers import peers
-from frictionbench.harness.plans.plan import Plan, Source
-from frictionbench.harness.plans.recorded import abh2018, recorded, spatial
+from frictionbench.harness.plans.plan import BatchSource, Plan, Source
+from frictionbench.harness.plans.recorded import LADDER, abh2018, recorded, spatial, theirs
 from frictionbench.problems.schemes import SCHEMES
 from frictionbench.results.conventions import COLD, KEEP_ANSWER, KEEP_VELOCITY, RELAX, SHUFFLED, WARM
 
+# Methods for the exact law that every suite compares; one of each kind for the relaxation; further methods of both. In space
+# one of each kind, the pivoting one with a polygon for the cone.
+EXACT = ("hybrid", "lemke", "path_search", "interior_point", "nsgs")
+RELAXED = ("ccp[backend=clarabel]", "ccp[backend=osqp]", "ccp[backend=proxqp]", "ccp_cone")
+OTHERS = (
+    *("fischer_newton", "minmap_newton", "dantzig", "murty"),
+    *("staggered", "nncg", "anitescu_hart", "apgd_coulomb", "admm_coulomb", "apgd", "admm"),
+)
+SPATIAL = ("hybrid", "interior_point", "nsgs", "proximal_newton", "apgd_coulomb", "lemke[facets=16]", "ccp_cone")
+# The fastest of our methods for each kind of problem, and simple ones as a reference beside outside libraries.
+OURS = ("hybrid", "lemke", "path_search", "interior_point", "nsgs", "nncg", "apgd_coulomb", "relaxation_ip", "apgd")
+STACKS = {
+    2: 500,
+    4: 300,
+    10: 150,
+    20: 60,
+    40: 20,
+}  # stacks of boxes by contacts: some hundredths of a second together
+CUBES = {4: 100, 12: 30, 40: 10}  # stacks of cubes
+BATCHED = ("nsgs", "interior_point", "hybrid")
+ONE_BY_ONE = ("osqp", "daqp", "mujoco[method=newton,settings=tuned]")  # they take no batches of given problems
 MAPPED = (
     *EXACT,
     *(name for name in OTHERS if name not in ("apgd", "admm")),
@@ -155,6 +173,38 @@ def maps() -> Plan:
         time_limit=1.0,
         simulation_limit=10.0,
         expects="a quarter of an hour",
+    )
+
+
+def batch() -> Plan:
+    """Many small problems at once: problems a second at a verified residual, packed and one by one, cold and warm, on one core
+    and on all."""
+    stacks = [BatchSource("stack", {"blocks": contacts // 2}, count) for contacts, count in STACKS.items()]
+    cubes = [BatchSource("cubes", {"boxes": contacts // 4}, count) for contacts, count in CUBES.items()]
+    return Plan(
+        suite="batch",
+        sources=(),
+        solvers=("lemke", "dantzig", "path_search", *BATCHED, "quantecon[settings=tuned]", *ONE_BY_ONE),
+        spatial_solvers=BATCHED,
+        tolerances=(1e-8,),
+        batches=(*stacks, *cubes),
+        time_limit=60.0,
+        expects="ten minutes",
+    )
+
+
+def peers() -> Plan:
+    """Our solvers compared with outside libraries, also with those that are not installed, on planar and spatial problems."""
+    stepped = (Source("three_blocks", {}, pick=1), Source("several_blocks", {}, pick=1))
+    planar = (families.ONE, families.MEDIUM, families.LARGE)  # small ones of several contacts are many, and alike
+    return Plan(
+        suite="peers",
+        sources=(*stepped, *families.halves(*planar, *families.SPACE)),
+        solvers=(*OURS, *theirs(2)),
+        spatial_solvers=(*OURS, "proximal_newton", *theirs(3)),
+        tolerances=(1e-4, 1e-8),
+        time_limit=1.0,
+        expects="half an hour",
     )
 
 

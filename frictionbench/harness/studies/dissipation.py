@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 from scipy.optimize import lsq_linear
 
-from frictionbench.harness.plans.lineups import EXACT, OTHERS
+from frictionbench.harness.plans.suites import EXACT, OTHERS
 from frictionbench.harness.studies.study import Study, Table
 from frictionbench.problems import FrictionProblem, scene
 from frictionbench.problems.analysis.census import census

@@ -10,9 +10,9 @@ from frictionbench.harness.cells.collect import collect, stored_friction
 from frictionbench.harness.cells.reference import Reference
 from frictionbench.harness.plans import families
 from frictionbench.harness.plans.choose import choose
-from frictionbench.harness.plans.lineups import SPATIAL, every
 from frictionbench.harness.plans.plan import Plan, Source
-from frictionbench.harness.plans.suites import SUITES
+from frictionbench.harness.plans.recorded import every
+from frictionbench.harness.plans.suites import SPATIAL, SUITES
 from frictionbench.problems import FrictionProblem, scene, scenes
 from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.instances import instances, make_instance

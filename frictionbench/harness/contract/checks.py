@@ -1,0 +1,261 @@
+"""The checks of the contract, by what they are about: the answer's format, the fields of the problem, degenerate problems, the
+status, and changes of the problem that leave its velocities the same.
+"""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from frictionbench.harness.contract.check import (
+    TOL,
+    Subject,
+    Violations,
+    check,
+    contact,
+    duplicated,
+    in_units,
+    is_false_claim,
+    is_solved,
+    mirrored,
+    ordinary,
+    permuted,
+    rotated,
+)
+from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems.check import Array
+from frictionbench.problems.combine import side_by_side
+from frictionbench.problems.copies import duplicate, same
+from frictionbench.problems.instances import make_instance
+from frictionbench.solvers import Status
+
+FAST = 1e6  # the ratio of two islands' speeds: a test relative to the fastest contact allows the other any answer
+TIGHT = 1e-8  # the tolerance of comparisons, so that differences above NEAR are not the tolerance's
+NEAR = 1e-4  # of the largest free contact velocity; each of these problems has a unique velocity
+
+
+@check("Copy arrays before changing them: those of the problem belong to the caller.")
+def input_unchanged(subject: Subject) -> Violations:
+    for problem in subject.takes(*ordinary()):
+        given = duplicate(problem)
+        subject.solver.solve(subject.solver.prepare(given), TOL, None)
+        if not same(problem, given):
+            yield f"the problem of {problem.contacts} contacts was changed by the call"
+
+
+@check("Return Answer(impulse, status, work): impulses (contacts, dimension) of floats, normal first; counts of whole numbers.")
+def answer_format(subject: Subject) -> Violations:
+    for problem in subject.takes(*ordinary()):
+        answer, _ = subject.solve(problem)
+        expected = (problem.contacts, problem.dimension)
+        if not isinstance(answer.status, Status):
+            yield f"the status is {answer.status!r}, not a Status"
+        if np.shape(answer.impulse) != expected:
+            yield f"the impulse has shape {np.shape(answer.impulse)}, not {expected}"
+        elif answer.status is Status.SOLVED and not np.isfinite(answer.impulse).all():
+            yield "status SOLVED with an impulse that is not finite"
+        if bad := {name: count for name, count in answer.work.items() if not isinstance(count, int) or count < 0}:
+            yield f"counts of work are not whole numbers of at least 0: {bad}"
+
+
+@check("Return impulses of shape (0, dimension) where there is no contact.")
+def no_contacts(subject: Subject) -> Violations:
+    for d in (2, 3):
+        for problem in subject.takes(permuted(contact(d), np.zeros(0, dtype=int))):
+            answer, _ = subject.solve(problem)
+            if answer.impulse.shape != (0, d) or answer.status is not Status.SOLVED:
+                yield f"of dimension {d}: {answer.status.name}, impulse of shape {answer.impulse.shape}"
+
+
+@check("A single contact slides, sticks or opens; compare with the solution in closed form.")
+def single_contact(subject: Subject) -> Violations:
+    cases = {"slides": (1.0, 1.0), "sticks": (0.1, 1.0), "opens": (1.0, -1.0)}
+    for d in (2, 3):
+        for name, (speed, falling) in cases.items():
+            for problem in subject.takes(contact(d, speed=speed, falling=falling)):
+                _, finding = subject.solve(problem)
+                if not is_solved(finding):
+                    yield f"a contact of dimension {d} that {name}: {finding.verdict}, residual {finding.model_residual:.1e}"
+
+
+@check("Bound friction by mu r_n + friction_bias, or declare lacks=('friction_bias',), so that such problems are refused.")
+def friction_bias(subject: Subject) -> Violations:
+    for d in (2, 3):
+        for name, falling in (("pressed", 1.0), ("opening", -1.0)):
+            sliding = contact(d, speed=2.0, falling=falling).replace(friction_bias=np.ones(1))
+            yield from _claimed(subject, sliding, f"with a friction_bias of 1 N s, {name}")
+    for problem in ordinary():
+        more = np.linspace(0.5, 1, problem.contacts) * _impulse(problem)
+        yield from _claimed(subject, problem.replace(friction_bias=more), "with friction_bias")
+
+
+@check("Satisfy F v + joint_bias = 0 exactly (problem.W contains the joints), or declare lacks=('joints',).")
+def joints(subject: Subject) -> Violations:
+    for d in (2, 3):
+        held = contact(d).replace(joints=np.array([[0.6, 1.0, 0.0]])[:, :d], joint_bias=np.array([0.5]))
+        yield from _claimed(subject, held, "with a joint that moves at 0.5 m/s")
+    for problem in ordinary():
+        random, nv = np.random.default_rng(0), len(problem.free_velocity)
+        rows = random.standard_normal((2, nv)) * np.sqrt(problem.mass.diagonal())
+        moved = problem.replace(joints=rows, joint_bias=rows @ random.standard_normal(nv) * problem.velocity_scale)
+        yield from _claimed(subject, moved, "with two joint equations")
+
+
+@check("Add bias to the normal velocity, u_n = n'v + bias: a gap over the step if positive, a penetration if negative.")
+def bias(subject: Subject) -> Violations:
+    for d in (2, 3):
+        for size in (0.5, 2.0, -0.5, -2.0):
+            given = contact(d).replace(bias=np.array([size]))
+            yield from _claimed(subject, given, f"with a bias of {size:g} m/s")
+    for problem in ordinary():
+        signs = np.where(np.arange(problem.contacts) % 2, 0.3, -0.3) * problem.velocity_scale
+        yield from _claimed(subject, problem.replace(bias=signs), "with biases of both signs")
+
+
+@check("Measure each island in its own unit: stop at tol * problem.units.min(), or solve problem.balanced().")
+def islands(subject: Subject) -> Violations:
+    for problem in ordinary():
+        fast = in_units(contact(problem.dimension), 1.0, FAST * problem.velocity_scale)
+        yield from _claimed(subject, side_by_side(problem, fast), f"beside an island that is {FAST:g} times as fast")
+        gap = np.repeat([0.0, FAST * problem.velocity_scale], problem.contacts)
+        again = duplicated(problem)
+        order = np.argsort(np.arange(again.contacts) % 2, kind="stable")
+        opened = again.replace(bias=again.bias + gap[np.argsort(order)])
+        yield from _claimed(subject, opened, f"of which half are open by {FAST:g} times the largest velocity")
+
+
+def _claimed(subject: Subject, problem: FrictionProblem, name: str) -> Iterator[str]:
+    """A violation where the solver claims an answer that is far from one."""
+    for given in subject.takes(problem):
+        _, finding = subject.solve(given, TOL)
+        if is_false_claim(finding):
+            yield f"{given.contacts} contacts of dimension {given.dimension} {name}: {finding.reason}"
+
+
+def _impulse(problem: FrictionProblem) -> float:
+    """The size of the problem's impulses, N s."""
+    return float(problem.velocity_scale / problem.scale.mean())
+
+
+@check("W is singular here and impulses are not unique: regularise, or solve for velocities, and verify the residual.")
+def redundant_contacts(subject: Subject) -> Violations:
+    problems = (
+        scene("redundant_table", legs=6, speed=1.0).problem(),
+        scene("stack", blocks=5).problem(),
+        make_instance("cubes", boxes=3, push=0.5),
+    )
+    for problem in subject.takes(*problems):
+        _, finding = subject.solve(problem)
+        if is_false_claim(finding):
+            yield f"{problem.contacts} contacts: {finding.reason}"
+
+
+@check("Two copies of a contact may share its impulse in any way; its velocity stays the same.")
+def duplicated_contacts(subject: Subject) -> Violations:
+    for problem in subject.takes(*ordinary()):
+        twice = duplicated(problem)
+        _, finding = subject.solve(twice)
+        if is_false_claim(finding):
+            yield f"{twice.contacts} contacts: {finding.reason}"
+
+
+@check("Without friction tangential impulses vanish and the problem is a convex QP: do not divide by mu.")
+def frictionless(subject: Subject) -> Violations:
+    for problem in subject.takes(*(each.replace(friction=np.zeros(each.contacts)) for each in ordinary())):
+        answer, finding = subject.solve(problem)
+        if is_false_claim(finding) or not np.isfinite(answer.impulse).all():
+            yield f"{problem.contacts} contacts of dimension {problem.dimension}: {finding.verdict}, {finding.reason}"
+        elif is_solved(finding) and np.abs(answer.impulse[:, 1:]).max(initial=0.0) > 1e-6 * np.abs(answer.impulse).max(
+            initial=1.0
+        ):
+            yield "tangential impulses without friction"
+
+
+@check("Compute the residual of the answer (problems.residual) before returning SOLVED.")
+def correct_status(subject: Subject) -> Violations:
+    planar = (make_instance("random", seed=seed, contacts=8) for seed in range(6))
+    spatial = (make_instance("random_bodies", seed=seed, contacts=8) for seed in range(6))
+    rough = (scene("stack", blocks=4, push=1.0, mass_ratio=1e4).problem(), scene("painleve_rod").problem())
+    for problem in subject.takes(*planar, *spatial, *rough):
+        for tol in (1e-4, 1e-8):
+            _, finding = subject.solve(problem, tol)
+            if is_false_claim(finding):
+                yield f"{problem.contacts} contacts of dimension {problem.dimension}: {finding.reason}"
+
+
+@check("Seed random numbers, and keep no state between solves: a benchmark solves the same problem many times.")
+def deterministic(subject: Subject) -> Violations:
+    for problem in subject.takes(*ordinary()):
+        (first, _), (second, _) = (subject.solve(problem) for _ in range(2))
+        if not np.array_equal(first.impulse, second.impulse, equal_nan=True):
+            yield f"{problem.contacts} contacts: impulses differ by {np.abs(first.impulse - second.impulse).max():.1e}"
+        if first.work != second.work:
+            yield f"{problem.contacts} contacts: work {first.work}, then {second.work}"
+
+
+@check("Stop after `limit` units of work, and return WORK_LIMIT if that was too few.")
+def work_limit(subject: Subject) -> Violations:
+    for problem in subject.takes(scene("stack", blocks=10, push=1.0).problem(), make_instance("cubes", boxes=5, push=1.0)):
+        answer, finding = subject.solve(problem, 1e-10, limit=1)
+        if is_false_claim(finding):
+            yield f"with a limit of 1: {finding.reason}"
+        if answer.status is not Status.SOLVED and (most := max(answer.work.values(), default=0)) > 100:
+            yield f"with a limit of 1 it counts {most} units of work"
+
+
+@check("Use a start only as an initial guess: check it, and solve without it if it does not help.")
+def warm_start(subject: Subject) -> Violations:
+    if not subject.info.warm_start:
+        return
+    for problem in subject.takes(*ordinary()):
+        cold, finding = subject.solve(problem)
+        if not is_solved(finding):
+            continue
+        for name, start in (("its own answer", cold.impulse), ("zero", 0 * cold.impulse), ("nonsense", 1e3 + 0 * cold.impulse)):
+            _, found = subject.solve(problem, start=np.ascontiguousarray(start))
+            if not is_solved(found):
+                yield f"{problem.contacts} contacts, from {name}: {found.verdict}, residual {found.model_residual:.1e}"
+
+
+@check("The order of contacts is arbitrary: results may depend on it only by rounding.")
+def contact_order(subject: Subject) -> Violations:
+    yield from _same(subject, lambda problem: permuted(problem, np.arange(problem.contacts)[::-1]))
+
+
+@check("The sign of a tangent is arbitrary: the same law holds along -t.")
+def tangent_sign(subject: Subject) -> Violations:
+    yield from _same(subject, mirrored)
+
+
+@check("Any two orthogonal tangents may be given: use norms of tangential parts, not components.")
+def tangent_frame(subject: Subject) -> Violations:
+    yield from _same(subject, lambda problem: rotated(problem, np.linspace(0.3, 3.0, problem.contacts)), spatial=True)
+
+
+@check("Units are arbitrary: scale the problem before comparing with an absolute tolerance.")
+def unit_scaling(subject: Subject) -> Violations:
+    for mass, velocity in ((1e6, 1.0), (1.0, 1e4), (1e-6, 1e-3)):
+        yield from _same(subject, lambda problem, m=mass, v=velocity: in_units(problem, m, v), velocity)  # type: ignore[misc]
+
+
+def _same(
+    subject: Subject, change: Callable[[FrictionProblem], FrictionProblem], times: float = 1.0, spatial: bool = False
+) -> Violations:
+    """Velocities of the changed problem that are not `times` those of the problem, where that was solved."""
+    for problem in subject.takes(*ordinary()):
+        if spatial and (problem.dimension == 2 or subject.info.model == "lcp"):  # a polygon rotates with the tangents
+            continue
+        answer, finding = subject.solve(problem, TIGHT)
+        if not is_solved(finding):
+            continue
+        other = change(problem)
+        again, found = subject.solve(other, TIGHT)
+        if not is_solved(found):
+            yield f"{problem.contacts} contacts of dimension {problem.dimension}: solved before, {found.verdict} after"
+            continue
+        gap = _gap(problem.velocity(answer.impulse), other.velocity(again.impulse) / times) / (problem.velocity_scale or 1.0)
+        if gap > NEAR:
+            yield f"{problem.contacts} contacts of dimension {problem.dimension}: velocities differ by {gap:.1e}"
+
+
+def _gap(one: Array, other: Array) -> float:
+    return float(np.abs(one - other).max(initial=0.0))
