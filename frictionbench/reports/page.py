@@ -4,18 +4,50 @@ Names and reasons in a results folder may come from an untrusted source: the tem
 the only script that it runs is templates/page.js with filter.js, by its hash, and figures are drawn without interpreting names.
 """
 
-from dataclasses import fields
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pandas as pd
 
-from frictionbench.reports.animation import write_animations
+from frictionbench.reports import leave_out, mix, robustness, tables
+from frictionbench.reports.accuracy import CHARGES, OVERALL, by_charge, overall, partial_rankings, percentiles
+from frictionbench.reports.animation import Animation, write_animations
 from frictionbench.reports.batches import has_batches, write_batches
+from frictionbench.reports.charts import CHARTS
+from frictionbench.reports.charts.chart import Chart
+from frictionbench.reports.choice import choices, differs, headline
+from frictionbench.reports.drawing.figures import Panel
+from frictionbench.reports.drawing.sheets import BANDS
+from frictionbench.reports.drawing.tiles import Drawing
+from frictionbench.reports.hard import hard_shares
+from frictionbench.reports.noise import sentence, timing_noise
+from frictionbench.reports.recorded import recorded_problems
+from frictionbench.reports.reliability import sentences
 from frictionbench.reports.run import Run, read_run
+from frictionbench.reports.sequences import motions
+from frictionbench.reports.settings import settings, workers_on_all_cores
+from frictionbench.reports.sheets import sheets
 from frictionbench.reports.templates import environment, script
-from frictionbench.reports.view import Page, view
-from frictionbench.results.commands import Sources, rerun
+from frictionbench.results.commands import Sources, rerun, solve
+from frictionbench.results.conventions import RankBy, scene_title
+from frictionbench.results.extras import SHRUNK
 from frictionbench.results.files import write_text
+from frictionbench.results.verdicts import Verdict, measured
+
+MOST_CLAIMS = 200  # wrong claims listed on the page; more make it slow to load
+MOST_SIMULATIONS = 300  # simulations of a scene listed on the page, for the same reason
+MOST_CELLS = 20_000  # of the filter: a megabyte of the page; a run of more is filtered from Python
+DIGITS = 3  # of times and residuals in the filter
+FEW = 8  # curves that are distinguishable in one figure
+CURVES = ["times", "energies", "penetrations", "load", "clock"]  # columns that no table shows
+FIRST_SCREEN = 8  # solvers listed for each dimension above the fold
+MUCH_FORM = 0.2  # share of form in the time, above which the formulation by this suite may decide the rank
+
+Values = dict[str, Any]
+Records = list[dict[str, Any]]
+Panels = Sequence[Panel] | Sequence[Drawing]
 
 
 def write_report(folder: Path, run: Run | None = None) -> Path:
@@ -27,18 +59,17 @@ def write_report(folder: Path, run: Run | None = None) -> Path:
     if has_batches(folder):
         return write_batches(folder)
     page = view(run or read_run(folder), write_animations(folder))
-    if len(page.maps.failed):
-        write_text(folder / "failures.txt", failures(folder, page.maps.failed, page.run.plugins))
+    if len(failed := page["maps"]["failed"]):
+        write_text(folder / "failures.txt", failures(folder, failed, page["run"].plugins))
     path = folder / "report.html"
     write_text(path, render(page))
     return path
 
 
-def render(page: Page) -> str:
+def render(page: Values) -> str:
     """The page as HTML."""
     text, digest = script("page.js", "filter.js")
-    values = {field.name: getattr(page, field.name) for field in fields(page)}
-    return environment().get_template("page.html").render(values, script=text, script_hash=digest)
+    return environment().get_template("page.html").render(page, script=text, script_hash=digest)
 
 
 def failures(folder: Path, failed: pd.DataFrame, plugins: Sources) -> str:
@@ -48,3 +79,225 @@ def failures(folder: Path, failed: pd.DataFrame, plugins: Sources) -> str:
         f"  # {row['label']}: {row['verdict']}, {row['scene']} {row['parameters']}, {row['contacts']:.0f} contacts\n"
         for row in failed.to_dict("records")
     )
+
+
+def view(run: Run, animations: Sequence[Animation] = ()) -> Values:
+    """What the page of a run shows; the templates know each value by its name. animations: those at hand, shown with their
+    scenes."""
+    claims = tables.wrong_claims(run)
+    scenes = set(run.rows["scene"])
+    runs = [run, run.ranked_by(run.rank_by.other)]
+    rankings = [_ranked(one) for one in runs]
+    simulated = _simulated(run)
+    return {
+        "run": run,
+        "head": _head(run, rankings),
+        "marks": {
+            "families": _families(run),
+            "faded": _but_the_best(run, FEW, FEW + 2),
+            "unbanded": _but_the_best(run, BANDS, BANDS),
+        },
+        "hard": hard_shares(run),
+        "charts": _charts(runs),
+        "rankings": rankings,
+        "scenes": _scenes(run),
+        "errors": {
+            where: tables.model_errors(own).to_dict() for where, own in run.ranked.groupby(run.ranked["dimension"].map(OVERALL))
+        },
+        "clocks": tables.clocks(run),
+        "solved": {
+            "verdicts": tables.solvability(run),
+            "reasons": tables.reasons(run),
+            "mix": mix.mix(run),
+            "left_out": mix.left_out(run),
+        },
+        "maps": _maps(run),
+        "recorded": recorded_problems(run),
+        "classes": _classes(run, simulated, animations),
+        "simulated_only": [row for scene, rows in simulated.items() if scene not in scenes for row in rows],
+        "animations": [one for one in animations if one.scene not in scenes],
+        "sheets": sheets(run),
+        "claims": claims.head(MOST_CLAIMS),
+        "claims_count": len(claims),
+        "settings": settings(run.manifest),
+        "cells": cells(run),
+        "much_form": MUCH_FORM,
+        "charges": CHARGES,
+        "first_screen": FIRST_SCREEN,
+        "maps_first": bool(run.manifest["settings"].get("maps")) and not run.manifest["settings"].get("sources"),
+    }
+
+
+def _head(run: Run, rankings: Records) -> Values:
+    """The summary above all sections. differs: whether the rankings differ; families: which scenes decide the ranking."""
+    kinds, target = {one["by"]: one["kinds"] for one in rankings}, run.outer_targets[-1]
+    disturbance = timing_noise(run, kinds)
+    return {
+        "setup": _setup(run.manifest),
+        "finished": "finished" in run.manifest,
+        "problems": run.rows.loc[run.rows["problem"] != "", "problem_id"].nunique(),
+        "ranked": run.ranked["problem_id"].nunique(),
+        "wrong_simulations": int((run.simulations["verdict"] == Verdict.WRONG).sum()),
+        "classes": run.rows["problem_class"].nunique(),
+        "noise": disturbance,
+        "noise_told": sentence(disturbance, len(run.rows)) if disturbance else "",
+        "oversubscribed": workers_on_all_cores(run.manifest),
+        "gaps": tables.gaps(run),
+        "other_law": int((run.rows["claimed"] & (run.rows["verdict"] == Verdict.RELAXED)).sum()),
+        "overhead": tables.overhead(run),
+        "headline": headline(kinds, run.overall, target),
+        "differs": differs(kinds, target),
+        "families": leave_out.sentences({one["by"]: one["left_out"] for one in rankings}),
+        "reliability": sentences(run),
+        "idle_share": mix.idle_share(run),
+    }
+
+
+def _ranked(run: Run) -> Values:
+    """All that depends on the time by which the run ranks. matrices, overall, percentiles, charged: by target, then by the
+    classes of all problems of a dimension; classes: the ranking of each class of problems; left_out: by dimension."""
+    wholes = {target: overall(times) for target, times in run.times.items() if target in run.outer_targets}
+    scenes = _scenes(run)
+    return {
+        "by": run.rank_by,
+        "kinds": choices(run),
+        "matrices": {
+            target: {where: tables.matrix(table, where, scenes[where]) for where in run.overall}
+            for target, table in run.summaries.items()
+        },
+        "overall": {where: tables.ranking(run.summaries, where) for where in run.overall},
+        "percentiles": {
+            target: {where: percentiles(times, run.budget) for where, times in parts.items()}
+            for target, parts in wholes.items()
+        },
+        "charged": {target: {where: by_charge(times) for where, times in parts.items()} for target, parts in wholes.items()},
+        "parts": partial_rankings(run.times[run.outer_targets[-1]]),
+        "classes": {name: tables.ranking(run.summaries, name) for names in scenes.values() for name in names},
+        "sequences": motions(run),
+        "left_out": leave_out.left_out(run),
+    }
+
+
+def _scenes(run: Run) -> dict[str, list[str]]:
+    """The classes of problems of each dimension."""
+    where = run.ranked["dimension"].map(OVERALL)
+    return {name: list(run.ranked.loc[where == name, "problem_class"].unique()) for name in run.overall}
+
+
+def _setup(manifest: dict[str, Any]) -> str:
+    """The suite, and the facts about machine and versions that matter most, as far as the manifest has them."""
+    parts = [f"suite {manifest['settings'].get('suite', 'unnamed')}"]
+    for part, names in (
+        ("machine", ("host", "processor", "cores", "system")),
+        ("versions", ("frictionbench", "numpy", "numba")),
+    ):
+        values = manifest.get(part)
+        if isinstance(values, dict):
+            parts += [f"{name} {values[name]}"[:80] for name in names if name in values]
+    return " · ".join(parts)
+
+
+def _families(run: Run) -> dict[str, str]:
+    """The tags of the labels of each family that has several."""
+    rows = pd.concat([run.rows[["family", "label"]], run.simulations[["family", "label"]]]).drop_duplicates()
+    rows = rows[rows["label"].isin(run.looks)].fillna("")
+    return {
+        str(family): " ".join(run.looks[label].tag for label in own["label"])
+        for family, own in rows.groupby("family")
+        if family and len(own) > 1
+    }
+
+
+def _but_the_best(run: Run, few: int, limit: int) -> list[str]:
+    """The tags of all labels except the best few; none where there are no more than `limit`."""
+    table = run.summaries[min(run.summaries)]
+    best = {label for where in run.overall for label in tables.best_first(table, where).index[:few]}
+    return [look.tag for label, look in run.looks.items() if label not in best] if len(run.looks) > limit else []
+
+
+def _charts(runs: Sequence[Run]) -> dict[str, list[tuple[Chart, Mapping[RankBy, Panels]]]]:
+    """By section of the page, the charts that have a panel to show; those that depend on the ranking for each of the runs."""
+    found: dict[str, list[tuple[Chart, Mapping[RankBy, Panels]]]] = {}
+    for chart in CHARTS:
+        drawn = {run.rank_by: chart.panels(run)[chart.on_page] for run in (runs if chart.ranked else runs[:1])}
+        if any(drawn.values()):
+            found.setdefault(chart.section, []).append((chart, drawn))
+    return found
+
+
+def _maps(run: Run) -> Values:
+    """Failure maps as tables. failed: all cells that failed where a solution is known; smallest: one per map and solver."""
+    cells = robustness.map_cells(run)
+    failed = robustness.failures(cells)
+    smallest = robustness.smallest(failed, run.shrunk).to_dict("records")
+    for row in smallest:
+        file = str(run.folder / SHRUNK / row["file"])
+        row["solve"] = solve(file, row["variant"], row["tol"], run.plugins) if row["file"] else ""
+    changes = {one.spec.name: robustness.changes(one) for one in cells if one.spec.constant}
+    tables = {"robustness": robustness.robustness(cells), "costs": robustness.costs(run)}
+    return tables | {"changes": changes, "failed": failed, "smallest": smallest}
+
+
+def _simulated(run: Run) -> dict[str, Records]:
+    """The simulations listed for each scene."""
+    return {
+        str(scene): own.drop(columns=CURVES).head(MOST_SIMULATIONS).to_dict("records")
+        for scene, own in run.simulations.groupby("scene", sort=False)
+    }
+
+
+def _classes(run: Run, simulated: dict[str, Records], animations: Sequence[Animation]) -> Records:
+    """The classes of problems. facts: the row of tables.problem_classes; example: the smallest scene for the command line."""
+    by_tolerance = {name: table.to_dict("records") for name, table in tables.by_class(run).groupby("problem_class")}
+    scene_of = dict(zip(run.rows["problem_class"], run.rows["scene"], strict=True))
+    examples = _examples(run)
+    return [
+        {
+            "facts": facts,
+            "by_tolerance": by_tolerance.get(name, []),
+            "simulations": simulated.get(scene_of[name], []),
+            "animations": [one for one in animations if one.scene == scene_of[name]],
+            "example": examples.get(name, ""),
+        }
+        for facts in tables.problem_classes(run).to_dict("records")
+        for name in [facts["problem_class"]]
+    ]
+
+
+def _examples(run: Run) -> dict[str, str]:
+    """The smallest scene of each class in the notation of the command line; none for a class of recorded problems."""
+    smallest = run.rows.sort_values("contacts", kind="stable").drop_duplicates("problem_class")
+    whole = smallest[(smallest["problem"] != "") & ~smallest["parameters"].str.contains('"file"', regex=False)]
+    named = whole["scene"].str.fullmatch(r"[\w.-]+") & ~whole["parameters"].str.contains("'", regex=False)
+    return {row.problem_class: scene_title(row.scene, row.parameters) for row in whole[named].itertuples()}
+
+
+def cells(run: Run) -> dict[str, Any]:
+    """The ranked cells that ran: names by their numbers, and for each cell [label, scene, family, problem, stratum, dimension,
+    contacts, tol, time from bodies, time from the form, time limit, residual, solved]; empty for a run of too many cells, or
+    of one."""
+    rows = run.ranked[measured(run.ranked)]
+    if not 1 < len(rows) <= MOST_CELLS:
+        return {}
+    names = {name: sorted(rows[name].fillna("").astype(str).unique()) for name in ("label", "scene", "family")}
+    columns = [
+        rows[name].fillna("").astype(str).map({text: k for k, text in enumerate(known)}) for name, known in names.items()
+    ]
+    columns += [
+        rows["problem_id"],
+        rows["stratum"].astype("category").cat.codes,
+        rows["dimension"],
+        rows["contacts"],
+        rows["tol"],
+    ]
+    columns += [by.time(rows) for by in RankBy] + [rows["time_limit"], rows["residual"]]
+    table = np.column_stack([*columns, rows["verdict"] == Verdict.SOLVED]).astype(float)
+    colours = [run.looks[label].colour if label in run.looks else "" for label in names["label"]]
+    return {**names, "colours": colours, "cells": [[_short(value) for value in row] for row in table.tolist()]}
+
+
+def _short(value: float) -> float | None:
+    """A number that JSON has, with few digits; an int where it is whole."""
+    if not np.isfinite(value):
+        return None
+    return int(value) if value == int(value) and abs(value) < 1e9 else float(f"{value:.{DIGITS}g}")
