@@ -25,7 +25,7 @@ from matplotlib.lines import Line2D
 
 from frictionbench.reports.charts import CHARTS
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.sheets import BANDS, remove_bands
+from frictionbench.reports.drawing.files import BANDS, remove_bands
 from frictionbench.reports.drawing.style import RC
 from frictionbench.reports.drawing.text import plain
 from frictionbench.reports.run import Run

@@ -258,7 +258,7 @@ def history(
     console, table = Console(), table_of(found)
     (console if console.is_terminal else Console(width=10**6)).print(table)  # lines are not wrapped in a pipe
     if out:
-        from frictionbench.reports.comparison.history_page import write_history
+        from frictionbench.reports.comparison.history import write_history
 
         typer.echo(f"history: {write_history(found, out)}")
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from textwrap import fill
 
 from frictionbench.commands import large, seeds
-from frictionbench.results.batches import HEADER, METHOD, RateTable, rate_tables
+from frictionbench.reports.batches import HEADER, METHOD, RateTable, rate_tables
 from frictionbench.results.files import ResultsError
 from frictionbench.results.store import read_table
 

@@ -13,10 +13,10 @@ if TYPE_CHECKING:
     from frictionbench.reports.drawing.text import count, power, seconds
     from frictionbench.reports.noise import sentence, timing_noise
     from frictionbench.reports.page import write_report
-    from frictionbench.reports.reliability import reliabilities
     from frictionbench.reports.robustness import MapCells, map_cells
     from frictionbench.reports.run import Run, read_run
     from frictionbench.reports.settings import workers_on_all_cores
+    from frictionbench.reports.tables import reliabilities
     from frictionbench.reports.templates import environment, script
 
 __all__ = [
@@ -45,10 +45,10 @@ _FILES = {
     "drawing.text": ("count", "power", "seconds"),
     "noise": ("sentence", "timing_noise"),
     "page": ("write_report",),
-    "reliability": ("reliabilities",),
     "robustness": ("MapCells", "map_cells"),
     "run": ("Run", "read_run"),
     "settings": ("workers_on_all_cores",),
+    "tables": ("reliabilities",),
     "templates": ("environment", "script"),
 }
 

@@ -3,11 +3,16 @@
 For a problem and a solver (a label, see reports.run) it is the least median time over all tolerances of the solver at which the
 *verified* residual is within the target; whether the solver claimed a solution has no influence. The time is a
 RankBy. A problem not solved is charged the time limit. A class of problems is summarised by the shifted geometric mean (H.
-Mittelmann's benchmarks) with the weights w of reports.balance
+Mittelmann's benchmarks) with the weights w of the problems
 
     exp(sum w log(t + s)) - s,     s = 1e-5 s,
 
-where s is about the cost of one call, so that differences below it have little weight. A solver that was skipped on a whole
+where s is about the cost of one call, so that differences below it have little weight. So that no scene decides a mean by its
+number of problems, the problems of one scene, one decade of contacts and one dimension are a stratum, and each stratum has the
+same weight, which its problems share: with S strata a problem of a stratum of n problems has the weight w = 1 / (S n). Shares,
+profiles and percentiles have these weights too. n_eff = 1 / sum w^2 (Kish 1965) is the number of problems of equal weight whose
+mean is as certain, and the size of bootstrap samples, whose problems are drawn with the probabilities w.
+ A solver that was skipped on a whole
 class has no mean there; one that was skipped on some of its problems is charged for these. Over all problems of the plane, and
 over all of space, the solvers are compared on the same problems, so that every problem skipped counts as not solved.
 
@@ -16,12 +21,13 @@ the time of the fastest solver. A solver that was skipped on whole classes is al
 problems that it ran on. `by_charge` shows how the ranking depends on the charge for a problem not solved.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
-from frictionbench.reports.balance import SHIFT, Array, effective, quantile, weights
 from frictionbench.results.conventions import RankBy, law
 from frictionbench.results.verdicts import measured
 
@@ -31,6 +37,8 @@ LEVELS = {"p50": 0.5, "p99": 0.99, "worst": 1.0}
 HUNDRED = 100  # problems, of which the 99th percentile leaves out one
 DRAWS = 500  # bootstrap samples: enough for percentiles 2.5 and 97.5, which rest on a dozen samples each
 OVERALL = {2: "in the plane", 3: "in space"}  # the classes of all problems of a dimension
+Array = NDArray[np.float64]
+SHIFT = 1e-5  # s, about the cost of calling a solver
 
 
 class Profile(NamedTuple):
@@ -151,7 +159,7 @@ def percentiles(times: pd.DataFrame, budget: float | None = None, *, weighted: b
     infinite if not solved; p99 is nan below HUNDRED problems, where it would be the longest; within: the share solved within
     the budget, s, nan without one.
 
-    times: one of `overall`, or of the steps of one motion. weighted: by reports.balance; else each problem counts the same.
+    times: one of `overall`, or of the steps of one motion. weighted: by the weights above; else each problem counts the same.
     """
     cost = times["charged"].where(times["reached"], np.inf).to_numpy()
     weight = weights(times, ["label"]).to_numpy() if weighted else np.ones(len(times))
@@ -212,3 +220,42 @@ def _means(times: pd.DataFrame, by: list[str]) -> "pd.Series[float]":
     """The weighted shifted geometric mean of `charged` in each group. times: with the column weight."""
     logs = times["weight"] * np.log(times["charged"] + SHIFT)
     return np.exp(logs.groupby([times[name] for name in by], sort=False).sum()) - SHIFT
+
+
+def decade(contacts: "pd.Series[float]") -> "pd.Series[int]":
+    """The exponent of each number's decade: 1 for up to 10 contacts, 2 for 11 to 100, and so on."""
+    return np.ceil(np.log10(contacts.fillna(0).clip(lower=1))).clip(lower=1).astype(int)
+
+
+def strata(rows: pd.DataFrame) -> "pd.Series[str]":
+    """The name of each row's stratum. rows: with scene, contacts and dimension."""
+    size, dimension = decade(rows["contacts"]).astype(str), rows["dimension"].fillna(0).astype(int).astype(str)
+    return rows["scene"] + " 1e" + size + " d" + dimension
+
+
+def weights(rows: pd.DataFrame, by: Sequence[str] = ()) -> "pd.Series[float]":
+    """The weight of each row, a problem's, within each group of rows with equal values of the columns `by`; each group has the
+    sum 1. rows: with the column stratum."""
+    keys = [rows[name] for name in by] or [pd.Series(0, index=rows.index)]
+    in_stratum = rows.groupby([*keys, rows["stratum"]], sort=False)["stratum"].transform("size")
+    return 1 / (in_stratum * rows["stratum"].groupby(keys, sort=False).transform("nunique"))
+
+
+def effective(weight: Array) -> float:
+    """The number of problems of equal weight whose mean is as certain; 0 for none."""
+    return float(weight.sum() ** 2 / (weight**2).sum()) if len(weight) else 0.0
+
+
+def shifted_geometric_mean(times: Array | pd.Series, weight: Array | pd.Series | None = None) -> float:
+    """exp(sum w log(t + s)) - s of times in s, s = 1e-5 s; nan of none. weight: equal by default."""
+    return float(np.exp(np.average(np.log(np.asarray(times) + SHIFT), weights=weight)) - SHIFT) if len(times) else np.nan
+
+
+def quantile(values: Array, weight: Array, level: float) -> float:
+    """The least value that the share `level` of the weight does not exceed (nearest rank); nan of none."""
+    if not len(values):
+        return np.nan
+    order = np.argsort(values, kind="stable")
+    share = np.cumsum(weight[order]) / weight.sum()
+    at = int(np.searchsorted(share, level - 1e-12))
+    return float(values[order][min(at, len(values) - 1)])

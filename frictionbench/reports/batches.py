@@ -1,12 +1,40 @@
-"""The report of a run of batches: the rates of many small problems, or why there is none, on one self-contained page."""
+"""The report of a run of batches: the rates of many small problems on one self-contained page.
+
+A rate is shown only where it says something. It is refused, with the reason, where problems have no contacts, where friction is
+not needed in any of them or no contact carries load, and where not every answer has a verified residual within the tolerance.
+"""
 
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
 
 from frictionbench.reports.templates import environment
-from frictionbench.results.batches import HEADER, METHOD, rate_tables
+from frictionbench.results.conventions import DRAWN, NEARBY, WAYS, scene_title
 from frictionbench.results.files import write_text
 from frictionbench.results.store import read_manifest, read_table
+from frictionbench.results.verdicts import Verdict
+
+PERCENTILES = (50, 95, 100)
+HEADER = ("solver", "way", "start", "problems a second", "ratio", "p50", "p95", "worst", "threads")
+METHOD = (  # how the figures were measured, in words for reports
+    "Problems a second of one core, by the processor's time, of the fastest round. Each problem of a batch has its own "
+    + ", ".join(f"{name.replace('_', ' ')} ({low:g} to {high:g})" for name, (low, high) in DRAWN.items())
+    + ". ratio: over the rate of single calls of the solver that is named, on the same problems, timed in turn. p50, p95, "
+    "worst: the time of a problem, repeated in the same way, over the mean time of such a call. threads: what as many threads "
+    "as there are cores gain, by the wall's clock; a dash where they were not tried, busy where other processes ran meanwhile.",
+    "Ways: "
+    + "; ".join(f"{way}: {meaning.replace('`', '')}" for way, meaning in WAYS.items())
+    + ". All but kernel include form, solve and, but for calls, the residual of every answer. Cold starts are from zero "
+    f"impulses; warm ones from the answers of the same problems with pushes smaller by {100 * NEARBY:g} %, as of the step "
+    "before. Compiling and loading are in no figure.",
+    "A rate is shown only where the verifier finds the residual of every answer within the tolerance, contacts bear, and "
+    "friction is at work; otherwise the reason stands in its place.",
+    "MuJoCo's rollout has no row: it takes models and states and detects contacts itself, so that it cannot be given these "
+    "problems, a step of its own is more than solving them, and its contacts are soft by its own law. Its constraint solver, "
+    "which can be given them, stands among the calls where MuJoCo is installed.",
+)
 
 
 def has_batches(folder: Path) -> bool:
@@ -23,3 +51,98 @@ def write_batches(folder: Path) -> Path:
     facts = {"name": folder.resolve().name, "finished": "finished" in manifest, "machine": manifest.get("machine", {})}
     write_text(path, page.render(tables=tables, header=HEADER, method=METHOD, **facts))
     return path
+
+
+class Rate(NamedTuple):
+    """A row of a table. refused: why there is no rate, else empty.
+
+    rate: problems a second of one core, of the fastest round. ratio: over that of single calls of the base. percentiles
+    (PERCENTILES): the time of a problem over the mean time of such a call. threads, gain: as in results.schema; `gain` is NaN
+    where it was not measured, also where threads were tried but other processes ran.
+    """
+
+    variant: str
+    way: str
+    start: str
+    refused: str
+    rate: float
+    ratio: float
+    percentiles: list[float]
+    threads: int
+    gain: float
+
+    @property
+    def texts(self) -> list[str]:
+        """Rate, ratio, percentiles and gain in digits; a dash where nothing was measured, and only the reason where refused."""
+        if self.refused:
+            return [self.refused, *["–"] * 5]
+        gained = f"{self.gain:.2f}" if np.isfinite(self.gain) else "busy" if self.threads else "–"
+        shares = [f"{share:.2f}" for share in self.percentiles] or ["–"] * 3
+        return [f"{self.rate:,.0f}", f"{self.ratio:.2g}", *shares, gained]
+
+
+class RateTable(NamedTuple):
+    """The rates of the same problems, to one tolerance. active, idle: shares as in results.schema."""
+
+    title: str
+    contacts: int
+    dimension: int
+    problems: int
+    active: float
+    idle: float
+    base: str
+    tol: float
+    rates: list[Rate]
+
+
+def rate_tables(rows: pd.DataFrame) -> list[RateTable]:
+    """The tables of the rows of batches, in their order; cells without a result are refused by their reason."""
+    found = []
+    for (scene, parameters, tol), own in rows.groupby(["scene", "parameters", "tol"], sort=False):
+        known = own[own["contacts"].notna()]
+        if len(known):
+            facts: dict[str, Any] = known.iloc[0].to_dict()
+            contacts, dimension, problems = (int(facts[name]) for name in ("contacts", "dimension", "problems"))
+            title = f"{contacts} contacts in {'the plane' if dimension == 2 else 'space'}"
+            shares = float(facts["active"]), float(facts["idle"]), str(facts["base"])
+        else:
+            title, contacts, dimension, problems, shares = "not run", 0, 2, int(own["problems"].iloc[0]), (np.nan, np.nan, "")
+        title = f"{title}: {scene_title(scene, parameters)}"
+        rates = [rate_of(row) for row in own.to_dict("records")]
+        found.append(RateTable(title, contacts, dimension, problems, *shares, float(tol), rates))
+    return found
+
+
+def rate_of(row: dict[str, Any]) -> Rate:
+    """The rate of a row of the table of batches."""
+    names = str(row["variant"]), str(row["way"]), str(row["start"])
+    times, singles, each = (_seconds(row[name]) for name in ("times", "base_times", "problem_times"))
+    why = refusal(row)
+    if why or not len(times) or not len(singles):
+        return Rate(*names, why or "not timed", np.nan, np.nan, [], 0, np.nan)
+    single = singles.min()
+    shares = [float(np.percentile(each, p)) / single for p in PERCENTILES] if len(each) else []
+    threads = 0 if pd.isna(row["threads"]) else int(row["threads"])
+    gain = np.nan if pd.isna(row["gain"]) else float(row["gain"])
+    return Rate(*names, "", 1 / times.min(), single / times.min(), shares, threads, gain)
+
+
+def refusal(row: dict[str, Any]) -> str:
+    """Why the rate of a row says nothing; empty where it does."""
+    if pd.isna(row["verified"]):
+        return f"{row['verdict']}: {row['reason']}" if row["reason"] else str(row["verdict"])
+    if not row["contacts"] > 0:
+        return "no contacts"
+    if row["idle"] == 1 or not row["active"] > 0:
+        return "friction is idle in all problems"
+    if row["verified"] < 1:
+        return f"{np.floor(1000 * row['verified']) / 10:.3g} % verified"
+    if not row["residual"] <= row["tol"]:
+        return "residual above the tolerance"
+    return "" if row["verdict"] == Verdict.SOLVED else str(row["verdict"])
+
+
+def _seconds(values: Any) -> np.ndarray:
+    """The positive, finite ones of a list of times; none for no list."""
+    times = np.asarray([] if values is None or np.ndim(values) != 1 else values, dtype=float)
+    return times[np.isfinite(times) & (times > 0)]

@@ -1,22 +1,23 @@
 """Which solver to choose: for each kind of problem the solvers ordered by their mean time to a target, and the win rate of the
 first.
 
-The mean is the weighted shifted geometric mean of reports.balance, with problems not solved charged the time limit. Only
+The mean is the weighted shifted geometric mean of reports.accuracy, with problems not solved charged the time limit. Only
 solvers that ran on every problem of the kind are ordered, so that all are compared on the same problems; plane and space are
 different kinds. The lead is the mean of the second solver over that of the first. The win rate is the share of DRAWS bootstrap
 samples in which the same solver is first; a sample draws n_eff problems with the probabilities of their weights. Problems of
 one scene are similar, so the win rate applies to problems like these. Of too few problems no solver is the winner. `headline`
-says it in a sentence for the plane and one for space, the first of the report.
+says it in a sentence for the plane and one for space, the first of the report. `left_out`
+tells which scenes decide a ranking: the order of the solvers, at the finest target, when each scene is left out in turn.
 """
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from frictionbench.reports.accuracy import HUNDRED, OVERALL, percentiles, share_of_form
-from frictionbench.reports.balance import SHIFT, effective, weights
+from frictionbench.reports.accuracy import HUNDRED, OVERALL, SHIFT, effective, percentiles, share_of_form, weights
 from frictionbench.reports.drawing.text import ahead, count, percent, power, seconds
 from frictionbench.reports.run import Run
 from frictionbench.results.conventions import COLD, WARM, RankBy, law
@@ -206,3 +207,58 @@ def _figures(by: RankBy, choice: Choice) -> str:
     form = f", {percent(best.form)} of the time form" if by is RankBy.BODIES else ""
     mean = f"with a mean of {seconds(best.mean)}{form}, {best.reached} of {choice.problems} solved"
     return mean + (f", {ahead(choice.lead, choice.places[1].label)}" if choice.lead else "")
+
+
+class LeftOut(NamedTuple):
+    """A scene: its share of the weight, and whether without it the winner, and the order of the first three, are the same."""
+
+    scene: str
+    weight: float
+    winner: str
+    same_winner: bool
+    same_order: bool
+
+
+def without_scenes(run: Run) -> dict[str, list[LeftOut]]:
+    """By class of all problems of a dimension, a line for each scene; none where they are too few to rank, or of one scene."""
+    times = run.times[min(run.times)]
+    return {name: _lines(times, problems, labels) for name, problems, labels in kinds(run) if name in run.overall}
+
+
+def _lines(times: pd.DataFrame, problems: set[int], labels: set[str]) -> list[LeftOut]:
+    own = times[times["problem_id"].isin(problems) & times["label"].isin(labels)]
+    logs, weight = compared(own, problems)
+    facts = own.drop_duplicates("problem_id").set_index("problem_id").reindex(logs.index)
+    if too_few(weight.to_numpy()) or logs.shape[1] < 2 or facts["scene"].nunique() < 2:
+        return []
+    whole = _order(logs, weight)
+    found = []
+    for scene in facts["scene"].unique():
+        rest = facts[facts["scene"] != scene]
+        order = _order(logs.loc[rest.index], weights(rest))
+        share = float(weight[facts["scene"] == scene].sum())
+        found.append(LeftOut(scene, share, order[0], order[0] == whole[0], order == whole))
+    return sorted(found, key=lambda one: -one.weight)
+
+
+def _order(logs: pd.DataFrame, weight: "pd.Series[float]") -> list[str]:
+    return list((weight @ logs).nsmallest(3).index)
+
+
+def deciding_scenes(by_ranking: Mapping[RankBy, Mapping[str, list[LeftOut]]]) -> list[str]:
+    """Which scenes decide the rankings of each class, in words. by_ranking: left_out of the run ranked by each time."""
+    lines = [_families(name, lines, by) for by, found in by_ranking.items() for name, lines in found.items()]
+    return [line for line in lines if line]
+
+
+def _families(name: str, lines: list[LeftOut], by: RankBy) -> str:
+    """Which scenes decide the ranking of a class, in words."""
+    if not lines:
+        return ""
+    where = f"{name.capitalize()}, {by.words}"
+    winners = [f"{one.scene} (then {one.winner})" for one in lines if not one.same_winner]
+    if winners:
+        return f"{where}, another solver is the first without {', '.join(winners)}."
+    orders = [one.scene for one in lines if not one.same_order]
+    rest = f"; the order of the first three changes without {', '.join(orders)}" if orders else ", and so do the first three"
+    return f"{where}, the winner stays the same whichever scene is left out{rest}."

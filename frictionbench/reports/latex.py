@@ -1,10 +1,13 @@
-"""Conversion of text and tables to LaTeX: no name is interpreted as a command, and a table fits the width of the page."""
+"""Conversion of text and tables to LaTeX: no name is interpreted as a command, and a table fits the width of the page. The
+references of solvers are from references.bib in this folder, in which keywords name the solvers of each entry.
+"""
 
 import re
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +24,7 @@ _SPECIAL = str.maketrans({
     "[": "{[}", "]": "{]}", "µ": r"\textmu{}", "μ": r"\textmu{}", "–": "--", "−": r"\ensuremath{-}",
     "×": r"\ensuremath{\times}", "≤": r"\ensuremath{\leq}",
 })  # fmt: skip
+ALWAYS = "all"
 
 
 @dataclass(frozen=True)
@@ -130,3 +134,34 @@ def _ems(cell: Cell, font: str) -> float:
     face.set_size(100.0, 72)
     face.set_text(re.sub(r"[^A-Za-z0-9 .,]", "0", text), 0.0)  # symbols that it may lack are at most as wide as a digit
     return 1.02 * face.get_width_height()[0] / 64 / 100
+
+
+class Reference(NamedTuple):
+    """An entry of the bibliography: its key, the solvers that it belongs to, and its text."""
+
+    key: str
+    solvers: frozenset[str]
+    text: str
+
+
+@cache
+def references() -> tuple[Reference, ...]:
+    """All references, in the order of the file."""
+    text = Path(__file__).with_name("references.bib").read_text(encoding="utf-8")
+    found = []
+    for entry in re.findall(r"^@\w+\{.*?^\}\n", text, flags=re.MULTILINE | re.DOTALL):
+        key, named = re.match(r"@\w+\{([^,]+),", entry), re.search(r"keywords = \{(.*?)\}", entry)
+        assert key is not None, entry
+        assert named is not None, entry
+        found.append(Reference(key[1], frozenset(named[1].split(", ")), entry))
+    return tuple(found)
+
+
+def cited(solver: str) -> list[str]:
+    """The keys of a solver's references; none for a plug-in."""
+    return [entry.key for entry in references() if solver in entry.solvers]
+
+
+def bibliography(solvers: Collection[str]) -> str:
+    """The entries of these solvers, and those with the keyword ALWAYS."""
+    return "\n".join(entry.text for entry in references() if entry.solvers & {ALWAYS, *solvers})

@@ -9,10 +9,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from frictionbench.reports import choice, leave_out, noise, tables
+from frictionbench.reports import choice, noise, tables
 from frictionbench.reports.accuracy import in_order, overall, percentiles, shown_levels
 from frictionbench.reports.drawing.text import ahead, code, count, escaped, percent, power, seconds
-from frictionbench.reports.reliability import reliabilities, sentences
 from frictionbench.reports.run import Run
 from frictionbench.results.files import write_text
 from frictionbench.results.verdicts import Verdict, measured
@@ -27,7 +26,7 @@ def write_markdown(folder: Path, run: Run) -> Path:
         *(f"{escaped(line)}\n" for line in _first(run)),
         _which(run),
         *(_percentiles(run, where, times) for where, times in overall(run.times[run.outer_targets[-1]]).items()),
-        *(f"**{what}**: {escaped(names)}.\n" for what, names in sentences(run)),
+        *(f"**{what}**: {escaped(names)}.\n" for what, names in tables.sentences(run)),
         _exact(run),
         *(_times(run, dimension) for dimension in (2, 3)),
         _clocks(run),
@@ -56,7 +55,7 @@ def _first(run: Run) -> list[str]:
     target = run.outer_targets[-1]
     runs = run, run.ranked_by(run.rank_by.other)
     ranked = {one.rank_by: choice.choices(one) for one in runs}
-    families = leave_out.sentences({one.rank_by: leave_out.left_out(one) for one in runs})
+    families = choice.deciding_scenes({one.rank_by: choice.without_scenes(one) for one in runs})
     found = noise.timing_noise(run, ranked)
     noisy = [noise.sentence(found, len(run.rows)), *found.changed] if found else []
     return [*choice.headline(ranked, run.overall, target), *families, *noisy]
@@ -110,7 +109,7 @@ def _percentiles(run: Run, where: str, times: pd.DataFrame) -> str:
 def _exact(run: Run) -> str:
     """For each label the number of problems at the tightest tolerance, and how many ended with each result."""
     names = ["problems", "exact", "own model", Verdict.NEAR_MISS, Verdict.WRONG, Verdict.TIMEOUT, Verdict.CRASHED]
-    body = [[code(one.label), *map(str, one[1:])] for one in reliabilities(run)]
+    body = [[code(one.label), *map(str, one[1:])] for one in tables.reliabilities(run)]
     return _table(f"## Reliability at {power(run.ranked['tol'].min())}", ["solver", "model", *names], body)
 
 

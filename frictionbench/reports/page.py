@@ -11,22 +11,19 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from frictionbench.reports import leave_out, mix, robustness, tables
+from frictionbench.reports import robustness, tables
 from frictionbench.reports.accuracy import CHARGES, OVERALL, by_charge, overall, partial_rankings, percentiles
 from frictionbench.reports.animation import Animation, write_animations
 from frictionbench.reports.batches import has_batches, write_batches
 from frictionbench.reports.charts import CHARTS
 from frictionbench.reports.charts.chart import Chart
-from frictionbench.reports.choice import choices, differs, headline
+from frictionbench.reports.choice import choices, deciding_scenes, differs, headline, without_scenes
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.sheets import BANDS
+from frictionbench.reports.drawing.files import BANDS
 from frictionbench.reports.drawing.tiles import Drawing
-from frictionbench.reports.hard import hard_shares
 from frictionbench.reports.noise import sentence, timing_noise
-from frictionbench.reports.recorded import recorded_problems
-from frictionbench.reports.reliability import sentences
+from frictionbench.reports.recorded import motions, recorded_problems
 from frictionbench.reports.run import Run, read_run
-from frictionbench.reports.sequences import motions
 from frictionbench.reports.settings import settings, workers_on_all_cores
 from frictionbench.reports.sheets import sheets
 from frictionbench.reports.templates import environment, script
@@ -97,7 +94,7 @@ def view(run: Run, animations: Sequence[Animation] = ()) -> Values:
             "faded": _but_the_best(run, FEW, FEW + 2),
             "unbanded": _but_the_best(run, BANDS, BANDS),
         },
-        "hard": hard_shares(run),
+        "hard": tables.hard_shares(run),
         "charts": _charts(runs),
         "rankings": rankings,
         "scenes": _scenes(run),
@@ -108,8 +105,8 @@ def view(run: Run, animations: Sequence[Animation] = ()) -> Values:
         "solved": {
             "verdicts": tables.solvability(run),
             "reasons": tables.reasons(run),
-            "mix": mix.mix(run),
-            "left_out": mix.left_out(run),
+            "mix": tables.mix(run),
+            "left_out": tables.not_ranked(run),
         },
         "maps": _maps(run),
         "recorded": recorded_problems(run),
@@ -147,9 +144,9 @@ def _head(run: Run, rankings: Records) -> Values:
         "overhead": tables.overhead(run),
         "headline": headline(kinds, run.overall, target),
         "differs": differs(kinds, target),
-        "families": leave_out.sentences({one["by"]: one["left_out"] for one in rankings}),
-        "reliability": sentences(run),
-        "idle_share": mix.idle_share(run),
+        "families": deciding_scenes({one["by"]: one["left_out"] for one in rankings}),
+        "reliability": tables.sentences(run),
+        "idle_share": tables.idle_share(run),
     }
 
 
@@ -174,7 +171,7 @@ def _ranked(run: Run) -> Values:
         "parts": partial_rankings(run.times[run.outer_targets[-1]]),
         "classes": {name: tables.ranking(run.summaries, name) for names in scenes.values() for name in names},
         "sequences": motions(run),
-        "left_out": leave_out.left_out(run),
+        "left_out": without_scenes(run),
     }
 
 

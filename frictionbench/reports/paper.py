@@ -23,13 +23,11 @@ from frictionbench.reports.accuracy import LEVELS, in_order, overall, percentile
 from frictionbench.reports.charts import CHARTS, profiles
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.print import pages, save_panels
-from frictionbench.reports.drawing.sheets import BANDS, save_sheet
+from frictionbench.reports.drawing.files import BANDS, pages, save_panels, save_sheet
 from frictionbench.reports.drawing.svg import in_file
 from frictionbench.reports.drawing.text import count, percent, power, residual, seconds
 from frictionbench.reports.drawing.tiles import Drawing, Text
-from frictionbench.reports.latex import Cell, Layout, Table, Tex, booktabs, escaped, one_unit
-from frictionbench.reports.references import bibliography, cited
+from frictionbench.reports.latex import Cell, Layout, Table, Tex, bibliography, booktabs, cited, escaped, one_unit
 from frictionbench.reports.run import PORTFOLIO, Run
 from frictionbench.results.conventions import ENDINGS
 from frictionbench.results.files import ResultsError, subfolder, write_text

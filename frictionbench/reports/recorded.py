@@ -1,6 +1,9 @@
-"""The problems recorded by others, one by one: their properties and the solvers that solve them.
+"""Problems one by one: those recorded by others, with the solvers that solve them, and the steps of one motion, for those who
+have to finish each step within a budget.
 
-A problem counts as solved if the residual is within the tightest tolerance of its rows, at whichever tolerance it was reached.
+A recorded problem counts as solved if the residual is within the tightest tolerance of its rows, at whichever tolerance it was
+reached. A motion is a scene, or a folder of recorded files in order, of which many steps were solved; every problem of
+it counts the same.
 """
 
 import json
@@ -9,10 +12,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
+from frictionbench.reports.accuracy import in_order, percentiles
 from frictionbench.reports.run import Run
+from frictionbench.results.conventions import scene_title
 from frictionbench.results.verdicts import measured
 
 NOTICED = 1e-12  # asymmetry and indefiniteness of W above the rounding errors of its assembly
+FEWEST = 20  # steps: of fewer the 99th percentile is the longest time
 
 
 class Recorded(NamedTuple):
@@ -71,3 +77,35 @@ def file_of(parameters: str) -> str:
     except (ValueError, RecursionError):
         return ""
     return str(values["file"]) if isinstance(values, dict) and list(values) == ["file"] else ""
+
+
+class Motion(NamedTuple):
+    """A motion: its title, its number of problems, and its table of reports.accuracy.percentiles at the finest target."""
+
+    title: str
+    problems: int
+    table: pd.DataFrame
+
+
+def motions(run: Run) -> list[Motion]:
+    """The motions of FEWEST steps or more, ranked ones only."""
+    return [
+        Motion(name, own["problem_id"].nunique(), in_order(percentiles(own, run.budget, weighted=False)))
+        for name, own in step_times(run)
+    ]
+
+
+def step_times(run: Run) -> list[tuple[str, pd.DataFrame]]:
+    """Of each motion its title and its times to the finest target (reports.accuracy.times_to), with the column step."""
+    rows = run.ranked
+    recorded = rows["parameters"].map(file_of) != ""
+    titles = [scene_title(*names) for names in zip(rows["scene"], rows["parameters"], strict=True)]
+    title = rows["scene"].where(recorded, pd.Series(titles, index=rows.index, dtype=object))
+    of = pd.DataFrame({"title": title, "step": rows["step"]}).groupby(rows["problem_id"]).first()
+    times = run.times[run.outer_targets[-1]]
+    found = []
+    for name, own in times.groupby(times["problem_id"].map(of["title"]), sort=False):
+        steps = own["problem_id"].map(of["step"])
+        if steps.nunique() >= FEWEST:
+            found.append((str(name), own.assign(step=steps)))
+    return found

@@ -6,7 +6,7 @@ Columns added to the solves table:
                     differ, so that times of two machines are never combined
     problem_id      a number for the problem of one time step
     problem_class   the scene, with its range of sizes if the scene occurs in several
-    stratum         the problems among which a weight is shared: see reports.balance
+    stratum         the problems among which a weight is shared: see reports.accuracy
     time            s, of the parts by which the run ranks: see results.conventions
     answered        whether there is an answer that was verified and timed
     own_solved      whether it solves the exact problem or the solver's own model to the tolerance
@@ -23,8 +23,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from frictionbench.reports.accuracy import OVERALL, summary, targets, times_to
-from frictionbench.reports.balance import strata
+from frictionbench.reports.accuracy import OVERALL, strata, summary, targets, times_to
 from frictionbench.reports.drawing.style import Look, apart, looks
 from frictionbench.results.commands import sources
 from frictionbench.results.conventions import COLD, KEEP_ANSWER, RankBy

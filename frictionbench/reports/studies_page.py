@@ -8,11 +8,10 @@ from pathlib import Path
 from shutil import which
 from typing import NamedTuple
 
-from frictionbench.reports.drawing.sheets import save_sheet
+from frictionbench.reports.drawing.files import save_sheet
 from frictionbench.reports.drawing.text import escaped as in_markdown
-from frictionbench.reports.latex import Layout, escaped
+from frictionbench.reports.latex import Layout, bibliography, escaped
 from frictionbench.reports.paper import ASPECT, FONT, Float, captions_file, preview
-from frictionbench.reports.references import bibliography
 from frictionbench.reports.studies import ACCOUNTS, Account
 from frictionbench.reports.templates import environment
 from frictionbench.results.files import subfolder, write_text

@@ -1,15 +1,26 @@
-"""The report's tables: which solver solves which problems, and how fast."""
+"""The report's tables: which solver solves which problems, how reliably and how fast; what the problems of a run are, by the
+states of their contacts and by what makes them hard (results.hardness), and which of them enter no ranking.
 
-from collections.abc import Collection
-from typing import Any
+An answer to another law, or with a polygon for the cone, solves its own model if the residual of that model is within the
+tolerance; its error is its residual by Coulomb's law. A problem has any number of labels of hardness and counts under each; the
+suite `hard` was chosen by failures, so that its shares compare kinds of problems, and not how often a method fails in general.
+"""
+
+from collections.abc import Callable, Collection
+from typing import Any, NamedTuple
 
 import pandas as pd
 
+from frictionbench.reports.accuracy import OVERALL, decade
+from frictionbench.reports.drawing.text import power, residual
 from frictionbench.reports.run import Run
 from frictionbench.results.conventions import ENDINGS, endings
+from frictionbench.results.hardness import HARDNESS, hardness
 from frictionbench.results.verdicts import Verdict, measured
 
 CLOCK_MARGIN = 0.1  # relative difference of a library's own clock from solve_time that is larger than the overhead of a call
+ALL, NONE = "all", "none of these"
+STATES = ("sticking", "sliding", "open")
 
 
 def solvability(run: Run) -> pd.DataFrame:
@@ -137,3 +148,143 @@ def overhead(run: Run) -> float | None:
     rows = pd.concat([table[["overhead", "wall_time"]] for table in (run.rows, run.simulations)])
     measured = rows[rows["overhead"].notna() & (rows["wall_time"] > 0)]
     return float(measured["overhead"].sum() / measured["wall_time"].sum()) if len(measured) else None
+
+
+class Reliability(NamedTuple):
+    """How many of the problems that a solver ran on ended how. exact: residual of the exact problem within the tolerance; own:
+    residual of the exact problem or of its own model within the tolerance; the others count verdicts."""
+
+    label: str
+    model: str
+    problems: int
+    exact: int
+    own: int
+    near_miss: int
+    wrong: int
+    timeout: int
+    crashed: int
+
+
+def reliabilities(run: Run) -> list[Reliability]:
+    """One per label, the most often exact first."""
+    rows = run.tightest[measured(run.tightest)]
+    found = []
+    for label, own in rows.groupby("label", sort=False):
+        solved = own["residual"] <= own["tol"], own["own_solved"]
+        ended = [
+            int((own["verdict"] == verdict).sum())
+            for verdict in (Verdict.NEAR_MISS, Verdict.WRONG, Verdict.TIMEOUT, Verdict.CRASHED)
+        ]
+        found.append(Reliability(str(label), own["model"].iloc[0], len(own), *(int(one.sum()) for one in solved), *ended))
+    return sorted(found, key=lambda one: (-one.exact, -one.own))
+
+
+def sentences(run: Run) -> list[tuple[str, str]]:
+    """Statements, each with the solvers that it holds for, as text with counts; those that hold for none are left out."""
+    found = reliabilities(run)
+    if not found:
+        return []
+    tol = power(float(run.ranked["tol"].min()))
+    complete = [one for one in found if one.own == one.problems]
+    errors = model_errors(run.tightest)
+    inexact = [one for one in complete if one.exact < one.problems]
+    claims: dict[str, tuple[list[Reliability], Callable[[Reliability], str] | None]] = {
+        f"Every problem solved to {tol}": ([one for one in complete if one.exact == one.problems], None),
+        f"Every problem solved to {tol} with a polygon for the cone in space, median error by Coulomb's law in brackets": (
+            [one for one in inexact if one.model == "lcp"],
+            lambda one: residual(errors.get(one.label, float("nan"))),
+        ),
+        "Wrong claims, with a residual above ten times the tolerance": (
+            [one for one in found if one.wrong],
+            lambda one: f"{one.wrong} of {one.problems}",
+        ),
+        "Crashed": ([one for one in found if one.crashed], lambda one: f"{one.crashed} of {one.problems}"),
+        f"Every problem solved to {tol} for another law, the convex relaxation or soft contact, median error in brackets": (
+            [one for one in inexact if one.model != "lcp"],
+            lambda one: residual(errors.get(one.label, float("nan"))),
+        ),
+    }
+    ran = run.tightest.groupby("label")["dimension"].agg(set)
+    several = len(run.overall) > 1
+    only = {label: f" ({OVERALL[min(found)]})" if several and len(found) == 1 else "" for label, found in ran.items()}
+    return [
+        (what, ", ".join(f"{one.label} ({count(one)})" if count else one.label + only[one.label] for one in solvers))
+        for what, (solvers, count) in claims.items()
+        if solvers
+    ]
+
+
+class HardShares(NamedTuple):
+    """where: in the plane or in space. tol: the tightest tolerance. problems: how many problems each column has. meanings: of
+    the columns, for their titles.
+
+    table: a row per solver's label, the largest share of all problems first, with the share of problems solved in each column;
+    NaN where a solver ran on none of them.
+    """
+
+    where: str
+    tol: float
+    problems: dict[str, int]
+    meanings: dict[str, str]
+    table: pd.DataFrame
+
+
+def hard_shares(run: Run) -> list[HardShares]:
+    """The share of problems that each solver solves at the tightest tolerance, by the labels of hardness that occur.
+
+    A table for the plane and one for space, whose problems other solvers take. A solver's shares are of the problems that it
+    ran on. A problem counts as solved if the residual of the exact problem is within the tolerance. A dimension in which no
+    problem has a label has no table.
+    """
+    rows = run.tightest[measured(run.tightest)]
+    found = [_shares(where, rows[rows["dimension"] == dimension]) for dimension, where in OVERALL.items()]
+    return [table for table in found if table]
+
+
+def _shares(where: str, rows: pd.DataFrame) -> HardShares | None:
+    labels = {row["problem_id"]: hardness(row) for row in rows.drop_duplicates("problem_id").to_dict("records")}
+    if not any(labels.values()):
+        return None
+    solved = rows["verdict"] == Verdict.SOLVED
+    columns = {ALL: pd.Series(data=True, index=rows.index)}
+    for name in HARDNESS:
+        columns[name] = rows["problem_id"].map(lambda problem, name=name: name in labels[problem])
+    columns[NONE] = rows["problem_id"].map(lambda problem: not labels[problem])
+    columns = {name: inside for name, inside in columns.items() if inside.any()}
+    shares = pd.DataFrame({name: solved[inside].groupby(rows["label"]).mean() for name, inside in columns.items()})
+    problems = {name: rows.loc[inside, "problem_id"].nunique() for name, inside in columns.items()}
+    meanings = {name: one.meaning for name, one in HARDNESS.items() if name in columns}
+    ordered = shares.sort_values(ALL, ascending=False, kind="stable").rename_axis("label").reset_index()
+    return HardShares(where, float(rows["tol"].min()), problems, meanings, ordered)
+
+
+def mix(run: Run) -> pd.DataFrame:
+    """A row per dimension and decade of contacts, of the problems that are ranked: problems, contacts, the shares of the
+    contacts that stick, slide and are open in the reference answers, and unknown: problems without a reference answer."""
+    facts = run.ranked.drop_duplicates("problem_id")
+    if facts.empty:
+        return pd.DataFrame()
+    facts = facts.assign(where=facts["dimension"].map(OVERALL), decade=decade(facts["contacts"]))
+    known = facts[list(STATES)].notna().all(axis=1)
+    groups = facts.groupby(["where", "decade"])
+    table = groups.agg(problems=("problem_id", "size"), contacts=("contacts", "sum"))
+    table["unknown"] = (~known).groupby([facts["where"], facts["decade"]]).sum()
+    sums = facts[known].groupby(["where", "decade"])[[*STATES]].sum()
+    shares = sums.div(sums.sum(axis=1), axis=0)
+    return table.join(shares).reset_index()
+
+
+def not_ranked(run: Run) -> pd.DataFrame:
+    """A row per scene with problems that enter no ranking: problems, how many are trivial, and how many of the others idle."""
+    facts = run.rows[(run.rows["problem"] != "") & run.rows["contacts"].notna()].drop_duplicates("problem_id")
+    facts = facts.assign(idle=facts["idle"] & ~facts["trivial"])
+    table = facts.groupby("scene", sort=False).agg(
+        problems=("problem_id", "size"), trivial=("trivial", "sum"), idle=("idle", "sum")
+    )
+    return table[(table["trivial"] > 0) | (table["idle"] > 0)].reset_index()
+
+
+def idle_share(run: Run) -> float:
+    """The share of idle problems among those that are ranked, 0 where they are left out as they should be."""
+    facts = run.ranked.drop_duplicates("problem_id")
+    return float(facts["idle"].mean()) if len(facts) else 0.0

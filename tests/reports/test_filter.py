@@ -6,7 +6,7 @@ import matplotlib as mpl
 import pytest
 from matplotlib.figure import Figure
 
-from frictionbench.reports import filter as selection
+from frictionbench.reports import page as selection
 from frictionbench.reports.charts import steps
 from frictionbench.reports.choice import choices
 from frictionbench.reports.drawing.text import seconds

@@ -2,10 +2,9 @@
 
 import pytest
 
-from frictionbench.reports.hard import hard_shares
 from frictionbench.reports.page import write_report
 from frictionbench.reports.run import read_run
-from frictionbench.reports.tables import gaps
+from frictionbench.reports.tables import gaps, hard_shares
 from tests.helpers.made_results import solve_row, unanswered_row, write_folder
 
 HEAVY, LARGE = {"mass_ratio": 1e6}, {"contacts": 200}

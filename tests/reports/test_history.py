@@ -5,8 +5,7 @@ from dataclasses import replace
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
-from frictionbench.reports.comparison.history import lines
-from frictionbench.reports.comparison.history_page import changes, draw, write_history
+from frictionbench.reports.comparison.history import changes, draw, lines, write_history
 from tests.helpers.made_results import solve_row, write_folder
 
 

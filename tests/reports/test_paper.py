@@ -14,12 +14,10 @@ from matplotlib.figure import Figure
 from frictionbench.commands.options import parse_length, split_names
 from frictionbench.reports.charts import pareto, profiles
 from frictionbench.reports.drawing import tiles
-from frictionbench.reports.drawing.polylines import polylines
-from frictionbench.reports.drawing.print import draw_panel, pages, save_panels
-from frictionbench.reports.drawing.sheets import save_sheet
-from frictionbench.reports.latex import Layout, booktabs, escaped, one_unit
+from frictionbench.reports.drawing.files import draw_panel, pages, save_panels, save_sheet
+from frictionbench.reports.drawing.tiles import polylines
+from frictionbench.reports.latex import Layout, booktabs, cited, escaped, one_unit, references
 from frictionbench.reports.paper import chosen, of_scenes, write_paper
-from frictionbench.reports.references import cited, references
 from frictionbench.reports.run import Run, read_run
 from frictionbench.results.files import ResultsError
 from frictionbench.solvers import available

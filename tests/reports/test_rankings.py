@@ -7,15 +7,15 @@ import typer
 
 from frictionbench.commands.options import parse_duration
 from frictionbench.commands.single import advice
-from frictionbench.reports import accuracy, balance, choice, leave_out, mix, noise, tables
+from frictionbench.reports import accuracy, choice, noise, tables
 from frictionbench.reports.charts import profiles
 from frictionbench.reports.choice import headline
 from frictionbench.reports.drawing.text import ahead, count, percent
 from frictionbench.reports.markdown import write_markdown
 from frictionbench.reports.page import write_report
 from frictionbench.reports.paper import write_paper
+from frictionbench.reports.recorded import motions
 from frictionbench.reports.run import read_run
-from frictionbench.reports.sequences import motions
 from frictionbench.results.conventions import ANOTHER_LAW, POLYGON, RankBy, ending, law
 from tests.helpers.made_results import solve_row, write_folder
 from tests.reports.test_report import PLANE, run_of
@@ -131,12 +131,12 @@ def test_means_shares_and_profiles_are_weighted_by_hand():
     curves = accuracy.profiles(accuracy.overall(run.times[1e-8])[PLANE])
     assert curves["a"].share(np.array([1.0, 1.5, 2.5])) == pytest.approx([1 / 7, 1 / 7, 1])
     assert profiles.panels(run)[0].title == f"{PLANE}, within 1e-8"
-    weight = balance.weights(run.ranked.query("label == 'a'"))
+    weight = accuracy.weights(run.ranked.query("label == 'a'"))
     assert sorted(set(weight.round(9))) == [round(1 / 84, 9), round(1 / 7, 9)]
-    assert balance.effective(weight.to_numpy()) == pytest.approx(1 / (12 / 84**2 + 6 / 49))
+    assert accuracy.effective(weight.to_numpy()) == pytest.approx(1 / (12 / 84**2 + 6 / 49))
     # decades and dimensions are strata of their own
     facts = pd.DataFrame({"scene": "s", "contacts": [1, 10, 11, 100, 10], "dimension": [2, 2, 2, 2, 3]})
-    assert balance.strata(facts).nunique() == 3
+    assert accuracy.strata(facts).nunique() == 3
 
 
 def test_too_few_problems_name_no_winner():
@@ -158,13 +158,13 @@ def test_the_ranking_without_each_scene():
     rows = [row | ({"solve_time": 2.2e-3} if row["variant"] == "a" and row["scene"] != "many" else {}) for row in rows]
     run = run_of(*rows)
     assert first(run).order == ["a", "b"]
-    lines = leave_out.left_out(run)[PLANE]
+    lines = choice.without_scenes(run)[PLANE]
     assert {one.scene: (one.winner, one.same_winner) for one in lines}["many"] == ("b", False)
     assert [one.weight for one in lines] == pytest.approx([1 / 7] * 7)
-    (told,) = leave_out.sentences({RankBy.BODIES: {PLANE: lines}})
+    (told,) = choice.deciding_scenes({RankBy.BODIES: {PLANE: lines}})
     assert told == "In the plane, from bodies, another solver is the first without many (then b)."
-    same = leave_out.left_out(run_of(*uneven()))[PLANE]
-    (told,) = leave_out.sentences({RankBy.BODIES: {PLANE: same}})
+    same = choice.without_scenes(run_of(*uneven()))[PLANE]
+    (told,) = choice.deciding_scenes({RankBy.BODIES: {PLANE: same}})
     assert told.startswith("In the plane, from bodies, the winner stays the same whichever scene is left out")
 
 
@@ -217,7 +217,7 @@ def disturbed(slow):
 
 def noise_of(*rows):
     run = run_of(*rows)
-    return noise.noise(run, {by: choice.choices(run.ranked_by(by)) for by in RankBy})
+    return noise.timing_noise(run, {by: choice.choices(run.ranked_by(by)) for by in RankBy})
 
 
 def test_noise_is_told_and_alarms_only_where_a_winner_changes(tmp_path):
@@ -303,7 +303,7 @@ def test_mix_of_contacts_and_problems_left_out(tmp_path):
         solve_row("a", "u", scene="jam", idle=True),
     ]
     run = run_of(*rows)
-    small, large = mix.mix(run).to_dict("records")
+    small, large = tables.mix(run).to_dict("records")
     assert [small[name] for name in ("problems", "contacts", "sticking", "sliding", "open", "unknown")] == [
         2,
         10,
@@ -313,8 +313,8 @@ def test_mix_of_contacts_and_problems_left_out(tmp_path):
         0,
     ]
     assert (large["problems"], large["unknown"]) == (1, 1)
-    assert mix.left_out(run).to_dict("records") == [{"scene": "jam", "problems": 2, "trivial": 1, "idle": 1}]
-    assert mix.idle_share(run) == 0.0
-    assert mix.mix(run_of(rows[3])).empty
+    assert tables.not_ranked(run).to_dict("records") == [{"scene": "jam", "problems": 2, "trivial": 1, "idle": 1}]
+    assert tables.idle_share(run) == 0.0
+    assert tables.mix(run_of(rows[3])).empty
     page = write_report(write_folder(tmp_path / "run", rows)).read_text(encoding="utf-8")
     assert "Share of idle problems among these: 0 %" in page

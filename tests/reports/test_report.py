@@ -16,22 +16,21 @@ from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from frictionbench.harness.workers import walls
-from frictionbench.reports import accuracy, balance, choice, tables
+from frictionbench.reports import accuracy, choice, tables
 from frictionbench.reports.charts import CHARTS, MAPS, classes, growth, pareto, speed_accuracy, steps
 from frictionbench.reports.charts import work as work_chart
 from frictionbench.reports.drawing import style
-from frictionbench.reports.drawing.sheets import save_sheet
+from frictionbench.reports.drawing.files import save_sheet
 from frictionbench.reports.drawing.style import looks
 from frictionbench.reports.drawing.text import plain, seconds
 from frictionbench.reports.markdown import write_markdown
 from frictionbench.reports.page import write_report
 from frictionbench.reports.paper import write_paper
 from frictionbench.reports.recorded import recorded_problems
-from frictionbench.reports.reliability import reliabilities, sentences
 from frictionbench.reports.run import Run, annotate, annotate_simulations, read_run
 from frictionbench.reports.settings import WALLS, settings
 from frictionbench.reports.sheets import sheets
-from frictionbench.reports.tables import problem_classes
+from frictionbench.reports.tables import problem_classes, reliabilities, sentences
 from frictionbench.reports.templates import script
 from frictionbench.results.conventions import ENDINGS
 from frictionbench.results.extras import ConvergenceHistory, Deviation, write_deviations, write_histories
@@ -73,8 +72,8 @@ def by_label(table, problem_class="bar"):
 
 def test_shifted_geometric_mean_by_hand():
     # with the shift of 1e-5 s the times are 1e-4 and 1e-2 s, their geometric mean 1e-3
-    assert balance.shifted_geometric_mean(pd.Series([9e-5, 9.99e-3])) == pytest.approx(9.9e-4)
-    assert np.isnan(balance.shifted_geometric_mean(pd.Series([], dtype=float)))
+    assert accuracy.shifted_geometric_mean(pd.Series([9e-5, 9.99e-3])) == pytest.approx(9.9e-4)
+    assert np.isnan(accuracy.shifted_geometric_mean(pd.Series([], dtype=float)))
 
 
 def test_least_time_within_target():

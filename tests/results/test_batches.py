@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from frictionbench.results.batches import rate_of, rate_tables
+from frictionbench.reports.batches import rate_of, rate_tables
 from tests.helpers.made_results import batch_row
 
 

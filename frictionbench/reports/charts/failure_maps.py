@@ -16,11 +16,9 @@ from matplotlib.colors import to_hex
 
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing import tiles
-from frictionbench.reports.drawing.first_steps import picture
-from frictionbench.reports.drawing.polylines import polylines
 from frictionbench.reports.drawing.style import INK
 from frictionbench.reports.drawing.text import seconds
-from frictionbench.reports.drawing.tiles import Drawing, Entry, Grid, Tile
+from frictionbench.reports.drawing.tiles import Drawing, Entry, Grid, Tile, picture, polylines
 from frictionbench.reports.robustness import MapCells, map_cells
 from frictionbench.reports.run import Run
 from frictionbench.results.cells import counts

@@ -10,8 +10,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from frictionbench.reports.accuracy import TARGETS
-from frictionbench.reports.balance import Array, shifted_geometric_mean
+from frictionbench.reports.accuracy import TARGETS, Array, shifted_geometric_mean
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import GRID, Look, log_ticks, time_axis

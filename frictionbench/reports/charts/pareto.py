@@ -14,8 +14,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from frictionbench.reports.accuracy import OVERALL
-from frictionbench.reports.balance import quantile, shifted_geometric_mean, weights
+from frictionbench.reports.accuracy import OVERALL, quantile, shifted_geometric_mean, weights
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import WHOLE, Panel
 from frictionbench.reports.drawing.style import GRID, INK, WORST, ZERO, Look, residual_axis, time_axis

@@ -10,8 +10,7 @@ from functools import partial
 import numpy as np
 from matplotlib.axes import Axes
 
-from frictionbench.reports.accuracy import Profile, overall, profiles
-from frictionbench.reports.balance import Array
+from frictionbench.reports.accuracy import Array, Profile, overall, profiles
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import GRID, Look, log_ticks, share_axis

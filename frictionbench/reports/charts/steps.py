@@ -8,14 +8,14 @@ from matplotlib.axes import Axes
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import GRID, INK, Look, time_axis
+from frictionbench.reports.recorded import step_times
 from frictionbench.reports.run import Run
-from frictionbench.reports.sequences import step_times
 
 SIZE = (4.2, 2.4)  # inches
 
 
 def panels(run: Run) -> list[Panel]:
-    """A panel per motion, see reports.sequences."""
+    """A panel per motion, see reports.recorded."""
     draw = partial(_draw, looks=run.looks, budget=run.budget)
     return [Panel(title, partial(draw, times=times), size=SIZE) for title, times in step_times(run)]
 

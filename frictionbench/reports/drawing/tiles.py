@@ -3,21 +3,31 @@
 A panel is WIDTH x HEIGHT units with its origin at the upper left; the field of tiles is ACROSS x UP of them, below the title
 and the name of the upward axis, with ticks on the left and below. Grid points are counted in grid lines from the lower left
 corner of the field. reports.drawing.svg draws the shapes for the page, where a panel may hold thousands of tiles, and
-reports.drawing.print draws them for a paper.
+reports.drawing.files draws them for a paper.
+
+`polylines` joins points that were found in no order along a line, such as the crossings of a threshold with the grid,
+and `picture` draws the first steps of a scene as paths of SVG, in which y points down.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import groupby
+from math import hypot
 from typing import Literal, NamedTuple
 
-from frictionbench.reports.drawing.polylines import Point
+import numpy as np
+
 from frictionbench.reports.drawing.text import plain
+from frictionbench.results.maps import FirstSteps
+from frictionbench.results.motion import Array, Outline
 
 WIDTH, HEIGHT = 158.0, 142.0
 LEFT, TOP, ACROSS, UP = 30.0, 22.0, 120.0, 96.0  # of the field of tiles
 LETTERS = 7.2  # font size
 LONGEST = 38  # letters of a title; a longer one is cut
 LEGEND_ROWS = 8  # of a column of the legend: as many as fit on a panel
+Point = tuple[float, float]
+REACH = 1.5  # grid lines: neighbours on a curve that crosses all lines of the grid are at most a diagonal, 1.41, apart
+MARGIN = 0.15  # around the bodies, relative to their size
 
 
 class Tile(NamedTuple):
@@ -173,3 +183,79 @@ def _joined(tiles: Iterable[Tile]) -> Iterable[Bars]:
 
 def _order(tile: Tile) -> tuple[float, str, str]:
     return -tile.width, tile.colour, tile.tooltip
+
+
+def polylines(points: Iterable[Point], reach: float = REACH) -> list[list[Point]]:
+    """The points joined each with the nearest of the others, as far as one is within reach: lines of one point or more.
+
+    A line begins at the point that has the fewest others within reach, so that it is an end where the curve has one, and goes
+    on to the nearest point until none is left; a curve that comes back to its first point is closed.
+    """
+    left = list(dict.fromkeys(points))
+    found = []
+    while left:
+        start = min(left, key=lambda point: (sum(_apart(point, other) <= reach for other in left), point))
+        line = [start]
+        left.remove(start)
+        while left and _apart(nearest := min(left, key=lambda point: _apart(point, line[-1])), line[-1]) <= reach:
+            line.append(nearest)
+            left.remove(nearest)
+        if len(line) > 3 and _apart(line[0], line[-1]) <= reach / 2:
+            line.append(line[0])
+        found.append(line)
+    return found
+
+
+def _apart(a: Point, b: Point) -> float:
+    return hypot(a[0] - b[0], a[1] - b[1])
+
+
+def picture(found: FirstSteps) -> dict[str, object]:
+    """at: the grid point. view: of the SVG. ground: a path. frames: a path each, the earliest first."""
+    moving = [outline for outline in found.outlines if outline.body >= 0]
+    places = [_placed(outline, pose) for pose in found.poses for outline in moving]
+    low, high = (
+        (np.min([place.min(axis=0) for place in places], axis=0), np.max([place.max(axis=0) for place in places], axis=0))
+        if places
+        else (-np.ones(2), np.ones(2))
+    )
+    margin = MARGIN * max(float((high - low).max()), 1e-9)
+    box = low - margin, high + margin
+    still = [outline for outline in found.outlines if outline.body < 0]
+    return {
+        "at": found.point,
+        "view": " ".join(f"{value:.5g}" for value in (box[0][0], -box[1][1], *(box[1] - box[0]))),
+        "ground": "".join(_svg_path(_ground(outline, box), closed=not outline.endless) for outline in still),
+        "frames": ["".join(_svg_path(_placed(outline, pose)) for outline in moving) for pose in found.poses],
+    }
+
+
+def _placed(outline: Outline, pose: Array) -> Array:
+    """The corners (k, 2) of a body's shape, of a disc those of a polygon, and its radius to show how it turns."""
+    x, y, angle = pose[outline.body]
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    placed: Array = _outline_corners(outline) @ turn + (x, y)
+    return placed
+
+
+def _outline_corners(outline: Outline) -> Array:
+    if not outline.radius:
+        return outline.corners
+    around = np.linspace(0, 2 * np.pi, 25)
+    circle = abs(outline.radius) * np.column_stack([np.cos(around), np.sin(around)])
+    return np.vstack([outline.corners[:1] + circle, outline.corners[:1]])
+
+
+def _ground(outline: Outline, box: tuple[Array, Array]) -> Array:
+    """The shape; the surface of a half plane as far as it is seen in the box between the lowest and the highest corner."""
+    if not outline.endless or len(outline.corners) < 2:
+        return _outline_corners(outline)
+    a, b = outline.corners[:2]
+    along = (b - a) / max(float(np.linalg.norm(b - a)), 1e-300)
+    middle = a + along * float(along @ ((box[0] + box[1]) / 2 - a))
+    far = 2 * float(np.linalg.norm(box[1] - box[0]))
+    return np.stack([middle - far * along, middle + far * along])
+
+
+def _svg_path(corners: Array, closed: bool = True) -> str:
+    return "M" + "L".join(f"{x:.5g} {-y:.5g}" for x, y in corners) + "Z" * closed

@@ -4,7 +4,7 @@ for (const section of document.querySelectorAll(".filter")) {
   const data = JSON.parse(section.querySelector("script").textContent), choices = section.querySelector(".choices");
   const chooser = (name) => choices.querySelector(`[name=${name}]`);
   const [LABEL, SCENE, FAMILY, PROBLEM, STRATUM, DIMENSION, CONTACTS, TOL, BODIES, FORM, LIMIT, RESIDUAL, SOLVED] = Array(13).keys();
-  const SHIFT = 1e-5; // s, as in reports.balance
+  const SHIFT = 1e-5; // s, as in reports.accuracy
   const sizes = [["1 to 10", 0, 10], ["11 to 100", 10, 100], ["more than 100", 100, Infinity]];
   const there = (column) => new Set(data.cells.map((cell) => cell[column]));
   const fill = (name, options) => {

@@ -10,7 +10,7 @@ from frictionbench.harness.cells.batch import batch_of, time_batch
 from frictionbench.harness.cells.compiled_loops import Way
 from frictionbench.harness.plans.plan import BatchCell
 from frictionbench.problems import InputError
-from frictionbench.results.batches import rate_of
+from frictionbench.reports.batches import rate_of
 from frictionbench.solvers import Answer, find, solve_many
 
 SIZES = [("stack", {"blocks": 1}, 2, 2), ("cubes", {"boxes": 1}, 3, 4)]

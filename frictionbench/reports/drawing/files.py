@@ -1,6 +1,8 @@
-"""Sheets of panels as files for a paper: SVG and PDF, and PGF if LaTeX is installed, which matplotlib needs to measure text.
+"""Figures as files for a paper: sheets of panels as SVG and PDF, maps (reports.drawing.tiles) as PDF, and both as PGF if LaTeX
+is installed, which matplotlib needs to measure text.
 
-A PGF figure is set in the fonts and size of the paper. The same panels always give the same files, byte for byte.
+A PGF figure is set in the fonts and size of the paper. The same panels always give the same files, byte for byte. What does not
+fit on a page is split over several files, so that a map of many solvers is continued on the next page.
 """
 
 import shutil
@@ -13,12 +15,17 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.text import Text
+from matplotlib.patches import PathPatch, Rectangle
+from matplotlib.path import Path as Outline
+from matplotlib.text import Text as Label
 from matplotlib.ticker import FixedFormatter, FixedLocator
+from matplotlib.transforms import Affine2D
 
+from frictionbench.reports.drawing import tiles
 from frictionbench.reports.drawing.figures import IMAGE, PANEL, Panel
-from frictionbench.reports.drawing.style import RC, Look
+from frictionbench.reports.drawing.style import INK, RC, Look
 from frictionbench.reports.drawing.text import plain
+from frictionbench.reports.drawing.tiles import Bars, Box, Drawing, Field, Line, Text
 from frictionbench.results.files import replaced
 
 FAMILIES = {"serif": "STIXGeneral", "sans": "DejaVu Sans"}  # fonts that matplotlib includes
@@ -26,6 +33,8 @@ PGF = {"pgf.texsystem": "pdflatex", "pgf.rcfonts": False, "pgf.preamble": ""}
 TITLE, LETTER = 96, 0.008  # letters of a panel's title, in lines of its width; inches of a letter for each point of the font
 BANDS = 3  # bootstrap bands in one panel; more would hide each other
 Escape = Callable[[str], str]
+PANELS_PER_ROW = 4  # so that letters are of some six points on a page of two columns
+SEAM = 0.05  # points, the outline of a tile, which closes the gap that a viewer may show between neighbours
 
 
 def save_sheet(
@@ -110,5 +119,65 @@ def _escape_all(figure: Figure, escape: Escape) -> None:
                 labels = [escape(label.get_text()) for label in axis.get_ticklabels(minor=minor)]
                 locate(FixedLocator(list(axis.get_ticklocs(minor=minor))))
                 form(FixedFormatter(labels))
-    for text in figure.findobj(Text):
+    for text in figure.findobj(Label):
         text.set_text("\n".join(map(escape, text.get_text().split("\n"))))
+
+
+def pages(drawing: Drawing, width: float, height: float) -> list[tuple[tiles.Panel, ...]]:
+    """The panels and the legend in parts that fit into so many inches; the legend stands at the end of the first part."""
+    across = min(PANELS_PER_ROW, len(drawing.panels) + 1)
+    rows = max(1, int(height / (width / across * tiles.HEIGHT / tiles.WIDTH)))
+    most = across * rows
+    first, rest = drawing.panels[: most - 1], drawing.panels[most - 1 :]
+    return [(*first, tiles.legend(drawing.legend)), *(rest[k : k + most] for k in range(0, len(rest), most))]
+
+
+def save_panels(panels: Sequence[tiles.Panel], stem: Path, width: float, family: str, escape: Escape | None = None) -> None:
+    """Save panels as STEM.pdf, `width` inches wide, and as STEM.pgf if `escape` is given; equal panels give equal bytes."""
+    across, rows = min(PANELS_PER_ROW, len(panels)), -(-len(panels) // PANELS_PER_ROW)
+    scale = width / (across * tiles.WIDTH)
+    with mpl.rc_context(RC | PGF | {"font.family": FAMILIES[family], "font.size": 72 * tiles.LETTERS * scale}):
+        figure = Figure(figsize=(width, rows * tiles.HEIGHT * scale))
+        ax = figure.add_axes((0, 0, 1, 1))
+        ax.set(xlim=(0, across * tiles.WIDTH), ylim=(rows * tiles.HEIGHT, 0))
+        ax.axis("off")
+        for k, panel in enumerate(panels):
+            draw_panel(ax, panel, k % PANELS_PER_ROW * tiles.WIDTH, k // PANELS_PER_ROW * tiles.HEIGHT, 72 * scale)
+        with replaced(stem.with_name(f"{stem.name}.pdf")) as file:
+            figure.savefig(file, metadata={"CreationDate": None})
+        if escape:
+            save_pgf(figure, stem, escape)
+
+
+def draw_panel(ax: Axes, panel: tiles.Panel, left: float, top: float, points: float) -> None:
+    """Draw a panel with its upper left corner at (left, top) of the axes. points: the length of one unit of the axes."""
+    place = Affine2D().translate(left, top)
+    for shape in panel:
+        match shape:
+            case Text(x, y, text, anchor):
+                side = {"start": "left", "middle": "center", "end": "right"}[anchor]
+                ax.text(left + x, top + y, text, color=INK, va="baseline", ha=side, fontsize=points * tiles.LETTERS)
+            case Box(x, y, width, height, colour, line):
+                box = Rectangle((x, y), width, height, transform=place + ax.transData)
+                box.set(lw=points * line, ec=INK, fc=colour or "none")
+                ax.add_patch(box)
+            case Line(colour, places, line, dashed):
+                xs, ys = [left + x for x, _ in places], [top + y for _, y in places]
+                if colour and not dashed:
+                    ax.plot(xs, ys, lw=2.2 * points * line, color="white", solid_capstyle="round")
+                style = (0, (1.5, 2.5)) if dashed else "-"
+                ax.plot(xs, ys, lw=points * line, color=colour or INK, ls=style, solid_capstyle="round")
+            case Field(columns, lines, bars):
+                grid = Affine2D().scale(tiles.ACROSS / columns, -tiles.UP / lines).translate(tiles.LEFT, tiles.TOP + tiles.UP)
+                for one in bars:
+                    colours = {"fc": one.colour, "ec": one.colour, "lw": SEAM}
+                    ax.add_patch(PathPatch(_outline(one), transform=grid + place + ax.transData, **colours))
+
+
+def _outline(bars: Bars) -> Outline:
+    """All bars of one colour as one path."""
+    corners, codes = [], []
+    for left, right, height, low in bars.bars:
+        corners += [(left, low), (right, low), (right, low + height), (left, low + height), (left, low)]
+        codes += [Outline.MOVETO, Outline.LINETO, Outline.LINETO, Outline.LINETO, Outline.CLOSEPOLY]
+    return Outline(corners, codes)
