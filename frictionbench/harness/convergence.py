@@ -10,11 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from frictionbench.harness.cells import worker
-from frictionbench.harness.cells.records import Record
+from frictionbench.harness.cells.collect import Record
 from frictionbench.harness.plans.plan import Plan
 from frictionbench.harness.progress import Progress
-from frictionbench.harness.workers.pool import Pool
-from frictionbench.harness.workers.task import Task
+from frictionbench.harness.workers.pool import Pool, Task
 from frictionbench.results import store
 from frictionbench.results.extras import CONVERGENCE, ConvergenceHistory, convergence_history, write_histories
 from frictionbench.results.verdicts import ACCEPTED

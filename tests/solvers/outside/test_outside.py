@@ -20,7 +20,7 @@ from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import run
 from frictionbench.harness.verify import verify
-from frictionbench.harness.workers.plugins import load_plugins
+from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.problems import FrictionProblem, InputError, scene
 from frictionbench.problems.instances import instances, make_instance
 from frictionbench.problems.recorded import fclib, read
