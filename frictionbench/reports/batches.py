@@ -26,7 +26,7 @@ METHOD = (  # how the figures were measured, in words for reports
     "as there are cores gain, by the wall's clock; a dash where they were not tried, busy where other processes ran meanwhile.",
     "Ways: "
     + "; ".join(f"{way}: {meaning.replace('`', '')}" for way, meaning in WAYS.items())
-    + ". All but kernel include form, solve and, but for calls, the residual of every answer. Cold starts are from zero "
+    + ". All include form, solve and, but for calls, the residual of every answer. Cold starts are from zero "
     f"impulses; warm ones from the answers of the same problems with pushes smaller by {100 * NEARBY:g} %, as of the step "
     "before. Compiling and loading are in no figure.",
     "A rate is shown only where the verifier finds the residual of every answer within the tolerance, contacts bear, and "

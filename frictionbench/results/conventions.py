@@ -27,8 +27,6 @@ WAYS = {  # of solving all problems of a batch, with their meanings
     "calls": "a call of `solve` for each",
     "packed": "`solve_many` over a Batch, which is packed already",
     "list": "`solve_many` over a list of problems",
-    "kernel": "the library's own kernel called in a compiled loop, on dense matrices made beforehand",
-    "kernel from bodies": "the same with this package's form before each call and its residual after it",
 }
 
 

@@ -106,7 +106,7 @@ def test_lists_show_settings(capsys) -> None:
     listing.show("solvers")
     listed = capsys.readouterr().out
     assert "settings: restarts=8, facets=8" in listed
-    assert "variants: clarabel[keep=false], clarabel[keep=false,settings=tuned], clarabel[keep=true]" in listed
+    assert "variants: clarabel[settings=default], clarabel[settings=tuned]" in listed
     listing.show("suites")
     assert "every solver" not in capsys.readouterr().out.partition("seeds")[0]
 

@@ -6,7 +6,7 @@ import sys
 import time
 
 import numpy as np
-from messages import serve
+from child import serve
 
 
 def answer(do, n=0):

@@ -262,8 +262,8 @@ def siconos(given: Arrays, tol: float) -> Called:
 
 # The variant of an adapter, and the call by hand that makes the same choices.
 CALLS: dict[str, Callable[[Arrays, float], Called]] = {
-    "clarabel[keep=false]": clarabel,
-    "osqp[keep=false]": osqp,
+    "clarabel[settings=default]": clarabel,
+    "osqp": osqp,
     "proxsuite[matrices=sparse]": proxsuite,
     "piqp": piqp,
     "daqp": daqp,

@@ -44,11 +44,12 @@ def outcomes() -> dict[str, dict[str, str]]:
 
 
 def facts(info: SolverInfo) -> dict[str, str]:
-    """The text under each of FIELDS in the docstring of a solver, or else of its file."""
-    own = inspect.getdoc(info.make) or ""
-    text = own if "Licence:" in own else sys.modules[info.make.__module__].__doc__ or ""
-    found = re.findall(rf"^({'|'.join(FIELDS)}): (.*?)(?=^\w+: |\Z|^$)", text, flags=re.MULTILINE | re.DOTALL)
-    return {name: " ".join(words.split()) for name, words in found}
+    """The text under each of FIELDS in the docstring of a solver, or else in that of its file."""
+    found = {}
+    for text in (sys.modules[info.make.__module__].__doc__ or "", inspect.getdoc(info.make) or ""):
+        entries = re.findall(rf"^({'|'.join(FIELDS)}): (.*?)(?=^\w+: |\Z|^$)", text, flags=re.MULTILINE | re.DOTALL)
+        found |= {name: " ".join(words.split()) for name, words in entries}
+    return found
 
 
 def _section(info: SolverInfo, results: dict[str, dict[str, str]]) -> str:

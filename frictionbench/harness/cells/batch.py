@@ -12,16 +12,15 @@ A warm start is the answer of the same problem with a push smaller by NEARBY, as
 import json
 import math
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from time import perf_counter, process_time
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from frictionbench.harness import process
-from frictionbench.harness.cells.compiled_loops import LOOPS, Way
 from frictionbench.harness.plans.choose import problem_of
 from frictionbench.harness.plans.plan import BatchCell
 from frictionbench.harness.verify import verify
@@ -51,6 +50,13 @@ class Problems:
     @property
     def dimension(self) -> int:
         return self.problems[0].dimension
+
+
+class Way(NamedTuple):
+    """run solves all problems of a batch, and is what is timed; answers makes an answer to each of what it returned."""
+
+    run: Callable[[], Any]
+    answers: Callable[[Any], Iterable[Answer]] = iter
 
 
 @lru_cache(maxsize=1)  # the cells of a batch come one after another
@@ -102,8 +108,6 @@ def _way(cell: BatchCell, problems: tuple[FrictionProblem, ...], before: Array, 
         return Way(partial(many, Batch(problems)), _one_by_one)
     if cell.way == "list":
         return Way(lambda: many([problem.fresh() for problem in problems]), _one_by_one)
-    if cell.way in LOOPS:
-        return LOOPS[cell.way](Batch(problems), cell.variant)
     return Way(partial(_calls, problems, cell.variant, cell.tol))
 
 

@@ -17,7 +17,6 @@ from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, KEEP_ANSWER,
 from frictionbench.results.maps import Map
 from frictionbench.solvers import find
 
-KERNELS = {"quantecon": ("kernel", "kernel from bodies")}  # the further ways of solvers that have a compiled kernel
 MOST_SHOWN = 100  # steps of a motion that is recorded only for the report's animation
 MEMORY_LIMIT = (
     4 * 2**30
@@ -232,7 +231,7 @@ class Plan:
         info, instance = find(variant)
         if hasattr(instance, "solve_many"):
             return [("calls", COLD), ("packed", COLD), *([("packed", WARM)] if info.warm_start else []), ("list", COLD)]
-        return [("calls", COLD), *((way, COLD) for way in KERNELS.get(info.name, ()))]
+        return [("calls", COLD)]
 
     def lineup(self, dimension: int | None) -> tuple[str, ...]:
         """The solvers of problems of this dimension; None for a bare LCP."""

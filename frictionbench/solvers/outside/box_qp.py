@@ -29,8 +29,8 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel
 from frictionbench.solvers.interface import Answer, Status, solver
+from frictionbench.solvers.outside import require_settings
 from frictionbench.solvers.outside.scaled_delassus import ScaledDelassus, scaled_delassus
-from frictionbench.solvers.outside.settings import require_settings
 
 _DEFINITE = 1e-13  # on a diagonal of about 1: the least with which the factorisation of redundant contacts succeeds
 

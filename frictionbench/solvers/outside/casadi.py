@@ -37,9 +37,8 @@ import numpy as np
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.solvers.interface import Answer, Model, Status, solver
+from frictionbench.solvers.outside import MARGIN, require_settings
 from frictionbench.solvers.outside.box_qp import DualProgram, dual_program
-from frictionbench.solvers.outside.margin import MARGIN
-from frictionbench.solvers.outside.settings import require_settings
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 
 _METHODS = ("qrqp", "qpoases", "ipopt")

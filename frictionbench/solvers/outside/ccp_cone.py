@@ -20,7 +20,6 @@ Reference: Anitescu and Tasora 2010 for the model; Diamond and Boyd 2016 (CVXPY)
 """
 
 import warnings
-from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
@@ -28,23 +27,12 @@ import numpy as np
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array, require
-from frictionbench.problems.forms.relaxation import QP, ConeProgram
-from frictionbench.solvers.interface import Answer, Status, solver
-from frictionbench.solvers.outside.clarabel import LEAST_GAP
-from frictionbench.solvers.outside.margin import MARGIN
-from frictionbench.solvers.outside.scaled_program import ScaledProgram, gap_tolerance, scaled_program
+from frictionbench.solvers.interface import Answer, solver
+from frictionbench.solvers.outside import MARGIN
+from frictionbench.solvers.outside.qp_libraries import LEAST_GAP
+from frictionbench.solvers.outside.scaled_program import Prepared, RelaxationSolver, gap_tolerance, scaled_relaxation
 
 _BACKENDS = ("clarabel", "scs")
-Scaled = ScaledProgram[QP] | ScaledProgram[ConeProgram]
-
-
-@dataclass(frozen=True, eq=False)
-class Prepared:
-    """The scaled program, the CVXPY problem and its canonical data; the latter two are None without contacts."""
-
-    scaled: Scaled
-    problem: Any = None
-    data: tuple[Any, Any, Any] = (None, None, None)
 
 
 @solver(
@@ -57,7 +45,7 @@ class Prepared:
     lacks=("asymmetry",),
     variants=tuple(f"backend={name}" for name in _BACKENDS),
 )
-class CCPCone:
+class CCPCone(RelaxationSolver):
     """The convex relaxation, with circular cones in space, by CVXPY with Clarabel or SCS.
 
     backend: clarabel or scs. Work: the backend's iterations.
@@ -72,18 +60,14 @@ class CCPCone:
     def needs(self) -> tuple[str, ...]:
         return "cvxpy", self.backend
 
-    def form(self, problem: FrictionProblem) -> Scaled:
-        gap = self.backend == "clarabel"
-        if problem.dimension == 2:
-            return scaled_program(problem, problem.qp(), from_free=gap)
-        return scaled_program(problem, problem.cone(), from_free=gap)
+    def form(self, problem: FrictionProblem) -> Prepared:
+        return Prepared(scaled_relaxation(problem, from_free=self.backend == "clarabel"), None)
 
-    def setup(self, scaled: Scaled) -> Prepared:
+    def create(self, formed: Prepared) -> Any:
+        """The CVXPY problem, and its canonical data with what converts their solution."""
         cvxpy: Any = import_module("cvxpy")
-
-        nc, d = scaled.program.contacts
-        if not nc:
-            return Prepared(scaled)
+        scaled = formed.scaled
+        d = scaled.program.contacts[1]
         x = cvxpy.Variable(len(scaled.q))
         s = scaled.h - scaled.G @ x
         constraints = [s >= 0 if d == 2 else cvxpy.SOC(s[::d], cvxpy.vstack([s[j::d] for j in range(1, d)]))]
@@ -91,31 +75,24 @@ class CCPCone:
             constraints.append(scaled.A @ x == scaled.b)
         objective = cvxpy.Minimize(cvxpy.quad_form(x, scaled.P, assume_PSD=True) / 2 + scaled.q @ x)
         built = cvxpy.Problem(objective, constraints)
-        return Prepared(scaled, built, built.get_problem_data(self.backend.upper(), solver_opts={}))
+        return built, built.get_problem_data(self.backend.upper(), solver_opts={})
 
-    def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+    def solve_scaled(self, prepared: Prepared, eps: float, limit: int | None, start: Array | None) -> Answer:
         cvxpy: Any = import_module("cvxpy")
-
-        scaled, built = prepared.scaled, prepared.problem
-        if built is None:
-            return Answer(scaled.impulse(scaled.h), Status.SOLVED)
-        data, chain, inverse = prepared.data
-        eps, d = tol * scaled.share, scaled.program.contacts[1]
-        settings = self._settings(eps, gap_tolerance(eps, LEAST_GAP), limit)
+        scaled, (built, (data, chain, inverse)) = prepared
+        settings = self._settings(eps, gap_tolerance(eps, LEAST_GAP["clarabel"]), limit)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # CVXPY warns of an inaccurate solution; the status reports it
             raw = chain.solve_via_data(built, data, solver_opts=settings)
             try:
                 built.unpack_results(raw, chain, inverse)
             except cvxpy.SolverError as error:
-                return Answer(np.zeros(scaled.program.contacts), Status.FAILED, detail=str(error))
-        status = Status.SOLVED if built.status == cvxpy.OPTIMAL else Status.FAILED
-        work = {"iterations": int(built.solver_stats.num_iters)}
-        multiplier = built.constraints[0].dual_value
-        if multiplier is None or multiplier[0] is None:
-            return Answer(np.zeros(scaled.program.contacts), Status.FAILED, work, detail=built.status)
-        z = multiplier if d == 2 else np.column_stack([np.ravel(multiplier[0]), np.reshape(multiplier[1], (d - 1, -1)).T])
-        return Answer(scaled.impulse(z.ravel()), status, work, detail=built.status)
+                return scaled.answer(None, False, detail=str(error))
+        z, d = built.constraints[0].dual_value, scaled.program.contacts[1]
+        z = None if z is None or z[0] is None else z
+        if z is not None and d > 2:
+            z = np.column_stack([np.ravel(z[0]), np.reshape(z[1], (d - 1, -1)).T]).ravel()
+        return scaled.answer(z, built.status == cvxpy.OPTIMAL, int(built.solver_stats.num_iters), built.status)
 
     def _settings(self, eps: float, gap: float, limit: int | None) -> dict[str, float]:
         if self.backend == "clarabel":

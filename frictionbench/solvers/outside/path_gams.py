@@ -27,7 +27,7 @@ import numpy as np
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer, Status, solver
-from frictionbench.solvers.outside.margin import MARGIN
+from frictionbench.solvers.outside import MARGIN
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 
 _SILENT = ("crash_iterations", "major_iterations", "minor_iterations", "initial_point_statistics", "final_point_statistics")

@@ -26,14 +26,12 @@ from importlib import import_module
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy import sparse
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array, require
 from frictionbench.solvers.interface import Answer, Model, Status, solver
-from frictionbench.solvers.outside.margin import MARGIN
+from frictionbench.solvers.outside import MARGIN, require_settings
 from frictionbench.solvers.outside.scaled_delassus import TANGENTS_FIRST, ScaledDelassus, scaled_delassus
-from frictionbench.solvers.outside.settings import require_settings
 
 _SOLVERS = {"admm": "ADMM", "pgs": "PGS"}
 _MARGINS = {"admm": 2 * MARGIN, "pgs": 10 * MARGIN}
@@ -41,10 +39,9 @@ _MARGINS = {"admm": 2 * MARGIN, "pgs": 10 * MARGIN}
 # geometric mean of 16 problems of the suites' families, and with 30 three more of them are not solved. Sweeps do not depend.
 _SIZES = {"admm": 4.0, "pgs": 1.0}
 _LAWS: dict[str, Model] = {"ncp": "coulomb", "ccp": "relaxation"}
-_OPERATORS = {"dense": "DelassusOperatorDense", "sparse": "DelassusOperatorSparse"}
 _VARIANTS = tuple(
     f"{variant}{settings}"
-    for variant in ("method=admm", "method=admm,operator=sparse", "method=admm,law=ccp", "method=pgs")
+    for variant in ("method=admm", "method=admm,law=ccp", "method=pgs")
     for settings in ("", ",settings=tuned")
 )
 _TUNED: dict[str, dict[str, float]] = {"admm": {"anderson_capacity": 5, "lanczos_size": 10}, "pgs": {"over_relaxation": 1.3}}
@@ -70,32 +67,28 @@ class Prepared(NamedTuple):
 class Pinocchio:
     """Pinocchio's ADMM or projected Gauss-Seidel. (outside)
 
-    method: admm or pgs. law: ncp, Coulomb's, or ccp, the relaxation. operator: dense or sparse. settings: default or tuned.
-    Work: iterations.
+    method: admm or pgs. law: ncp, Coulomb's, or ccp, the relaxation. settings: default or tuned. Work: iterations.
     """
 
     method: str = "admm"
     law: str = "ncp"
-    operator: str = "dense"
     settings: str = "default"
 
     def __post_init__(self) -> None:
-        for name, known in (("method", _SOLVERS), ("law", _LAWS), ("operator", _OPERATORS)):
+        for name, known in (("method", _SOLVERS), ("law", _LAWS)):
             require(getattr(self, name) in known, name, f"must be one of {', '.join(known)}, got {getattr(self, name)!r}")
         require_settings(self.settings)
-        require(self.method == "admm" or self.operator == "dense", "operator", "PGS supports only the dense operator")
 
     @property
     def model(self) -> Model:
         return _LAWS[self.law]
 
     def form(self, problem: FrictionProblem) -> ScaledDelassus:
-        return scaled_delassus(problem, TANGENTS_FIRST, sparse=self.operator == "sparse", size=_SIZES[self.method])
+        return scaled_delassus(problem, TANGENTS_FIRST, size=_SIZES[self.method])
 
     def setup(self, given: ScaledDelassus) -> Prepared:
         pin: Any = import_module("pinocchio")
-        W = given.W.T if isinstance(given.W, np.ndarray) else sparse.csc_matrix(given.W.matrix(len(given.q)))
-        operator = getattr(pin, _OPERATORS[self.operator])(W)
+        operator = pin.DelassusOperatorDense(given.W.T)
         body = pin.Model()
         body.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "body")
         models, datas = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()

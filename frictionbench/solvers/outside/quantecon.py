@@ -18,17 +18,11 @@ from typing import Any
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer, Status, solver
-from frictionbench.solvers.outside.settings import require_settings
+from frictionbench.solvers.outside import require_settings
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 
 _TIES = {"default": 1e-13, "tuned": 1e-10}  # ratios that differ by less are a tie
-ENDED = {0: Status.SOLVED, 1: Status.WORK_LIMIT, 2: Status.RAY}
-
-
-def kernel_of(settings: str) -> tuple[Any, Any]:
-    """lcp_lemke and its options."""
-    options = import_module("quantecon.optimize").PivOptions(tol_ratio_diff=_TIES[settings])
-    return import_module("quantecon.optimize.lcp_lemke").lcp_lemke, options
+_ENDED = {0: Status.SOLVED, 1: Status.WORK_LIMIT, 2: Status.RAY}
 
 
 @solver(
@@ -54,6 +48,7 @@ class QuantEcon:
         return dense_lcp(problem)
 
     def solve(self, prepared: DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
-        lemke, options = kernel_of(self.settings)
+        options = import_module("quantecon.optimize").PivOptions(tol_ratio_diff=_TIES[self.settings])
+        lemke: Any = import_module("quantecon.optimize.lcp_lemke").lcp_lemke
         found = lemke(prepared.M, prepared.q, None, limit or 100_000, options)
-        return prepared.answer(found.z, ENDED.get(found.status, Status.FAILED), pivots=int(found.num_iter))
+        return prepared.answer(found.z, _ENDED.get(found.status, Status.FAILED), pivots=int(found.num_iter))

@@ -26,19 +26,15 @@ import numpy as np
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel
-from frictionbench.problems.rows import Rows
 from frictionbench.solvers.interface import impulses
 
 PLANE, SPACE, TANGENTS_FIRST = (0, 1), (0, 1, 2), (2, 0, 1)
 
 
 class ScaledDelassus(NamedTuple):
-    """W^ (nc*m, nc*m), q^ (nc*m,), friction (nc,), E (nc,), theta, share, s (nc,), (nc, d) and rows, m of them a contact.
+    """W^ (nc*m, nc*m), q^ (nc*m,), friction (nc,), E (nc,), theta, share, s (nc,), (nc, d) and rows, m of them a contact."""
 
-    W is dense, or by rows where the library takes sparse matrices.
-    """
-
-    W: Array | Rows
+    W: Array
     q: Array
     friction: Array
     E: Array
@@ -65,7 +61,6 @@ def scaled_delassus(
     problem: FrictionProblem,
     rows: tuple[int, ...] | None = None,
     *,
-    sparse: bool = False,
     matrix: bool = True,
     size: float = 1.0,
 ) -> ScaledDelassus:
@@ -77,10 +72,7 @@ def scaled_delassus(
     nc, d = problem.contacts, problem.dimension
     places = rows or (PLANE if d == 2 else SPACE)
     E, q, theta, share = _scaled_vector(problem.scale, problem.q, problem.units, d, places, size)
-    W: Array | Rows = np.zeros((0, 0))
-    if matrix:
-        blocks = problem.blocks
-        W = Rows(*_sparse(*blocks, E, places)) if sparse else _dense(*blocks, E, places)
+    W = _dense(*problem.blocks, E, places) if matrix else np.zeros((0, 0))
     return ScaledDelassus(W, q, problem.friction, E, theta, share, problem.scale, (nc, d), places)
 
 
@@ -118,30 +110,3 @@ def _dense(first, neighbours, block, E, rows):  # type: ignore[no-untyped-def]
         for a in range(d, m):
             W[i * m + rows[a], i * m + rows[a]] = W[i * m + rows[1], i * m + rows[1]]
     return W
-
-
-@kernel
-def _sparse(first, neighbours, block, E, rows):  # type: ignore[no-untyped-def]
-    """W^ by rows, with the zeros of its blocks left out."""
-    nc, m, d = len(E), len(rows), block.shape[1]
-    start, most = np.zeros(nc * m + 1, np.int32), len(neighbours) * m * m
-    column, value, at = np.empty(most, np.int32), np.empty(most), 0
-    component = np.empty(m, np.int64)
-    for a in range(m):
-        component[rows[a]] = a
-    for i in range(nc):
-        for row in range(m):
-            for k in range(first[i], first[i + 1]):
-                j = neighbours[k]
-                for other in range(m):
-                    a, b = component[row], component[other]
-                    entry = 0.0
-                    if a < d and b < d:
-                        entry = E[i] * block[k, a, b] * E[j]
-                    elif a == b and i == j:
-                        entry = E[i] * block[k, 1, 1] * E[i]
-                    if entry != 0:
-                        column[at], value[at] = j * m + other, entry
-                        at += 1
-            start[i * m + row + 1] = at
-    return start, column[:at], value[:at]

@@ -26,7 +26,7 @@ Matrices are written in compiled passes and become scipy's, or dense, only as a 
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Generic, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from scipy import sparse
@@ -36,7 +36,7 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel
 from frictionbench.problems.forms.relaxation import QP, ConeProgram, Program
 from frictionbench.problems.rows import Rows
-from frictionbench.solvers.interface import impulses
+from frictionbench.solvers.interface import Answer, Status, impulses
 
 LEAST_FRICTION = 0.01
 Kind = TypeVar("Kind", QP, ConeProgram)
@@ -95,13 +95,42 @@ class ScaledProgram(Generic[Kind]):
         z[: 2 * len(n)] = np.maximum(np.column_stack([n + slip, n - slip]).ravel() / 2, 0.0)
         return z / self.unit
 
-    def pattern(self) -> tuple[bytes, ...]:
-        """Equal where P, G and A have their entries in the same places, so that a library can reuse its symbolic analysis."""
-        parts = (
-            *self.objective[:2],
-            *((self.constraints.indptr, self.constraints.indices) if self.A is not None else self.bounds[:2]),
-        )
-        return tuple(part.tobytes() for part in parts)
+    def answer(
+        self, z: Array | None, solved: bool, iterations: int | None = None, detail: str = "", clock: float | None = None
+    ) -> Answer:
+        """The answer of scaled multipliers, of which the first belong to G; None where the library returned nothing."""
+        nothing = z is None or not len(z)
+        impulse = np.zeros(self.program.contacts) if nothing else self.impulse(z[: len(self.h)])  # type: ignore[index]
+        work = {} if iterations is None else {"iterations": iterations}
+        return Answer(impulse, Status.SOLVED if solved else Status.FAILED, work, detail=detail, clock=clock)
+
+
+class Prepared(NamedTuple):
+    """The scaled program, and what the library is given: its arguments, after setup its object."""
+
+    scaled: Any
+    given: Any
+
+
+class RelaxationSolver:
+    """The steps that all libraries of the relaxation share; without contacts none of them is called."""
+
+    def create(self, formed: Prepared) -> Any:
+        """The library's object; by default it has none."""
+        return formed.given
+
+    def solve_scaled(self, prepared: Prepared, eps: float, limit: int | None, start: Array | None) -> Answer:
+        """Solve to eps, the tolerance in the units of the scaled program."""
+        raise NotImplementedError
+
+    def setup(self, formed: Prepared) -> Prepared:
+        return Prepared(formed.scaled, self.create(formed)) if formed.scaled.program.contacts[0] else formed
+
+    def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
+        scaled = prepared.scaled
+        if not scaled.program.contacts[0]:
+            return scaled.answer(None, True)
+        return self.solve_scaled(prepared, tol * scaled.share, limit, start)
 
 
 def gap_tolerance(eps: float, least: float) -> float:
@@ -147,6 +176,13 @@ def scaled_program(problem: FrictionProblem, program: Kind, from_free: bool = Fa
     )
 
 
+def scaled_relaxation(problem: FrictionProblem, from_free: bool) -> ScaledProgram[QP] | ScaledProgram[ConeProgram]:
+    """The scaled QP in the plane and cone program in space."""
+    if problem.dimension == 2:
+        return scaled_program(problem, problem.qp(), from_free)
+    return scaled_program(problem, problem.cone(), from_free)
+
+
 def _matrix(columns: Rows, rows: int) -> sparse.csc_matrix:
     return sparse.csc_matrix((columns.value, columns.column, columns.start), shape=(rows, len(columns.start) - 1))
 
@@ -161,13 +197,13 @@ def _joints(program: Program, D: Array) -> tuple[sparse.csc_matrix | None, Array
 
 
 @kernel
-def _free(velocity, q, wider, d):  # type: ignore[no-untyped-def]
+def _free(velocity, q, friction_bias, d):  # type: ignore[no-untyped-def]
     """x*: the free velocity, and the free tangential velocity of each contact with a friction bias."""
-    nc, nv, at = len(wider), len(velocity), len(velocity)
+    nc, nv, at = len(friction_bias), len(velocity), len(velocity)
     free = np.empty(nv + nc)
     free[:nv] = velocity
     for i in range(nc):
-        if wider[i] > 0:
+        if friction_bias[i] > 0:
             square = 0.0
             for a in range(1, d):
                 square += q[i * d + a] * q[i * d + a]
@@ -204,11 +240,11 @@ def _scaled(p_start, p_row, p_value, q, g_start, g_row, g_value, h, D, rows, the
 
 
 @kernel
-def _units(scale, mu, wider, q, units, m_start, m_column, m_value, m, d):  # type: ignore[no-untyped-def]
+def _units(scale, mu, friction_bias, q, units, m_start, m_column, m_value, m, d):  # type: ignore[no-untyped-def]
     """D, 1/E on the rows of G, theta and share."""
     nc, nv, wide, least, theta = len(scale), len(m_start) - 1, 0, np.inf, 0.0
     for i in range(nc):
-        wide += wider[i] > 0
+        wide += friction_bias[i] > 0
     D, rows = np.ones(nv + wide), np.empty((nc + wide) * m)
     for v in range(nv):
         for k in range(m_start[v], m_start[v + 1]):
@@ -224,7 +260,7 @@ def _units(scale, mu, wider, q, units, m_start, m_column, m_value, m, d):  # typ
         theta = max(theta, min(np.sqrt(square), units[i]) / root)
         for k in range(m):
             rows[i * m + k] = root
-        if wider[i] > 0:
+        if friction_bias[i] > 0:
             D[nv + block - nc] = root
             for k in range(m):
                 rows[block * m + k] = root

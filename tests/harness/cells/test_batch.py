@@ -7,7 +7,6 @@ import pytest
 
 from frictionbench.harness.cells import batch
 from frictionbench.harness.cells.batch import batch_of, time_batch
-from frictionbench.harness.cells.compiled_loops import Way
 from frictionbench.harness.plans.plan import BatchCell
 from frictionbench.problems import InputError
 from frictionbench.reports.batches import rate_of
@@ -50,7 +49,7 @@ def test_what_is_not_solved_has_the_worst_verdict(monkeypatch: pytest.MonkeyPatc
     problems = batch_of("stack", '{"blocks": 1}', 4)
     answers = solve_many(problems.problems, "lemke")
     given = [Answer(answers[k] * (k != 2), answers.status[k]) for k in range(4)]
-    monkeypatch.setattr(batch, "_way", lambda *_: Way(lambda: given))
+    monkeypatch.setattr(batch, "_way", lambda *_: batch.Way(lambda: given))
     row = time_batch(BatchCell("stack", {"blocks": 1}, 4, "lemke", "calls", 1e-8), problems, find("lemke")[0])
     assert (row["verdict"], row["verified"], row["reason"]) == ("wrong", 0.75, "1 of 4 wrong")
     assert "problem_times" not in row

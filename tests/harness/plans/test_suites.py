@@ -135,7 +135,7 @@ def test_no_solver_of_a_lineup_can_only_refuse() -> None:
         for dimension in (d for d, holds in held.items() if holds):
             assert all(dimension in find(spec)[0].dimension for spec in plan.lineup(dimension)), suite
     assert {"proximal_newton", "nsgs", "interior_point", "ccp_cone[backend=clarabel]"} <= set(every(3))
-    assert not {"osqp[keep=false]", "ccp[backend=osqp]"} & set(every(3))
+    assert not {"osqp", "ccp[backend=osqp]"} & set(every(3))
     assert set(SUITES["spatial"]().lineup(3)) == set(every(3))
     assert set(SUITES["recorded"]().lineup(2)) == set(every(2))
 

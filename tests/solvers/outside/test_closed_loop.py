@@ -39,7 +39,7 @@ def steps_of(name: str, scheme: str, count: int) -> list[FrictionProblem]:
 @pytest.mark.parametrize(
     "spec",
     [
-        *("clarabel[keep=false]", "clarabel[keep=false,settings=tuned]", "ccp[backend=clarabel]", "ccp_cone", "osqp"),
+        *("clarabel", "clarabel[settings=tuned]", "ccp[backend=clarabel]", "ccp_cone", "osqp"),
         *("ccp[backend=proxqp]", "proxsuite[matrices=sparse,settings=tuned]", "piqp", "daqp"),
     ],
 )

