@@ -24,14 +24,14 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from frictionbench import capture, plot
     from frictionbench.files import load, load_step, save
-    from frictionbench.problems import LCP, FrictionProblem, InputError, scene, scenes
+    from frictionbench.problems import LCP, Answer, FrictionProblem, InputError, Status, Verdict
     from frictionbench.problems.batch import Batch
     from frictionbench.problems.instances import instances
     from frictionbench.problems.instances import make_instance as instance
     from frictionbench.problems.recorded.engine_step import EngineStep
     from frictionbench.problems.residual import residual, residual_floor
-    from frictionbench.results.verdicts import Verdict
-    from frictionbench.solvers import Answer, Answers, Status, available, solve, solve_many, solver
+    from frictionbench.problems.scenes import scene, scenes
+    from frictionbench.solvers import Answers, available, solve, solve_many, solver
     from frictionbench.tables import read_results
     from frictionbench.verification import verify
 
@@ -69,12 +69,12 @@ __all__ = [
 
 # Where each name is defined; the type checker reads the imports above, and a test compares the two.
 _DEFINED_IN = {
-    "frictionbench.problems": ("LCP", "FrictionProblem", "InputError", "scene", "scenes"),
+    "frictionbench.problems": ("LCP", "Answer", "FrictionProblem", "InputError", "Status", "Verdict"),
+    "frictionbench.problems.scenes": ("scene", "scenes"),
     "frictionbench.problems.batch": ("Batch",),
     "frictionbench.problems.instances": ("instance", "instances"),
     "frictionbench.problems.residual": ("residual", "residual_floor"),
-    "frictionbench.solvers": ("Answer", "Answers", "Status", "available", "solve", "solve_many", "solver"),
-    "frictionbench.results.verdicts": ("Verdict",),
+    "frictionbench.solvers": ("Answers", "available", "solve", "solve_many", "solver"),
     "frictionbench.problems.recorded.engine_step": ("EngineStep",),
     "frictionbench.files": ("load", "load_step", "save"),
     "frictionbench.tables": ("read_results",),

@@ -1,10 +1,10 @@
 """The verdict on one answer, as a benchmark run finds it."""
 
-from frictionbench.harness import verify as harness_verify
-from frictionbench.harness.cells.answers import AnswerError, checked_copy
-from frictionbench.harness.verify import Finding
 from frictionbench.problems import LCP, FrictionProblem, InputError
+from frictionbench.problems import verify as verifier
+from frictionbench.problems.answer import AnswerError, checked_copy
 from frictionbench.problems.friction import require_problem
+from frictionbench.problems.verify import Finding
 from frictionbench.solvers import Answer, find
 from frictionbench.solvers.interface import tolerance
 
@@ -36,6 +36,4 @@ def verify(problem: FrictionProblem | LCP, answer: Answer, tol: float, *, solver
         answer = checked_copy(answer)
     except AnswerError as error:
         raise InputError(f"answer: {error}") from None
-    if isinstance(problem, LCP):
-        return harness_verify.verify_lcp(problem, answer, tol)
-    return harness_verify.verify(problem, answer, info, tol)
+    return verifier.verify(problem, answer, info.model, tol, quiet=bool(info.needs))

@@ -3,11 +3,11 @@
 from collections import Counter
 from pathlib import Path
 
+from frictionbench.problems.verdicts import Verdict
 from frictionbench.results import baseline, cells, store
 from frictionbench.results.cells import Cells, rounded
 from frictionbench.results.compare import Comparison, Limits, compare
 from frictionbench.results.files import ResultsError
-from frictionbench.results.verdicts import Verdict
 
 
 def accept(folder: Path, path: Path | None) -> tuple[Comparison | None, str]:

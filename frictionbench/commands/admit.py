@@ -22,9 +22,9 @@ from frictionbench.harness.run import run
 from frictionbench.problems.check import Array
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.residual import residual, residual_floor
+from frictionbench.problems.verdicts import Verdict
 from frictionbench.results import store
 from frictionbench.results.maps import THEORY
-from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers import solve
 
 COLUMNS = ("family", "scene", "parameters", "contacts", "known", "residual", "floor", "answer", "failed")

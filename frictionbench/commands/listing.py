@@ -7,8 +7,8 @@ from typing import Any
 from frictionbench.commands.table import paragraph, screen
 from frictionbench.harness.plans.suites import SUITES
 from frictionbench.harness.studies import STUDIES
-from frictionbench.problems import scenes
 from frictionbench.problems.instances import instances
+from frictionbench.problems.scenes import scenes
 from frictionbench.solvers import SolverInfo, available, find
 from frictionbench.solvers.plugins import distribution, installed
 

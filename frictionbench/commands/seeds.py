@@ -13,9 +13,10 @@ from time import process_time
 import numpy as np
 from numba.core.event import install_timer
 
-from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.instances import make_instance
 from frictionbench.problems.residual import residual, residual_floor
+from frictionbench.problems.scenes import scene
 from frictionbench.solvers import Answer, solve
 
 TOL, LIMIT = 1e-8, 60.0  # s, of one problem

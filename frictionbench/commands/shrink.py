@@ -9,9 +9,9 @@ from frictionbench.commands.trusted import trusted
 from frictionbench.harness.shrink import shrink_rows
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.recorded.own import load
+from frictionbench.problems.verdicts import Verdict
 from frictionbench.results.commands import solve, sources
 from frictionbench.results.extras import SHRUNK
-from frictionbench.results.verdicts import Verdict
 
 
 class Reduced(NamedTuple):

@@ -10,9 +10,9 @@ import pandas as pd
 from frictionbench.commands.table import columns, screen
 from frictionbench.harness.plans.plan import Plan
 from frictionbench.harness.plans.suites import SUITES
+from frictionbench.problems.verdicts import Verdict
 from frictionbench.results.conventions import ENDINGS, endings
 from frictionbench.results.store import read_table
-from frictionbench.results.verdicts import Verdict
 
 MOST, LONGEST = 6, 160  # reasons shown and characters of each: two lines of a terminal at most
 

@@ -10,13 +10,14 @@ from pathlib import Path
 from typing import Any
 
 from frictionbench.harness.cells import worker
-from frictionbench.harness.cells.collect import Record
+from frictionbench.harness.cells.records import Record
 from frictionbench.harness.plans.plan import Plan
 from frictionbench.harness.progress import Progress
-from frictionbench.harness.workers.pool import Pool, Task
+from frictionbench.harness.workers.pool import Pool
+from frictionbench.harness.workers.task import Task
+from frictionbench.problems.verdicts import ACCEPTED
 from frictionbench.results import store
 from frictionbench.results.extras import CONVERGENCE, ConvergenceHistory, convergence_history, write_histories
-from frictionbench.results.verdicts import ACCEPTED
 
 LARGE, REDUNDANT = 4, 2  # problems of each kind; each is a panel of the report's figure, which stays legible with few
 MOST = 64  # contacts: a history takes some twenty-five solves, too long for larger problems

@@ -17,7 +17,8 @@ from frictionbench.harness.plans.plan import MEMORY_LIMIT, Plan, Plugin, Source
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import COLLECT_SECONDS, open_folder
 from frictionbench.harness.run import run as run_plan
-from frictionbench.harness.workers.pool import Pool, Task
+from frictionbench.harness.workers.pool import Pool
+from frictionbench.harness.workers.task import Task
 from frictionbench.problems import InputError
 from frictionbench.problems.check import require
 from frictionbench.results.files import subfolder

@@ -16,18 +16,19 @@ from pathlib import Path
 
 from frictionbench.harness import machine
 from frictionbench.harness.cells import worker
-from frictionbench.harness.cells.collect import Record
+from frictionbench.harness.cells.records import Record
 from frictionbench.harness.cells.rows import batch_row, no_problem, simulation_row, solve_row
 from frictionbench.harness.convergence import record_histories
 from frictionbench.harness.plans.plan import BatchCell, Cell, Plan, Plugin, SolveCell, origin
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.workers.cluster import Cluster
-from frictionbench.harness.workers.pool import Outcome, Pool, Task
+from frictionbench.harness.workers.pool import Pool
+from frictionbench.harness.workers.task import Outcome, Task
+from frictionbench.problems.verdicts import Verdict
 from frictionbench.results import store
 from frictionbench.results.files import ResultsError
 from frictionbench.results.schema import TABLES
 from frictionbench.results.store import Extent, Row, ShardWriter
-from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers import find
 
 Counted = dict[str, dict[Path, Extent]]  # of each table, what counts of its shards
@@ -47,7 +48,7 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
         counted = {table: store.extents(folder, table) for table in TABLES}
         with Pool(folder, 1 if cluster else jobs, plan.plugins, plan.memory_limit) as pool:
             store.write_manifest(
-                folder, store.read_manifest(folder) | {"workers": None if cluster else jobs, "walls": pool.sandbox}
+                folder, store.read_manifest(folder) | {"workers": None if cluster else jobs, "walls": pool.walls}
             )
             records = _collect(plan, pool, progress)
             _record_motions(plan, pool, progress)

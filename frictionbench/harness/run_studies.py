@@ -9,7 +9,8 @@ from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import run
 from frictionbench.harness.studies import STUDIES, Study
 from frictionbench.harness.studies.study import LIMIT
-from frictionbench.harness.workers.pool import Pool, Task
+from frictionbench.harness.workers.pool import Pool
+from frictionbench.harness.workers.task import Task
 from frictionbench.problems.check import require
 from frictionbench.problems.names import near
 from frictionbench.results.files import ResultsError

@@ -1,12 +1,32 @@
-"""Scenes, the friction problem of one time step and its forms, and the schemes that step a scene through time."""
+"""Scenes, the friction problem of one time step and its forms, the schemes that step a scene, the residual and the verifier.
 
-from frictionbench.problems.compiled import set_kernel_cache
+Each name is imported when it is first used, so that the verdicts alone (problems.verdicts) load no kernels.
+"""
 
-set_kernel_cache()  # before the first kernel is declared
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
-from frictionbench.problems.check import InputError  # noqa: E402
-from frictionbench.problems.forms.lcp import LCP  # noqa: E402
-from frictionbench.problems.friction import FrictionProblem  # noqa: E402
-from frictionbench.problems.scenes import scene, scenes  # noqa: E402
+if TYPE_CHECKING:
+    from frictionbench.problems.answer import Answer, Status
+    from frictionbench.problems.check import InputError
+    from frictionbench.problems.forms.lcp import LCP
+    from frictionbench.problems.friction import FrictionProblem
+    from frictionbench.problems.verdicts import Verdict
 
-__all__ = ["LCP", "FrictionProblem", "InputError", "scene", "scenes"]
+__all__ = ["LCP", "Answer", "FrictionProblem", "InputError", "Status", "Verdict"]
+
+_DEFINED_IN = {
+    "LCP": "forms.lcp",
+    "Answer": "answer",
+    "FrictionProblem": "friction",
+    "InputError": "check",
+    "Status": "answer",
+    "Verdict": "verdicts",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _DEFINED_IN:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    globals()[name] = value = getattr(import_module(f"{__name__}.{_DEFINED_IN[name]}"), name)
+    return value

@@ -55,11 +55,6 @@ class _Part(CPUDispatcher):
         raise TypeError(f"{self.py_func.__name__} can only be called from a compiled kernel: it has no wrapper for Python")
 
 
-def set_kernel_cache() -> None:
-    """Set numba's cache folder; to be called before the first kernel is declared."""
-    config.CACHE_DIR = str(_writable(state(PACKAGE)))
-
-
 def cold_spare() -> str:
     """Where kernels are compiled anew because the usual folder cannot be written; empty where it can, or where they are not."""
     usual, chosen = _usual(), Path(config.CACHE_DIR)
@@ -95,3 +90,6 @@ def _writable(name: str) -> Path:
 def _usual() -> Path:
     chosen = os.environ.get("NUMBA_CACHE_DIR")
     return Path(chosen) if chosen else user_cache_path("frictionbench") / "compiled"
+
+
+config.CACHE_DIR = str(_writable(state(PACKAGE)))  # before the first kernel is declared

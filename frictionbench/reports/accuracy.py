@@ -28,8 +28,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from frictionbench.problems.verdicts import measured
 from frictionbench.results.conventions import RankBy, law
-from frictionbench.results.verdicts import measured
 
 TARGETS = (1e-4, 1e-6, 1e-8)  # two decades apart: from the accuracy of real-time simulation to that of reference solutions
 CHARGES = (1, 3, 10)  # time limits charged for a problem not solved, up to a decade

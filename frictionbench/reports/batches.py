@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
+from frictionbench.problems.verdicts import Verdict
 from frictionbench.reports.templates import environment
 from frictionbench.results.conventions import DRAWN, NEARBY, WAYS, scene_title
 from frictionbench.results.files import write_text
 from frictionbench.results.store import read_manifest, read_table
-from frictionbench.results.verdicts import Verdict
 
 PERCENTILES = (50, 95, 100)
 HEADER = ("solver", "way", "start", "problems a second", "ratio", "p50", "p95", "worst", "threads")

@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.reports import choice, noise, tables
 from frictionbench.reports.accuracy import in_order, overall, percentiles, shown_levels
 from frictionbench.reports.drawing.text import ahead, code, count, escaped, percent, power, seconds
 from frictionbench.reports.run import Run
 from frictionbench.results.files import write_text
-from frictionbench.results.verdicts import Verdict, measured
 
 BANDS = ((0, 4), (4, 20), (20, 100), (100, np.inf))  # contacts
 

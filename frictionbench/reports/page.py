@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.reports import robustness, tables
 from frictionbench.reports.accuracy import CHARGES, OVERALL, by_charge, overall, partial_rankings, percentiles
 from frictionbench.reports.animation import Animation, write_animations
@@ -31,7 +32,6 @@ from frictionbench.results.commands import Sources, rerun, solve
 from frictionbench.results.conventions import RankBy, scene_title
 from frictionbench.results.extras import SHRUNK
 from frictionbench.results.files import write_text
-from frictionbench.results.verdicts import Verdict, measured
 
 MOST_CLAIMS = 200  # wrong claims listed on the page; more make it slow to load
 MOST_SIMULATIONS = 300  # simulations of a scene listed on the page, for the same reason

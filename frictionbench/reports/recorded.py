@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
+from frictionbench.problems.verdicts import measured
 from frictionbench.reports.accuracy import in_order, percentiles
 from frictionbench.reports.run import Run
 from frictionbench.results.conventions import scene_title
-from frictionbench.results.verdicts import measured
 
 NOTICED = 1e-12  # asymmetry and indefiniteness of W above the rounding errors of its assembly
 FEWEST = 20  # steps: of fewer the 99th percentile is the longest time

@@ -9,10 +9,10 @@ from typing import Any
 
 import pandas as pd
 
+from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.reports.run import Run
 from frictionbench.results.extras import Shrunk
 from frictionbench.results.maps import Map, at_grid_points, failed_rows, maps_of
-from frictionbench.results.verdicts import Verdict, measured
 
 NOT_REDUCED = Shrunk("", 0, 0, whole=False)
 

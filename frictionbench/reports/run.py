@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.reports.accuracy import OVERALL, strata, summary, targets, times_to
 from frictionbench.reports.drawing.style import Look, apart, looks
 from frictionbench.results.commands import sources
@@ -30,7 +31,6 @@ from frictionbench.results.conventions import COLD, KEEP_ANSWER, RankBy
 from frictionbench.results.extras import ConvergenceHistory, Deviation, Shrunk, read_deviations, read_histories, read_shrunk
 from frictionbench.results.maps import FirstSteps, GridPoint, maps_of, read_first_steps, read_thresholds
 from frictionbench.results.store import read_manifest, read_table
-from frictionbench.results.verdicts import Verdict, measured
 
 BANDS = (100, 1000)  # unknowns of the friction LCP: dense methods are faster below, sparse ones above
 PORTFOLIO = "*"

@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
+from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.reports.run import Run
 from frictionbench.results.conventions import endings
-from frictionbench.results.verdicts import Verdict, measured
 
 MOST_FAILURES = 12  # kinds of failure listed for one solver, the most frequent ones
 LONGEST = 6000  # characters of a description, three times the longest in this package; a plug-in's may be of any length

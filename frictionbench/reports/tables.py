@@ -11,12 +11,12 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
+from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.reports.accuracy import OVERALL, decade
 from frictionbench.reports.drawing.text import power, residual
 from frictionbench.reports.run import Run
 from frictionbench.results.conventions import ENDINGS, endings
 from frictionbench.results.hardness import HARDNESS, hardness
-from frictionbench.results.verdicts import Verdict, measured
 
 CLOCK_MARGIN = 0.1  # relative difference of a library's own clock from solve_time that is larger than the overhead of a call
 ALL, NONE = "all", "none of these"

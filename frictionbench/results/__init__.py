@@ -8,11 +8,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from frictionbench.problems.verdicts import measured
     from frictionbench.results.conventions import RankBy, scene_title
     from frictionbench.results.files import ResultsError, read_json, subfolder, write_text
     from frictionbench.results.schema import TABLES
     from frictionbench.results.store import read_table
-    from frictionbench.results.verdicts import measured
 
 __all__ = [
     "TABLES",

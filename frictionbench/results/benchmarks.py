@@ -9,9 +9,9 @@ from typing import Any
 
 import pandas as pd
 
+from frictionbench.problems.verdicts import Verdict
 from frictionbench.results.cells import NUMBERS, TEXTS, Cells
 from frictionbench.results.files import ResultsError, read_json
-from frictionbench.results.verdicts import Verdict
 
 LARGEST = 64 * 2**20  # bytes; pytest-benchmark stores every round
 MACHINE = ("node", "machine", "system", "python_version")

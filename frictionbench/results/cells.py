@@ -15,12 +15,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from frictionbench.problems.verdicts import RANK, Verdict, measured
 from frictionbench.results import baseline
 from frictionbench.results.commands import sources
 from frictionbench.results.conventions import RankBy, json_object, scene_title
 from frictionbench.results.files import ResultsError
 from frictionbench.results.store import read_manifest, read_table
-from frictionbench.results.verdicts import RANK, Verdict, measured
 
 TEXTS = ("table", "variant", "scene", "step", "phase", "start", "verdict", "reason", "work")
 NUMBERS = ("tol", "residual", "seconds", "limit")

@@ -1,6 +1,6 @@
 """The differences between two runs, cell by cell and solver by solver.
 
-flips      cells measured in both runs with different verdicts, ordered as in results.verdicts
+flips      cells measured in both runs with different verdicts, ordered as in problems.verdicts
 gone       cells measured before and not now: those that were skipped, for whatever reason, and those without a row
 added      cells measured now and not before that fail
 work       deterministic counters that changed, summed per solver over the cells that both runs solved
@@ -14,8 +14,8 @@ from dataclasses import dataclass, field
 import numpy as np
 import pandas as pd
 
+from frictionbench.problems.verdicts import ACCEPTED, RANK, Verdict, measured
 from frictionbench.results.cells import parse_counts
-from frictionbench.results.verdicts import ACCEPTED, RANK, Verdict, measured
 
 GONE, NEW = "gone", "new"  # in place of the verdict of a cell that one of the runs does not have
 MARGIN = 2.0  # a time within this factor of the limit may exceed it on another day, by noise alone

@@ -14,13 +14,13 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
+from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.results import benchmarks, changes
 from frictionbench.results.cells import Cells, read
 from frictionbench.results.changes import GONE, Change, Flip, Growth
 from frictionbench.results.conventions import RankBy
 from frictionbench.results.files import ResultsError
 from frictionbench.results.times import Pair, Time, times
-from frictionbench.results.verdicts import Verdict, measured
 
 
 class Limits(NamedTuple):

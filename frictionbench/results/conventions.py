@@ -12,7 +12,7 @@ import json
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any
 
-from frictionbench.results.verdicts import Verdict
+from frictionbench.problems.verdicts import Verdict
 
 if TYPE_CHECKING:  # the command line imports this file for its options
     import pandas as pd

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
+from frictionbench.problems.verdicts import Verdict
 from frictionbench.results.files import ResultsError, read_json, write_text
-from frictionbench.results.verdicts import Verdict
 
 NAME = "judgement.json"
 LAWS = ("signorini", "cone", "direction", "dissipation")

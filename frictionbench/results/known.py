@@ -15,11 +15,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
+from frictionbench.problems.verdicts import Verdict
 from frictionbench.results.changes import GONE, NEW, Change, Flip, Growth
 from frictionbench.results.compare import Comparison
 from frictionbench.results.files import ResultsError, read_text
 from frictionbench.results.times import Time
-from frictionbench.results.verdicts import Verdict
 
 F = TypeVar("F", Flip, Growth, Time)
 OF_CELLS = ("verdict", GONE, Verdict.SKIPPED, NEW)

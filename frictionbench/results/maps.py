@@ -23,10 +23,10 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
+from frictionbench.problems.verdicts import Verdict
 from frictionbench.results.conventions import DEFAULT_SCHEME, first_phase
 from frictionbench.results.files import ResultsError, read_parsed, subfolder, write_text
 from frictionbench.results.motion import Array, Outline, outlines, plain
-from frictionbench.results.verdicts import Verdict
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -15,8 +15,8 @@ from typing import NamedTuple
 
 import pyarrow as pa
 
+from frictionbench.problems.verdicts import Verdict
 from frictionbench.results.conventions import WAYS
-from frictionbench.results.verdicts import Verdict
 
 VERSION = 3  # of files and columns; folders and baselines of another version are refused
 

@@ -23,7 +23,7 @@ factor, as large as the criterion can underestimate it:
     1/10   Newton's methods on an LCP: the natural residual bounds this one up to a small factor (solvers.pivots.natural)
     own    outside libraries: each file in solvers/outside states what is requested of the library, and why
 
-If the residual exceeds tol nevertheless, the verifier reports `near_miss` or `wrong` (harness.verify). `limit` bounds the
+If the residual exceeds tol nevertheless, the verifier reports `near_miss` or `wrong` (problems.verify). `limit` bounds the
 method's own unit of work (pivots, sweeps, iterations), None for its default; wall-clock limits are enforced by the harness.
 `start` is an initial guess of the impulses (nc, d), passed only to solvers with warm_start. The status is the solver's own
 claim; the harness verifies every answer independently.
@@ -39,8 +39,7 @@ may be called in several threads at once, for parts of the problems.
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields, replace
-from enum import Enum
+from dataclasses import dataclass, fields, replace
 from numbers import Integral, Real
 from typing import Any, Literal, NamedTuple, Protocol, TypeVar, get_args
 
@@ -48,8 +47,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionbench.problems import LCP, FrictionProblem, InputError, check
+from frictionbench.problems.answer import Answer, Status
 from frictionbench.problems.check import Array, require
-from frictionbench.problems.display import html_table
 from frictionbench.problems.friction import require_problem
 from frictionbench.problems.names import near
 from frictionbench.problems.operators.delassus import DIGITS
@@ -60,69 +59,12 @@ from frictionbench.solvers.balanced import with_balance
 from frictionbench.solvers.clock import is_over, within
 from frictionbench.solvers.needs import installed_version
 
+__all__ = ["Answer", "Solved", "Solver", "SolverInfo", "Status", "available", "find", "solve", "solver"]
+
 Model = Literal["coulomb", "lcp", "relaxation", "regularised"]
 LACKS = ("friction_bias", "joints", "asymmetry")  # what a solver may not support of a problem
 PACKAGE = "frictionbench.solvers."  # the modules of this package's own solvers
 MOST_WORK = 10**8  # the largest limit that may be given: histories of that length are allocated
-
-
-class Status(Enum):
-    """How a solver reports that it ended; the values are messages. It is a claim: `verify` checks the answer.
-
-    >>> import frictionbench as fb
-    >>> fb.Status.STALLED.value
-    'no further progress was possible'
-    """
-
-    SOLVED = "solved to the requested tolerance"
-    RAY = "ended on a secondary ray with a valid certificate: this path leads to no solution"
-    WORK_LIMIT = "reached the work limit"
-    STALLED = "no further progress was possible"
-    BREAKDOWN = "numerical breakdown"
-    TIME_LIMIT = "reached the time limit: this is the best answer found until then"
-    ROUNDING = "solved as far as can be told: rounding alone may leave a residual above the requested tolerance"
-    FAILED = "the outside library reported a failure"
-
-
-@dataclass(eq=False, slots=True, repr=False)
-class Answer:
-    """The result of a solver.
-
-    impulse: (nc, d), N s, the normal component first; (0, 0) for a bare LCP. z: (n,), the solution of the LCP, for LCP solvers.
-    status: how the solver reports that it ended.
-    work: deterministic counts by name (pivots, sweeps, iterations, factorisations).
-    history: the method's measure of convergence, one number per iteration, where it has one.
-    detail: the message of the outside library, or the reason of the status.
-    clock: s, the solve time that the library reports itself, if any; the harness times the whole call as well.
-    softness: (nc, d), 1/kg, for solvers of regularised contacts: the R >= 0 in u = W r + q + R r; harness.verify bounds it.
-
-    >>> import frictionbench as fb
-    >>> answer = fb.solve(fb.scene("stack", blocks=2).problem(), "lemke")
-    >>> answer.impulse.shape, answer.status.name, sorted(answer.work)[-1]
-    ((4, 2), 'SOLVED', 'restarts')
-    """
-
-    impulse: Array
-    status: Status
-    work: dict[str, int] = field(default_factory=dict)
-    history: tuple[float, ...] = ()
-    z: Array | None = None
-    detail: str = ""
-    clock: float | None = None
-    softness: Array | None = None
-
-    def __repr__(self) -> str:
-        return f"Answer({', '.join([getattr(self.status, 'name', repr(self.status)), *self._arrays(), *self._counts()])})"
-
-    def _repr_html_(self) -> str:
-        rows: dict[str, object] = {"status": f"{self.status.name}: {self.status.value}", "arrays": ", ".join(self._arrays())}
-        return html_table("Answer", rows | {"work": ", ".join(self._counts()), "detail": self.detail})
-
-    def _arrays(self) -> list[str]:
-        return [f"{name} {np.shape(array)}" for name in ("impulse", "z") if (array := getattr(self, name)) is not None]
-
-    def _counts(self) -> list[str]:
-        return [f"{unit} {count}" for unit, count in self.work.items()]
 
 
 class Solved(NamedTuple):

@@ -18,7 +18,8 @@ from frictionbench.commands import show
 from frictionbench.commands.show import recorded
 from frictionbench.harness.cells.motion import record_motion, store_motion
 from frictionbench.harness.plans.plan import Source
-from frictionbench.problems import InputError, scene, scenes
+from frictionbench.problems import InputError
+from frictionbench.problems.scenes import scene, scenes
 from frictionbench.problems.schemes import SCHEMES
 from frictionbench.problems.simulate import simulate
 from frictionbench.reports import animation

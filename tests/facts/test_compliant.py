@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from frictionbench.problems import InputError, scene
+from frictionbench.problems import InputError
 from frictionbench.problems.compliant import comply
+from frictionbench.problems.scenes import scene
 
 
 @pytest.mark.parametrize("method", ["Radau", "BDF"])

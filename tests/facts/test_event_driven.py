@@ -5,9 +5,10 @@ import pytest
 
 from frictionbench import solvers
 from frictionbench.harness.cells.motion import record_motion
-from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.scene import Scene
+from frictionbench.problems.scenes import scene
 from frictionbench.problems.schemes import SCHEMES, NoSolution, Step, start
 from frictionbench.problems.schemes.event_driven import follow
 from frictionbench.problems.schemes.impact import impact

@@ -5,9 +5,10 @@ import pytest
 
 from frictionbench import solvers
 from frictionbench.harness.cells.motion import record_motion
-from frictionbench.problems import FrictionProblem, InputError, scene
+from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.check import Array
 from frictionbench.problems.generalised import GeneralisedScene, ReducedScene
+from frictionbench.problems.scenes import scene
 from frictionbench.problems.schemes import SCHEMES, Step
 from frictionbench.problems.simulate import simulate
 from tests.helpers.siconos_motions import siconos_motion

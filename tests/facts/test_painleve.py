@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.census import census
 from frictionbench.problems.analysis.mode import mode
 from frictionbench.problems.analysis.polyhedra import Shape
 from frictionbench.problems.residual import relaxation_residual, residual
+from frictionbench.problems.scenes import scene
 from frictionbench.solvers import solve
 from tests.helpers.force_level import Regime, force_level_lcp, regime
 from tests.helpers.lcp_census import lcp_census

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import relaxation_residual, residual
+from frictionbench.problems.scenes import scene
 from frictionbench.solvers import solve
 from tests.helpers.friction_problems import block
 

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from frictionbench import solvers
-from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.labels import pointedness
 from frictionbench.problems.check import Array
 from frictionbench.problems.residual import residual
+from frictionbench.problems.scenes import scene
 from frictionbench.problems.schemes import Step
 from frictionbench.problems.simulate import ledger_defect, simulate
 

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from frictionbench import solvers
-from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.residual import relaxation_residual, residual
 from frictionbench.problems.scene import Scene
+from frictionbench.problems.scenes import scene
 from frictionbench.problems.schemes import SCHEMES, NoSolution, Step
 from frictionbench.problems.schemes.impact import impact
 from frictionbench.problems.simulate import simulate

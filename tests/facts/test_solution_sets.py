@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.census import census
 from frictionbench.problems.analysis.labels import pointedness
 from frictionbench.problems.analysis.polyhedra import Shape
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual, residual_floor
+from frictionbench.problems.scenes import scene
 from frictionbench.solvers import Status, solve
 from tests.helpers.paths import DATA
 

@@ -8,13 +8,14 @@ import pytest
 from frictionbench.commands.admit import admissible, fewest_contacts
 from frictionbench.harness.cells.reference import Reference
 from frictionbench.harness.plans.hard import ANSWERS, FEWEST, METHODS, TOL, admitted, families, hard, kept_answer
-from frictionbench.harness.verify import verify
-from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.analysis.thresholds import gaps_only, is_pointed
 from frictionbench.problems.instances import instances, make_instance
 from frictionbench.problems.residual import residual, residual_floor
-from frictionbench.results.verdicts import Verdict
+from frictionbench.problems.scenes import scene
+from frictionbench.problems.verdicts import Verdict
+from frictionbench.problems.verify import verify
 from frictionbench.solvers import available, solve
 from tests.helpers.frictionless import friction_at_work
 
@@ -95,7 +96,7 @@ def test_the_method_fails_on_the_smallest_problem_recorded_for_it(method) -> Non
     row = min(_recorded(method, since=False), key=lambda row: int(row["contacts"]))
     problem = problem_of(row)
     answer = solve(problem, method, tol=TOL)
-    assert verify(problem, answer, available()[method], TOL).verdict != Verdict.SOLVED
+    assert verify(problem, answer, available()[method].model, TOL).verdict != Verdict.SOLVED
 
 
 @pytest.mark.parametrize("method", SOLVED_SINCE)
@@ -104,7 +105,7 @@ def test_what_a_method_has_come_to_solve_it_solves(method) -> None:
     assert len(rows) == len(SOLVED_SINCE[method])
     for row in rows:
         problem = problem_of(row)
-        assert verify(problem, solve(problem, method, tol=TOL), available()[method], TOL).verdict == Verdict.SOLVED
+        assert verify(problem, solve(problem, method, tol=TOL), available()[method].model, TOL).verdict == Verdict.SOLVED
 
 
 @pytest.mark.parametrize(

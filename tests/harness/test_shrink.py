@@ -11,11 +11,12 @@ from frictionbench.commands.shrink import shrink
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.run import run
 from frictionbench.harness.shrink import Search, reduction
-from frictionbench.harness.workers.inputs import load_plugins
-from frictionbench.problems import FrictionProblem, InputError, scene
+from frictionbench.harness.workers.plugins import load_plugins
+from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.recorded.own import load
 from frictionbench.problems.reduce import keep_contacts
+from frictionbench.problems.scenes import scene
 from frictionbench.results import store
 from frictionbench.results.files import ResultsError
 from tests.helpers.paths import BAD_SOLVERS

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.instances import make_instance
 from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.scenes import scene
 
 PLANAR = random_problem(3, contacts=6)
 PROBLEMS = {

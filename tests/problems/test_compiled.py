@@ -30,7 +30,7 @@ def package(tmp_path) -> Path:
         (home / folder).mkdir(parents=True)
     problems = home / "problems"
     (home / "__init__.py").touch()
-    (problems / "__init__.py").write_text("import frictionbench.problems.compiled as compiled\ncompiled.set_kernel_cache()\n")
+    (problems / "__init__.py").write_text("import frictionbench.problems.compiled\n")
     shutil.copy(ROOT / "frictionbench" / "problems" / "compiled.py", problems)
     (problems / "outer.py").write_text(KERNEL.format(module="inner"))
     write_inner(home, 1)

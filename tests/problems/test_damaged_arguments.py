@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from frictionbench.problems import LCP, FrictionProblem, InputError, scene
+from frictionbench.problems import LCP, FrictionProblem, InputError
+from frictionbench.problems.scenes import scene
 from frictionbench.solvers import solve
 
 START = np.arange(7, dtype=np.int32)

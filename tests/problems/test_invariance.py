@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from frictionbench.harness.verify import verify
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.stability import backward_error
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import fclib_error, polygon_residual, relaxation_residual, residual, residual_floor
 from frictionbench.problems.simulate import ledger_defect
-from frictionbench.solvers import Answer, Status, available, solve
+from frictionbench.problems.verify import verify
+from frictionbench.solvers import Answer, Status, solve
 from tests.helpers.friction_problems import spatial, with_joints
 
 SEEDS = range(200)
@@ -67,8 +67,8 @@ def assert_same(problem, r, other, moved, units=True):
             continue  # rounding in r_t decides whether any change of mu would do
         slack = of_energy if name == "energy" else np.inf if name == "FCLIB" and value < 1e-9 else floor
         assert theirs[name] == pytest.approx(value, rel=1e-7, abs=max(10 * slack, 1e-15)), name
-    for info in (available()["lemke"], available()["relaxation_ip"]):
-        verdicts = [verify(p, Answer(x, Status.SOLVED), info, 1e-5).verdict for p, x in ((problem, r), (other, moved))]
+    for model in ("lcp", "relaxation"):
+        verdicts = [verify(p, Answer(x, Status.SOLVED), model, 1e-5).verdict for p, x in ((problem, r), (other, moved))]
         assert verdicts[0] == verdicts[1]
 
 
@@ -113,7 +113,7 @@ def test_polygon_unit_invariance(seed):
             ours, theirs = polygon_residual(problem, lcp, z), polygon_residual(other, other.lcp(), moved)
             assert theirs == pytest.approx(ours, rel=1e-6, abs=1e-13 * max(1, np.abs(lcp.M @ z).max() / problem.velocity_scale))
             verdicts = [
-                verify(p, Answer(p.lcp().impulse(x), Status.SOLVED, z=x), available()["lemke"], 1e-6).verdict
+                verify(p, Answer(p.lcp().impulse(x), Status.SOLVED, z=x), "lcp", 1e-6).verdict
                 for p, x in ((problem, z), (other, moved))
             ]
             assert verdicts[0] == verdicts[1]
@@ -166,7 +166,6 @@ def test_duplicated_contact_invariance(seed):
 
 def test_random_answers_cover_three_verdicts():
     """The answers above are of three kinds, so that equal verdicts mean something."""
-    lemke = available()["lemke"]
-    kinds = [[verify(met(seed)[0], Answer(r, Status.SOLVED), lemke, 1e-5).verdict for r in met(seed)[1]] for seed in SEEDS]
+    kinds = [[verify(met(seed)[0], Answer(r, Status.SOLVED), "lcp", 1e-5).verdict for r in met(seed)[1]] for seed in SEEDS]
     assert sum(first == "solved" for first, _, _ in kinds) > 190
     assert sum(last == "wrong" for _, _, last in kinds) > 190

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from frictionbench.harness.contract.check import in_units, permuted
-from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.stability import backward_error
 from frictionbench.problems.combine import side_by_side
 from frictionbench.problems.forms.delassus import measures
@@ -12,6 +12,7 @@ from frictionbench.problems.forms.islands import CANCELLED, COUPLED, FAR, LEVEL,
 from frictionbench.problems.measures import defects
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import energy_within, polygon_residual, relaxation_residual, residual, residual_floor
+from frictionbench.problems.scenes import scene
 from frictionbench.solvers import available, solve
 from tests.helpers.friction_problems import block, spatial, with_joints
 

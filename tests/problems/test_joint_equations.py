@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from frictionbench.problems import FrictionProblem, InputError, scene
+from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.recorded import read
 from frictionbench.problems.residual import residual
+from frictionbench.problems.scenes import scene
 from frictionbench.solvers import solve
 
 FIELDS = {

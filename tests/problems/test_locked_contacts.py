@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from frictionbench.harness.verify import verify
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.residual import residual
+from frictionbench.problems.verify import verify
 from frictionbench.solvers import Answer, Status, available, solve
 from tests.helpers.paths import DATA
 
@@ -33,7 +33,7 @@ def test_force_on_open_locked_contact(seed):
     for size in (1e-3, 1.0, 1e3):
         pushed = exact + np.array([[size, 0.0], [0.0, 0.0]])
         assert residual(problem, pushed) > min(1.0, size) * 1e-3
-        assert verify(problem, Answer(pushed, Status.SOLVED), available()["lemke"], 1e-8).verdict == "wrong"
+        assert verify(problem, Answer(pushed, Status.SOLVED), "lcp", 1e-8).verdict == "wrong"
     assert not problem.W[[0, 1]].toarray().any()
     assert not problem.W[:, [0, 1]].toarray().any()
 
@@ -67,5 +67,5 @@ def test_redundant_joints(name, method):
     fields |= {"friction_bias": "fb", "joints": "F", "joint_bias": "bF"}
     problem = FrictionProblem(**{field: data[key] for field, key in fields.items()})
     answer = solve(problem, method, tol=1e-8)
-    assert verify(problem, answer, available()[method], 1e-8).verdict == "solved"
+    assert verify(problem, answer, available()[method].model, 1e-8).verdict == "solved"
     assert answer.work.get("factorisations", 0) < 40

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from frictionbench.problems import FrictionProblem, InputError, scene
+from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.forms import banded
 from frictionbench.problems.instances.rod_chain import rod_chain
 from frictionbench.problems.operators import mechanical
 from frictionbench.problems.residual import residual
+from frictionbench.problems.scenes import scene
 from frictionbench.solvers import solve
 
 

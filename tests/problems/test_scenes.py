@@ -5,10 +5,11 @@ import pickle
 import numpy as np
 import pytest
 
-from frictionbench.problems import InputError, scene, scenes
+from frictionbench.problems import InputError
 from frictionbench.problems.planar.bodies import Geometry, half_plane, hollow, rigid_box
 from frictionbench.problems.planar.joints import Hinge
 from frictionbench.problems.scene import Scene
+from frictionbench.problems.scenes import scene, scenes
 from frictionbench.problems.scenes.catalogue import SPATIAL
 from frictionbench.solvers import solve
 

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.combine import side_by_side
 from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.scenes import scene
 from frictionbench.problems.separate import separate
 
 PROBLEMS = random_problem(0, 5), scene("chain", links=3).problem(), random_problem(1, 3)

@@ -12,9 +12,10 @@ import pytest
 from typer.testing import CliRunner
 
 from frictionbench.commands.cli import app
-from frictionbench.harness.workers.inputs import load_plugins
-from frictionbench.problems import FrictionProblem, InputError, scene
+from frictionbench.harness.workers.plugins import load_plugins
+from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.residual import residual
+from frictionbench.problems.scenes import scene
 from frictionbench.solvers import Status, executable, find
 from tests.helpers.friction_problems import nothing, spatial, with_joints
 from tests.helpers.paths import ROOT

@@ -15,7 +15,7 @@ import pytest
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from frictionbench.harness.workers import sandbox
+from frictionbench.harness.workers import walls
 from frictionbench.reports import accuracy, choice, tables
 from frictionbench.reports.charts import CHARTS, MAPS, classes, growth, pareto, speed_accuracy, steps
 from frictionbench.reports.charts import work as work_chart
@@ -631,9 +631,9 @@ def test_run_settings_list():
 
 
 def test_walls_around_plugins_are_told_with_the_machine(tmp_path):
-    assert set(WALLS) == {sandbox.NAMESPACES, sandbox.LANDLOCK, sandbox.FILES_ONLY, sandbox.GROUPS}
-    page = _Page(write_report(write_folder(tmp_path / "run", [solve_row("a", "p")], walls=sandbox.GROUPS))).text
-    assert f"walls around plug-ins{sandbox.GROUPS}: {WALLS[sandbox.GROUPS]}" in page
+    assert set(WALLS) == {walls.NAMESPACES, walls.LANDLOCK, walls.FILES_ONLY, walls.GROUPS}
+    page = _Page(write_report(write_folder(tmp_path / "run", [solve_row("a", "p")], walls=walls.GROUPS))).text
+    assert f"walls around plug-ins{walls.GROUPS}: {WALLS[walls.GROUPS]}" in page
     told = dict(settings({"machine": {"host": "here"}, "walls": "of another version", "started": "now"}))
     assert told["machine"][1:] == [("walls around plug-ins", "of another version", 0)]
     assert told["run"] == [("started", "now", 0)]

@@ -14,8 +14,9 @@ import pytest
 
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.run import open_folder, run
-from frictionbench.problems import InputError, scene
+from frictionbench.problems import InputError
 from frictionbench.problems.recorded import own
+from frictionbench.problems.scenes import scene
 from frictionbench.reports.page import write_report
 from frictionbench.results import files, store
 from frictionbench.results.compare import compare

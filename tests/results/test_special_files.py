@@ -11,8 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from frictionbench.problems import InputError, scene
+from frictionbench.problems import InputError
 from frictionbench.problems.recorded import archive, own, read
+from frictionbench.problems.scenes import scene
 from frictionbench.results import store
 from tests.helpers.command_line import frictionbench
 from tests.helpers.made_results import SETTINGS, solve_row, write_folder

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from frictionbench import solvers
-from frictionbench.problems import FrictionProblem, InputError, scene
+from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.copies import duplicate
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import relaxation_residual, residual, residual_floor
+from frictionbench.problems.scenes import scene
 from frictionbench.solvers import Answer, Status, available, find, solve
 from tests.helpers.friction_problems import block, nothing, spatial, with_joints
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from frictionbench.harness.cells.collect import stored_start
-from frictionbench.harness.verify import verify
 from frictionbench.problems import LCP, FrictionProblem, InputError
 from frictionbench.problems.residual import fclib_error, relaxation_residual, residual, residual_floor
+from frictionbench.problems.verify import verify
 from frictionbench.solvers import Answer, Status, available, find, solve, solver
 from tests.helpers.friction_problems import block, spatial
 
@@ -73,7 +73,7 @@ def test_an_unsymmetric_delassus_matrix_is_refused_by_methods_in_velocities(name
     if "asymmetry" in info.lacks:
         assert info.refuses(problem) == f"{name} does not support asymmetry"
     elif (answer := solve(problem, info.specs[0], tol=1e-6)).status is Status.SOLVED:
-        assert verify(problem, answer, info, 1e-6).verdict in ("solved", "relaxed")
+        assert verify(problem, answer, info.model, 1e-6).verdict in ("solved", "relaxed")
 
 
 @pytest.mark.parametrize("limit", [0, -1, 1.5, True, "10", 10**9, float("nan")])

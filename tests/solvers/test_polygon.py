@@ -8,12 +8,12 @@ import pytest
 from frictionbench.harness.plans.choose import choose
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import run
-from frictionbench.harness.verify import verify
 from frictionbench.problems import InputError
 from frictionbench.problems.instances import make_instance
+from frictionbench.problems.verdicts import Verdict
+from frictionbench.problems.verify import verify
 from frictionbench.results.extras import POLYGON, read_deviations
 from frictionbench.results.files import ResultsError
-from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers import find, solve
 
 LCP_SOLVERS = ("lemke", "path_search", "dantzig", "fischer_newton", "minmap_newton", "murty")
@@ -27,7 +27,7 @@ def sliding():
 def test_polygon_error_is_model_error(name) -> None:
     problem = sliding()
     spec = f"{name}[facets=12]"
-    finding = verify(problem, solve(problem, spec, tol=1e-8), find(spec)[0], 1e-8)
+    finding = verify(problem, solve(problem, spec, tol=1e-8), find(spec)[0].model, 1e-8)
     if name != "murty":  # sure for P-matrices only, and this is none
         assert finding.verdict == Verdict.RELAXED
         assert finding.model_residual <= 1e-8
@@ -38,7 +38,7 @@ def test_error_decreases_with_facets() -> None:
     """The polygon's corner that is nearest to the direction of sliding is the farther from it the fewer there are."""
     problem = sliding()
     sizes = (4, 8, 16, 32, 64)
-    errors = [verify(problem, solve(problem, f"lemke[facets={k}]"), find("lemke")[0], 1e-8).residual for k in sizes]
+    errors = [verify(problem, solve(problem, f"lemke[facets={k}]"), "lcp", 1e-8).residual for k in sizes]
     assert all(later <= earlier * (1 + 1e-9) for earlier, later in pairwise(errors))
     assert errors[-1] < errors[0] / 8
     assert solve(problem, "lemke[facets=64]").z.size == 4 * 66

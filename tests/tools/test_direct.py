@@ -5,7 +5,8 @@ import re
 import numpy as np
 import pytest
 
-from frictionbench.problems import InputError, scene
+from frictionbench.problems import InputError
+from frictionbench.problems.scenes import scene
 from frictionbench.solvers import Status, available, find, solve
 from tests.helpers.paths import ROOT
 from tools.direct.__main__ import BLOCKS, FAIR, TOL, charged_table

@@ -23,14 +23,14 @@ import numpy as np
 from frictionbench.harness import process
 from frictionbench.harness.plans.choose import problem_of
 from frictionbench.harness.plans.plan import BatchCell
-from frictionbench.harness.verify import verify
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.batch import Batch
 from frictionbench.problems.check import Array
+from frictionbench.problems.verdicts import RANK, Verdict
+from frictionbench.problems.verify import verify
 from frictionbench.results.conventions import DRAWN, NEARBY, WARM
 from frictionbench.results.store import Row
-from frictionbench.results.verdicts import RANK, Verdict
 from frictionbench.solvers import Answer, Answers, SolverInfo, solve, solve_many
 
 BASE = {2: "lemke", 3: "hybrid"}  # by dimension
@@ -147,7 +147,10 @@ def _threads(cell: BatchCell, batch: Problems, seconds: float) -> Row:
 
 def _verified(cell: BatchCell, batch: Problems, answers: list[Answer], info: SolverInfo) -> Row:
     """The worst verdict, how often which verdict was found, and the counts of work together."""
-    findings = [verify(problem, answer, info, cell.tol) for problem, answer in zip(batch.problems, answers, strict=True)]
+    findings = [
+        verify(problem, answer, info.model, cell.tol, quiet=bool(info.needs))
+        for problem, answer in zip(batch.problems, answers, strict=True)
+    ]
     verdicts = Counter(finding.verdict for finding in findings)
     work: Counter[str] = Counter()
     for answer in answers:

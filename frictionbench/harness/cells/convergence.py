@@ -9,8 +9,8 @@ from time import perf_counter
 
 import numpy as np
 
-from frictionbench.harness.cells.answers import checked_copy
 from frictionbench.problems import FrictionProblem
+from frictionbench.problems.answer import checked_copy
 from frictionbench.problems.check import Array
 from frictionbench.problems.copies import duplicate
 from frictionbench.problems.residual import residual

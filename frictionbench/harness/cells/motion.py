@@ -16,11 +16,12 @@ import numpy as np
 from frictionbench.harness.cells.reference import NoReference, Reference
 from frictionbench.harness.cells.simulation import DIVERGED
 from frictionbench.harness.plans.plan import Source
-from frictionbench.problems import FrictionProblem, scene, scenes
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.generalised import GeneralisedScene
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scene import Scene
+from frictionbench.problems.scenes import scene, scenes
 from frictionbench.problems.schemes import SCHEMES, NoSolution, Step
 from frictionbench.problems.simulate import simulate
 from frictionbench.problems.spatial.bodies import SpatialGeometry, Sphere

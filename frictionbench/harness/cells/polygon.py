@@ -8,10 +8,11 @@ from functools import partial
 
 import numpy as np
 
-from frictionbench.harness.verify import verify
-from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
+from frictionbench.problems.scenes import scene
 from frictionbench.problems.simulate import simulate
+from frictionbench.problems.verify import verify
 from frictionbench.results.extras import Deviation
 from frictionbench.solvers import find, solve
 
@@ -46,7 +47,7 @@ def _apart(one: Array, other: Array) -> float:
 
 def _verified(spec: str, problem: FrictionProblem) -> Array:
     answer = solve(problem, spec, tol=TOLERANCE)
-    finding = verify(problem, answer, find(spec)[0], TOLERANCE)
+    finding = verify(problem, answer, find(spec)[0].model, TOLERANCE)
     if not min(finding.residual, finding.model_residual) <= TOLERANCE:
         raise ArithmeticError(f"{spec}: {answer.status.value}; the residual of its model is {finding.model_residual:.1e}")
     return answer.impulse

@@ -8,10 +8,10 @@ from collections import Counter
 
 import numpy as np
 
-from frictionbench.harness.verify import verify
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
-from frictionbench.results.verdicts import Verdict
+from frictionbench.problems.verdicts import Verdict
+from frictionbench.problems.verify import verify
 from frictionbench.solvers import available, solve
 
 TOL, ACCEPTED = 1e-10, 1e-8  # residuals: the tolerance given to solvers; the largest accepted, the tightest of most suites
@@ -38,7 +38,7 @@ class Reference:
         failed = []
         for name in _names(problem):
             try:
-                finding = verify(problem, answer := solve(problem, name, tol=TOL), available()[name], ACCEPTED)
+                finding = verify(problem, answer := solve(problem, name, tol=TOL), available()[name].model, ACCEPTED)
             except Exception as error:  # the next may solve it
                 failed.append(f"{name}: {type(error).__name__}")
                 continue

@@ -16,18 +16,19 @@ from typing import Any
 
 import numpy as np
 
-from frictionbench.harness.cells.answers import AnswerError
 from frictionbench.harness.cells.timing import clean_call, timed_call
 from frictionbench.harness.plans.plan import SimulationCell
-from frictionbench.harness.verify import verify
-from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.answer import AnswerError
 from frictionbench.problems.check import Array
 from frictionbench.problems.copies import duplicate, same
 from frictionbench.problems.scene import Scene
+from frictionbench.problems.scenes import scene
 from frictionbench.problems.schemes import SCHEMES, NoSolution, Scheme, Solve, Step
 from frictionbench.problems.simulate import simulate
+from frictionbench.problems.verdicts import RANK, Verdict
+from frictionbench.problems.verify import verify
 from frictionbench.results.conventions import KEEP_VELOCITY, RELAX
-from frictionbench.results.verdicts import RANK, Verdict
 from frictionbench.solvers import Solver, SolverInfo, solve
 
 DIVERGED = 1e6  # of the scene's energy: no inaccurate but stable motion gains nearly as much
@@ -63,7 +64,7 @@ class _ClosedLoop:
             return Verdict.WRONG if error.claimed else Verdict.UNSOLVED, np.zeros((problem.contacts, problem.dimension))
         answered = perf_counter()
         self.solver_time += np.nan if call.loaded else sum(call.times)
-        finding = verify(problem, call.answer, self._info, self._tol)
+        finding = verify(problem, call.answer, self._info.model, self._tol, quiet=bool(self._info.needs))
         self.worst_residual = max(self.worst_residual, finding.residual)
         if np.isfinite(finding.residual):
             self.worst_defect = max(self.worst_defect, abs(finding.energy_defect))

@@ -24,9 +24,9 @@ from dataclasses import dataclass, field
 from time import perf_counter  # bound here: a solver may replace the attributes of `time`
 from typing import Any, NamedTuple
 
-from frictionbench.harness.cells.answers import checked_copy, identical
 from frictionbench.harness.process import no_forked_child
 from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems.answer import checked_copy, identical
 from frictionbench.problems.copies import nudged
 from frictionbench.solvers import Answer, Solver
 

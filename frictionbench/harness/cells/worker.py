@@ -18,27 +18,30 @@ from typing import Any
 import numpy as np
 
 from frictionbench.harness import process
-from frictionbench.harness.cells.answers import AnswerError
 from frictionbench.harness.cells.batch import batch_of, time_batch
-from frictionbench.harness.cells.collect import Record, collect, stored, stored_start
+from frictionbench.harness.cells.collect import collect, stored, stored_start
+from frictionbench.harness.cells.columns import finding_columns
 from frictionbench.harness.cells.convergence import convergence_history
 from frictionbench.harness.cells.judgement import judge_file
 from frictionbench.harness.cells.motion import record_motion, store_motion
 from frictionbench.harness.cells.polygon import measure
-from frictionbench.harness.cells.rows import batch_row, finding_columns, simulation_row, solve_row, solver_facts
+from frictionbench.harness.cells.records import Record
+from frictionbench.harness.cells.rows import batch_row, simulation_row, solve_row, solver_facts
 from frictionbench.harness.cells.simulation import refusal, run_closed_loop
 from frictionbench.harness.cells.timing import MOST, Timing, time_solver
 from frictionbench.harness.deadline import COMPILE_SECONDS, Deadline
 from frictionbench.harness.plans.plan import BatchCell, Plugin, SimulationCell, SolveCell, Source
-from frictionbench.problems import LCP, FrictionProblem, InputError, scene
+from frictionbench.problems import LCP, FrictionProblem, InputError
+from frictionbench.problems.answer import AnswerError
 from frictionbench.problems.copies import duplicate, same
 from frictionbench.problems.instances import instances, make_instance
+from frictionbench.problems.scenes import scene
 from frictionbench.problems.spec import split
+from frictionbench.problems.verdicts import Verdict
 from frictionbench.results.conventions import COLD
 from frictionbench.results.extras import read_deviations, write_deviations
 from frictionbench.results.motion import encoded
 from frictionbench.results.store import Row
-from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers import Solver, SolverInfo, find, plugins
 from frictionbench.solvers.interface import dense_storage
 
@@ -227,7 +230,7 @@ def run_motion(source: Source, limit: float) -> None:
 
 
 def run_show(name: str, settings: dict[str, Any], variant: str, scheme: str, steps: int | None, limit: float) -> dict[str, Any]:
-    """The motion of a scene by a solver, encoded: in its sandbox a plug-in's worker writes no file."""
+    """The motion of a scene by a solver, encoded: behind its walls a plug-in's worker writes no file."""
     _solver(variant)
     with _worker.deadline.within(limit):
         return encoded(record_motion(scene(name, **settings), variant, scheme, steps))

@@ -14,12 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from frictionbench.harness.verify import Finding, verify
-from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.copies import duplicate
 from frictionbench.problems.instances import make_instance
-from frictionbench.results.verdicts import ACCEPTED, Verdict
+from frictionbench.problems.scenes import scene
+from frictionbench.problems.verdicts import ACCEPTED, Verdict
+from frictionbench.problems.verify import Finding, verify
 from frictionbench.solvers import Answer, Solver, SolverInfo
 
 TOL = 1e-6  # a tolerance that first-order methods and soft contacts reach as well
@@ -41,7 +42,7 @@ class Subject(NamedTuple):
     ) -> tuple[Answer, Finding]:
         """Its answer to a copy of the problem, and the finding on it."""
         answer = self.solver.solve(self.solver.prepare(duplicate(problem)), tol, limit, start)
-        return answer, verify(problem, answer, self.info, tol)
+        return answer, verify(problem, answer, self.info.model, tol)
 
 
 class Check(NamedTuple):

@@ -9,8 +9,8 @@ import numpy as np
 
 from frictionbench.harness.studies.motions import FINEST, SAMPLES, by_events, sampled
 from frictionbench.harness.studies.study import Study, Table
-from frictionbench.problems import scene
 from frictionbench.problems.compliant import comply
+from frictionbench.problems.scenes import scene
 from frictionbench.problems.schemes.impact import impact
 from frictionbench.results.store import Row
 

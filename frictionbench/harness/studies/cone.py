@@ -6,10 +6,11 @@ import numpy as np
 
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.studies.study import Study, Table
-from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.instances import make_instance
 from frictionbench.problems.residual import residual
+from frictionbench.problems.scenes import scene
 from frictionbench.problems.simulate import simulate
 from frictionbench.results.store import Row
 from frictionbench.solvers import solve

@@ -9,7 +9,7 @@ from frictionbench.harness.plans import families
 from frictionbench.harness.plans.plan import Source
 from frictionbench.harness.plans.suites import EXAMPLES
 from frictionbench.harness.studies.study import Study, Table
-from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.census import Census, census
 from frictionbench.problems.analysis.polyhedra import Shape
 from frictionbench.problems.analysis.thresholds import is_p0, is_pointed
@@ -17,6 +17,7 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.instances import instances, make_instance
 from frictionbench.problems.instances.recorded_step import recorded_steps
 from frictionbench.problems.residual import residual
+from frictionbench.problems.scenes import scene
 from frictionbench.problems.simulate import first_problem, simulate
 from frictionbench.results.store import Row
 from frictionbench.solvers import solve

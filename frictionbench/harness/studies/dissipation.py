@@ -7,10 +7,11 @@ from scipy.optimize import lsq_linear
 
 from frictionbench.harness.plans.suites import EXACT, OTHERS
 from frictionbench.harness.studies.study import Study, Table
-from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.census import census
 from frictionbench.problems.check import Array
 from frictionbench.problems.residual import residual
+from frictionbench.problems.scenes import scene
 from frictionbench.problems.simulate import first_problem
 from frictionbench.results.store import Row
 from frictionbench.solvers import solve

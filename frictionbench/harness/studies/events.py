@@ -9,8 +9,8 @@ import numpy as np
 
 from frictionbench.harness.studies.motions import FINEST, SAMPLES, by_events, exact, sampled
 from frictionbench.harness.studies.study import Study, Table
-from frictionbench.problems import scene
 from frictionbench.problems.check import Array
+from frictionbench.problems.scenes import scene
 from frictionbench.problems.schemes import SCHEMES, NoSolution, start
 from frictionbench.problems.schemes.event_driven import newton
 from frictionbench.problems.schemes.impact import impact

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from frictionbench.harness.studies.study import Study, Table
-from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
+from frictionbench.problems.scenes import scene
 from frictionbench.problems.schemes import SCHEMES
 from frictionbench.problems.simulate import simulate
 from frictionbench.results.store import Row

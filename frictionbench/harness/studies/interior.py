@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 
 from frictionbench.harness.studies.study import Study, Table
-from frictionbench.problems import LCP, FrictionProblem, scene
+from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.analysis.census import census
 from frictionbench.problems.analysis.thresholds import is_p0
 from frictionbench.problems.check import Array
 from frictionbench.problems.instances import make_instance
 from frictionbench.problems.residual import relaxation_residual, residual
+from frictionbench.problems.scenes import scene
 from frictionbench.problems.simulate import first_problem
 from frictionbench.results.store import Row
 from frictionbench.solvers import Answer, solve

@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from frictionbench.harness.studies.study import Study, Table
-from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.census import census
 from frictionbench.problems.check import Array
 from frictionbench.problems.scene import Scene
+from frictionbench.problems.scenes import scene
 from frictionbench.problems.schemes import SCHEMES, NoSolution
 from frictionbench.problems.simulate import first_problem, simulate
 from frictionbench.results.store import Row

@@ -7,8 +7,8 @@ import numpy as np
 
 from frictionbench.harness.studies.moves import coulomb
 from frictionbench.harness.studies.study import Study, Table
-from frictionbench.problems import scene
 from frictionbench.problems.check import Array
+from frictionbench.problems.scenes import scene
 from frictionbench.problems.schemes import SCHEMES, NoSolution
 from frictionbench.problems.simulate import simulate
 from frictionbench.results.store import Row

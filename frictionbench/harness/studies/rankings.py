@@ -9,11 +9,12 @@ from frictionbench.harness.plans import families
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.plans.recorded import located
 from frictionbench.harness.studies.study import Study, Table
-from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.frictionless import frictionless_answer, idle
 from frictionbench.problems.check import Array
 from frictionbench.problems.instances import make_instance
 from frictionbench.problems.residual import relaxation_residual, residual
+from frictionbench.problems.scenes import scene
 from frictionbench.results.store import Row
 from frictionbench.solvers import Answer, Status, available, find, solve
 

@@ -7,11 +7,12 @@ import numpy as np
 
 from frictionbench.harness.studies.moves import TOL, coulomb, path, relaxed
 from frictionbench.harness.studies.study import Study, Table
-from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.census import census
 from frictionbench.problems.check import Array
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scene import GRAVITY
+from frictionbench.problems.scenes import scene
 from frictionbench.results.store import Row
 from frictionbench.solvers import solve
 

@@ -23,10 +23,11 @@ from typing import Any
 
 from frictionbench.harness import machine
 from frictionbench.harness.plans.plan import Plugin, SolveCell
-from frictionbench.harness.workers.pool import Outcome, Pool, Task
+from frictionbench.harness.workers.pool import Pool
+from frictionbench.harness.workers.task import Outcome, Task
 from frictionbench.problems import InputError
+from frictionbench.problems.verdicts import Verdict
 from frictionbench.results.files import ResultsError
-from frictionbench.results.verdicts import Verdict
 from frictionbench.solvers.plugins import is_file
 
 AHEAD = 4  # tasks submitted per worker: enough that none waits for the network, few enough to be balanced at the end

@@ -14,6 +14,7 @@ import pandas as pd
 from matplotlib import colormaps
 from matplotlib.colors import to_hex
 
+from frictionbench.problems.verdicts import Verdict
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing import tiles
 from frictionbench.reports.drawing.style import INK
@@ -24,7 +25,6 @@ from frictionbench.reports.run import Run
 from frictionbench.results.cells import counts
 from frictionbench.results.conventions import ANOTHER_LAW, POLYGON, endings
 from frictionbench.results.maps import Axis, Map
-from frictionbench.results.verdicts import Verdict
 
 VERDICT = {
     Verdict.SOLVED: "#a9d8b8", ANOTHER_LAW: "#f0d264", POLYGON: "#cdb27a",

@@ -14,12 +14,12 @@ import pandas as pd
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
+from frictionbench.problems.verdicts import measured
 from frictionbench.reports.accuracy import OVERALL, quantile, shifted_geometric_mean, weights
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import WHOLE, Panel
 from frictionbench.reports.drawing.style import GRID, INK, WORST, ZERO, Look, residual_axis, time_axis
 from frictionbench.reports.run import Run
-from frictionbench.results.verdicts import measured
 
 HALF = 0.5 + 1e-9  # the upper median: a solver of half of the problems is not accurate
 

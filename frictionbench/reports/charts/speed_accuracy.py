@@ -13,13 +13,13 @@ import pandas as pd
 from markupsafe import Markup
 from matplotlib.axes import Axes
 
+from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import ALARM, GRID, INK, WORST, ZERO, Look, residual_axis, time_axis
 from frictionbench.reports.drawing.text import seconds
 from frictionbench.reports.run import Run
 from frictionbench.results.conventions import endings, scene_title
-from frictionbench.results.verdicts import Verdict, measured
 
 STRIP = 2e3  # the strip above WORST
 MOST_TOOLTIPS = 5000  # cells of a run above which dots have no tooltips, which would make the page too large

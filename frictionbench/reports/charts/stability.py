@@ -11,12 +11,12 @@ from typing import Any
 import pandas as pd
 from matplotlib.axes import Axes
 
+from frictionbench.problems.verdicts import Verdict
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import WHOLE, Panel
 from frictionbench.reports.drawing.style import GRID, INK, WORST, ZERO, Look, log_ticks, residual_axis
 from frictionbench.reports.run import Run
 from frictionbench.results.conventions import scene_title
-from frictionbench.results.verdicts import Verdict
 
 SENSITIVITY = 1e-2, 1e8  # the range of the axis; values beyond are drawn at its ends
 ILL, UNSTABLE = 1e3, 1e-6  # dotted lines: a solution that loses three digits, an error far above rounding

@@ -16,13 +16,13 @@ from xml.etree import ElementTree
 import numpy as np
 import pandas as pd
 
+from frictionbench.problems.verdicts import ACCEPTED, Verdict, measured
 from frictionbench.reports.comparison.markdown import format_verdicts, markdown, rerun_command
 from frictionbench.results.cells import parse_counts, read
 from frictionbench.results.changes import Change, Flip, Growth
 from frictionbench.results.compare import Comparison
 from frictionbench.results.files import replaced, write_text
 from frictionbench.results.times import Time
-from frictionbench.results.verdicts import ACCEPTED, Verdict, measured
 
 UNPRINTED = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # characters that XML 1.0 excludes
 

@@ -20,13 +20,13 @@ from numpy.typing import NDArray
 from rich.table import Table
 from rich.text import Text
 
+from frictionbench.problems.verdicts import ACCEPTED
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import ALARM, GRID, INK
 from frictionbench.reports.drawing.text import plain, seconds
 from frictionbench.reports.templates import environment
 from frictionbench.results.cells import Cells, format_counts, parse_counts, read
 from frictionbench.results.files import ResultsError, printable, write_text
-from frictionbench.results.verdicts import ACCEPTED
 
 Array = NDArray[np.float64]
 GROWTH = 1.05  # as in results.compare, what rounding does not explain

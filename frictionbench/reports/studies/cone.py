@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
+from frictionbench.problems.verdicts import ACCEPTED, Verdict
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import INK
 from frictionbench.reports.drawing.text import seconds
@@ -13,7 +14,6 @@ from frictionbench.reports.studies.account import Account, Figure
 from frictionbench.reports.studies.lines import COLOURS, curve, finish
 from frictionbench.reports.studies.numbers import order
 from frictionbench.results.studies import StudyTables
-from frictionbench.results.verdicts import ACCEPTED, Verdict
 
 CONE = "interior_point"
 KINK = 1e-9  # errors below it are rounding

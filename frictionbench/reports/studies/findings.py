@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import fisher_exact
 
-from frictionbench.results.verdicts import Verdict, measured
+from frictionbench.problems.verdicts import Verdict, measured
 
 LOOSE, TIGHT = 1e-4, 1e-8
 NSGS, PROXIMAL, NEWTON = ("nsgs", "friction_3d_nsgs"), ("proximal_newton", "friction_3d_prox"), ("friction_3d_nsn_ac",)

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
+from frictionbench.problems.verdicts import Verdict
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import Look, looks
 from frictionbench.reports.studies.account import Account, Figure
@@ -25,7 +26,6 @@ from frictionbench.reports.studies.findings import (
 from frictionbench.reports.studies.lines import curve, finish
 from frictionbench.reports.studies.numbers import share, wilson
 from frictionbench.results.studies import RECORDED, StudyTables
-from frictionbench.results.verdicts import Verdict
 
 START = {"resting": "given", "lifted": "zero"}  # the start that is told, of problems that need no friction
 NONE = 0.5  # where no iteration is drawn, on a logarithmic axis

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
+from frictionbench.problems.verdicts import ACCEPTED
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.style import INK
 from frictionbench.reports.studies.account import Account, Figure
@@ -14,7 +15,6 @@ from frictionbench.reports.studies.lines import finish
 from frictionbench.reports.studies.numbers import listing
 from frictionbench.results.conventions import COLD, SHUFFLED, WARM
 from frictionbench.results.studies import StudyTables
-from frictionbench.results.verdicts import ACCEPTED
 
 STARTS = (COLD, WARM, SHUFFLED)
 COUNTS = {  # of each method, what its work is measured by

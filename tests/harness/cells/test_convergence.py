@@ -7,8 +7,8 @@ from frictionbench.harness.cells import convergence
 from frictionbench.harness.cells.convergence import convergence_history
 from frictionbench.harness.convergence import chosen
 from frictionbench.harness.run import run
-from frictionbench.problems import scene
 from frictionbench.problems.residual import residual
+from frictionbench.problems.scenes import scene
 from frictionbench.reports.charts import convergence as chart
 from frictionbench.reports.charts import forces
 from frictionbench.reports.page import write_report

@@ -9,8 +9,9 @@ from frictionbench.harness.cells.motion import record_motion
 from frictionbench.harness.cells.reference import NoReference, Reference
 from frictionbench.harness.plans.plan import Source, origin
 from frictionbench.harness.run import run
-from frictionbench.problems import InputError, scene
+from frictionbench.problems import InputError
 from frictionbench.problems.analysis.frictionless import idle
+from frictionbench.problems.scenes import scene
 from frictionbench.results import store
 from frictionbench.solvers import Answer, Status
 from tests.helpers.friction_problems import block, spatial

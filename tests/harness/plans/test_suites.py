@@ -13,9 +13,10 @@ from frictionbench.harness.plans.choose import choose
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.plans.recorded import every
 from frictionbench.harness.plans.suites import SPATIAL, SUITES
-from frictionbench.problems import FrictionProblem, scene, scenes
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.instances import instances, make_instance
+from frictionbench.problems.scenes import scene, scenes
 from frictionbench.solvers import find, solve
 from tests.helpers.frictionless import friction_at_work
 

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 from frictionbench import solvers
-from frictionbench.problems import LCP, FrictionProblem, InputError, scene
+from frictionbench.problems import LCP, FrictionProblem, InputError
 from frictionbench.problems.analysis.census import Census, census, census_labels
 from frictionbench.problems.analysis.mode import mode
 from frictionbench.problems.analysis.polyhedra import Polyhedron, Shape, contains, cut, is_subset, polyhedron, shape, simplicial
 from frictionbench.problems.check import Array
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual
+from frictionbench.problems.scenes import scene
 from tests.helpers.force_level import Regime, force_level_lcp, regime
 from tests.helpers.friction_problems import block, nothing, spatial, with_joints
 from tests.helpers.lcp_census import lcp_census

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from frictionbench.problems import FrictionProblem, scene
+from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.labels import labels, pointedness
 from frictionbench.problems.planar.bodies import half_plane, rigid_box
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.scene import Scene
+from frictionbench.problems.scenes import scene
 
 
 def jam(friction: float) -> FrictionProblem:

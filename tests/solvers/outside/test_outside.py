@@ -15,13 +15,14 @@ from frictionbench.commands.export import export
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import run
-from frictionbench.harness.verify import verify
-from frictionbench.harness.workers.inputs import load_plugins
-from frictionbench.problems import FrictionProblem, InputError, scene
+from frictionbench.harness.workers.plugins import load_plugins
+from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.instances import instances, make_instance
 from frictionbench.problems.recorded import fclib, read
 from frictionbench.problems.residual import relaxation_residual, residual
+from frictionbench.problems.scenes import scene
 from frictionbench.problems.spec import parse
+from frictionbench.problems.verify import verify
 from frictionbench.results import store
 from frictionbench.solvers import Answer, Status, available, find, plugins, solve
 from frictionbench.solvers.needs import installed_version
@@ -184,7 +185,7 @@ def test_flaw_commands(command, name) -> None:
         if info.missing:
             pytest.skip(info.missing)
         answer = solver.solve(solver.prepare(problem.fresh()), 1e-8, None)
-        assert not (verify(problem, answer, info, 1e-8).verdict == "solved" and answer.status is Status.SOLVED), spec
+        assert not (verify(problem, answer, info.model, 1e-8).verdict == "solved" and answer.status is Status.SOLVED), spec
 
 
 TUNED = [
@@ -207,7 +208,7 @@ def test_settings_commands(command, name) -> None:
         if info.missing:
             pytest.skip(info.missing)
         answer = solver.solve(solver.setup(solver.form(problem.fresh())), 1e-8, None)
-        good = verify(problem, answer, info, 1e-8).verdict in ("solved", "relaxed") and answer.status is Status.SOLVED
+        good = verify(problem, answer, info.model, 1e-8).verdict in ("solved", "relaxed") and answer.status is Status.SOLVED
         told.append((good, sum(answer.work.values())))
     (default, work), (tuned, less) = told
     assert tuned

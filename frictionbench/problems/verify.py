@@ -1,4 +1,4 @@
-"""Verification: the verdict on an answer (results.verdicts), computed from the problem and the answer alone.
+"""Verification: the verdict on an answer (problems.verdicts), computed from the problem and the answer alone.
 
 The answer's claim decides only between verdicts on an answer that is not accurate enough: an accurate one is `solved` (or
 `relaxed`) whatever its status, another `unsolved` if it does not claim to be solved, and else `near_miss`, `unjudgeable` or
@@ -29,8 +29,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems.answer import Answer, Status
 from frictionbench.problems.check import Array
+from frictionbench.problems.forms.lcp import LCP
+from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.residual import (
     contact_floors,
     contact_residuals,
@@ -40,8 +42,7 @@ from frictionbench.problems.residual import (
     polygon_residuals,
 )
 from frictionbench.problems.simulate import ledger_defect
-from frictionbench.results.verdicts import ACCEPTED, Verdict
-from frictionbench.solvers import Answer, SolverInfo, Status
+from frictionbench.problems.verdicts import ACCEPTED, Verdict
 
 NEAR = 10.0  # times the tolerance: a residual below may be due to another norm in the solver's own stopping test
 SOFTEST = 1e-6  # of s: softness allowed at any tolerance, because regularised methods cannot solve with rigid contacts
@@ -73,33 +74,39 @@ class Finding:
         return f"Finding({self.verdict}, residual {self.residual:.2g}{f', {self.reason}' if self.reason else ''})"
 
 
-def verify(problem: FrictionProblem, answer: Answer, info: SolverInfo, tol: float) -> Finding:
-    """The finding on an answer to a friction problem."""
+def verify(problem: FrictionProblem | LCP, answer: Answer, model: str, tol: float, *, quiet: bool = False) -> Finding:
+    """The finding on an answer.
+
+    model: that of the solver, "coulomb", "lcp", "relaxation" or "regularised" (solvers.interface). quiet: an accepted answer's
+    detail is no reason, because a library's message of success says nothing more than its status.
+    """
+    if isinstance(problem, LCP):
+        return _verify_lcp(problem, answer, tol)
     claimed = answer.status is Status.SOLVED
     impulse = np.asarray(answer.impulse, dtype=float)
     if reason := _malformed(problem, impulse):
         return Finding(Verdict.WRONG if claimed else Verdict.UNSOLVED, reason, *(np.inf,) * 5)
-    softness, soft = _softness(problem, answer, info, tol)
-    shift = 0.0 if info.model in ("relaxation", "regularised") else 1.0
+    softness, soft = _softness(problem, answer, model, tol)
+    shift = 0.0 if model in ("relaxation", "regularised") else 1.0
     by_contact = contact_residuals(problem, impulse)
-    parts = by_contact, _model_residuals(problem, answer, info, by_contact, softness), contact_floors(problem, impulse, shift)
-    exact, model, floor = (largest(part) for part in parts)
-    told = claimed or answer.status is Status.ROUNDING
+    parts = by_contact, _model_residuals(problem, answer, model, by_contact, softness), contact_floors(problem, impulse, shift)
+    exact, of_model, floor = (largest(part) for part in parts)
+    reported = claimed or answer.status is Status.ROUNDING
     by_island = [_by_island(problem, part) for part in parts]
-    verdict, why = _verdict(by_island[0], by_island[1], by_island[2], claimed, told, tol)
+    verdict, why = _verdict(by_island[0], by_island[1], by_island[2], claimed, reported, tol)
     accepted = claimed and verdict in ACCEPTED
     with np.errstate(over="ignore", invalid="ignore"):
         defect = ledger_defect(problem, impulse)
     reasons = [
         why,
         soft,
-        "" if accepted and info.needs else answer.detail,  # of a library's success the detail says nothing more
+        "" if accepted and quiet else answer.detail,
         answer.status.value if verdict == Verdict.UNSOLVED and not answer.detail else "",
     ]
     allowed = energy_within(problem, impulse, max(exact, tol))
     if abs(defect) > FAR * allowed:
         reasons.append(f"energy defect of {abs(defect):.2g} J, more than the {allowed:.2g} J that such a residual explains")
-    return Finding(verdict, "; ".join(filter(None, reasons)), exact, model, floor, fclib_error(problem, impulse), defect)
+    return Finding(verdict, "; ".join(filter(None, reasons)), exact, of_model, floor, fclib_error(problem, impulse), defect)
 
 
 def _malformed(problem: FrictionProblem, impulse: Array) -> str | None:
@@ -112,9 +119,9 @@ def _malformed(problem: FrictionProblem, impulse: Array) -> str | None:
     return None
 
 
-def _softness(problem: FrictionProblem, answer: Answer, info: SolverInfo, tol: float) -> tuple[Array | None, str]:
+def _softness(problem: FrictionProblem, answer: Answer, model: str, tol: float) -> tuple[Array | None, str]:
     """The softness R (nc, d) with which a regularised answer is verified, None for none, and a remark about it."""
-    if info.model != "regularised" or answer.softness is None or not problem.contacts:
+    if model != "regularised" or answer.softness is None or not problem.contacts:
         return None, ""
     claimed, bound = np.asarray(answer.softness, dtype=float), max(tol, SOFTEST)
     if claimed.shape != (problem.contacts, problem.dimension) or not (claimed >= 0).all():
@@ -125,11 +132,11 @@ def _softness(problem: FrictionProblem, answer: Answer, info: SolverInfo, tol: f
     return claimed, f"verified with contacts regularised by {share:.1g} of W's diagonal"
 
 
-def _model_residuals(problem: FrictionProblem, answer: Answer, info: SolverInfo, exact: Array, softness: Array | None) -> Array:
+def _model_residuals(problem: FrictionProblem, answer: Answer, model: str, exact: Array, softness: Array | None) -> Array:
     """The residual of each contact (nc,) in the solver's own model."""
-    if info.model in ("relaxation", "regularised"):
+    if model in ("relaxation", "regularised"):
         return contact_residuals(problem, np.asarray(answer.impulse, dtype=float), 0.0, softness)
-    if info.model == "lcp" and problem.dimension == 3 and answer.z is not None:
+    if model == "lcp" and problem.dimension == 3 and answer.z is not None:
         facets = np.size(answer.z) // max(problem.contacts, 1) - 2  # z is (c, beta, lambda), beta of as many parts a contact
         if problem.contacts and np.shape(answer.z) == (problem.contacts * (facets + 2),) and facets >= 4 and facets % 2 == 0:
             return polygon_residuals(problem, problem.lcp(facets), answer.z)
@@ -143,7 +150,7 @@ def _by_island(problem: FrictionProblem, by_contact: Array) -> Array:
     return worst
 
 
-def verify_lcp(lcp: LCP, answer: Answer, tol: float) -> Finding:
+def _verify_lcp(lcp: LCP, answer: Answer, tol: float) -> Finding:
     """The finding on an answer to a bare LCP, without rounding floor, FCLIB's error and energy defect."""
     claimed = answer.status is Status.SOLVED
     if answer.z is None or np.shape(answer.z) != (lcp.size,):
@@ -160,17 +167,17 @@ def _above(residual: float, tol: float) -> str:
     return f"{residual:.2g}, {residual / tol:.2g} times that"
 
 
-def _verdict(exact: Array, model: Array, floor: Array, claimed: bool, told: bool, tol: float) -> tuple[Verdict, str]:
+def _verdict(exact: Array, model: Array, floor: Array, claimed: bool, reported: bool, tol: float) -> tuple[Verdict, str]:
     """The verdict on the residuals and floors of all islands, and its reason, with the numbers of the islands that decide.
 
-    told: the answer says that it is as good as rounding allows.
+    reported: the answer says that it is as good as rounding allows.
     """
     unknown = (floor > tol) & (np.minimum(exact, model) <= floor) & np.isfinite(floor)
     worst, of_model = largest(exact[~unknown]), largest(model[~unknown])
     nearest = min(worst, of_model)
     if nearest <= tol and unknown.any():
         why = f"rounding alone may cause a residual of {largest(floor[unknown]):.2g}, above the tolerance {tol:g}"
-        return (Verdict.UNJUDGEABLE, why) if told else (Verdict.UNSOLVED, "")
+        return (Verdict.UNJUDGEABLE, why) if reported else (Verdict.UNSOLVED, "")
     if nearest <= tol:
         return Verdict.SOLVED if worst <= tol else Verdict.RELAXED, ""
     if not claimed:

@@ -1,0 +1,137 @@
+"""What a solver returns, and the check of its format: a copy as plain arrays and numbers, or an error that names the field."""
+
+import math
+import operator
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any
+
+import numpy as np
+
+from frictionbench.problems.check import Array
+from frictionbench.problems.display import html_table
+
+LONGEST = 500  # characters of a solver's own message: a few lines of a table's reason
+
+
+class Status(Enum):
+    """How a solver reports that it ended; the values are messages. It is a claim: `verify` checks the answer.
+
+    >>> import frictionbench as fb
+    >>> fb.Status.STALLED.value
+    'no further progress was possible'
+    """
+
+    SOLVED = "solved to the requested tolerance"
+    RAY = "ended on a secondary ray with a valid certificate: this path leads to no solution"
+    WORK_LIMIT = "reached the work limit"
+    STALLED = "no further progress was possible"
+    BREAKDOWN = "numerical breakdown"
+    TIME_LIMIT = "reached the time limit: this is the best answer found until then"
+    ROUNDING = "solved as far as can be told: rounding alone may leave a residual above the requested tolerance"
+    FAILED = "the outside library reported a failure"
+
+
+@dataclass(eq=False, slots=True, repr=False)
+class Answer:
+    """The result of a solver.
+
+    impulse: (nc, d), N s, the normal component first; (0, 0) for a bare LCP. z: (n,), the solution of the LCP, for LCP solvers.
+    status: how the solver reports that it ended.
+    work: deterministic counts by name (pivots, sweeps, iterations, factorisations).
+    history: the method's measure of convergence, one number per iteration, where it has one.
+    detail: the message of the outside library, or the reason of the status.
+    clock: s, the solve time that the library reports itself, if any; the harness times the whole call as well.
+    softness: (nc, d), 1/kg, for solvers of regularised contacts: the R >= 0 in u = W r + q + R r; problems.verify bounds it.
+
+    >>> import frictionbench as fb
+    >>> answer = fb.solve(fb.scene("stack", blocks=2).problem(), "lemke")
+    >>> answer.impulse.shape, answer.status.name, sorted(answer.work)[-1]
+    ((4, 2), 'SOLVED', 'restarts')
+    """
+
+    impulse: Array
+    status: Status
+    work: dict[str, int] = field(default_factory=dict)
+    history: tuple[float, ...] = ()
+    z: Array | None = None
+    detail: str = ""
+    clock: float | None = None
+    softness: Array | None = None
+
+    def __repr__(self) -> str:
+        return f"Answer({', '.join([getattr(self.status, 'name', repr(self.status)), *self._arrays(), *self._counts()])})"
+
+    def _repr_html_(self) -> str:
+        rows: dict[str, object] = {"status": f"{self.status.name}: {self.status.value}", "arrays": ", ".join(self._arrays())}
+        return html_table("Answer", rows | {"work": ", ".join(self._counts()), "detail": self.detail})
+
+    def _arrays(self) -> list[str]:
+        return [f"{name} {np.shape(array)}" for name in ("impulse", "z") if (array := getattr(self, name)) is not None]
+
+    def _counts(self) -> list[str]:
+        return [f"{unit} {count}" for unit, count in self.work.items()]
+
+
+class AnswerError(ValueError):
+    """A malformed answer; the message names the field. claimed: whether its status is SOLVED."""
+
+    def __init__(self, reason: str, claimed: bool) -> None:
+        super().__init__(reason)
+        self.claimed = claimed
+
+
+def checked_copy(given: Any) -> Answer:
+    """A copy of an answer. Errors: AnswerError."""
+    if not isinstance(given, Answer):
+        raise AnswerError(f"the solver returned {_kind(given)}, not an Answer", claimed=True)
+    if not isinstance(given.status, Status):
+        raise AnswerError(f"status is {_kind(given.status)}, not a Status", claimed=True)
+    claimed = given.status is Status.SOLVED
+    return Answer(
+        impulse=_numbers("impulse", given.impulse, claimed),
+        status=given.status,
+        work=_counts(given.work, claimed),
+        z=None if given.z is None else _numbers("z", given.z, claimed),
+        detail=str(given.detail)[:LONGEST],
+        clock=given.clock if isinstance(given.clock, float) and 0 <= given.clock < math.inf else None,
+        softness=None if given.softness is None else _numbers("softness", given.softness, claimed),
+    )
+
+
+def identical(one: Answer, other: Answer) -> bool:
+    """Whether two checked answers are the same to the last bit, work counters included."""
+    return _bits(one) == _bits(other)
+
+
+def _bits(answer: Answer) -> tuple[Any, ...]:
+    z, softness = (None if part is None else part.tobytes() for part in (answer.z, answer.softness))
+    return answer.status, answer.impulse.shape, answer.impulse.tobytes(), z, softness, answer.work
+
+
+def _numbers(field: str, value: Any, claimed: bool) -> Array:
+    if isinstance(value, np.ma.MaskedArray):
+        raise AnswerError(f"{field} is a masked array", claimed)
+    try:
+        array = np.array(value)
+    except Exception as error:
+        raise AnswerError(f"{field} is {_kind(value)}, not an array ({type(error).__name__})", claimed) from None
+    if array.dtype.kind not in "fiu":
+        raise AnswerError(f"{field} is an array of {array.dtype}, not of real numbers", claimed)
+    return array.astype(np.float64)
+
+
+def _counts(work: Any, claimed: bool) -> dict[str, int]:
+    if not isinstance(work, dict):
+        raise AnswerError(f"work is {_kind(work)}, not a dict", claimed)
+    counts = {}
+    for name, count in work.items():
+        try:
+            counts[str(name)[:LONGEST]] = operator.index(count)
+        except TypeError:
+            raise AnswerError(f"work[{name!r}] is {_kind(count)}, not a whole number", claimed) from None
+    return counts
+
+
+def _kind(value: Any) -> str:
+    return "None" if value is None else f"of type {type(value).__name__}"
