@@ -30,7 +30,7 @@ from frictionbench.solvers.sparse_lu.multifrontal import (
     analyse,
     factorise,
     operations,
-    position_in_front,
+    place_of_entry,
     solve_factorised,
 )
 from frictionbench.solvers.sweeps.form import ContactForm, contact_form
@@ -151,10 +151,7 @@ def _lay_out(first, neighbours, block):  # type: ignore[no-untyped-def]
         for k in range(first[i], first[i + 1]):
             for a in range(d):
                 for b in range(d):
-                    row, column = place[i * d + a], place[neighbours[k] * d + b]
-                    f = fronts.owner[min(row, column)]
-                    w = fronts.first[f + 1] - fronts.first[f]
-                    slot[at] = fronts.start[f] + position_in_front(fronts, f, row) * w + position_in_front(fronts, f, column)
+                    slot[at] = place_of_entry(fronts, place[i * d + a], place[neighbours[k] * d + b])
                     at += 1
     return Factor(fronts, place, slot, np.empty(0), np.empty(nc * d, np.int64), np.empty(nc * d))
 
@@ -171,9 +168,7 @@ def _factorise(factor, block, scale, rho):  # type: ignore[no-untyped-def]
     for i in range(len(scale)):
         least = min(least, rho * scale[i])
         for a in range(i * d, i * d + d):
-            f = fronts.owner[factor.place[a]]
-            at = position_in_front(fronts, f, factor.place[a])
-            storage[fronts.start[f] + at * (fronts.first[f + 1] - fronts.first[f] + 1)] += rho * scale[i]
+            storage[place_of_entry(fronts, factor.place[a], factor.place[a])] += rho * scale[i]
     factorise(fronts, storage, swap, PIVOT * least)
     return Factor(fronts, factor.place, factor.slot, storage, swap, factor.right)
 

@@ -10,7 +10,7 @@ piles with much friction. The convex relaxation is then solved, which cannot be 
 that is the answer. In the plane, from LARGE contacts on, semismooth Newton (solvers.interior.fischer_burmeister) is next: it
 has no path to follow, and solves most large random contact graphs and piles of discs. Then the central path is followed around
 its folds (solvers.interior.central_path) from one start after the other: some are the same for all problems, the others are
-centred points (solvers.interior.centred_point) around the result of SWEEPS sweeps of Gauss-Seidel, around the relaxation's
+centred points (solvers.interior.point) around the result of SWEEPS sweeps of Gauss-Seidel, around the relaxation's
 solution, or around given impulses. Most paths converge eventually; no start has the shortest path in all problems, so that a
 long path is abandoned for the next start. How long the path of a start is varies by a factor of ten and more: first all starts
 have a short share, then a few have a long one.
@@ -18,17 +18,17 @@ have a short share, then a few have a long one.
 In space paths of many contacts with much friction are several times shorter where the friction's products are larger at the
 start than the normal ones, so that sliding and sticking are decided after opening and closing.
 
-Where masses are unlike, light bodies bear heavy ones: impulses that stop a contact's own velocity are far too small there, and
+Where masses are unlike, light bodies carry heavy ones: impulses that stop a contact's own velocity are far too small there, and
 paths that begin with them wind. Then paths begin with the same impulse at all contacts, that of the heaviest.
 
 Where a problem falls apart, one part in which the predictor-corrector is trapped shortens the steps of all others; then each
-part is solved by itself (solvers.interior.parts), unless one of them is nearly the whole.
+part is solved by itself, unless one of them is nearly the whole.
 
 Given impulses to start from, the predictor-corrector starts at the centred point around them. Its distance from the boundary is
 their residual, so that a good start saves most of the iterations, and a bad one does little harm.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cache
 from typing import Any
 
@@ -38,18 +38,16 @@ from numpy.typing import NDArray
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.packed import Packed, residuals
-from frictionbench.problems.residual import residual
+from frictionbench.problems.residual import contact_residuals, residual
 from frictionbench.problems.rows import Index64
 from frictionbench.problems.separate import Parts, separate
 from frictionbench.problems.separate import parts as parts_of
+from frictionbench.solvers.clock import is_over
 from frictionbench.solvers.interface import Answer, Solved, Status, impulses, solve, solver
 from frictionbench.solvers.interior.central_path import Path, new_path, trace
-from frictionbench.solvers.interior.centred_point import centred_point
-from frictionbench.solvers.interior.first_phase import NO_GUESS, first_phase
 from frictionbench.solvers.interior.fischer_burmeister import fischer_burmeister
-from frictionbench.solvers.interior.parts import solve_parts
-from frictionbench.solvers.interior.phases import Phase, Phased, Prepared, first_point, run
-from frictionbench.solvers.interior.point import Point, start_point
+from frictionbench.solvers.interior.phases import NO_GUESS, Phase, Phased, Prepared, first_phase, first_point, run
+from frictionbench.solvers.interior.point import Point, centred_point, start_point
 from frictionbench.solvers.interior.predictor_corrector import predictor_corrector
 from frictionbench.solvers.interior.system import System, space_of
 
@@ -77,6 +75,8 @@ SHARE = 250  # factorisations of one phase but long paths: few that arrive in th
 PATH, SHORT_PATH, LOADED_PATH = 3, 0.4, 2
 POLISHING = 60  # factorisations of Newton's methods near an answer; a pair that vanishes keeps a path at a residual of 1e-7
 PATIENCE = 12  # iterations of the predictor-corrector without progress: no run that recovered took more
+
+Method = Callable[[FrictionProblem, Index64], Answer]  # of a part and its contacts
 
 
 @solver(
@@ -245,3 +245,30 @@ def _around(problem: FrictionProblem, system: System, impulse: Array, least: flo
     """The centred point around impulses (nc, d), as far from the boundary as they are from a solution, or by `least`."""
     distance = max(residual(problem, impulse), least)
     return centred_point(system, space_of(system), impulse, problem.contact_velocity(impulse), distance)
+
+
+def solve_parts(problem: FrictionProblem, parts: Parts, whole: Answer, tol: float, method: Method) -> Answer:
+    """An answer to the problem whose parts are solved by `method`, unless they are solved in the answer to the whole; each has
+    the impulses with the smaller residual.
+
+    The status is that of the first part that is not solved. work: that of the whole and of all parts, added up;
+    history: that of the whole, then of the parts.
+    """
+    impulse, work, history = whole.impulse.copy(), dict(whole.work), whole.history
+    by_contact, unsolved = contact_residuals(problem, impulse), None
+    for contacts, part in parts:
+        had = by_contact[contacts].max()
+        if had <= tol:
+            continue
+        if is_over():
+            unsolved = unsolved or Status.WORK_LIMIT
+            break
+        answer = method(part, contacts)
+        for unit, count in answer.work.items():
+            work[unit] = work.get(unit, 0) + count
+        history += answer.history
+        if answer.status is not Status.SOLVED:
+            unsolved = unsolved or answer.status
+        if not had <= residual(part, answer.impulse):
+            impulse[contacts] = answer.impulse
+    return Answer(impulse, unsolved or Status.SOLVED, work, history)

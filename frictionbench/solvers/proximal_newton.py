@@ -2,7 +2,7 @@
 
 The proximal point of an anchor a solves the contact problem with u + rho s (r - a) in place of u, s the contacts' scales: as
 if every contact were slightly compliant, and unloaded at a. However redundant the contacts are, its impulses are isolated, and
-for large rho it separates into one small problem a contact, which Newton's method (solvers.interior.alart_curnier) solves in a
+for large rho it separates into one small problem a contact, which Newton's method solves in a
 few steps. Then a moves there and rho is halved; if Newton's method fails, it starts from a again, with a rho five times larger.
 
     a <- r,  rho <- rho / 2      where |s F| fell below a hundredth of the residual,         otherwise    rho <- 5 rho.
@@ -10,22 +10,40 @@ few steps. Then a moves there and rho is halved; if Newton's method fails, it st
 From a given start rho begins with its residual, as in Levenberg and Marquardt's method near solutions that are not isolated: a
 larger rho only holds it up there.
 
+Newton's method takes Alart and Curnier's equations. With the velocity w = u + rho s (r - a) that the anchor a makes of a
+contact's u, and the pair x = r - w / k, k = (1 + rho) s,
+
+    F_n = r_n - (x_n)_+,        F_t = r_t - P_B(x_t),      B the disc of radius mu (x_n)_+ + b_f,
+
+vanish exactly where r obeys Coulomb's law with w in place of u. F is piecewise smooth. Where A dr + B dw is its derivative, a
+Newton step is, contact by contact, with G = (A + rho s B)^-1,
+
+    dr = -G (F + B du),        (M + J'G B J) dv = -J'G F,        du = J dv:
+
+the matrix of solvers.interior.newton with another block for every contact. A has rank 3 at an open contact and none at one that
+sticks; rho > 0 makes G exist, for any number of contacts on a body. A step is halved until |s F| falls.
+
 Where a is stationary it is a Coulomb solution, for every rho. For a monotone problem the anchors converge; Coulomb's law is not
 monotone, so they need not. It solves problems that trap interior points: large friction, and contacts in random directions.
 
-References: Rockafellar 1976; Yamashita and Fukushima 2001; Acary, Brémond and Huber 2018, section 4.4.
+References: Rockafellar 1976; Alart and Curnier 1991; Yamashita and Fukushima 2001; Acary, Brémond and Huber 2018, sections 4.2
+and 4.4.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import inlined, kernel, lean
 from frictionbench.problems.residual import residual
-from frictionbench.solvers.clock import is_past
+from frictionbench.solvers.clock import is_past, late
 from frictionbench.solvers.interface import Answer, Status, impulses, solver
-from frictionbench.solvers.interior.alart_curnier import new_state, newton
-from frictionbench.solvers.interior.predictor_corrector import last_step
-from frictionbench.solvers.interior.system import System, build_system, in_velocities, new_work
+from frictionbench.solvers.interior.newton import PIVOT, Work, accelerate, add_stiffness, clear, last_step, new_work, push, read
+from frictionbench.solvers.interior.point import Vector
+from frictionbench.solvers.interior.system import System, build_system, in_velocities
+from frictionbench.solvers.sparse_lu.multifrontal import factorise, solve_factorised
 
 LIMIT = 1500  # factorisations by default: most problems that are solved take less than 500
 STEPS = 20  # of Newton's method for one proximal point: it converges within a few, or not at all
@@ -33,6 +51,8 @@ ENOUGH = 1e-2  # |s F| required of a proximal point, relative to the least resid
 ACCURATE = 1e-11  # and relative to the largest free velocity: near what rounding leaves
 SOFT, SOFTER, STIFFER = 1.0, 5.0, 0.5  # rho at first, a contact's own scale, and its factors after a failure and a success
 LEAST = 1e-8  # of rho: below, G is singular to rounding
+HALVINGS = 8  # of a step: if a 256th does not decrease |s F|, the step is taken nevertheless and the anchor restarts
+DECREASE = 1e-4  # share of the predicted decrease of |s F| that a step must reach (the usual Armijo constant)
 
 
 @solver("proximal_newton", family="newton", model="coulomb", dimension=(3,), warm_start=True, sparse=True)
@@ -58,18 +78,16 @@ class ProximalNewton:
         """limit bounds the factorisations, 1500 by default."""
         problem, system = prepared
         limit = LIMIT if limit is None else limit
-        nc, work = problem.contacts, new_work(system)
+        nc, work = problem.contacts, new_work(system, last_step(system))
         anchor = impulses(start, (nc, 3)) / system.impulse
-        state, trial, step = new_state(nc), new_state(nc), np.zeros((nc, 3))
-        state.r[:] = anchor
+        state = State(anchor.copy(), np.zeros((nc, 3)), np.zeros((nc, 3)))
         impulse = anchor * system.impulse
         least = residual(problem, impulse)
         history, factorisations, rho = [least], 0, SOFT if start is None else min(SOFT, least)
-        until = last_step(system)
-        while least > tol and factorisations < limit and not is_past(until):
+        while least > tol and factorisations < limit and not is_past(work.until):
             steps = min(STEPS, limit - factorisations)
             aim = max(ACCURATE / 100, ENOUGH / 10 * min(least, 1.0))
-            used, off = newton(system, state, trial, anchor, rho, step, work, aim, steps, until)
+            used, off = newton(system, state, anchor, rho, work, aim, steps)
             factorisations += used
             if not used:
                 break  # |s F| is zero up to rounding, the residual is not
@@ -86,5 +104,122 @@ class ProximalNewton:
         spent = {"factorisations": factorisations, "anchors": len(history) - 1}
         if least <= tol:
             return Answer(impulse, Status.SOLVED, spent, tuple(history))
-        status = Status.WORK_LIMIT if factorisations == limit else Status.TIME_LIMIT if is_past(until) else Status.STALLED
+        status = Status.WORK_LIMIT if factorisations == limit else Status.TIME_LIMIT if is_past(work.until) else Status.STALLED
         return Answer(impulse, status, spent, tuple(history))
+
+
+class State(NamedTuple):
+    """Impulses r, velocities u and equations F (nc, 3), for r as it is or after a step."""
+
+    r: Array
+    u: Array
+    F: Array
+
+
+@lean
+def _pair(system: System, i: int, state: State, anchor: Array, rho: float) -> Vector:
+    """x = r - w / k."""
+    r, u, s = state.r, state.u, system.weight[i]
+    share, k = rho / (1 + rho), 1 / ((1 + rho) * s)
+    x0 = r[i, 0] - k * u[i, 0] - share * (r[i, 0] - anchor[i, 0])
+    x1 = r[i, 1] - k * u[i, 1] - share * (r[i, 1] - anchor[i, 1])
+    x2 = r[i, 2] - k * u[i, 2] - share * (r[i, 2] - anchor[i, 2])
+    return x0, x1, x2
+
+
+@lean
+def equations(system: System, state: State, anchor: Array, rho: float, work: Work) -> float:
+    """Overwrite u and F for the impulses r; |s F|."""
+    for k in range(len(work.momentum)):
+        work.momentum[k] = 0.0
+    for i in range(len(state.r)):
+        push(system.contacts, True, i, (state.r[i, 0], state.r[i, 1], state.r[i, 2]), work.momentum)
+    accelerate(system, work.momentum, work.vector)
+    total = 0.0
+    for i in range(len(state.r)):
+        state.u[i, 0], state.u[i, 1], state.u[i, 2] = read(system.contacts, True, i, work.vector)
+        for k in range(3):
+            state.u[i, k] += system.offset[i, k]
+        x0, x1, x2 = _pair(system, i, state, anchor, rho)
+        size, normal = np.sqrt(x1 * x1 + x2 * x2), max(x0, 0.0)
+        radius = system.friction[i] * normal + system.friction_bias[i]
+        ratio = 1.0 if size <= radius else radius / size
+        state.F[i, 0] = state.r[i, 0] - normal
+        state.F[i, 1] = state.r[i, 1] - ratio * x1
+        state.F[i, 2] = state.r[i, 2] - ratio * x2
+        for k in range(3):
+            total += (system.weight[i] * state.F[i, k]) ** 2
+    return float(np.sqrt(total))
+
+
+@inlined
+def _impulse_change(system: System, i: int, state: State, anchor: Array, rho: float, F: Vector, du: Vector) -> Vector:
+    """-G (F + B du): the change of r for a change du of u, and the equations' defect F."""
+    s, mu = system.weight[i], system.friction[i]
+    k = 1 / ((1 + rho) * s)
+    share = rho / (1 + rho)  # rho s k: what the proximal term adds where B is k
+    x0, x1, x2 = _pair(system, i, state, anchor, rho)
+    size = np.sqrt(x1 * x1 + x2 * x2)
+    radius = mu * max(x0, 0.0) + system.friction_bias[i]
+    r0 = -(F[0] + k * du[0]) / share if x0 > 0 else -F[0]
+    if radius > 0 and size <= radius:
+        return r0, -(F[1] + k * du[1]) / share, -(F[2] + k * du[2]) / share
+    d1, d2, ratio = 0.0, 0.0, 0.0
+    if size > 0:
+        d1, d2, ratio = x1 / size, x2 / size, radius / size
+    # across d: (1 - ratio) dr + ratio k (du + rho s dr); along d: dr = mu (dx_0), dx_0 = (1 - share) dr_0 - k du_0
+    grow = mu * ((1 - share) * r0 - k * du[0]) if x0 > 0 else 0.0
+    across = F[2] * d1 - F[1] * d2 + ratio * k * (du[2] * d1 - du[1] * d2)
+    along = grow - F[1] * d1 - F[2] * d2
+    turn = -across / (1 - ratio + ratio * share)
+    return r0, along * d1 - turn * d2, along * d2 + turn * d1
+
+
+@lean
+def newton_step(system: System, state: State, anchor: Array, rho: float, step: Array, work: Work) -> None:
+    """Overwrite step (nc, 3) by dr; one factorisation."""
+    dv = work.vector
+    clear(system, work.storage)
+    for k in range(len(dv)):
+        dv[k] = 0.0
+    none = (0.0, 0.0, 0.0)
+    for i in range(len(step)):
+        F = (state.F[i, 0], state.F[i, 1], state.F[i, 2])
+        c0 = _impulse_change(system, i, state, anchor, rho, none, (-1.0, 0.0, 0.0))
+        c1 = _impulse_change(system, i, state, anchor, rho, none, (0.0, -1.0, 0.0))
+        c2 = _impulse_change(system, i, state, anchor, rho, none, (0.0, 0.0, -1.0))
+        n, s, t = (c0[0], c1[0], c2[0]), (c0[1], c1[1], c2[1]), (c0[2], c1[2], c2[2])
+        add_stiffness(system, True, i, n, s, t, work.storage)
+        push(system.contacts, True, i, _impulse_change(system, i, state, anchor, rho, F, none), dv)
+    factorise(system.fronts, work.storage, work.swap, PIVOT)
+    solve_factorised(system.fronts, work.storage, work.swap, dv)
+    for i in range(len(step)):
+        F = (state.F[i, 0], state.F[i, 1], state.F[i, 2])
+        du = read(system.contacts, True, i, dv)
+        step[i, 0], step[i, 1], step[i, 2] = _impulse_change(system, i, state, anchor, rho, F, du)
+
+
+@kernel
+def newton(system: System, state: State, anchor: Array, rho: float, work: Work, tol: float, limit: int) -> tuple[int, float]:
+    """Newton's method from state.r, which is overwritten, to |s F| <= tol in at most limit steps, the last begun before
+    work.until; the steps and |s F|."""
+    step, trial = np.zeros(state.r.shape), State(np.zeros(state.r.shape), np.zeros(state.r.shape), np.zeros(state.r.shape))
+    size = equations(system, state, anchor, rho, work)
+    for used in range(limit):
+        if not tol < size < np.inf or late(work.until):
+            return used, size
+        newton_step(system, state, anchor, rho, step, work)
+        length = 1.0
+        for _ in range(HALVINGS):
+            for i in range(len(step)):
+                for k in range(3):
+                    trial.r[i, k] = state.r[i, k] + length * step[i, k]
+            ahead = equations(system, trial, anchor, rho, work)
+            if ahead < (1 - DECREASE * length) * size:
+                break
+            length /= 2
+        size = ahead
+        for i in range(len(step)):
+            for k in range(3):
+                state.r[i, k], state.u[i, k], state.F[i, k] = trial.r[i, k], trial.u[i, k], trial.F[i, k]
+    return limit, size

@@ -6,9 +6,10 @@ import pytest
 from frictionbench.problems.instances.cubes import cubes
 from frictionbench.problems.scenes import scene
 from frictionbench.solvers import find
+from frictionbench.solvers.interior.newton import new_work
 from frictionbench.solvers.interior.point import start_point
-from frictionbench.solvers.interior.predictor_corrector import Best, new_workspace, predictor_corrector
-from frictionbench.solvers.interior.system import build_system, new_work, space_of
+from frictionbench.solvers.interior.predictor_corrector import nothing_yet, predictor_corrector
+from frictionbench.solvers.interior.system import build_system, space_of
 from frictionbench.solvers.sparse_lu.multifrontal import factorise, solve_factorised
 
 PROBLEMS = {
@@ -24,7 +25,7 @@ PROBLEMS = {
 @pytest.mark.parametrize("kernel", ["factorise", "solve"])
 def test_factors(benchmark, kernel, name) -> None:
     system = build_system(PROBLEMS[name])
-    work = new_work(system)
+    work = new_work(system, np.inf)
     fill = np.random.default_rng(0).standard_normal(len(work.storage))
     factorise(system.fronts, fill, work.swap, 1e-3)
     solve_factorised(system.fronts, fill, work.swap, work.vector)
@@ -38,11 +39,11 @@ def test_factors(benchmark, kernel, name) -> None:
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_ten_iterations(benchmark, name) -> None:
     system = build_system(PROBLEMS[name])
-    space, workspace = space_of(system), new_workspace(system)
+    space, work = space_of(system), new_work(system, np.inf)
 
     def iterate() -> int:
-        best = Best(np.zeros_like(system.offset), np.array([np.inf]), np.zeros(1, np.int64))
-        return predictor_corrector(system, space, start_point(system, 1.0, 1.0), workspace, best, 0.0, 12, np.empty(11))
+        best = nothing_yet(*system.offset.shape)
+        return predictor_corrector(system, space, start_point(system, 1.0, 1.0), work, best, 0.0, 12, np.empty(11))
 
     assert iterate() == 11
     benchmark.extra_info["contacts"] = len(system.friction)

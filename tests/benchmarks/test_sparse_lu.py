@@ -31,9 +31,9 @@ from scipy.sparse.linalg import splu
 from frictionbench.problems.instances.cubes import cubes
 from frictionbench.problems.instances.spheres import sphere_pyramid
 from frictionbench.problems.scenes import scene
-from frictionbench.solvers.interior.newton import PIVOT
+from frictionbench.solvers.interior.newton import PIVOT, new_work
 from frictionbench.solvers.interior.point import start_point
-from frictionbench.solvers.interior.predictor_corrector import Best, new_workspace, predictor_corrector
+from frictionbench.solvers.interior.predictor_corrector import nothing_yet, predictor_corrector
 from frictionbench.solvers.interior.system import build_system, space_of
 from frictionbench.solvers.sparse_lu import multifrontal
 from tests.helpers.kernels import assemble
@@ -56,11 +56,11 @@ NEVER = 10**9
 def matrix(name: str):
     """The system, its fronts as assembled, and the matrix by columns."""
     system = build_system(MATRICES[name]())
-    space, workspace, point = space_of(system), new_workspace(system), start_point(system, 1.0, 1.0)
-    best = Best(np.zeros_like(system.offset), np.array([np.inf]), np.zeros(1, np.int64))
-    predictor_corrector(system, space, point, workspace, best, 0.0, 12, np.empty(5))
-    assemble(system, space, point, workspace.work)
-    fronts, storage = system.fronts, workspace.work.storage
+    space, work, point = space_of(system), new_work(system, np.inf), start_point(system, 1.0, 1.0)
+    best = nothing_yet(*system.offset.shape)
+    predictor_corrector(system, space, point, work, best, 0.0, 12, np.empty(5))
+    assemble(system, space, point, work)
+    fronts, storage = system.fronts, work.storage
     rows, columns = [], []
     for f in range(len(fronts.pivots)):
         variable = fronts.variable[fronts.first[f] : fronts.first[f + 1]]

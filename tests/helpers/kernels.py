@@ -1,7 +1,8 @@
 """Compiled wrappers of functions that the solvers' kernels call, so that tests can call them."""
 
 from frictionbench.problems.compiled import kernel
-from frictionbench.solvers.interior import alart_curnier, newton, planar_newton, point, spatial_newton
+from frictionbench.solvers import proximal_newton
+from frictionbench.solvers.interior import newton, point
 
 
 @kernel
@@ -12,6 +13,11 @@ def evaluate_point(system, space, point, defect, work):
 @kernel
 def linearise(system, space, point, work):
     newton.linearise(system, space, point, work)
+
+
+@kernel
+def assemble(system, space, point, work):
+    newton.assemble(system, space, point, work)
 
 
 @kernel
@@ -30,27 +36,25 @@ def longest(system, space, at, step, limit):
 
 
 @kernel
+def longest_in_cone(a, step, limit):
+    return point.longest_in_cone(a, step, limit)
+
+
+@kernel
 def to_geodesics(system, space, at, step):
     point.to_geodesics(system, space, at, step)
 
 
 @kernel
+def add_products(space, factor, x, s, total):
+    point.add_products(space, factor, x, s, total)
+
+
+@kernel
 def equations(system, state, anchor, rho, work):
-    return alart_curnier.equations(system, state, anchor, rho, work)
+    return proximal_newton.equations(system, state, anchor, rho, work)
 
 
 @kernel
 def newton_step(system, state, anchor, rho, step, work):
-    alart_curnier.newton_step(system, state, anchor, rho, step, work)
-
-
-@kernel
-def assemble(system, space, point, work):
-    """Newton's matrix added up in the fronts, as linearise does before it factorises it."""
-    work.storage[:] = 0.0
-    for k in range(len(system.slot)):
-        work.storage[system.slot[k]] += system.constant[k]
-    if space is None:
-        planar_newton.add_planar_stiffness(system, point, work)
-    else:
-        spatial_newton.add_spatial_stiffness(system, point, work)
+    proximal_newton.newton_step(system, state, anchor, rho, step, work)

@@ -8,9 +8,10 @@ from frictionbench.problems.residual import residual
 from frictionbench.problems.scenes.stacks import disc_pile, stack
 from frictionbench.solvers import Status, solve
 from frictionbench.solvers.interior.fischer_burmeister import fischer_burmeister
+from frictionbench.solvers.interior.newton import new_work
 from frictionbench.solvers.interior.phases import Phased
 from frictionbench.solvers.interior.point import start_point
-from frictionbench.solvers.interior.predictor_corrector import Best, new_workspace
+from frictionbench.solvers.interior.predictor_corrector import nothing_yet
 from frictionbench.solvers.interior.system import space_of
 from tests.helpers.friction_problems import block, nothing, with_joints
 
@@ -21,9 +22,11 @@ def newton(problem, limit=100):
     """The impulses, the iterations and their history."""
     phased = Phased()
     _, system = phased.setup(phased.form(problem))
-    best = Best(np.zeros_like(system.offset), np.array([np.inf]), np.zeros(1, np.int64))
+    best = nothing_yet(*system.offset.shape)
     history, point = np.full(limit, np.nan), start_point(system, 1.0, 1.0)
-    count = fischer_burmeister(system, space_of(system), point, new_workspace(system), best, TOL / problem.spread, 0, history)
+    count = fischer_burmeister(
+        system, space_of(system), point, new_work(system, np.inf), best, TOL / problem.spread, 0, history
+    )
     return best.impulse * system.impulse, count, history
 
 

@@ -12,22 +12,28 @@ from frictionbench.problems.instances.recorded_step import recorded_step
 from frictionbench.problems.instances.spheres import sphere_pyramid
 from frictionbench.problems.packed import pack
 from frictionbench.problems.random_problem import random_problem
-from frictionbench.problems.recorded import read
 from frictionbench.problems.residual import contact_residuals, relaxation_residual, residual
 from frictionbench.problems.scenes import scene
 from frictionbench.solvers import Status, interior_point, solve
 from frictionbench.solvers.interface import find
 from frictionbench.solvers.interior.central_path import new_path, trace
-from frictionbench.solvers.interior.centred_point import centred_point
-from frictionbench.solvers.interior.lorentz import longest_in_cone
+from frictionbench.solvers.interior.newton import new_work
 from frictionbench.solvers.interior.phases import run
-from frictionbench.solvers.interior.point import add_products, set_identity, set_step, start_point
-from frictionbench.solvers.interior.predictor_corrector import Best, new_workspace
-from frictionbench.solvers.interior.system import build_system, new_work, space_of
+from frictionbench.solvers.interior.point import Point, centred_point, start_point
+from frictionbench.solvers.interior.predictor_corrector import nothing_yet
+from frictionbench.solvers.interior.system import build_system, space_of
 from tests.helpers.friction_problems import block, nothing, spatial
-from tests.helpers.kernels import direction, evaluate_point, linearise, longest, new_point, to_geodesics
+from tests.helpers.kernels import (
+    add_products,
+    direction,
+    evaluate_point,
+    linearise,
+    longest,
+    longest_in_cone,
+    new_point,
+    to_geodesics,
+)
 from tests.helpers.paths import DATA
-from tests.helpers.recorded import FOLDER as RECORDED
 
 METHODS = ("interior_point", "interior_point[shortcut=false]")
 
@@ -53,7 +59,7 @@ def test_a_stack_that_lifts_off_takes_no_iterations(push: float) -> None:
 
 
 @pytest.mark.parametrize("spec", [*METHODS, "relaxation_ip"])
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", range(0, 40, 4))
 def test_random_problems(seed, spec) -> None:
     assert_solved(random_problem(seed, 1 + seed), spec)
 
@@ -65,38 +71,24 @@ def test_stacks_and_pyramids_with_exact_ties(name, size, friction, spec) -> None
     assert_solved(scene(name, friction=friction, **size).problem(), spec, tol=1e-9)
 
 
-SPATIAL = [(contacts, nv, friction) for contacts, nv in ((1, 6), (3, 12), (8, 18), (20, 60)) for friction in (0.1, 1.0, 3.0)]
+SPATIAL = [(contacts, nv, friction) for contacts, nv in ((1, 6), (8, 18), (20, 60)) for friction in (0.1, 3.0)]
 
 
 @pytest.mark.parametrize("spec", [*METHODS, "relaxation_ip"])
 @pytest.mark.parametrize(("contacts", "nv", "friction"), SPATIAL)
 def test_spatial_problems(contacts, nv, friction, spec) -> None:
-    for seed in range(5):
+    for seed in range(3):
         assert_solved(spatial(seed, contacts=contacts, nv=nv, friction=friction), spec)
         biased = spatial(seed, contacts=contacts, nv=nv, friction=friction, friction_bias=True, joints=seed % 3)
         assert_solved(biased, spec)
 
 
-@pytest.mark.parametrize("spec", ["interior_point", "hybrid", "relaxation_ip"])
-@pytest.mark.parametrize("friction", [0.05, 1.0, 3.0])
-def test_spatial_contacts_between_random_bodies(friction, spec) -> None:
-    for seed in range(4):
-        problem = random_bodies(seed, contacts=(1, 4, 20, 50)[seed], friction=friction)
-        answer = solve(problem, spec)
-        assert answer.status is Status.SOLVED
-        assert (relaxation_residual if spec == "relaxation_ip" else residual)(problem, answer.impulse) <= 1e-8
-
-
 @pytest.mark.parametrize("spec", [*METHODS, "relaxation_ip"])
 @pytest.mark.parametrize("push", [0.0, 1.0])
-@pytest.mark.parametrize("friction", [0.0, 0.05, 0.8])
+@pytest.mark.parametrize("friction", [0.0, 0.05])
 def test_spatial_stacks_with_exact_ties(friction, push, spec) -> None:
     assert_solved(cubes(30, friction=friction, push=push), spec, tol=1e-9)
     assert_solved(cubes(10, friction=friction, push=push, mass_ratio=1e4), spec)
-
-
-def test_a_tall_spatial_stack_takes_few_iterations() -> None:
-    assert_solved(cubes(400, push=1.0), "interior_point", at_most=25)
 
 
 @pytest.mark.parametrize(
@@ -171,15 +163,16 @@ def test_sticking_contact_rounding(spec) -> None:
 
 def test_a_tall_stack_takes_few_iterations() -> None:
     assert_solved(scene("stack", blocks=400).problem(), "interior_point", at_most=30)
+    assert_solved(cubes(400, push=1.0), "interior_point", at_most=25)
 
 
-@pytest.mark.parametrize("seed", [19, 30, 76, 115, 190, 195, 222, 285, 286, 294])
+@pytest.mark.parametrize("seed", [19, 76, 190, 222, 294])
 def test_stagnation_is_resolved_by_path(seed) -> None:
     """Where x s stops at a fold of the central path, with the residual at 1e-2 to 1e-3."""
     assert_solved(random_problem(seed, 1 + seed % 50), "interior_point")
 
 
-@pytest.mark.parametrize("seed", [3235, 3247, 3426, 4443, 4496, 4722, 5770])
+@pytest.mark.parametrize("seed", [3235, 3426, 4496])
 def test_folds_of_central_path(seed) -> None:
     assert_solved(random_problem(seed, 1 + seed % 50), "interior_point[shortcut=false]")
 
@@ -193,7 +186,7 @@ def sheared(name, shear, friction, **size) -> FrictionProblem:
 
 
 @pytest.mark.parametrize("spec", METHODS)
-@pytest.mark.parametrize(("friction", "shear"), [(0.7, 1.0), (0.8, 1.0), (0.8, 10.0)])
+@pytest.mark.parametrize(("friction", "shear"), [(0.7, 1.0), (0.8, 10.0)])
 def test_sheared_pyramids_from_gauss_seidel_start(friction, shear, spec) -> None:
     """Without a hint how the boxes are loaded, the central path from any start wound on for thousands of iterations."""
     assert_solved(sheared("pyramid", shear, friction, rows=20), spec, at_most=200)
@@ -293,18 +286,13 @@ def test_dense_mass_matrix() -> None:
     assert_solved(pyramid.replace(mass=root @ root.T + np.eye(len(root))), "interior_point")
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, 2])
 def test_sphere_pyramid_path_direction(seed) -> None:
-    """225 contacts of which half slide or open: a path told its way by the last tangent goes back to its start."""
+    """225 contacts of which half slide or open: a path that follows the last tangent goes back to its start."""
     problem = sphere_pyramid(seed, levels=5, friction=0.5)
     answer = solve(problem, "hybrid")
     assert answer.detail == "answered by interior_point"
     assert residual(problem, answer.impulse) <= 1e-8
-
-
-@pytest.mark.parametrize("seed", [1, 12])
-def test_large_friction_needs_path(seed) -> None:
-    assert_solved(random_bodies(seed, friction=1000.0), "interior_point")
 
 
 def test_unit_invariance() -> None:
@@ -361,7 +349,7 @@ def test_newton_step_removes_defect(joints, accuracy, relaxed, dimension) -> Non
     """Joints are soft, so they are met in two or three steps."""
     system = build_system(with_every_kind_of_contact(dimension, joints), relaxed)
     space = space_of(system)
-    point, step, defect, work = start_point(system, 2.0, 1.0), new_point(system), new_point(system), new_work(system)
+    point, step, defect, work = start_point(system, 2.0, 1.0), new_point(system), new_point(system), new_work(system, np.inf)
     random = np.random.default_rng(1)
     for values in (point.x, point.s):
         values[:] = values * random.uniform(0.5, 2, values.shape)
@@ -392,7 +380,7 @@ def test_internal_residual_equals_residual(dimension) -> None:
     for relaxed in (False, True):
         system = build_system(problem, relaxed)
         space = space_of(system)
-        point, work = start_point(system, 1.0, 1.0), new_work(system)
+        point, work = start_point(system, 1.0, 1.0), new_work(system, np.inf)
         for seed in range(20):
             point.x[:] = (
                 np.random.default_rng(seed).uniform(0, 3, point.x.shape) * np.where(system.pairs > 1, 1, [[1], [0], [0], [0]]).T
@@ -411,13 +399,13 @@ def test_centred_point_products(dimension) -> None:
     u = problem.contact_velocity(r)
     for g in (1e-3, 0.3, 10.0):
         point = centred_point(system, space, r, u, g)
-        product, one = np.zeros((2, problem.contacts, 4))
+        product, one = np.zeros((problem.contacts, 4)), np.full((problem.contacts, 4), g * g)
+        one[:, 1:3] *= dimension == 2  # of Lorentz' cone the identity is (1, 0)
         add_products(space, 1.0, point.x, point.s, product)
-        set_identity(space, g * g, one)
         one[system.pairs == 1, 1:] = 0
         assert np.allclose(product * system.weight[:, None], one, rtol=1e-9, atol=1e-9 * g * g)
         assert longest(system, space, point, new_point(system), 1.0) == 1.0
-    point, defect, work = centred_point(system, space, r, u, 1e-12), new_point(system), new_work(system)
+    point, defect, work = centred_point(system, space, r, u, 1e-12), new_point(system), new_work(system, np.inf)
     assert evaluate_point(system, space, point, defect, work) < 1e-10
     assert np.abs(defect.x).max() < 1e-10
     assert np.allclose(work.impulse * system.impulse, r, rtol=0, atol=1e-10)
@@ -471,8 +459,7 @@ def test_scaled_step_norm(dimension) -> None:
             values[rubs, 1:3] = random.uniform(-0.3, 0.3, (rubs.sum(), 2)) * point.s[rubs, 3:]
         change[:, 0] = random.standard_normal(8)
         change[rubs, 1:] = random.standard_normal((rubs.sum(), 3))
-    w = new_point(system)
-    set_step(w, 1.0, step)
+    w = Point(*map(np.copy, step))
     to_geodesics(system, space_of(system), point, w)
     for values, change, measured in ((point.x, step.x, w.x), (point.s, step.s, w.s)):
         assert np.allclose(values[:, 0] * measured[:, 0], change[:, 0])
@@ -502,18 +489,6 @@ def test_recorded_false_ray_steps(name, instances, spec) -> None:
             assert_solved(from_lcp(data[f"M{k}"], data[f"q{k}"]), spec)
 
 
-@pytest.mark.parametrize("spec", ["interior_point", "relaxation_ip"])
-@pytest.mark.parametrize(
-    ("name", "at_most"),
-    [("gen_tower-s1", 15), ("gen_spheres-s1", 60), ("sliding_cube", 15)],  # 60: through a fold
-)
-def test_recorded_spatial_problems(name, at_most, spec) -> None:
-    path = RECORDED / "friction" / f"{name}.npz"
-    if not path.exists():
-        pytest.skip("FRICTIONBENCH_RECORDED does not name a folder of recorded problems")
-    assert_solved(read(path), spec, at_most=at_most)
-
-
 @pytest.mark.parametrize("spec", METHODS)
 def test_recorded_step_near_a_jam(spec) -> None:
     with np.load(DATA / "near_jam.npz") as data:
@@ -534,27 +509,6 @@ def test_chain_joints_are_sparse() -> None:
     assert_solved(problem, "interior_point")
 
 
-def test_polishing() -> None:
-    problem = sphere_pyramid(0, levels=3, friction=0.5)
-    prepared = find("interior_point")[1].prepare(problem)
-    right = solve(problem, "interior_point", tol=1e-12).impulse
-    wrong = right * (1 + 1e-6 * np.random.default_rng(0).standard_normal(right.shape))
-
-    def leave(system, space, point, workspace, best, tol, patience, history):
-        best.impulse[:], history[0] = wrong / system.impulse, 1.0
-        return 1
-
-    def polish(impulse):
-        return solve(problem, "proximal_newton", limit=20, start=impulse).impulse
-
-    phases = [(leave, new_point(prepared[1]), 10)]
-    assert 1e-8 < residual(problem, wrong) < 1e-5
-    assert run(prepared, phases, 1e-8, 10, 12, residual).status is Status.STALLED
-    answer = run(prepared, phases, 1e-8, 10, 12, residual, polish)
-    assert answer.status is Status.SOLVED
-    assert residual(problem, answer.impulse) <= 1e-8
-
-
 def test_what_each_phase_finds_is_polished() -> None:
     """Also where another one came nearer from which polishing failed."""
     problem = sphere_pyramid(0, levels=3, friction=0.5)
@@ -563,7 +517,7 @@ def test_what_each_phase_finds_is_polished() -> None:
     nearer, farther = (right * (1 + off * np.random.default_rng(0).standard_normal(right.shape)) for off in (1e-7, 1e-6))
 
     def leaving(impulse):
-        def leave(system, space, point, workspace, best, tol, patience, history):
+        def leave(system, space, point, work, best, tol, patience, history):
             best.impulse[:], history[0] = impulse / system.impulse, 1.0
             return 1
 
@@ -583,7 +537,7 @@ def test_polishing_in_the_plane(monkeypatch) -> None:
     right = solve(problem, "interior_point", tol=1e-12).impulse
     wrong = right * (1 + 1e-7 * np.random.default_rng(0).standard_normal(right.shape))
 
-    def leave(system, space, point, workspace, best, tol, patience, history):
+    def leave(system, space, point, work, best, tol, patience, history):
         best.impulse[:], history[0] = wrong / system.impulse, 1.0
         return 1
 
@@ -597,13 +551,13 @@ def test_polishing_in_the_plane(monkeypatch) -> None:
 
 @pytest.mark.parametrize("steps", [1, 5, 20, 40])
 def test_path_defect_is_proportional(steps) -> None:
-    """The defect of a point of the path is that of its start, times the same t for all contacts, corrected or foretold."""
+    """The defect of a point of the path is that of its start, times the same t for all contacts, corrected or predicted."""
     system = build_system(sphere_pyramid(0, levels=3, friction=0.5))
-    path, first, defect, workspace = _path(system), new_point(system), new_point(system), new_workspace(system)
-    evaluate_point(system, True, path.start, first, workspace.work)
-    best = Best(np.zeros_like(system.offset), np.array([np.inf]), np.zeros(1, np.int64))
-    trace(system, True, path, workspace, best, 0.0, 12, np.empty(steps))
-    evaluate_point(system, True, path.point, defect, workspace.work)
+    path, first, defect, work = _path(system), new_point(system), new_point(system), new_work(system, np.inf)
+    evaluate_point(system, True, path.start, first, work)
+    best = nothing_yet(*system.offset.shape)
+    trace(system, True, path, work, best, 0.0, 12, np.empty(steps))
+    evaluate_point(system, True, path.point, defect, work)
     t = np.vdot(defect.x, first.x) / np.vdot(first.x, first.x)
     assert 0 < t < 1
     assert np.allclose(defect.x, t * first.x, rtol=0, atol=1e-11 * abs(first.x).max())
@@ -612,16 +566,16 @@ def test_path_defect_is_proportional(steps) -> None:
 def test_path_is_followed_further() -> None:
     """In shares a path takes the same way as at once, to its end."""
     system = build_system(sphere_pyramid(0, levels=3, friction=0.5))
-    at_once, in_shares, workspace = _path(system), _path(system), new_workspace(system)
-    best, again = (Best(np.zeros_like(system.offset), np.array([np.inf]), np.zeros(1, np.int64)) for _ in range(2))
+    at_once, in_shares, work = _path(system), _path(system), new_work(system, np.inf)
+    best, again = nothing_yet(*system.offset.shape), nothing_yet(*system.offset.shape)
     history = np.empty(12)
-    trace(system, True, at_once, workspace, best, 0.0, 12, history)
+    trace(system, True, at_once, work, best, 0.0, 12, history)
     for share in (1, 4, 7):
-        trace(system, True, in_shares, workspace, again, 0.0, 12, history[:share])
+        trace(system, True, in_shares, work, again, 0.0, 12, history[:share])
     assert np.array_equal(in_shares.point.x, at_once.point.x)
     assert best.factorisations == again.factorisations == 12
     assert not in_shares.ended
-    trace(system, True, in_shares, workspace, again, 1e-4, 12, np.empty(1000))
+    trace(system, True, in_shares, work, again, 1e-4, 12, np.empty(1000))
     assert again.residual <= 1e-4
     assert in_shares.ended
 
@@ -649,13 +603,13 @@ def test_sphere_pyramid_solved_by_relaxation(friction) -> None:
 
 @pytest.mark.parametrize(
     ("seed", "levels", "friction", "noise"),
-    [(0, 4, 0.5, 0.0), (2, 4, 0.5, 0.0), (1, 5, 0.5, 0.0), (1, 5, 1.0, 0.03), (0, 6, 0.5, 0.0), (2, 6, 0.7, 0.03)],
+    [(0, 4, 0.5, 0.0), (1, 5, 1.0, 0.03), (2, 6, 0.7, 0.03)],
 )
 def test_sphere_pyramid_solved_by_paths(seed, levels, friction, noise) -> None:
     assert_solved(sphere_pyramid(seed, levels=levels, friction=friction, noise=noise), "interior_point", at_most=5000)
 
 
-@pytest.mark.parametrize("seed", [0, 5, 19, 26, 38])
+@pytest.mark.parametrize("seed", [0, 19, 38])
 def test_unbounded_friction_solved_by_paths(seed) -> None:
     assert_solved(random_bodies(seed, contacts=40, friction=1000.0), "interior_point")
 
@@ -674,7 +628,7 @@ def test_internal_residual_counts_signorinis_own_defect() -> None:
         mass=np.eye(2), normal=[[1.0, 0.0]], tangent=[[0.0, 1.0]], friction=[30.0], free_velocity=[-0.1, -1.0], bias=[0.0]
     )
     system = build_system(problem)
-    point, work = start_point(system, 1.0, 1.0), new_work(system)
+    point, work = start_point(system, 1.0, 1.0), new_work(system, np.inf)
     for c in (0.0, 0.02, 0.05, 0.09):
         point.x[:] = c, 0.0, 0.0, 1.0
         inside = evaluate_point(system, space_of(system), point, new_point(system), work)
@@ -682,5 +636,5 @@ def test_internal_residual_counts_signorinis_own_defect() -> None:
 
 
 @pytest.mark.parametrize("seed", [0, 4])
-def test_light_spheres_bear_heavy_ones(seed) -> None:
+def test_light_spheres_carry_heavy_ones(seed) -> None:
     assert_solved(sphere_pyramid(seed=seed, levels=4, friction=0.5, mass_ratio=1e6), "interior_point", at_most=500)

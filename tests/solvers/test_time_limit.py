@@ -9,9 +9,10 @@ from frictionbench.problems.instances import make_instance
 from frictionbench.solvers import clock
 from frictionbench.solvers.clock import deadline, is_over, is_past, left, within
 from frictionbench.solvers.interface import find
-from frictionbench.solvers.interior.alart_curnier import new_state, newton
-from frictionbench.solvers.interior.system import build_system, new_work
+from frictionbench.solvers.interior.newton import new_work
+from frictionbench.solvers.interior.system import build_system
 from frictionbench.solvers.pivots import merit_newton
+from frictionbench.solvers.proximal_newton import State, newton
 
 METHODS = ("lemke", "dantzig", "murty", "path_search", "fischer_newton", "nsgs", "admm_coulomb", "interior_point", "hybrid")
 
@@ -77,8 +78,7 @@ def test_newton_looks_at_the_clock_before_each_step() -> None:
     nc = problem.contacts
 
     def steps(until: float) -> int:
-        state, trial, anchor = new_state(nc), new_state(nc), np.zeros((nc, 3))
-        return newton(system, state, trial, anchor, 1.0, np.zeros((nc, 3)), new_work(system), 1e-12, 20, until)[0]
+        return newton(system, State(*np.zeros((3, nc, 3))), np.zeros((nc, 3)), 1.0, new_work(system, until), 1e-12, 20)[0]
 
     assert steps(-1.0) == 0 < steps(np.inf)
 

@@ -34,12 +34,11 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.compiled import kernel, lean, part
 from frictionbench.solvers.clock import late
-from frictionbench.solvers.interior.elements import larger
-from frictionbench.solvers.interior.newton import direction, linearise
+from frictionbench.solvers.interior.newton import Work, direction, larger, linearise
 from frictionbench.solvers.interior.point import Point, add_products, add_step, longest, new_point, set_step, to_geodesics
-from frictionbench.solvers.interior.predictor_corrector import Best, Workspace, evaluate_and_record, predictor_corrector
+from frictionbench.solvers.interior.predictor_corrector import Best, evaluate_and_record, predictor_corrector
 from frictionbench.solvers.interior.system import SOFTNESS, Space, System
 from frictionbench.solvers.sparse_lu.multifrontal import determinant_sign
 
@@ -81,9 +80,7 @@ def new_path(start: Point) -> Path:
 
 
 @kernel
-def trace(
-    system: System, space: Space, path: Path, workspace: Workspace, best: Best, tol: float, patience: int, history: Array
-) -> int:
+def trace(system: System, space: Space, path: Path, work: Work, best: Best, tol: float, patience: int, history: Array) -> int:
     """Follow the path on; stop where the residual is within tol, history is full, or the path is abandoned.
 
     patience: that of the predictor-corrector, where it is tried. history receives the residual of every iterate; their
@@ -92,7 +89,6 @@ def trace(
     point, saved, ahead, curvature, numbers = path.point, path.saved, path.ahead, path.curvature, path.numbers
     first, defect, correction, tangent, log_step = _five_points(system)
     log_tangent, trial = new_point(system), new_point(system)
-    work = workspace.work
     work.softness[0] = SOFTNESS
     evaluate_and_record(system, space, path.start, first, work, best)
     product, target = np.zeros((len(point.x), 4)), np.zeros((len(point.x), 4))
@@ -103,7 +99,7 @@ def trace(
     while used < len(history):
         history[used] = evaluate_and_record(system, space, point, defect, work, best)
         used += 1
-        if best.residual[0] <= tol or not END < t < DIVERGED or late(workspace.until):
+        if best.residual[0] <= tol or not END < t < DIVERGED or late(work.until):
             return used
         linearise(system, space, point, work)
         best.factorisations[0] += 1
@@ -149,7 +145,7 @@ def trace(
             saved_t = t * (1 + share * back)
             if saved_t < hand_over and used < len(history):
                 set_step(trial, 1.0, saved)
-                used += predictor_corrector(system, space, trial, workspace, best, tol, patience, history[used:])
+                used += predictor_corrector(system, space, trial, work, best, tol, patience, history[used:])
                 hand_over *= HAND_OVER
                 if best.residual[0] <= tol:
                     return used
@@ -183,7 +179,7 @@ def _five_points(system: System) -> tuple[Point, Point, Point, Point, Point]:
     return new_point(system), new_point(system), new_point(system), new_point(system), new_point(system)
 
 
-@part
+@lean
 def _set_target(space: Space, target: Array, t: float, product: Array, share: float, point: Point) -> None:
     """target = t product - share x ∘ s."""
     for i in range(len(target)):
@@ -192,7 +188,7 @@ def _set_target(space: Space, target: Array, t: float, product: Array, share: fl
     add_products(space, -share, point.x, point.s, target)
 
 
-@part
+@lean
 def _orthogonal(
     system: System, space: Space, point: Point, step: Point, log_step: Point, tangent: Point, log_tangent: Point, square: float
 ) -> float:
@@ -205,7 +201,7 @@ def _orthogonal(
     return float(back)
 
 
-@part
+@lean
 def _dot(a: Point, b: Point) -> float:
     total = 0.0
     for i in range(len(a.x)):
@@ -214,7 +210,7 @@ def _dot(a: Point, b: Point) -> float:
     return total
 
 
-@part
+@lean
 def _size(step: Point) -> float:
     """The largest component, infinity where one is not a number."""
     largest = 0.0

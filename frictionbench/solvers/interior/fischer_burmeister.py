@@ -22,11 +22,11 @@ monotone, so that the iteration may end in a local minimum of |Phi|.
 import numpy as np
 
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.compiled import kernel, lean
 from frictionbench.solvers.clock import late
-from frictionbench.solvers.interior.newton import direction, linearise
+from frictionbench.solvers.interior.newton import Work, direction, linearise
 from frictionbench.solvers.interior.point import Point, add_step, new_point, set_step
-from frictionbench.solvers.interior.predictor_corrector import Best, Workspace, evaluate_and_record
+from frictionbench.solvers.interior.predictor_corrector import Best, evaluate_and_record
 from frictionbench.solvers.interior.system import Space, System
 
 ARMIJO = 1e-4  # required share of the predicted decrease: the usual constant
@@ -39,13 +39,13 @@ INSIDE = 1e-10  # least A and B: the equations of an interior point divide by th
 
 @kernel
 def fischer_burmeister(
-    system: System, space: Space, point: Point, workspace: Workspace, best: Best, tol: float, patience: int, history: Array
+    system: System, space: Space, point: Point, work: Work, best: Best, tol: float, patience: int, history: Array
 ) -> int:
     """Move the point's x to a solution; stop where the residual is within tol, history is full, or nothing descends.
 
     history receives the residual of every iterate; their number is returned.
     """
-    step, defect, target, work = workspace.step, workspace.defect, workspace.target, workspace.work
+    step, defect, target = work.step, work.defect, work.target
     derivative, trial, merits = new_point(system), new_point(system), np.zeros(MEMORY)
     none = np.zeros((len(point.x), 4))
     exact, along = Point(none, none, defect.joint), Point(step.x, none, step.joint)  # s is no unknown: it follows from x
@@ -56,7 +56,7 @@ def fischer_burmeister(
     for iteration in range(len(history)):
         history[iteration] = evaluate_and_record(system, space, point, defect, work, best)
         merit = _equation(system, point, defect, target, derivative)
-        if best.residual[0] <= tol or not merit < np.inf or late(workspace.until) or work.softness[0] > MOST:
+        if best.residual[0] <= tol or not merit < np.inf or late(work.until) or work.softness[0] > MOST:
             return iteration + 1
         merits[iteration % MEMORY] = merit
         linearise(system, space, derivative, work)
@@ -79,7 +79,7 @@ def fischer_burmeister(
     return len(history)
 
 
-@part
+@lean
 def _equation(system: System, point: Point, partner: Point, target: Array, derivative: Point) -> float:
     """|Phi|²/2 with the joints' velocities; -Phi in target, and B, A in units of x and s in derivative."""
     x, s, merit = point.x, partner.x, 0.0
@@ -99,7 +99,7 @@ def _equation(system: System, point: Point, partner: Point, target: Array, deriv
     return merit
 
 
-@part
+@lean
 def _slope(system: System, derivative: Point, target: Array, step: Point, merit: float, softness: float) -> float:
     """The derivative of the merit along a step that solves the softened equations."""
     slope = -2 * merit

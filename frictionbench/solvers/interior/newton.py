@@ -6,8 +6,8 @@ unknowns act on its s, a step of an interior point method is the linear system
     x ∘ ds + dx ∘ s = target,      ds = H'du + K dx + defect,      M dv = J'H dx + F'dlam,      du = J dv,
     F dv = -joint defect.
 
-Given du, each contact is four equations for itself, B dx = g - H'du, solved by formula (solvers.interior.planar_newton and
-solvers.interior.spatial_newton). What is left is A dv = b in the velocities with
+Given du, each contact is four equations for itself, B dx = g - H'du, solved by formula (solvers.interior.contact_equations).
+What is left is A dv = b in the velocities with
 
     A = M + sum_i J_i' C_i J_i + F'F/delta,      C_i = H B^-1 H',
 
@@ -18,38 +18,152 @@ velocities end all progress, so that the predictor-corrector enlarges it there. 
 reason: redundant joints are allowed.
 """
 
+from typing import NamedTuple
+
+import numpy as np
+
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import part
-from frictionbench.solvers.interior.elements import larger
-from frictionbench.solvers.interior.planar_newton import (
-    add_planar_right_side,
-    add_planar_stiffness,
-    planar_defects,
-    planar_steps,
-    push_planar_impulses,
-)
-from frictionbench.solvers.interior.point import Point
-from frictionbench.solvers.interior.spatial_newton import (
-    add_spatial_right_side,
-    add_spatial_stiffness,
-    push_spatial_impulses,
-    spatial_defects,
-    spatial_steps,
-)
-from frictionbench.solvers.interior.system import JOINT_SOFTNESS, Elements, Space, System, Work
-from frictionbench.solvers.sparse_lu.multifrontal import factorise, solve_factorised
+from frictionbench.problems.compiled import inlined, lean
+from frictionbench.problems.forms.cone import nearest
+from frictionbench.problems.rows import Index64
+from frictionbench.solvers.clock import deadline
+from frictionbench.solvers.interior.contact_equations import planar_step, planar_stiffness, spatial_step, spatial_stiffness
+from frictionbench.solvers.interior.point import Point, Vector
+from frictionbench.solvers.interior.system import JOINT_SOFTNESS, SOFTNESS, Elements, Space, System
+from frictionbench.solvers.sparse_lu.multifrontal import factorise, operations, solve_factorised
 
 PIVOT = 1e-14  # the least pivot of A, a hundred units of rounding, as the mass matrix is scaled to a unit diagonal
 
 
-@part
+class Work(NamedTuple):
+    """Workspace of Newton's method on one system: arrays created inside its loops would cost reference counting in every call.
+
+    softness (1,): delta. storage, swap: the factors of A. inverse, pivot (nc, 4): 1/x and the pivots' inverses, in the plane.
+    impulse (nc, d), vector and momentum (nv,). step, defect, target: those of the method. until: when the last factorisation
+    may begin (solvers.clock).
+    """
+
+    softness: Array
+    storage: Array
+    swap: Index64
+    inverse: Array
+    pivot: Array
+    impulse: Array
+    vector: Array
+    momentum: Array
+    step: Point
+    defect: Point
+    target: Array
+    until: float
+
+
+def new_work(system: System, until: float) -> Work:
+    nc, nv, pairs = len(system.friction), len(system.free_velocity), np.zeros((7, len(system.friction), 4))
+    joints, velocity = np.zeros((2, len(system.joint_bias), 1)), np.zeros((2, nv))
+    storage, impulse = np.zeros(system.fronts.start[-1]), np.zeros((nc, system.offset.shape[1]))
+    step, defect = Point(pairs[0], pairs[1], joints[0]), Point(pairs[2], pairs[3], joints[1])
+    return Work(
+        np.full(1, SOFTNESS), storage, np.zeros(nv, np.int64), pairs[4], pairs[5], impulse, velocity[0], velocity[1],
+        step, defect, pairs[6], until,
+    )  # fmt: skip
+
+
+def last_step(system: System) -> float:
+    """When the last factorisation may begin."""
+    return deadline(operations(system.fronts)) if deadline() < np.inf else np.inf
+
+
+@inlined
+def push(contacts: Elements, space: Space, i: int, r: Vector, momentum: Array) -> None:
+    """momentum += push' r of contact i."""
+    for a in range(contacts.start[i], contacts.start[i + 1]):
+        along = contacts.push[a, 0] * r[0] + contacts.push[a, 1] * r[1]
+        if space is not None:
+            along += contacts.push[a, 2] * r[2]
+        momentum[contacts.column[a]] += along
+
+
+@inlined
+def read(contacts: Elements, space: Space, i: int, v: Array) -> Vector:
+    """read v of contact i; in the plane the third is zero."""
+    u0 = u1 = u2 = 0.0
+    for a in range(contacts.start[i], contacts.start[i + 1]):
+        along = v[contacts.column[a]]
+        u0 += contacts.read[a, 0] * along
+        u1 += contacts.read[a, 1] * along
+        if space is not None:
+            u2 += contacts.read[a, 2] * along
+    return u0, u1, u2
+
+
+@inlined
+def add_stiffness(system: System, space: Space, i: int, n: Vector, s: Vector, t: Vector, storage: Array) -> None:
+    """Add push' C read of contact i, C by its rows n, s, t, to its front."""
+    contacts, fronts = system.contacts, system.fronts
+    f, lo, hi = contacts.front[i], contacts.start[i], contacts.start[i + 1]
+    begin, width = fronts.start[f], fronts.first[f + 1] - fronts.first[f]
+    for a in range(lo, hi):
+        row, p0, p1 = begin + contacts.place[a] * width, contacts.push[a, 0], contacts.push[a, 1]
+        c0, c1, c2 = p0 * n[0] + p1 * s[0], p0 * n[1] + p1 * s[1], p0 * n[2] + p1 * s[2]
+        if space is not None:
+            p2 = contacts.push[a, 2]
+            c0, c1, c2 = c0 + p2 * t[0], c1 + p2 * t[1], c2 + p2 * t[2]
+        for b in range(lo, hi):
+            along = c0 * contacts.read[b, 0] + c1 * contacts.read[b, 1]
+            if space is not None:
+                along += c2 * contacts.read[b, 2]
+            storage[row + contacts.place[b]] += along
+
+
+@inlined
+def _impulse(space: Space, x: Array, i: int) -> Vector:
+    """H x of contact i."""
+    return (x[i, 0], x[i, 1] - x[i, 2], 0.0) if space is None else (x[i, 0], x[i, 1], x[i, 2])
+
+
+@lean
+def larger(a: float, b: float) -> float:
+    """max(a, b) for a >= 0, infinity where b is not a number."""
+    if b <= a:
+        return a
+    return b if b > a else np.inf
+
+
+@lean
+def _norm(a: float, b: float) -> float:
+    return np.sqrt(a * a + b * b) if b else abs(a)  # in the plane b is 0, and a root a good part of a contact's time
+
+
+@lean
+def natural(r: Vector, u: Vector, mu: float, bias: float, shift: float, weight: float) -> float:
+    """weight |r - P_K(r - (u + shift |u_t| e_n) / weight)| for one contact, and with a shift, for Coulomb's law, at least the
+    defect of Signorini's (problems.residual)."""
+    compliance = 1 / weight
+    n = r[0] - (u[0] + shift * _norm(u[1], u[2])) * compliance
+    t1, t2 = r[1] - u[1] * compliance, r[2] - u[2] * compliance
+    normal, share = nearest(n, _norm(t1, t2), mu, bias)
+    off, off1, off2 = r[0] - normal, r[1] - share * t1, r[2] - share * t2
+    defect = weight * np.sqrt(off * off + off1 * off1 + off2 * off2)
+    return larger(defect, abs(min(weight * r[0], u[0]))) if shift > 0 else defect
+
+
+@lean
+def accelerate(system: System, momentum: Array, v: Array) -> None:
+    """v = free velocity + M^-1 momentum."""
+    for i in range(len(v)):
+        v[i] = system.free_velocity[i]
+        for k in range(system.indptr[i], system.indptr[i + 1]):
+            v[i] += system.inverse[k] * momentum[system.indices[k]]
+
+
+@lean
 def _push_joints(joints: Elements, impulse: Array, momentum: Array) -> None:
     for j in range(len(impulse)):
         for a in range(joints.start[j], joints.start[j + 1]):
             momentum[joints.column[a]] += joints.push[a, 0] * impulse[j, 0]
 
 
-@part
+@lean
 def _read_joints(joints: Elements, v: Array, velocity: Array) -> None:
     for j in range(len(velocity)):
         velocity[j, 0] = 0.0
@@ -57,67 +171,101 @@ def _read_joints(joints: Elements, v: Array, velocity: Array) -> None:
             velocity[j, 0] += joints.read[a, 0] * v[joints.column[a]]
 
 
-@part
+@lean
 def evaluate_point(system: System, space: Space, point: Point, defect: Point, work: Work) -> float:
     """The residual of problems.residual at a point's impulses, infinity where it is not a number.
 
-    defect: overwritten with H'u + K x - s and F v + b_F.
+    defect: overwritten with H'u + K x - s and F v + b_F. work.impulse: with the impulses.
     """
-    v = work.vector
-    for i in range(len(v)):
-        work.momentum[i] = 0.0
-    if space is None:
-        push_planar_impulses(system, point.x, work.impulse, work.momentum)
-    else:
-        push_spatial_impulses(system, point.x, work.impulse, work.momentum)
+    x, s, off, v, worst = point.x, point.s, defect.x, work.vector, 0.0
+    for k in range(len(v)):
+        work.momentum[k] = 0.0
+    for i in range(len(x)):
+        r = _impulse(space, x, i)
+        work.impulse[i, 0], work.impulse[i, 1] = r[0], r[1]
+        if space is not None:
+            work.impulse[i, 2] = r[2]
+        push(system.contacts, space, i, r, work.momentum)
     _push_joints(system.joints, point.joint, work.momentum)
-    for i in range(len(v)):
-        v[i] = system.free_velocity[i]
-        for k in range(system.indptr[i], system.indptr[i + 1]):
-            v[i] += system.inverse[k] * work.momentum[system.indices[k]]
+    accelerate(system, work.momentum, v)
     _read_joints(system.joints, v, defect.joint)
-    if space is None:
-        worst = planar_defects(system, point, v, work.impulse, defect.x)
-    else:
-        worst = spatial_defects(system, point, v, work.impulse, defect.x)
+    for i in range(len(x)):
+        mu, bias, shift = system.friction[i], system.friction_bias[i], system.shift[i]
+        u0, u1, u2 = read(system.contacts, space, i, v)
+        u0 += system.offset[i, 0]
+        u1 += system.offset[i, 1]
+        if space is not None:
+            u2 += system.offset[i, 2]
+        off[i, 0] = u0 - shift * x[i, 3] - s[i, 0]
+        if system.pairs[i] > 1:
+            if space is None:
+                off[i, 1] = x[i, 3] + u1 - s[i, 1]
+                off[i, 2] = x[i, 3] - u1 - s[i, 2]
+                off[i, 3] = mu * x[i, 0] - x[i, 1] - x[i, 2] + bias - s[i, 3]
+            else:
+                off[i, 1] = u1 - s[i, 1]
+                off[i, 2] = u2 - s[i, 2]
+                off[i, 3] = mu * x[i, 0] + bias - s[i, 3]
+        worst = larger(worst, natural(_impulse(space, x, i), (u0, u1, u2), mu, bias, mu - shift, system.weight[i]))
     for j in range(len(defect.joint)):
         defect.joint[j, 0] += system.joint_bias[j]
         worst = larger(worst, abs(defect.joint[j, 0]))
     return worst
 
 
-@part
+@lean
+def clear(system: System, storage: Array) -> None:
+    """Set the fronts to what the mass matrix and the joints add to them."""
+    for k in range(len(storage)):
+        storage[k] = 0.0
+    for k in range(len(system.slot)):
+        storage[system.slot[k]] += system.constant[k]
+
+
+@lean
+def assemble(system: System, space: Space, point: Point, work: Work) -> None:
+    """Add up Newton's matrix at a point in the fronts."""
+    clear(system, work.storage)
+    for i in range(len(point.x)):
+        if space is None:
+            n, s, t = planar_stiffness(system, point, i, work.softness[0], work.inverse, work.pivot)
+        else:
+            n, s, t = spatial_stiffness(system, point, i, work.softness[0])
+        add_stiffness(system, space, i, n, s, t, work.storage)
+
+
+@lean
 def linearise(system: System, space: Space, point: Point, work: Work) -> None:
     """Newton's matrix at a point, factorised."""
-    for k in range(len(work.storage)):
-        work.storage[k] = 0.0
-    for k in range(len(system.slot)):
-        work.storage[system.slot[k]] += system.constant[k]
-    if space is None:
-        add_planar_stiffness(system, point, work)
-    else:
-        add_spatial_stiffness(system, point, work)
+    assemble(system, space, point, work)
     factorise(system.fronts, work.storage, work.swap, PIVOT)
 
 
-@part
+@lean
 def direction(system: System, space: Space, point: Point, target: Array, defect: Point, step: Point, work: Work) -> None:
     """The step with x ∘ ds + dx ∘ s = target that removes the defect, after linearise at the same point."""
     dv = work.vector
-    for i in range(len(dv)):
-        dv[i] = 0.0
-    if space is None:
-        add_planar_right_side(system, target, defect.x, work)
-    else:
-        add_spatial_right_side(system, point, target, defect.x, step, work)
+    for k in range(len(dv)):
+        dv[k] = 0.0
+    _contact_steps(system, space, point, target, defect, step, work)
+    for i in range(len(target)):
+        push(system.contacts, space, i, _impulse(space, step.x, i), dv)
     for j in range(len(defect.joint)):
         step.joint[j, 0] = -defect.joint[j, 0] / JOINT_SOFTNESS
     _push_joints(system.joints, step.joint, dv)
     solve_factorised(system.fronts, work.storage, work.swap, dv)
-    if space is None:
-        planar_steps(system, point, target, step, work)
-    else:
-        spatial_steps(system, point, target, defect.x, step, work)
-    _read_joints(system.joints, dv, work.joint_velocity)
+    _contact_steps(system, space, point, target, defect, step, work)
+    _read_joints(system.joints, dv, step.joint)
     for j in range(len(defect.joint)):
-        step.joint[j, 0] = -(defect.joint[j, 0] + work.joint_velocity[j, 0]) / JOINT_SOFTNESS
+        step.joint[j, 0] = -(defect.joint[j, 0] + step.joint[j, 0]) / JOINT_SOFTNESS
+
+
+@lean
+def _contact_steps(system: System, space: Space, point: Point, target: Array, defect: Point, step: Point, work: Work) -> None:
+    """The contacts' dx and ds, for the change of the velocities in work.vector."""
+    for i in range(len(target)):
+        u = read(system.contacts, space, i, work.vector)
+        if space is None:
+            planar_step(system, point, i, target, defect.x, u, work.inverse, work.pivot, step)
+        else:
+            spatial_step(system, point, i, target, defect.x, u, work.softness[0], step)

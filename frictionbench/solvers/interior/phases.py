@@ -1,4 +1,8 @@
-"""The driver of the interior point methods: phases, each with its own start, are run in turn until one solves the problem."""
+"""The driver of the interior point methods: phases, each with its own start, are run in turn until one solves the problem.
+
+For packed problems there is the first phase alone, the predictor-corrector from one start, in a compiled loop; what it does not
+solve, and problems of which only W is known, are left to be solved alone.
+"""
 
 from collections.abc import Callable, Iterable
 
@@ -6,12 +10,18 @@ import numpy as np
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import loop, part
+from frictionbench.problems.forms.delassus import pushed_contact_velocity
+from frictionbench.problems.packed import CONTACT, Packed, Q, law_of, mass_of, mechanical, mechanics_of, residuals
+from frictionbench.problems.residual import largest_with_floor
 from frictionbench.solvers.clock import is_past
-from frictionbench.solvers.interface import Answer, Status
+from frictionbench.solvers.interface import Answer, Solved, Status
 from frictionbench.solvers.interior.central_path import Path
-from frictionbench.solvers.interior.point import Point, start_point
-from frictionbench.solvers.interior.predictor_corrector import Best, new_workspace
-from frictionbench.solvers.interior.system import System, build_system, in_velocities, space_of
+from frictionbench.solvers.interior.newton import last_step, new_work
+from frictionbench.solvers.interior.point import Point, centred_point, start_pairs, start_point
+from frictionbench.solvers.interior.predictor_corrector import Best, nothing_yet, predictor_corrector
+from frictionbench.solvers.interior.system import System, build_system, in_velocities, space_of, system_of, units_of
+from frictionbench.solvers.loops import ALONE, impulses_of, is_alone, solved, unsolved
 
 POLISHABLE = 1e-5  # residual up to which polishing is tried: from there Newton's method mostly converges
 ROUNDING = 4 * np.finfo(float).eps  # of the residual relative to the largest impulse: four roundings of a contact's terms
@@ -20,6 +30,10 @@ Phase = tuple[Callable[..., int], Point | Path, int]  # a method, the point or p
 Measure = Callable[[FrictionProblem, Array], float]
 Polish = Callable[[Array], Array]
 Prepared = tuple[FrictionProblem, System]
+
+SOLVED, NEARLY = range(2)  # how a packed problem ends: solved, or to be judged by the exact residual
+NO_GUESS = -1.0  # the distance of a packed problem without given impulses
+work_of, nothing_of = part(new_work), part(nothing_yet)
 
 
 class Phased:
@@ -59,12 +73,12 @@ def run(
     nothing = np.zeros_like(system.offset)
     if not _closing(problem, tol) and measure(problem, nothing) <= tol:  # contacts neither closing nor opening converge slowly
         return Answer(nothing, Status.SOLVED, {"iterations": 0, "factorisations": 0})
-    space, workspace = space_of(system), new_workspace(system)
-    best = Best(nothing, np.array([np.inf]), np.zeros(1, np.int64))
+    space, workspace = space_of(system), new_work(system, last_step(system))
+    best = nothing_yet(*nothing.shape)
     history: list[float] = []
     status = Status.STALLED
     for method, point, share in phases:
-        found = Best(np.zeros_like(nothing), np.array([np.inf]), best.factorisations)
+        found = nothing_yet(*nothing.shape)._replace(factorisations=best.factorisations)
         residuals = np.empty(min(share, limit - len(history)))
         used = method(system, space, point, workspace, found, MARGIN * sharp, patience, residuals)
         history += residuals[:used].tolist()
@@ -108,3 +122,57 @@ def _is_polished(best: Best, tol: float, prepared: Prepared, measure: Measure, p
     if found < best.residual[0]:
         best.impulse[:], best.residual[0] = impulse / system.impulse, found
     return found <= tol
+
+
+def first_phase(packed: Packed, guess: Array, distance: Array, tol: float, limit: int, patience: int) -> Solved:
+    """The first phase of each packed problem, in at most limit factorisations.
+
+    guess (contacts, d): the impulses to start around; distance (N,): how far from the boundary, or NO_GUESS.
+    """
+    space = True if packed.dimension == 3 else None
+    r, ended, work = _first_phases(packed, guess, distance, space, False, tol, limit, patience)
+    if (ended == NEARLY).any():
+        within = residuals(packed, r)[:, 0] <= tol
+        ended[ended == NEARLY] = np.where(within, SOLVED, ALONE)[ended == NEARLY]
+    return solved(r, ended, (Status.SOLVED,), work, ("iterations", "factorisations"))
+
+
+@loop
+def _first_phases(packed, guess, distance, space, relaxed, tol, limit, patience):  # type: ignore[no-untyped-def]
+    """Packed problems one after the other: impulses, how each ended, and iterations and factorisations (N, 2)."""
+    r, ended, work = unsolved(packed, 2)
+    history, none, no_joints = np.empty(limit), np.zeros(1, np.int32), np.empty(0)
+    for k in range(len(ended)):
+        if is_alone(packed, k):
+            continue
+        mu, friction_bias, scale, velocities = law_of(packed, k)
+        free_motion = packed.q[packed.first[k, Q] : packed.first[k + 1, Q]].reshape(len(mu), r.shape[1])
+        zero = np.zeros(free_motion.shape)
+        if largest_with_floor(zero, free_motion, zero, scale, mu, friction_bias, velocities)[0] <= tol:
+            ended[k] = SOLVED
+            continue
+        if not mechanical(packed, k):
+            continue
+        start, column, J, m_start, m_column, m_value, free, bias = mechanics_of(packed, k)
+        offset, units = packed.offset[packed.first[k, CONTACT] : packed.first[k + 1, CONTACT]], units_of(velocities, scale)
+        mass_start, mass_column, mass_value = mass_of(packed, k)
+        motion = free, mass_start, mass_column, mass_value, m_start, m_column, m_value
+        laws = mu, friction_bias, scale, offset
+        system = system_of((start, column, J, J), laws, motion, (none, none[:0], no_joints, free[:0]), units, relaxed)
+        if distance[k] == NO_GUESS:
+            x, s = start_pairs(system.weight, system.pairs, space, np.sqrt(len(mu)), 1.0)
+            point = Point(x, s, np.zeros((0, 1)))
+        else:
+            given = impulses_of(packed, k, guess)
+            u = pushed_contact_velocity(start, column, J, m_start, m_column, m_value, free, given, bias)
+            point = centred_point(system, space, given, u, distance[k])
+        best, sharp = nothing_of(len(mu), r.shape[1]), tol / packed.spread[k]
+        work[k, 0] = predictor_corrector(system, space, point, work_of(system, np.inf), best, MARGIN * sharp, patience, history)
+        work[k, 1] = best.factorisations[0]
+        own, heaviest = impulses_of(packed, k, r), 0.0
+        for i in range(len(own)):
+            heaviest = max(heaviest, system.weight[i] * best.impulse[i, 0])
+            for a in range(own.shape[1]):
+                own[i, a] = best.impulse[i, a] * units.impulse
+        ended[k] = SOLVED if best.residual[0] + ROUNDING * heaviest <= sharp else NEARLY
+    return r, ended, work

@@ -8,15 +8,28 @@ complementary pairs of the friction LCP (problems.forms.lcp), x >= 0, s >= 0, x 
     beta-:   lambda - u_t                    and against it,
     lambda:  mu c - beta+ - beta- + b_f      its sliding speed, and the friction left.
 
-In space they are one such pair and a pair of elements of Lorentz' cone, whose product is that of solvers.interior.lorentz:
+In space they are one such pair and a pair of elements of Lorentz' cone, {a: a_0 >= |a_t|} with two components in a_t, the
+positive elements of a Jordan algebra (Faraut and Korányi 1994):
 
     c:                 u_n - shift lambda,
     (lambda, u_t)      (mu c + b_f, r_t)     sliding speed and velocity, the friction there is and the one in use,
 
+    a ∘ b = (a_0 b_0 + a_t . b_t,  a_0 b_t + b_0 a_t),      identity (1, 0),      det a = a_0^2 - |a_t|^2,
+
 stored as x = (c, r_t, lambda) and s = (u_n - shift lambda, u_t, mu c + b_f), so that the sum of the numbers' products is the
 same in both. The shift is 0 for Coulomb's law and mu for its relaxation (problems.forms.relaxation).
 
-Steps are measured along geodesics: for a pair of numbers, in their logarithms.
+Steps are measured along geodesics: for a pair of numbers, in their logarithms. Every a has the eigenvalues a_0 ± |a_t|, and
+functions of a are those of its eigenvalues; at a point a inside the cone the geodesic a -> Q(sqrt a) exp(w) leaves along
+Q(sqrt a) w, with Q(a) b = 2 (a . b) a - det(a) (b_0, -b_t). For a number, Q(sqrt a) w = a w.
+
+A guess of impulses and velocities becomes a point by smoothing. A complementary pair is what is positive and what is negative
+of its difference, x = y_+ and s = (-y)_+ with y = x - s. The smooth function
+
+    phi(y) = (y + sqrt(y^2 + 4 g^2)) / 2          in place of y_+
+
+makes x = phi(y), s = phi(-y), which still has x - s = y, and x ∘ s = g^2 in every pair: the *centred point*, at the distance g
+from the boundary. (Chen and Harker 1993; Kanzow 1996; in the cone Fukushima, Luo and Tseng 2001.)
 """
 
 from typing import NamedTuple
@@ -24,10 +37,13 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.compiled import kernel, lean, part
 from frictionbench.problems.rows import Index64
-from frictionbench.solvers.interior.lorentz import longest_in_cone, to_geodesic
 from frictionbench.solvers.interior.system import Space, System, space_of
+
+ROUNDING = 1e-15  # the smallest eigenvalue that differs from zero, relative to a_0: a few units of rounding
+
+Vector = tuple[float, float, float]
 
 
 class Point(NamedTuple):
@@ -68,7 +84,7 @@ def start_pairs(weight: Array, pairs: Index64, space: Space, impulse: float, spe
     return x, s
 
 
-@kernel
+@lean
 def add_products(space: Space, factor: float, x: Array, s: Array, total: Array) -> None:
     """total += factor x ∘ s."""
     if space is None:
@@ -83,7 +99,7 @@ def add_products(space: Space, factor: float, x: Array, s: Array, total: Array) 
             total[i, k] += factor * (x[i, 3] * x[i, k] + s[i, 3] * s[i, k])
 
 
-@kernel
+@lean
 def set_identity(space: Space, factor: float, total: Array) -> None:
     """total = factor times the identity of ∘."""
     for i in range(len(total)):
@@ -91,7 +107,7 @@ def set_identity(space: Space, factor: float, total: Array) -> None:
             total[i, k] = factor if space is None or k in (0, 3) else 0.0
 
 
-@part
+@lean
 def longest(system: System, space: Space, point: Point, step: Point, limit: float) -> float:
     """How far along the step x and s stay inside their cones, at most limit."""
     x, s, dx, ds, length = point.x, point.s, step.x, step.s, limit
@@ -110,12 +126,12 @@ def longest(system: System, space: Space, point: Point, step: Point, limit: floa
     return length
 
 
-@part
+@lean
 def _longest(value: float, step: float, limit: float) -> float:
     return -value / step if value + limit * step < 0 else limit
 
 
-@part
+@lean
 def to_geodesics(system: System, space: Space, point: Point, step: Point) -> None:
     """Overwrite a step's x and s with the geodesics that leave the point along it."""
     x, s, dx, ds = point.x, point.s, step.x, step.s
@@ -128,7 +144,7 @@ def to_geodesics(system: System, space: Space, point: Point, step: Point) -> Non
             ds[i, 3], dx[i, 1], dx[i, 2] = to_geodesic((s[i, 3], x[i, 1], x[i, 2]), (ds[i, 3], dx[i, 1], dx[i, 2]))
 
 
-@kernel
+@lean
 def set_step(to: Point, factor: float, step: Point) -> None:
     """to = factor step."""
     for i in range(len(to.x)):
@@ -139,7 +155,7 @@ def set_step(to: Point, factor: float, step: Point) -> None:
         to.joint[j, 0] = factor * step.joint[j, 0]
 
 
-@part
+@lean
 def add_step(to: Point, factor: float, step: Point) -> None:
     """to += factor step."""
     for i in range(len(to.x)):
@@ -148,3 +164,92 @@ def add_step(to: Point, factor: float, step: Point) -> None:
             to.s[i, k] += factor * step.s[i, k]
     for j in range(len(to.joint)):
         to.joint[j, 0] += factor * step.joint[j, 0]
+
+
+@lean
+def longest_in_cone(a: Vector, step: Vector, limit: float) -> float:
+    """The largest length <= limit with a + length step in the cone, for a in it up to rounding."""
+    size = np.sqrt(a[1] * a[1] + a[2] * a[2])
+    det = max(a[0] - size, ROUNDING * a[0]) * (a[0] + size)
+    half = a[0] * step[0] - a[1] * step[1] - a[2] * step[2]
+    square = step[0] * step[0] - step[1] * step[1] - step[2] * step[2]
+    length = limit
+    if a[0] + length * step[0] < 0:
+        length = -a[0] / step[0]
+    inner = half * half - square * det
+    if inner >= 0:  # det(a + t step) = det + 2 half t + square t^2 has zeros; its first above 0, without cancellation
+        root = np.sqrt(inner)
+        if half <= 0 and det < length * (root - half):
+            length = det / (root - half)
+        elif half > 0 and half + root < -length * square:
+            length = -(half + root) / square
+    return length
+
+
+@lean
+def _quadratic(a: Vector, b: Vector) -> Vector:
+    """Q(a) b."""
+    twice = 2 * (a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
+    det = a[0] * a[0] - a[1] * a[1] - a[2] * a[2]
+    return twice * a[0] - det * b[0], twice * a[1] + det * b[1], twice * a[2] + det * b[2]
+
+
+@lean
+def _inverse_root(a: Vector) -> Vector:
+    """a^(-1/2)."""
+    size = np.sqrt(a[1] * a[1] + a[2] * a[2])
+    high = (a[0] + size) ** -0.5
+    low = max(a[0] - size, ROUNDING * a[0]) ** -0.5
+    along = (high - low) / (2 * size) if size > 0 else 0.0
+    return (high + low) / 2, along * a[1], along * a[2]
+
+
+@lean
+def to_geodesic(a: Vector, step: Vector) -> Vector:
+    """w with step = Q(sqrt a) w."""
+    return _quadratic(_inverse_root(a), step)
+
+
+@lean
+def _phi(y: float, g: float) -> float:
+    """(y + sqrt(y^2 + 4 g^2)) / 2 without cancellation."""
+    larger = (abs(y) + np.sqrt(y * y + 4 * g * g)) / 2
+    return larger if y >= 0 else g * g / larger
+
+
+@lean
+def _phi_in_cone(y: Vector, g: float) -> Vector:
+    size = np.sqrt(y[1] * y[1] + y[2] * y[2])
+    high, low = _phi(y[0] + size, g), _phi(y[0] - size, g)
+    along = (high - low) / (2 * size) if size > 0 else 0.0
+    return (high + low) / 2, along * y[1], along * y[2]
+
+
+@kernel
+def centred_point(system: System, space: Space, r: Array, u: Array, g: float) -> Point:
+    """The point for impulses r and velocities u (nc, d), in the problem's units; g relative to the largest free velocity."""
+    point = new_point(system)
+    x, s = point.x, point.s
+    for i in range(len(x)):
+        mu, weight = system.friction[i], system.weight[i]
+        c, un = weight * r[i, 0] / system.impulse, u[i, 0] / system.speed
+        x[i, 0], s[i, 0] = _phi(c - un, g) / weight, _phi(un - c, g)
+        if system.pairs[i] == 1:
+            continue
+        limit = max(mu * c, 0.0) + weight * system.friction_bias[i]
+        if space is None:
+            t, ut = weight * r[i, 1] / system.impulse, u[i, 1] / system.speed
+            slide = abs(ut)
+            plus, minus, left = max(t, 0.0), max(-t, 0.0), limit - abs(t)
+            x[i, 1], s[i, 1] = _phi(plus - slide - ut, g) / weight, _phi(slide + ut - plus, g)
+            x[i, 2], s[i, 2] = _phi(minus - slide + ut, g) / weight, _phi(slide - ut - minus, g)
+            x[i, 3], s[i, 3] = _phi(slide - left, g), _phi(left - slide, g) / weight
+        else:
+            t1, t2 = weight * r[i, 1] / system.impulse, weight * r[i, 2] / system.impulse
+            u1, u2 = u[i, 1] / system.speed, u[i, 2] / system.speed
+            y0 = limit - np.sqrt(u1 * u1 + u2 * u2)
+            a = _phi_in_cone((y0, t1 - u1, t2 - u2), g)
+            b = _phi_in_cone((-y0, u1 - t1, u2 - t2), g)
+            s[i, 3], x[i, 1], x[i, 2] = a[0] / weight, a[1] / weight, a[2] / weight
+            x[i, 3], s[i, 1], s[i, 2] = b
+    return point

@@ -16,13 +16,12 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.compiled import lean, lean_kernel
 from frictionbench.problems.rows import Index64
-from frictionbench.solvers.clock import deadline, late
-from frictionbench.solvers.interior.newton import direction, evaluate_point, linearise
+from frictionbench.solvers.clock import late
+from frictionbench.solvers.interior.newton import Work, direction, evaluate_point, linearise
 from frictionbench.solvers.interior.point import Point, add_products, add_step, longest, set_identity
-from frictionbench.solvers.interior.system import SOFTNESS, Space, System, Work, new_work
-from frictionbench.solvers.sparse_lu.multifrontal import operations
+from frictionbench.solvers.interior.system import SOFTNESS, Space, System
 
 SOFTER, SOFTEST = 100.0, 1e-10  # the factor by which delta grows near an answer without progress, and the largest
 NEAR = 1e-5  # the residual up to which rounding, not a fold of the path, may be what ends progress
@@ -37,7 +36,11 @@ class Best(NamedTuple):
     factorisations: Index64
 
 
-@part
+def nothing_yet(nc: int, d: int) -> Best:
+    return Best(np.zeros((nc, d)), np.full(1, np.inf), np.zeros(1, np.int64))
+
+
+@lean
 def evaluate_and_record(system: System, space: Space, point: Point, defect: Point, work: Work, best: Best) -> float:
     """Evaluate a point, and store its impulses if it is the best so far."""
     residual = evaluate_point(system, space, point, defect, work)
@@ -49,35 +52,9 @@ def evaluate_and_record(system: System, space: Space, point: Point, defect: Poin
     return residual
 
 
-class Workspace(NamedTuple):
-    """Preallocated arrays, as arrays created inside the loop would cost reference counting in every call; the deadline of the
-    last factorisation."""
-
-    step: Point
-    defect: Point
-    target: Array
-    work: Work
-    until: float
-
-
-def new_workspace(system: System) -> Workspace:
-    return workspace_around(new_work(system), len(system.friction), len(system.joint_bias), last_step(system))
-
-
-def last_step(system: System) -> float:
-    """When the last factorisation may begin."""
-    return deadline(operations(system.fronts)) if deadline() < np.inf else np.inf
-
-
-def workspace_around(work: Work, nc: int, nj: int, until: float) -> Workspace:
-    pairs, joints = np.zeros((5, nc, 4)), np.zeros((2, nj, 1))
-    step, defect = Point(pairs[0], pairs[1], joints[0]), Point(pairs[2], pairs[3], joints[1])
-    return Workspace(step, defect, pairs[4], work, until)
-
-
-@kernel
+@lean_kernel
 def predictor_corrector(
-    system: System, space: Space, point: Point, workspace: Workspace, best: Best, tol: float, patience: int, history: Array
+    system: System, space: Space, point: Point, work: Work, best: Best, tol: float, patience: int, history: Array
 ) -> int:
     """Move the point to a solution; stop where the residual is within tol, history is full, or no progress is made.
 
@@ -85,7 +62,7 @@ def predictor_corrector(
     residual up to NEAR, the softness of Newton's matrix (solvers.interior.newton) grows up to SOFTEST first.
     history receives the residual of every iterate; their number is returned.
     """
-    x, s, step, defect, target, work = point.x, point.s, workspace.step, workspace.defect, workspace.target, workspace.work
+    x, s, step, defect, target = point.x, point.s, work.step, work.defect, work.target
     pairs, work.softness[0] = 0, SOFTNESS
     for i in range(len(x)):
         pairs += system.pairs[i]
@@ -101,7 +78,7 @@ def predictor_corrector(
         since += 1
         if not gap + off > milestone / 2:
             milestone, since = gap + off, 0
-        if best.residual[0] <= tol or not gap + off < np.inf or late(workspace.until):
+        if best.residual[0] <= tol or not gap + off < np.inf or late(work.until):
             return iteration + 1
         if since > patience:
             if history[iteration] > NEAR or work.softness[0] > SOFTEST / SOFTER:

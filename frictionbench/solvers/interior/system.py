@@ -13,11 +13,11 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.compiled import kernel, lean, part
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.residual import largest
 from frictionbench.problems.rows import Index64
-from frictionbench.solvers.sparse_lu.multifrontal import Fronts, Place, analyse, position_in_front
+from frictionbench.solvers.sparse_lu.multifrontal import Fronts, Place, analyse, place_of_entry, position_in_front
 
 SOFTNESS = 1e-14  # delta, relative to a contact's mean diagonal of W: 1e-16 drowns in rounding, 1e-12 fails tall stacks
 JOINT_SOFTNESS = 1e-8  # delta of a joint; its stiffness is added to a mass matrix of size 1, so not as small as a contact's
@@ -70,35 +70,6 @@ class System(NamedTuple):
 Space = bool | None
 
 
-class Work(NamedTuple):
-    """Workspace of Newton's method on one system.
-
-    softness (1,): delta. storage, swap: the factors of A. inverse, pivot, right (nc, 4): 1/x, the pivots' inverses and g, in
-    the plane. impulse and velocity (nc, d), vector and momentum (nv,), joint_velocity (nj, 1).
-    """
-
-    softness: Array
-    storage: Array
-    swap: Index64
-    inverse: Array
-    pivot: Array
-    right: Array
-    impulse: Array
-    velocity: Array
-    joint_velocity: Array
-    vector: Array
-    momentum: Array
-
-
-def new_work(system: System) -> Work:
-    (nc, d), nv = system.offset.shape, len(system.free_velocity)
-    storage, swap, joints = np.zeros(system.fronts.start[-1]), np.zeros(nv, np.int64), np.zeros((len(system.joint_bias), 1))
-    own, contact, velocity = np.zeros((3, nc, 4)), np.zeros((2, nc, d)), np.zeros((2, nv))
-    return Work(
-        np.full(1, SOFTNESS), storage, swap, own[0], own[1], own[2], contact[0], contact[1], joints, velocity[0], velocity[1]
-    )
-
-
 def space_of(system: System) -> Space:
     return True if system.offset.shape[1] == 3 else None
 
@@ -109,73 +80,87 @@ def in_velocities(problem: FrictionProblem) -> FrictionProblem:
     return problem
 
 
+class Units(NamedTuple):
+    """The units of a system.
+
+    speed, impulse: those of the contacts' velocities and impulses. own, ratio: what the mass matrix is divided by to find those
+    of the bodies' velocities, and what it is multiplied by.
+    """
+
+    speed: float
+    impulse: float
+    own: float
+    ratio: float
+
+
 def build_system(problem: FrictionProblem, relaxed: bool = False) -> System:
     """Scale a problem, or its convex relaxation, find the order of elimination and lay out its matrices."""
-    scale = problem.scale
-    speed, impulse = units_of(problem.units, scale)
-    if not problem.mechanical:
-        contacts, own, ratio = _delassus_elements(*problem.blocks, impulse / speed), 1.0, 1.0
-    else:  # v = speed * unit * v^
-        rows = problem.contact_rows
-        contacts, own, ratio = (*rows, rows.value), impulse / speed, speed / impulse
-    laws = problem.friction, problem.friction_bias, scale, problem.offset, problem.free_velocity, problem.joint_bias
-    matrices = *problem.joint_rows, *problem.mass_rows, *problem.inverse_rows
-    return system_of(*contacts, *matrices, *laws, own, ratio, relaxed, speed, impulse)
+    units, contacts = units_of(problem.units, problem.scale), problem.contact_rows if problem.mechanical else None
+    if contacts is None:
+        start, column, push, read = _delassus_elements(*problem.blocks, units.impulse / units.speed)
+        units = units._replace(own=1.0, ratio=1.0)
+    else:
+        (start, column, push), read = contacts, contacts.value
+    laws = problem.friction, problem.friction_bias, problem.scale, problem.offset
+    motion = problem.free_velocity, *problem.mass_rows, *problem.inverse_rows
+    joints = (*problem.joint_rows, problem.joint_bias)
+    return system_of((start, column, push, read), laws, motion, joints, units, relaxed)
 
 
 @kernel
 def units_of(units, scale):  # type: ignore[no-untyped-def]
-    """The largest unit of the contacts, 1 where nothing moves, and the impulse that it takes at the geometric mean of s."""
+    """The largest unit of the contacts, 1 where nothing moves, the impulse that it takes at the geometric mean of s, and what
+    makes v = speed * unit * v^ of the bodies' velocities."""
     speed, total = largest(units), 0.0
     if speed == 0:
         speed = 1.0
     for s in scale:
         total += np.log(s)
-    return speed, speed / np.exp(total / len(scale)) if len(scale) else speed
+    impulse = speed / np.exp(total / len(scale)) if len(scale) else speed
+    return Units(speed, impulse, impulse / speed, speed / impulse)
 
 
 @kernel
-def system_of(  # type: ignore[no-untyped-def]
-    start, column, push, read, f_start, f_column, f_value, m_start, m_column, m_value, i_start, i_column, i_value,
-    friction, friction_bias, scale, offset, free, joint_bias, own, ratio, relaxed, speed, impulse,
-):  # fmt: skip
-    """A System; own, ratio: what the mass matrix is divided by to find the units of the velocities, and multiplied by."""
-    unit = _units(m_start, m_column, m_value, own)
-    F = np.empty((len(f_value), 1))
-    for k in range(len(f_value)):
-        F[k, 0] = f_value[k]
-    fronts, place, contacts, joined, length, slot, constant = _lay_out(
-        start, column, push, read, f_start, f_column, F, m_start, m_column, m_value, unit, ratio
+def system_of(contacts, laws, motion, joints, units, relaxed):  # type: ignore[no-untyped-def]
+    """A System of contacts (start, column, push, read) with their laws (mu, b_f, s, offset), the free velocity, M and M^-1 by
+    rows, and joints by rows with their bias."""
+    free, m_start, m_column, m_value, i_start, i_column, i_value = motion
+    f_start, f_column, f_value, joint_bias = joints
+    unit = _units(m_start, m_column, m_value, units.own)
+    elements, joined = (
+        _gather(*contacts, unit),
+        _gather(f_start, f_column, f_value.reshape(-1, 1), f_value.reshape(-1, 1), unit),
     )
-    value, index, begin = _reorder(i_start, i_column, i_value, place, unit, ratio)
-    own_free, own_offset, mu, bias, shift, weight, pairs = _laws(
-        friction, friction_bias, scale, offset, free, place, unit, relaxed, speed, impulse
-    )
+    length = _normalise(joined)
+    fronts, place = _find_fronts(elements, joined, m_start, m_column)
+    slot, constant = _constants(fronts, place, joined, m_start, m_column, m_value, unit, units.ratio)
+    value, index, begin = _reorder(i_start, i_column, i_value, place, unit, units.ratio)
+    own_free, own_offset, mu, bias, shift, weight, pairs = _laws(*laws, free, place, unit, relaxed, units)
     own_joint_bias = np.empty(len(joint_bias))
     for j in range(len(own_joint_bias)):
-        own_joint_bias[j] = joint_bias[j] / (length[j] * speed)
+        own_joint_bias[j] = joint_bias[j] / (length[j] * units.speed)
     return System(
-        fronts, contacts, joined, slot, constant, value, index, begin,
-        own_free, own_offset, own_joint_bias, mu, bias, shift, weight, pairs, speed, impulse,
+        fronts, elements, joined, slot, constant, value, index, begin,
+        own_free, own_offset, own_joint_bias, mu, bias, shift, weight, pairs, units.speed, units.impulse,
     )  # fmt: skip
 
 
 @part
-def _laws(friction, friction_bias, scale, offset, free, place, unit, relaxed, speed, impulse):  # type: ignore[no-untyped-def]
+def _laws(friction, friction_bias, scale, offset, free, place, unit, relaxed, units):  # type: ignore[no-untyped-def]
     """The vectors of the system, in its units."""
     nc, d = offset.shape
     own_free, own_offset, bias = np.empty(len(free)), np.empty((nc, d)), np.empty(nc)
     mu, shift, weight, pairs = np.empty(nc), np.zeros(nc), np.empty(nc), np.empty(nc, np.int64)
     for v in range(len(free)):
-        own_free[place[v]] = free[v] / (unit[v] * speed)
+        own_free[place[v]] = free[v] / (unit[v] * units.speed)
     for i in range(nc):
-        mu[i], bias[i], weight[i] = friction[i], friction_bias[i] / impulse, scale[i] * (impulse / speed)
+        mu[i], bias[i], weight[i] = friction[i], friction_bias[i] / units.impulse, scale[i] * (units.impulse / units.speed)
         if relaxed:
             shift[i] = mu[i]
         has_friction = mu[i] > 0 or bias[i] > 0
         pairs[i] = (4 if d == 2 else 2) if has_friction else 1
         for a in range(d):
-            own_offset[i, a] = offset[i, a] / speed
+            own_offset[i, a] = offset[i, a] / units.speed
     return own_free, own_offset, mu, bias, shift, weight, pairs
 
 
@@ -219,14 +204,10 @@ def _delassus_elements(first, neighbours, block, ratio):  # type: ignore[no-unty
 
 
 @part
-def _lay_out(start, column, push, read, f_start, f_column, F, m_start, m_column, m_value, unit, ratio):  # type: ignore[no-untyped-def]
-    """Fronts, places, contacts, joints, the joints' lengths, slots and constants of a System."""
-    n = len(unit)
-    contacts = _gather(start, column, push, read, unit)
-    joined = _gather(f_start, f_column, F, F, unit)
-    nc, nj = len(contacts.front), len(joined.front)
-    length = np.empty(nj)
-    for j in range(nj):
+def _normalise(joined: Elements) -> Array:
+    """Scale the joints' rows to length 1; their lengths, 1 where a row is zero."""
+    length = np.empty(len(joined.front))
+    for j in range(len(length)):
         square = 0.0
         for a in range(joined.start[j], joined.start[j + 1]):
             square += joined.read[a, 0] ** 2
@@ -234,7 +215,16 @@ def _lay_out(start, column, push, read, f_start, f_column, F, m_start, m_column,
         for a in range(joined.start[j], joined.start[j + 1]):
             joined.read[a, 0] /= length[j]
             joined.push[a, 0] = joined.read[a, 0]
-    # The elements one after another: contacts, joints, rows of the mass matrix with more than their diagonal.
+    return length
+
+
+@part
+def _find_fronts(contacts, joined, m_start, m_column):  # type: ignore[no-untyped-def]
+    """The fronts and the variables' places in the order of elimination; contacts and joints are put in their places.
+
+    The elements are the contacts, the joints and the rows of the mass matrix with more than their diagonal.
+    """
+    n, nc, nj = len(m_start) - 1, len(contacts.front), len(joined.front)
     begin = np.empty(nc + nj + n + 1, np.int64)
     member = np.empty(len(contacts.column) + len(joined.column) + len(m_column), np.int64)
     for i in range(nc + 1):
@@ -254,31 +244,32 @@ def _lay_out(start, column, push, read, f_start, f_column, F, m_start, m_column,
             at += 1
             begin[at] = end
     fronts, place, home = analyse(begin[: at + 1], member[:end], n)
-    for i in range(nc):
-        contacts.front[i] = home[i]
-    for j in range(nj):
-        joined.front[j] = home[nc + j]
-    _place_in_fronts(contacts, fronts, place)
-    _place_in_fronts(joined, fronts, place)
-    entries = len(m_column)
-    for j in range(nj):
+    _place_in_fronts(contacts, fronts, place, home[:nc])
+    _place_in_fronts(joined, fronts, place, home[nc:])
+    return fronts, place
+
+
+@part
+def _constants(fronts, place, joined, m_start, m_column, m_value, unit, ratio):  # type: ignore[no-untyped-def]
+    """What the mass matrix and the joints add to the fronts, and where: slots and constants."""
+    entries, at = len(m_column), 0
+    for j in range(len(joined.front)):
         entries += (joined.start[j + 1] - joined.start[j]) ** 2
-    slot, constant, at = np.empty(entries, np.int64), np.empty(entries), 0
-    for i in range(n):
+    slot, constant = np.empty(entries, np.int64), np.empty(entries)
+    for i in range(len(unit)):
         for k in range(m_start[i], m_start[i + 1]):
-            f = fronts.owner[min(place[i], place[m_column[k]])]
-            slot[at] = _slot(
-                fronts, f, position_in_front(fronts, f, place[i]), position_in_front(fronts, f, place[m_column[k]])
-            )
+            slot[at] = place_of_entry(fronts, place[i], place[m_column[k]])
             constant[at] = m_value[k] * unit[i] * unit[m_column[k]] * ratio
             at += 1
-    for j in range(nj):
+    for j in range(len(joined.front)):
         for a in range(joined.start[j], joined.start[j + 1]):
             for b in range(joined.start[j], joined.start[j + 1]):
-                slot[at] = _slot(fronts, joined.front[j], np.int64(joined.place[a]), np.int64(joined.place[b]))
+                front = joined.front[j]
+                width = fronts.first[front + 1] - fronts.first[front]
+                slot[at] = fronts.start[front] + np.int64(joined.place[a]) * width + np.int64(joined.place[b])
                 constant[at] = joined.read[a, 0] * joined.read[b, 0] / JOINT_SOFTNESS
                 at += 1
-    return fronts, place, contacts, joined, length, slot, constant
+    return slot, constant
 
 
 @part
@@ -303,19 +294,15 @@ def _gather(start, column, push, read, unit):  # type: ignore[no-untyped-def]
     return Elements(own_start, own_column[:at], pushing[:at], reading[:at], np.zeros(count, np.int64), np.zeros(at, np.uint32))
 
 
-@part
-def _place_in_fronts(elements: Elements, fronts: Fronts, place: Index64) -> None:
-    """Renumber an element's variables by the order of elimination, and find them in its front."""
+@lean
+def _place_in_fronts(elements: Elements, fronts: Fronts, place: Index64, home: Index64) -> None:
+    """Renumber the elements' variables by the order of elimination, and find them in the fronts `home` of the elements."""
     for e in range(len(elements.front)):
+        elements.front[e] = home[e]
         for a in range(elements.start[e], elements.start[e + 1]):
             column = elements.column[a]
             elements.column[a] = place[column]
-            elements.place[a] = position_in_front(fronts, elements.front[e], place[column])
-
-
-@part
-def _slot(fronts: Fronts, front: int, row: int, column: int) -> int:
-    return int(fronts.start[front] + row * (fronts.first[front + 1] - fronts.first[front]) + column)
+            elements.place[a] = position_in_front(fronts, home[e], place[column])
 
 
 @part

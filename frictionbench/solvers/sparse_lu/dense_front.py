@@ -6,16 +6,20 @@
 The front (w, w) is overwritten with the factors: L, below the diagonal of ones, reaches down through C, U to the right through
 R, and the diagonal holds the inverse pivots. The remaining S is added to the parent's front; its first row is later workspace
 for the solution.
+
+A - B C is computed by tiles with its sums kept in registers: a tile of A, four rows by two vectors of eight, is read once,
+takes up a row of C for each column of B, and is written once, so that nearly every instruction multiplies and adds. From plain
+loops the compiler generates code several times slower, most of all for the last columns that do not fill a vector, which it
+processes one by one; here they use the same instruction under a mask. (Goto and van de Geijn 2008, for sums in registers.)
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import inlined, part
+from frictionbench.problems.compiled import inlined, lean
 from frictionbench.solvers.sparse_lu.minimum_degree import Index
-from frictionbench.solvers.sparse_lu.tiles import dot, subtract_product
-from frictionbench.solvers.sparse_lu.vectors import LANES, load, minus, store
+from frictionbench.solvers.sparse_lu.vectors import LANES, load, minus, plus, store, total
 
 PANEL = 64  # columns: a panel's rows, sixteen columns at a time, are 8 kB of the fastest cache
 
@@ -37,7 +41,7 @@ def pivot(F: Array, k: int, p: int, floor: float) -> tuple[int, int]:
     return best, replaced
 
 
-@part
+@lean
 def eliminate(F: Array, p: int, swap: Index, floor: float) -> int:
     """Eliminate p columns of a wide front, eight at a time; the number of pivots replaced.
 
@@ -69,14 +73,14 @@ def eliminate(F: Array, p: int, swap: Index, floor: float) -> int:
     return replaced
 
 
-@part
+@lean
 def _complete(F: Array, begin: int, end: int, left: int, right: int) -> None:
     """Make F[begin:end, left:right] a part of U, which the pivots before begin have acted on."""
     for i in range(begin + 1, end):
         subtract_product(F, i, i + 1, left, right, begin, i)
 
 
-@part
+@lean
 def extend_add(F: Array, p: int, above: NDArray[np.uint32], G: Array) -> None:
     """Add what is left of a wide front to its parent G, up to eight neighbouring columns at a time."""
     w, j = len(F), p
@@ -89,7 +93,7 @@ def extend_add(F: Array, p: int, above: NDArray[np.uint32], G: Array) -> None:
         j += n
 
 
-@part
+@lean
 def forward(F: Array, p: int, first: int, variable: NDArray[np.uint32], b: Array) -> None:
     """Forward substitution in a front whose pivots are the variables from first on."""
     row = b.reshape(1, len(b))
@@ -97,7 +101,7 @@ def forward(F: Array, p: int, first: int, variable: NDArray[np.uint32], b: Array
         b[variable[i]] -= dot(F, i, 0, row, 0, first, min(i, p))
 
 
-@part
+@lean
 def backward(F: Array, p: int, first: int, variable: NDArray[np.uint32], b: Array) -> None:
     """Back substitution in a front; later unknowns are gathered in a row that has been passed to the parent."""
     w, row = len(F), b.reshape(1, len(b))
@@ -106,3 +110,47 @@ def backward(F: Array, p: int, first: int, variable: NDArray[np.uint32], b: Arra
     for k in range(p - 1, -1, -1):
         value = b[first + k] - dot(F, k, p, F, p, p, w - p) - dot(F, k, k + 1, row, 0, first + k + 1, p - k - 1)
         b[first + k] = value * F[k, k]
+
+
+@inlined
+def dot(F: Array, i: int, j: int, G: Array, k: int, m: int, n: int) -> float:
+    """The product of F[i, j : j + n] and G[k, m : m + n], summed by every eighth number."""
+    vector = load(F, i, j, 0)
+    for at in range(0, n, LANES):
+        left = min(LANES, n - at)
+        vector = plus(vector, load(F, i, j + at, left), load(G, k, m + at, left))
+    return total(vector)
+
+
+@lean
+def subtract_product(F: Array, top: int, bottom: int, left: int, right: int, begin: int, end: int) -> None:
+    """F[top:bottom, left:right] -= F[top:bottom, begin:end] F[begin:end, left:right]."""
+    for j in range(left, right, 2 * LANES):
+        m, n, o = min(LANES, right - j), max(0, min(LANES, right - j - LANES)), j + LANES
+        i = top
+        while i + 4 <= bottom:
+            a, b, c, d = load(F, i, j, m), load(F, i + 1, j, m), load(F, i + 2, j, m), load(F, i + 3, j, m)
+            e, f, g, h = load(F, i, o, n), load(F, i + 1, o, n), load(F, i + 2, o, n), load(F, i + 3, o, n)
+            for k in range(begin, end):
+                x, y = load(F, k, j, m), load(F, k, o, n)
+                a, e = minus(a, F[i, k], x), minus(e, F[i, k], y)
+                b, f = minus(b, F[i + 1, k], x), minus(f, F[i + 1, k], y)
+                c, g = minus(c, F[i + 2, k], x), minus(g, F[i + 2, k], y)
+                d, h = minus(d, F[i + 3, k], x), minus(h, F[i + 3, k], y)
+            _store_pair(F, i, j, m, a, n, e)
+            _store_pair(F, i + 1, j, m, b, n, f)
+            _store_pair(F, i + 2, j, m, c, n, g)
+            _store_pair(F, i + 3, j, m, d, n, h)
+            i += 4
+        while i < bottom:
+            a, e = load(F, i, j, m), load(F, i, o, n)
+            for k in range(begin, end):
+                a, e = minus(a, F[i, k], load(F, k, j, m)), minus(e, F[i, k], load(F, k, o, n))
+            _store_pair(F, i, j, m, a, n, e)
+            i += 1
+
+
+@inlined
+def _store_pair(F: Array, i: int, j: int, m: int, left: Array, n: int, right: Array) -> None:
+    store(F, i, j, m, left)
+    store(F, i, j + LANES, n, right)

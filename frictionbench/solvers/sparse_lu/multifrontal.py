@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import inlined, kernel, part
+from frictionbench.problems.compiled import inlined, kernel, lean_kernel, part
 from frictionbench.solvers.sparse_lu.dense_front import backward, eliminate, extend_add, forward, pivot
 from frictionbench.solvers.sparse_lu.minimum_degree import Index, minimum_degree, same_elements, transpose
 
@@ -132,7 +132,7 @@ def _lay_out(first: Index, listed: Index, pivots: Index, parent: Index, offset: 
     return Fronts(begin, variable, above, own, parent, start, owner)
 
 
-@kernel
+@lean_kernel
 def position_in_front(fronts: Fronts, front: int, variable: int) -> int:
     """Where a variable stands in a front, which must have it."""
     low, high = fronts.first[front], fronts.first[front + 1] - 1
@@ -145,7 +145,15 @@ def position_in_front(fronts: Fronts, front: int, variable: int) -> int:
     return int(low - fronts.first[front])
 
 
-@kernel
+@lean_kernel
+def place_of_entry(fronts: Fronts, row: int, column: int) -> int:
+    """Where in the storage of `factorise` an entry of A is added, by its row and column in the order of elimination."""
+    f = fronts.owner[min(row, column)]
+    width = fronts.first[f + 1] - fronts.first[f]
+    return int(fronts.start[f] + position_in_front(fronts, f, row) * width + position_in_front(fronts, f, column))
+
+
+@lean_kernel
 def factorise(fronts: Fronts, storage: Array, swap: Index, floor: float) -> int:
     """Factorise in place what was added into storage (start[-1],); the number of pivots replaced.
 
@@ -201,7 +209,7 @@ def _front(fronts: Fronts, storage: Array, f: int) -> Array:
     return storage[fronts.start[f] : fronts.start[f + 1]].reshape(w, w)
 
 
-@kernel
+@lean_kernel
 def operations(fronts: Fronts) -> float:
     """The multiplications and additions of `factorise`."""
     count = 0.0
@@ -211,7 +219,7 @@ def operations(fronts: Fronts) -> float:
     return count
 
 
-@kernel
+@lean_kernel
 def solve_factorised(fronts: Fronts, storage: Array, swap: Index, b: Array) -> None:
     """Overwrite b (n,) with A^-1 b, after factorise, whose factors it leaves as they are."""
     eliminated = 0
@@ -245,7 +253,7 @@ def solve_factorised(fronts: Fronts, storage: Array, swap: Index, b: Array) -> N
             b[eliminated + k] = total * storage[row + k]
 
 
-@kernel
+@lean_kernel
 def determinant_sign(fronts: Fronts, storage: Array, swap: Index) -> int:
     """The sign of det A, after factorise: that of its pivots and row interchanges."""
     sign, eliminated = 1, 0

@@ -1,4 +1,4 @@
-"""Eight numbers at a time: the instructions of which solvers.sparse_lu.tiles makes its loops.
+"""Eight numbers at a time: the instructions of which solvers.sparse_lu.dense_front makes its loops.
 
 `load`, `store`, `minus`, `plus` and `total` stand for instructions of LLVM, which compiles them for the machine at hand,
 to several narrower ones if it has none of this width. A vector that is not full is loaded and stored under a mask. Their bodies
