@@ -1,5 +1,6 @@
 """Checks of input data. Every error names the field that it is about."""
 
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -50,6 +51,11 @@ def require(condition: bool, field: str, reason: str) -> None:
     """Raise InputError for `field` unless the condition holds."""
     if not condition:
         raise InputError(f"{field}: {reason}")
+
+
+def require_installed(module: str, extra: str) -> None:
+    """Errors: InputError naming a module of one of the package's extras that is missing, and the command that installs it."""
+    require(find_spec(module) is not None, module, f"not installed; pip install 'frictionbench[{extra}]'")
 
 
 def vector(field: str, value: Any, length: int | None = None) -> Array:

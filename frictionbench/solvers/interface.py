@@ -64,6 +64,7 @@ __all__ = ["Answer", "Solved", "Solver", "SolverInfo", "Status", "available", "f
 Model = Literal["coulomb", "lcp", "relaxation", "regularised"]
 LACKS = ("friction_bias", "joints", "asymmetry")  # what a solver may not support of a problem
 PACKAGE = "frictionbench.solvers."  # the modules of this package's own solvers
+RELAXATION = {"cvxpy", "clarabel", "osqp", "proxsuite", "qpsolvers"}  # distributions of the package's extra of this name
 MOST_WORK = 10**8  # the largest limit that may be given: histories of that length are allocated
 
 
@@ -167,7 +168,8 @@ class SolverInfo:
     def missing(self) -> str | None:
         """The reason why the solver cannot be used on this machine, or None."""
         absent = [need for need in self.needs if installed_version(need) is None]
-        return f"{', '.join(absent)} not installed" if absent else None
+        extra = "; pip install 'frictionbench[relaxation]'" if RELAXATION.intersection(absent) else ""
+        return f"{', '.join(absent)} not installed{extra}" if absent else None
 
     @property
     def version(self) -> str:

@@ -1,5 +1,8 @@
 """Limit, tolerance, start and impulses are validated before compiled code runs, with errors that name the field."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -130,3 +133,36 @@ def test_repr_of_answers_and_properties():
     table = answer._repr_html_()
     assert "<td>pivots 14</td>" in table
     assert Status.SOLVED.value in table
+
+
+CORE = """
+import sys
+from importlib import metadata
+absent = ("cvxpy", "clarabel", "osqp", "proxsuite", "qpsolvers", "h5py", "pooch", "distributed")
+sys.modules.update(dict.fromkeys(absent))
+known = metadata.version
+def version(name):
+    if name in absent:
+        raise metadata.PackageNotFoundError(name)
+    return known(name)
+metadata.version = version
+import frictionbench as fb
+problem = fb.scene("stack", blocks=2, push=1.0).problem()
+print(fb.verify(problem, fb.solve(problem, "nsgs"), 1e-8).verdict.value)
+print(fb.available()["ccp_cone"].missing)
+for path in ("p.hdf5", "p.npz"):
+    try:
+        fb.save(problem, path)
+    except fb.InputError as error:
+        print(error)
+"""
+
+
+def test_the_core_needs_none_of_the_extras(tmp_path):
+    """Without them it is imported and solves; what needs one says which, and how it is installed."""
+    done = subprocess.run([sys.executable, "-c", CORE], capture_output=True, text=True, check=False, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    verdict, missing, saved = done.stdout.splitlines()
+    assert verdict == "solved"
+    assert missing == "cvxpy, clarabel not installed; pip install 'frictionbench[relaxation]'"
+    assert saved == "h5py: not installed; pip install 'frictionbench[recorded]'"

@@ -14,7 +14,9 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
-from frictionbench.problems.check import InputError, require
+from platformdirs import user_cache_dir
+
+from frictionbench.problems.check import InputError, require, require_installed
 
 ADDRESS = "https://media.githubusercontent.com/media/FrictionalContactLibrary/fclib-library/master/"
 REGISTRY = Path(__file__).with_name("fclib_registry.csv")
@@ -53,9 +55,7 @@ def family(name: str) -> str:
 
 def cache_folder() -> Path:
     """The folder in which fetched files are stored."""
-    import pooch
-
-    return Path(os.environ.get("FRICTIONBENCH_CACHE") or pooch.os_cache("frictionbench")) / "fclib"
+    return Path(os.environ.get("FRICTIONBENCH_CACHE") or user_cache_dir("frictionbench")) / "fclib"
 
 
 def folder(name: str) -> Path:
@@ -76,8 +76,9 @@ def address() -> str:
 def fetch(name: str) -> Iterator[Entry]:
     """Download the missing files of a family one after another, check each, and yield it when it is stored.
 
-    Errors: InputError naming the file that could not be downloaded or differs from the registry.
+    Errors: InputError naming the file that could not be downloaded or differs from the registry, or pooch if it is missing.
     """
+    require_installed("pooch", "recorded")
     import pooch
 
     for entry in registry()[name]:

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from frictionbench.problems.check import Array, InputError, require
+from frictionbench.problems.check import Array, InputError, require, require_installed
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.recorded.forms import from_global, from_local
 
@@ -61,6 +61,7 @@ def read(path: Path) -> Recording:
 
 def _unpack(path: Path) -> Arrays:
     """All arrays of the file by their paths, read in another process: see hdf5_child."""
+    require_installed("h5py", "recorded")
     child = Path(__file__).with_name("hdf5_child.py")
     command = [sys.executable, "-P", str(child), str(path.resolve()), str(MAX_BYTES)]
     try:
@@ -152,6 +153,7 @@ def write(problem: FrictionProblem, path: Path, title: str = "", description: st
     Errors: InputError where FCLIB's format cannot represent the problem.
     """
     require(not problem.friction_bias.any(), "friction_bias", "FCLIB's format cannot represent it")
+    require_installed("h5py", "recorded")
     import h5py
 
     with h5py.File(path, "w") as file:
