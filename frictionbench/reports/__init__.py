@@ -8,37 +8,25 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from frictionbench.reports.accuracy import OVERALL
-    from frictionbench.reports.choice import Kind, choices, headline
-    from frictionbench.reports.drawing.text import count, power, seconds
-    from frictionbench.reports.noise import sentence, timing_noise
-    from frictionbench.reports.page import write_report
-    from frictionbench.reports.robustness import MapCells, map_cells
-    from frictionbench.reports.run import Run, read_run
-    from frictionbench.reports.settings import workers_on_all_cores
-    from frictionbench.reports.tables import reliabilities
-    from frictionbench.reports.templates import environment, script
+    from frictionbench.reports.accuracy import OVERALL as OVERALL
+    from frictionbench.reports.choice import Kind as Kind
+    from frictionbench.reports.choice import choices as choices
+    from frictionbench.reports.choice import headline as headline
+    from frictionbench.reports.drawing.text import count as count
+    from frictionbench.reports.drawing.text import power as power
+    from frictionbench.reports.drawing.text import seconds as seconds
+    from frictionbench.reports.noise import sentence as sentence
+    from frictionbench.reports.noise import timing_noise as timing_noise
+    from frictionbench.reports.page import write_report as write_report
+    from frictionbench.reports.robustness import MapCells as MapCells
+    from frictionbench.reports.robustness import map_cells as map_cells
+    from frictionbench.reports.run import Run as Run
+    from frictionbench.reports.run import read_run as read_run
+    from frictionbench.reports.settings import workers_on_all_cores as workers_on_all_cores
+    from frictionbench.reports.tables import reliabilities as reliabilities
+    from frictionbench.reports.templates import environment as environment
+    from frictionbench.reports.templates import script as script
 
-__all__ = [
-    "OVERALL",
-    "Kind",
-    "MapCells",
-    "Run",
-    "choices",
-    "count",
-    "environment",
-    "headline",
-    "map_cells",
-    "power",
-    "read_run",
-    "reliabilities",
-    "script",
-    "seconds",
-    "sentence",
-    "timing_noise",
-    "workers_on_all_cores",
-    "write_report",
-]
 _FILES = {
     "accuracy": ("OVERALL",),
     "choice": ("Kind", "choices", "headline"),

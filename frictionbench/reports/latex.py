@@ -11,12 +11,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from matplotlib.font_manager import findfont, get_font
 
-LARGEST, LEAST = 9.0, 6.5  # points, font sizes of a table; one that would be smaller takes the width of the page
-BETWEEN = 0.8  # ems between columns
-_DESIGNED = (5.0, 6.0, 7.0, 8.0, 9.0, 10.0)  # points, the design sizes of Computer Modern
-_WIDER = (1.361, 1.222, 1.139, 1.063, 1.028, 1.0)  # the relative width of their letters, in ems of the last
+LETTERS = 75  # of a row that a column of text takes at a readable size; a table of longer rows takes the width of the page
+# Shrinks what is wider than the column; \width is graphicx's name for the natural width of the box.
+FIT = r"\footnotesize\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{%"
 _SPECIAL = str.maketrans({
     **{sign: "\\" + sign for sign in "&%$#_{}"},
     "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}",
@@ -82,17 +80,16 @@ def _digits(value: float) -> str:
     return f"{value:.0f}" if abs(value) >= 99.5 else f"{value:#.3g}".rstrip(".")
 
 
-def booktabs(
-    header: Sequence[str], body: Sequence[Sequence[Cell]], layout: Layout, groups: Sequence[tuple[str, int]] = ()
-) -> Table:
+def booktabs(header: Sequence[str], body: Sequence[Sequence[Cell]], groups: Sequence[tuple[str, int]] = ()) -> Table:
     """A tabular with the first column aligned left and the others right.
 
-    groups: a line above the header, given as texts with the number of columns that each spans.
+    Its document loads graphicx. groups: a line above the header, given as texts with the number of columns that each spans.
     """
-    ems = sum(max(_ems(row[i], layout.font) for row in (header, *body)) for i in range(len(header)))
-    ems += BETWEEN * (len(header) - 1)
-    wide = _size(ems, layout.column) < LEAST
-    size = _size(ems, layout.page if wide else layout.column)
+    widths = [
+        max(len(cell.printed if isinstance(cell, Tex) else cell) for cell in column)
+        for column in zip(header, *body, strict=True)
+    ]
+    wide = sum(widths) + 2 * len(header) > LETTERS
     lines = [
         " & ".join(cell.code if isinstance(cell, Tex) else escaped(cell) for cell in row) + r" \\" for row in (header, *body)
     ]
@@ -101,9 +98,9 @@ def booktabs(
     return Table(
         "\n".join([
             f"% {'both columns, table*' if wide else 'one column, table'}",
-            rf"{{\fontsize{{{size:.1f}}}{{{1.2 * size:.1f}}}\selectfont\setlength{{\tabcolsep}}{{{BETWEEN / 2}em}}%",
+            rf"{{{FIT}",
             rf"\begin{{tabular}}{{@{{}}l{'r' * (len(header) - 1)}@{{}}}}",
-            *(r"\toprule", *head, lines[0], r"\midrule", *lines[1:], r"\bottomrule", r"\end{tabular}}", ""),
+            *(r"\toprule", *head, lines[0], r"\midrule", *lines[1:], r"\bottomrule", r"\end{tabular}}}", ""),
         ]),
         wide,
     )  # fmt: skip
@@ -116,24 +113,6 @@ def _rules(groups: Sequence[tuple[str, int]]) -> list[str]:
             rules.append(rf"\cmidrule(lr){{{first}-{first + span - 1}}}")
         first += span
     return ["".join(rules)] if rules else []
-
-
-def _size(ems: float, inches: float) -> float:
-    """The largest font size, points, at which a line of so many ems fits; small fonts have relatively wider letters."""
-    sizes = np.arange(3.0, LARGEST + 0.05, 0.1)
-    drawn = sizes * np.interp(sizes, _DESIGNED, _WIDER)
-    fitting = sizes[ems * drawn <= 72.27 * inches]
-    return float(fitting[-1]) if len(fitting) else 3.0
-
-
-@cache
-def _ems(cell: Cell, font: str) -> float:
-    """The width of a text in Computer Modern, in ems, with a margin of 2 %."""
-    text = cell.printed if isinstance(cell, Tex) else cell
-    face = get_font(findfont("cmr10" if font == "serif" else "cmss10"))
-    face.set_size(100.0, 72)
-    face.set_text(re.sub(r"[^A-Za-z0-9 .,]", "0", text), 0.0)  # symbols that it may lack are at most as wide as a digit
-    return 1.02 * face.get_width_height()[0] / 64 / 100
 
 
 class Reference(NamedTuple):

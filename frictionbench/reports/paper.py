@@ -76,7 +76,7 @@ def write_paper(folder: Path, run: Run, layout: Layout | None = None, figures: S
                 size = width, ASPECT * width
                 drawn = save_sheet(sheet, run.looks, paper / one.name, columns, size, FONT, layout.font, escape)
                 floats.append(_marked(one, drawn))
-    made = {name: make(run, layout) for name, make in TABLES.items()}
+    made = {name: make(run) for name, make in TABLES.items()}
     for name, table in made.items():
         write_text(paper / f"{name}.tex", table.text)
     words = {"by": f"{run.rank_by.words} ({run.rank_by.parts})", "target": power(run.outer_targets[-1])}
@@ -152,7 +152,7 @@ def chosen(run: Run, names: Collection[str]) -> Run:
     return replace(run, **parts)
 
 
-def _solvability(run: Run, layout: Layout) -> Table:
+def _solvability(run: Run) -> Table:
     """The counts of verdicts per solver, without verdicts that do not occur."""
     rows = tables.solvability(run)
     columns = ["cells", "claimed", *(name for name in ENDINGS if rows[name].any())]
@@ -161,10 +161,10 @@ def _solvability(run: Run, layout: Layout) -> Table:
         columns.append("error")
         for line, error in zip(body, rows["error"], strict=True):
             line.append("–" if np.isnan(error) else residual(error))
-    return booktabs(["solver", *columns], body, layout)
+    return booktabs(["solver", *columns], body)
 
 
-def _times(run: Run, layout: Layout) -> Table:
+def _times(run: Run) -> Table:
     """Of all problems of the plane, then of space, the solvers with the largest share reached first."""
     ranking = [(where, *row) for where in run.overall for row in tables.ranking(run.summaries, where)]
     facts = {
@@ -179,10 +179,10 @@ def _times(run: Run, layout: Layout) -> Table:
         header += ["reached", f"mean, {unit}"]
         groups.append((f"to {power(target)}", 2))
         columns += [[f"{cells[i]['reached']}/{cells[i]['problems']}" for *_, cells in ranking], means]
-    return booktabs(header, list(zip(*columns, strict=True)), layout, groups)
+    return booktabs(header, list(zip(*columns, strict=True)), groups)
 
 
-def _percentiles(run: Run, layout: Layout) -> Table:
+def _percentiles(run: Run) -> Table:
     """At the finest target, in the order of the mean."""
     body, places = [], []
     for where, times in overall(run.times[run.outer_targets[-1]]).items():
@@ -194,10 +194,10 @@ def _percentiles(run: Run, layout: Layout) -> Table:
         within = [] if run.budget is None else [percent(row["within"], 1)]
         body.append([label, where, *shown[len(levels) * i : len(levels) * (i + 1)], *within])
     budget = [] if run.budget is None else [f"within {seconds(run.budget)}"]
-    return booktabs(["solver", "where", *(f"{name}, {unit}" for name in levels), *budget], body, layout)
+    return booktabs(["solver", "where", *(f"{name}, {unit}" for name in levels), *budget], body)
 
 
-def _problems(run: Run, layout: Layout) -> Table:
+def _problems(run: Run) -> Table:
     classes = tables.problem_classes(run)
     body = [
         [
@@ -209,7 +209,7 @@ def _problems(run: Run, layout: Layout) -> Table:
         ]
         for row in classes.to_dict("records")
     ]
-    return booktabs(["class", "problems", "left out", "contacts", "unknowns"], body, layout)
+    return booktabs(["class", "problems", "left out", "contacts", "unknowns"], body)
 
 
 def _range(row: dict[str, float], what: str) -> str:
@@ -217,17 +217,17 @@ def _range(row: dict[str, float], what: str) -> str:
     return f"{low:.0f}" if low == high else f"{low:.0f}–{high:.0f}" if np.isfinite(low) else "–"
 
 
-def _solvers(run: Run, layout: Layout) -> Table:
+def _solvers(run: Run) -> Table:
     both = pd.concat([run.rows[["solver", "model"]], run.simulations[["solver"]]]).drop_duplicates("solver").fillna("")
     body: list[list[Cell]] = []
     for row in both.sort_values("solver").itertuples():
         keys = cited(row.solver)
         citation = Tex(rf"\cite{{{','.join(keys)}}}", f"[{', '.join('00' for _ in keys)}]") if keys else "–"
         body.append([row.solver, row.model, citation])
-    return booktabs(["solver", "solves", "references"], body, layout)
+    return booktabs(["solver", "solves", "references"], body)
 
 
-TABLES: dict[str, Callable[[Run, Layout], Table]] = {
+TABLES: dict[str, Callable[[Run], Table]] = {
     "solvability": _solvability,
     "times": _times,
     "percentiles": _percentiles,

@@ -8,27 +8,21 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from frictionbench.problems.verdicts import measured
-    from frictionbench.results.conventions import RankBy, scene_title
-    from frictionbench.results.files import ResultsError, read_json, subfolder, write_text
-    from frictionbench.results.schema import TABLES
-    from frictionbench.results.store import read_table
+    from frictionbench.problems.verdicts import measured as measured
+    from frictionbench.results.conventions import RankBy as RankBy
+    from frictionbench.results.conventions import scene_title as scene_title
+    from frictionbench.results.files import ResultsError as ResultsError
+    from frictionbench.results.files import read_json as read_json
+    from frictionbench.results.files import subfolder as subfolder
+    from frictionbench.results.files import write_text as write_text
+    from frictionbench.results.schema import SCHEMA_VERSION as SCHEMA_VERSION
+    from frictionbench.results.schema import TABLES as TABLES
+    from frictionbench.results.store import read_table as read_table
 
-__all__ = [
-    "TABLES",
-    "RankBy",
-    "ResultsError",
-    "measured",
-    "read_json",
-    "read_table",
-    "scene_title",
-    "subfolder",
-    "write_text",
-]
 _FILES = {
     "conventions": ("RankBy", "scene_title"),
     "files": ("ResultsError", "read_json", "subfolder", "write_text"),
-    "schema": ("TABLES",),
+    "schema": ("SCHEMA_VERSION", "TABLES"),
     "store": ("read_table",),
     "verdicts": ("measured",),
 }

@@ -11,7 +11,7 @@ from itertools import takewhile
 from pathlib import Path
 
 from frictionbench.results.files import ResultsError, read_text, write_text
-from frictionbench.results.schema import VERSION
+from frictionbench.results.schema import SCHEMA_VERSION
 
 COLUMNS = (
     *("variant", "table", "scene", "step", "phase", "start", "tol"),
@@ -27,7 +27,7 @@ def write(path: Path, facts: Mapping[str, str], rows: Iterable[tuple[str, ...]])
     """Write a baseline atomically. rows: the values of COLUMNS and the key, as text."""
     path.parent.mkdir(parents=True, exist_ok=True)
     lines = sorted("\t".join(map(_plain, row)) for row in rows)
-    facts = {"schema": str(VERSION), **facts, "cells": str(len(lines))}
+    facts = {"schema": str(SCHEMA_VERSION), **facts, "cells": str(len(lines))}
     head = [f"# {name}: {_plain(facts[name])}" for name in FACTS]
     body = ["\t".join([*COLUMNS, "key"]), *lines]
     write_text(path, "\n".join([*head, f"# {HASH}: {_hash([*head, *body])}", *body]) + "\n")
@@ -39,9 +39,9 @@ def read(path: Path) -> tuple[dict[str, str], list[list[str]]]:
     head = list(takewhile(lambda line: line.startswith("#"), lines))
     facts = {name.strip(): value.strip() for name, _, value in (line[1:].partition(":") for line in head)}
     table = [(i, line.split("\t")) for i, line in enumerate(lines[len(head) :], len(head) + 1) if line]
-    if "suite" in facts and facts.get("schema", "1") != str(VERSION):
+    if "suite" in facts and facts.get("schema", "1") != str(SCHEMA_VERSION):
         version = facts.get("schema", "1")
-        age = f"has schema version {version}, but this version reads {VERSION}"
+        age = f"has schema version {version}, but this version reads {SCHEMA_VERSION}"
         raise ResultsError(f"{path}: {age}; delete it and create it again with `frictionbench accept`")
     if not table or table[0][1] != [*COLUMNS, "key"] or not facts.keys() >= {*FACTS, HASH}:
         raise ResultsError(f"{path}: neither a baseline, as written by `frictionbench accept`, nor a results folder")

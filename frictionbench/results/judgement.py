@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from frictionbench.problems.verdicts import Verdict
-from frictionbench.results.files import ResultsError, read_json, write_text
+from frictionbench.results.files import ResultsError, read_parsed, record, write_text
 
 NAME = "judgement.json"
 LAWS = ("signorini", "cone", "direction", "dissipation")
@@ -67,30 +67,16 @@ def read_judgements(folder: Path) -> list[Judgement]:
     """The judgements. Errors: ResultsError naming the file where it is missing or cannot be read."""
     path = folder / NAME
     try:
-        return [checked(row) for row in read_json(path)]
+        return read_parsed(path, lambda rows: [checked(row) for row in rows])
     except FileNotFoundError:
         raise ResultsError(f"{path}: no steps were judged in this folder") from None
-    except (ValueError, TypeError, LookupError, OverflowError, AttributeError) as error:
-        raise ResultsError(f"{path}: cannot be read ({error})") from None
 
 
 def checked(row: Any) -> Judgement:
     """The judgement with these fields. Errors: ValueError, TypeError, LookupError or OverflowError where it is none."""
-    numbers = {name: float(row[name]) for name in ("residual", "floor", *LAWS, "energy_defect")}
-    creep, penetration = (None if row[name] is None else float(row[name]) for name in ("creep", "penetration"))
-    found = Judgement(
-        file=str(row["file"]),
-        problem=str(row["problem"]),
-        contacts=int(row["contacts"]),
-        law=str(row["law"]),
-        notes={str(name): float(share) for name, share in row["notes"].items()},
-        forces=[[float(part) for part in contact] for contact in row["forces"]],
-        creep=creep,
-        penetration=penetration,
-        **numbers,
-    )
+    found = record(Judgement, row)
     forces = [part for contact in found.forces for part in contact]
-    measured = [*numbers.values(), *(value for value in (creep, penetration) if value is not None), *found.notes.values()]
+    measured = [value for value in (*found, *found.notes.values()) if isinstance(value, float)]
     known = found.law in LAWS or not found.contacts
     if (
         not known

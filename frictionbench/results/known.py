@@ -90,14 +90,8 @@ def acknowledge(comparison: Comparison, known: Sequence[Known]) -> Comparison:
         applied.add(entry)
         return replace(found, known=entry.reason)
 
-    acknowledged = replace(
-        comparison,
-        flips=tuple(map(marked, comparison.flips)),
-        gone=tuple(map(marked, comparison.gone)),
-        added=tuple(map(marked, comparison.added)),
-        work=tuple(map(marked, comparison.work)),
-        times=tuple(map(marked, comparison.times)),
-    )
+    kinds = ("flips", "gone", "added", "work", "times")
+    reasons: dict[str, Any] = {kind: tuple(map(marked, getattr(comparison, kind))) for kind in kinds}
     unused = [entry for entry in known if entry not in applied]
     notes = [f"Acknowledged change not found; delete its entry: {one.solver}, {one.change}." for one in unused]
-    return replace(acknowledged, notes=(*comparison.notes, *notes))
+    return replace(comparison, **reasons, notes=(*comparison.notes, *notes))

@@ -6,9 +6,7 @@
 
 Rows are in the order of the run's plan; while the run has not finished they are ordered by key. Lists hold single repeats or
 curves. The text columns `parameters` and `work` hold JSON objects. A number that was not measured is null. docs/columns.md is
-made from this file:
-
-    python -m frictionbench.results.schema > docs/columns.md
+made from this file by tools/columns.py.
 """
 
 from typing import NamedTuple
@@ -18,7 +16,7 @@ import pyarrow as pa
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.results.conventions import WAYS
 
-VERSION = 3  # of files and columns; folders and baselines of another version are refused
+SCHEMA_VERSION = 3  # of files and columns; folders and baselines of another version are refused
 
 
 class Column(NamedTuple):
@@ -56,10 +54,7 @@ _CELL = (
         "wall_time", _real, "s", "duration of the cell including verification and repeats, excluding loading and compilation"
     ),
     Column(
-        "overhead",
-        _real,
-        "s",
-        "part of wall_time outside form, setup and solve; of a simulation, verification and recording",
+        "overhead", _real, "s", "part of wall_time outside form, setup and solve; of a simulation, verification and recording"
     ),
     Column("peak_memory", _real, "B", "largest resident memory of the process during the cell"),
 )
@@ -213,50 +208,3 @@ def arrow_schema(table: str) -> pa.Schema:
     """The Arrow schema of a table, units and meanings as field metadata."""
     columns = TABLES[table]
     return pa.schema([pa.field(c.name, c.type, metadata={"unit": c.unit, "meaning": c.meaning}) for c in columns])
-
-
-PAGE = """# Columns
-
-Made from the schema by `python -m frictionbench.results.schema`; a test compares the two. Schema version {version}; folders and
-baselines of another version are refused.
-
-A run writes up to three tables, `solves.parquet`, `simulations.parquet` and `batches.parquet`, which
-`frictionbench.read_results(DIR)` reads as `pandas.DataFrame`. Units are SI, 1 marks a ratio. A number that was not measured is
-null. Text columns named `parameters` and `work` hold JSON objects.
-
-## solves
-
-A row per cell: one problem, solver, start and tolerance; in the order of the run's plan, or by key while it has not finished.
-
-{solves}
-
-## simulations
-
-A row per scene, scheme, solver and way to continue after a failed step, run in closed loop; in the same order.
-
-{simulations}
-
-## batches
-
-A row per batch of small problems, solver, way to solve them all, start and tolerance; in the same order.
-
-{batches}
-"""
-
-
-def describe() -> str:
-    """All columns with types, units and meanings, as a page of Markdown."""
-    return PAGE.format(version=VERSION, **{name: _markdown(columns) for name, columns in TABLES.items()})
-
-
-def _markdown(columns: tuple[Column, ...]) -> str:
-    cells = [[f"`{c.name}`", _type(c.type), c.unit, c.meaning.replace("|", "\\|")] for c in columns]
-    return "\n".join(f"| {' | '.join(row)} |" for row in [["column", "type", "unit", "meaning"], ["---"] * 4, *cells])
-
-
-def _type(kind: pa.DataType) -> str:
-    return f"list of {kind.value_type}" if pa.types.is_list(kind) else str(kind)
-
-
-if __name__ == "__main__":
-    print(describe(), end="")

@@ -31,7 +31,7 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from frictionbench.results.files import ResultsError, opened, read_json, replaced, subfolder, write_text
-from frictionbench.results.schema import VERSION, arrow_schema
+from frictionbench.results.schema import SCHEMA_VERSION, arrow_schema
 
 Row = dict[str, Any]
 # Limits on input: far above what the largest suite writes, and small enough for a machine with 4 GiB of memory.
@@ -313,7 +313,7 @@ def _expanded(chunk: pa.Array) -> int:
 def write_manifest(folder: Path, manifest: Row) -> None:
     """Write DIR/manifest.json atomically."""
     folder.mkdir(parents=True, exist_ok=True)
-    write_text(folder / "manifest.json", json.dumps({"schema": VERSION} | manifest, indent=2) + "\n")
+    write_text(folder / "manifest.json", json.dumps({"schema": SCHEMA_VERSION} | manifest, indent=2) + "\n")
 
 
 def read_manifest(folder: Path) -> Row:
@@ -327,9 +327,11 @@ def read_manifest(folder: Path) -> Row:
         raise ResultsError(f"{folder}: not a results folder (it has no manifest.json)") from None
     if not isinstance(manifest, dict) or not isinstance(manifest.get("settings"), dict):
         raise ResultsError(f"{path}: not a manifest of frictionbench (it has no settings)")
-    if manifest.get("schema") != VERSION:
+    if manifest.get("schema") != SCHEMA_VERSION:
         version = manifest.get("schema", 1)
-        raise ResultsError(f"{folder}: has schema version {version!r}, but this program reads version {VERSION}; run it again")
+        raise ResultsError(
+            f"{folder}: has schema version {version!r}, but this program reads version {SCHEMA_VERSION}; run it again"
+        )
     for name in ("machine", "versions", "solvers"):
         if not isinstance(manifest.get(name, {}), dict):
             raise ResultsError(f"{path}: {name} is no object")

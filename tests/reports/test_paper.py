@@ -48,8 +48,8 @@ def test_table_units_and_widths(run, tmp_path, monkeypatch) -> None:
     assert r"solver & cells & claimed & solved & timeout \\" in verdicts
     assert r"\cite{Lemke1965," in (paper / "solvers.tex").read_text()
     assert one_unit([2e-6, 3e-4, float("nan")]) == ("µs", ["2.00", "300", "–"])
-    assert booktabs(["a", "b"], [["x" * 20, "y" * 20]], Layout()).wide is False
-    assert booktabs(["a", "b"], [["x" * 60, "y" * 60]], Layout()).wide is True
+    assert booktabs(["a", "b"], [["x" * 20, "y" * 20]]).wide is False
+    assert booktabs(["a", "b"], [["x" * 60, "y" * 60]]).wide is True
 
 
 def test_latex_escaping() -> None:

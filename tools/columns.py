@@ -1,0 +1,54 @@
+"""The page of the tables' columns, made from their schema.
+
+python -m tools.columns > docs/columns.md
+"""
+
+from typing import Any
+
+from frictionbench.results import SCHEMA_VERSION, TABLES
+
+PAGE = """# Columns
+
+Made from the schema by `python -m tools.columns`; a test compares the two. Schema version {version}; folders and
+baselines of another version are refused.
+
+A run writes up to three tables, `solves.parquet`, `simulations.parquet` and `batches.parquet`, which
+`frictionbench.read_results(DIR)` reads as `pandas.DataFrame`. Units are SI, 1 marks a ratio. A number that was not measured is
+null. Text columns named `parameters` and `work` hold JSON objects.
+
+## solves
+
+A row per cell: one problem, solver, start and tolerance; in the order of the run's plan, or by key while it has not finished.
+
+{solves}
+
+## simulations
+
+A row per scene, scheme, solver and way to continue after a failed step, run in closed loop; in the same order.
+
+{simulations}
+
+## batches
+
+A row per batch of small problems, solver, way to solve them all, start and tolerance; in the same order.
+
+{batches}
+"""
+
+
+def describe() -> str:
+    """All columns with types, units and meanings, as a page of Markdown."""
+    return PAGE.format(version=SCHEMA_VERSION, **{name: _markdown(columns) for name, columns in TABLES.items()})
+
+
+def _markdown(columns: tuple[Any, ...]) -> str:
+    cells = [[f"`{c.name}`", _type(c.type), c.unit, c.meaning.replace("|", "\\|")] for c in columns]
+    return "\n".join(f"| {' | '.join(row)} |" for row in [["column", "type", "unit", "meaning"], ["---"] * 4, *cells])
+
+
+def _type(kind: Any) -> str:
+    return f"list of {kind.value_type}" if hasattr(kind, "value_type") else str(kind)
+
+
+if __name__ == "__main__":
+    print(describe(), end="")
