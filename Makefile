@@ -82,7 +82,7 @@ $(PEERS)/installed: pyproject.toml constraints.txt
 	touch $@
 
 test-peers: $(PEERS)/installed
-	$(PEERS)/bin/python -m pytest --numprocesses=2 -rs tests/solvers/outside tests/tools/test_direct.py tests/problems/capture tests/harness/test_battery.py \
+	$(PEERS)/bin/python -m pytest --numprocesses=2 -rs tests/solvers/outside tests/tools/test_direct.py tests/problems/capture tests/tools/test_battery.py \
 		tests/harness/cells/test_judgement.py
 
 peers: $(PEERS)/installed

@@ -11,15 +11,37 @@ if TYPE_CHECKING:
     from frictionbench.problems.check import InputError
     from frictionbench.problems.forms.lcp import LCP
     from frictionbench.problems.friction import FrictionProblem
+    from frictionbench.problems.scene import Scene
+    from frictionbench.problems.schemes import SCHEMES, start
+    from frictionbench.problems.spatial.bodies import HalfSpace, solid_box, solid_sphere
     from frictionbench.problems.verdicts import Verdict
 
-__all__ = ["LCP", "Answer", "FrictionProblem", "InputError", "Status", "Verdict"]
+__all__ = [
+    "LCP",
+    "SCHEMES",
+    "Answer",
+    "FrictionProblem",
+    "HalfSpace",
+    "InputError",
+    "Scene",
+    "Status",
+    "Verdict",
+    "solid_box",
+    "solid_sphere",
+    "start",
+]
 
 _DEFINED_IN = {
     "LCP": "forms.lcp",
     "Answer": "answer",
     "FrictionProblem": "friction",
     "InputError": "check",
+    "SCHEMES": "schemes",
+    "Scene": "scene",
+    "start": "schemes",
+    "HalfSpace": "spatial.bodies",
+    "solid_box": "spatial.bodies",
+    "solid_sphere": "spatial.bodies",
     "Status": "answer",
     "Verdict": "verdicts",
 }

@@ -9,6 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from frictionbench.reports.accuracy import OVERALL as OVERALL
+    from frictionbench.reports.batches import HEADER as HEADER
+    from frictionbench.reports.batches import METHOD as METHOD
+    from frictionbench.reports.batches import RateTable as RateTable
+    from frictionbench.reports.batches import rate_tables as rate_tables
     from frictionbench.reports.choice import Kind as Kind
     from frictionbench.reports.choice import choices as choices
     from frictionbench.reports.choice import headline as headline
@@ -29,6 +33,7 @@ if TYPE_CHECKING:
 
 _FILES = {
     "accuracy": ("OVERALL",),
+    "batches": ("HEADER", "METHOD", "RateTable", "rate_tables"),
     "choice": ("Kind", "choices", "headline"),
     "drawing.text": ("count", "power", "seconds"),
     "noise": ("sentence", "timing_noise"),

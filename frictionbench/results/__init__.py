@@ -18,18 +18,19 @@ if TYPE_CHECKING:
     from frictionbench.results.schema import SCHEMA_VERSION as SCHEMA_VERSION
     from frictionbench.results.schema import TABLES as TABLES
     from frictionbench.results.store import read_table as read_table
+    from frictionbench.results.store import rows as rows
 
 _FILES = {
-    "conventions": ("RankBy", "scene_title"),
-    "files": ("ResultsError", "read_json", "subfolder", "write_text"),
-    "schema": ("SCHEMA_VERSION", "TABLES"),
-    "store": ("read_table",),
-    "verdicts": ("measured",),
+    "problems.verdicts": ("measured",),
+    "results.conventions": ("RankBy", "scene_title"),
+    "results.files": ("ResultsError", "read_json", "subfolder", "write_text"),
+    "results.schema": ("SCHEMA_VERSION", "TABLES"),
+    "results.store": ("read_table", "rows"),
 }
 
 
 def __getattr__(name: str) -> Any:
     for file, names in _FILES.items():
         if name in names:
-            return getattr(import_module(f"{__name__}.{file}"), name)
+            return getattr(import_module(f"frictionbench.{file}"), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -5,7 +5,6 @@ import json
 import numpy as np
 import pytest
 
-from frictionbench.commands.admit import admissible, fewest_contacts
 from frictionbench.harness.cells.reference import Reference
 from frictionbench.harness.plans.hard import ANSWERS, FEWEST, METHODS, TOL, admitted, families, hard, kept_answer
 from frictionbench.problems import FrictionProblem
@@ -18,6 +17,7 @@ from frictionbench.problems.verdicts import Verdict
 from frictionbench.problems.verify import verify
 from frictionbench.solvers import available, solve
 from tests.helpers.frictionless import friction_at_work
+from tools.admit import admissible, fewest_contacts
 
 ROWS = admitted()
 NAMES = [f"{row['scene']} {row['parameters']}" for row in ROWS]

@@ -3,7 +3,7 @@
 The candidates are families at their edges. The families, their grids and FEWEST were settled after a look at which problems
 fail, so that there are enough; which candidates are in the suite follows from a run of all methods at one tolerance:
 
-    python -m frictionbench.commands.admit DIR     runs the candidates in DIR, or goes on, and writes hard.tsv
+    python -m tools.admit DIR     runs the candidates in DIR, or goes on, and writes hard.tsv
 
 A candidate is *admissible* if a solution is known (by a theorem, see problems.analysis.thresholds, by counting all solutions,
 or because a verified answer is one, which is then kept in hard.npz), if friction is at work (it is neither trivial nor idle),

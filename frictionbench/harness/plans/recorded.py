@@ -22,7 +22,7 @@ REPLAY = "replay"  # the suite of motions, which takes recorded ones as well
 LADDER = (1e-4, 1e-6, 1e-8)  # tolerances, from what simulations need to what exact methods reach
 FORMATS = (".hdf5", ".h5", ".dat", ".npz")  # suffixes of files that problems.recorded reads
 
-# Motions in space with closed forms, those of the battery of engines (harness.battery).
+# Motions in space with closed forms, those of the battery of engines (tools/battery).
 PHENOMENA = (
     Source("sliding_box", {"slope": 0.35, "speed": 0.0}),  # held by friction: it must not creep
     Source("sliding_box", {"heading": 0.5}),  # straight on, until it stops

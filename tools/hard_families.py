@@ -13,11 +13,9 @@ from time import process_time
 import numpy as np
 from numba.core.event import install_timer
 
+import frictionbench as fb
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.instances import make_instance
-from frictionbench.problems.residual import residual, residual_floor
-from frictionbench.problems.scenes import scene
-from frictionbench.solvers import Answer, solve
+from frictionbench.solvers import Answer
 
 TOL, LIMIT = 1e-8, 60.0  # s, of one problem
 PEER = "clarabel"
@@ -57,46 +55,44 @@ class Solve:
 
 def _local_graph(k: int) -> FrictionProblem:
     """1000 to 10 000 contacts in a hundred instances."""
-    return make_instance("local_graph", seed=1000 + k, bodies=round(625 * 10 ** (k / 99)))
+    return fb.instance("local_graph", seed=1000 + k, bodies=round(625 * 10 ** (k / 99)))
 
 
 def _random_graph(bodies: int) -> Callable[[int], FrictionProblem]:
-    return lambda k: make_instance("random_graph", seed=k, bodies=bodies)
+    return lambda k: fb.instance("random_graph", seed=k, bodies=bodies)
 
 
 def _discs(k: int) -> FrictionProblem:
-    return scene("disc_pile", rows=6 + k // 7, friction=_uniform(k, 0.1, 0.9), push=(0.0, 0.5)[k % 2]).problem()
+    return fb.scene("disc_pile", rows=6 + k // 7, friction=_uniform(k, 0.1, 0.9), push=(0.0, 0.5)[k % 2]).problem()
 
 
 def _masses(ratio: float) -> Callable[[int], FrictionProblem]:
-    return lambda k: make_instance(
+    return lambda k: fb.instance(
         "sphere_pyramid", seed=100 + k, levels=2 + k % 4, friction=_uniform(k, 0.3, 0.7), mass_ratio=ratio
     )
 
 
 def _bodies(k: int) -> FrictionProblem:
-    return make_instance("random_bodies", seed=100 + k, contacts=20 + k, mass_ratio=1e8)
+    return fb.instance("random_bodies", seed=100 + k, contacts=20 + k, mass_ratio=1e8)
 
 
 def _wall(points: int) -> Callable[[int], FrictionProblem]:
     def make(k: int) -> FrictionProblem:
         rows, bricks = divmod(k % 9, 3)
-        return make_instance("box_wall", seed=k, rows=3 + rows, bricks=3 + bricks, points=points, noise=(0.1, 0.5)[k % 2])
+        return fb.instance("box_wall", seed=k, rows=3 + rows, bricks=3 + bricks, points=points, noise=(0.1, 0.5)[k % 2])
 
     return make
 
 
 def _pyramid(k: int) -> FrictionProblem:
-    return make_instance(
-        "sphere_pyramid", seed=100 + k, levels=8, friction=_uniform(k, 0.3, 0.7), noise=(0.0, 0.01, 0.03)[k % 3]
-    )
+    return fb.instance("sphere_pyramid", seed=100 + k, levels=8, friction=_uniform(k, 0.3, 0.7), noise=(0.0, 0.01, 0.03)[k % 3])
 
 
 def _heavy_stack(k: int) -> FrictionProblem:
     """2 to 4 blocks, masses over 3e7 to 3e10."""
     blocks, ratio = 2 + k % 3, 3 * 10.0 ** (7 + k // 3 % 4)
     push, friction = np.random.default_rng(k).uniform([0.2, 0.2], [2.0, 0.8])
-    return scene("stack", blocks=blocks, mass_ratio=ratio, push=push, friction=friction).problem()
+    return fb.scene("stack", blocks=blocks, mass_ratio=ratio, push=push, friction=friction).problem()
 
 
 def _uniform(seed: int, least: float, most: float) -> float:
@@ -152,8 +148,8 @@ def _solves(family: Family) -> Iterator[Solve]:
     for k in range(family.instances):
         problem = family.make(k)
         answer, seconds = _timed(problem, family.method, LIMIT)
-        found = residual(problem, answer.impulse)
-        enough = max(TOL, residual_floor(problem, answer.impulse)) if family.floored else TOL
+        found = fb.residual(problem, answer.impulse)
+        enough = max(TOL, fb.residual_floor(problem, answer.impulse)) if family.floored else TOL
         work = answer.work.get("factorisations", 0) or answer.work.get("pivots", 0)
         yield Solve(problem.contacts, found, found <= enough, work, seconds, _timed(problem, PEER, None)[1])
 
@@ -165,7 +161,7 @@ def _timed(problem: FrictionProblem, method: str, limit: float | None) -> tuple[
         given = problem.fresh()
         with install_timer("numba:compiler_lock", compiled.append):
             begun = process_time()
-            answer = solve(given, method, tol=TOL, time_limit=limit)
+            answer = fb.solve(given, method, tol=TOL, time_limit=limit)
             seconds = process_time() - begun
         if not compiled:
             return answer, seconds

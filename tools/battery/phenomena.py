@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from frictionbench.harness.battery.world import GRAVITY, Body, Make, Setting
+from tools.battery.world import GRAVITY, Body, Make, Setting
 
 CUBE, SETTLED = (0.1, 0.1, 0.1), 0.5  # half sizes, m; s until a body that is put down rests
 TILTING = 0.6  # s: 12 ms between two slopes, steps of any size in the table

@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from frictionbench.harness.battery.world import Setting, gravity
-from frictionbench.problems.check import Array
+from tools.battery.world import Array, Setting, gravity
 
 # "Modeling", sections on solver parameters and on slip: elliptic cones and a large impratio against slip, then the noslip
 # iterations; solref's time constant at its least, twice the step; solimp's impedance close to 1.

@@ -1,19 +1,17 @@
 """The second part of docs/performance.md: large problems, one by one.
 
 Each method is timed on the same problem, form, setup and solve, by the processor's time, ROUNDS times in turn; the least time
-counts, over that of the interior point. How that itself grows from size to size is told beside it. A time is shown only where
-the residual is within TOL; methods whose dense matrices would exceed STORAGE, and those that took LONG on a smaller problem of
-the family, are not run.
+counts, over that of the interior point. How that itself grows from size to size stands beside it. A time is shown only where
+the residual is within TOL; methods whose two dense matrices would exceed STORAGE bytes, and those that took LONG on a smaller
+problem of the family, are not run.
 """
 
 from collections.abc import Iterator
 from time import process_time
 
-from frictionbench.harness.plans.choose import problem_of
+import frictionbench as fb
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.residual import residual
-from frictionbench.solvers import find, solve
-from frictionbench.solvers.interface import dense_storage
+from frictionbench.solvers import find
 
 FAMILIES = {
     "stack of boxes": ("stack", "blocks", (100, 300, 1000, 3000)),
@@ -43,32 +41,41 @@ def _table(title: str, name: str, parameter: str, sizes: tuple[int, ...]) -> str
     lines.append("|--:" * (len(METHODS) + 3) + "|")
     late: set[str] = set()
     first = None
-    dict(_times(problem_of(name, {parameter: 3}), set()))  # compiles and loads
+    dict(_times(_problem(name, parameter, 3), set()))  # compiles and loads
     for size in sizes:
-        problem = problem_of(name, {parameter: size})
+        problem = _problem(name, parameter, size)
         found = dict(_times(problem, late))
         base = found["interior_point"][0]
         first = first or base
         shown = [_shown(found.get(method), base) for method in METHODS[1:]]
-        unknowns = problem.contacts * 4 if problem.dimension == 2 else problem.contacts * 3
-        lines.append(f"| {size} | {problem.contacts} | {unknowns} | {base / first:.3g} | {' | '.join(shown)} |")
+        lines.append(f"| {size} | {problem.contacts} | {_unknowns(problem)} | {base / first:.3g} | {' | '.join(shown)} |")
     return "\n".join(lines) + "\n"
+
+
+def _problem(name: str, parameter: str, size: int) -> FrictionProblem:
+    given = {parameter: size}
+    return fb.scene(name, **given).problem() if name in fb.scenes() else fb.instance(name, **given)
+
+
+def _unknowns(problem: FrictionProblem) -> int:
+    """Of the friction LCP in the plane, of the impulses in space."""
+    return problem.contacts * (4 if problem.dimension == 2 else 3)
 
 
 def _times(problem: FrictionProblem, late: set[str]) -> Iterator[tuple[str, tuple[float, float]]]:
     """The least time and the residual of each method that is run; `late` gathers those that took long."""
     joined = len(problem.joint_bias) > 0
     for method in METHODS:
-        info, instance = find(method)
-        if method in late or dense_storage(instance, problem) > STORAGE or (joined and info.model == "lcp"):
+        lcp = find(method)[0].model == "lcp"
+        if method in late or (lcp and (joined or 16 * _unknowns(problem) ** 2 > STORAGE)):
             continue
         least, worst = float("inf"), 0.0
         for _ in range(ROUNDS):
             given = problem.fresh()
             begun = process_time()
-            answer = solve(given, method, tol=TOL)
+            answer = fb.solve(given, method, tol=TOL)
             least = min(least, process_time() - begun)
-            worst = max(worst, residual(problem, answer.impulse))
+            worst = max(worst, fb.residual(problem, answer.impulse))
             if least > LONG:
                 late.update({method} - {METHODS[0]})
                 break

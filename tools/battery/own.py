@@ -4,14 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from frictionbench.harness.battery.world import Setting, gravity
-from frictionbench.problems import FrictionProblem
-from frictionbench.problems.check import Array
-from frictionbench.problems.scene import Scene
-from frictionbench.problems.schemes import SCHEMES, start
-from frictionbench.problems.spatial.bodies import HalfSpace, solid_box, solid_sphere
-from frictionbench.problems.spatial.rotation import turned
+from frictionbench.problems import SCHEMES, FrictionProblem, HalfSpace, Scene, solid_box, solid_sphere, start
 from frictionbench.solvers import solve
+from tools.battery.world import Array, Setting, gravity
 
 SOLVER, TOLERANCE = "interior_point", 1e-8
 
@@ -25,7 +20,8 @@ class Exact:
     """A setting as a scene."""
 
     def __init__(self, setting: Setting, step: float, scheme: str) -> None:
-        turn = turned(np.tile(np.eye(4)[0], (len(setting.bodies), 1)), np.array([[b.turn, 0.0, 0.0] for b in setting.bodies]))
+        half = np.array([body.turn for body in setting.bodies])[:, None] / 2
+        turn = np.hstack([np.cos(half), np.sin(half), np.zeros((len(half), 2))])  # quaternions
         self._scene = Scene(
             bodies=tuple(
                 solid_sphere(body.size[0], body.mass) if len(body.size) == 1 else solid_box(body.size, body.mass)

@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from frictionbench.harness.battery.world import Setting, Unsupported, gravity
-from frictionbench.problems.check import Array
+from tools.battery.world import Array, Setting, Unsupported, gravity
 
 
 def default(setting: Setting, step: float) -> "Drake":

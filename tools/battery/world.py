@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
-from frictionbench.problems.check import Array
-
+Array = NDArray[np.float64]
 GRAVITY = 9.81  # m/s^2
 
 

@@ -1,6 +1,6 @@
 """Choose the suite `hard` from its candidates by the rule of harness.plans.hard, and write hard.tsv and hard.npz beside it.
 
-    python -m frictionbench.commands.admit DIR
+    python -m tools.admit DIR
 
 runs every candidate with every method in DIR (about a quarter of an hour on one core), or goes on with a run that was
 interrupted.
@@ -14,23 +14,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from frictionbench.harness.cells.collect import stored_friction
-from frictionbench.harness.plans.hard import ADMITTED, ANSWERS, FEWEST, TOL, answer_key, candidates, families
-from frictionbench.harness.progress import Progress
-from frictionbench.harness.run import run
-from frictionbench.problems.check import Array
-from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.residual import residual, residual_floor
-from frictionbench.problems.verdicts import Verdict
-from frictionbench.results import store
-from frictionbench.results.maps import THEORY
-from frictionbench.solvers import solve
+import frictionbench as fb
+from frictionbench.harness import Progress, hard, run_plan, stored_friction
+from frictionbench.problems import Verdict
+from frictionbench.results import rows
 
 COLUMNS = ("family", "scene", "parameters", "contacts", "known", "residual", "floor", "answer", "failed")
 FAILED = (Verdict.NEAR_MISS, Verdict.UNJUDGEABLE, Verdict.UNSOLVED, Verdict.CRASHED, Verdict.WRONG)
-PROVEN = (*THEORY, "counted")  # values of the column `existence` that prove it
-FLOOR = TOL / 10
+PROVEN = ("gaps", "pointed", "counted")  # values of the column `existence` that prove it
+FLOOR = hard.TOL / 10
 
 Record = dict[str, Any]
 
@@ -38,25 +32,25 @@ Record = dict[str, Any]
 def admit(folder: Path) -> None:
     """Run the candidates of both dimensions in folder, choose, and write the two files."""
     lines: list[Record] = []
-    answers: dict[str, Array] = {}
+    answers: dict[str, NDArray[np.float64]] = {}
     for dimension in (2, 3):
         place = folder / f"dimension_{dimension}"
-        run(candidates(dimension), place, 1, Progress())
+        run_plan(hard.candidates(dimension), place, 1, Progress())
         by_problem: dict[tuple[str, str], list[Record]] = defaultdict(list)
-        for row in store.rows(place, "solves"):
+        for row in rows(place, "solves"):
             by_problem[row["scene"], row["parameters"]].append(row)
-        for family, sources in families(dimension).items():
+        for family, sources in hard.families(dimension).items():
             own = [by_problem[source.scene, json.dumps(source.parameters, sort_keys=True)] for source in sources]
-            for rows in fewest_contacts([rows for rows in own if admissible(rows)]):
-                line, answer = _line(family, rows, stored_friction(place, rows[0]["problem"]))
+            for found in fewest_contacts([each for each in own if admissible(each)]):
+                line, answer = _line(family, found, stored_friction(place, found[0]["problem"]))
                 lines.append(line)
                 if answer is not None:
-                    answers[answer_key(line)] = answer
-    with ADMITTED.open("w", encoding="utf-8", newline="") as file:
+                    answers[hard.answer_key(line)] = answer
+    with hard.ADMITTED.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, COLUMNS, delimiter="\t", lineterminator="\n", quoting=csv.QUOTE_NONE, quotechar=None)
         writer.writeheader()
         writer.writerows(lines)
-    np.savez_compressed(ANSWERS, allow_pickle=False, **answers)
+    np.savez_compressed(hard.ANSWERS, allow_pickle=False, **answers)
 
 
 def failures(rows: list[Record]) -> dict[str, str]:
@@ -81,16 +75,16 @@ def fewest_contacts(problems: list[list[Record]]) -> list[list[Record]]:
     for index in sorted(range(len(problems)), key=lambda i: problems[i][0]["contacts"]):
         for method in failures(problems[index]):
             taken[method].append(index)
-    chosen = {index for indices in taken.values() for index in indices[:FEWEST]}
+    chosen = {index for indices in taken.values() for index in indices[: hard.FEWEST]}
     return [problems[index] for index in sorted(chosen)]
 
 
-def _line(family: str, rows: list[Record], problem: FrictionProblem) -> tuple[Record, Array | None]:
+def _line(family: str, rows: list[Record], problem: fb.FrictionProblem) -> tuple[Record, NDArray[np.float64] | None]:
     """A row of hard.tsv, and the best answer if it is verified."""
     best = min(rows, key=_distance)
-    answer = solve(problem, best["variant"], tol=TOL).impulse if best["verdict"] == Verdict.SOLVED else None
-    found = best["residual"] if answer is None else residual(problem, answer)
-    floor = best["residual_floor"] if answer is None else residual_floor(problem, answer)
+    answer = fb.solve(problem, best["variant"], tol=hard.TOL).impulse if best["verdict"] == Verdict.SOLVED else None
+    found = best["residual"] if answer is None else fb.residual(problem, answer)
+    floor = best["residual_floor"] if answer is None else fb.residual_floor(problem, answer)
     known = ", ".join(filter(None, [rows[0]["existence"], "answer" if answer is not None else ""]))
     failed = ", ".join(f"{method} {verdict}" for method, verdict in failures(rows).items())
     line = {name: rows[0][name] for name in ("scene", "parameters", "contacts")}

@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from frictionbench.harness.battery.world import Setting, gravity
-from frictionbench.problems.check import Array
+from tools.battery.world import Array, Setting, gravity
 
 
 def default(setting: Setting, step: float) -> "Bullet":

@@ -1,6 +1,6 @@
 """docs/outside.tsv: the results of the contract for every installed outside solver, and the licences of its packages.
 
-    python -m frictionbench.commands.outcomes > docs/outside.tsv
+    python -m tools.outcomes > docs/outside.tsv
 
 One line per variant: its name, the versions of the libraries it needs, the licences in the packages' metadata, the date, and
 the checks that it fails, each with the first violation; "none" if it passes all, and the reason if it is not installed. The
@@ -16,8 +16,7 @@ from email.message import Message
 from importlib.metadata import PackageNotFoundError, metadata
 from typing import Any
 
-from frictionbench.harness.contract.examine import Found, examine
-from frictionbench.harness.process import cores
+from frictionbench.harness import Found, cores, examine
 from frictionbench.solvers import available, find
 
 COLUMNS = ("variant", "versions", "licences", "date", "failed_checks")

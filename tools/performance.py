@@ -1,23 +1,22 @@
 """docs/performance.md: the rates of a run of the suite `batch`, and its further parts, from large problems on.
 
 frictionbench run batch --out DIR
-python -m frictionbench.commands.performance DIR > docs/performance.md
+python -m tools.performance DIR > docs/performance.md
 """
 
 import sys
 from pathlib import Path
 from textwrap import fill
 
-from frictionbench.commands import large, seeds
-from frictionbench.reports.batches import HEADER, METHOD, RateTable, rate_tables
-from frictionbench.results.files import ResultsError
-from frictionbench.results.store import read_table
+from frictionbench.reports import HEADER, METHOD, RateTable, rate_tables
+from frictionbench.results import ResultsError, read_table
+from tools import hard_families, large_problems
 
 HEAD = """# Performance
 
 ## By the thousand
 
-Made by `frictionbench run batch --out DIR`, and from that by `python -m frictionbench.commands.performance DIR`."""
+Made by `frictionbench run batch --out DIR`, and from that by `python -m tools.performance DIR`."""
 
 
 def rates(folder: Path) -> str:
@@ -31,7 +30,7 @@ def rates(folder: Path) -> str:
 
 def _table(table: RateTable) -> str:
     told = (
-        f"{table.problems} problems, to {table.tol:g}; {100 * table.active:.0f} % of the contacts bear, and in "
+        f"{table.problems} problems, to {table.tol:g}; {100 * table.active:.0f} % of the contacts carry load, and in "
         f"{100 * table.idle:.0f} % of the problems friction is idle. Ratios are over single calls of {table.base}."
     )
     rows = [[rate.variant, rate.way, rate.start, *rate.texts] for rate in table.rates]
@@ -45,5 +44,5 @@ def _wrapped(text: str) -> str:
 
 
 if __name__ == "__main__":
-    parts = [rates(Path(sys.argv[1])), large.section(), seeds.section()]
+    parts = [rates(Path(sys.argv[1])), large_problems.section(), hard_families.section()]
     sys.stdout.write("\n".join(parts))

@@ -1,0 +1,67 @@
+"""The page on performance: rates of a run of batches, large problems with what was not run, and families of hard ones."""
+
+from pathlib import Path
+
+import pytest
+
+import frictionbench as fb
+from frictionbench.results import ResultsError
+from tests.helpers.made_results import batch_row, write_folder
+from tools import large_problems, performance
+from tools.hard_families import FAMILIES, Family, section
+
+
+def test_rates_stand_in_a_table_for_each_batch(tmp_path: Path) -> None:
+    rows = [
+        batch_row("lemke", "calls"),
+        batch_row("lemke", "packed"),
+        batch_row("osqp", "calls", verified=0.5, verdict="relaxed"),
+    ]
+    told = performance.rates(write_folder(tmp_path, [], batches=rows))
+    assert "### 4 contacts in the plane: stack[blocks=2]" in told
+    assert "| lemke | packed | cold | 1,000 | 2 | 0.50 | 0.50 | 0.50 | 1.90 |" in told
+    assert "| osqp | calls | cold | 50 % verified | – |" in told
+    assert max(map(len, told.splitlines())) <= 128
+
+
+def test_a_folder_without_results_is_named(tmp_path: Path) -> None:
+    with pytest.raises(ResultsError, match="has no rows of batches"):
+        performance.rates(tmp_path)
+
+
+def test_large_problems_are_told_with_what_was_not_run(monkeypatch) -> None:
+    monkeypatch.setattr(
+        large_problems, "FAMILIES", {"stack of boxes": ("stack", "blocks", (2, 4)), "chain": ("chain", "links", (3,))}
+    )
+    monkeypatch.setattr(large_problems, "ROUNDS", 1)
+    monkeypatch.setattr(large_problems, "STORAGE", 8 * 2 * 16**2)  # of two matrices of the first stack's size
+    rows = [
+        line.split("|")[1:-1]
+        for line in large_problems.section().splitlines()
+        if line.startswith("| ") and "growth" not in line
+    ]
+    assert [[cell.strip() for cell in row[:3]] for row in rows] == [["2", "4", "16"], ["4", "8", "32"], ["3", "6", "24"]]
+    assert all(float(row[4]) > 0 for row in rows)
+    assert float(rows[0][6]) > 0
+    assert [row[6].strip() for row in rows[1:]] == ["–", "–"]
+
+
+def _cells(family: Family) -> list[str]:
+    return [cell.strip() for cell in section((family,)).splitlines()[-1].split("|")[1:-1]]
+
+
+def test_only_verified_answers_count_as_solved() -> None:
+    def make(seed):
+        return fb.instance("random_bodies", seed=seed, contacts=10 + seed)
+
+    title, contacts, solved, worst, *_ = _cells(Family("bodies", make, 3))
+    assert (title, contacts, solved, worst) == ("bodies", "10–12", "3 of 3", "")
+    _, _, solved, worst, *_ = _cells(Family("bodies", make, 3, "relaxation_ip"))
+    assert solved == "0 of 3"
+    assert float(worst) > 1e-3  # contacts slide, which the relaxation answers with another motion
+
+
+@pytest.mark.parametrize("family", FAMILIES, ids=[family.title for family in FAMILIES])
+def test_instances_differ(family) -> None:
+    if "4000" not in family.title and "levels" not in family.title:
+        assert len({family.make(k).hash for k in range(3)}) == 3

@@ -1,0 +1,68 @@
+"""Measure the installed engines, and write the table of docs/battery.md: the error against the closed form, for several steps.
+
+python -m tools.battery
+"""
+
+import re
+import warnings
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from tools.battery import bullet, drake, mujoco, own, rapier
+from tools.battery.phenomena import PHENOMENA, Phenomenon
+from tools.battery.world import Make, Unsupported
+
+STEPS = (0.004, 0.002, 0.001)  # s
+ENGINES: dict[str, tuple[str, Make]] = {  # by name, what has to be installed, and the engine
+    "frictionbench": ("frictionbench", own.exact),
+    "MuJoCo": ("mujoco", mujoco.default),
+    "MuJoCo, stiff": ("mujoco", mujoco.stiff),
+    "Drake": ("drake", drake.default),
+    "Drake, margin": ("drake", drake.margin),
+    "Drake, softer": ("drake", drake.softer),
+    "Drake, stiff": ("drake", drake.stiff),
+    "PyBullet": ("pybullet", bullet.default),
+    "PyBullet, stiff": ("pybullet", bullet.stiff),
+    "Rapier": ("rapier3d", rapier.default),
+    "Rapier, stiff": ("rapier3d", rapier.stiff),
+}
+PAGE = Path(__file__).parents[2] / "docs" / "battery.md"
+TABLE = re.compile(r"(?<=<!-- begin: python -m tools.battery -->\n).*?(?=<!-- end -->)", re.DOTALL)
+
+
+def table() -> str:
+    """The table in Markdown, and a line for each engine that is not installed."""
+    usable, remarks = {}, []
+    for name, (package, make) in ENGINES.items():
+        try:
+            engine, comma, settings = name.partition(",")
+            usable[name] = (f"{engine} {version(package)}{comma}{settings}", make)
+        except PackageNotFoundError:
+            remarks.append(f"\n{name}: skipped, it is not installed (`pip install {package}`).\n")
+    heads = ["phenomenon", "closed form", "", *(title for title, _ in usable.values())]
+    rows = [heads, ["---"] * 3 + ["--:"] * len(usable)]
+    for one in PHENOMENA:
+        closed = f"{one.formula}{f' = {one.exact:.4g}' if not one.formula.endswith('0') else ''}"
+        rows.append([one.name, closed, one.unit, *(_errors(one, make) for _, make in usable.values())])
+    return "".join([*(f"| {' | '.join(row)} |\n" for row in rows), *remarks])
+
+
+def _errors(one: Phenomenon, make: Make) -> str:
+    errors = [_error(one, make, step) for step in STEPS]
+    return "–" if set(errors) == {"–"} else " / ".join(errors)
+
+
+def _error(one: Phenomenon, make: Make, step: float) -> str:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            return f"{one.measure(make, step) - one.exact:.1e}"
+        except Unsupported:
+            return "–"
+        except (Exception, SystemExit) as error:  # whatever an engine raises is its cell
+            return f"failed: {type(error).__name__}"
+
+
+if __name__ == "__main__":
+    made = table()
+    PAGE.write_text(TABLE.sub(lambda _: made, PAGE.read_text(encoding="utf-8")), encoding="utf-8")
