@@ -83,6 +83,7 @@ def test_levels_counts_and_shares_in_words():
     assert [count(one, "problem") for one in (0, 1, 2)] == ["0 problems", "1 problem", "2 problems"]
 
 
+@pytest.mark.slow  # a page of its own: a percentile shown of too few problems
 def test_no_99th_percentile_of_few_problems(tmp_path):
     """Of fewer than a hundred it would be the longest time, which stands beside it."""
     folder = write_folder(tmp_path / "run", robot())
@@ -93,6 +94,7 @@ def test_no_99th_percentile_of_few_problems(tmp_path):
     assert "p99" not in (write_paper(folder, run) / "percentiles.tex").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow  # a page and a paper: one of them ranked by the other time
 def test_both_rankings_on_page_and_the_chosen_one_in_paper_and_markdown(tmp_path):
     folder = write_folder(tmp_path / "run", robot())
     run = read_run(folder, RankBy.FORM)
@@ -247,6 +249,7 @@ def test_noise_that_decides_one_ranking_alone():
     assert noise_of(*rows).changed == [f"{PLANE}, {RankBy.FORM.words}, to 1e-8: a in place of b"]
 
 
+@pytest.mark.slow  # a page of its own: noise that the page's head does not tell
 def test_noise_alarms_on_the_page(tmp_path):
     pages = []
     for name, slow in (("calm", 1.2e-3), ("wild", 9e-3)):

@@ -118,6 +118,7 @@ def test_skipped_class_has_no_value():
     assert accuracy.times_to(rows, 1e-8)["label"].tolist() == ["a", "c"]
 
 
+@pytest.mark.slow  # a page of its own: a table of partial rankings that the page lacks
 def test_skipped_classes_are_charged(tmp_path):
     """Two classes of five: b, fast and skipped on the second, is charged there; a warm start is met by warm starts alone."""
     classes = [(scene, f"{scene}{i}") for scene in ("bar", "rod") for i in range(5)]
@@ -356,6 +357,7 @@ def test_style_is_independent_of_order():
     assert len(set(looks(names).values())) == 30
 
 
+@pytest.mark.slow  # every chart drawn on the page and for the paper: a chart that fails in one of the two
 def test_charts_on_page_and_in_paper(tmp_path):
     folder = write_folder(tmp_path, RUN, [simulation_row("nsgs")])
     write_histories(
@@ -699,6 +701,7 @@ def test_untested_targets_are_not_missed(tmp_path) -> None:
     assert "within 1e-8" not in write_report(tmp_path / "asked").read_text()
 
 
+@pytest.mark.slow  # a page of its own: wrong steps of simulations that the page's head does not count
 def test_page_counts_simulations_with_wrong_steps(tmp_path):
     simulations = [simulation_row("nsgs", verdict="wrong"), simulation_row("lemke")]
     page = write_report(write_folder(tmp_path / "wrong", RUN, simulations)).read_text(encoding="utf-8")
