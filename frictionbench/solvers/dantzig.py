@@ -26,7 +26,7 @@ from frictionbench.problems.rows import Index64
 from frictionbench.solvers.clock import deadline
 from frictionbench.solvers.interface import Solved, solver
 from frictionbench.solvers.loops import impulses_of, is_alone, solved, unsolved
-from frictionbench.solvers.pivots.inverse_basis import Matrix, slack_basis
+from frictionbench.solvers.pivots.inverse_basis import Matrix
 from frictionbench.solvers.pivots.lemke_path import (
     ACCURACY,
     COMPLEMENTARY,
@@ -40,10 +40,12 @@ from frictionbench.solvers.pivots.lemke_path import (
     basic_values,
     draw,
     follow_lemke_path,
+    lemke_state,
 )
 from frictionbench.solvers.pivots.packed_lcp import lcp_space, scaled_lcp_of, write_stretched
 from frictionbench.solvers.pivots.principal_pivoting import PrincipalPivoting, default_limit
 from frictionbench.solvers.pivots.scaled_lcp import MARGIN, STATUSES, ScaledLCP, finish
+from frictionbench.solvers.pivots.vectors import fill, put
 
 
 @kernel
@@ -51,35 +53,32 @@ def dantzig(
     order: Index64, M: Matrix, q: Array, unit: Array, tol: float, limit: int, until: float
 ) -> tuple[int, Array, int, int]:
     """(how it ended, y, pivots, inversions) for the scaled problem; order: the indices in the order in which they are taken."""
-    n = len(q)
-    work = np.zeros(2, np.int64)
-    d, drawn, shifted, out, z, y = np.zeros(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.zeros(n)
-    space = np.empty((2, n))
-    x, ray = np.zeros(n + 1), np.empty(n + 1)
+    n, state = len(q), lemke_state(M, len(q))
+    basis, x, y, work, blocking = state.basis, state.x, state.y, state.work, state.blocking
+    drawn = np.empty(n)
     x[:n] = -1.0
-    basis = slack_basis(n)
     size, error = PERTURBATION, np.inf
     draw(1, drawn)
     while size > 1e-14 and error > tol:
         # A later round, with a smaller perturbation, repeats the pairs that are still negative.
-        blocking = x >= 0.0
-        blocking[n] = True
-        shifted[:] = q
-        add_coordinates(M, basis, drawn, size, shifted, z)
-        basic_values(M, d, basis, shifted, x, out, ACCURACY)
+        for i in range(n):
+            blocking[i] = x[i] >= 0.0
+        put(state.q, q)
+        add_coordinates(basis, drawn, size, state.q)
+        basic_values(basis, state.q, x, ACCURACY)
         for r in order:
             blocking[r] = True
             if x[r] >= 0.0:
                 continue
-            y[:] = 0.0
+            fill(y, 0.0)
             y[r] = 1.0
-            d[:] = 0.0
-            add_coordinates(M, basis, y, 1.0, d, z)
-            code = follow_lemke_path(M, shifted, d, basis, x, ray, blocking, HARRIS * size, USUAL, limit, until, work, space)
-            y[:] = 0.0
+            fill(basis.d, 0.0)
+            add_coordinates(basis, y, 1.0, basis.d)
+            code = follow_lemke_path(state, HARRIS * size, USUAL, limit, until)
+            fill(y, 0.0)
             if code != COMPLEMENTARY:
                 return STUCK if code == RAY else code, y, work[0], work[1]
-        error = finish(M, d, basis, q, unit, x, y, out)
+        error = finish(state, q, unit)
         size *= 1e-2
     return COMPLEMENTARY if error <= tol else INACCURATE, y, work[0], work[1]
 

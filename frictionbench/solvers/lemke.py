@@ -37,14 +37,14 @@ from numpy.typing import NDArray
 
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array, require
-from frictionbench.problems.compiled import kernel, lean, lean_kernel, lean_loop, part
+from frictionbench.problems.compiled import inlined, kernel, lean, lean_kernel, lean_loop
 from frictionbench.problems.forms.lcp import tangent_basis
 from frictionbench.problems.packed import CONTACT, Packed
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.clock import deadline, is_past, late
 from frictionbench.solvers.interface import Answer, Solved, impulses, solver
 from frictionbench.solvers.loops import impulses_of, is_alone, solved, unsolved
-from frictionbench.solvers.pivots.inverse_basis import InverseBasis, Matrix, invert, make_slack, refactor, slack_basis
+from frictionbench.solvers.pivots.inverse_basis import Matrix, invert, make_slack, refactor
 from frictionbench.solvers.pivots.lemke_path import (
     ACCURACY,
     COMPLEMENTARY,
@@ -55,12 +55,14 @@ from frictionbench.solvers.pivots.lemke_path import (
     PERTURBATION,
     RAY,
     USUAL,
-    Flags,
+    LemkeState,
     add_coordinates,
     add_matrix_product,
     basic_values,
     draw,
+    first_unknowns,
     follow_lemke_path,
+    lemke_state,
 )
 from frictionbench.solvers.pivots.packed_lcp import lcp_space, scaled_lcp_of, write_stretched
 from frictionbench.solvers.pivots.scaled_lcp import (
@@ -73,7 +75,7 @@ from frictionbench.solvers.pivots.scaled_lcp import (
     scaled_residual,
     scaled_rounding,
 )
-from frictionbench.solvers.pivots.tableau import SMALL, follow_in_tableau, store
+from frictionbench.solvers.pivots.tableau import SMALL, Tableau, follow_in_tableau, new_tableau, store
 from frictionbench.solvers.pivots.vectors import fill, largest, least, put
 
 CLEAN = 1e-14  # residual at which the solution that a tableau gives is not refined
@@ -86,20 +88,173 @@ NOISE = 1e3 * EPSILON  # of a basic variable relative to the largest: a perturba
 COARSEST = 1e-3  # the largest perturbation
 
 
-@part
-def certified(M: Matrix, q: Array, d: Array, ray: Array, copositive: bool) -> bool:
-    """Whether (v, v0) = ray is a secondary ray: v >= 0, v != 0, v0 >= 0, s = M v + d v0 >= 0 and v's = 0.
+class LemkeProblem(NamedTuple):
+    """The scaled w = M y + q and its unit (ScaledLCP), the first covering vector, and the indices of basic z of a guess.
 
-    Where M is copositive, as in every friction LCP, it then follows that v0 = 0 and q'v < 0, which is also checked.
+    copositive: whether M is known to be, as in every friction LCP.
     """
-    n = len(q)
-    v, v0, s = ray[:n], ray[n], np.empty(n)
+
+    M: Matrix
+    q: Array
+    unit: Array
+    cover: Array
+    guess: Index64
+    copositive: bool
+
+
+class Limits(NamedTuple):
+    """The residual to reach, the most pivots, how many more covering vectors may be tried, and the deadline."""
+
+    tol: float
+    pivots: int
+    restarts: int
+    until: float
+
+
+class Memory(NamedTuple):
+    """Memory for problems of up to n unknowns: the state of the path, the small tableau, the best y and the numbers (n,) that
+    perturb q in the first trial."""
+
+    state: LemkeState
+    tableau: Tableau
+    best: Array
+    noise: Array
+
+
+@kernel
+def memory(M: Matrix, n: int) -> Memory:
+    """For problems of up to n unknowns whose M is this one, or in its memory."""
+    noise = np.empty(n)
+    draw(1, noise)  # a shorter vector's are the first of them
+    return Memory(lemke_state(M, n), new_tableau(n), np.empty(n), noise)
+
+
+@kernel
+def lemke(M, q, unit, cover, guess, copositive, tol, pivots, restarts, until):  # type: ignore[no-untyped-def]
+    """lemke_within in memory of its own, and the solution; flat, as Python's call of a kernel takes time for each tuple."""
+    own = memory(M, len(q))
+    problem, limits = LemkeProblem(M, q, unit, cover, guess, copositive), Limits(tol, pivots, restarts, until)
+    return *lemke_within(own, problem, limits), own.best
+
+
+@lean
+def lemke_within(memory: Memory, problem: LemkeProblem, limits: Limits) -> tuple[int, int, int, int]:
+    """(how it ended, pivots, restarts, inversions); the best solution is written over memory.best.
+
+    From the guess, from z = 0, and with other covering vectors, until a residual is small enough.
+    """
+    (M, q, unit, _, guess, copositive), (tol, most, restarts, until), n = problem, limits, len(problem.q)
+    state, best_y = first_unknowns(memory.state, n), memory.best[:n]
+    basis, x, work = state.basis, state.x, state.work
+    work[0] = work[1] = 0
+    fill(best_y, 0.0)
+    fill(basis.d, 1.0)
+    best = scaled_residual(M, q, unit, best_y, state.v)
+    ended = COMPLEMENTARY if best <= tol else INACCURATE
+    trial = first = -1 if len(guess) else 0
+    goal, reach = tol, 0.0  # the residual to reach; the largest basic variable at the end of a path
+    while best > goal and work[0] < most and trial <= restarts and not late(until):
+        size, precision = PERTURBATION, USUAL
+        if trial > 0:
+            size, precision = max(PERTURBATION, min(NOISE * reach, COARSEST)), FULL
+        make_slack(basis)
+        work[1] += trial < 0
+        going = trial >= 0 or invert(basis, guess)
+        cold = basis.size[0] == 0
+        # A path takes up to about 3 n pivots, or many more in Murty's examples: only the last trial may use up what is left.
+        budget = most if trial == restarts else min(most, work[0] + 5 * n + 1000)
+        while going:
+            perturb(memory, state, problem, trial, size)
+            code, rough = follow(memory, state, problem, cold and trial == 0, HARRIS * size, precision, budget, until)
+            if not rough:
+                reach = max(reach, largest(x, n))
+            if code == RAY and cold and certified(state, q, copositive):
+                ended = RAY
+            elif work[0] >= most or late(until):
+                ended = LIMIT
+            if code != COMPLEMENTARY:
+                break
+            error = refined(memory, state, problem, tol) if rough else finish(state, q, unit)
+            reach = max(reach, largest(x, n))
+            rounding = 0.0 if error <= min(tol, EXACT) else min(scaled_rounding(M, q, unit, state.y, state.v), ROUGH)
+            if error < best:
+                best, goal = error, max(tol, rounding)
+                put(best_y, state.y)
+            going = size >= 1e-12 and error > max(min(tol, EXACT), rounding) and not least(x, n) >= -4e-16 * largest(x, n)
+            size, cold = size * 1e-2, False
+        if best <= goal:
+            ended = COMPLEMENTARY
+        trial += 1
+    return ended, work[0], max(trial - 1 - first, 0), work[1]
+
+
+@inlined
+def perturb(memory: Memory, state: LemkeState, problem: LemkeProblem, trial: int, size: float) -> None:
+    """Write the trial's covering vector over d, and q plus its perturbation of this size, in the basis's own coordinates."""
+    basis, drawn = state.basis, state.v
+    put(drawn, problem.cover)
+    if trial > 0:
+        draw(2 * trial, drawn)
+    fill(basis.d, 0.0)
+    add_coordinates(basis, drawn, 1.0, basis.d)
+    put(drawn, memory.noise)
+    if trial:
+        draw(2 * trial + 1, drawn)
+    for i in range(len(drawn)):
+        drawn[i] += 9.0  # tenths: nearly uniform perturbations make for shorter paths
+    put(state.q, problem.q)
+    add_coordinates(basis, drawn, size / 10.0, state.q)
+
+
+@inlined
+def follow(
+    memory: Memory,
+    state: LemkeState,
+    problem: LemkeProblem,
+    first: bool,
+    slack: float,
+    precision: tuple[float, float],
+    budget: int,
+    until: float,
+) -> tuple[int, bool]:
+    """How the path ended, and whether its end is the tableau's: the first path of a small problem, where no false ray."""
+    if first and len(problem.q) <= SMALL:
+        put(state.v, problem.q)
+        code = follow_in_tableau(state, memory.tableau, slack, budget)
+        if code != RAY or certified(state, problem.q, problem.copositive):
+            return code, True
+    basic_values(state.basis, state.q, state.x, ACCURACY)
+    return follow_lemke_path(state, slack, precision, budget, until), False
+
+
+@inlined
+def refined(memory: Memory, state: LemkeState, problem: LemkeProblem, tol: float) -> float:
+    """The residual of a tableau's solution; where not clean, its last basis is solved, with a new inverse if need be."""
+    q, unit, basis = problem.q, problem.unit, state.basis
+    error = scaled_residual(basis.M, q, unit, state.y, state.v)
+    if error > min(tol, CLEAN):
+        store(memory.tableau, basis)
+        error = finish(state, q, unit)
+    if error > tol:
+        state.work[1] += 1
+        if refactor(basis):
+            error = finish(state, q, unit)
+    return error
+
+
+@lean
+def certified(state: LemkeState, q: Array, copositive: bool) -> bool:
+    """Whether (v, v0) = a is a secondary ray: v >= 0, v != 0, v0 >= 0, s = M v + d v0 >= 0 and v's = 0.
+
+    Where M is copositive it then follows that v0 = 0 and q'v < 0, which is also checked.
+    """
+    v, v0, s, n = state.a, state.a[len(q)], state.v, len(q)
     size = along = 0.0
     for i in range(n):
-        s[i] = d[i] * v0
+        s[i] = state.basis.d[i] * v0
         size = max(size, abs(v[i]))
         along += q[i] * v[i]
-    add_matrix_product(M, v, s)
+    add_matrix_product(state.basis.M, v, s)
     slack = CERTIFICATE * size
     if not (size > CERTIFICATE * abs(v0) and v0 >= -slack):
         return False
@@ -109,140 +264,8 @@ def certified(M: Matrix, q: Array, d: Array, ray: Array, copositive: bool) -> bo
     return not copositive or (v0 <= slack and along < -slack)
 
 
-class Space(NamedTuple):
-    """Workspace for LCPs of up to n unknowns: vectors (13, n+1), blocking (n+1,), work (2,), a basis, and a tableau T of up to
-    SMALL unknowns with its places `at`."""
-
-    vectors: Array
-    blocking: Flags
-    work: Index64
-    basis: InverseBasis
-    T: Array
-    at: Index64
-
-
-@kernel
-def room(n):  # type: ignore[no-untyped-def]
-    """Workspace for LCPs of up to n unknowns."""
-    small = min(n, SMALL)
-    vectors, blocking = np.empty((13, n + 1)), np.empty(n + 1, np.bool_)
-    fill(blocking, True)
-    draw(1, vectors[11])  # a shorter vector's are the first of them
-    tableau, at = np.empty((small + 1, small)), np.empty(3 * small + 1, np.int64)
-    return Space(vectors, blocking, np.empty(2, np.int64), slack_basis(n), tableau, at)
-
-
-@kernel
-def lemke(M, q, *given):  # type: ignore[no-untyped-def]
-    """lemke_within in a workspace of its own, and y."""
-    y = np.empty(len(q))
-    return *lemke_within(room(len(q)), y, M, q, *given), y
-
-
-@lean
-def lemke_within(
-    space: Space,
-    best_y: Array,
-    M: Matrix,
-    q: Array,
-    cover: Array,
-    unit: Array,
-    guess: Index64,
-    copositive: bool,
-    tol: float,
-    limit: int,
-    until: float,
-    restarts: int,
-) -> tuple[int, int, int, int]:
-    """(how it ended, pivots, restarts, inversions) for the scaled problem; y is written over best_y (n,).
-
-    cover: the first covering vector. unit: see ScaledLCP. guess: the indices of basic z, if any. until: the deadline.
-    """
-    n = len(q)
-    work, vectors, blocking, basis = space.work, space.vectors, space.blocking[: n + 1], space.basis
-    d, shifted, drawn, out, y, z = (
-        vectors[0, :n],
-        vectors[1, :n],
-        vectors[2, :n],
-        vectors[3, :n],
-        vectors[4, :n],
-        vectors[5, :n],
-    )
-    own, x, ray = vectors[6:8, :n], vectors[8, : n + 1], vectors[9, : n + 1]
-    work[0] = work[1] = 0
-    fill(best_y, 0.0)
-    fill(d, 1.0)
-    best = scaled_residual(M, q, unit, best_y, out)
-    ended = COMPLEMENTARY if best <= tol else INACCURATE
-    trial = first = -1 if len(guess) else 0
-    goal, reach = tol, 0.0  # the residual to reach; the largest basic variable at the end of a path
-    while best > goal and work[0] < limit and trial <= restarts and not late(until):
-        make_slack(basis, n)
-        code, size, precision = COMPLEMENTARY, PERTURBATION, USUAL
-        if trial > 0:
-            size, precision = max(PERTURBATION, min(NOISE * reach, COARSEST)), FULL
-        if trial < 0:
-            work[1] += 1
-            if not invert(M, d, basis, guess):
-                code = INACCURATE
-        cold = basis.size[0] == 0
-        # A path takes up to about 3 n pivots, or many more in Murty's examples: only the last trial may use up what is left.
-        budget = limit if trial == restarts else min(limit, work[0] + 5 * n + 1000)
-        while code == COMPLEMENTARY:
-            put(drawn, cover)
-            if trial > 0:
-                draw(2 * trial, drawn)
-            fill(d, 0.0)
-            add_coordinates(M, basis, drawn, 1.0, d, z)
-            if trial:
-                draw(2 * trial + 1, drawn)
-            else:
-                put(drawn, space.vectors[11, :n])
-            for i in range(n):
-                drawn[i] += 9.0  # tenths: nearly uniform perturbations make for shorter paths
-            put(shifted, q)
-            add_coordinates(M, basis, drawn, size / 10.0, shifted, z)
-            slack = HARRIS * size
-            code, rough = INACCURATE, cold and trial == 0 and n <= SMALL
-            if rough:
-                put(z, q)
-                code = follow_in_tableau(M, shifted, d, ray, slack, budget, work, space.T, x, z, y, out, space.at)
-            if code == INACCURATE or (code == RAY and not certified(M, q, d, ray, copositive)):
-                rough = False  # the basis is now that of this path, not the tableau's
-                basic_values(M, d, basis, shifted, x, out, ACCURACY)
-                code = follow_lemke_path(M, shifted, d, basis, x, ray, blocking, slack, precision, budget, until, work, own)
-                reach = max(reach, largest(x, n))
-            if code == RAY and cold and certified(M, q, d, ray, copositive):
-                ended = RAY
-            elif work[0] >= limit or late(until):
-                ended = LIMIT
-            if code == COMPLEMENTARY:
-                error = scaled_residual(M, q, unit, y, out) if rough else np.inf
-                if rough and error > min(tol, CLEAN):
-                    store(space.T, space.at, basis, n)
-                if not rough or error > min(tol, CLEAN):
-                    error = finish(M, d, basis, q, unit, x, y, out)
-                if rough and error > tol:
-                    work[1] += 1
-                    if refactor(M, d, basis):
-                        error = finish(M, d, basis, q, unit, x, y, out)
-                reach = max(reach, largest(x, n))
-                told = 0.0 if error <= min(tol, EXACT) else min(scaled_rounding(M, q, unit, y, out), ROUGH)
-                if error < best:
-                    best = error
-                    put(best_y, y)
-                    goal = max(tol, told)
-                if size < 1e-12 or error <= max(min(tol, EXACT), told) or least(x, n) >= -4e-16 * largest(x, n):
-                    break
-                size, cold = size * 1e-2, False
-        if best <= goal:
-            ended = COMPLEMENTARY
-        trial += 1
-    return ended, work[0], max(trial - 1 - first, 0), work[1]
-
-
 @lean_loop
-def lemke_loop(packed, basis, guess, first, copositive, tol, limit, restarts, lcp, space, r, ended, work):  # type: ignore[no-untyped-def]
+def lemke_loop(packed, basis, guess, first, limits, lcp, memory, cover, r, ended, work):  # type: ignore[no-untyped-def]
     """Packed problems one after the other, over: impulses, how each ended, and pivots, restarts and inversions (N, 3).
 
     guess: the indices of basic z, problem k's from first[k] to first[k + 1].
@@ -253,13 +276,12 @@ def lemke_loop(packed, basis, guess, first, copositive, tol, limit, restarts, lc
         fits, stretch, M, q, unit = scaled_lcp_of(packed, k, basis, lcp)
         if not fits:
             continue
-        n, own = len(q), impulses_of(packed, k, r)
-        most, y, cover = limit if limit else 100_000 + 100 * n, space.vectors[12, :n], space.vectors[10, :n]
-        set_cover(cover, len(own))
-        ended[k], work[k, 0], work[k, 1], work[k, 2] = lemke_within(
-            space, y, M, q, cover, unit, guess[first[k] : first[k + 1]], copositive, tol, most, np.inf, restarts
-        )
-        write_stretched(basis, y, stretch, own)
+        n, own, (tol, pivots, restarts, until) = len(q), impulses_of(packed, k, r), limits
+        set_cover(cover[:n], len(own))
+        problem = LemkeProblem(M, q, unit, cover[:n], guess[first[k] : first[k + 1]], True)
+        own_limits = Limits(tol, pivots if pivots else 100_000 + 100 * n, restarts, until)
+        ended[k], work[k, 0], work[k, 1], work[k, 2] = lemke_within(memory, problem, own_limits)
+        write_stretched(basis, memory.best[:n], stretch, own)
 
 
 @solver("lemke", family="pivoting", model="lcp", dimension=(2, 3), warm_start=True)
@@ -289,19 +311,18 @@ class Lemke:
         guess = NONE if start is None else guess_basis(scaled.lcp, start)
         if is_past(deadline(2.0 * len(guess) ** 3)):  # its inverse would take too long; there may be time to begin from z = 0
             guess = NONE
-        limit = limit or 100_000 + 100 * len(q)
-        goal = MARGIN * tol
-        ended, pivots, restarts, inversions, y = lemke(
-            M, q, cover, unit, guess, scaled.basis is not None, goal, limit, deadline(), self.restarts
-        )
+        limits = MARGIN * tol, limit or 100_000 + 100 * len(q), self.restarts, deadline()
+        given = M, q, unit, cover, guess, scaled.basis is not None
+        ended, pivots, restarts, inversions, y = lemke(*given, *limits)
         return scaled.answer(y, ended, pivots=pivots, restarts=restarts, inversions=inversions)
 
     def solve_many(self, packed: Packed, tol: float, limit: int | None, start: Array | None = None) -> Solved:
         basis = tangent_basis(packed.dimension, self.facets)
         guess = (NONE, np.zeros(packed.size + 1, np.int64)) if start is None else guess_bases(packed, start, basis)
         r, ended, work = unsolved(packed, 3)
-        space = lcp_space(packed, basis), room(int(np.diff(packed.contacts).max(initial=0)) * (len(basis[0]) + 1))
-        lemke_loop(packed, basis, *guess, True, MARGIN * tol, limit or 0, self.restarts, *space, r, ended, work)
+        limits = Limits(MARGIN * tol, limit or 0, self.restarts, np.inf)
+        lcp, n = lcp_space(packed, basis), int(np.diff(packed.contacts).max(initial=0)) * (len(basis[0]) + 1)
+        lemke_loop(packed, basis, *guess, limits, lcp, memory(lcp.matrix, n), np.empty(n), r, ended, work)
         return solved(r, ended, STATUSES, work, ("pivots", "restarts", "inversions"))
 
 

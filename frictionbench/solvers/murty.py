@@ -10,13 +10,11 @@ not a P-matrix, and above a certain mu not a P0-matrix: the method may cycle, wh
 whose pivot vanishes, where it stalls.
 """
 
-import numpy as np
-
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel
 from frictionbench.solvers.clock import deadline, late
 from frictionbench.solvers.interface import solver
-from frictionbench.solvers.pivots.inverse_basis import Matrix, exchange_pair, refactor, slack_basis, transform
+from frictionbench.solvers.pivots.inverse_basis import Matrix
 from frictionbench.solvers.pivots.lemke_path import (
     ACCURACY,
     COMPLEMENTARY,
@@ -26,10 +24,14 @@ from frictionbench.solvers.pivots.lemke_path import (
     PIVOT,
     STUCK,
     basic_values,
-    enter,
+    entering_column,
+    exchange,
+    lemke_state,
+    renew,
 )
 from frictionbench.solvers.pivots.principal_pivoting import PrincipalPivoting
 from frictionbench.solvers.pivots.scaled_lcp import ScaledLCP, finish
+from frictionbench.solvers.pivots.vectors import put
 
 NEGATIVE = 1e-13  # relative to the largest basic variable: entries above minus this are rounding, and count as zero
 
@@ -37,45 +39,36 @@ NEGATIVE = 1e-13  # relative to the largest basic variable: entries above minus 
 @kernel
 def murty(M: Matrix, q: Array, unit: Array, tol: float, limit: int, until: float) -> tuple[int, Array, int, int]:
     """(how it ended, y, pivots, inversions) for the scaled problem."""
-    n = len(q)
-    d, rhs, out, y = np.zeros(n), np.empty(n), np.empty(n), np.zeros(n)
-    x, a = np.zeros(n + 1), np.empty(n + 1)
-    x[:n] = q
-    basis = slack_basis(n)
-    pivots, inversions, fresh = 0, 0, True
+    n, state, fresh = len(q), lemke_state(M, len(q)), True
+    basis, x, a, y, work = state.basis, state.x, state.a, state.y, state.work
+    put(state.q, q)
+    put(x[:n], q)
     while True:
-        least = -NEGATIVE * np.abs(x).max() if n else 0.0
+        size = 0.0
+        for i in range(n):
+            size = max(size, abs(x[i]))
         r = 0
-        while r < n and x[r] >= least:
+        while r < n and x[r] >= -NEGATIVE * size:
             r += 1
         if r == n:
             break
-        if pivots >= limit or late(until):
-            return LIMIT, y, pivots, inversions
+        if work[0] >= limit or late(until):
+            return LIMIT, y, work[0], work[1]
         z_enters = basis.row[r] < 0
-        enter(M, r, z_enters, rhs)
-        defect, size = transform(M, d, basis, rhs, a, out, ACCURACY)
+        defect, size = entering_column(state, r, z_enters, ACCURACY)
         if not fresh and (defect > LOSS or not abs(a[r]) > PIVOT * size):
-            inversions += 1
-            if not refactor(M, d, basis):
-                return INACCURATE, y, pivots, inversions
-            basic_values(M, d, basis, q, x, out, ACCURACY)
+            if not renew(state, ACCURACY):
+                return INACCURATE, y, work[0], work[1]
             fresh = True
             continue
         if not abs(a[r]) > PIVOT * size:
-            return STUCK, y, pivots, inversions
-        exchange_pair(M, d, basis, a, r, z_enters, r)
-        pivots += 1
-        t = x[r] / a[r]
-        for i in range(n):
-            x[i] -= t * a[i]
-        x[r] = t
-        if pivots % 64 == 0:
-            basic_values(M, d, basis, q, x, out, ACCURACY)
+            return STUCK, y, work[0], work[1]
+        exchange(state, r, z_enters, r, x[r] / a[r])
+        if work[0] % 64 == 0:
+            basic_values(basis, q, x, ACCURACY)
         fresh = False
-    if finish(M, d, basis, q, unit, x, y, out) <= tol:
-        return COMPLEMENTARY, y, pivots, inversions
-    return INACCURATE, y, pivots, inversions
+    ended = COMPLEMENTARY if finish(state, q, unit) <= tol else INACCURATE
+    return ended, y, work[0], work[1]
 
 
 @solver("murty", family="pivoting", model="lcp", dimension=(2, 3))

@@ -3,6 +3,7 @@
 from frictionbench.problems.compiled import kernel
 from frictionbench.solvers import proximal_newton
 from frictionbench.solvers.interior import newton, point
+from frictionbench.solvers.pivots import lemke_path
 
 
 @kernel
@@ -58,3 +59,13 @@ def equations(system, state, anchor, rho, work):
 @kernel
 def newton_step(system, state, anchor, rho, step, work):
     proximal_newton.newton_step(system, state, anchor, rho, step, work)
+
+
+@kernel
+def entering_column(state, p, z_enters, accuracy):
+    return lemke_path.entering_column(state, p, z_enters, accuracy)
+
+
+@kernel
+def exchange(state, p, z_enters, s, t):
+    lemke_path.exchange(state, p, z_enters, s, t)

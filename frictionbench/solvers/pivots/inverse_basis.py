@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import inlined, kernel, lean, part
+from frictionbench.problems.compiled import kernel, lean, part
 from frictionbench.problems.rows import Index64, Rows
 
 
@@ -36,11 +36,14 @@ class Matrix(NamedTuple):
 
 
 class InverseBasis(NamedTuple):
-    """inverse[c, r], for r, c < size[0], is (K^-1)_rc: r belongs to z_{z[r]} (z0 where z[r] = n), c to the nonbasic w_{w[c]}.
+    """A basis of the columns of M (n, n) and d (n,); the arrays after d may be longer, for larger problems.
 
-    row[j] is the r of z_j, column[i] the c of w_i, -1 where there is none. work (2, n+1) is workspace.
+    inverse[c, r], for r, c < size[0], is (K^-1)_rc: r belongs to z_{z[r]} (z0 where z[r] = n), c to the nonbasic w_{w[c]}.
+    row[j] is the r of z_j, column[i] the c of w_i, -1 where there is none. work (4, n+1) is workspace.
     """
 
+    M: Matrix
+    d: Array
     inverse: Array
     z: Index64
     w: Index64
@@ -93,33 +96,34 @@ def symmetrised(indptr, indices, data, D):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def slack_basis(n: int) -> InverseBasis:
-    """All w basic."""
-    index = np.empty((5, n + 1), np.int64)
-    basis = InverseBasis(np.empty((n + 1, n + 1)), index[0], index[1], index[2], index[3], index[4], np.empty((2, n + 1)))
-    make_slack(basis, n)
+def slack_basis(M: Matrix, n: int) -> InverseBasis:
+    """All w basic, and d = 0, of up to n unknowns."""
+    index, vectors = np.empty((5, n + 1), np.int64), np.zeros((5, n + 1))
+    basis = InverseBasis(
+        M, vectors[0, :n], np.empty((n + 1, n + 1)), index[0], index[1], index[2], index[3], index[4], vectors[1:]
+    )
+    make_slack(basis)
     return basis
 
 
 @lean
-def make_slack(basis: InverseBasis, n: int) -> None:
-    """Make all w basic, of n pairs, which may be fewer than there is room for."""
-    for i in range(n + 1):
+def make_slack(basis: InverseBasis) -> None:
+    """Make all w basic."""
+    for i in range(len(basis.d) + 1):
         basis.z[i] = basis.w[i] = basis.row[i] = basis.column[i] = -1
     basis.size[0] = 0
 
 
-@inlined
-def transform(
-    M: Matrix, d: Array, basis: InverseBasis, rhs: Array, a: Array, out: Array, accuracy: float
-) -> tuple[float, float]:
+@lean
+def transform(basis: InverseBasis, rhs: Array, a: Array, accuracy: float) -> tuple[float, float]:
     """a (n+1,) = (inverse of the whole basis) rhs, by K^-1 and iterative refinement; returns the relative defect and the size.
 
     With rhs = M_p or -e_p it is the rate at which the basic variables fall as z_p or w_p enters; with rhs = -q their value.
     The size is the largest entry of the z part and of rhs. Refinement goes on while the defect, relative to that, is above
-    `accuracy`. out (n,) is workspace.
+    `accuracy`.
     """
-    n, k, G, g = len(d), basis.size[0], basis.inverse, basis.work[0]
+    M, d, k, G, g, out = basis.M, basis.d, basis.size[0], basis.inverse, basis.work[0], basis.work[2]
+    n = len(d)
     for i in range(n):
         out[i] = -rhs[i]
     for i in range(n + 1):
@@ -157,10 +161,11 @@ def transform(
     return relative, size
 
 
-@inlined
-def exchange_pair(M: Matrix, d: Array, basis: InverseBasis, a: Array, p: int, z_enters: bool, s: int) -> None:
+@lean
+def exchange_pair(basis: InverseBasis, a: Array, p: int, z_enters: bool, s: int) -> None:
     """Let z_p (z0 where p = n) or w_p enter, a its transformed column, and the basic member of pair s leave."""
-    n, k, G, g, h = len(d), basis.size[0], basis.inverse, basis.work[0], basis.work[1]
+    M, d, k, G, g, h = basis.M, basis.d, basis.size[0], basis.inverse, basis.work[0], basis.work[1]
+    n = len(d)
     out = basis.row[s]  # -1 where w_s leaves
     pivot = a[s]
 
@@ -226,9 +231,10 @@ def exchange_pair(M: Matrix, d: Array, basis: InverseBasis, a: Array, p: int, z_
 
 
 @part
-def refactor(M: Matrix, d: Array, basis: InverseBasis) -> bool:
+def refactor(basis: InverseBasis) -> bool:
     """Recompute K^-1 by Gauss-Jordan elimination with row exchanges; False where K is singular to working accuracy."""
-    n, k = len(d), basis.size[0]
+    M, d, k = basis.M, basis.d, basis.size[0]
+    n = len(d)
     K = np.zeros((k, k))
     for c in range(k):
         j = basis.z[c]
@@ -270,11 +276,11 @@ def refactor(M: Matrix, d: Array, basis: InverseBasis) -> bool:
 
 
 @kernel
-def invert(M: Matrix, d: Array, basis: InverseBasis, active: Index64) -> bool:
+def invert(basis: InverseBasis, active: Index64) -> bool:
     """Make the z of these indices basic in a slack basis, and their w nonbasic; False where that is singular."""
     for c in range(len(active)):
         j = active[c]
         basis.z[c] = basis.w[c] = j
         basis.row[j] = basis.column[j] = c
     basis.size[0] = len(active)
-    return refactor(M, d, basis)
+    return refactor(basis)

@@ -5,14 +5,16 @@ active part with iterative refinement against M; where that is no longer accurat
 go to the largest pivot (Harris 1973); the caller excludes exact ties by perturbing q.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import inlined, lean, lean_kernel
+from frictionbench.problems.compiled import inlined, kernel, lean, lean_kernel, part
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.clock import late
-from frictionbench.solvers.pivots.inverse_basis import InverseBasis, Matrix, exchange_pair, refactor, transform
+from frictionbench.solvers.pivots.inverse_basis import InverseBasis, Matrix, exchange_pair, refactor, slack_basis, transform
 from frictionbench.solvers.pivots.vectors import put
 
 Flags = NDArray[np.bool_]
@@ -28,14 +30,48 @@ USUAL, FULL = (PIVOT, ACCURACY), (1e-13, FINEST)
 LOSS = 1e-9  # relative defect after refinement above which the inverse is computed anew
 
 
+class LemkeState(NamedTuple):
+    """A point of the path w = M z + q + d z0, and the workspace of the methods that follow one.
+
+    basis: with M and d. q (n,): the right side, perturbed. x (n+1,): the values of the basic variables. a (n+1,): the column
+    that enters, at the end of a ray its direction (z, z0). blocking (n+1,): the variables that are to stay nonnegative.
+    y, v (n,): a solution, and workspace. work (2,): the pivots and inversions so far.
+    """
+
+    basis: InverseBasis
+    q: Array
+    x: Array
+    a: Array
+    blocking: Flags
+    y: Array
+    v: Array
+    work: Index64
+
+
+@kernel
+def lemke_state(M: Matrix, n: int) -> LemkeState:
+    """The slack basis of M, of up to n unknowns, with d = 0."""
+    vectors, blocking = np.zeros((5, n + 1)), np.ones(n + 1, np.bool_)
+    x, a, q, y, v = vectors[0], vectors[1], vectors[2, :n], vectors[3, :n], vectors[4, :n]
+    return LemkeState(slack_basis(M, n), q, x, a, blocking, y, v, np.zeros(2, np.int64))
+
+
 @inlined
-def ratio_test(x: Array, a: Array, blocking: Flags, least: float, slack: float) -> int:
+def first_unknowns(state: LemkeState, n: int) -> LemkeState:
+    """The same memory for a smaller problem of n unknowns, whose M is in that of the larger one."""
+    b = state.basis
+    basis = InverseBasis(b.M, b.d[:n], b.inverse, b.z, b.w, b.row, b.column, b.size, b.work)
+    x, a, blocking = state.x[: n + 1], state.a[: n + 1], state.blocking[: n + 1]
+    return LemkeState(basis, state.q[:n], x, a, blocking, state.y[:n], state.v[:n], state.work)
+
+
+@lean
+def ratio_test(state: LemkeState, least: float, slack: float) -> int:
     """The pair whose basic variable blocks x - t a >= 0 first, z0 if possible; the largest pivot among near ties; -1 on a ray.
 
-    blocking (n+1,): which variables block. least: the smallest entry of a that counts. slack: how far below zero a variable
-    may go for the sake of a larger pivot.
+    least: the smallest entry of a that counts. slack: how far below zero a variable may go for the sake of a larger pivot.
     """
-    n = len(x) - 1
+    n, x, a, blocking = len(state.q), state.x, state.a, state.blocking
     bound = np.inf
     for i in range(n + 1):
         if a[i] > least and blocking[i]:
@@ -50,71 +86,69 @@ def ratio_test(x: Array, a: Array, blocking: Flags, least: float, slack: float) 
 
 
 @lean
-def basic_values(M: Matrix, d: Array, basis: InverseBasis, q: Array, x: Array, out: Array, accuracy: float) -> float:
+def basic_values(basis: InverseBasis, q: Array, x: Array, accuracy: float) -> float:
     """x (n+1,) = the basic variables' values for the right side q; returns the relative defect."""
-    rhs = basis.work[1, : len(q)]
+    rhs = basis.work[1]
     for i in range(len(q)):
         rhs[i] = -q[i]
-    return transform(M, d, basis, rhs, x, out, accuracy)[0]
+    return transform(basis, rhs, x, accuracy)[0]
 
 
-@inlined
-def enter(M: Matrix, p: int, z_enters: bool, rhs: Array) -> None:
-    """rhs = M_p where z_p enters, -e_p where w_p does: the right side whose transform is the entering column."""
-    for i in range(len(rhs)):
+@lean
+def entering_column(state: LemkeState, p: int, z_enters: bool, accuracy: float) -> tuple[float, float]:
+    """a = the column of z_p (z0 where p = n) or w_p as it enters; the relative defect and the size, as in transform."""
+    basis, rhs = state.basis, state.basis.work[3]
+    M, n = basis.M, len(basis.d)
+    if p == n:
+        put(rhs[:n], basis.d)
+        return transform(basis, rhs, state.a, accuracy)
+    for i in range(n):
         rhs[i] = 0.0
     if z_enters:
         for e in range(M.start[p], M.start[p + 1]):
             rhs[M.rows[e]] = M.column[e]
     else:
         rhs[p] = -1.0
+    return transform(basis, rhs, state.a, accuracy)
+
+
+@lean
+def exchange(state: LemkeState, p: int, z_enters: bool, s: int, t: float) -> None:
+    """Exchange the basic member of pair s for z_p or w_p, which rises to t."""
+    exchange_pair(state.basis, state.a, p, z_enters, s)
+    for i in range(len(state.x)):
+        state.x[i] -= t * state.a[i]
+    state.x[s] = 0.0
+    state.x[p] = t
+    state.work[0] += 1
 
 
 @lean_kernel
-def follow_lemke_path(
-    M: Matrix,
-    q: Array,
-    d: Array,
-    basis: InverseBasis,
-    x: Array,
-    a: Array,
-    blocking: Flags,
-    slack: float,
-    precision: tuple[float, float],
-    limit: int,
-    until: float,
-    work: Index64,
-    space: Array,
-) -> int:
+def follow_lemke_path(state: LemkeState, slack: float, precision: tuple[float, float], limit: int, until: float) -> int:
     """Follow Lemke's path from a complementary basis in which z0 lets every basic variable rise, and return how it ended.
 
-    x (n+1,): the values of the basic variables, updated. a (n+1,): at the end of a ray its direction (z, z0).
-    blocking (n+1,): the variables to keep nonnegative. slack: how far near ties may reach. precision: USUAL or FULL, which
-    also computes x anew with every pivot. until: the deadline.
-    work: counts of pivots and inversions, updated. space (2, n): workspace.
+    slack: how far near ties may reach. precision: USUAL or FULL, which also computes x anew with every pivot. limit: of the
+    pivots in state.work. until: the deadline.
     """
-    n = len(q)
+    basis, x, a, n = state.basis, state.x, state.a, len(state.q)
     pivot, accuracy = precision
-    rhs, out = space[0], space[1]
-    put(rhs, d)
-    p, z_enters, fresh = n, True, True  # z0 enters first
+    p, fresh = n, True  # z0 enters first
+    z_enters = p == n
     while True:
-        defect, size = transform(M, d, basis, rhs, a, out, accuracy)
+        defect, size = entering_column(state, p, z_enters, accuracy)
         if p < n:
-            s = ratio_test(x, a, blocking, pivot * size, slack)
+            s = ratio_test(state, pivot * size, slack)
             t = max(x[s], 0.0) / a[s] if s >= 0 else 0.0
         else:  # to the level at which the last basic variable becomes nonnegative
             s, t = -1, 0.0
             for i in range(n):
-                if blocking[i] and x[i] < t * a[i]:
+                if state.blocking[i] and x[i] < t * a[i]:
                     s, t = i, x[i] / a[i]
             if s < 0:
                 return COMPLEMENTARY
         if not fresh and (s < 0 or defect > LOSS):
-            work[1] += 1
-            if not refactor(M, d, basis):
+            if not renew(state, accuracy):
                 return INACCURATE
-            basic_values(M, d, basis, q, x, out, accuracy)
             fresh = True
             continue
         if defect > LOSS:
@@ -125,21 +159,26 @@ def follow_lemke_path(
             if z_enters:
                 a[p] = 1.0
             return RAY
-        if work[0] >= limit or late(until):
+        if state.work[0] >= limit or late(until):
             return LIMIT
 
         w_leaves = basis.row[s] < 0
-        exchange_pair(M, d, basis, a, p, z_enters, s)
-        for i in range(n + 1):
-            x[i] -= t * a[i]
-        x[s], x[p] = 0.0, t
-        work[0] += 1
+        exchange(state, p, z_enters, s, t)
         if s == n:
             return COMPLEMENTARY
-        if work[0] % 64 == 0 or accuracy == FINEST:
-            basic_values(M, d, basis, q, x, out, accuracy)
+        if state.work[0] % 64 == 0 or accuracy == FINEST:
+            basic_values(basis, state.q, x, accuracy)
         p, z_enters, fresh = s, w_leaves, False
-        enter(M, p, z_enters, rhs)
+
+
+@part
+def renew(state: LemkeState, accuracy: float) -> bool:
+    """Compute the inverse and x anew; False where the basis is singular to working accuracy."""
+    state.work[1] += 1
+    if not refactor(state.basis):
+        return False
+    basic_values(state.basis, state.q, state.x, accuracy)
+    return True
 
 
 @lean
@@ -152,8 +191,9 @@ def add_matrix_product(M: Matrix, v: Array, u: Array) -> None:
 
 
 @lean
-def add_coordinates(M: Matrix, basis: InverseBasis, y: Array, size: float, v: Array, z: Array) -> None:
-    """v += the vector whose coordinates in a complementary basis are size * y, that is y_w - M y_z; z (n,) is workspace."""
+def add_coordinates(basis: InverseBasis, y: Array, size: float, v: Array) -> None:
+    """v += the vector whose coordinates in a complementary basis are size * y, that is y_w - M y_z."""
+    z = basis.work[0]
     for i in range(len(v)):
         if basis.row[i] < 0:
             z[i] = 0.0
@@ -161,7 +201,7 @@ def add_coordinates(M: Matrix, basis: InverseBasis, y: Array, size: float, v: Ar
         else:
             z[i] = -size * y[i]
     if basis.size[0]:
-        add_matrix_product(M, z, v)
+        add_matrix_product(basis.M, z, v)
 
 
 @lean

@@ -10,8 +10,8 @@ from frictionbench.problems.compiled import kernel, lean
 from frictionbench.problems.forms.delassus import with_partners, write_partners
 from frictionbench.problems.forms.lcp import impulse, tangent_basis, write_in_basis
 from frictionbench.solvers.interface import Answer, Status
-from frictionbench.solvers.pivots.inverse_basis import InverseBasis, Matrix, compress
-from frictionbench.solvers.pivots.lemke_path import FINEST, add_matrix_product, basic_values
+from frictionbench.solvers.pivots.inverse_basis import Matrix, compress
+from frictionbench.solvers.pivots.lemke_path import FINEST, LemkeState, add_matrix_product, basic_values
 from frictionbench.solvers.pivots.scaling import complete, scale_reached, scaling
 from frictionbench.solvers.pivots.vectors import put
 
@@ -217,9 +217,10 @@ def scaled_rounding(M: Matrix, q: Array, unit: Array, y: Array, size: Array) -> 
 
 
 @lean
-def finish(M: Matrix, d: Array, basis: InverseBasis, q: Array, unit: Array, x: Array, y: Array, out: Array) -> float:
-    """Solve a complementary basis for q itself, as exactly as can be: x (n+1,), y = its z part, cut off at 0; the residual."""
-    basic_values(M, d, basis, q, x, out, FINEST)
+def finish(state: LemkeState, q: Array, unit: Array) -> float:
+    """Solve a complementary basis for q itself, as exactly as can be: y = the z part of x, cut off at 0; the residual."""
+    basis = state.basis
+    basic_values(basis, q, state.x, FINEST)
     for i in range(len(q)):
-        y[i] = max(x[i], 0.0) if basis.row[i] >= 0 else 0.0
-    return scaled_residual(M, q, unit, y, out)
+        state.y[i] = max(state.x[i], 0.0) if basis.row[i] >= 0 else 0.0
+    return scaled_residual(basis.M, q, unit, state.y, state.v)

@@ -9,45 +9,48 @@ is the column of the one that left. The rules for ties and pivots are those of s
 the same. But nothing is refined on the way, and rounding errors add up: the caller checks how the path ends.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import inlined, lean, lean_kernel
+from frictionbench.problems.compiled import kernel, lean, lean_kernel
 from frictionbench.problems.rows import Index64
-from frictionbench.solvers.pivots.inverse_basis import Matrix
-from frictionbench.solvers.pivots.lemke_path import COMPLEMENTARY, LIMIT, PIVOT, RAY
+from frictionbench.solvers.pivots.inverse_basis import InverseBasis
+from frictionbench.solvers.pivots.lemke_path import COMPLEMENTARY, LIMIT, PIVOT, RAY, LemkeState
+from frictionbench.solvers.pivots.vectors import fill
 
 SMALL = 64  # unknowns up to which it is the faster way: from some 80 on lemke_path is, as it leaves out zeros of M
 
 
-@lean_kernel
-def follow_in_tableau(
-    M: Matrix,
-    q: Array,
-    d: Array,
-    ray: Array,
-    slack: float,
-    limit: int,
-    work: Index64,
-    T: Array,
-    x: Array,
-    exact: Array,
-    y: Array,
-    a: Array,
-    at: Index64,
-) -> int:
-    """Follow Lemke's path from the slack basis, and return how it ended: at a complementary basis, of which y (n,) is the
-    solution for the right side `exact` in place of q, cut off at 0.
+class Tableau(NamedTuple):
+    """T (n+1, n), and at (3n+1,): the variable of each row, and from n on the column of each nonbasic variable, where w_i is
+    variable i, z_i n + i and z0 2n. The arrays may be longer, for larger problems."""
 
-    ray, slack, limit, work: as a, slack, limit, work in follow_lemke_path. exact (n,): overwritten. T (n+1, n), x and a (n,):
-    workspace. at (3n+1,): the variable of each row, and from n on the column of each nonbasic variable, where w_i is variable
-    i, z_i n + i and z0 2n.
+    T: Array
+    at: Index64
+
+
+@kernel
+def new_tableau(n: int) -> Tableau:
+    """Of n unknowns, at most SMALL."""
+    n = min(n, SMALL)
+    return Tableau(np.empty((n + 1, n)), np.empty(3 * n + 1, np.int64))
+
+
+@lean_kernel
+def follow_in_tableau(state: LemkeState, tableau: Tableau, slack: float, limit: int) -> int:
+    """Follow Lemke's path from the slack basis, and return how it ended, as follow_lemke_path.
+
+    At a complementary basis y is the solution for the right side v in place of q, cut off at 0; v is overwritten.
     """
+    T, at, x, exact, q, d = tableau.T, tableau.at, state.x, state.v, state.q, state.basis.d
     n = len(q)
-    _fill(M, q, d, T, x, at)
+    a = state.basis.work[0, :n]
+    _fill(tableau, state)
     entering, p, s, z0_row = 2 * n, n, _most_negative(q, d), -1
     while s >= 0:
-        if work[0] >= limit:
+        if state.work[0] >= limit:
             return LIMIT
         for i in range(n):
             a[i] = T[p, i]
@@ -59,26 +62,26 @@ def follow_in_tableau(
             exact[i] -= u * a[i]
         x[s], exact[s], at[s], at[n + leaving] = t, u, entering, p
         z0_row = s if z0_row < 0 else z0_row
-        work[0] += 1
+        state.work[0] += 1
         if leaving == 2 * n:
             break
         entering = leaving - n if leaving >= n else leaving + n
         p = at[n + entering]
         s = _blocking_row(n, x, T, p, z0_row, slack)
     if s < 0 and z0_row >= 0:
-        _write_ray(T, at, p, entering, ray)
+        _write_ray(tableau, p, entering, state.a)
         return RAY
-    for i in range(n):
-        y[i] = 0.0
+    fill(state.y, 0.0)
     for i in range(n):
         if at[i] >= n:
-            y[at[i] - n] = max(exact[i], 0.0)
+            state.y[at[i] - n] = max(exact[i], 0.0)
     return COMPLEMENTARY
 
 
-@inlined
-def _fill(M, q, d, T, x, at):  # type: ignore[no-untyped-def]
+@lean
+def _fill(tableau: Tableau, state: LemkeState) -> None:
     """The tableau of the slack basis."""
+    M, d, q, x, T, at = state.basis.M, state.basis.d, state.q, state.x, tableau.T, tableau.at
     n = len(q)
     for j in range(n):
         for i in range(n):
@@ -89,8 +92,8 @@ def _fill(M, q, d, T, x, at):  # type: ignore[no-untyped-def]
     at[3 * n] = n
 
 
-@inlined
-def _most_negative(q, d):  # type: ignore[no-untyped-def]
+@lean
+def _most_negative(q: Array, d: Array) -> int:
     """The row of the largest -q/d, which is z0 as it enters; -1 where none is positive."""
     s, t = -1, 0.0
     for i in range(len(q)):
@@ -100,7 +103,7 @@ def _most_negative(q, d):  # type: ignore[no-untyped-def]
 
 
 @lean
-def _blocking_row(n, x, T, p, z0_row, slack):  # type: ignore[no-untyped-def]
+def _blocking_row(n: int, x: Array, T: Array, p: int, z0_row: int, slack: float) -> int:
     """As lemke_path.ratio_test, by rows."""
     size = 0.0
     for i in range(n):
@@ -119,7 +122,7 @@ def _blocking_row(n, x, T, p, z0_row, slack):  # type: ignore[no-untyped-def]
 
 
 @lean
-def exchange(T, a, p, s):  # type: ignore[no-untyped-def]
+def exchange(T: Array, a: Array, p: int, s: int) -> None:
     """Column p, of which a is a copy, enters in row s."""
     n, pivot = len(a), a[s]
     for j in range(n + 1):
@@ -135,11 +138,10 @@ def exchange(T, a, p, s):  # type: ignore[no-untyped-def]
 
 
 @lean
-def _write_ray(T, at, p, entering, ray):  # type: ignore[no-untyped-def]
+def _write_ray(tableau: Tableau, p: int, entering: int, ray: Array) -> None:
     """The direction (z, z0) in which variable `entering` of column p rises without end."""
-    n = len(ray) - 1
-    for i in range(n + 1):
-        ray[i] = 0.0
+    T, at, n = tableau.T, tableau.at, len(ray) - 1
+    fill(ray, 0.0)
     for i in range(n):
         if at[i] >= n:
             ray[at[i] - n] = -T[p, i]
@@ -148,9 +150,9 @@ def _write_ray(T, at, p, entering, ray):  # type: ignore[no-untyped-def]
 
 
 @lean
-def store(T, at, basis, n):  # type: ignore[no-untyped-def]
+def store(tableau: Tableau, basis: InverseBasis) -> None:
     """Store the complementary basis at the end of a path: a z is basic where its w is not, and T holds -K^-1."""
-    k = 0
+    T, at, n, k = tableau.T, tableau.at, len(basis.d), 0
     for i in range(n):
         j = at[i] - n
         if j >= 0:
