@@ -1,4 +1,4 @@
-"""`frictionbench accept`: write a run's verdicts and counters as the baseline, a text file."""
+"""`frictionbench compare --accept`: write a run's verdicts and counters as the baseline, a text file."""
 
 from collections import Counter
 from pathlib import Path

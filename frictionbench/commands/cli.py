@@ -156,10 +156,16 @@ def report(
 
 @app.command()
 def compare(
-    baseline: Annotated[Path, typer.Argument(metavar="BASELINE", help="A baseline file or a results folder.")],
-    folder: Annotated[
-        Path, typer.Argument(metavar="DIR", help="A results folder. Both may also be results of pytest-benchmark.")
+    runs: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="BASELINE DIR...",
+            help="A baseline file or a results folder, and a results folder; both may also be results of pytest-benchmark. "
+            "With --history any number.",
+        ),
     ],
+    accept: Annotated[bool, typer.Option("--accept", help="Write the run DIR as the baseline BASELINE.")] = False,
+    history: Annotated[bool, typer.Option("--history", help="Show verdicts, work and times of all runs over time.")] = False,
     confirm: Annotated[bool, typer.Option("--confirm", help="Run the cells with alerts again before exiting with 1.")] = False,
     code: Annotated[
         str | None,
@@ -190,10 +196,14 @@ def compare(
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="FOLDER", help="Also write it as Markdown, JSON, benchmark JSON and JUnit XML."),
+        typer.Option(
+            "--out",
+            metavar="FOLDER|FILE.html",
+            help="Also write it as Markdown, JSON, benchmark JSON and JUnit XML; with --history a page of charts.",
+        ),
     ] = None,
 ) -> None:
-    """Compare two runs as Markdown.
+    """Compare two runs as Markdown, or show runs over time.
 
     Exit code 0: nothing is worse; 1: a regression; 2: unusable input.
     """
@@ -204,6 +214,15 @@ def compare(
     from frictionbench.results.compare import compare as compare_runs
     from frictionbench.results.known import acknowledge, read
 
+    if history:
+        _show_history(runs, out)
+        return
+    if len(runs) != 2:
+        raise InputError("DIR: give a baseline and one results folder, or --history for a table of many")
+    baseline, folder = runs
+    if accept:
+        _accept(folder, baseline)
+        return
     if code and not confirm:
         raise InputError("code: names the code that --confirm runs; give --confirm as well")
     acknowledged = read(known) if known else []
@@ -219,48 +238,6 @@ def compare(
     if out:
         write_files(comparison, out)
     raise typer.Exit(comparison.exit_code)
-
-
-@app.command()
-def accept(
-    folder: options.Folder,
-    baseline: Annotated[
-        Path | None, typer.Argument(metavar="BASELINE", help="The file to write; baselines/SUITE.tsv by default.")
-    ] = None,
-) -> None:
-    """Write a run as a baseline for comparisons.
-
-    Shows the changes against the previous baseline.
-    """
-    from frictionbench.commands.accept import accept as accept_run
-    from frictionbench.reports.comparison.markdown import markdown
-
-    before, accepted = accept_run(folder, baseline)
-    if before is not None:
-        _show_markdown(markdown(before))
-    typer.echo(accepted)
-
-
-@app.command()
-def history(
-    folders: Annotated[list[Path], typer.Argument(metavar="DIR...", help="Results folders and baselines.")],
-    out: Annotated[
-        Path | None, typer.Option("--out", "-o", metavar="FILE.html", help="Also draw them, with the changes marked.")
-    ] = None,
-) -> None:
-    """Show verdicts, work and times of runs over time."""
-    from rich.console import Console
-
-    from frictionbench.reports.comparison.history import history as table_of
-    from frictionbench.reports.comparison.history import lines
-
-    found = lines(folders)
-    console, table = Console(), table_of(found)
-    (console if console.is_terminal else Console(width=10**6)).print(table)  # lines are not wrapped in a pipe
-    if out:
-        from frictionbench.reports.comparison.history import write_history
-
-        typer.echo(f"history: {write_history(found, out)}")
 
 
 @app.command()
@@ -314,52 +291,51 @@ def judge(
 
 @app.command()
 def export(
-    problems: Annotated[str, typer.Argument(metavar="SCENE|DIR", help="A scene, or a results folder.")],
-    out: Annotated[
-        Path, typer.Option("--out", "-o", metavar="FILE|FOLDER", help="A file, .hdf5 or .npz, or a folder for several.")
+    problems: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="SCENE|DIR|SUITE...|fclib/FAMILY", help="A scene, a results folder, suites or a recorded family."
+        ),
     ],
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", "-o", metavar="FILE|FOLDER", help="A file, .hdf5 or .npz, or a folder for several or of suites."),
+    ] = None,
     pick: Annotated[
         int,
         typer.Option("--pick", metavar="N", min=0, help="Number of problems, spread over the motion; 0: the first problem."),
     ] = 0,
+    scene: options.Scenes = None,
 ) -> None:
-    """Write problems in FCLIB's HDF5 format, or as .npz."""
+    """Write problems in FCLIB's HDF5 format, or as .npz.
+
+    Of suites, a data set with a data card, known answers and checksums. fclib/FAMILY downloads recorded problems of FCLIB's
+    collection into the user's cache, verified by size and sha256; fclib/ lists all.
+    """
+    from frictionbench.harness.plans.suites import SUITES
+    from frictionbench.problems import InputError
+
+    first, *others = problems
+    if first.startswith("fclib/"):
+        if others or out or scene:
+            raise InputError("problems: a family of fclib is fetched alone, into the user's cache")
+        from frictionbench.commands.fetch import fetch
+
+        fetch(first)
+        return
+    if out is None:
+        raise InputError("out: name the file or folder to write with --out")
+    if first in SUITES:
+        from frictionbench.commands.dataset import dataset
+
+        typer.echo(f"data card: {dataset(problems, scene or [], out, lambda line: typer.echo(line, err=True))}")
+        return
+    if others or scene:
+        raise InputError("problems: give one scene or results folder, or only suites; --scene selects of suites")
     from frictionbench.commands.export import export as export_problems
 
-    for path in export_problems(problems, out, pick):
+    for path in export_problems(first, out, pick):
         typer.echo(path)
-
-
-@app.command()
-def dataset(
-    suites: Annotated[
-        list[str] | None, typer.Argument(metavar="[SUITE]...", help="Suites; by default standard, spatial and hard.")
-    ] = None,
-    scene: options.Scenes = None,
-    out: Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="The folder to write, new or empty.")] = Path(
-        "dataset"
-    ),
-) -> None:
-    """Write the generated problems of suites as a data set.
-
-    It has a data card, known answers and checksums, as .npz and in FCLIB's HDF5 format.
-    """
-    from frictionbench.commands.dataset import dataset as write_dataset
-
-    typer.echo(f"data card: {write_dataset(suites or [], scene or [], out, lambda line: typer.echo(line, err=True))}")
-
-
-@app.command()
-def fetch(
-    family: Annotated[str, typer.Argument(metavar="fclib/FAMILY", help="Like fclib/Capsules; `fclib/` lists all.")],
-) -> None:
-    """Download recorded problems of FCLIB's collection.
-
-    They are verified by size and sha256 and stored in the user's cache.
-    """
-    from frictionbench.commands.fetch import fetch as fetch_family
-
-    fetch_family(family)
 
 
 @app.command()
@@ -482,25 +458,50 @@ def check_solver(
 
 
 @app.command()
-def rerun(folder: options.Folder, row: options.Row, solver: options.Trusted = None) -> None:
-    """Run one cell of a results folder again and show both rows."""
-    from frictionbench.commands.single import show_rerun
+def rerun(
+    folder: options.Folder,
+    row: options.Row,
+    solver: options.Trusted = None,
+    shrink: Annotated[
+        bool, typer.Option("--shrink", help="Remove contacts of its problem while it still fails, and save the rest.")
+    ] = False,
+) -> None:
+    """Run one cell of a results folder again and show both rows, or reduce the problem of a failing cell."""
+    if not shrink:
+        from frictionbench.commands.single import show_rerun
 
-    show_rerun(folder, row, solver or [])
-
-
-@app.command()
-def shrink(folder: options.Folder, row: options.Row, solver: options.Trusted = None) -> None:
-    """Reduce the problem of a failing cell.
-
-    Contacts are removed while it still fails; the rest is saved as a file.
-    """
+        show_rerun(folder, row, solver or [])
+        return
     from frictionbench.commands.shrink import shrink as shrink_row
 
     small = shrink_row(folder, row, solver or [])
     size = f"{small.problem.contacts} contacts and {len(small.problem.free_velocity)} velocities"
     typer.echo(f"reduced to {size} in {small.trials} trials: {small.path}")
     typer.echo(f"solve it: {small.command}")
+
+
+def _accept(folder: Path, baseline: Path) -> None:
+    """Write a run as a baseline, and show the changes against the previous one."""
+    from frictionbench.commands.accept import accept
+    from frictionbench.reports.comparison.markdown import markdown
+
+    before, accepted = accept(folder, baseline)
+    if before is not None:
+        _show_markdown(markdown(before))
+    typer.echo(accepted)
+
+
+def _show_history(folders: list[Path], out: Path | None) -> None:
+    """Show verdicts, work and times of runs over time, as a table and, if out is given, on a page of charts."""
+    from rich.console import Console
+
+    from frictionbench.reports.comparison.history import history, lines, write_history
+
+    found = lines(folders)
+    console, table = Console(), history(found)
+    (console if console.is_terminal else Console(width=10**6)).print(table)  # lines are not wrapped in a pipe
+    if out:
+        typer.echo(f"history: {write_history(found, out)}")
 
 
 def _show_markdown(text: str) -> None:

@@ -1,4 +1,4 @@
-"""`frictionbench dataset`: the generated problems of suites as a data set that is used without this package.
+"""`frictionbench export SUITE`: the generated problems of suites as a data set that is used without this package.
 
 DIR/README.md            the data card
 DIR/problems.tsv         a line for each problem: where it comes from, sizes, rank, labels, hash, files, known answer

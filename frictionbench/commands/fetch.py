@@ -1,4 +1,4 @@
-"""`frictionbench fetch fclib/FAMILY`: recorded problems from their public collection into the user's cache."""
+"""`frictionbench export fclib/FAMILY`: recorded problems from their public collection into the user's cache."""
 
 from rich.console import Console
 from rich.progress import BarColumn, DownloadColumn, Progress, TextColumn, TransferSpeedColumn

@@ -1,4 +1,4 @@
-"""`frictionbench shrink`: reduce the problem of one failing row (harness.shrink)."""
+"""`frictionbench rerun --shrink`: reduce the problem of one failing row (harness.shrink)."""
 
 from math import inf
 from pathlib import Path

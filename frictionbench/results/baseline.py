@@ -19,7 +19,7 @@ COLUMNS = (
 )
 FACTS = ("schema", "suite", "tolerances", "code", "made", "cells")
 HASH = "sha256"
-AGAIN = "restore it, or delete it and create it again with `frictionbench accept`"
+AGAIN = "restore it, or delete it and create it again with `frictionbench compare --accept`"
 LARGEST = 64 * 2**20  # bytes, a hundred times the baseline of the largest suite
 
 
@@ -42,16 +42,16 @@ def read(path: Path) -> tuple[dict[str, str], list[list[str]]]:
     if "suite" in facts and facts.get("schema", "1") != str(SCHEMA_VERSION):
         version = facts.get("schema", "1")
         age = f"has schema version {version}, but this version reads {SCHEMA_VERSION}"
-        raise ResultsError(f"{path}: {age}; delete it and create it again with `frictionbench accept`")
+        raise ResultsError(f"{path}: {age}; delete it and create it again with `frictionbench compare --accept`")
     if not table or table[0][1] != [*COLUMNS, "key"] or not facts.keys() >= {*FACTS, HASH}:
-        raise ResultsError(f"{path}: neither a baseline, as written by `frictionbench accept`, nor a results folder")
+        raise ResultsError(f"{path}: neither a baseline, as written by `frictionbench compare --accept`, nor a results folder")
     for i, cells in table[1:]:
         if len(cells) != len(COLUMNS) + 1:
             raise ResultsError(f"{path}:{i}: {len(cells)} columns, expected {len(COLUMNS) + 1}")
     if facts["cells"] != str(len(table) - 1):
         raise ResultsError(f"{path}: has {len(table) - 1} cells, but its head states {facts['cells']}; {AGAIN}")
     if facts[HASH] != _hash([line for line in lines if not line.startswith(f"# {HASH}:")]):
-        raise ResultsError(f"{path}: was changed after `frictionbench accept` wrote it; {AGAIN}")
+        raise ResultsError(f"{path}: was changed after `frictionbench compare --accept` wrote it; {AGAIN}")
     return facts, [[cells[-1], *cells[:-1]] for _, cells in table[1:]]
 
 

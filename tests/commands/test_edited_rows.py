@@ -66,8 +66,8 @@ COLUMNS = [
 @pytest.mark.parametrize("columns", COLUMNS, ids=str)
 def test_edited_solve_rows(finished, tmp_path, columns) -> None:
     folder, key = edited(finished, tmp_path, "solves", {}, **({"verdict": "unsolved"} | columns))
-    for command in ("rerun", "shrink"):
-        done = frictionbench(command, str(folder), key)
+    for options in ((), ("--shrink",)):
+        done = frictionbench("rerun", str(folder), key, *options)
         assert done.returncode in (0, 2), done
         assert len(done.stderr.strip().splitlines()) == (done.returncode == 2), done
         assert "\x1b" not in done.stdout + done.stderr
@@ -95,7 +95,7 @@ def test_edited_simulation_rows(finished, tmp_path, columns) -> None:
 @pytest.mark.parametrize("limit", [KEEP, None, True, "much", -1, 0, 1, 10**40, 1.5, [], float("nan")], ids=str)
 def test_edited_memory_limit(finished, tmp_path, limit) -> None:
     folder, key = edited(finished, tmp_path, "solves", {"memory_limit": limit}, verdict="unsolved")
-    for command in ("rerun", "shrink"):
-        done = frictionbench(command, str(folder), key)
+    for options in ((), ("--shrink",)):
+        done = frictionbench("rerun", str(folder), key, *options)
         assert done.returncode == 2, done
         assert done.stderr.startswith("frictionbench: settings.memory_limit: cannot be"), done

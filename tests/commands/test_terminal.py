@@ -54,7 +54,6 @@ def test_shells_complete_commands(shell) -> None:
     call = "import sys; sys.argv = ['frictionbench']; from frictionbench.commands.cli import main; main()"
     done = subprocess.run([sys.executable, "-c", call], env=os.environ | words, capture_output=True, text=True, check=True)
     assert "show" in done.stdout
-    assert "shrink" in done.stdout
     assert "lemke" not in done.stdout
 
 

@@ -74,19 +74,18 @@ ON_LESS = {
     "run hard": ("--scene stack", "--solver lemke"),
     "run recorded": ("--solver lemke",),
     "run replay": ("--solver lemke",),
-    "dataset": ("--scene 'stack[blocks=2,push=1]'",),
+    "export smoke": ("--scene 'stack[blocks=2,push=1]'",),
     "solve": ("--solver lemke",),
     "rerun": ("--solver mine.py",),
-    "shrink": ("--solver mine.py",),
     "show": ("--steps 3",),
     "map": ("--solver lemke", "--time-limit 1"),
 }
 GRID = ":30", ":16", ":13"  # along an axis of a map; a test has two
 # Commands that need a network, a cluster or fetched data: what is said where there is none.
 REFUSED = {
-    "fetch": "Chain",
-    "run recorded --data fclib": "frictionbench fetch",
-    "run abh2018": "frictionbench fetch",
+    "export fclib/": "Chain",
+    "run recorded --data fclib": "frictionbench export fclib",
+    "run abh2018": "frictionbench export fclib",
     "run standard --cluster": "cluster",
     "run smoke --cluster": "cluster",
 }

@@ -52,5 +52,5 @@ def test_docstrings_become_text(extension) -> None:
 
 def test_every_command_has_its_help(extension) -> None:
     reference = extension("command_line")
-    assert {"run", "map", "check-solver", "dataset", "list"} <= set(reference.commands())
+    assert {"run", "map", "check-solver", "export", "list"} <= set(reference.commands())
     assert reference.help_of("map").startswith("Usage: frictionbench map")

@@ -38,7 +38,7 @@ def repository(tmp_path_factory) -> Path:
     write(home / "solvers" / "mine.py")
     ran = frictionbench("run", "smoke", "--solver", "solvers/mine.py", "--out", "runs/first", *SMALL, cwd=home)
     assert ran.returncode == 0, ran.stderr
-    assert frictionbench("accept", "runs/first", cwd=home).returncode == 0
+    assert frictionbench("compare", "baselines/smoke.tsv", "runs/first", "--accept", cwd=home).returncode == 0
     made = ("-c", "user.name=a", "-c", "user.email=a@b", "commit", "-qm", "first")
     for command in (("init", "-q", "-b", "main"), ("add", "solvers", "baselines"), made, ("branch", "origin/main")):
         subprocess.run(["git", *command], cwd=home, check=True)

@@ -69,7 +69,7 @@ def test_other_files_are_not_overwritten(tmp_path):
     text = (tmp_path / "good.tsv").read_text(encoding="utf-8")
     for spoilt, told in (
         (text + "a\tb\n", r"spoilt\.tsv:15: 2 columns"),
-        (text.replace("1.0e-09", "2.0e-09"), "was changed after `frictionbench accept` wrote it; restore it"),
+        (text.replace("1.0e-09", "2.0e-09"), "was changed after `frictionbench compare --accept` wrote it; restore it"),
         (text.replace("# suite: made", "# suite: other"), "was changed after"),
         (text.rpartition("a\t")[0], "has 3 cells, but its head states 6; restore it"),
         ("\n".join(text.split("\n")[:10]), "has 2 cells, but its head states 6"),
@@ -185,7 +185,7 @@ def test_unreadable_acknowledged_changes(tmp_path, text, told):
 
 def test_history_for_programs(tmp_path):
     first, far = run(tmp_path / "first"), run(tmp_path.joinpath(*["a_long_name_of_a_folder"] * 8))
-    printed = frictionbench("history", str(first), str(far)).stdout
+    printed = frictionbench("compare", "--history", str(first), str(far)).stdout
     assert any(str(far) in line and "pivots 30" in line for line in printed.splitlines())
 
 

@@ -44,8 +44,8 @@ def folder(tmp_path):
 def commands(case, run, before, tmp_path) -> None:
     good(frictionbench("compare", str(before), str(run)), compared=True)
     good(frictionbench("compare", str(run), str(before), "--out", str(tmp_path / "out")), compared=True)
-    good(frictionbench("history", str(before), str(run)))
-    good(frictionbench("accept", str(run), str(tmp_path / "new.tsv")))
+    good(frictionbench("compare", "--history", str(before), str(run)))
+    good(frictionbench("compare", str(tmp_path / "new.tsv"), str(run), "--accept"))
     if case % 20 == 19:  # it takes far longer than the others
         good(frictionbench("report", str(run), "--markdown"))
 
@@ -93,5 +93,5 @@ def test_edited_baselines(folder, tmp_path) -> None:
             done = frictionbench("compare", str(path), str(folder))
             assert done.returncode == 2 or (done.returncode == 0 and changed == lines), done
             assert len(done.stdout.strip().splitlines()) <= 3, done
-            good(frictionbench("history", str(path), str(folder)))
-            good(frictionbench("accept", str(folder), str(path)))
+            good(frictionbench("compare", "--history", str(path), str(folder)))
+            good(frictionbench("compare", str(path), str(folder), "--accept"))

@@ -54,11 +54,17 @@ def test_special_files_in_a_folder(tmp_path, kind, name, commands) -> None:
     folder = write_folder(tmp_path / "run", ROWS, settings=SETTINGS | {"memory_limit": 2**32})
     good = write_folder(tmp_path / "good", ROWS, settings=SETTINGS | {"memory_limit": 2**32})
     put(kind, folder / name)
-    arguments = {"compare": [str(good), str(folder)], "accept": [str(folder), str(tmp_path / "x.tsv")]}
-    arguments |= {"rerun": [str(folder), "lemke"], "shrink": [str(folder), "lemke"]}
-    arguments |= {"export": [str(folder), "--out", str(tmp_path / "out")]}
+    arguments = {
+        "report": ["report", str(folder)],
+        "compare": ["compare", str(good), str(folder)],
+        "history": ["compare", "--history", str(folder)],
+        "accept": ["compare", str(tmp_path / "x.tsv"), str(folder), "--accept"],
+        "rerun": ["rerun", str(folder), "lemke"],
+        "shrink": ["rerun", str(folder), "lemke", "--shrink"],
+        "export": ["export", str(folder), "--out", str(tmp_path / "out")],
+    }
     for command in commands:
-        done = frictionbench(command, *arguments.get(command, [str(folder)]))
+        done = frictionbench(*arguments[command])
         assert done.returncode == 2, (command, done)
         told = done.stderr or done.stdout.partition("against")[2]
         assert len(told.strip().splitlines()) == 1, (command, done)
@@ -70,7 +76,7 @@ def test_special_files_as_arguments(tmp_path, kind) -> None:
     good = write_folder(tmp_path / "good", [solve_row("lemke", "p")])
     for name, command in (
         ("a.tsv", ("compare", "FILE", str(good))),
-        ("a.tsv", ("accept", str(good), "FILE")),
+        ("a.tsv", ("compare", "FILE", str(good), "--accept")),
         ("a.json", ("compare", "FILE", "FILE")),
         ("a.toml", ("compare", str(good), str(good), "--known", "FILE")),
         ("a.npz", ("solve", "FILE")),

@@ -1,7 +1,7 @@
 """Plans for problems recorded by others, and for spatial instances: every solver that accepts them.
 
 The command line gives the location of recorded problems: `--data DIR`, or `--data fclib/Capsules` for a family that
-`frictionbench fetch` has downloaded. Files of a folder whose names differ in one number alone are the steps of a sequence, in
+`frictionbench export` has downloaded. Files of a folder whose names differ in one number alone are the steps of a sequence, in
 the order of that number; each is started cold, and warm from the answer of the step before (harness.cells.collect).
 """
 
@@ -119,7 +119,7 @@ def with_data(plan: Plan, locations: list[str]) -> Plan:
         locations = [f"fclib/{family}" for family in collection.fetched() if family in ABH2018]
     if not locations:
         if plan.suite in names:
-            needed = "--data DIR, or --data fclib/FAMILY after `frictionbench fetch fclib/FAMILY`"
+            needed = "--data DIR, or --data fclib/FAMILY after `frictionbench export fclib/FAMILY`"
             raise InputError(f"data: {plan.suite} needs {needed}")
         return plan
     takers = (*names, REPLAY)
@@ -140,7 +140,7 @@ def located(location: str, of_the_paper: bool = False) -> list[Source]:
         accuracy, limit = ABH2018.get(family, (None, None)) if of_the_paper else (None, None)
         own: dict[str, Any] = {} if accuracy is None else {"tolerances": (accuracy,), "time_limit": limit}
         files, steps = sorted(_files(folder)), {}  # a selection from simulations, no sequence
-        missing = f"no problems in {location}; fetch it with `frictionbench fetch {location}`"
+        missing = f"no problems in {location}; fetch it with `frictionbench export {location}`"
     else:
         place, own = Path(location).resolve(), {}
         folder = place.parent if place.is_file() else place
