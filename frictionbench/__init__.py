@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from frictionbench.problems.batch import Batch
     from frictionbench.problems.instances import instances
     from frictionbench.problems.instances import make_instance as instance
-    from frictionbench.problems.recorded.engine_step import EngineStep
+    from frictionbench.problems.recorded.own import EngineStep
     from frictionbench.problems.residual import residual, residual_floor
     from frictionbench.problems.scenes import scene, scenes
     from frictionbench.solvers import Answers, available, solve, solve_many, solver
@@ -75,7 +75,7 @@ _DEFINED_IN = {
     "frictionbench.problems.instances": ("instance", "instances"),
     "frictionbench.problems.residual": ("residual", "residual_floor"),
     "frictionbench.solvers": ("Answers", "available", "solve", "solve_many", "solver"),
-    "frictionbench.problems.recorded.engine_step": ("EngineStep",),
+    "frictionbench.problems.recorded.own": ("EngineStep",),
     "frictionbench.files": ("load", "load_step", "save"),
     "frictionbench.tables": ("read_results",),
     "frictionbench.verification": ("verify",),

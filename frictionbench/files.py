@@ -6,8 +6,8 @@ from typing import Any
 
 from frictionbench.problems import LCP, FrictionProblem, InputError, check, recorded
 from frictionbench.problems.friction import require_problem
-from frictionbench.problems.recorded import engine_step, fclib, own
-from frictionbench.problems.recorded.engine_step import EngineStep
+from frictionbench.problems.recorded import fclib, own
+from frictionbench.problems.recorded.own import EngineStep
 
 HDF5_SUFFIXES = (".hdf5", ".h5")
 
@@ -100,4 +100,4 @@ def _save_step(
         raise InputError("problem: an LCP has no contacts, whose impulses an engine could have found")
     if path.suffix != ".npz":
         raise InputError(f"path: {path} must end in .npz, which alone holds the impulses of an engine")
-    own.save(problem, path, engine_step.packed(EngineStep(problem, impulse, notes, step)))
+    own.save(problem, path, own.packed(EngineStep(problem, impulse, notes, step)))

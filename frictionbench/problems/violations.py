@@ -20,7 +20,7 @@ import numpy as np
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.recorded.engine_step import EngineStep
+from frictionbench.problems.recorded.own import EngineStep
 
 
 class Violations(NamedTuple):

@@ -5,7 +5,7 @@ import pytest
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.instances import make_instance
-from frictionbench.problems.recorded.engine_step import EngineStep
+from frictionbench.problems.recorded.own import EngineStep
 from frictionbench.problems.violations import judged, penetration, violations
 from frictionbench.solvers import solve
 

@@ -17,8 +17,7 @@ import pytest
 
 from frictionbench.harness.workers import cluster
 from frictionbench.problems.random_problem import random_problem
-from frictionbench.problems.recorded.engine_step import EngineStep
-from frictionbench.problems.recorded.own import save
+from frictionbench.problems.recorded.own import EngineStep, save
 from frictionbench.results.store import read_table
 from tests.helpers.command_line import frictionbench
 from tests.helpers.paths import ROOT

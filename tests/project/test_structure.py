@@ -106,7 +106,6 @@ def graph_of(files: dict[str, Path]) -> dict[str, set[str]]:
     }
 
 
-@pytest.mark.xfail(reason="problems.recorded.engine_step and own import each other")
 def test_no_import_cycles() -> None:
     assert cycle(graph_of(FILES)) == []
 

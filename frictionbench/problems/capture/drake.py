@@ -16,7 +16,7 @@ import numpy as np
 
 from frictionbench.problems.capture.parts import Contacts, Step, captured
 from frictionbench.problems.check import Array, InputError, require
-from frictionbench.problems.recorded.engine_step import EngineStep
+from frictionbench.problems.recorded.own import EngineStep
 
 
 def drake(plant: Any, context: Any) -> EngineStep:

@@ -19,7 +19,7 @@ from scipy import sparse
 
 from frictionbench.problems.capture.parts import Contacts, Step, captured, share_of_softness
 from frictionbench.problems.check import Array, InputError, require
-from frictionbench.problems.recorded.engine_step import EngineStep
+from frictionbench.problems.recorded.own import EngineStep
 
 TORSION, ROLLING = 3, 4  # rows of a contact from which on it resists torsion, and rolling
 

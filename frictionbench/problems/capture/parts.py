@@ -19,7 +19,7 @@ import numpy as np
 
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.recorded.engine_step import EngineStep
+from frictionbench.problems.recorded.own import EngineStep
 
 FAITHFUL = 1e-9  # of the velocities: what a captured step may miss of the engine's own next velocity
 REST = "other forces, the integrator, the solver's tolerance"  # as adhesion, implicit terms that are not symmetric

@@ -12,7 +12,7 @@ import pytest
 from frictionbench.problems import LCP, FrictionProblem, InputError
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.recorded import fclib, own, read
-from frictionbench.problems.recorded.engine_step import EngineStep, packed
+from frictionbench.problems.recorded.own import EngineStep, packed
 from frictionbench.problems.scenes import scene
 from tests.helpers.edits import CASES, edited_array, little_memory, little_time, mutated
 from tests.helpers.friction_problems import spatial, with_joints

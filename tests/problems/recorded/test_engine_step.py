@@ -8,7 +8,7 @@ import pytest
 import frictionbench as fb
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.recorded import own
-from frictionbench.problems.recorded.engine_step import EngineStep, packed
+from frictionbench.problems.recorded.own import EngineStep, packed
 from tests.helpers.friction_problems import spatial
 
 PROBLEM = spatial(5, contacts=3)
