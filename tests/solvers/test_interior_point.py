@@ -200,16 +200,19 @@ def test_falling_walls_need_no_path() -> None:
     assert answer.work["factorisations"] < 60
 
 
+@pytest.mark.slow
 def test_a_pile_of_discs_takes_a_long_path() -> None:
-    """Neither semismooth Newton nor a path of 250 factorisations arrives."""
+    """Neither semismooth Newton nor a path of 250 factorisations arrives; the quick tests miss the long paths."""
     assert_solved(scene("disc_pile", rows=20).problem(), "interior_point", at_most=4000)
 
 
+@pytest.mark.slow
 def test_walls_of_boxes_take_long_paths() -> None:
-    """All paths of this wall take about 1300 factorisations, four a contact."""
+    """All paths of this wall take about 1300 factorisations, four a contact: more than the quick tests' shares."""
     assert_solved(recorded_step("wall_8"), "interior_point", at_most=2500)
 
 
+@pytest.mark.slow
 def test_ten_thousand_sheared_boxes() -> None:
     """With a delta of 1e-13 in place of 1e-14 the residual stopped at 2e-7."""
     assert_solved(sheared("stack", 1e-4, 0.8, blocks=10_000), "interior_point", at_most=100)

@@ -27,7 +27,7 @@ def one_contact(a, b, g, mu, q) -> FrictionProblem:
 
 
 @pytest.mark.parametrize("spec", ALL)
-@pytest.mark.parametrize(("blocks", "push"), [(1, 0.0), (5, 0.0), (5, 0.3), (12, 0.0)])
+@pytest.mark.parametrize(("blocks", "push"), [(1, 0.0), (5, 0.3)])
 def test_stacks_are_solved(spec, blocks, push) -> None:
     problem = scene("stack", blocks=blocks, push=push).problem()
     answer = solve(problem, spec)
@@ -37,8 +37,8 @@ def test_stacks_are_solved(spec, blocks, push) -> None:
 
 @pytest.mark.parametrize("spec", ALL)
 def test_claims_are_correct(spec) -> None:
-    problems = [random_problem(seed, contacts=(2, 10, 30)[seed % 3]) for seed in range(24)]
-    problems += [spatial(seed, contacts=6, friction_bias=seed % 2 == 0, joints=seed % 3) for seed in range(12)]
+    problems = [random_problem(seed, contacts=(2, 10, 30)[seed % 3]) for seed in range(12)]
+    problems += [spatial(seed, contacts=6, friction_bias=seed % 2 == 0, joints=seed % 3) for seed in range(6)]
     solved = 0
     for problem in problems:
         answer = solve(problem, spec, tol=1e-7)
