@@ -69,3 +69,21 @@ def test_scenes_beyond_the_memory_limit(command, tmp_path, monkeypatch) -> None:
     assert (done.returncode, done.stderr) == (2, "frictionbench: memory: more than 0.00390625 GiB would be needed\n"), done
     assert not list(tmp_path.iterdir())
     assert resource.getrlimit(resource.RLIMIT_AS) == before
+
+
+@pytest.mark.parametrize(
+    ("command", "field"),
+    [
+        (("compare", "a"), "DIR"),
+        (("compare", "a", "b", "c"), "DIR"),
+        (("export", "stack"), "out"),
+        (("export", "stack", "arch", "--out", "x"), "problems"),
+        (("export", "stack", "--scene", "arch", "--out", "x"), "problems"),
+        (("export", "fclib/Chain", "--out", "x"), "problems"),
+    ],
+)
+def test_combinations_without_a_meaning(command, field, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = frictionbench(*command)
+    assert (done.returncode, done.stderr.partition(": ")[2].split(":")[0]) == (2, field), done
+    assert not list(tmp_path.iterdir())
