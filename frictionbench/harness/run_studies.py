@@ -11,8 +11,8 @@ from frictionbench.harness.studies import STUDIES, Study
 from frictionbench.harness.studies.study import LIMIT
 from frictionbench.harness.workers.pool import Pool
 from frictionbench.harness.workers.task import Task
+from frictionbench.problems.catalogue import near
 from frictionbench.problems.check import require
-from frictionbench.problems.names import near
 from frictionbench.results.files import ResultsError
 from frictionbench.results.studies import RECORDED, RUNS, finished, open_study, write_rows, written
 

@@ -1,12 +1,14 @@
-"""Catalogues of what a name and a few parameters make: the scenes and the instances."""
+"""Catalogues of what a name and a few parameters make, scenes and instances, and how modules register in them."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from difflib import get_close_matches
+from importlib import import_module
 from inspect import getdoc, signature
+from pkgutil import iter_modules
 from typing import Any, Generic, TypeVar
 
 from frictionbench.problems.check import InputError
-from frictionbench.problems.names import near
 
 Made = TypeVar("Made")
 
@@ -60,3 +62,15 @@ class Catalogue(Generic[Made]):
             like, its = near(key, found.parameters), ", ".join(found.parameters)
             raise InputError(f"{key}: the {self.kind} {name} has no such parameter{like}; it has {its}")
         return found
+
+
+def near(name: str, known: Iterable[str]) -> str:
+    """A question that follows the statement that a name is unknown, " (did you mean lemke?)"; "" if no known name is near."""
+    found = get_close_matches(name, list(known), n=1)
+    return f" (did you mean {found[0]}?)" if found else ""
+
+
+def import_all(package: str, path: list[str]) -> None:
+    """Import every module of a package, whose decorators then register what they define; path: the package's __path__."""
+    for module in iter_modules(path):
+        import_module(f"{package}.{module.name}")

@@ -1,6 +1,6 @@
 """Solvers, one file per method, with a common interface; a decorator registers each (solvers.interface)."""
 
-from frictionbench.problems.discover import import_all
+from frictionbench.problems.catalogue import import_all
 from frictionbench.solvers import outside
 from frictionbench.solvers.interface import Answer, Solver, SolverInfo, Status, available, find, solve, solver
 from frictionbench.solvers.many import Answers, solve_many

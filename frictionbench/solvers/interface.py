@@ -48,9 +48,9 @@ from numpy.typing import NDArray
 
 from frictionbench.problems import LCP, FrictionProblem, InputError, check
 from frictionbench.problems.answer import Answer, Status
+from frictionbench.problems.catalogue import near
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.friction import require_problem
-from frictionbench.problems.names import near
 from frictionbench.problems.operators.delassus import DIGITS
 from frictionbench.problems.residual import residual, residual_with_floor
 from frictionbench.problems.rows import Index64

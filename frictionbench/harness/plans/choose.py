@@ -7,9 +7,9 @@ from frictionbench.harness.plans.plan import BatchSource, Plan, Plugin, Source
 from frictionbench.harness.plans.recorded import with_data
 from frictionbench.harness.plans.suites import SUITES
 from frictionbench.problems import FrictionProblem, InputError
+from frictionbench.problems.catalogue import near
 from frictionbench.problems.check import require
 from frictionbench.problems.instances import CATALOGUE, instances, make_instance
-from frictionbench.problems.names import near
 from frictionbench.problems.scenes import scene
 from frictionbench.problems.scenes.catalogue import find_scene
 from frictionbench.problems.spec import parse

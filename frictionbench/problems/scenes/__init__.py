@@ -5,7 +5,7 @@
 The talk's numbered examples (Anitescu 1999, page 30) are scenes with the talk's friction and restitution.
 """
 
-from frictionbench.problems.discover import import_all
+from frictionbench.problems.catalogue import import_all
 from frictionbench.problems.scenes.catalogue import scene, scenes
 
 import_all(__name__, __path__)

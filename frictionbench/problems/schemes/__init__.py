@@ -1,6 +1,6 @@
 """Time-stepping schemes, one file per scheme, with one signature, registered by a decorator (problems.schemes.stepping)."""
 
-from frictionbench.problems.discover import import_all
+from frictionbench.problems.catalogue import import_all
 from frictionbench.problems.schemes.stepping import SCHEMES, NoSolution, Scheme, Solve, Solved, Step, require_scheme, start
 
 import_all(__name__, __path__)

@@ -14,9 +14,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
+from frictionbench.problems.catalogue import near
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.names import near
 from frictionbench.problems.planar.collision import Contacts
 from frictionbench.problems.scene import Scene
 
