@@ -13,6 +13,7 @@ from frictionbench.results.compare import Comparison, Limits, compare
 from tests.helpers.command_line import frictionbench
 from tests.helpers.plugin import write
 
+pytestmark = pytest.mark.slow  # whole runs in new processes: what a pair of codes does, which no quick test sees
 SCENE = "stack[blocks=1,push=1]"
 UNTIMED = Limits(times=False)
 

@@ -63,6 +63,7 @@ COLUMNS = [
 ]
 
 
+@pytest.mark.slow  # edited columns of solve rows: a worker each
 @pytest.mark.parametrize("columns", COLUMNS, ids=str)
 def test_edited_solve_rows(finished, tmp_path, columns) -> None:
     folder, key = edited(finished, tmp_path, "solves", {}, **({"verdict": "unsolved"} | columns))
