@@ -95,7 +95,7 @@ peers: $(PEERS)/installed
 		-e '/^<!-- begin: python -m tools.direct/r $(PEERS_RUN)/direct.md' docs/peers.md
 
 studies: install
-	$(BIN)/frictionbench study all --out $(STUDIES) $(RECORDED:%=--data %)
+	$(BIN)/python -m studies all --out $(STUDIES) $(RECORDED:%=--data %)
 	mkdir -p docs/studies
 	cp $(STUDIES)/studies.md docs/
 	cp $(STUDIES)/studies/*.svg docs/studies/

@@ -45,7 +45,7 @@ def about(
 
 @app.command("list")
 def list_(what: options.Listing) -> None:
-    """List the scenes, the solvers, the suites or the studies."""
+    """List the scenes, the solvers or the suites."""
     from frictionbench.commands import listing
 
     listing.show(what)
@@ -406,37 +406,6 @@ def map_(
     with _resumable(folder):
         run_maps(plan, folder, _jobs(jobs), Progress())
     typer.echo(f"report: {write_report(folder)}")
-
-
-@app.command()
-def study(
-    name: Annotated[str, typer.Argument(metavar="NAME|all", help="A study, as `frictionbench list studies` names it.")],
-    jobs: options.Jobs = None,
-    data: Annotated[
-        list[str] | None,
-        typer.Option(metavar="DIR|fclib/FAMILY", help="Also compare these recorded problems, in the study `rankings`."),
-    ] = None,
-    paper: Annotated[bool, typer.Option("--paper", help="Also write the figures for LaTeX.")] = False,
-    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder of the studies.")] = Path("runs/studies"),
-) -> None:
-    """Answer an open question by tables and figures.
-
-    The same command resumes an interrupted study. The page shows all finished studies of the folder.
-    """
-    from frictionbench.harness.progress import Progress
-    from frictionbench.harness.run_studies import named, run_studies
-    from frictionbench.reports.latex import Layout
-    from frictionbench.reports.studies_page import told, write_paper, write_studies
-
-    studies = named(name)
-    with _resumable(out, report=False):
-        run_studies(studies, out, _jobs(jobs), Progress(), data or ())
-    for about, account in told(out):
-        if about.name in {one.name for one in studies}:
-            typer.echo(f"{about.name}: {about.question} {account.answer}")
-    typer.echo(f"report: {write_studies(out)}")
-    if paper:
-        typer.echo(f"paper:  {write_paper(out, Layout())}")
 
 
 @app.command("check-solver")

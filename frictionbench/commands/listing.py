@@ -1,4 +1,4 @@
-"""The lists of `frictionbench list`: a paragraph for each scene, solver, suite or study, wrapped to the terminal."""
+"""The lists of `frictionbench list`: a paragraph for each scene, solver or suite, wrapped to the terminal."""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import fields
@@ -6,7 +6,6 @@ from typing import Any
 
 from frictionbench.commands.table import paragraph, screen
 from frictionbench.harness.plans.suites import SUITES
-from frictionbench.harness.studies import STUDIES
 from frictionbench.problems.instances import instances
 from frictionbench.problems.scenes import scenes
 from frictionbench.solvers import SolverInfo, available, find
@@ -17,12 +16,11 @@ SPACES = {2: "planar", 3: "spatial"}
 
 
 def show(what: str) -> None:
-    """Print the scenes, solvers, suites or studies."""
+    """Print the scenes, solvers or suites."""
     makers: dict[str, Callable[[], Iterator[Item]]] = {
         "scenes": _scenes,
         "solvers": _solvers,
         "suites": _suites,
-        "studies": _studies,
     }
     width = screen()
     for heading, texts in makers[what]():
@@ -97,11 +95,6 @@ def _suites() -> Iterator[Item]:
         numbers = ", ".join(f"{what}: {len(part)}" for what, part in parts.items() if part)
         takes = f"takes {plan.expects} with one worker on two cores" if plan.expects else ""
         yield name, [(make.__doc__ or "").strip(), f"{numbers}; tolerances: {tolerances}", takes]
-
-
-def _studies() -> Iterator[Item]:
-    for name, study in STUDIES.items():
-        yield name, [study.question]
 
 
 def _short(value: Any) -> str:

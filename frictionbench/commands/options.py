@@ -35,8 +35,8 @@ def parse_duration(text: str) -> float:
 SECONDS = {"us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ms": 1e-3, "s": 1.0}
 UNITS_PER_INCH = {"in": 1.0, "cm": 2.54, "mm": 25.4, "pt": 72.27}
 Listing = Annotated[
-    Literal["scenes", "solvers", "suites", "studies"],
-    typer.Argument(metavar="scenes|solvers|suites|studies", help="What to list."),
+    Literal["scenes", "solvers", "suites"],
+    typer.Argument(metavar="scenes|solvers|suites", help="What to list."),
 ]
 Suite = Annotated[str, typer.Argument(metavar="SUITE", help="smoke, standard, ...: see `frictionbench list suites`.")]
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")]

@@ -16,7 +16,17 @@ if TYPE_CHECKING:
     from frictionbench.reports.choice import Kind as Kind
     from frictionbench.reports.choice import choices as choices
     from frictionbench.reports.choice import headline as headline
+    from frictionbench.reports.drawing.figures import Panel as Panel
+    from frictionbench.reports.drawing.files import save_sheet as save_sheet
+    from frictionbench.reports.drawing.style import ALARM as ALARM
+    from frictionbench.reports.drawing.style import GRID as GRID
+    from frictionbench.reports.drawing.style import INK as INK
+    from frictionbench.reports.drawing.style import Look as Look
+    from frictionbench.reports.drawing.style import looks as looks
     from frictionbench.reports.drawing.text import count as count
+    from frictionbench.reports.drawing.text import escaped as escaped
+    from frictionbench.reports.drawing.text import percent as percent
+    from frictionbench.reports.drawing.text import plain as plain
     from frictionbench.reports.drawing.text import power as power
     from frictionbench.reports.drawing.text import seconds as seconds
     from frictionbench.reports.noise import sentence as sentence
@@ -35,7 +45,16 @@ _FILES = {
     "accuracy": ("OVERALL",),
     "batches": ("HEADER", "METHOD", "RateTable", "rate_tables"),
     "choice": ("Kind", "choices", "headline"),
-    "drawing.text": ("count", "power", "seconds"),
+    "drawing.figures": ("Panel",),
+    "drawing.files": ("save_sheet",),
+    "drawing.style": (
+        "ALARM",
+        "GRID",
+        "INK",
+        "Look",
+        "looks",
+    ),
+    "drawing.text": ("escaped", "percent", "plain", "count", "power", "seconds"),
     "noise": ("sentence", "timing_noise"),
     "page": ("write_report",),
     "robustness": ("MapCells", "map_cells"),

@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from frictionbench.problems.verdicts import measured as measured
+    from frictionbench.results.conventions import COLD as COLD
+    from frictionbench.results.conventions import SHUFFLED as SHUFFLED
+    from frictionbench.results.conventions import WARM as WARM
     from frictionbench.results.conventions import RankBy as RankBy
     from frictionbench.results.conventions import scene_title as scene_title
     from frictionbench.results.files import ResultsError as ResultsError
@@ -22,7 +25,7 @@ if TYPE_CHECKING:
 
 _FILES = {
     "problems.verdicts": ("measured",),
-    "results.conventions": ("RankBy", "scene_title"),
+    "results.conventions": ("COLD", "SHUFFLED", "WARM", "RankBy", "scene_title"),
     "results.files": ("ResultsError", "read_json", "subfolder", "write_text"),
     "results.schema": ("SCHEMA_VERSION", "TABLES"),
     "results.store": ("read_table", "rows"),

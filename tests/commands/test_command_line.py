@@ -85,7 +85,7 @@ def test_a_core_is_left_free_by_default(monkeypatch, cores, jobs) -> None:
         (("export", "stack", "--pick", "-1", "--out", "c"), "--pick"),
         (("report", "a", "--width", "3m"), "--width"),
         (("report", "a", "--font", "comic"), "--font"),
-        (("list", "everything"), "scenes|solvers|suites|studies"),
+        (("list", "everything"), "scenes|solvers|suites"),
     ],
 )
 def test_invalid_option_values_are_named(arguments, option) -> None:

@@ -1,35 +1,34 @@
-"""Studies at reduced size: their tables computed in the test process, and their accounts told and drawn."""
+"""Studies at reduced size: their tables computed in the test process, their texts filled in and their figures drawn."""
 
-import json
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import pandas as pd
 from matplotlib.figure import Figure
 
-from frictionbench.harness.cells.worker import plain
-from frictionbench.harness.studies import STUDIES
-from frictionbench.reports.studies import ACCOUNTS, Account
-from frictionbench.results.studies import StudyTables
+from studies import __main__ as running
+from studies.study import Tables
 
 
-def reduced(name: str, runs: Mapping[str, pd.DataFrame] | None = None, **arguments: Mapping[str, Any]) -> StudyTables:
-    """The tables of a study, computed with these arguments by table, and as they are read from a file."""
-    study, tables = STUDIES[name], dict(runs or {})
-    for table in study.tables:
-        rows = [plain(row) for row in table.rows(**arguments.get(table.name, {}))]
-        assert all(list(row) == list(table.columns) for row in rows), table.name
-        tables[table.name] = pd.DataFrame(json.loads(json.dumps(rows)), columns=list(table.columns))
-    return StudyTables(study.description, tables)
+class Text(NamedTuple):
+    answer: str
+    body: str
 
 
-def told(tables: StudyTables) -> Account:
-    """The account, of which every panel can be drawn and every sentence is whole."""
-    account = ACCOUNTS[tables.about.name](tables)
-    for text in (account.answer, account.result, account.limits, *(figure.caption for figure in account.figures)):
-        assert text.endswith("."), text
-        assert "nan" not in text.split(), text
-    for figure in account.figures:
-        for panel in figure.panels:
+def reduced(name: str, runs: Mapping[str, pd.DataFrame] | None = None, **arguments: Mapping[str, Any]) -> Tables:
+    """The tables of a study, computed with these arguments by table."""
+    computed = {rows.__name__: pd.DataFrame(rows(**arguments.get(rows.__name__, {}))) for rows in running.study(name).rows}
+    return {**computed, **(runs or {})}
+
+
+def text(name: str, tables: Tables) -> Text:
+    """The study's text, of which every figure can be drawn and every number is one."""
+    summary = running.study(name).summary(tables)
+    found = running.text(name, summary)
+    lines = [line for line in found["body"].splitlines() if not line.startswith("|")]
+    assert "nan" not in " ".join(lines).split()
+    for figure, panels in summary.figures.items():
+        assert f"{name}_{figure}.svg" in found["body"]
+        for panel in panels:
             panel.draw(Figure().subplots())
-    return account
+    return Text(found["answer"], " ".join(found["body"].split()))

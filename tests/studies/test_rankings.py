@@ -3,16 +3,16 @@
 import pandas as pd
 import pytest
 
-from frictionbench.harness.plans.families import SPACE_SMALL, sources
-from frictionbench.harness.progress import Progress
-from frictionbench.harness.run_studies import run_studies
-from frictionbench.harness.studies import STUDIES
-from frictionbench.harness.studies.rankings import recorded
-from frictionbench.problems import InputError
-from frictionbench.results.files import ResultsError
-from frictionbench.results.studies import RECORDED, StudyTables
+from frictionbench import InputError
+from frictionbench.harness import families
+from frictionbench.results import ResultsError
+from studies.__main__ import compute
+from studies.rankings import recorded, summary
+from studies.study import RECORDED, Tables
 from tests.helpers.paths import ROOT
-from tests.helpers.studies import reduced, told
+from tests.helpers.studies import reduced, text
+
+pytestmark = pytest.mark.slow  # sentences on rankings: half a minute of solvers by every method
 
 SPEEDS = {"nsgs": 1.0, "proximal_newton": 3.0, "siconos[method=friction_3d_nsn_ac]": 9.0, "interior_point": 2.0}
 
@@ -32,9 +32,10 @@ def runs(nsgs: str = "unsolved") -> pd.DataFrame:
 
 
 @pytest.fixture(scope="module")
-def found() -> StudyTables:
-    small = [one for one in sources(SPACE_SMALL) if one.scene != "random_bodies"]
-    return reduced("rankings", {"solves": runs()}, ranks={"sources": [sources(SPACE_SMALL)[2], *small[:1], *small[2:3]]})
+def found() -> Tables:
+    every = families.sources(families.SPACE_SMALL)
+    small = [one for one in every if one.scene != "random_bodies"]
+    return reduced("rankings", {"solves": runs()}, ranks={"sources": [every[2], *small[:1], *small[2:3]]})
 
 
 def test_newton_needs_rank_and_nothing_needs_iterations_without_friction(found) -> None:
@@ -48,8 +49,7 @@ def test_newton_needs_rank_and_nothing_needs_iterations_without_friction(found) 
 
 
 def test_each_finding_has_its_verdict(found) -> None:
-    account = told(found)
-    _, *rows = account.table
+    rows = summary(found).numbers["rows"]
     verdicts = {row[0].split(" (")[0]: (row[1], row[-1]) for row in rows}
     short = verdicts["It does not solve all problems to 1e-8 within the time limit"]
     assert short == ("nsgs solves 0 of 3", "confirmed"), "the idle problem is left out"
@@ -59,20 +59,21 @@ def test_each_finding_has_its_verdict(found) -> None:
     tens = verdicts["Accelerated gradients are one or two orders faster than Gauss-Seidel in large systems"]
     assert tens == ("apgd's speed over nsgs', median: 50 with below 10 contacts (3)", "not tested")
     assert all(row[2] in ("needs --data", "not repeated") for row in rows)
-    assert "needs a folder of them (--data)" in account.result
+    assert "needs a folder of them (--data)" in text("rankings", found).body
 
 
 def test_recorded_problems_stand_beside_the_generated_ones(found) -> None:
-    account = told(StudyTables(found.about, {**found.tables, RECORDED: runs("solved")}))
-    assert "3 generated problems in space and 3 recorded ones, without 1 that need no friction, are compared" in account.result
-    row = next(row for row in account.table if row[0].startswith("It does not solve all"))
+    account = text("rankings", {**found, RECORDED: runs("solved")})
+    assert "3 generated problems in space and 3 recorded ones, without 1 that need no friction, are compared" in account.body
+    rows = summary({**found, RECORDED: runs("solved")}).numbers["rows"]
+    row = next(row for row in rows if row[0].startswith("It does not solve all"))
     assert row[1:] == ("nsgs solves 0 of 3", "nsgs solves 3 of 3", "in part")
 
 
 def test_sentences_that_the_tables_do_not_hold_are_refused(found) -> None:
     working = found["evidence"].assign(iterations=0)
     with pytest.raises(ResultsError, match="no method is without iterations where friction is at work"):
-        told(StudyTables(found.about, {**found.tables, "evidence": working}))
+        text("rankings", {**found, "evidence": working})
 
 
 def test_recorded_problems_are_located_or_refused(tmp_path) -> None:
@@ -81,6 +82,6 @@ def test_recorded_problems_are_located_or_refused(tmp_path) -> None:
     assert all(source.file for source in plan.sources)
     with pytest.raises(InputError, match="data: no problems in"):
         recorded([str(tmp_path)])
-    with pytest.raises(InputError, match="data: recorded problems are for rankings"):
-        run_studies([STUDIES["warm"]], tmp_path, 1, Progress(), [str(tmp_path)])
+    with pytest.raises(InputError, match="data: no problems in"):
+        compute(["rankings"], tmp_path, 1, [str(tmp_path)])
     assert not list(tmp_path.iterdir())

@@ -7,7 +7,7 @@ problem, and its answer is verified on the original.
 import gc
 import json
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -241,22 +241,6 @@ def run_polygon(limit: float) -> None:
     if not read_deviations(_worker.folder):
         with _worker.deadline.within(limit):
             write_deviations(_worker.folder, measure())
-
-
-def run_table(rows: Callable[[], Iterable[Row]], limit: float) -> list[Row]:
-    """The rows of a study's table, as plain values."""
-    with _worker.deadline.within(limit):
-        return [plain(row) for row in rows()]
-
-
-def plain(value: Any) -> Any:
-    """The value for JSON: arrays as lists, numpy's numbers as Python's, and null for a number that is not finite."""
-    if isinstance(value, dict):
-        return {name: plain(each) for name, each in value.items()}
-    if isinstance(value, np.ndarray | list | tuple):
-        return [plain(each) for each in value]
-    value = value.item() if isinstance(value, np.generic) else value
-    return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
 def _solver(variant: str) -> tuple[SolverInfo, Solver]:

@@ -13,7 +13,7 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import loop, part
 from frictionbench.problems.forms.delassus import pushed_contact_velocity
 from frictionbench.problems.packed import CONTACT, Packed, Q, law_of, mass_of, mechanical, mechanics_of, residuals
-from frictionbench.problems.residual import largest_with_floor
+from frictionbench.problems.residual import largest_with_floor, residual
 from frictionbench.solvers.clock import is_past
 from frictionbench.solvers.interface import Answer, Solved, Status
 from frictionbench.solvers.interior.central_path import Path
@@ -51,6 +51,12 @@ class Phased:
 def first_point(system: System) -> Point:
     """The first start: impulses between zero and the weight of all other contacts."""
     return start_point(system, float(np.sqrt(len(system.friction))), 1.0)
+
+
+def one_start(problem: FrictionProblem, tol: float, limit: int, patience: int) -> Answer:
+    """Mehrotra's predictor-corrector on Coulomb's law from the first start, and nothing after it."""
+    prepared = in_velocities(problem), build_system(in_velocities(problem), False)
+    return run(prepared, [(predictor_corrector, first_point(prepared[1]), limit)], tol, limit, patience, residual)
 
 
 def run(

@@ -1,0 +1,183 @@
+"""Compliant or rigid? Errors and work against stiffness, and what springs say where the rigid model says two things."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from functools import partial
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+import frictionbench as fb
+from frictionbench.problems import comply, impact
+from frictionbench.reports import ALARM, GRID, Panel
+from studies.motions import FINEST, SAMPLES, by_events, sampled
+from studies.study import Row, Study, Summary, Tables, listing, order, require
+
+CASES: dict[str, tuple[dict[str, Any], float]] = {
+    "bouncing_ball": ({"restitution": 0.5, "height": 0.2}, 0.5),
+    "stopping_block": ({"speed": 0.5}, 0.2),
+    "painleve_rod": ({"friction": 0.5}, 0.9),
+    "rocking_block": ({"tilt": 0.05}, 0.4),
+}
+SLIP = 1e-4  # m/s, at the stiffness 1e4 N/m; it falls as the indentation does
+
+
+def stiffnesses(
+    names: Iterable[str] = tuple(CASES),
+    values: Iterable[float] = (1e4, 1e5, 1e6, 1e7),
+    methods: Iterable[str] = ("Radau", "BDF"),
+) -> Iterator[Row]:
+    """Compliant motions compared at ten times with the rigid one by events."""
+    for name in names:
+        settings, duration = CASES[name]
+        made = fb.scene(name, **settings, step=duration / SAMPLES, duration=duration)
+        sampled(made, by_events(impact, 1e-3))  # compiles what it calls
+        begun = perf_counter()
+        known, work = sampled(made, by_events(impact, FINEST))
+        rigid = perf_counter() - begun
+        for stiffness in values:
+            for method in methods:
+                begun = perf_counter()
+                found = comply(made, stiffness, SLIP * 1e4 / stiffness, 1e-7, method=method)
+                time = perf_counter() - begun
+                error = float(np.abs(found.q[1:] - known).max())
+                yield {
+                    "scene": name,
+                    "stiffness": stiffness,  # k, N/m
+                    "method": method,  # scipy's integrator
+                    "error": error,  # the largest distance of a coordinate from the rigid motion, m or rad
+                    "work": found.evaluations,  # evaluations of the forces
+                    "rigid_work": work,  # friction problems and evaluations of forces of the rigid motion
+                    "time": time,  # s, of the compliant motion
+                    "rigid_time": rigid,  # s, of the rigid motion
+                }
+
+
+def indentations(shares: Iterable[float] = (0.0, 0.5, 0.9, 1.1, 1.5, 3.0), stiffness: float = 1e8) -> Iterator[Row]:
+    """Painlevé's rod with p < 0 < K, where open and closed are solutions; it starts with a share of the closed one's force.
+
+    share: the spring's force at the start over that of the closed solution; slip: the tip's tangential velocity after 2 ms,
+    m/s; -3 at the start; lift: its normal velocity after 2 ms, m/s; spin: rad/s; 4 at the start.
+    """
+    made = fb.scene("painleve_rod", spin=4.0, tip_velocity=-3.0, duration=0.002, step=0.002)
+    p, K = _index(float(made.q0[2]), 1.5), 16 * np.sin(made.q0[2]) - 9.81
+    for share in shares:
+        found = comply(replace(made, q0=made.q0 - [0, share * -K / p / stiffness, 0]), stiffness, 1e-6)
+        yield {"share": share, **_tip(found.q[-1], found.v[-1]), "spin": float(found.v[-1, 2])}
+
+
+def inconsistent(values: Iterable[float] = (1e4, 1e6, 1e8), speed: float = -1.0) -> Iterator[Row]:
+    """Painlevé's rod where no force is a solution: the impulse of the springs up to the end of their contact."""
+    made = fb.scene("painleve_rod", tip_velocity=speed)
+    angle, weight = float(made.q0[2]), float(made.weights[0])
+    least = weight * 0.75 * np.sin(angle) * np.cos(angle) * -speed
+    for stiffness in values:
+        duration = 30 / np.sqrt(stiffness)
+        stage = replace(made, step=duration, duration=duration)
+        times = np.linspace(0, duration, 400)
+        found = comply(stage, stiffness, 1e-6, times=times)
+        impulse = weight * (found.v[:, 1] + 9.81 * times)  # vertical, of the contact alone
+        slip = found.v[:, 0] + found.v[:, 2] * np.sin(found.q[:, 2])
+        closing = found.v[:, 1] - found.v[:, 2] * np.cos(found.q[:, 2])
+        fastest = int(closing.argmin())
+        after = fastest + int(np.argmax(closing[fastest:] >= 0))  # the springs are pressed most just before
+        share = closing[after] / (closing[after] - closing[after - 1])
+        yield {
+            "stiffness": stiffness,  # k, N/m
+            # when the springs were pressed most and the tip had stopped, s
+            "stopped": float(times[after] - share * (times[after] - times[after - 1])),
+            "impulse": float(impulse[after] - share * (impulse[after] - impulse[after - 1])),  # normal impulse until then, N s
+            "slip": float(slip[after]),  # the tip's tangential velocity then, m/s
+            "total": float(impulse[-1]),  # normal impulse until the springs were free, N s
+            "rigid": float(least),  # the rigid impulse that stops the tip, N s
+            "indentation": float(-(found.q[:, 1] - np.sin(found.q[:, 2])).min()),  # the deepest, m
+        }
+
+
+def _index(angle: float, friction: float) -> float:
+    """p of the rod of 1 kg and half length 1 m that slides to the left."""
+    return 1 + 3 * np.cos(angle) ** 2 - 3 * friction * abs(np.sin(angle) * np.cos(angle))
+
+
+def _tip(q: np.ndarray, v: np.ndarray) -> Row:
+    """The velocity of the rod's tip."""
+    return {"slip": float(v[0] + v[2] * np.sin(q[2])), "lift": float(v[1] - v[2] * np.cos(q[2]))}
+
+
+def summary(found: Tables) -> Summary:
+    table, pressed, stuck = (found[name] for name in ("stiffnesses", "indentations", "inconsistent"))
+    radau = table[table["method"] == "Radau"]
+    slopes = {name: order(rows["stiffness"], rows["error"]) for name, rows in radau.groupby("scene")}
+    stiffest = radau[radau["stiffness"] == radau["stiffness"].max()]
+    dear = (stiffest["work"] / stiffest["rigid_work"]).agg(["min", "max"])
+    slower = (stiffest["time"] / stiffest["rigid_time"]).agg(["min", "max"])
+    less, more = pressed[pressed["share"] < 1], pressed[pressed["share"] > 1]
+    require(((less["spin"] - 4).abs() < 0.5).all(), "springs pressed less than the closed solution's let the rod lift")
+    require(((more["spin"] - 4).abs() > 0.5).all(), "springs pressed more than that throw the rod")
+    off = (stuck["impulse"] / stuck["rigid"] - 1).abs()
+    last = stuck.iloc[-1]
+    told = ", ".join(
+        f"{name.replace('_', ' ')} {rows['error'].min():.0e} (order {slopes[name]})" for name, rows in radau.groupby("scene")
+    )
+    numbers = {
+        "stiffest": f"{radau['stiffness'].max():.0e}",
+        "dear_least": f"{dear['min']:.2g}",
+        "dear_most": f"{dear['max']:.2g}",
+        "slower_least": f"{slower['min']:.2g}",
+        "slower_most": f"{slower['max']:.2g}",
+        "softest": f"{radau['stiffness'].min():.0e}",
+        "distances": _negated(told),
+        "less": listing([f"{x:g}" for x in less["share"]]),
+        "more": listing([f"{x:g}" for x in more["share"]]),
+        "stopped": f"{last['stopped']:.1e}",
+        "stiffness": f"{last['stiffness']:.0e}",
+        "impulse": f"{last['impulse']:.3f}",
+        "rigid": f"{last['rigid']:.3f}",
+        "off_first": f"{100 * off.iloc[0]:.1g}",
+        "off_last": f"{100 * off.iloc[-1]:.1g}",
+        "total": f"{last['total']:.3f}",
+    }
+    figures = {
+        "stiffness": (
+            Panel("error", partial(_lines, table=table, column="error")),
+            Panel("work", partial(_lines, table=table, column="work")),
+        ),
+        "painleve": (Panel("the springs decide", partial(_decided, pressed=pressed)),),
+    }
+    return Summary(numbers, figures)
+
+
+def _negated(text: str) -> str:
+    """Orders in 1/k: those in k with the other sign."""
+    return text.replace("order -", "order ")
+
+
+def _lines(ax: Axes, table: pd.DataFrame, column: str) -> None:
+    for (name, method), rows in table.groupby(["scene", "method"]):
+        look = {"marker": "o", "ls": "-"} if method == "Radau" else {"marker": "x", "ls": ":"}
+        number = list(dict.fromkeys(table["scene"])).index(name)
+        label = str(name).replace("_", " ") if method == "Radau" else None
+        ax.loglog(rows["stiffness"], rows[column], color=f"C{number}", ms=4, label=label, **look)
+    ax.set(xlabel="stiffness, N/m", ylabel="distance, m or rad" if column == "error" else "evaluations")
+    ax.grid(**GRID)
+    ax.legend()
+
+
+def _decided(ax: Axes, pressed: pd.DataFrame) -> None:
+    ax.plot(pressed["share"], pressed["spin"], "o-", color="#0077bb")
+    ax.axvline(1.0, color=ALARM, ls="--", lw=0.8)
+    ax.set(xlabel="force at the start over the closed solution's", ylabel="spin after 2 ms, rad/s")
+    ax.grid(**GRID)
+
+
+STUDY = Study(
+    (
+        stiffnesses,
+        indentations,
+        inconsistent,
+    ),
+    summary,
+)

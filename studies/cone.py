@@ -1,0 +1,220 @@
+"""The Coulomb cone itself or a polygon: error and time against the number of facets."""
+
+from collections.abc import Iterable, Iterator
+from functools import partial
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+import frictionbench as fb
+from frictionbench import Verdict
+from frictionbench.harness import Plan, Source
+from frictionbench.problems import ACCEPTED, FrictionProblem, simulation
+from frictionbench.reports import INK, Panel, seconds
+from frictionbench.solvers import solve
+from studies.study import COLOURS, Array, Row, Study, Summary, Tables, curve, finish, order, require
+
+CONE = "interior_point"
+KINK = 1e-9  # errors below it are rounding
+DISTINCT = 1e-4  # solutions further apart are two, and not one to a few digits
+CONE, TOL = "interior_point", 1e-10
+SLIDING = 0.236  # s, until the ball rolls
+FACETS = (4, 6, 8, 12, 16, 24, 32, 64)
+SPACE = (
+    Source("cubes", {"boxes": 2, "friction": 0.2, "push": 0.5, "twist": 2.0, "fall": 1.0}),
+    Source("sphere_pyramid", {"levels": 2, "friction": 0.1, "noise": 0.3}),
+    Source("random_bodies", {"contacts": 8, "seed": 1}),
+    Source("random_bodies", {"contacts": 20}),
+    Source("rod_chain", {"links": 4}),
+    Source("packed_spheres", {"spheres": 15, "noise": 1.0}),
+)
+
+
+def ball(facets: Iterable[int] = (0, *FACETS), step: float = 0.004, shown: int = 40) -> Iterator[Row]:
+    """A sliding ball with a side spin: some points of its path, and its distances from the parabola; 0 facets for the cone."""
+    stage = fb.scene("sliding_ball", step=step, duration=SLIDING)
+    assert stage.path is not None
+    parabola = np.vstack([stage.path(k * step) for k in range(stage.steps + 1)])
+
+    def path(spec: str) -> Array:
+        def answer(problem: FrictionProblem) -> Array:
+            return solve(problem, spec, tol=1e-9).impulse
+
+        return np.vstack([stage.geometry.centres(now.q) for now in simulation(stage, answer)])
+
+    cone = path(CONE)
+    for count in facets:
+        found = path(f"lemke[facets={count}]") if count else cone
+        pick = np.linspace(0, len(found) - 1, shown).astype(int)
+        yield {
+            "facets": count,  # of the polygon, 0 for the cone
+            "step": step,  # s
+            # largest distance of the path from the parabola, m
+            "from_parabola": float(np.linalg.norm(found - parabola, axis=1).max()),
+            # largest distance of the path from that with the cone, m
+            "from_cone": float(np.linalg.norm(found - cone, axis=1).max()),
+            "x": found[pick, 0],  # points of the path, m
+            "y": found[pick, 1],  # points of the path, m
+            # their distance from the parabola across its chord, m
+            "aside": (found - parabola)[pick, :2] @ _across(parabola[:, :2]),
+        }
+
+
+def _across(path: Array) -> Array:
+    """The unit vector across the chord of a path in the plane."""
+    chord = path[-1] - path[0]
+    return np.array([-chord[1], chord[0]]) / np.linalg.norm(chord)
+
+
+def problems(facets: Iterable[int] = FACETS[:-1], sources: Iterable[Source] = SPACE) -> Iterator[Row]:
+    """Spatial problems by the cone and by polygons: the residual of Coulomb's law and the velocities' error.
+
+    A problem may have several solutions; the second is found by refining the finest polygon's answer on the cone.
+    """
+    for number, source in enumerate(sources):
+        problem = fb.instance(source.scene, **source.parameters)
+        found = {count: solve(problem, f"lemke[facets={count}]", tol=1e-10) for count in facets}
+        finest = found[max(found)].impulse
+        exact = [solve(problem, CONE, tol=TOL).impulse, solve(problem, "proximal_newton", tol=TOL, start=finest).impulse]
+        velocities = [problem.velocity(impulse) for impulse in exact if fb.residual(problem, impulse) <= TOL]
+        for count, answer in found.items():
+            v = problem.velocity(answer.impulse)
+            yield {
+                "number": number,  # of the problem
+                "scene": source.scene,  # instance
+                "contacts": problem.contacts,  # number of contacts
+                "facets": count,  # of the polygon
+                "unknowns": problem.contacts * (count + 2),  # of the LCP
+                "residual": fb.residual(problem, answer.impulse),  # of Coulomb's law
+                # |v - v_cone|_M / |v*|_M to the nearer of the known solutions with the cone
+                "error": min(_apart(problem, v, known) for known in velocities),
+                # the same between these: above 0 there are two
+                "solutions_apart": _apart(problem, velocities[0], velocities[-1]),
+                "pivots": answer.work.get("pivots"),  # of Lemke's method
+            }
+
+
+def _apart(problem: FrictionProblem, v: Array, w: Array) -> float:
+    """|v - w| over the free velocity, in the norm of the kinetic energy."""
+    free = problem.free_velocity
+    return float(np.sqrt((v - w) @ (problem.mass @ (v - w)) / (free @ (problem.mass @ free))))
+
+
+def plan() -> Plan:
+    """The same problems with times."""
+    return Plan(
+        suite="study cone",
+        sources=SPACE,
+        solvers=(CONE, "nsgs", *(f"lemke[facets={count}]" for count in FACETS)),
+        tolerances=(1e-8,),
+        time_limit=10.0,
+    )
+
+
+def summary(found: Tables) -> Summary:
+    ball, problems, solves = found["ball"], found["problems"], found["solves"]
+    cone, polygons = ball[ball["facets"] == 0].iloc[0], ball[ball["facets"] > 0]
+    slope = order(polygons["facets"], polygons["from_cone"])
+    erring = problems[problems["error"] > KINK].groupby("facets")["error"].median()
+    of_problems = order(erring.index, erring)
+    two = problems[problems["solutions_apart"] > DISTINCT].groupby("number").first()
+    times = _times(solves)
+    ratio = times.div(times["cone"], axis=0).median()
+    done = solves[solves["verdict"].isin([*ACCEPTED, Verdict.RELAXED])].groupby("variant").size()
+    coarse, fine = polygons["facets"].min(), polygons["facets"].max()
+    enough = polygons.loc[polygons["from_cone"] < cone["from_parabola"], "facets"]
+    require(slope.value < -0.5, "more facets approach the cone")
+    shown = [name for name in ratio.index if name != "cone"]
+    numbers = {
+        "coarse": coarse,
+        "coarse_bend": f"{100 * polygons['from_cone'].iloc[0]:.1f}",
+        "length": f"{np.hypot(cone['x'][-1], cone['y'][-1]):.2f}",
+        "fine": fine,
+        "fine_bend": f"{1000 * polygons['from_cone'].iloc[-1]:.1f}",
+        "dearer": _dearer(ratio),
+        "slope": slope,
+        "step_ms": f"{1000 * cone['step']:g}",
+        "from_parabola": f"{1000 * cone['from_parabola']:.1f}",
+        "enough": len(enough),
+        "enough_from": enough.min(),
+        "problems": problems["number"].nunique(),
+        "first_error": f"{erring.iloc[0]:.2g}",
+        "first_facets": erring.index[0],
+        "last_error": f"{erring.iloc[-1]:.2g}",
+        "last_facets": erring.index[-1],
+        "order": of_problems,
+        "ratios": ", ".join(f"{ratio[name]:.2g} with {name} facets" for name in shown),
+        "cone_time": seconds(times["cone"].median()),
+        "two": len(two),
+        "two_scenes": ", ".join(sorted({*two["scene"]})),
+        "verified": done.get(CONE, 0),
+    }
+    figures = {
+        "ball": (
+            Panel("across the parabola, mm", partial(_paths, ball=ball)),
+            Panel("distance of the paths", partial(_distances, ball=ball)),
+        ),
+        "problems": (
+            Panel("error", partial(_errors, problems=problems)),
+            Panel("time over that with the cone", partial(_ratios, times=times)),
+        ),
+    }
+    return Summary(numbers, figures)
+
+
+def _times(solves: pd.DataFrame) -> pd.DataFrame:
+    """Form, setup and solve, s, of each problem: with the cone and by the number of facets."""
+    rows = solves[solves["verdict"].isin([*ACCEPTED, Verdict.RELAXED])]
+    time = rows[["form_time", "setup_time", "solve_time"]].sum(axis=1)
+    name = rows["variant"].str.extract(r"facets=(\d+)")[0].where(rows["variant"] != CONE, "cone")
+    table = rows.assign(time=time, name=name).dropna(subset="name").pivot_table(index="problem", columns="name", values="time")
+    return table[["cone", *sorted(set(table.columns) - {"cone"}, key=int)]]
+
+
+def _dearer(ratio: pd.Series) -> str:
+    """The fewest facets from which on the polygon always takes longer."""
+    names = [name for name in ratio.index if name != "cone"]
+    beyond = [name for k, name in enumerate(names) if (ratio[names[k:]] > 1).all()]
+    return beyond[0] if beyond else f"more than {names[-1]}"
+
+
+def _paths(ax: Axes, ball: pd.DataFrame) -> None:
+    for k, row in enumerate(ball[ball["facets"].isin([0, 4, 6, 8, 16])].to_dict("records")):
+        label = f"{row['facets']} facets" if row["facets"] else "cone"
+        curve(ax, k, row["x"], 1000 * np.array(row["aside"]), label, marker="")
+    finish(ax, "x, m", "mm")
+
+
+def _distances(ax: Axes, ball: pd.DataFrame) -> None:
+    polygons = ball[ball["facets"] > 0]
+    curve(ax, 0, polygons["facets"], polygons["from_cone"])
+    first = polygons.iloc[0]
+    ax.plot(polygons["facets"], first["from_cone"] * (polygons["facets"] / first["facets"]) ** -2.0, color=INK, lw=0.6, ls=":")
+    finish(ax, "facets", "m", "xy")
+
+
+def _errors(ax: Axes, problems: pd.DataFrame) -> None:
+    for k, (_, own) in enumerate(problems.groupby("number")):
+        curve(ax, k, own["facets"], own["error"].clip(lower=KINK), f"{own['scene'].iloc[0]}, {own['contacts'].iloc[0]}")
+    finish(ax, "facets", "error of the velocity", "xy")
+
+
+def _ratios(ax: Axes, times: pd.DataFrame) -> None:
+    ratio = times.drop(columns="cone").div(times["cone"], axis=0)
+    facets = [int(name) for name in ratio.columns]
+    for _, own in ratio.iterrows():
+        ax.plot(facets, own, color=COLOURS[0], lw=0.4)
+    curve(ax, 0, facets, ratio.median(), "median")
+    ax.axhline(1, color=INK, lw=0.6, ls=":")
+    finish(ax, "facets", "time ratio", "xy")
+
+
+STUDY = Study(
+    (
+        ball,
+        problems,
+    ),
+    summary,
+    plan,
+)

@@ -1,0 +1,246 @@
+"""Is the solution set of a friction problem convex? All solutions of small problems, listed."""
+
+import json
+from collections.abc import Iterable, Iterator
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+import frictionbench as fb
+from frictionbench.harness import Source, families
+from frictionbench.problems import (
+    Census,
+    FrictionProblem,
+    Shape,
+    census,
+    first_problem,
+    is_p0,
+    is_pointed,
+    recorded_steps,
+    simulation,
+)
+from frictionbench.reports import ALARM, GRID, INK, Panel
+from frictionbench.solvers import solve
+from studies.study import Array, Row, Study, Summary, Tables, listing, require, share
+
+BLUE = "#0077bb"
+ROUNDING = 1e-12  # residuals below it are rounding
+EXAMPLES = tuple(f"example_{number}" for number in range(1, 8))
+MOST = 5  # contacts of a problem whose solutions are listed: a tenth of a second
+SHAPES = {shape: shape.value.replace(" ", "_") for shape in Shape}
+
+
+def scenes() -> Iterator[Row]:
+    """The first problems of scenes and instances with few contacts."""
+    for source in (*families.sources(families.ONE, families.SMALL), *JAMMED):
+        make = fb.instance if source.scene in fb.instances() else lambda name, **given: first_problem(fb.scene(name, **given))
+        problem = make(source.scene, **source.parameters)
+        if problem.contacts > MOST or (found := listed(problem)) is None:
+            continue
+        yield {
+            "scene": source.scene,  # scene or instance
+            "parameters": json.dumps(source.parameters),  # its settings, JSON
+            "contacts": problem.contacts,  # number of contacts
+            "impulses": found.shape.value,  # shape of the set of impulses
+            "velocities": found.velocity_shape.value,  # shape of the set of contact velocities
+            "pointed": is_pointed(problem),  # whether the friction cone is pointed
+            "p0": is_p0(problem),  # whether the LCP has a P0 matrix
+        }
+
+
+JAMMED = tuple(
+    Source(name, settings)
+    for name, settings in (("jam", {"sideways": 0.0}), ("wedge", {"friction": 0.5}), ("wedge", {"friction": 0.6}))
+)
+
+
+def jam(friction: float = 0.5, points: int = 41) -> Iterator[Row]:
+    """Solutions of the jam by their closed form, and the middle of each and of the one without impulses.
+
+    Normal impulses c = s m V/(2 mu) on both walls leave the speed v = max(1 - s, 0) V; with s beyond 1 friction is below its
+    limit. The gap z'w of the LCP is computed by hand: at both contacts (mu c - beta) times the speed.
+    """
+    problem = first_problem(fb.scene("jam", friction=friction))
+    upwards, speed = problem.tangent.toarray()[:, 1], float(problem.free_velocity[1])
+    for s in np.linspace(0, 2, points):
+        normal = s * speed / (2 * friction)
+        stopped = min(s, 1.0) * speed  # by the friction on both walls
+        impulse = np.column_stack([np.full(2, normal), -upwards * stopped / 2])
+        middle_speed = speed - stopped / 2
+        yield {
+            "share": s,  # normal impulse over the least one that stops the disc
+            "normal": normal,  # normal impulse on each wall, N s
+            "velocity": problem.velocity(impulse)[1],  # of the disc afterwards, m/s
+            "residual": fb.residual(problem, impulse),  # of this solution
+            "middle_residual": fb.residual(problem, impulse / 2),  # of the middle of this solution and of no impulse
+            # z'w of that middle over m V^2, V the free velocity
+            "middle_gap": 2 * (friction * normal / 2 - stopped / 4) * middle_speed / speed**2,
+        }
+
+
+def block(
+    frictions: Iterable[float] = np.linspace(0.5, 4, 8), aspects: Iterable[float] = (0.25, 0.5, 1, 2, 4), draws: int = 150
+) -> Iterator[Row]:
+    """Random free velocities of a block on two corners, of uniform direction in the metric of the kinetic energy."""
+    for aspect in aspects:
+        for friction in frictions:
+            random = np.random.default_rng(0)  # the same draws at each point, so that neighbours differ by the problem alone
+            problem = first_problem(fb.scene("two_corner_block", aspect=aspect, friction=friction))
+            root = np.sqrt(problem.mass.diagonal())
+            found = [census(problem.replace(free_velocity=random.normal(size=3) / root)) for _ in range(draws)]
+            yield {
+                "friction": friction,  # mu
+                "aspect": aspect,  # height over width
+                "p0": is_p0(problem),  # whether the LCP has a P0 matrix
+                "draws": draws,  # free velocities
+                **tally(found),
+            }
+
+
+def motions(names: Iterable[str] = EXAMPLES, steps: int | None = None, most: int = 60) -> Iterator[Row]:
+    """The problems of simulated motions, at most so many of each spread over it, and the recorded steps with few contacts.
+
+    source: motion; problems: problems with one to 5 contacts; listed: those whose solutions are listed.
+    """
+    for name in names:
+        met = [one.problem for step in simulation(fb.scene(name), answer, steps=steps) for one in step.solved]
+        few = [problem for problem in met if 0 < problem.contacts <= MOST]
+        yield {"source": name, **counted(few[:: -(-len(few) // most) or 1])}
+    kept = [fb.instance("recorded_step", case=case) for case in recorded_steps()]
+    yield {"source": "recorded steps", **counted([problem for problem in kept if problem.dimension == 2])}
+
+
+def counted(problems: list[FrictionProblem]) -> Row:
+    """How many problems have few contacts, of how many all solutions are listed, and their shapes."""
+    few = [problem for problem in problems if 0 < problem.contacts <= MOST]
+    found = [one for problem in few if (one := listed(problem)) is not None]
+    return {"problems": len(few), "listed": len(found), **tally(found)}
+
+
+def tally(found: list[Census]) -> Row:
+    """How many sets of impulses have each shape, and how many have several velocities."""
+    shapes = [one.shape for one in found]
+    return {text: shapes.count(shape) for shape, text in SHAPES.items()} | {
+        "several_velocities": sum(one.velocity_count != 1 and one.shape is not Shape.NONE for one in found),
+        "most_velocities": max((one.velocity_count or 0 for one in found), default=0),
+    }
+
+
+def listed(problem: FrictionProblem) -> Census | None:
+    """All solutions; None where round-off forbids to tell them apart."""
+    try:
+        return census(problem)
+    except ArithmeticError:
+        return None
+
+
+def answer(problem: FrictionProblem) -> Array:
+    """The impulses by which motions continue."""
+    return solve(problem, "hybrid", tol=1e-10).impulse
+
+
+def summary(found: Tables) -> Summary:
+    jam, block, motions, scenes = (found[name] for name in ("jam", "block", "motions", "scenes"))
+    inside, beyond = jam[jam["share"] <= 1], jam[jam["share"] > 1]
+    require(jam["residual"].max() < ROUNDING, "the closed form solves the jam")
+    require(inside["middle_residual"].max() < ROUNDING, "the sliding solutions of the jam form a segment")
+    require((beyond["middle_residual"] > 1e-3).all(), "no middle with a sticking solution is a solution")
+    bent = scenes[scenes["impulses"].isin(["not convex", "isolated"])]
+    loose = scenes[(scenes["velocities"] != "one") & scenes["pointed"] & scenes["p0"]]
+    several = block[block["several_velocities"] > 0]
+    require(not several["p0"].any(), "a block with a P0 matrix has one velocity")
+    high = block.loc[(block["several_velocities"] / block["draws"]).idxmax()]
+    least = (several["friction"] * several["aspect"]).min()
+    listed, odd = motions["listed"].sum(), (motions["isolated"] + motions["not_convex"]).sum()
+    many = int(motions["several_velocities"].sum())
+    far = beyond.iloc[-1]
+    names = sorted({*bent["scene"]})
+    numbers = {
+        "most": block["most_velocities"].max(),
+        "listed": listed,
+        "odd_words": odd or "none",
+        "was": "was" if odd <= 1 else "were",
+        "points": len(jam),
+        "residual": f"{jam['residual'].max():.0e}",
+        "far": f"{far['share']:g}",
+        "middle_residual": f"{far['middle_residual']:.2f}",
+        "middle_gap": f"{far['middle_gap']:.3g}",
+        "scenes": len(scenes),
+        "bent": len(bent),
+        "names": listing(names),
+        "threshold": f"{least:.3g}",
+        "mu": f"{high['friction']:.3g}",
+        "aspect": f"{high['aspect']:g}",
+        "share": share(int(high["several_velocities"]), int(high["draws"])),
+        "problems": motions["problems"].sum(),
+        "unique": motions["one"].sum(),
+        "convex": motions["convex"].sum(),
+        "odd": odd,
+        "several": many or "none",
+        "have": "has" if many <= 1 else "have",
+        "loose": len(loose),
+        "loose_names": listing(sorted({*loose["scene"]})),
+    }
+    figures = {
+        "jam": (
+            Panel("the solutions", partial(_bent, jam=jam)),
+            Panel("their middles with no impulse", partial(_middles, jam=jam)),
+        ),
+        "block": (Panel("block on two corners", partial(_shares, block=block)),),
+    }
+    return Summary(numbers, figures)
+
+
+def _bent(ax: Axes, jam: pd.DataFrame) -> None:
+    slides = jam["share"] <= 1
+    ax.plot(jam["normal"][slides], jam["velocity"][slides], color=BLUE, label="slides")
+    ax.plot(jam["normal"][~slides], jam["velocity"][~slides], color=BLUE, ls="--", label="sticks, any larger impulse")
+    first, last = jam.iloc[0], jam.iloc[-1]
+    ax.plot(*zip(first[["normal", "velocity"]], last[["normal", "velocity"]], strict=True), color=ALARM, lw=0.7, ls=":")
+    middle = (first[["normal", "velocity"]] + last[["normal", "velocity"]]) / 2
+    ax.plot(*middle, "x", color=ALARM, label="no solution")
+    ax.set(xlabel="normal impulse, N s", ylabel="velocity afterwards, m/s")
+    ax.grid(**GRID)
+    ax.legend()
+
+
+def _middles(ax: Axes, jam: pd.DataFrame) -> None:
+    ax.plot(jam["share"], jam["middle_residual"], color=BLUE, label="residual")
+    ax.plot(jam["share"], jam["middle_gap"], color=INK, ls="--", label="z'w / (m V^2)")
+    ax.set(xlabel="normal impulse over the stopping one", ylabel="of the middle")
+    ax.grid(**GRID)
+    ax.legend()
+
+
+def _heat(ax: Axes, rows: pd.DataFrame, x: str, y: str, value: str) -> None:
+    """Cells of the column `value` in [0, 1] over the columns x and y; a cell of 0 has no number."""
+    table = rows.pivot_table(index=y, columns=x, values=value, sort=True)
+    ax.imshow(100 * table.to_numpy(float), cmap="Blues", vmin=0, origin="lower", aspect="auto")
+    dark = 0.6 * table.max().max()
+    for (i, j), here in np.ndenumerate(table.to_numpy(float)):
+        if here > 0:
+            look: Any = {"ha": "center", "va": "center", "fontsize": "x-small", "color": "white" if here > dark else INK}
+            ax.text(float(j), float(i), f"{100 * here:.2g}", **look)
+    ax.set_xticks(range(table.shape[1]), [f"{at:.3g}" for at in table.columns])
+    ax.set_yticks(range(table.shape[0]), [f"{at:.3g}" for at in table.index])
+
+
+def _shares(ax: Axes, block: pd.DataFrame) -> None:
+    _heat(ax, block.assign(share=block["several_velocities"] / block["draws"]), "friction", "aspect", "share")
+    edge = np.repeat(block.groupby("aspect")["p0"].sum() - 0.5, 2)
+    ax.plot(edge, np.repeat(np.arange(-0.5, len(edge) / 2), 2)[1:-1], color=INK, ls="--")
+    ax.set(xlabel="mu", ylabel="height over width")
+
+
+STUDY = Study(
+    (
+        scenes,
+        jam,
+        block,
+        motions,
+    ),
+    summary,
+)

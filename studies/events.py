@@ -1,0 +1,162 @@
+"""Event-driven or time stepping? Errors against work, and where the event-driven scheme cannot go on."""
+
+import json
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+import frictionbench as fb
+from frictionbench.problems import SCHEMES, NoSolution, impact, newton, start
+from frictionbench.reports import Panel
+from studies.motions import FINEST, SAMPLES, by_events, exact, sampled
+from studies.study import Array, Row, Study, Summary, Tables, curve, finish, order, require
+
+EVENTS = "event_driven"
+LEAST = 1e-15  # errors below it are drawn there
+CASES: dict[str, tuple[str, dict[str, Any], float]] = {  # scene, parameters and duration, s
+    "bouncing_ball": ("bouncing_ball", {"restitution": 0.5}, 1.2),
+    "rocking_block": ("rocking_block", {}, 1.5),
+    "sliding_rod": ("painleve_rod", {"friction": 0.5}, 1.0),
+    "impacting_rod": ("painleve_rod", {"friction": 0.5, "lift": 0.1}, 0.8),
+    "slider_crank": ("slider_crank_angles", {}, 0.02),
+    "woodpecker": ("woodpecker", {}, 0.15),
+}
+NEWTON = ("moreau", "moreau_euler", "paoli_schatzman")  # schemes with Newton's law of restitution; the others have Poisson's
+ENDS: tuple[tuple[str, dict[str, Any], float], ...] = (
+    ("bouncing_ball", {"restitution": 0.5}, 2.0),
+    ("rocking_block", {}, 8.0),
+    ("painleve_rod", {"friction": 0.5}, 1.0),
+    ("painleve_rod", {"friction": 0.5, "lift": 0.1}, 0.8),
+    ("painleve_rod", {}, 0.2),
+    ("painleve_rod", {"spin": 4.0, "tip_velocity": -3.0}, 0.2),
+    ("slider_crank_angles", {}, 0.04),
+    ("woodpecker", {}, 0.3),
+    *((f"example_{number}", {}, 1.0) for number in range(1, 8)),
+)
+
+
+def errors(
+    names: Iterable[str] = tuple(CASES),
+    counts: Iterable[int] = (50, 100, 200, 400, 800),
+    accuracies: Iterable[float] = (1e-5, 1e-7, 1e-9),
+) -> Iterator[Row]:
+    """Motions by every scheme that takes the scene, compared at ten times with the finest event-driven one of the same law.
+
+    setting: step, s; of the event-driven scheme the integrator's relative accuracy; error: the largest error of a
+    coordinate, m or rad; none where the scheme has no solution; work: friction problems and evaluations of forces.
+    """
+    for name in names:
+        place, settings, duration = CASES[name]
+        whole = fb.scene(place, **settings, step=duration / SAMPLES)
+        known = {law: sampled(whole, by_events(law, FINEST))[0] for law in (impact, newton)}
+        for accuracy in accuracies:
+            path, work = sampled(whole, by_events(impact, accuracy))
+            yield {"scene": name, "scheme": "event_driven", "setting": accuracy, **compared(path, known[impact], work)}
+        for label, scheme in SCHEMES.items():
+            if scheme.events or scheme.refuses(whole):
+                continue
+            for count in counts:
+                path, work = sampled(replace(whole, step=duration / count), scheme, count // SAMPLES)
+                law = newton if label in NEWTON else impact
+                yield {"scene": name, "scheme": label, "setting": duration / count, **compared(path, known[law], work)}
+
+
+def ends(cases: Iterable[tuple[str, dict[str, Any], float]] = ENDS) -> Iterator[Row]:
+    """How far the event-driven scheme comes, and why no farther.
+
+    parameters: its settings, JSON; duration: planned, s; reached: the last of ten times that was reached, s; impacts:
+    located impacts; accumulations: accumulation points that were continued past; events: all located events; reason: why it
+    ended before, if it did.
+    """
+    for name, settings, duration in cases:
+        made, reason = fb.scene(name, **settings, step=duration / SAMPLES), ""
+        now, kinds = start(made), []
+        try:
+            for _ in range(SAMPLES):
+                now = SCHEMES["event_driven"](made, now, exact)
+                kinds += [event.kind for event in now.events]
+        except NoSolution as finding:
+            reason = str(finding)
+        counts = {"impacts": kinds.count("impact"), "accumulations": kinds.count("accumulation"), "events": len(kinds)}
+        facts = {"scene": name, "parameters": json.dumps(settings), "duration": duration, "reached": now.time}
+        yield facts | counts | {"reason": reason}
+
+
+def compared(path: Array, known: Array, work: int) -> Row:
+    """The largest error of a coordinate; none where the motion is not whole."""
+    whole = len(path) == len(known)
+    return {"error": float(np.abs(path - known).max()) if whole else None, "work": work}
+
+
+def summary(found: Tables) -> Summary:
+    errors, ends = found["errors"], found["ends"]
+    driven, stepped = errors[errors["scheme"] == EVENTS], errors[errors["scheme"] != EVENTS]
+    require(driven["error"].notna().all(), "the event-driven scheme follows all scenes")
+    whole, names = stepped.dropna(subset="error"), list(dict.fromkeys(errors["scene"]))
+    best = [_best(name, driven, whole) for name in names]
+    smaller = [row for row in best if row["error"] < row["stepped"]]
+    cheaper = [row for row in smaller if row["work"] < row["steps"]]
+    stopped = ends[ends["reason"] != ""]
+    orders = pd.Series([order(own["setting"], own["error"]).value for _, own in whole.groupby(["scene", "scheme"])])
+    low, middle, high = orders.quantile([0.25, 0.5, 0.75])
+    numbers = {
+        "smaller": len(smaller),
+        "scenes": len(names),
+        "cheaper": len(cheaper),
+        "followed": len(ends) - len(stopped),
+        "motions": len(ends),
+        "best": best,
+        "low": f"{low:.1f}",
+        "middle": f"{middle:.1f}",
+        "high": f"{high:.1f}",
+        "failed": len(stepped) - len(whole),
+        "stepped": len(stepped),
+        "impacts": ends["impacts"].sum(),
+        "accumulations": ends["accumulations"].sum(),
+        "stopped": [
+            {"motion": f"{row.scene}{_settings(row.parameters)}", "reason": row.reason}
+            | {"reached": f"{row.reached:.3g}", "before": f"{row.reached + row.duration / 10:.3g}"}
+            for row in stopped.itertuples()
+        ],
+    }
+    figures = {
+        "work": tuple(
+            Panel(name.replace("_", " "), partial(_work, errors=errors[errors["scene"] == name].dropna(subset="error")))
+            for name in names
+        ),
+    }
+    return Summary(numbers, figures)
+
+
+def _best(name: str, driven: pd.DataFrame, whole: pd.DataFrame) -> dict[str, Any]:
+    """The event-driven scheme at its middle accuracy and the most accurate time-stepping motion of a scene."""
+    own = driven[driven["scene"] == name].sort_values("setting")
+    chosen, best = own.iloc[len(own) // 2], whole[whole["scene"] == name].sort_values("error").iloc[0]
+    facts = {"scene": name.replace("_", " "), "error": chosen["error"], "work": int(chosen["work"])}
+    return facts | {"stepped": best["error"], "steps": int(best["work"]), "scheme": best["scheme"]}
+
+
+def _settings(parameters: str) -> str:
+    named = ", ".join(f"{name}={value:g}" for name, value in json.loads(parameters).items())
+    return f" ({named})" if named else ""
+
+
+def _work(ax: Axes, errors: pd.DataFrame) -> None:
+    for k, (scheme, own) in enumerate(errors.groupby("scheme")):
+        ordered = own.sort_values("work")
+        curve(ax, k, ordered["work"], ordered["error"].clip(lower=LEAST), str(scheme))
+    finish(ax, "evaluations", "largest error, m or rad", "xy")
+
+
+STUDY = Study(
+    (
+        errors,
+        ends,
+    ),
+    summary,
+)

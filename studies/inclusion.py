@@ -1,0 +1,155 @@
+"""Does the time-stepping scheme converge as the step shrinks? Impulses, velocities and their variation."""
+
+from collections.abc import Iterable, Iterator
+from functools import partial
+from itertools import pairwise
+from math import atan
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+import frictionbench as fb
+from frictionbench.problems import SCHEMES, FrictionProblem, simulation
+from frictionbench.reports import Panel
+from frictionbench.solvers import solve
+from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, require
+
+SMALL = 0.05  # a last change below this share of the quantity, and below the one before, counts as settling
+APART = 0.01  # m/s, or a share of normal impulses: more is another answer
+ROUNDING = 1e-6  # m/s or N s: changes below it are rounding
+ROD = 0.9  # N s: the normal impulse that stops the rod in the limit, 3/4 m sin cos |v_t|
+SCENES: dict[str, tuple[str, dict[str, Any], float]] = {  # name, settings, duration
+    "rod": ("painleve_rod", {"angle": atan(2.0), "friction": 1.6, "tip_velocity": -3.0}, 0.1),
+    "jam": ("jam", {"sideways": 0.1}, 0.2),
+    "rocking block": ("rocking_block", {}, 0.8),
+    "disc in a wedge": ("wedge", {"friction": 0.8}, 0.2),
+}
+STEPS = (0.01, 0.005, 0.0025, 0.00125, 0.000625)
+SOLVERS = ("lemke", "nsgs", "interior_point")
+SHARE = 0.75  # of m sin(angle) cos(angle) |v_t|: the rod's impulse in the limit of small steps
+
+
+def refinement(
+    scenes: Iterable[str] = SCENES, solvers: Iterable[str] = SOLVERS, steps: Iterable[float] = STEPS
+) -> Iterator[Row]:
+    """Accumulated quantities of each motion by the scheme of Anitescu and Potra, step by step finer.
+
+    scene: motion; solver: by which every step is solved to 1e-9; step: s; normal: sum of all normal impulses, N s; largest:
+    largest normal impulse, N s; net: sum of J'r, by velocity, N s and N m s; velocity: at the end, m/s and 1/s; variation:
+    of the velocity, sum of |v+ - v|_M, root of J; squares: sum of |J'r|^2/2 in M^-1, J; bound: energy at the start and work
+    of the external force, J.
+    """
+    for name in scenes:
+        generator, settings, duration = SCENES[name]
+        for solver in solvers:
+            for step in steps:
+                stage = fb.scene(generator, **settings, step=step)
+                yield {"scene": name, "solver": solver, "step": step, **accumulated(stage, solver, round(duration / step))}
+
+
+def accumulated(stage: Any, solver: str, steps: int) -> Row:
+    """Sums over the steps of a motion; kinetic norms are those of the mass matrix.
+
+    With J'r the impulse of a step, v* the free and v+ the new velocity the ledger has T(v*) - T(v+) >= |J'r|^2/2 in M^-1, so
+    that the sum of these squares is at most the energy at the start and the work of the external force.
+    """
+
+    def answer(problem: FrictionProblem) -> Array:
+        return solve(problem, solver, tol=1e-9).impulse
+
+    states = list(simulation(stage, answer, SCHEMES["anitescu_potra"], steps))
+    weights, mass = stage.weights, np.sqrt(stage.weights)
+    normal, net, squares, work = 0.0, np.zeros(len(weights)), 0.0, 0.0
+    largest = 0.0
+    for before, after in pairwise(states):
+        for one in after.solved:
+            push = one.problem.jacobian.T @ one.impulse.ravel()
+            normal += float(one.impulse[:, 0].sum())
+            largest = max(largest, float(one.impulse[:, 0].max(initial=0.0)))
+            net = net + push
+            squares += float(push @ (push / weights)) / 2
+            free = one.problem.free_velocity
+            work += float(weights @ (free**2 - before.v**2)) / 2
+    changes = [float(np.linalg.norm(mass * (after.v - before.v))) for before, after in pairwise(states)]
+    return {
+        "normal": normal,
+        "largest": largest,
+        "net": net,
+        "velocity": states[-1].v,
+        "variation": sum(changes),
+        "squares": squares,
+        "bound": float(weights @ states[0].v ** 2) / 2 + work,
+    }
+
+
+def summary(found: Tables) -> Summary:
+    rows = found["refinement"].sort_values("step", ascending=False)
+    require((rows["squares"] <= rows["bound"] * (1 + 1e-6) + 1e-9).all(), "the ledger bounds the squared impulses")
+    settled = pd.DataFrame(
+        [
+            {"scene": scene, "solver": solver}
+            | {name: _settles(own[name]) for name in ("net", "velocity", "normal", "variation")}
+            | {"grows": float(own["variation"].iloc[-1] / own["variation"].iloc[0])}
+            for (scene, solver), own in rows.groupby(["scene", "solver"])
+        ]
+    )
+    finest = rows[rows["step"] == rows["step"].min()]
+    spread = finest.groupby("scene").agg(
+        normal=("normal", np.ptp), middle=("normal", "median"), net=("net", _apart), velocity=("velocity", _apart)
+    )
+    parted = spread[spread["velocity"] > APART]
+    loose = spread[(spread["velocity"] <= APART) & (spread["normal"] > APART * spread["middle"])]
+    both = settled["net"] & settled["velocity"]
+    steady, restless = int(both.sum()), [f"{row['scene']} by {row['solver']}" for row in settled[~both].to_dict("records")]
+    rod, largest = finest[(finest["scene"] == "rod")]["largest"], settled["grows"].max()
+    numbers = {
+        "steady": steady,
+        "pairs": len(settled),
+        "growth": f"{largest:.2f}",
+        "parted": len(parted),
+        "parted_names": listing([*parted.index]),
+        "small": f"{100 * SMALL:.0f}",
+        "restless": restless,
+        "restless_names": listing(restless),
+        "rod_least": f"{rod.min():.4f}",
+        "rod_most": f"{rod.max():.4f}",
+        "rod_limit": f"{ROD:g}",
+        "motions": len(rows),
+        "of_bound": f"{(rows['squares'] / rows['bound']).max():.2f}",
+        "parted_each": {name: f"{row['velocity']:.2g}" for name, row in parted.iterrows()},
+        "loose_each": {
+            name: (f"{100 * row['normal'] / row['middle']:.0f}", f"{row['net']:.0e}") for name, row in loose.iterrows()
+        },
+    }
+    figures = {
+        "refinement": (
+            Panel("normal impulses", partial(_draw, rows=rows, column="normal")),
+            Panel("variation of the velocity", partial(_draw, rows=rows, column="variation")),
+        ),
+    }
+    return Summary(numbers, figures)
+
+
+def _apart(values: pd.Series) -> float:
+    """The largest distance between any two of the vectors."""
+    vectors = np.array([np.atleast_1d(value) for value in values], dtype=float)
+    return float(np.linalg.norm(vectors[:, None] - vectors[None], axis=2).max())
+
+
+def _settles(values: pd.Series) -> bool:
+    vectors = np.array([np.atleast_1d(value) for value in values], dtype=float)
+    return bool(np.linalg.norm(vectors[-1] - vectors[-2]) <= max(SMALL * np.abs(vectors).max(), ROUNDING))
+
+
+def _draw(ax: Axes, rows: pd.DataFrame, column: str) -> None:
+    for k, (scene, own) in enumerate(rows.groupby("scene")):
+        lemke = own[own["solver"] == "lemke"][column]
+        unit = (lemke.iloc[-1] if column == "normal" else lemke.iloc[0]) or 1.0
+        for j, (_, curve_of) in enumerate(own.groupby("solver")):
+            curve(ax, k, curve_of["step"], curve_of[column] / unit, str(scene) if not j else "", lw=1.2 - 0.4 * j)
+    finish(ax, "step, s", "relative", "x")
+
+
+STUDY = Study((refinement,), summary)

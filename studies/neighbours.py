@@ -1,0 +1,245 @@
+"""Painlevé's paradox and the discontinuity in initial data: how far motions part that begin almost alike."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from functools import partial
+from itertools import product
+from math import hypot, sqrt
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+import frictionbench as fb
+from frictionbench.problems import SCHEMES, FrictionProblem, NoSolution, Scene, census, first_problem, simulation
+from frictionbench.reports import INK, Panel
+from frictionbench.solvers import solve
+from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, require
+
+PARTED = 20.0  # times the change of the start: farther apart at the end than smooth growth in so short a motion explains
+SAME = 1e-6  # m/s: answers of two solvers that differ by less
+JAM, RODS, LANDING = "jam", ("rod at p > 0", "rod at p < 0"), "flat landing"
+EDGE = "rod leaving at p < 0"
+EVENTS = "event_driven"
+STEP, STEPS = 0.002, 10  # s, and their number
+G, HEIGHT, FALL, ASPECT = 9.81, 0.0051, 1.0, 3.0  # m/s^2; of the fall of a tall block, m; its first speed, m/s; its shape
+ROD = {"tip_velocity": -3.0, "friction": 1.6}  # at its steepest angle, where p < 0 from mu = 4/3 on
+CASES: dict[str, tuple[str, dict[str, Any]]] = {
+    "rod at p > 0": ("painleve_rod", ROD | {"friction": 1.0}),
+    "rod at p < 0": ("painleve_rod", ROD),
+    "rod leaving at p < 0": ("painleve_rod", ROD | {"lift": G * STEP}),
+    "jam": ("jam", {}),
+    "flat landing": ("two_corner_block", {"fall": FALL, "friction": 1.0, "aspect": ASPECT, "velocity": 0.0}),
+}
+SCHEMES_COMPARED = ("anitescu_potra", "stewart_trinkle", "moreau", "event_driven")
+SOLVERS = ("lemke", "nsgs", "interior_point")
+SIZES = (1e-8, 1e-5, 1e-2)  # of the changes, m/s
+SPINS = tuple(float(10.0**power) for power in np.arange(-6, 0.5, 0.5))  # rad/s
+LIFTS = (0.0, 0.5, 0.9, 1.1, 1.5, 2.0, 4.0, 8.0, 16.0, 32.0)  # of the rod's tip, over g h
+
+
+def ensembles(
+    cases: Iterable[str] = CASES,
+    schemes: Iterable[str] = SCHEMES_COMPARED,
+    solvers: Iterable[str] = SOLVERS,
+    sizes: Iterable[float] = SIZES,
+    members: int = 4,
+) -> Iterator[Row]:
+    """Neighbours of each undisturbed motion: the largest distance of velocities on the way, and at the end."""
+    for case, scheme, solver in product(cases, schemes, solvers):
+        stage = begin(case)
+        middle = motion(stage, scheme, solver)
+        for size in sizes:
+            apart, last = [], []
+            for seed in range(members):
+                way = np.random.default_rng(seed).normal(size=len(stage.v0))
+                found = motion(replace(stage, v0=stage.v0 + size * way / np.linalg.norm(way)), scheme, solver)
+                common = min(len(found), len(middle))
+                away = np.linalg.norm(found[:common] - middle[:common], axis=1)
+                apart.append(float(away.max(initial=0.0)))
+                last.append(float(away[-1]) if common == STEPS else None)
+            whole = len(middle) == STEPS
+            yield {
+                "case": case,  # of motion
+                "scheme": scheme,  # time-stepping scheme
+                "solver": solver,  # of the steps, to 1e-10
+                "size": size,  # of the change of the first velocities, m/s and rad/s
+                "members": members,  # number of neighbours
+                # of these with a solution in every step, as the undisturbed motion
+                "ended": sum(end is not None for end in last),
+                # at the end of the undisturbed motion, null where a step has no solution; m/s and rad/s
+                "velocity": middle[-1] if whole else None,
+                # largest distance of a neighbour's velocities on the way, m/s and rad/s
+                "most_apart": max(apart) if whole else None,
+                "apart": max((end for end in last if end is not None), default=None),  # the same at the end
+            }
+
+
+def begin(case: str) -> Scene:
+    """The undisturbed start; the block that lands is lifted to its height."""
+    name, settings = CASES[case]
+    stage = fb.scene(name, **settings, step=STEP)
+    return replace(stage, q0=stage.q0 + np.array([0.0, HEIGHT, 0.0])) if case == "flat landing" else stage
+
+
+def motion(stage: Scene, scheme: str, solver: str, steps: int = STEPS) -> Array:
+    """The velocities (steps, nv) after each step, fewer where the scheme has no solution."""
+
+    def answer(problem: FrictionProblem) -> Array:
+        return solve(problem, solver, tol=1e-10).impulse
+
+    found = []
+    try:
+        for now in simulation(stage, answer, SCHEMES[scheme], steps):
+            found.append(now.v)  # noqa: PERF401, what was found before the failure is kept
+    except NoSolution:
+        pass
+    return np.array(found[-steps:]).reshape(-1, len(stage.v0))
+
+
+def landings(schemes: Iterable[str] = SCHEMES_COMPARED, spins: Iterable[float] = SPINS) -> Iterator[Row]:
+    """A tall block that lands almost flat with a small spin: one corner hits first, the other a moment later.
+
+    closed: the spin at the end after two hits in sequence, with half width b, half height H and R^2 = b^2 + H^2: the first hit
+    turns the block about its corner with v b/(4/3 R^2), the second leaves 1 - 3/2 (b/R)^2 of it (Housner 1963), and the weight
+    takes 3/4 g b/R^2 a second from it.
+    """
+    speed, b, radius = sqrt(FALL**2 + 2 * G * HEIGHT), 0.5, hypot(0.5, ASPECT / 2)
+    falling = STEPS * STEP - (speed - FALL) / G
+    closed = speed * b / (4 / 3 * radius**2) * (1 - 1.5 * (b / radius) ** 2) - 0.75 * G * b / radius**2 * falling
+    for scheme, spin in product(schemes, spins):
+        stage = begin("flat landing")
+        found = motion(replace(stage, v0=stage.v0 + np.array([0.0, 0.0, spin])), scheme, "lemke")
+        tilt = spin * (speed - FALL) / G
+        yield {
+            "scheme": scheme,  # time-stepping scheme
+            "spin": spin,  # of the start, rad/s
+            "delay": 2 * b * tilt / speed,  # between the two hits, s
+            "after": abs(float(found[-1, 2])) if len(found) == STEPS else None,  # spin at the end, rad/s
+            "closed": closed,  # the same by the closed form of two hits in sequence, rad/s
+        }
+
+
+def lifts(solvers: Iterable[str] = SOLVERS, steps: Iterable[float] = (0.004, 0.002, 0.001)) -> Iterator[Row]:
+    """The rod's first step where p < 0, with its tip moving up: which solution each solver returns, and how many there are.
+
+    step: s; lift: first velocity of the tip, upwards, over g times the step; solver: of the step, to 1e-10; solutions:
+    number of velocities that solve the step, by the census; along: velocity of the rod's centre along the ground after the
+    step, m/s.
+    """
+    for step, lift in product(steps, LIFTS):
+        stage = fb.scene("painleve_rod", **ROD, lift=lift * G * step, step=step)
+        count = census(first_problem(stage)).velocity_count
+        for solver in solvers:
+            v = motion(stage, "anitescu_potra", solver, 1)[0]
+            yield {"step": step, "lift": lift, "solver": solver, "solutions": count, "along": float(v[0])}
+
+
+def summary(found: Tables) -> Summary:
+    rows, landings, lifts = found["ensembles"], found["landings"], found["lifts"]
+    rows = rows.assign(parted=rows["apart"] > PARTED * rows["size"], none=rows["velocity"].isna())
+    pairs = rows.groupby(["case", "scheme", "solver"])[["parted", "none"]].any().reset_index()
+    inside = rows[rows["case"].isin(RODS) & ~rows["none"]]
+    require(not inside["parted"].any(), "neighbours of the rod on the ground stay neighbours")
+    parted = pairs[pairs["parted"]]
+    silent = pairs[pairs["none"]]
+    told = [f"{case} ({_pairs(own)})" for case, own in parted.groupby("case")]
+    jam = rows[(rows["case"] == JAM) & ~rows["none"]].drop_duplicates(["scheme", "solver"])
+    between = _spread(jam)
+    edge = rows[(rows["case"] == EDGE) & rows["parted"]]
+    events = landings[landings["scheme"] == EVENTS].sort_values("spin")
+    others = landings[landings["scheme"] != EVENTS]
+    small = others[others["after"] < 0.1 * others["closed"]].groupby("scheme")["delay"].max()
+    error = abs(events["after"].iloc[0] / events["closed"].iloc[0] - 1)
+    require(error < 0.01, "the event-driven spin is that of the closed form")
+    steps = lifts.groupby(["step", "lift"]).agg(
+        solutions=("solutions", "first"), apart=("along", lambda along: along.max() - along.min())
+    )
+    differ, several = steps["apart"] > SAME, steps["solutions"] > 1
+    begins = steps[several].reset_index().groupby("step")["lift"].min()
+    before = steps[~several].reset_index().query("lift < @begins.min()")["lift"].max()
+    without = [f"{case} ({_pairs(own)})" for case, own in silent.groupby("case")]
+    late = [f"{name} up to {delay:.1g} s" for name, delay in small.items()]
+    numbers = {
+        "parted": listing(sorted(parted["case"].unique())),
+        "jam": _apart(between),
+        "gain": f"{_gain(inside):.2g}",
+        "parted_limit": f"{PARTED:g}",
+        "cases": "; ".join(told),
+        "edge_most": f"{edge['most_apart'].max():.2g}",
+        "edge": f"{edge['apart'].max():.1g}",
+        "several": several.sum(),
+        "steps": len(steps),
+        "differ": where_answers_differ(differ, several),
+        "before": f"{before:g}",
+        "begins": f"{begins.max():g}",
+        "spin": f"{events['spin'].iloc[0]:.0e}",
+        "delay": f"{events['delay'].iloc[0]:.1g}",
+        "after": f"{events['after'].iloc[0]:.3f}",
+        "closed": f"{events['closed'].iloc[0]:.3f}",
+        "late": listing(late),
+        "without": without,
+        "without_names": "; ".join(without),
+    }
+    figures = {
+        "edges": (
+            Panel("order of two hits", partial(_landings, landings=landings)),
+            Panel("the tip leaves", partial(_lifts, lifts=lifts[lifts["step"] == 0.002])),
+        ),
+    }
+    return Summary(numbers, figures)
+
+
+def _pairs(own: pd.DataFrame) -> str:
+    """The schemes, each with its solvers."""
+    return ", ".join(f"{scheme} with {listing(list(part['solver']))}" for scheme, part in own.groupby("scheme"))
+
+
+def _gain(rows: pd.DataFrame) -> float:
+    return float((rows["apart"] / rows["size"]).max())
+
+
+def _spread(rows: pd.DataFrame) -> float:
+    """The largest distance between velocities at the end."""
+    ends = np.array(rows["velocity"].tolist(), dtype=float)
+    return float(np.linalg.norm(ends[:, None] - ends[None], axis=2).max())
+
+
+def _apart(distance: float) -> str:
+    """How answers whose velocities are so many m/s apart differ."""
+    return f"differ by up to {distance:.2g} m/s" if distance > SAME else "are the same"
+
+
+def where_answers_differ(differ: pd.Series, several: pd.Series) -> str:
+    """In how many steps answers differ, and whether in those with several solutions."""
+    if not differ.any():
+        return "none"
+    where = "all of these" if differ.eq(several).all() else "these only" if several[differ].all() else "others, too"
+    return f"{int(differ.sum())}, {where}"
+
+
+def _landings(ax: Axes, landings: pd.DataFrame) -> None:
+    for k, (scheme, own) in enumerate(landings.groupby("scheme")):
+        curve(ax, k, own["delay"], own["after"], str(scheme))
+    ax.axhline(landings["closed"].iloc[0], color=INK, lw=0.6, ls=":")
+    finish(ax, "delay between the hits, s", "spin, rad/s", "x")
+
+
+def _lifts(ax: Axes, lifts: pd.DataFrame) -> None:
+    several = lifts.loc[lifts["solutions"] > 1, "lift"]
+    if len(several):
+        ax.axvspan(several.min(), several.max(), color=INK, alpha=0.08)
+    for k, (solver, own) in enumerate(lifts.groupby("solver")):
+        curve(ax, k, own["lift"], own["along"], str(solver), ms=6 - 1.5 * k)
+    finish(ax, "lift over g h", "velocity along the ground, m/s")
+
+
+STUDY = Study(
+    (
+        ensembles,
+        landings,
+        lifts,
+    ),
+    summary,
+)

@@ -1,0 +1,114 @@
+"""What a study is, and what studies share: numbers in sentences with their uncertainty, and curves.
+
+A study is a file of this folder that ends in `STUDY = Study(...)`, with its prose in text/NAME.md. Above `def summary` stands
+what computes: generators of rows, each a table of its own name, whose arguments make it smaller for tests, and plans of solver
+runs, with the isolation, verification and columns of any run. Below it stands what reads the tables: `summary` gives the
+numbers that the prose quotes, formatted, and the panels of its figures.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from statistics import NormalDist
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+from numpy.typing import ArrayLike, NDArray
+from scipy.stats import t as student
+
+from frictionbench.harness import Plan
+from frictionbench.reports import GRID, Look, Panel, percent, plain
+from frictionbench.results import ResultsError
+
+RECORDED = "recorded"  # the table of solver runs on recorded problems
+Z = NormalDist().inv_cdf(0.975)
+COLOURS = ("#0077bb", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#a6761d", "#8c6bb1", "#7f7f7f")
+_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "p")
+_DASHES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), "-", "--", "-.")
+
+Array = NDArray[np.float64]
+Row = dict[str, Any]
+Tables = dict[str, pd.DataFrame]  # by name; those of solver runs are `solves` and, where problems were given, RECORDED
+
+
+class Summary(NamedTuple):
+    """What the prose says: its numbers by name, the panels of each figure, and the looks of lines named in a common legend."""
+
+    numbers: Mapping[str, Any]
+    figures: Mapping[str, Sequence[Panel]]
+    looks: Mapping[str, Look] = {}
+
+
+class Study(NamedTuple):
+    """rows: a generator for each table. plan: solver runs, if any; recorded: those on recorded problems at given locations."""
+
+    rows: Sequence[Callable[..., Iterable[Row]]]
+    summary: Callable[[Tables], Summary]
+    plan: Callable[[], Plan] | None = None
+    recorded: Callable[[Sequence[str]], Plan] | None = None
+
+
+def require(holds: object, claim: str) -> None:
+    """Errors: ResultsError with the claim, where the tables do not hold what the prose says."""
+    if not holds:
+        raise ResultsError(f"the tables do not show what the text says: {claim}")
+
+
+def wilson(successes: int, trials: int) -> tuple[float, float]:
+    """The 95 % interval of a share (Wilson 1927)."""
+    p, n = successes / trials, trials
+    middle = (p + Z**2 / (2 * n)) / (1 + Z**2 / n)
+    half = Z / (1 + Z**2 / n) * np.sqrt(p * (1 - p) / n + Z**2 / (4 * n**2))
+    return max(0.0, middle - half), min(1.0, middle + half)
+
+
+def share(successes: int, trials: int) -> str:
+    """A share with its 95 % interval: 6 of 150 (4 %, 95 % interval 1.8 to 8.5 %)."""
+    low, high = (f"{100 * end:.{0 if end > 0.0995 else 1}f}" for end in wilson(int(successes), int(trials)))
+    return f"{successes} of {trials} ({percent(successes / trials)}, 95 % interval {low} to {high} %)"
+
+
+class Slope(NamedTuple):
+    """The slope of log y over log x with half the width of its 95 % interval."""
+
+    value: float
+    half: float
+
+    def __str__(self) -> str:
+        return f"{self.value:.2f} ± {self.half:.2f}"
+
+
+def order(x: ArrayLike, y: ArrayLike) -> Slope:
+    """The order by least squares: y ~ x^slope; at least three points of positive x and y."""
+    a, b = np.log(np.asarray(x, dtype=float)), np.log(np.asarray(y, dtype=float))
+    centred = a - a.mean()
+    slope = float(centred @ b / (centred @ centred))
+    left = b - b.mean() - slope * centred
+    error = np.sqrt(left @ left / (len(a) - 2) / (centred @ centred))
+    return Slope(slope, float(student.ppf(0.975, len(a) - 2) * error))
+
+
+def listing(items: Sequence[str], last: str = "and") -> str:
+    """a, b and c."""
+    return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} {last} {items[-1]}" if items else "none"
+
+
+def curve(ax: Axes, k: int, x: ArrayLike, y: ArrayLike, label: str = "", **more: Any) -> None:
+    """The k-th curve of a panel."""
+    look = {"color": COLOURS[k % 8], "marker": _MARKERS[k % 8], "ls": _DASHES[k % 8], "ms": 3.5} | more
+    ax.plot(x, y, label=plain(label) if label else "_", **look)
+
+
+def finish(ax: Axes, x: str, y: str, logarithmic: str = "", **more: Any) -> None:
+    """Labels, grid and legend; logarithmic: "x", "y", "xy" or none."""
+    ax.set(xlabel=x, ylabel=y, **{f"{axis}scale": "log" for axis in logarithmic}, **more)
+    for axis in (getattr(ax, f"{axis}axis") for axis in logarithmic):
+        low, high = axis.get_view_interval()
+        subs = (1.0,) if high > 90 * low else (1.0, 2.0, 5.0)
+        axis.set_major_locator(LogLocator(subs=subs, numticks=7))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_locator(NullLocator())
+    ax.grid(**GRID)
+    if ax.get_legend_handles_labels()[0]:
+        ax.legend(fontsize="x-small")

@@ -1,0 +1,132 @@
+"""What a warm start buys: recorded motions replayed from zero, from the step before, and from another step."""
+
+import json
+from functools import partial
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+from frictionbench.harness import Plan, Source
+from frictionbench.problems import ACCEPTED
+from frictionbench.reports import INK, Panel
+from frictionbench.results import COLD, SHUFFLED, WARM
+from studies.study import Study, Summary, Tables, finish, listing, require
+
+STARTS = (COLD, WARM, SHUFFLED)
+COUNTS = {  # of each method, what its work is measured by
+    "lemke": "pivots",
+    "interior_point": "iterations",
+    "nsgs": "sweeps",
+    "nncg": "sweeps",
+    "staggered": "products",
+    "anitescu_hart": "products",
+    "apgd_coulomb": "products",
+    "admm_coulomb": "iterations",
+}
+KEYS = ["variant", "scene", "problem", "step", "phase"]
+EXAMPLES = tuple(f"example_{number}" for number in range(1, 8))
+SOLVERS = ("lemke", "interior_point", "nsgs", "staggered", "nncg", "anitescu_hart", "apgd_coulomb", "admm_coulomb")
+PILES = (
+    Source("stack", {"blocks": 5, "push": 0.5}, pick=8, steps=60, repeats=1),
+    Source("pyramid", {"rows": 3, "push": 0.2}, pick=8, steps=60, repeats=1),
+    Source("disc_pile", {"rows": 4}, pick=8, steps=60, repeats=1),
+    Source("arch", {}, pick=8, steps=60, repeats=1),
+)
+
+
+def plan() -> Plan:
+    """Problems of the seven examples and of piles, each solved from three starts; times are not used, so each is taken once."""
+    return Plan(
+        suite="study warm",
+        sources=(*(Source(name, pick=8, steps=150, repeats=1) for name in EXAMPLES), *PILES),
+        solvers=SOLVERS,
+        tolerances=(1e-8,),
+        starts=(COLD, WARM, SHUFFLED),
+        time_limit=10.0,
+    )
+
+
+def summary(found: Tables) -> Summary:
+    rows = found["solves"]
+    rows = rows.assign(solved=rows["verdict"].isin(list(ACCEPTED)))
+    solved = rows.set_index([*KEYS, "start"])["solved"].unstack().dropna()  # noqa: PD010  # problems with all three starts
+    answers = solved.groupby("variant").sum()
+    problems = solved.groupby("variant").size()
+    require(problems.min() == problems.max(), "all methods have the same problems")
+    rows = rows.assign(count=[_count(*pair) for pair in zip(rows["variant"], rows["work"], strict=True)])
+    counts = rows.set_index([*KEYS, "start"])["count"].unstack()  # noqa: PD010
+    counts = counts.reindex(solved.index[solved.eq(True).all(axis=1)]).astype(float)
+    motions = counts.groupby(["variant", "scene"]).sum()
+    ratios = {name: {start: _ratio(own, start) for start in (WARM, SHUFFLED)} for name, own in motions.groupby(level="variant")}
+    names = sorted(ratios, key=lambda name: ratios[name][WARM][0])
+    gained = [name for name in names if ratios[name][WARM][2] < 1]
+    nearer = [name for name in names if ratios[name][WARM][0] < ratios[name][SHUFFLED][0]]
+    free = (counts[WARM] == 0).groupby("variant").mean()
+    at_once = [f"{name} in {100 * free[name]:.0f} %" for name in names if free[name] > 0]
+    lost = [name for name in names if answers.loc[name, WARM] < answers.loc[name, COLD]]
+    middle = (motions[WARM] / motions[COLD]).groupby("variant").median()
+    low, high = ratios[names[0]][WARM][0], ratios[names[-1]][WARM][0]
+    told = [
+        f"{name} ({COUNTS[name]}) {_words(ratios[name][WARM])}, {middle[name]:.2f} in the median motion, "
+        f"from another step {ratios[name][SHUFFLED][0]:.2f}"
+        for name in names
+    ]
+    numbers = {
+        "low": f"{low:.2f}",
+        "first": names[0],
+        "high": f"{high:.2f}",
+        "last": names[-1],
+        "gained": len(gained),
+        "methods": len(names),
+        "problems": problems.iloc[0],
+        "ratios": "; ".join(told),
+        "nearer": len(nearer),
+        "shuffled_better": sum(ratios[name][SHUFFLED][0] < 1 for name in names),
+        "at_once": listing(at_once),
+        "lost": lost,
+        "lost_names": listing(lost),
+    }
+    figures = {
+        "ratios": (
+            Panel("from the step before", partial(_draw, motions=motions, start=WARM, names=names, ratios=ratios)),
+            Panel("from another step", partial(_draw, motions=motions, start=SHUFFLED, names=names, ratios=ratios)),
+        ),
+    }
+    return Summary(numbers, figures)
+
+
+def _count(variant: str, work: object) -> float:
+    """The method's own count; not a number where the cell has none, as after a time-out."""
+    return float(json.loads(work).get(COUNTS[variant], np.nan)) if isinstance(work, str) else np.nan
+
+
+def _ratio(own: pd.DataFrame, start: str, draws: int = 2000) -> tuple[float, float, float]:
+    """The ratio of the sums, with the interval of 95 % by resampling the motions."""
+    pick = np.random.default_rng(1).integers(len(own), size=(draws, len(own)))
+    above, below = (own[column].to_numpy(float) for column in (start, COLD))
+    low, high = np.quantile(above[pick].sum(axis=1) / below[pick].sum(axis=1), (0.025, 0.975))
+    return float(above.sum() / below.sum()), float(low), float(high)
+
+
+def _words(ratio: tuple[float, float, float]) -> str:
+    return f"{ratio[0]:.2f} ({ratio[1]:.2f} to {ratio[2]:.2f})"
+
+
+def _draw(
+    ax: Axes,
+    motions: pd.DataFrame,
+    start: str,
+    names: list[str],
+    ratios: dict[str, dict[str, tuple[float, float, float]]],
+) -> None:
+    ax.axvline(1, color=INK, lw=0.6, ls=":")
+    for k, name in enumerate(names):
+        own = motions.loc[name]
+        ax.plot(own[start] / own[COLD], np.full(len(own), k), "o", ms=3, alpha=0.6, color="#0077bb")
+        ax.plot([ratios[name][start][0]] * 2, [k - 0.3, k + 0.3], color=INK, lw=1.2)
+    ax.set_yticks(range(len(names)), names)
+    finish(ax, "work over that from zero", "")
+
+
+STUDY = Study((), summary, plan)

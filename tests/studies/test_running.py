@@ -1,0 +1,59 @@
+"""Studies are computed once, anew where their code has changed, and written as a page."""
+
+import re
+
+import pandas as pd
+import pytest
+
+from frictionbench.results import ResultsError
+from studies import __main__ as running
+from studies.study import Summary, require
+from tests.helpers.paths import ROOT
+
+
+def test_every_study_is_documented() -> None:
+    page = (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")
+    assert re.findall(r"^## (\w+)$", page, re.MULTILINE) == list(running.NAMES)
+    assert {path.stem for path in running.HERE.glob("text/*.md")} == {*running.NAMES, "page"}
+
+
+def test_a_table_is_kept_until_its_code_changes(tmp_path, monkeypatch) -> None:
+    path = running.write_rows(tmp_path, "convexity", "jam")
+    assert len(pd.read_parquet(path)) == 41
+    monkeypatch.setattr(running, "NAMES", ("convexity",))
+    only = running.study("convexity")._replace(rows=running.study("convexity").rows[1:2])
+    monkeypatch.setattr(running, "study", lambda name: only)
+    before = path.stat().st_mtime_ns
+    running.compute(["convexity"], tmp_path, 1)
+    assert path.stat().st_mtime_ns == before
+    monkeypatch.setattr(running, "code", lambda name: "other")
+    assert not running._kept(tmp_path, "convexity", "jam")
+
+
+def test_what_draws_and_writes_is_no_code_of_a_table(tmp_path, monkeypatch) -> None:
+    for name in ("motions.py", "convexity.py"):
+        (tmp_path / name).write_text((running.HERE / name).read_text(encoding="utf-8"), encoding="utf-8")
+    monkeypatch.setattr(running, "HERE", tmp_path)
+    before, path = running.code("convexity"), tmp_path / "convexity.py"
+    path.write_text(path.read_text(encoding="utf-8") + "# drawn otherwise", encoding="utf-8")
+    assert running.code("convexity") == before
+    path.write_text("# computed otherwise" + path.read_text(encoding="utf-8"), encoding="utf-8")
+    assert running.code("convexity") != before
+
+
+def test_claims_that_the_tables_do_not_hold_are_refused() -> None:
+    require(True, "nothing")
+    with pytest.raises(ResultsError, match="a claim"):
+        require(False, "a claim")
+
+
+def test_numbers_that_the_prose_lacks_are_errors() -> None:
+    with pytest.raises(Exception, match="undefined"):
+        running.text("convexity", Summary({}, {}))
+
+
+@pytest.mark.parametrize("arguments", [["convexty"], ["warm", "--data", "somewhere"]])
+def test_what_is_not_known_is_refused(arguments, capsys) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        running.main(arguments)
+    assert "studies: error:" in capsys.readouterr().err

@@ -1,0 +1,249 @@
+"""Each study at reduced size: what its tables must show, and its text and figures from them; times are those of made rows."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import frictionbench as fb
+from studies.cone import SPACE
+from studies.interior import central_path, folds
+from studies.neighbours import where_answers_differ
+from studies.study import order
+from studies.warm import COUNTS, SOLVERS
+from tests.helpers.studies import reduced, text
+
+
+@pytest.mark.slow  # its claims on computed tables
+def test_springs_tend_to_the_rigid_motion_and_decide_between_two() -> None:
+    found = reduced(
+        "compliance",
+        stiffnesses={"names": ("stopping_block",), "values": (1e4, 1e5, 1e6), "methods": ("Radau",)},
+        indentations={"shares": (0.5, 2.0)},
+        inconsistent={"values": (1e4, 1e8)},
+    )
+    errors, stuck = found["stiffnesses"]["error"], found["inconsistent"]
+    assert errors[2] < errors[1] < errors[0]
+    off = (stuck["impulse"] / stuck["rigid"] - 1).abs()
+    assert off[1] < off[0]
+    assert off[1] < 0.02
+    assert text("compliance", found).answer.startswith("Rigid where it has one answer")
+
+
+@pytest.mark.slow  # its claims on computed tables
+def test_polygons_bend_the_path_and_approach_the_cone() -> None:
+    names = [("interior_point", 1.0), *((f"lemke[facets={k}]", k / 6.0) for k in (4, 8, 16))]
+    times = {"form_time": 0.0, "setup_time": 0.0, "verdict": "solved", "problem": "p"}
+    solves = pd.DataFrame([{"variant": name, "solve_time": time} | times for name, time in names])
+    found = reduced(
+        "cone",
+        {"solves": solves},
+        ball={"facets": (0, 4, 8, 16), "step": 0.01},
+        problems={"facets": (4, 8, 16), "sources": SPACE[1:2]},
+    )
+    ball, problems = found["ball"], found["problems"]
+    assert ball.loc[ball["facets"] > 0, "from_cone"].is_monotonic_decreasing
+    assert problems["error"].is_monotonic_decreasing
+    assert problems["solutions_apart"].max() < 1e-8
+    assert "from 8 facets on Lemke's method takes longer" in text("cone", found).answer
+
+
+@pytest.mark.slow  # its claims on computed tables
+def test_the_jam_is_a_bent_line_and_the_block_is_unique_where_it_is_p0() -> None:
+    found = reduced(
+        "convexity",
+        jam={"points": 9},
+        block={"frictions": (0.5, 3.0), "aspects": (1.0,), "draws": 30},
+        motions={"names": ("example_4",), "steps": 30, "most": 3},
+    )
+    jam, block, scenes = found["jam"], found["block"], found["scenes"]
+    assert jam["residual"].max() < 1e-12
+    assert (jam["middle_residual"] > 1e-3).tolist() == (jam["share"] > 1).tolist()
+    assert jam["middle_gap"].iloc[-1] == 0.25
+    assert block["several_velocities"].gt(0).tolist() == [False, True]
+    assert {"jam", "wedge"} == {*scenes.loc[scenes["impulses"] == "not convex", "scene"]}
+    account = text("convexity", found)
+    assert account.answer.startswith("No. ")
+    assert [figure.name for figure in account.figures] == ["jam", "block"]
+
+
+@pytest.mark.slow  # its claims on computed tables
+def test_hinges_drift_and_solvers_see_the_same_problem() -> None:
+    found = reduced(
+        "coordinates",
+        drifts={"schemes": ("anitescu_potra",), "counts": (20, 40, 80), "duration": 0.004},
+        problems={"solvers": ("lemke",), "steps": 60},
+    )
+    drifts, problems = found["drifts"], found["problems"]
+    assert drifts[drifts["form"] == "angles"]["drift"].max() < 1e-12
+    assert drifts[drifts["form"] == "hinges"]["drift"].min() > 1e-6
+    assert problems["difference"].max() < 1e-9
+    assert problems["work_angles"].tolist() == problems["work_hinges"].tolist()
+    assert text("coordinates", found).answer.startswith("To the solvers it is the same")
+
+
+@pytest.mark.slow  # its claims on computed tables
+def test_the_principle_rejects_no_solution() -> None:
+    size = {"draws": 12, "angles": (1.1,)}
+    found = reduced("dissipation", solutions=size, returned=size | {"solvers": ("lemke", "nsgs")})
+    solutions, returned = found["solutions"], found["returned"]
+    assert solutions["number"].nunique() >= 2
+    assert solutions["of"].min() >= 2
+    assert (solutions["energy"] - solutions["least"]).abs().max() < 1e-6
+    assert solutions["residual"].max() < 1e-7
+    assert returned["rank"].dropna().isin([1, 2, 3]).all()
+    assert text("dissipation", found).answer.startswith("No. Every one of the solutions")
+
+
+@pytest.mark.slow  # its claims on computed tables
+def test_events_are_exact_and_steps_are_of_first_order() -> None:
+    found = reduced(
+        "events",
+        errors={"names": ("bouncing_ball",), "counts": (20, 40, 80), "accuracies": (1e-6,)},
+        ends={"cases": (("bouncing_ball", {"restitution": 0.5}, 2.0), ("painleve_rod", {}, 0.2))},
+    )
+    errors, ends = found["errors"], found["ends"]
+    driven = errors["scheme"] == "event_driven"
+    assert errors[driven]["error"].max() < 1e-9
+    assert errors[~driven]["error"].min() > 1e-5
+    assert ends["accumulations"].tolist() == [1, 0]
+    assert ends["reached"].round(9).tolist() == [2.0, 0.0]
+    assert "no bounded force" in ends["reason"][1]
+    assert text("events", found).answer.startswith("Event-driven while events are few")
+
+
+@pytest.mark.slow  # its claims on computed tables
+def test_the_rod_settles_within_the_ledgers_bound() -> None:
+    arguments = {"scenes": ("rod",), "solvers": ("lemke", "interior_point"), "steps": (0.02, 0.01, 0.005)}
+    rows = reduced("inclusion", refinement=arguments)
+    table = rows["refinement"]
+    assert (table["squares"] <= table["bound"]).all()
+    away = np.abs(table.loc[table["solver"] == "lemke", "largest"] - 0.9)
+    assert away.is_monotonic_decreasing
+    assert away.iloc[-1] < 0.06
+    assert "Each solver's sequence settles in 2 of 2 cases" in text("inclusion", rows).answer
+
+
+@pytest.mark.slow  # its claims on computed tables
+def test_the_predictor_corrector_solves_most_problems() -> None:
+    found = reduced(
+        "interior",
+        random={"frictions": (0.3, 3.0), "contacts": (5,), "seeds": 3},
+        piles={"frictions": (0.2,), "blocks": (1, 10)},
+        threshold={"ratios": (0.5, 3.0), "draws": 6},
+        path={"frictions": (1.0,), "contacts": 3, "seeds": range(2)},
+    )
+    random, threshold = found["random"], found["threshold"]
+    assert random.loc[random["friction"] < 1, ["plain", "paths", "relaxation"]].all().all()
+    assert threshold["p0"].tolist() == [True, False]
+    assert threshold.loc[threshold["p0"], "plain"].tolist() == [6]
+    assert found["piles"]["plain"].all()
+    assert found["path"]["t"].iloc[-1] < 1e-3
+    assert text("interior", found).answer.startswith("Yes")
+
+
+def test_a_central_path_folds_and_ends_at_a_solution() -> None:
+    lcp = fb.instance("random", contacts=5, friction=10.0, seed=10).lcp()
+    points = central_path(lcp)
+    assert folds(points) >= 2
+    assert points[-1][1] <= 1e-4
+    assert np.all(np.diff([length for length, _ in points]) > 0)
+
+
+def test_neighbours_part_where_the_tip_leaves_and_by_the_order_of_hits() -> None:
+    found = reduced(
+        "neighbours",
+        ensembles={
+            "cases": ("rod at p < 0", "rod leaving at p < 0", "jam"),
+            "schemes": ("anitescu_potra",),
+            "solvers": ("lemke", "interior_point"),
+            "sizes": (1e-8,),
+        },
+        landings={"schemes": ("anitescu_potra", "event_driven"), "spins": (1e-6, 1e-4)},
+        lifts={"solvers": ("lemke", "interior_point"), "steps": (0.002,)},
+    )
+    ends = found["ensembles"].set_index(["case", "solver"])["apart"]
+    assert ends["rod at p < 0", "lemke"] < 1e-7
+    assert ends["rod leaving at p < 0", "lemke"] > 1e-3
+    assert ends["rod leaving at p < 0", "interior_point"] > 1e-3
+    landings = found["landings"].set_index(["scheme", "spin"])
+    assert landings.loc[("event_driven", 1e-6), "after"] == pytest.approx(landings["closed"].iloc[0], rel=0.01)
+    assert landings.loc[("anitescu_potra", 1e-6), "after"] < 1e-5
+    account = text("neighbours", found)
+    assert account.answer.startswith("At edges, yes: neighbours part for good in ")
+    assert "the solvers' answers differ in none;" in account.body
+
+
+@pytest.mark.parametrize(
+    ("differ", "several", "text"),
+    [
+        ([0, 0], [1, 0], "none"),
+        ([1, 0], [1, 0], "1, all of these"),
+        ([1, 0], [1, 1], "1, these only"),
+        ([1, 1], [1, 0], "2, others, too"),
+    ],
+)
+def test_where_answers_differ(differ, several, text) -> None:
+    assert where_answers_differ(pd.Series(differ, dtype=bool), pd.Series(several, dtype=bool)) == text
+
+
+def test_sliding_is_of_first_order_and_gaps_drift_less() -> None:
+    schemes = ("anitescu_potra", "stewart_trinkle")
+    found = reduced("orders", errors={"schemes": schemes, "steps": (0.04, 0.02, 0.01), "kinds": ("smooth sliding",)})
+    own = dict(tuple(found["errors"].groupby("scheme")))
+    assert abs(order(own["anitescu_potra"]["step"], own["anitescu_potra"]["error"]).value - 1) < 0.3
+    drift = {name: order(rows["step"], rows["drift"]).value for name, rows in own.items()}
+    assert 0.7 < drift["anitescu_potra"] < 1.4
+    assert drift["stewart_trinkle"] > 1.7
+    assert text("orders", found).answer.startswith("No scheme")
+
+
+@pytest.mark.slow  # its claims on computed tables
+def test_the_relaxation_errs_and_the_fixed_point_cycles() -> None:
+    found = reduced(
+        "relaxation",
+        errors={"frictions": (0.1, 0.4, 0.8), "steps": (1e-3,)},
+        cycle={"frictions": (0.45, 0.75, 1.0), "rounds": 100},
+        gaps={"steps": (0.02, 0.01, 0.005)},
+        stopping={"frictions": (0.6,), "steps": (0.02, 0.01)},
+        falls={"frictions": (0.7,), "speeds": (1.0, 3.0), "steps": 100},
+    )
+    cycle, gaps, stopping, falls = (found[name] for name in ("cycle", "gaps", "stopping", "falls"))
+    assert cycle["cycles"].tolist() == [False, True, False]
+    assert cycle["staggered"].eq("solved").all()
+    assert gaps["coulomb"].max() < 1e-9
+    assert np.allclose(gaps["smooth"], gaps["smooth_predicted"], rtol=0.02)
+    assert np.ptp(gaps["hop"]) < 0.2 * gaps["hop"].min()
+    assert np.allclose(stopping["coulomb"], stopping["exact"] - stopping["step"] / 2, rtol=0.03)
+    assert falls["coulomb"].tolist() == falls["relaxed"].tolist() == [False, True]
+    assert found["errors"]["error"].median() > 0.05
+    found["gaps"]["hop_predicted"] = gaps["hop"]  # the steps are too large for the limit
+    assert text("relaxation", found).answer.startswith("Not in one")
+
+
+def rows(variant: str, warm: int, shuffled: int) -> list[dict[str, object]]:
+    """Two motions of three problems; the first problem of each has no step before it."""
+    return [
+        {"variant": variant, "scene": scene, "problem": f"{scene}{k}", "step": k, "phase": "step", "start": start}
+        | {"verdict": "solved", "work": json.dumps({COUNTS[variant]: count})}
+        for scene in ("a", "b")
+        for k in range(3)
+        for start, count in (("cold", 1000 if k == 0 else 20), ("warm", warm), ("shuffled", shuffled))
+        if k or start != "warm"
+    ]
+
+
+def test_only_problems_with_all_three_starts_are_compared() -> None:
+    made = pd.DataFrame(rows("lemke", 5, 10) + rows("nsgs", 20, 30))
+    account = text("warm", {"solves": made})
+    assert account.answer.startswith("From the step before, methods take 0.25 (lemke) to 1.00 (nsgs) of their work from zero")
+    assert "for 1 of 2 the 95 % interval is below 1" in account.answer
+    assert "Of 4 problems with all three starts" in account.body
+    made.loc[(made["variant"] == "nsgs") & (made["step"] == 2) & (made["start"] == "warm"), "verdict"] = "unsolved"
+    account = text("warm", {"solves": made})
+    assert "From the step before fewer problems are solved by nsgs." in account.body
+
+
+def test_every_method_compared_has_a_count() -> None:
+    assert set(COUNTS) == set(SOLVERS)
