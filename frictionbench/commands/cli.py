@@ -75,8 +75,7 @@ def run(
     from frictionbench.harness.progress import Progress
     from frictionbench.harness.run import drop_disturbed
     from frictionbench.harness.run import run as run_plan
-    from frictionbench.harness.workers.plugins import load_plugins
-    from frictionbench.harness.workers.scenes import require_buildable
+    from frictionbench.harness.workers.inputs import load_plugins, require_buildable
 
     variants, plugins = load_plugins(solver or [])
     plan = choose(suite, scene or [], variants, tol, time_limit, plugins, tuple(data or ()))
@@ -90,7 +89,7 @@ def run(
         if retake:
             drop_disturbed(plan, folder)
         if plan.maps:
-            from frictionbench.harness.run_maps import run_maps
+            from frictionbench.harness.maps import run_maps
 
             run_maps(plan, folder, _jobs(jobs), Progress(), cluster)
         else:
@@ -280,7 +279,7 @@ def judge(
     """
     from frictionbench.commands.judge import told
     from frictionbench.harness.judge import judge as judge_folder
-    from frictionbench.harness.workers.plugins import load_plugins
+    from frictionbench.harness.workers.inputs import load_plugins
     from frictionbench.reports.judgement import write_judgement
 
     variants, plugins = load_plugins(against or [])
@@ -392,11 +391,9 @@ def map_(
     """
     from frictionbench.commands.map import plan_map
     from frictionbench.commands.summary import folder_for
-    from frictionbench.harness.plans.map_grid import corners
+    from frictionbench.harness.maps import corners, run_maps
     from frictionbench.harness.progress import Progress
-    from frictionbench.harness.run_maps import run_maps
-    from frictionbench.harness.workers.plugins import load_plugins
-    from frictionbench.harness.workers.scenes import require_buildable
+    from frictionbench.harness.workers.inputs import load_plugins, require_buildable
     from frictionbench.reports.page import write_report
 
     variants, plugins = load_plugins(solver or [])

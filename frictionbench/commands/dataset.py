@@ -20,8 +20,7 @@ from typing import Any
 import numpy as np
 
 from frictionbench.harness import machine
-from frictionbench.harness.cells.collect import collect, stored
-from frictionbench.harness.cells.records import Record
+from frictionbench.harness.cells.collect import Record, collect, stored
 from frictionbench.harness.cells.reference import ACCEPTED, NoReference, Reference
 from frictionbench.harness.plans.choose import choose
 from frictionbench.harness.plans.plan import Source

@@ -6,8 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from frictionbench.harness import process
-from frictionbench.harness.cells.collect import collect, stored, stored_friction
-from frictionbench.harness.cells.records import Record, read_records
+from frictionbench.harness.cells.collect import Record, collect, read_records, stored, stored_friction
 from frictionbench.harness.plans.plan import MEMORY_LIMIT, Source
 from frictionbench.problems import InputError
 from frictionbench.problems.recorded import fclib, own

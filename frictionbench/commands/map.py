@@ -1,7 +1,7 @@
 """`frictionbench map`: the plan of one failure map."""
 
+from frictionbench.harness.maps import axis
 from frictionbench.harness.plans.choose import tolerances
-from frictionbench.harness.plans.map_grid import axis
 from frictionbench.harness.plans.plan import Plan, Plugin
 from frictionbench.harness.plans.suites import MAPPED
 from frictionbench.problems import InputError

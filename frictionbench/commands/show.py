@@ -10,9 +10,8 @@ from frictionbench.harness import process
 from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.motion import record_motion
 from frictionbench.harness.plans.plan import MEMORY_LIMIT
-from frictionbench.harness.workers.plugins import load_plugins
-from frictionbench.harness.workers.pool import Pool
-from frictionbench.harness.workers.task import Task
+from frictionbench.harness.workers.inputs import load_plugins
+from frictionbench.harness.workers.pool import Pool, Task
 from frictionbench.problems import InputError
 from frictionbench.problems.instances import instances
 from frictionbench.problems.scenes import scene, scenes

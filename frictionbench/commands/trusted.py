@@ -6,7 +6,7 @@ A results folder may come from someone else. The file named in its manifest is s
 from typing import Any
 
 from frictionbench.harness.plans.plan import Plugin
-from frictionbench.harness.workers.plugins import load_plugins
+from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.problems import InputError
 from frictionbench.problems.spec import split
 from frictionbench.results.store import Row

@@ -2,27 +2,78 @@
 
 The problems are the largest of up to MOST contacts of different scenes, and the small ones with the most redundant contacts,
 none of them trivial or idle. The solvers are single methods, not portfolios, that solved the problem at the tightest tolerance.
+
+A history has the residual of the solver's answer with work limits of 1, 2, 3, 5, ... units, which are the solver's own: sweeps,
+iterations or pivots. Every answer comes from a new call on a copy of the problem, and its residual is computed on the original;
+no call is timed. So the curve shows the answers that a user gets with these limits, and not the residuals that the method
+computes internally.
 """
 
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
+from time import perf_counter
 from typing import Any
 
+import numpy as np
+
 from frictionbench.harness.cells import worker
-from frictionbench.harness.cells.records import Record
+from frictionbench.harness.cells.collect import Record
 from frictionbench.harness.plans.plan import Plan
 from frictionbench.harness.progress import Progress
-from frictionbench.harness.workers.pool import Pool
-from frictionbench.harness.workers.task import Task
+from frictionbench.harness.workers.pool import Pool, Task
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.answer import checked_copy
+from frictionbench.problems.check import Array
+from frictionbench.problems.copies import duplicate
+from frictionbench.problems.residual import residual
 from frictionbench.problems.verdicts import ACCEPTED
 from frictionbench.results import store
 from frictionbench.results.extras import CONVERGENCE, ConvergenceHistory, convergence_history, write_histories
+from frictionbench.solvers import Solver, Status
 
+BUDGET = 2.0  # seconds, after which no larger limit is tried: a history shows what is reached soon
 LARGE, REDUNDANT = 4, 2  # problems of each kind; each is a panel of the report's figure, which stays legible with few
 MOST = 64  # contacts: a history takes some twenty-five solves, too long for larger problems
 MOST_FORCES = 12  # contacts of a problem whose impulses are stored: the report draws each as a bar
-LIMIT = 10.0  # seconds for one history: five times the budget of harness.cells.convergence
+LIMIT = 10.0  # seconds for one history: five times BUDGET
+LONGEST = 20_000  # units of work: a bound for methods that stall, beyond the iterations of any that converges well
+
+
+def history(problem: FrictionProblem, solver: Solver, tol: float) -> tuple[list[int], list[float], Array]:
+    """The limits, the verified residuals, and the last answer's impulses (nc, d), up to the first answer with status SOLVED.
+
+    Errors: AnswerError, and whatever the solver raises.
+    """
+    start_time, units, residuals = perf_counter(), [], []
+    impulse = np.zeros((problem.contacts, problem.dimension))
+    for limit in _limits():
+        answer = checked_copy(solver.solve(solver.prepare(duplicate(problem)), tol, limit))
+        if answer.impulse.shape == impulse.shape and np.isfinite(answer.impulse).all():
+            impulse = answer.impulse
+            units.append(limit)
+            residuals.append(residual(problem, impulse))
+        if answer.status is Status.SOLVED or perf_counter() - start_time > BUDGET:
+            break
+    return units, residuals, impulse
+
+
+def _limits() -> list[int]:
+    """1, 2, 3, 4, 6, 9, ...: each 1.5 times the one before."""
+    limits = [1]
+    while limits[-1] < LONGEST:
+        limits.append(max(limits[-1] + 1, round(1.5 * limits[-1])))
+    return limits
+
+
+def run_history(name: str, variant: str, tol: float, limit: float) -> dict[str, Any]:
+    """In a worker: a solver's history on a stored problem, as units of work, verified residuals and the last impulses."""
+    problem, solver = worker.prepared(name, variant, limit)
+    with worker.within(limit):
+        units, residuals, impulse = history(problem, solver, tol)
+    finite = np.isfinite(residuals)
+    curve = {"units": np.array(units)[finite].tolist(), "residuals": np.array(residuals)[finite].tolist()}
+    return curve | {"impulse": impulse.tolist()}
 
 
 def record_histories(plan: Plan, folder: Path, records: Iterable[Record], pool: Pool, progress: Progress) -> None:
@@ -36,7 +87,7 @@ def record_histories(plan: Plan, folder: Path, records: Iterable[Record], pool: 
         if row.get("tol") == tol and row.get("verdict") in ACCEPTED and not row.get("members")
     }
     tasks = [
-        Task(f"convergence history of {variant}", worker.run_history, (name, variant, tol, LIMIT), LIMIT, plan.owner(variant))
+        Task(f"convergence history of {variant}", run_history, (name, variant, tol, LIMIT), LIMIT, plan.owner(variant))
         for variant in sorted(plan.variants, key=plan.owner)
         for name in problems
         if (name, variant) in solved

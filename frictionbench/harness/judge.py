@@ -1,4 +1,5 @@
-"""Judging the steps of an engine: each step's own answer, then a run of our solvers, and of others, on the same problems.
+"""Judging the steps of an engine: its own impulses by the verifier's residual and by law, then a run of our
+solvers, and of others, on the same problems.
 
 The files are read and judged in workers. The problems by which they are judged are the sources of a run like any other, which
 an interruption does not lose.
@@ -10,21 +11,83 @@ import tempfile
 from hashlib import sha256
 from pathlib import Path
 from shutil import move
+from typing import Any
+
+import numpy as np
 
 from frictionbench.harness.cells import worker
-from frictionbench.harness.cells.judgement import FOLDER
+from frictionbench.harness.cells.reference import NoReference, Reference
 from frictionbench.harness.plans.plan import MEMORY_LIMIT, Plan, Plugin, Source
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import COLLECT_SECONDS, open_folder
 from frictionbench.harness.run import run as run_plan
-from frictionbench.harness.workers.pool import Pool
-from frictionbench.harness.workers.task import Task
-from frictionbench.problems import InputError
-from frictionbench.problems.check import require
-from frictionbench.results.files import subfolder
-from frictionbench.results.judgement import Judgement, checked, touching, write_judgements
+from frictionbench.harness.workers.pool import Pool, Task
+from frictionbench.problems import FrictionProblem, InputError
+from frictionbench.problems.check import Array, require
+from frictionbench.problems.recorded import own
+from frictionbench.problems.residual import contact_residuals, residual_floor
+from frictionbench.problems.simulate import ledger_defect
+from frictionbench.problems.violations import judged, penetration, violations
+from frictionbench.results.files import replaced, subfolder
+from frictionbench.results.judgement import LAWS, Judgement, checked, touching, write_judgements
 
+FOLDER = "judged"
 EXACT = "hybrid"  # our solver of Coulomb's law for any problem, which stands beside the engine
+STICKS = 1e-6  # of a contact's unit of velocity: slip in the exact answer below counts as none
+MOST_FORCES = 200  # contacts whose forces are kept for a figure
+
+
+def judge_file(folder: Path, path: Path) -> Judgement:
+    """Judge the step in a file, and store the problem by which it is judged as folder/judged/HASH.npz.
+
+    Errors: InputError naming the file, or the field in it that cannot be used.
+    """
+    step = own.load_step(path)
+    problem, impulse = judged(step), step.impulse
+    with replaced(subfolder(folder, FOLDER) / f"{problem.hash}.npz") as file:
+        own.save(problem, file)
+    by_contact, laws = contact_residuals(problem, impulse), violations(problem, impulse)
+    largest = dict(zip(LAWS, (float(one.max(initial=0.0)) for one in laws), strict=True))
+    law = LAWS[int(np.argmax([one[by_contact.argmax()] for one in laws]))] if problem.contacts else ""
+    limit = problem.friction * impulse[:, 0] + problem.friction_bias
+    forces = np.column_stack([impulse[:, 0], np.linalg.norm(impulse[:, 1:], axis=1), limit])
+    return Judgement(
+        file=path.name,
+        problem=problem.hash,
+        contacts=problem.contacts,
+        residual=float(by_contact.max(initial=0.0)),
+        floor=residual_floor(problem, impulse),
+        law=law,
+        **largest,
+        creep=_creep(problem, impulse),
+        penetration=penetration(step),
+        energy_defect=ledger_defect(problem, impulse),
+        notes=dict(step.notes),
+        forces=forces[:MOST_FORCES].tolist(),
+    )
+
+
+def _creep(problem: FrictionProblem, impulse: Array) -> float | None:
+    """The largest slip, m/s, at the contacts that stick in the exact answer; None without such an answer or such contacts."""
+    if not problem.contacts:
+        return None
+    try:
+        exact = Reference()(problem)
+    except NoReference:
+        return None
+    slip = np.linalg.norm(problem.contact_velocity(exact)[:, 1:], axis=1)
+    sticking = (slip <= STICKS * problem.units) & (exact[:, 0] > STICKS * problem.units / problem.scale)
+    own_slip = np.linalg.norm(problem.contact_velocity(impulse)[:, 1:], axis=1)
+    return float(own_slip[sticking].max()) if sticking.any() else None
+
+
+def judge_step(path: str, limit: float) -> dict[str, Any]:
+    """In a worker: the fields of the judgement on the step in a file, or why the file is refused."""
+    with worker.within(limit):
+        try:
+            return judge_file(worker.folder(), Path(path))._asdict()
+        except InputError as error:
+            return {"refused": str(error)}
 
 
 def judge(
@@ -60,7 +123,7 @@ def judge(
 
 def _judgements(paths: list[Path], scratch: Path, jobs: int, progress: Progress) -> list[Judgement]:
     """The judgements in the order of the paths. Errors: InputError naming the first file that cannot be judged."""
-    tasks = [Task(path.name, worker.run_judgement, (str(path.absolute()), COLLECT_SECONDS), COLLECT_SECONDS) for path in paths]
+    tasks = [Task(path.name, judge_step, (str(path.absolute()), COLLECT_SECONDS), COLLECT_SECONDS) for path in paths]
     found: dict[str, Judgement] = {}
     with Pool(scratch, jobs, (), MEMORY_LIMIT) as pool, progress.stage("steps", len(tasks), 0) as stage:
         for outcome in pool.run(tasks, stage.started, stage.compiling):

@@ -9,7 +9,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
-from frictionbench.harness.workers.task import Task
+from frictionbench.harness.workers.pool import Task
 
 BAR = 20  # characters
 BESIDE = BAR + 2 * len("0:00:00") + len("/") + 5  # characters of a line but its name, its counts and what is running

@@ -16,14 +16,13 @@ from pathlib import Path
 
 from frictionbench.harness import machine
 from frictionbench.harness.cells import worker
-from frictionbench.harness.cells.records import Record
+from frictionbench.harness.cells.collect import Record
 from frictionbench.harness.cells.rows import batch_row, no_problem, simulation_row, solve_row
 from frictionbench.harness.convergence import record_histories
 from frictionbench.harness.plans.plan import BatchCell, Cell, Plan, Plugin, SolveCell, origin
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.workers.cluster import Cluster
-from frictionbench.harness.workers.pool import Pool
-from frictionbench.harness.workers.task import Outcome, Task
+from frictionbench.harness.workers.pool import Outcome, Pool, Task
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.results import store
 from frictionbench.results.files import ResultsError
@@ -48,7 +47,7 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
         counted = {table: store.extents(folder, table) for table in TABLES}
         with Pool(folder, 1 if cluster else jobs, plan.plugins, plan.memory_limit) as pool:
             store.write_manifest(
-                folder, store.read_manifest(folder) | {"workers": None if cluster else jobs, "walls": pool.walls}
+                folder, store.read_manifest(folder) | {"workers": None if cluster else jobs, "walls": pool.sandbox}
             )
             records = _collect(plan, pool, progress)
             _record_motions(plan, pool, progress)
@@ -182,13 +181,11 @@ def _collect(plan: Plan, pool: Pool, progress: Progress) -> dict[str, Record]:
 
 
 def _record_motions(plan: Plan, pool: Pool, progress: Progress) -> None:
-    """Record a motion of every scene, on this machine, and the polygon's error; the report does without those that fail."""
+    """Record a motion of every scene, on this machine; the report does without those that fail."""
     tasks = [
         Task(f"motion of {shown.scene}", worker.run_motion, (shown, plan.simulation_limit), plan.simulation_limit)
         for shown in plan.shown()
     ]
-    if plan.polygons:
-        tasks.append(Task("polygon's error", worker.run_polygon, (plan.simulation_limit,), plan.simulation_limit))
     if not tasks:
         return
     with progress.stage("motions", len(tasks), 0) as stage:

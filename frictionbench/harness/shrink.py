@@ -17,8 +17,7 @@ from frictionbench.harness.cells.collect import stored_friction
 from frictionbench.harness.cells.rows import no_problem
 from frictionbench.harness.plans.plan import Plugin, SolveCell, Source, owner
 from frictionbench.harness.run import row_of
-from frictionbench.harness.workers.pool import Pool
-from frictionbench.harness.workers.task import Task
+from frictionbench.harness.workers.pool import Pool, Task
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.recorded.own import save
 from frictionbench.problems.reduce import keep_contacts

@@ -28,7 +28,7 @@ from frictionbench.reports.accuracy import OVERALL, strata, summary, targets, ti
 from frictionbench.reports.drawing.style import Look, apart, looks
 from frictionbench.results.commands import sources
 from frictionbench.results.conventions import COLD, KEEP_ANSWER, RankBy
-from frictionbench.results.extras import ConvergenceHistory, Deviation, Shrunk, read_deviations, read_histories, read_shrunk
+from frictionbench.results.extras import ConvergenceHistory, Shrunk, read_histories, read_shrunk
 from frictionbench.results.maps import FirstSteps, GridPoint, maps_of, read_first_steps, read_thresholds
 from frictionbench.results.store import read_manifest, read_table
 
@@ -55,7 +55,6 @@ class Run:
     thresholds: dict[str, dict[str, list[GridPoint]]] = field(default_factory=dict)
     first_steps: dict[str, list[FirstSteps]] = field(default_factory=dict)
     shrunk: dict[str, Shrunk] = field(default_factory=dict)
-    deviations: list[Deviation] = field(default_factory=list)
     folder: Path = Path()
     rank_by: RankBy = RankBy.BODIES
     budget: float | None = None
@@ -136,10 +135,8 @@ def read_run(folder: Path, rank_by: RankBy = RankBy.BODIES, budget: float | None
     first_steps = {spec.name: read_first_steps(folder, spec) for spec in specs}
     solves = annotate(read_table(folder, "solves"))
     both = simulations[~mapped], simulations[mapped]
-    reduced, deviations = read_shrunk(folder), read_deviations(folder)
-    run = Run(
-        manifest, solves, *both, read_histories(folder), thresholds, first_steps, reduced, deviations, folder, budget=budget
-    )
+    reduced = read_shrunk(folder)
+    run = Run(manifest, solves, *both, read_histories(folder), thresholds, first_steps, reduced, folder, budget=budget)
     return run.ranked_by(rank_by)
 
 

@@ -1,7 +1,6 @@
 """What a run stores beside its tables, as JSON.
 
     DIR/convergence.json    convergence histories of solvers on a few problems
-    DIR/polygon.json        the error that a polygonal friction cone causes in a motion with a known solution
     DIR/shrunk              failing problems reduced in size: SOLVER-VERDICT-N-contacts-HASH.npz holds each of them, index.json
                             the result for each row
 
@@ -16,7 +15,7 @@ from typing import Any, NamedTuple
 
 from frictionbench.results.files import read_parsed, record, subfolder, write_text
 
-CONVERGENCE, POLYGON, SHRUNK = "convergence.json", "polygon.json", "shrunk"
+CONVERGENCE, SHRUNK = "convergence.json", "shrunk"
 
 
 class ConvergenceHistory(NamedTuple):
@@ -36,18 +35,6 @@ class ConvergenceHistory(NamedTuple):
     units: list[int]
     residuals: list[float]
     impulse: list[list[float]]
-
-
-class Deviation(NamedTuple):
-    """The largest distances, m, of a sliding ball's path from the exact parabola and from the path computed with the cone.
-
-    facets: of the polygon, 0 for the circular cone. step: time step, s.
-    """
-
-    facets: int
-    step: float
-    from_parabola: float
-    from_cone: float
 
 
 class Shrunk(NamedTuple):
@@ -78,14 +65,6 @@ def convergence_history(row: Any) -> ConvergenceHistory:
     if len(history.units) != len(history.residuals) or not all(map(math.isfinite, numbers)):
         raise ValueError(f"the history of {history.variant} on {history.scene} is incomplete")
     return history
-
-
-def write_deviations(folder: Path, found: Sequence[Deviation]) -> None:
-    write_text(folder / POLYGON, json.dumps([row._asdict() for row in found]))
-
-
-def read_deviations(folder: Path) -> list[Deviation]:
-    return read_parsed(folder / POLYGON, lambda rows: [record(Deviation, row) for row in rows], [])
 
 
 def write_shrunk(folder: Path, found: Mapping[str, Shrunk]) -> None:

@@ -2,7 +2,6 @@
 
     DIR/manifest.json             what was run, on which machine, with which versions and settings
     DIR/convergence.json          convergence histories on a few problems, see results.extras
-    DIR/polygon.json              the error of polygonal cones in a motion, see results.extras
     DIR/maps/NAME.json            thresholds on the maps, see results.maps
     DIR/motion/NAME.json          recorded motions, see results.motion; NAME.html animates one
     DIR/problems/HASH.npz         the problems, so that any cell can be rerun

@@ -20,9 +20,8 @@ from frictionbench.harness.cells import worker
 from frictionbench.harness.plans.choose import choose
 from frictionbench.harness.plans.plan import MEMORY_LIMIT
 from frictionbench.harness.progress import Progress
-from frictionbench.harness.workers.plugins import load_plugins
-from frictionbench.harness.workers.pool import Pool
-from frictionbench.harness.workers.task import Task
+from frictionbench.harness.workers.inputs import load_plugins
+from frictionbench.harness.workers.pool import Pool, Task
 from frictionbench.results import store
 from frictionbench.results.files import ResultsError
 from frictionbench.results.store import ShardWriter

@@ -7,7 +7,7 @@ import pytest
 from frictionbench.commands import single
 from frictionbench.commands.map import plan_map
 from frictionbench.harness.plans.choose import choose
-from frictionbench.harness.workers import scenes
+from frictionbench.harness.workers import inputs
 from frictionbench.problems import InputError
 from frictionbench.problems.scenes import catalogue
 from tests.helpers.command_line import frictionbench
@@ -39,9 +39,9 @@ def test_scenes_that_cannot_be_made(tmp_path, monkeypatch) -> None:
         assert (done.returncode, len(done.stderr.splitlines())) == (2, 1), done
         assert "must be" in done.stderr
         assert not out.exists()
-    monkeypatch.setattr(scenes, "BUILD_SECONDS", 0.5)
+    monkeypatch.setattr(inputs, "BUILD_SECONDS", 0.5)
     with pytest.raises(InputError, match=r"^scene: stack\[blocks=3000000\] cannot be made \(stopped at its limit of 0.5 s\)"):
-        scenes.require_buildable([("stack", {"blocks": 3000000})])
+        inputs.require_buildable([("stack", {"blocks": 3000000})])
 
 
 def test_an_address_without_scheduler_is_refused_before_the_problems_are_made(tmp_path) -> None:

@@ -12,7 +12,7 @@ from rich.console import Console
 from frictionbench.commands import listing, table
 from frictionbench.commands.table import columns, paragraph
 from frictionbench.harness.progress import Progress
-from frictionbench.harness.workers.task import Task
+from frictionbench.harness.workers.pool import Task
 from tests.helpers.command_line import frictionbench
 from tests.helpers.made_results import solve_row, write_folder
 from tests.helpers.paths import ROOT

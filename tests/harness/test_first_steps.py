@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from frictionbench.harness.first_steps import EVERY, STEPS, store_first_steps
-from frictionbench.problems.scenes import scene
+from frictionbench.harness.maps import EVERY, STEPS, store_first_steps
+from frictionbench.problems import scene
 from frictionbench.problems.simulate import simulate
 from frictionbench.reports.drawing.tiles import picture
 from frictionbench.results.files import ResultsError

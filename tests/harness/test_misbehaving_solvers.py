@@ -14,7 +14,7 @@ import pytest
 from frictionbench.harness.plans.plan import Source
 from frictionbench.harness.run import run
 from frictionbench.harness.workers import pool
-from frictionbench.harness.workers.plugins import load_plugins
+from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.results import store
 from tests.helpers.paths import BAD_SOLVERS, ROOT
 from tests.helpers.runs import quiet, small_plan, verdicts

@@ -19,7 +19,7 @@ from frictionbench.harness.cells.rows import no_problem
 from frictionbench.harness.plans.choose import choose
 from frictionbench.harness.plans.plan import SolveCell, Source
 from frictionbench.harness.run import row_of, run
-from frictionbench.harness.workers.task import Outcome, Task
+from frictionbench.harness.workers.pool import Outcome, Task
 from frictionbench.problems import InputError
 from frictionbench.problems.recorded import archive, own
 from frictionbench.problems.scenes import scene

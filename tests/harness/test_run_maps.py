@@ -11,14 +11,12 @@ import pytest
 from markupsafe import escape
 
 from frictionbench.harness.cells.simulation import run_closed_loop
+from frictionbench.harness.maps import axis, crossings, finer, location, run_maps
 from frictionbench.harness.plans.atlas import ATLAS
-from frictionbench.harness.plans.map_grid import axis, finer, location
 from frictionbench.harness.plans.plan import Plan, SimulationCell, Source
 from frictionbench.harness.plans.suites import MAPPED
 from frictionbench.harness.run import run
-from frictionbench.harness.run_maps import run_maps
-from frictionbench.harness.trace import crossings
-from frictionbench.harness.workers.plugins import load_plugins
+from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.problems import InputError
 from frictionbench.problems.analysis.thresholds import THRESHOLDS
 from frictionbench.problems.recorded.own import load

@@ -11,7 +11,7 @@ from frictionbench.commands.shrink import shrink
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.run import run
 from frictionbench.harness.shrink import Search, reduction
-from frictionbench.harness.workers.plugins import load_plugins
+from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.recorded.own import load

@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from frictionbench.commands.cli import app
-from frictionbench.harness.workers.plugins import load_plugins
+from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scenes import scene

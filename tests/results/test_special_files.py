@@ -39,7 +39,6 @@ FILES = {
     "solves.parquet": ["report", "compare", "history", "accept"],
     "simulations.parquet": ["report", "compare"],
     "convergence.json": ["report"],
-    "polygon.json": ["report"],
     "shrunk/index.json": ["report"],
     "shards/solves-test.jsonl": ["rerun", "shrink"],
     "shards/solves-0.jsonl": ["rerun", "shrink"],

@@ -5,15 +5,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from frictionbench.harness.plans.choose import choose
-from frictionbench.harness.progress import Progress
-from frictionbench.harness.run import run
 from frictionbench.problems import InputError
 from frictionbench.problems.instances import make_instance
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.problems.verify import verify
-from frictionbench.results.extras import POLYGON, read_deviations
-from frictionbench.results.files import ResultsError
 from frictionbench.solvers import find, solve
 
 LCP_SOLVERS = ("lemke", "path_search", "dantzig", "fischer_newton", "minmap_newton", "murty")
@@ -53,16 +48,3 @@ def test_facets_are_even_and_at_least_four(facets) -> None:
 def test_facets_are_ignored_in_plane() -> None:
     problem = make_instance("random", seed=1, contacts=3)
     assert np.array_equal(solve(problem, "lemke[facets=16]").impulse, solve(problem, "lemke").impulse)
-
-
-def test_run_writes_polygon_deviations(tmp_path) -> None:
-    plan = choose("spatial", ["cubes[boxes=1]"], ("lemke[facets=16]",), "1e-8", 5.0)
-    run(plan, tmp_path, 1, Progress())
-    circle, *polygons = read_deviations(tmp_path)
-    assert circle.from_parabola < 1e-3
-    assert [row.facets for row in polygons] == [4, 6, 8, 16, 32, 64]
-    doubled = [row for row in polygons if row.facets != 6]  # a hexagon may happen to have a corner along the path
-    assert all(later.from_cone < earlier.from_cone for earlier, later in pairwise(doubled))
-    (tmp_path / POLYGON).write_text('[{"facets": 4}]', encoding="utf-8")
-    with pytest.raises(ResultsError, match=r"polygon\.json: cannot be read"):
-        read_deviations(tmp_path)

@@ -39,6 +39,13 @@ SHORT, LONG = 0.01, 0.3  # s: in shorter runs a call's own time counts, and that
 FOREIGN = 0.02  # of the cores' time, that of other processes
 
 
+class Way(NamedTuple):
+    """run solves all problems of a batch, and is what is timed; answers makes an answer to each of what it returned."""
+
+    run: Callable[[], Any]
+    answers: Callable[[Any], Iterable[Answer]] = iter
+
+
 @dataclass(frozen=True)
 class Problems:
     """A batch, the flat impulses from which it starts warm, and the columns that describe it."""
@@ -52,13 +59,6 @@ class Problems:
         return self.problems[0].dimension
 
 
-class Way(NamedTuple):
-    """run solves all problems of a batch, and is what is timed; answers makes an answer to each of what it returned."""
-
-    run: Callable[[], Any]
-    answers: Callable[[Any], Iterable[Answer]] = iter
-
-
 @lru_cache(maxsize=1)  # the cells of a batch come one after another
 def batch_of(name: str, parameters: str, count: int) -> Problems:
     """So many problems of a scene or an instance with these parameters, a JSON object. Errors: InputError of the scene."""
@@ -69,12 +69,12 @@ def batch_of(name: str, parameters: str, count: int) -> Problems:
     spec = BASE[problems[0].dimension]
     before = solve_many([problem_of(name, each | {"push": (1 - NEARBY) * each["push"]}) for each in drawn], spec, tol=TOL)
     answers = solve_many(problems, spec, tol=TOL)
-    bearing = np.concatenate([answers[k][:, 0] > 0 for k in range(count)])
+    loaded = np.concatenate([answers[k][:, 0] > 0 for k in range(count)])
     rested = [idle(problem, lambda given: solve(given, spec).impulse) for problem in problems[:SAMPLE]]
     facts = {
         "dimension": problems[0].dimension,
         "contacts": problems[0].contacts,
-        "active": float(bearing.mean()) if len(bearing) else 0.0,
+        "active": float(loaded.mean()) if len(loaded) else 0.0,
         "idle": float(np.mean(rested)),
         "base": spec,
     }

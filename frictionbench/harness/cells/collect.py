@@ -4,9 +4,12 @@ A recorded problem also has starts, the same for every solver that takes one: `w
 the same phase, and `shuffled`, those of a problem drawn from the whole motion; both transferred contact by contact. An initial
 guess in a file of FCLIB's is `warm` as well, unless it is zero; so is, in a sequence of files, the answer of the file before,
 where both have as many contacts.
+
+The list of a source's problems is stored too. A folder may come from someone else, so that each record is checked.
 """
 
 import json
+import re
 from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
@@ -14,7 +17,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from frictionbench.harness.cells.records import Record, read_records
 from frictionbench.harness.cells.reference import NoReference, Reference
 from frictionbench.harness.cells.rows import PROBLEM_FACTS
 from frictionbench.harness.plans.plan import Source, origin
@@ -36,7 +38,44 @@ from frictionbench.problems.scene import Scene
 from frictionbench.problems.scenes import scene
 from frictionbench.problems.simulate import first_problem_of, simulate
 from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, SHUFFLED, WARM, first_phase
-from frictionbench.results.files import ResultsError, replaced, subfolder, write_text
+from frictionbench.results.files import ResultsError, read_json, replaced, subfolder, write_text
+
+Record = dict[str, Any]  # the facts of a stored problem: PROBLEM_FACTS, its starts and its own terms
+
+
+def read_records(path: Path) -> list[Record]:
+    """The records in a file that collect wrote. Errors: ResultsError naming the file, where it is none or is damaged."""
+    records = read_json(path)
+    if not isinstance(records, list) or not records or not all(map(_is_record, records)):
+        raise ResultsError(f"{path}: not a list of problems")
+    return records
+
+
+def _is_record(given: Any) -> bool:
+    if not isinstance(given, dict) or not given.keys() >= {*PROBLEM_FACTS, "starts"}:
+        return False
+    texts = all(isinstance(given[name], str) for name in ("problem", "scene", "parameters", "phase"))
+    starts = given["starts"]
+    return (
+        texts
+        and re.fullmatch("[0-9a-f]{8,64}", given["problem"]) is not None
+        and _is_object(given["parameters"])
+        and type(given["step"]) is int
+        and 0 <= given["step"] < 10**9
+        and (given["contacts"] is None or type(given["contacts"]) is int)
+        and isinstance(starts, dict)
+        and list(starts)[:1] == [COLD]
+        and starts.keys() <= {COLD, WARM, SHUFFLED}
+        and all(isinstance(digest, str) for digest in starts.values())
+    )
+
+
+def _is_object(text: str) -> bool:
+    try:
+        return isinstance(json.loads(text), dict)
+    except (ValueError, RecursionError):
+        return False
+
 
 MAX_PERTURBED = 30  # contacts: the sensitivity takes several solves for each, too long for larger problems
 MAX_COUNTED = 6  # contacts: the number of modes to enumerate grows like 4^contacts

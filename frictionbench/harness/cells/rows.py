@@ -1,12 +1,23 @@
-"""The part of a row that is known before a cell runs, so that a cell that is killed has a row as well."""
+"""A row of the results: what is known before a cell runs, so that a cell that is killed has a row as well, and the columns that
+follow from timed answers: verdict, residuals, labels of the answer, and times.
+"""
 
 import json
 
+import numpy as np
+
 from frictionbench.harness import machine
+from frictionbench.harness.cells.timing import SLOW_FIRST, Timing
 from frictionbench.harness.plans.plan import BatchCell, Plugin, SimulationCell, SolveCell, Source
+from frictionbench.problems import LCP, FrictionProblem
+from frictionbench.problems.analysis.mode import mode
+from frictionbench.problems.analysis.stability import backward_error
+from frictionbench.problems.measures import defects
+from frictionbench.problems.verdicts import RANK, Verdict
+from frictionbench.problems.verify import Finding, verify
 from frictionbench.results.conventions import COLD
 from frictionbench.results.store import Row
-from frictionbench.solvers import find
+from frictionbench.solvers import Answer, SolverInfo, Status, find
 
 PROBLEM_FACTS = (
     *("problem", "scene", "parameters", "step", "phase", "reference"),
@@ -72,3 +83,83 @@ def solver_facts(variant: str) -> Row:
         "members": ", ".join(info.members),
         "version": info.version or machine.revision(),
     }
+
+
+MOST_IN_MODE = 24  # contacts whose mode a row holds: a letter each, in a column that is read by eye
+NOTICEABLE = 1e-3  # seconds: a first call at least as long, and SLOW_FIRST times the repeats, has a remark
+
+
+def finding_columns(
+    problem: FrictionProblem | LCP, timing: Timing, info: SolverInfo, tol: float, limit: float, *, disturbed: bool
+) -> Row:
+    """The columns that verification of the timed answers gives; of different answers the worst is reported.
+
+    disturbed: another process ran on the core meanwhile, which may be why the first call was slow.
+    """
+    findings = [(verify(problem, answer, info.model, tol, quiet=bool(info.needs)), answer) for answer in timing.answers]
+    finding, answer = _worst(findings)
+    row: Row = {
+        "status": answer.status.name,
+        "claimed": answer.status is Status.SOLVED,
+        "verdict": finding.verdict,
+        "reason": finding.reason,
+        "residual": finding.residual,
+        "model_residual": finding.model_residual,
+        "work": json.dumps(answer.work, sort_keys=True),
+        **({} if isinstance(problem, LCP) else _contact_columns(problem, finding, answer)),
+    }
+    remarks = [finding.reason]
+    if len(findings) > 1:
+        remarks.append(f"the repeats disagree ({len(findings)} different answers); the worst is reported")
+    if not timing.solve:
+        remarks.append("every call compiled or loaded something; no times are reported")
+        return row | {"reason": "; ".join(filter(None, remarks))}
+    row |= _times(timing)
+    median = row["form_time"] + row["setup_time"] + row["solve_time"]
+    row["first_time"] = timing.first
+    if timing.reused:
+        remarks.append(
+            f"it reuses earlier results: a problem that differs in the last bits takes {timing.reused:.0f} times as long as "
+            "the repeats; the times are those of such problems"
+        )
+    elif timing.first and timing.first > max(SLOW_FIRST * median, NOTICEABLE) and not disturbed:
+        remarks.append(
+            f"the first call took {timing.first / median:.0f} times as long as the repeats; it may reuse earlier results"
+        )
+    row["reason"] = "; ".join(filter(None, remarks))
+    if median > limit:
+        row |= {"verdict": Verdict.TIMEOUT, "reason": "its median time exceeds the limit"}
+    return row
+
+
+def _worst(findings: list[tuple[Finding, Answer]]) -> tuple[Finding, Answer]:
+    return max(findings, key=lambda found: (RANK[found[0].verdict], found[0].residual))
+
+
+def _contact_columns(problem: FrictionProblem, finding: Finding, answer: Answer) -> Row:
+    """The columns of an answer to a friction problem beyond its residuals."""
+    free = problem.free_velocity
+    energy = float(free @ (problem.mass @ free)) / 2 or 1.0
+    return {
+        "residual_floor": finding.floor,
+        "fclib_error": finding.fclib_error,
+        **defects(problem, answer.impulse)._asdict(),
+        "backward_error": backward_error(problem, answer.impulse),
+        "energy_defect": abs(finding.energy_defect) / energy,
+        "mode": _mode(problem, answer),
+    }
+
+
+def _mode(problem: FrictionProblem, answer: Answer) -> str | None:
+    """The mode of the solution, where it is short enough to be read."""
+    impulse = answer.impulse
+    readable = problem.dimension == 2 and problem.contacts <= MOST_IN_MODE and impulse.shape == (problem.contacts, 2)
+    return mode(problem, impulse) if readable and np.isfinite(impulse).all() else None
+
+
+def _times(timing: Timing) -> Row:
+    row: Row = {}
+    for step, times in (("form", timing.form), ("setup", timing.setup), ("solve", timing.solve)):
+        row |= {f"{step}_time": float(np.median(times)), f"{step}_times": times} if times else {}
+    row |= {"clock_time": float(np.median(timing.clock))} if timing.clock else {}
+    return row | ({"call_time": float(np.median(timing.calls))} if timing.calls else {})

@@ -8,7 +8,7 @@ import gc
 import json
 import os
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -19,14 +19,9 @@ import numpy as np
 
 from frictionbench.harness import process
 from frictionbench.harness.cells.batch import batch_of, time_batch
-from frictionbench.harness.cells.collect import collect, stored, stored_start
-from frictionbench.harness.cells.columns import finding_columns
-from frictionbench.harness.cells.convergence import convergence_history
-from frictionbench.harness.cells.judgement import judge_file
+from frictionbench.harness.cells.collect import Record, collect, stored, stored_start
 from frictionbench.harness.cells.motion import record_motion, store_motion
-from frictionbench.harness.cells.polygon import measure
-from frictionbench.harness.cells.records import Record
-from frictionbench.harness.cells.rows import batch_row, simulation_row, solve_row, solver_facts
+from frictionbench.harness.cells.rows import batch_row, finding_columns, simulation_row, solve_row, solver_facts
 from frictionbench.harness.cells.simulation import refusal, run_closed_loop
 from frictionbench.harness.cells.timing import MOST, Timing, time_solver
 from frictionbench.harness.deadline import COMPILE_SECONDS, Deadline
@@ -39,7 +34,6 @@ from frictionbench.problems.scenes import scene
 from frictionbench.problems.spec import split
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.results.conventions import COLD
-from frictionbench.results.extras import read_deviations, write_deviations
 from frictionbench.results.motion import encoded
 from frictionbench.results.store import Row
 from frictionbench.solvers import Solver, SolverInfo, find, plugins
@@ -71,6 +65,25 @@ def start(deadline: Deadline, core: int | None, folder: Path, plugin_files: tupl
     if core is not None:
         os.sched_setaffinity(0, {core})
     _worker = _Worker(deadline, core, folder, plugin_files, process.bound_memory(memory_limit))
+
+
+def within(limit: float) -> AbstractContextManager[Callable[[float], None]]:
+    """End this worker if the block takes longer than `limit` seconds."""
+    return _worker.deadline.within(limit)
+
+
+def folder() -> Path:
+    """The folder of the run."""
+    return _worker.folder
+
+
+def prepared(name: str, variant: str, limit: float) -> tuple[FrictionProblem, Solver]:
+    """A stored friction problem and a solver that has been warmed up for it."""
+    _, solver = _solver(variant)
+    problem = _problem(name)
+    assert isinstance(problem, FrictionProblem)
+    _warm_up(variant, problem.dimension, problem.joints.shape[0] > 0, limit)
+    return problem, solver
 
 
 def describe_plugin(source: str, named: list[str], limit: float) -> dict[str, Any]:
@@ -111,15 +124,6 @@ def run_problem(source: Source, limit: float) -> dict[str, Any]:
         return {"record": record, "summary": problem.summary, "mechanical": mechanical}
     except InputError as error:
         return {"refused": str(error)}
-
-
-def run_judgement(path: str, limit: float) -> dict[str, Any]:
-    """Judge the step of an engine in a file: the fields of its judgement; or why the file is refused."""
-    with _worker.deadline.within(limit):
-        try:
-            return judge_file(_worker.folder, Path(path))._asdict()
-        except InputError as error:
-            return {"refused": str(error)}
 
 
 def run_solve(cell: SolveCell, record: Record, limit: float) -> Row:
@@ -210,19 +214,6 @@ def run_check(variant: str, check: str, violations: Callable[[SolverInfo, Solver
         return violations(info, solver, check)
 
 
-def run_history(name: str, variant: str, tol: float, limit: float) -> dict[str, Any]:
-    """A solver's convergence history on a stored problem: units of work, verified residuals, the last impulses."""
-    _, solver = _solver(variant)
-    problem = _problem(name)
-    assert isinstance(problem, FrictionProblem)
-    _warm_up(variant, problem.dimension, problem.joints.shape[0] > 0, limit)
-    with _worker.deadline.within(limit):
-        units, residuals, impulse = convergence_history(problem, solver, tol)
-    finite = np.isfinite(residuals)
-    curve = {"units": np.array(units)[finite].tolist(), "residuals": np.array(residuals)[finite].tolist()}
-    return curve | {"impulse": impulse.tolist()}
-
-
 def run_motion(source: Source, limit: float) -> None:
     """Record the motion of a scene by reference answers."""
     with _worker.deadline.within(limit):
@@ -230,17 +221,10 @@ def run_motion(source: Source, limit: float) -> None:
 
 
 def run_show(name: str, settings: dict[str, Any], variant: str, scheme: str, steps: int | None, limit: float) -> dict[str, Any]:
-    """The motion of a scene by a solver, encoded: behind its walls a plug-in's worker writes no file."""
+    """The motion of a scene by a solver, encoded: in its sandbox a plug-in's worker writes no file."""
     _solver(variant)
     with _worker.deadline.within(limit):
         return encoded(record_motion(scene(name, **settings), variant, scheme, steps))
-
-
-def run_polygon(limit: float) -> None:
-    """Write the polygons' error on a ball's motion to the folder, unless it has been written."""
-    if not read_deviations(_worker.folder):
-        with _worker.deadline.within(limit):
-            write_deviations(_worker.folder, measure())
 
 
 def _solver(variant: str) -> tuple[SolverInfo, Solver]:

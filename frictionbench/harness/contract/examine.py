@@ -9,9 +9,8 @@ from frictionbench.harness.cells import worker
 from frictionbench.harness.contract import checks  # noqa: F401  # registers them
 from frictionbench.harness.contract.check import CHECKS, Subject
 from frictionbench.harness.plans.plan import Plan
-from frictionbench.harness.workers.plugins import load_plugins
-from frictionbench.harness.workers.pool import Pool
-from frictionbench.harness.workers.task import Task
+from frictionbench.harness.workers.inputs import load_plugins
+from frictionbench.harness.workers.pool import Pool, Task
 from frictionbench.problems import InputError
 from frictionbench.solvers import Solver, SolverInfo, available, find
 

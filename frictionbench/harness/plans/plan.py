@@ -155,7 +155,7 @@ class Plan:
     spatial_solvers: for problems and simulations in space, in place of the others; `solvers` if empty. expects: how long the
     run takes on two cores with one worker, for people; not a setting.
 
-    map_sources, map_simulations: the problems and simulations at the maps' grid points so far (harness.run_maps). They are not
+    map_sources, map_simulations: the problems and simulations at the maps' grid points so far (harness.maps). They are not
     settings, because they follow from the maps and from the rows found.
     """
 
@@ -245,11 +245,6 @@ class Plan:
     def owner(self, variant: str) -> str:
         """The owner of a variant among the plan's plug-ins."""
         return owner(variant, self.plugins)
-
-    @property
-    def polygons(self) -> bool:
-        """Whether solvers with polygons in place of the friction cone are among them."""
-        return any("facets=" in variant for variant in self.variants)
 
     def shown(self) -> list[Source]:
         """The motions to record for the report: every simulation, and a short motion of each other scene."""

@@ -23,8 +23,7 @@ from typing import Any
 
 from frictionbench.harness import machine
 from frictionbench.harness.plans.plan import Plugin, SolveCell
-from frictionbench.harness.workers.pool import Pool
-from frictionbench.harness.workers.task import Outcome, Task
+from frictionbench.harness.workers.pool import Outcome, Pool, Task
 from frictionbench.problems import InputError
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.results.files import ResultsError

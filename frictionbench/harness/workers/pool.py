@@ -12,6 +12,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
+from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -19,11 +20,42 @@ from typing import Any
 
 from frictionbench.harness import machine, process
 from frictionbench.harness.plans.plan import Plugin
-from frictionbench.harness.workers.task import Outcome, Task
 from frictionbench.problems import InputError, compiled
 from frictionbench.problems.compiled import PACKAGE
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.results.files import ResultsError
+
+# Bytes: far above the longest row, which has a simulation's curves. It bounds the memory of the main process.
+LONGEST_REPLY = 256 * 2**20
+
+
+@dataclass(frozen=True)
+class Task:
+    """A call of function(*arguments) in a worker, whose value is sent back as JSON.
+
+    name: shown in the progress bar. limit: seconds. owner: the solver from outside this repository that it runs, or empty.
+    """
+
+    name: str
+    function: Callable[..., Any]
+    arguments: tuple[Any, ...]
+    limit: float
+    owner: str = ""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a task returned; or, where it returned nothing, the verdict (TIMEOUT or CRASHED) and the reason."""
+
+    task: Task
+    value: Any = None
+    failure: Verdict | None = None
+    reason: str = ""
+
+    def input_error(self, otherwise: str) -> InputError:
+        """The failure as an error: its reason where that begins with the name of a field, else the message `otherwise`."""
+        return InputError(self.reason if self.reason.startswith(("solver: ", "scheme: ")) else otherwise)
+
 
 TRIES = 3  # one kill may be an accident, such as a machine short of memory for a moment; three in a row are not
 START = """import sys; sys.path.insert(0, sys.argv[1])
@@ -34,7 +66,7 @@ Settings = tuple[Path, tuple[Plugin, ...], int]
 class _Server:
     """The process that forks the supervisors: started once, it ends with this process and imports nothing from its folder.
 
-    walls: those around plug-ins, see harness.workers.walls. Errors: ConnectionError with the reason where it ends before it
+    sandbox: that of plug-ins, see harness.workers.sandbox. Errors: ConnectionError with the reason where it ends before it
     reports its code, ResultsError where it runs other code.
     """
 
@@ -60,7 +92,7 @@ class _Server:
                 told = errors.read().decode(errors="replace").strip().splitlines()
                 raise ConnectionError(told[-1] if told else "it was killed")
         theirs, ours = json.loads(line), machine.code()
-        self.walls = str(theirs["walls"])
+        self.sandbox = str(theirs["sandbox"])
         if theirs["code"] != ours:
             self.close()
             raise ResultsError(
@@ -90,8 +122,8 @@ def _supervisor(settings: Settings) -> Connection:
     reason = ""
     for _ in range(TRIES):  # it may be killed at any moment, also while it starts
         try:
-            if _server is None and (told := compiled.cold_spare()):
-                print(f"frictionbench: {told}", file=sys.stderr)
+            if _server is None and (notice := compiled.cold_spare()):
+                print(f"frictionbench: {notice}", file=sys.stderr)
             _server = _server or _Server()
             return _server.supervisor(settings)
         except OSError as error:
@@ -161,7 +193,7 @@ class _Slot:
 class Pool:
     """Workers for one run; use as a context manager.
 
-    walls: what keeps plug-ins from the files and processes of the run, see harness.workers.walls.
+    sandbox: what keeps plug-ins from the files and processes of the run, see harness.workers.sandbox.
     Errors: InputError on a platform that cannot isolate them and, from `run`, where a worker cannot start; ResultsError where
     they run other code than this process.
     """
@@ -170,7 +202,7 @@ class Pool:
         process.require_linux()
         self._slots = [_Slot((folder.absolute(), plugins, memory_limit)) for _ in range(jobs)]
         assert _server is not None
-        self.walls = _server.walls
+        self.sandbox = _server.sandbox
 
     def __enter__(self) -> "Pool":
         return self

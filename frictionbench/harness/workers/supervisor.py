@@ -8,7 +8,7 @@ forks its worker, sends it tasks, and kills it at its deadline. It is the subrea
 ends them after each task, except for the package's own helper processes (solvers.outside.children). When its socket to the
 main process closes, because that process has finished or was killed, a supervisor ends all its descendants and exits; the
 kernel kills a worker whose supervisor is killed, and the server what that worker had started. A worker that runs a solver from
-outside this repository (Task.owner) runs no other solver, behind walls (harness.workers.walls).
+outside this repository (Task.owner) runs no other solver, in a sandbox (harness.workers.sandbox).
 """
 
 import json
@@ -27,8 +27,8 @@ from numba.core.registry import cpu_target
 from frictionbench.harness import machine, process
 from frictionbench.harness.cells import worker
 from frictionbench.harness.deadline import COMPILE_SECONDS, HARNESS_SECONDS, Deadline
-from frictionbench.harness.workers import walls
-from frictionbench.harness.workers.task import LONGEST_REPLY, Task
+from frictionbench.harness.workers import sandbox
+from frictionbench.harness.workers.pool import LONGEST_REPLY, Task
 from frictionbench.problems import InputError
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.solvers import plugins
@@ -40,14 +40,14 @@ POLL_CLOSED = 0.01  # seconds between checks for the exit code of a worker that 
 
 
 def serve(control_fd: int) -> None:
-    """Run the server: report its code and its walls, then fork a supervisor for every socket received, until the last."""
+    """Run the server: report its code and its sandbox, then fork a supervisor for every socket received, until the last."""
     _detach()
     process.adopt_orphans()
     ended = _signalled(signal.SIGCHLD)
     supervisors: set[int] = set()
-    built = walls.best()
+    confined = sandbox.best()
     with socket.socket(fileno=control_fd) as control:
-        control.sendall(json.dumps({"code": machine.code(), "walls": built}).encode() + b"\n")
+        control.sendall(json.dumps({"code": machine.code(), "sandbox": confined}).encode() + b"\n")
         for context in (cpu_target.typing_context, cpu_target.target_context):
             context.refresh()  # imports what numba needs for its first kernel, once for all workers
         while True:
@@ -63,7 +63,7 @@ def serve(control_fd: int) -> None:
             pid = os.fork()
             if pid == 0:
                 control.close()
-                _run_and_exit(supervise, Connection(fds[0]), built)
+                _run_and_exit(supervise, Connection(fds[0]), confined)
             os.close(fds[0])
             supervisors.add(pid)
     process.end_descendants()
@@ -86,7 +86,7 @@ def _reaped() -> set[int]:
     return found
 
 
-def supervise(channel: Connection, built: str) -> None:
+def supervise(channel: Connection, confined: str) -> None:
     """Run a supervisor: receive tasks from the channel, and send the worker's replies back through it."""
     process.adopt_orphans()
     signal.set_wakeup_fd(-1)
@@ -100,7 +100,7 @@ def supervise(channel: Connection, built: str) -> None:
                 process.end_descendants()
                 core = process.hold_core() if core is None else core
                 try:
-                    child = _Worker(channel, core, settings, task.owner, built)
+                    child = _Worker(channel, core, settings, task.owner, confined)
                 except (OSError, ValueError) as error:
                     channel.send_bytes(_reply(unusable=str(error)))
                     break
@@ -121,9 +121,9 @@ class _Worker:
     """A worker process, as seen by its supervisor."""
 
     def __init__(
-        self, channel: Connection, core: int | None, settings: tuple[Any, ...], owner: str = "", built: str = walls.GROUPS
+        self, channel: Connection, core: int | None, settings: tuple[Any, ...], owner: str = "", confined: str = sandbox.GROUPS
     ) -> None:
-        """Start a worker, behind the walls that were built where it runs a plug-in, and wait until it is ready.
+        """Start a worker, in the sandbox where it runs a plug-in, and wait until it is ready.
 
         Errors: OSError where it cannot be started, InputError with the reason it gives.
         """
@@ -138,7 +138,7 @@ class _Worker:
             self._tasks.close()
             os.close(self._replies)
             process.die_with_parent(supervisor)
-            _run_and_exit(work, tasks, replies, self.deadline, core, settings, owner, built)
+            _run_and_exit(work, tasks, replies, self.deadline, core, settings, owner, confined)
         tasks.close()
         os.close(replies)
         ready = bytearray()
@@ -148,7 +148,7 @@ class _Worker:
             ready += received
         if reason := json.loads(ready).get("reason"):
             raise InputError(reason)
-        self.processes = [self.pid, *process.descendants(self.pid)]  # itself, behind walls after its keeper and its init
+        self.processes = [self.pid, *process.descendants(self.pid)]  # itself, in a sandbox after its keeper and its init
 
     def __del__(self) -> None:
         os.close(self._replies)
@@ -204,7 +204,7 @@ def work(
     core: int | None,
     settings: tuple[Any, ...],
     owner: str,
-    built: str,
+    confined: str,
 ) -> None:
     """Run a worker: receive tasks from one pipe, and write what they return to another, each as a line of JSON.
 
@@ -216,7 +216,7 @@ def work(
         os.setsid()
         folder, plugin_files, _ = settings
         if owner:
-            walls.confine(built, folder, plugin_files, owner)
+            sandbox.confine(confined, folder, plugin_files, owner)
         worker.start(deadline, core, *settings)
     except (OSError, ValueError) as error:
         os.write(replies, _reply(reason=str(error) if isinstance(error, InputError) else f"workers: {error}"))

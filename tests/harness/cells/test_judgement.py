@@ -3,7 +3,7 @@
 import pytest
 
 from frictionbench import capture
-from frictionbench.harness.cells.judgement import judge_file
+from frictionbench.harness.judge import judge_file
 
 BLOCK = """
 <mujoco>

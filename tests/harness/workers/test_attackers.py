@@ -8,7 +8,7 @@ import pytest
 from frictionbench.harness.contract import examine
 from frictionbench.harness.plans.plan import Source
 from frictionbench.harness.run import run
-from frictionbench.harness.workers.plugins import load_plugins
+from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.results import store
 from tests.helpers.command_line import frictionbench
 from tests.helpers.paths import ROOT

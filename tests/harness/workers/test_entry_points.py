@@ -6,7 +6,7 @@ import pytest
 
 from frictionbench.commands.single import all_variants
 from frictionbench.harness.workers import pool
-from frictionbench.harness.workers.plugins import load_plugins
+from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.problems import InputError
 from frictionbench.results import store
 from frictionbench.solvers import plugins

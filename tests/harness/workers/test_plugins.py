@@ -14,7 +14,7 @@ from frictionbench.commands.single import rerun_row
 from frictionbench.harness import machine
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.run import run
-from frictionbench.harness.workers.plugins import load_plugins
+from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.problems import InputError
 from frictionbench.results import store
 from frictionbench.results.files import ResultsError

@@ -15,7 +15,7 @@ from frictionbench.commands.export import export
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import run
-from frictionbench.harness.workers.plugins import load_plugins
+from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.instances import instances, make_instance
 from frictionbench.problems.recorded import fclib, read

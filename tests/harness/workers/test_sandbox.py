@@ -1,4 +1,4 @@
-"""A plug-in reaches neither the files nor the processes of the run, by each of the walls that this kernel can build."""
+"""A plug-in reaches neither the files nor the processes of the run, by each of the sandboxes that this kernel can build."""
 
 import json
 import os
@@ -12,8 +12,8 @@ import pytest
 from frictionbench.harness import process
 from frictionbench.harness.plans.plan import Source
 from frictionbench.harness.run import run
-from frictionbench.harness.workers import landlock, pool, walls
-from frictionbench.harness.workers.plugins import load_plugins
+from frictionbench.harness.workers import pool, sandbox
+from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.results import store
 from tests.helpers.paths import ROOT
 from tests.helpers.plugin import write
@@ -36,10 +36,10 @@ SCRIPT = """
 import ctypes, json, os, subprocess, sys
 from pathlib import Path
 from numba.core import config
-from frictionbench.harness.workers import walls
+from frictionbench.harness.workers import sandbox
 kind, RUN, FREE, LEMKE, attempts = sys.argv[1], *sys.argv[2:5], json.loads(sys.argv[5])
 PID, CACHE = os.getppid(), config.CACHE_DIR
-walls.confine(kind, Path(RUN), (), "guest")
+sandbox.confine(kind, Path(RUN), (), "guest")
 refused = []
 for name, attempt in attempts.items():
     try:
@@ -51,16 +51,17 @@ print(json.dumps(refused))
 
 
 def usable() -> list[str]:
-    """The walls that this kernel can build."""
+    """The sandboxes that this kernel can build."""
     tried = subprocess.run(
-        [sys.executable, "-c", "from frictionbench.harness.workers import walls; print(walls.best())"],
+        [sys.executable, "-c", "from frictionbench.harness.workers import sandbox; print(sandbox.best())"],
         capture_output=True,
         text=True,
         check=True,
         cwd=ROOT,
     )
-    locks = [walls.LANDLOCK] if landlock.version() >= landlock.SCOPES else [walls.FILES_ONLY] if landlock.version() else []
-    return [*([walls.NAMESPACES] if tried.stdout.strip() == walls.NAMESPACES else []), *locks]
+    version = sandbox.landlock_version()
+    locks = [sandbox.LANDLOCK if version >= sandbox.SCOPES else sandbox.FILES_ONLY] if version else []
+    return [*([sandbox.NAMESPACES] if tried.stdout.strip() == sandbox.NAMESPACES else []), *locks]
 
 
 def refused(kind: str, tmp_path: Path, attempts: dict[str, str]) -> set[str]:
@@ -84,13 +85,13 @@ def refused(kind: str, tmp_path: Path, attempts: dict[str, str]) -> set[str]:
 
 @pytest.mark.parametrize("kind", usable())
 def test_walls_hold(kind, tmp_path) -> None:
-    expected = set(ATTEMPTS) | (set() if kind == walls.FILES_ONLY else set(SIGNALS))
+    expected = set(ATTEMPTS) | (set() if kind == sandbox.FILES_ONLY else set(SIGNALS))
     assert refused(kind, tmp_path, ATTEMPTS | SIGNALS | ALLOWED) == expected
 
 
 def test_nothing_is_promised_without_walls(tmp_path) -> None:
     attempts = {"forge": ATTEMPTS["forge a shard"], "kill": SIGNALS["kill"]}
-    assert refused(walls.GROUPS, tmp_path, attempts) == set()
+    assert refused(sandbox.GROUPS, tmp_path, attempts) == set()
 
 
 # On its first call it does what it can to the run, and afterwards answers with zeros.
@@ -136,7 +137,7 @@ signal.pause()
 
 def test_server_ends_what_a_killed_supervisor_leaves(monkeypatch, tmp_path) -> None:
     """Where only process groups confine, a plug-in kills its supervisor and leaves a worker and a detached process."""
-    groups = "from frictionbench.harness.workers import walls; walls.best = lambda: walls.GROUPS\nfrom frictionbench"
+    groups = "from frictionbench.harness.workers import sandbox; sandbox.best = lambda: sandbox.GROUPS\nfrom frictionbench"
     monkeypatch.setattr(pool, "START", pool.START.replace("from frictionbench", groups, 1))
     monkeypatch.setattr(pool, "_server", None)
     plugin = write(tmp_path / "guest.py", body=LEAVES_A_STRAY.replace("\n", "\n        "))
@@ -145,7 +146,7 @@ def test_server_ends_what_a_killed_supervisor_leaves(monkeypatch, tmp_path) -> N
     run(small_plan(**vars(plan) | {"solvers": variants, "plugins": plugins}), tmp_path / "run", 1, quiet())
     (row,) = store.read_table(tmp_path / "run", "solves").to_dict("records")
     assert (row["verdict"], row["reason"]) == ("crashed", "its processes were killed 3 times")
-    assert store.read_manifest(tmp_path / "run")["walls"] == walls.GROUPS
+    assert store.read_manifest(tmp_path / "run")["walls"] == sandbox.GROUPS
     server = pool._server
     end = time.monotonic() + 60
     while (left := process.descendants(server._process.pid)) and time.monotonic() < end:

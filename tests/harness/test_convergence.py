@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from frictionbench.harness.cells import convergence
-from frictionbench.harness.cells.convergence import convergence_history
-from frictionbench.harness.convergence import chosen
+from frictionbench.harness import convergence
+from frictionbench.harness.convergence import chosen, history
 from frictionbench.harness.run import run
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scenes import scene
@@ -29,7 +28,7 @@ def _large_budget(monkeypatch) -> None:
 def test_history_converges() -> None:
     problem = scene("stack", blocks=3).problem()
     _, solver = find("nsgs")
-    units, residuals, impulse = convergence_history(problem, solver, 1e-8)
+    units, residuals, impulse = history(problem, solver, 1e-8)
     assert units == sorted(set(units))
     assert residuals[-1] <= 1e-8 < residuals[0]
     assert residuals[-1] == residual(problem, impulse)
@@ -49,7 +48,7 @@ class FalseClaim:
 
 def test_history_uses_verified_residuals() -> None:
     problem = scene("stack", blocks=1).problem()
-    units, residuals, impulse = convergence_history(problem, FalseClaim(), 1e-8)
+    units, residuals, impulse = history(problem, FalseClaim(), 1e-8)
     assert units == [1, 2, 3]
     assert residuals == [residual(problem, impulse)] * 3
     assert residuals[0] > 1e-3

@@ -1,0 +1,247 @@
+"""Failure maps: their grids, their runs, and what is traced and drawn beside them.
+
+An axis is written on the command line as
+
+    friction=.1:3:30               30 values from .1 to 3, both ends among them
+    mass_ratio=log:1e-6:1e6:13     13 values, a constant factor apart
+    jitter=zero:1e-12:1e-2:7       0 and six values, a constant factor apart
+    overlap=both:1e-12:1e-1:13     -1e-1 ... -1e-12, 0, 1e-12 ... 1e-1
+
+First the grid points are run, then the points of finer grids where verdicts differ. Each round is the run of a plan with more
+grid points, in the same folder, so that an interrupted run resumes: which points to add follows from the rows found. At the end
+the thresholds of theory are traced over each map (along lines, by bisection, without a solver), its scene's first steps are
+recorded, and for each map and exact solver the smallest failing problem is reduced further.
+"""
+
+import json
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+from typing import get_args
+
+import numpy as np
+
+from frictionbench.harness.cells.motion import record_motion
+from frictionbench.harness.plans.plan import Plan, SimulationCell, Source
+from frictionbench.harness.progress import Progress
+from frictionbench.harness.run import run
+from frictionbench.harness.shrink import ENOUGH, shrink_rows
+from frictionbench.problems import FrictionProblem, InputError
+from frictionbench.problems.analysis.thresholds import THRESHOLDS
+from frictionbench.problems.scenes import scene, scenes
+from frictionbench.problems.simulate import first_problem_of
+from frictionbench.results import store
+from frictionbench.results.conventions import first_phase
+from frictionbench.results.extras import read_shrunk, write_shrunk
+from frictionbench.results.files import subfolder, write_text
+from frictionbench.results.maps import (
+    THEORY,
+    Axis,
+    FirstSteps,
+    GridPoint,
+    Map,
+    Scale,
+    at_grid_points,
+    failed_rows,
+    first_steps_file,
+    thresholds_file,
+    write_first_steps,
+)
+from frictionbench.results.store import Row
+
+SCALES = get_args(Scale)
+MOST_LINES = 200  # along an axis: finer than a map can show
+REPEATS = 2  # timed solves: a map shows times by colour, to a factor
+STEPS, EVERY = 12, 4  # steps of a picture of a scene, and steps between two frames
+PICTURED = 8  # grid lines of each axis at most: a picture of another tile is the nearest of these
+SOLVER = "hybrid"
+LINES = 11  # along each axis at least, so that a curve drawn through the points looks smooth
+HALVINGS = 7  # of half a grid line: to 1/256 of it, finer than a printed map shows
+MOST_SHRUNK = 100  # failures: with shrink.ENOUGH seconds each, a quarter of an hour at most
+Verdicts = dict[str, dict[str, str]]  # by `location`, then by variant
+
+
+def axis(field: str, text: str, name: str) -> Axis:
+    """The axis of a scene's parameter that a text describes. Errors: InputError naming the field."""
+    parameter, _, values = text.partition("=")
+    *scale, low, high, count = values.split(":") if values.count(":") in (2, 3) else ("", "", "", "", "")
+    try:
+        found = Axis(parameter.strip(), float(low), float(high), int(count), *scale)  # type: ignore[arg-type]
+    except ValueError:
+        raise InputError(f"{field}: cannot read {text!r}; write PARAMETER=FROM:TO:N or PARAMETER=log:FROM:TO:N") from None
+    if found.scale not in SCALES:
+        raise InputError(f"{field}: unknown scale {found.scale!r}; known are {', '.join(SCALES)}")
+    if found.scale != "linear" and not 0 < found.low < found.high:
+        raise InputError(f"{field}: {text!r} needs 0 < FROM < TO")
+    if not found.low < found.high or not 2 <= found.count <= MOST_LINES:
+        raise InputError(f"{field}: {text!r} needs FROM < TO and 2 to {MOST_LINES} values")
+    if found.scale == "both" and found.count % 2 == 0:
+        raise InputError(f"{field}: {text!r} needs an odd number of values, one of them 0")
+    whole = isinstance(scenes()[name].parameters.get(found.parameter), int) if name in scenes() else False
+    return Axis(found.parameter, found.low, found.high, found.count, found.scale, whole)
+
+
+def corners(spec: Map) -> list[GridPoint]:
+    """The four corners of the grid."""
+    return [(x, y) for x in (0.0, spec.x.count - 1.0) for y in (0.0, spec.y.count - 1.0)]
+
+
+def sources(spec: Map, points: Iterable[GridPoint]) -> list[Source]:
+    """The problems at these grid points; none for a map of simulations."""
+    if spec.steps:
+        return []
+    return [Source(spec.scene, spec.at(point), scheme=spec.scheme, repeats=REPEATS) for point in points]
+
+
+def simulation_cells(spec: Map, points: Iterable[GridPoint], plan: Plan) -> list[SimulationCell]:
+    """The simulations at these grid points, no longer than the scene's duration; none for a map of first problems."""
+    cells = []
+    for point in points if spec.steps else ():
+        parameters = spec.at(point)
+        steps = min(spec.steps, scene(spec.scene, **parameters).steps)
+        cells += [
+            SimulationCell(spec.scene, parameters, variant, plan.simulation_tol, spec.scheme, steps)
+            for variant in plan.simulation_solvers
+        ]
+    return cells
+
+
+def verdicts(rows: Iterable[Row]) -> Verdicts:
+    """The verdicts in rows of either table."""
+    found: Verdicts = {}
+    for row in rows:
+        kind = row["scheme"] if "scheme" in row else row.get("phase")
+        found.setdefault(location(row["scene"], row["parameters"], str(kind)), {})[row["variant"]] = row["verdict"]
+    return found
+
+
+def finer(spec: Map, known: set[GridPoint], level: int, found: Verdicts) -> list[GridPoint]:
+    """At most spec.most new grid points between neighbours whose verdicts differ, those with the most differences first."""
+    step = 0.5**level
+    verdicts_at = {point: _verdicts_at(spec, point, found) for point in known}
+    gain: dict[GridPoint, int] = {}
+    for (i, j), own in verdicts_at.items():
+        for di, dj in ((1, 0), (0, 1), (1, 1), (1, -1)):
+            neighbour = (i + 2 * di * step, j + 2 * dj * step)
+            other = verdicts_at.get(neighbour, own)
+            changes = sum(other.get(variant) != verdict for variant, verdict in own.items())
+            between = (i + di * step, j + dj * step)
+            if changes and between not in known:
+                gain[between] = max(gain.get(between, 0), changes)
+    seen = {json.dumps(spec.at(point), sort_keys=True) for point in known}
+    new: list[GridPoint] = []
+    for point in sorted(gain, key=lambda point: (-gain[point], point)):
+        parameters = json.dumps(spec.at(point), sort_keys=True)
+        if parameters not in seen and len(new) < spec.most:
+            seen.add(parameters)
+            new.append(point)
+    return new
+
+
+def _verdicts_at(spec: Map, point: GridPoint, found: Verdicts) -> Mapping[str, str]:
+    kind = spec.scheme if spec.steps else first_phase(spec.scheme)
+    return found.get(location(spec.scene, json.dumps(spec.at(point), sort_keys=True), kind), {})
+
+
+def location(scene_name: str, parameters: str, kind: str) -> str:
+    """The scene and parameters of a row, with the problem's phase or the simulation's scheme."""
+    return f"{scene_name} {parameters} {kind}"
+
+
+def trace(spec: Map, folder: Path) -> None:
+    """Write the map's thresholds to folder, unless they have been written."""
+    path = thresholds_file(folder, spec)
+    if not spec.thresholds or path.exists():
+        return
+    subfolder(folder, path.parent.name)
+    found = {name: crossings(spec, THRESHOLDS[name]) for name in spec.thresholds}
+    write_text(path, json.dumps(found))
+
+
+def crossings(spec: Map, holds: Callable[[FrictionProblem], bool]) -> list[GridPoint]:
+    """The points on lines along both axes where `holds` changes."""
+
+    @cache
+    def at(i: float, j: float) -> bool:
+        stage = scene(spec.scene, **spec.at((i, j)))
+        return holds(first_problem_of(stage, spec.scheme))
+
+    upwards = [(i, j) for i in _lines(spec.x) for j in _changes(spec.y, lambda j, i=i: at(i, j))]  # type: ignore[misc]
+    across = [(i, j) for j in _lines(spec.y) for i in _changes(spec.x, lambda i, j=j: at(i, j))]  # type: ignore[misc]
+    return sorted({*upwards, *across})
+
+
+def _lines(axis: Axis) -> list[float]:
+    count = axis.count if axis.whole else max(LINES, axis.count)
+    return [float(line) for line in np.linspace(0, axis.count - 1, count)]
+
+
+def _changes(axis: Axis, holds: Callable[[float], bool]) -> list[float]:
+    steps = [k / 2 for k in range(2 * axis.count - 1)]
+    points = []
+    for low, high in pairwise(steps):
+        if holds(low) == holds(high):
+            continue
+        a, b = low, high
+        for _ in range(0 if axis.whole else HALVINGS):
+            middle = (a + b) / 2
+            a, b = (middle, b) if holds(middle) == holds(low) else (a, middle)
+        points.append((a + b) / 2)
+    return points
+
+
+def run_maps(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | None = None) -> None:
+    """Run a plan that has maps. Errors: as of harness.run.run."""
+    points: list[dict[GridPoint, None]] = [dict.fromkeys(spec.grid) for spec in plan.maps]
+    for level in range(max(spec.levels for spec in plan.maps) + 1):
+        if level:
+            _refine(plan.maps, points, level, folder)
+        run(_with_points(plan, points), folder, jobs, progress, cluster)
+    for spec in plan.maps:
+        trace(spec, folder)
+        store_first_steps(spec, folder)
+    _shrink_failures(plan, folder, jobs, progress)
+
+
+def _shrink_failures(plan: Plan, folder: Path, jobs: int, progress: Progress) -> None:
+    """Shrink the smallest failure of each exact solver on each map, where theory guarantees a solution also of the problem with
+    fewer contacts."""
+    solves, shrunk = store.read_table(folder, "solves"), read_shrunk(folder)
+    failed: list[Row] = []
+    for rows in (failed_rows(at_grid_points(solves, spec)) for spec in plan.maps if not spec.steps):
+        failed += rows[rows["existence"].isin(THEORY)].drop_duplicates("variant").to_dict("records")
+    failed = failed[:MOST_SHRUNK]
+    left = [row for row in failed if row["key"] not in shrunk]
+    with progress.stage("failures shrunk", len(failed), len(failed) - len(left)) as stage:
+        for row, small in shrink_rows(folder, left, plan.plugins, plan.memory_limit, jobs, ENOUGH):
+            shrunk[row["key"]] = small
+            write_shrunk(folder, shrunk)
+            stage.advance()
+
+
+def _refine(specs: tuple[Map, ...], points: list[dict[GridPoint, None]], level: int, folder: Path) -> None:
+    rows = [row for table in ("solves", "simulations") for row in store.rows(folder, table)]
+    found = verdicts(rows)
+    for spec, known in zip(specs, points, strict=True):
+        if level <= spec.levels:
+            known.update(dict.fromkeys(finer(spec, set(known), level, found)))
+
+
+def _with_points(plan: Plan, points: list[dict[GridPoint, None]]) -> Plan:
+    both = list(zip(plan.maps, points, strict=True))
+    found = {source.key: source for spec, known in both for source in sources(spec, known)}
+    simulated = tuple(cell for spec, known in both for cell in simulation_cells(spec, known, plan))
+    return replace(plan, map_sources=tuple(found.values()), map_simulations=simulated)
+
+
+def store_first_steps(spec: Map, folder: Path) -> None:
+    """Write the first steps to folder, unless they have been written; of scenes in the plane."""
+    if scene(spec.scene, **spec.at((0.0, 0.0))).dimension != 2 or first_steps_file(folder, spec).exists():
+        return
+    found = []
+    for point in ((float(i), float(j)) for i in spec.x.lines(PICTURED) for j in spec.y.lines(PICTURED)):
+        motion = record_motion(scene(spec.scene, **spec.at(point)), SOLVER, spec.scheme, STEPS)
+        found.append(FirstSteps(point, motion.outlines, motion.poses[::EVERY]))
+    write_first_steps(folder, spec, found)

@@ -1,0 +1,249 @@
+"""The sandbox of a plug-in: what keeps it from the files and the processes of the run, by the best means of this kernel.
+
+    namespaces             it sees no process but its own, and the run's files are read-only
+    landlock               it can signal no process but its own, nor write to the run's files
+    landlock, files only   it cannot write to the run's files: Linux before 6.12
+    process groups         signals that it sends to its own group reach no other process of the run; nothing more
+
+The run's files are its folder, this package, its compiled kernels, Python with all that it imports, and the plug-ins.
+
+Namespaces, with the processes keeper - init - plug-in: the keeper makes a user namespace, in which it may do what follows
+without privileges outside; a mount namespace, in which the protected folders are read-only; and a namespace of processes, whose
+first process is init. When init ends the kernel kills all processes of the namespace, however they were detached. The keeper
+ends as the plug-in's process ended, and init when the keeper does.
+
+Landlock (Linux 5.13) grants rights beneath folders and refuses them everywhere else, for good and for all descendants. To
+protect folders, the rights to write are granted to all that neither is nor holds one of them. In the folders that hold a
+protected one nothing can be created.
+
+See the manual pages user_namespaces(7), pid_namespaces(7), mount_setattr(2), and https://docs.kernel.org/userspace-api/landlock.html.
+"""
+
+import ctypes
+import os
+import resource
+import signal
+import site
+import sys
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
+from hashlib import sha256
+from pathlib import Path
+
+from numba.core import caching, config
+
+from frictionbench.harness.plans.plan import Plugin
+from frictionbench.harness.process import checked, die_with_parent, forbid_new_privileges, hide_memory, libc
+from frictionbench.problems.compiled import PACKAGE
+from frictionbench.solvers.plugins import files
+
+NAMESPACES, LANDLOCK, FILES_ONLY, GROUPS = "namespaces", "landlock", "landlock, files only", "process groups"
+
+
+def best() -> str:
+    """The best sandbox on this machine, tried in a process of its own."""
+    pid = os.fork()
+    if pid == 0:
+        try:
+            _enter_namespaces([Path(sys.prefix).resolve()], Path(config.CACHE_DIR))
+        except OSError:
+            os._exit(1)
+        os._exit(0)
+    if os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) == 0:
+        return NAMESPACES
+    found = landlock_version()
+    return LANDLOCK if found >= SCOPES else FILES_ONLY if found else GROUPS
+
+
+def confine(sandbox: str, folder: Path, plugins: Iterable[Plugin], owner: str) -> None:
+    """Confine the calling process, before it runs the owner's code; with namespaces it returns in another process.
+
+    The plug-in's own compiled kernels are cached in a folder of its own. Errors: OSError.
+    """
+    if sandbox == GROUPS:
+        return
+    caches = Path(config.CACHE_DIR).parent / "plugins"
+    own = caches / sha256(owner.encode()).hexdigest()[:16]
+    own.mkdir(parents=True, exist_ok=True)
+    named = [file for plugin in plugins for file in files(plugin.source)]
+    protected = _outermost([folder, folder / "problems", Path(config.CACHE_DIR), caches, *_code(), *named])
+    (_enter_namespaces if sandbox == NAMESPACES else _restrict)(protected, own.resolve())
+    config.CACHE_DIR = str(own)
+    _tolerate_read_only_caches()
+
+
+def _code() -> list[Path]:
+    """Where Python finds code."""
+    places: list[str | Path] = [PACKAGE.parent, sys.prefix, sys.base_prefix, site.getusersitepackages(), *sys.path]
+    return [Path(place) for place in places if place]
+
+
+def _outermost(paths: list[Path]) -> list[Path]:
+    """The existing ones among the paths, links resolved, without those inside another."""
+    found = {path.resolve() for path in paths if path.exists()}
+    return sorted(path for path in found if not any(parent in found for parent in path.parents))
+
+
+def _tolerate_read_only_caches() -> None:
+    """A kernel that is compiled here, and whose cache is read-only, is not cached; numba would raise."""
+    save = caching.Cache.save_overload
+
+    def tolerant(self: caching.Cache, *compiled: object) -> None:
+        with suppress(OSError):
+            save(self, *compiled)
+
+    caching.Cache.save_overload = tolerant
+
+
+CREATE_RULESET, ADD_RULE, RESTRICT_SELF = 444, 445, 446  # system calls
+VERSION, PATH_BENEATH = 1, 1  # asks for the version of the interface; the kind of rule
+WRITE_FILE, TRUNCATE = 1 << 1, 1 << 14
+FOLDER_RIGHTS = sum(1 << bit for bit in range(4, 14))  # to remove, to make each kind of file, and to move between folders
+TRUNCATES, SCOPES = 3, 6  # the first versions that bound truncating, and signals and abstract sockets
+SCOPED = 3
+
+
+class _Ruleset(ctypes.Structure):
+    _fields_ = (("files", ctypes.c_uint64), ("network", ctypes.c_uint64), ("scoped", ctypes.c_uint64))
+
+
+class _Beneath(ctypes.Structure):
+    _pack_ = 1
+    _fields_ = (("rights", ctypes.c_uint64), ("folder", ctypes.c_int32))
+
+
+def landlock_version() -> int:
+    """The version of Landlock's interface; 0 where the kernel has none, or one that does not bound truncating."""
+    found = int(libc.syscall(CREATE_RULESET, None, 0, VERSION))
+    return found if found >= TRUNCATES else 0
+
+
+def _restrict(protected: Sequence[Path], writable: Path) -> None:
+    """Give up writing to the protected folders, except for the folder writable, and, from version 6 on, signalling others.
+
+    Errors: OSError.
+    """
+    scopes = landlock_version() >= SCOPES
+    rules = _Ruleset(WRITE_FILE | TRUNCATE | FOLDER_RIGHTS, 0, SCOPED if scopes else 0)
+    size = ctypes.sizeof(rules) if scopes else ctypes.sizeof(ctypes.c_uint64)
+    ruleset = checked("landlock_create_ruleset", libc.syscall(CREATE_RULESET, ctypes.byref(rules), size, 0))
+    try:
+        for path in (*_beside(protected), writable):
+            _grant(ruleset, path)
+        forbid_new_privileges()
+        checked("landlock_restrict_self", libc.syscall(RESTRICT_SELF, ruleset, 0))
+    finally:
+        os.close(ruleset)
+
+
+def _beside(protected: Sequence[Path]) -> list[Path]:
+    """The largest files and folders, without links, that neither are protected nor hold anything protected."""
+    above = {parent for path in protected for parent in path.parents}
+    found: list[Path] = []
+    for folder in above:
+        with suppress(PermissionError):
+            found += [path for path in folder.iterdir() if path not in above and not path.is_symlink()]
+    return [path for path in found if path not in protected]
+
+
+def _grant(ruleset: int, path: Path) -> None:
+    try:
+        opened = os.open(path, os.O_PATH | os.O_NOFOLLOW | os.O_CLOEXEC)
+    except (FileNotFoundError, PermissionError):  # a temporary file that has gone, or nothing to which it could write
+        return
+    try:
+        rights = WRITE_FILE | TRUNCATE | (FOLDER_RIGHTS if path.is_dir() else 0)
+        rule = _Beneath(rights, opened)
+        checked("landlock_add_rule", libc.syscall(ADD_RULE, ruleset, PATH_BENEATH, ctypes.byref(rule), 0))
+    finally:
+        os.close(opened)
+
+
+NEW_MOUNTS, NEW_USERS, NEW_PROCESSES = 0x00020000, 0x10000000, 0x20000000  # linux/sched.h
+BIND, RECURSIVE, PRIVATE = 0x1000, 0x4000, 1 << 18  # linux/mount.h
+MOUNT_SETATTR, AT_FDCWD, AT_RECURSIVE, READ_ONLY = 442, -100, 0x8000, 1
+CAPABILITIES = 0x20080522  # version 3 of the structures of capset(2)
+
+
+class _Attributes(ctypes.Structure):
+    _fields_ = tuple((name, ctypes.c_uint64) for name in ("set", "clear", "propagation", "users"))
+
+
+def _enter_namespaces(protected: Sequence[Path], writable: Path) -> None:
+    """Return in a new process of new namespaces, where only `writable` can be written to beneath the protected folders.
+
+    The calling process becomes its keeper and does not return. Errors: OSError, in the calling process or in the new one.
+    """
+    user, group = os.getuid(), os.getgid()
+    checked("unshare", libc.unshare(NEW_USERS | NEW_MOUNTS | NEW_PROCESSES))
+    for name, line in (("setgroups", "deny"), ("uid_map", f"{user} {user} 1"), ("gid_map", f"{group} {group} 1")):
+        with open(f"/proc/self/{name}", "w", encoding="ascii") as mapping:
+            mapping.write(line)
+    _mount(None, Path("/"), PRIVATE | RECURSIVE)
+    for path in protected:
+        _mount(path, path, BIND | RECURSIVE)
+        _set_attributes(path, _Attributes(set=READ_ONLY))
+    _mount(writable, writable, BIND)
+    _set_attributes(writable, _Attributes(clear=READ_ONLY))
+    said, says = os.pipe()
+    if os.fork():
+        _close_others(said)
+        status = os.read(said, 4)
+        _end_as(int.from_bytes(status, "little") if status else 1 << 8)  # without a status init could not start the process
+    die_with_parent(0)
+    os.close(said)
+    _mount(Path("proc"), Path("/proc"), 0, kind=b"proc")
+    if process := os.fork():
+        hide_memory()
+        _close_others(says)
+        _be_init(process, says)
+    os.close(says)
+    _drop_capabilities()
+
+
+def _be_init(process: int, says: int) -> None:
+    """Wait for orphans and for the process, and report its status; the end of init ends all others."""
+    try:
+        while True:
+            pid, status = os.wait()
+            if pid == process:
+                os.write(says, status.to_bytes(4, "little"))
+                break
+    finally:
+        os._exit(0)
+
+
+def _end_as(status: int) -> None:
+    """End as the process ended, with its exit code or by its signal."""
+    code = os.waitstatus_to_exitcode(status)
+    if code < 0:
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        signal.pthread_sigmask(signal.SIG_SETMASK, ())
+        if -code not in (signal.SIGKILL, signal.SIGSTOP):
+            signal.signal(-code, signal.SIG_DFL)
+        os.kill(os.getpid(), -code)
+    os._exit(max(code, 0))
+
+
+def _close_others(kept: int) -> None:
+    """Close all descriptors but one: whoever reads the process's pipes sees them closed when the process closes them."""
+    os.closerange(3, kept)
+    os.closerange(kept + 1, resource.getrlimit(resource.RLIMIT_NOFILE)[0])
+
+
+def _mount(source: Path | None, target: Path, flags: int, kind: bytes | None = None) -> None:
+    origin = None if source is None else os.fsencode(source)
+    checked(f"mount {target}", libc.mount(origin, os.fsencode(target), kind, ctypes.c_ulong(flags), None))
+
+
+def _set_attributes(path: Path, attributes: _Attributes) -> None:
+    size = ctypes.c_size_t(ctypes.sizeof(attributes))
+    call = libc.syscall(MOUNT_SETATTR, AT_FDCWD, os.fsencode(path), AT_RECURSIVE, ctypes.byref(attributes), size)
+    checked(f"mount_setattr {path}", call)
+
+
+def _drop_capabilities() -> None:
+    """Give up all rights in the namespaces, also for programs that are executed later."""
+    forbid_new_privileges()
+    header, none = (ctypes.c_uint32 * 2)(CAPABILITIES, 0), (ctypes.c_uint32 * 6)()
+    checked("capset", libc.capset(header, none))
