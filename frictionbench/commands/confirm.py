@@ -27,7 +27,7 @@ from frictionbench.results.times import Pair
 from frictionbench.solvers import plugins
 
 PAIRS, PAIRS_UNTIMED = 8, 3  # runs of each code: eight equal signs are significant at 1 %; verdicts and counters hardly vary
-START = "import sys; sys.path.insert(0, sys.argv.pop(1)); from frictionbench.commands.cli import main; main()"
+START = "import runpy, sys; sys.path.insert(0, sys.argv.pop(1)); runpy.run_module('frictionbench', run_name='__main__')"
 
 
 class Code(NamedTuple):
@@ -128,7 +128,7 @@ def baseline_code(code: str, named: list[str], scratch: Path) -> Code:
         raise InputError(
             f"code: {code} is older than the single package frictionbench and cannot be run; give a later revision"
         )
-    ours = (folder / "frictionbench" / "harness" / "cli.py").is_file()
+    ours = (folder / "frictionbench" / "__main__.py").is_file()
     moved = [_moved(spec, home, folder) if not ours else spec for spec in named]
     return Code([sys.executable, "-P", "-c", START, str(folder if ours else PACKAGE.parent)], moved)
 
