@@ -45,7 +45,7 @@ def outcomes() -> dict[str, dict[str, str]]:
 
 def facts(info: SolverInfo) -> dict[str, str]:
     """The text under each of FIELDS in the docstring of a solver, or else in that of its file."""
-    found = {}
+    found: dict[str, str] = {}
     for text in (sys.modules[info.make.__module__].__doc__ or "", inspect.getdoc(info.make) or ""):
         entries = re.findall(rf"^({'|'.join(FIELDS)}): (.*?)(?=^\w+: |\Z|^$)", text, flags=re.MULTILINE | re.DOTALL)
         found |= {name: " ".join(words.split()) for name, words in entries}
