@@ -432,7 +432,7 @@ def rerun(
         bool, typer.Option("--shrink", help="Remove contacts of its problem while it still fails, and save the rest.")
     ] = False,
 ) -> None:
-    """Run one cell of a results folder again and show both rows, or reduce the problem of a failing cell."""
+    """Run one cell of a results folder again, or reduce its problem."""
     if not shrink:
         from frictionbench.commands.single import show_rerun
 

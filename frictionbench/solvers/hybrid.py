@@ -7,8 +7,10 @@ iterations. In between they cost more than they save, as they do for hyperstatic
 is singular there, and 30 sweeps leave a residual of a tenth.
 
 The portfolio stops at the first answer whose residual, computed here from the problem's own velocities, is within the
-tolerance. On the candidates of the suite `hard` no other method solves a problem that the first two do not solve; in space
-proximal points solve walls of boxes in which the interior point stops short. (Algorithm portfolios: Gomes and Selman 2001.)
+tolerance. On the candidates of the suite `hard` no other method solves a problem that the first two do not solve. In the plane
+the staggered method solves problems in which a very heavy body rests beside light ones, whose digits factorisations lose; in
+space proximal points solve walls of boxes in which the interior point stops short. (Algorithm portfolios: Gomes and Selman
+2001.)
 
 The time of an interior point grows with the number of contacts, that of a pivot with the square of the active ones, and the
 number of pivots is not known beforehand: one a contact in stacks that stick, two to five where contacts slide or open. In
@@ -31,7 +33,7 @@ from frictionbench.solvers.clock import is_over, left, within
 from frictionbench.solvers.interface import Answer, Solved, Status, dense_storage, find, solver
 from frictionbench.solvers.interior_point import first_phase_of
 
-PLANAR, SPATIAL = ("lemke", "interior_point"), ("nsgs", "interior_point", "proximal_newton")
+PLANAR, SPATIAL = ("lemke", "interior_point", "staggered"), ("nsgs", "interior_point", "proximal_newton")
 SHARE = 0.9  # of what is left of a time limit, for each member but the last: nearly all problems are solved by the first
 STORAGE = 2**32  # bytes of dense matrices above which another member is left out: its pivots would take hours
 CLOSE = 0.01  # largest residual at which the impulses of one member are a better start for the next than none
@@ -53,7 +55,7 @@ Prepared = tuple[FrictionProblem, tuple[str, ...], Any]  # the problem, its memb
     dimension=(2, 3),
     warm_start=True,
     sparse=True,
-    members=("lemke", "interior_point", "nsgs", "proximal_newton"),
+    members=("lemke", "interior_point", "staggered", "nsgs", "proximal_newton"),
 )
 class Hybrid:
     """A portfolio: the interior point or a simpler method first, then others, until a checked answer is within the tolerance.

@@ -104,6 +104,7 @@ def test_instance_labels(tmp_path) -> None:
         collect(tmp_path, Source("cubes", {"bricks": 2}))
 
 
+@pytest.mark.slow  # a spatial problem, which other rows are not
 def test_rerun_and_shrink_spatial_row(tmp_path) -> None:
     plan = choose("spatial", ["cubes[boxes=2,mass_ratio=1e6,push=1]"], ("nsgs[relaxation=0.01]",), "1e-8", 5.0)
     run(plan, tmp_path, 1, Progress())

@@ -185,6 +185,7 @@ def test_stack_velocity_is_unique() -> None:
     assert found.pieces[0].dimension == 3
 
 
+@pytest.mark.slow  # the set of solutions near the jam by many solves
 def test_near_jam() -> None:
     """16 kN s between blocks of a few kilograms, and 6.4 J more, in an exact solution that is the only one.
 

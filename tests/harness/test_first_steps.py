@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from frictionbench.harness.maps import EVERY, STEPS, store_first_steps
-from frictionbench.problems import scene
+from frictionbench.problems.scenes import scene
 from frictionbench.problems.simulate import simulate
 from frictionbench.reports.drawing.tiles import picture
 from frictionbench.results.files import ResultsError

@@ -19,6 +19,8 @@ from frictionbench.results import store
 from tests.helpers.paths import BAD_SOLVERS, ROOT
 from tests.helpers.runs import quiet, small_plan, verdicts
 
+pytestmark = pytest.mark.slow  # the quick tests run no solver that hangs, exits or kills
+
 GOOD = ("lemke", "nsgs")
 LIMIT = 1.0
 VERDICTS = {

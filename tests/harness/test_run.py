@@ -139,6 +139,7 @@ def written(folder: Path) -> set[tuple[Path, int, int]]:
     return found
 
 
+@pytest.mark.slow  # kills at any row, which quick tests do not
 def test_repeatedly_killed_run_resumes(tmp_path) -> None:
     """Kill -9 of the whole process group after it wrote some files, whatever it is doing then; then the same command again.
 

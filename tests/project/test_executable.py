@@ -20,6 +20,8 @@ from frictionbench.solvers import Status, executable, find
 from tests.helpers.friction_problems import nothing, spatial, with_joints
 from tests.helpers.paths import ROOT
 
+pytestmark = pytest.mark.slow  # the quick tests call no executable and no library in C
+
 PAGE = (ROOT / "docs" / "executable.md").read_text(encoding="utf-8")
 FILES = dict(re.findall(r"^```\w+ (\S+)\n(.*?)^```", PAGE, re.M | re.S))
 COMMANDS = re.findall(r"^    (cc|frictionbench solve) (.*)$", PAGE, re.M)

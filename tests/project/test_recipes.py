@@ -15,6 +15,8 @@ from numba.core.caching import _CacheLocator
 from frictionbench.problems.compiled import PACKAGE
 from tests.helpers.paths import ROOT
 
+pytestmark = pytest.mark.slow  # the quick tests read the recipes, and would not see one that fails as it stands
+
 RECIPES = dict(
     re.findall(r"^### (.+?)\n(.*?)(?=^### |\Z)", (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8"), re.M | re.S)
 )

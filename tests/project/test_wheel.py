@@ -167,6 +167,7 @@ def test_install_works_without_home(installed) -> None:
         (["--help"], "Compare solvers for the friction LCPs"),
         (["list", "solvers"], "nsgs"),
         (["run", "smoke", "--scene", "stack", "--solver", "lemke", "--jobs", "1", "--out", str(results)], "results of mine"),
+        (["compare", str(mine), str(results), "--accept"], "accepted: "),
         (["compare", str(mine), str(results)], "## worse 0"),
         (["report", str(results)], "report: "),
         (["solve", "stack", "--solver", "lemke"], "use lemke: solved"),

@@ -14,6 +14,8 @@ from tests.helpers.command_line import frictionbench
 from tests.helpers.paths import ROOT
 from tests.helpers.plugin import write
 
+pytestmark = pytest.mark.slow  # the quick tests would not see a step of a workflow that fails
+
 yaml = pytest.importorskip("yaml")
 GITHUB, GITLAB = map(
     yaml.safe_load, re.findall(r"```yaml\n(.*?)```", (ROOT / "docs" / "ci.md").read_text(encoding="utf-8"), re.DOTALL)

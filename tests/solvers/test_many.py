@@ -209,7 +209,7 @@ def test_a_batch_is_packed_once(planar: list[FrictionProblem]) -> None:
         ({"problems": 3}, "problems"),
         ({"problems": [3]}, r"problems\[0\]"),
         ({"spec": "lemk"}, "solver"),
-        ({"spec": "dart"}, "not installed|problems"),
+        ({"spec": "siconos"}, "not installed|problems"),
         ({"tol": 0.0}, "tol"),
         ({"limit": 0}, "limit"),
         ({"workers": 0}, "workers"),
@@ -218,7 +218,7 @@ def test_a_batch_is_packed_once(planar: list[FrictionProblem]) -> None:
 )
 def test_invalid_arguments(arguments: dict[str, object], named: str) -> None:
     given: dict[str, object] = {"problems": [], "spec": "lemke"} | arguments
-    if arguments == {"spec": "dart"}:
+    if arguments == {"spec": "siconos"}:
         given["problems"] = [fb.scene("stack", blocks=1).problem()]
     with pytest.raises(fb.InputError, match=named):
         fb.solve_many(given.pop("problems"), given.pop("spec"), **given)  # type: ignore[arg-type]

@@ -15,6 +15,8 @@ from tests.helpers.paths import ROOT
 from tests.helpers.plugin import write
 from tests.helpers.runs import quiet, small_plan
 
+pytestmark = pytest.mark.slow  # the quick tests run no attacks within a worker
+
 FACTS = ["solver", "variant", "family", "model", "scene", "parameters", "problem", "contacts", "tol", "time_limit", "start"]
 
 

@@ -19,6 +19,8 @@ from frictionbench.problems import InputError
 from frictionbench.results.files import ResultsError
 from tests.helpers.runs import quiet, small_plan, verdicts
 
+pytestmark = pytest.mark.slow  # the quick tests start no scheduler
+
 
 def free_port() -> int:
     with socket.socket() as probe:

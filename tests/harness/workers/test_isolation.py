@@ -25,6 +25,8 @@ from frictionbench.results import store
 from frictionbench.results.files import ResultsError
 from tests.helpers.runs import quiet
 
+pytestmark = pytest.mark.slow  # the quick tests do not look for processes left behind
+
 MARK = "FRICTIONBENCH_TEST_MARK"
 BLOCKS_SIGNALS = """
 import os
