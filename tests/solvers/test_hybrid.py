@@ -50,8 +50,8 @@ def test_a_claim_within_the_floor_of_rounding_is_an_answer() -> None:
 @pytest.mark.parametrize(
     ("problem", "members"),
     [
-        (random_problem(1, 4), ("lemke", "interior_point")),
-        (random_problem(1, 40), ("interior_point", "lemke")),
+        (random_problem(1, 4), ("lemke", "interior_point", "staggered")),
+        (random_problem(1, 40), ("interior_point", "lemke", "staggered")),
         (cubes(1), ("nsgs", "interior_point", "proximal_newton")),
         (cubes(3), ("interior_point", "nsgs", "proximal_newton")),
     ],
