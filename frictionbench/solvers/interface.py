@@ -110,8 +110,9 @@ class SolverInfo:
     lacks: what is not supported: friction_bias, joints, or asymmetry (of W, by methods that work in velocities: the Jacobian of
     an unsymmetric W is that of its symmetric part); problems where it is not zero, asymmetry up to DIGITS, are refused.
     remote: whether the library runs in another process, for reasons of ours: it is then timed by its own clock (Answer.clock).
-    variants: settings that count as solvers of their own, as in `ccp[backend=clarabel]`. A variant with another model,
-    dimension, needs or lacks has an attribute of that name. members: the solvers that a portfolio may run.
+    variants: settings that count as solvers of their own, as in `ccp[backend=clarabel]`; a solver of this package takes their
+    texts in no other combination. A variant with another model, dimension, needs or lacks has an attribute of that name.
+    members: the solvers that a portfolio may run.
     make: the class, a frozen dataclass whose fields are the settings.
     """
 
@@ -307,6 +308,11 @@ def find(spec: str) -> tuple[SolverInfo, Solver]:
         made = replace(instance, **values)
     except ValueError as error:
         raise InputError(f"solver: {spec}: {error}") from None
+    known = [split("solver", variant)[1] for variant in info.specs]
+    chosen = {key for key, kind in kinds.items() if kind is str and any(key in variant for variant in known)}
+    possible = [{key: variant.get(key, getattr(instance, key)) for key in chosen} for variant in known]
+    if info.ours and {key: getattr(made, key) for key in chosen} not in possible:
+        raise InputError(f"solver: {name} has no variant {spec}; it has {', '.join(info.specs)}")
     _found[spec] = replace(info, **{fact: getattr(made, fact) for fact in _VARIANT_PROPERTIES if hasattr(made, fact)}), made
     return _found[spec]
 

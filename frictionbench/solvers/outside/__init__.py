@@ -11,12 +11,4 @@ a difference of norms, which says nothing about the method. Every library whose 
 asked for tol over MARGIN; interior points, which overshoot, and libraries that test this very residual get tol itself.
 """
 
-from frictionbench.problems.check import require
-
 MARGIN = 10  # larger than every factor that was seen
-
-
-def require_settings(chosen: str, tunable: bool = True) -> None:
-    """Errors: InputError naming settings where the choice is neither default nor, if there is an option to set, tuned."""
-    known = ("default", "tuned") if tunable else ("default",)
-    require(chosen in known, "settings", f"must be {' or '.join(known)}, got {chosen!r}")

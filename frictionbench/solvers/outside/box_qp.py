@@ -29,7 +29,6 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel
 from frictionbench.solvers.interface import Answer, Status, solver
-from frictionbench.solvers.outside import require_settings
 from frictionbench.solvers.outside.scaled_delassus import ScaledDelassus, scaled_delassus
 
 _DEFINITE = 1e-13  # on a diagonal of about 1: the least with which the factorisation of redundant contacts succeeds
@@ -71,9 +70,6 @@ class BoxQP:
     """
 
     settings: str = "default"
-
-    def __post_init__(self) -> None:
-        require_settings(self.settings)
 
     def form(self, problem: FrictionProblem) -> DualProgram:
         return dual_program(problem, _DEFINITE)

@@ -35,9 +35,9 @@ from typing import Any
 import numpy as np
 
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.check import Array, require
+from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer, Model, Status, solver
-from frictionbench.solvers.outside import MARGIN, require_settings
+from frictionbench.solvers.outside import MARGIN
 from frictionbench.solvers.outside.box_qp import DualProgram, dual_program
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 
@@ -67,10 +67,6 @@ class CasADi:
 
     method: str = "qrqp"
     settings: str = "default"
-
-    def __post_init__(self) -> None:
-        require(self.method in _METHODS, "method", f"must be one of {', '.join(_METHODS)}, got {self.method!r}")
-        require_settings(self.settings, self.method == "ipopt")
 
     @property
     def model(self) -> Model:

@@ -33,9 +33,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.check import Array, require
+from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer, solver
-from frictionbench.solvers.outside import MARGIN, require_settings
+from frictionbench.solvers.outside import MARGIN
 from frictionbench.solvers.outside.qp_libraries import LEAST_GAP
 from frictionbench.solvers.outside.scaled_program import Prepared, RelaxationSolver, gap_tolerance, scaled_program
 
@@ -78,10 +78,6 @@ class CCP(RelaxationSolver):
 
     backend: str = "clarabel"
     settings: str = "default"
-
-    def __post_init__(self) -> None:
-        require(self.backend in BACKENDS, "backend", f"must be one of {', '.join(BACKENDS)}, got {self.backend!r}")
-        require_settings(self.settings, self.backend in _TUNED)
 
     @property
     def needs(self) -> tuple[str, ...]:

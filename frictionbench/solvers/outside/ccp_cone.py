@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.check import Array, require
+from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer, solver
 from frictionbench.solvers.outside import MARGIN
 from frictionbench.solvers.outside.qp_libraries import LEAST_GAP
@@ -52,9 +52,6 @@ class CCPCone(RelaxationSolver):
     """
 
     backend: str = "clarabel"
-
-    def __post_init__(self) -> None:
-        require(self.backend in _BACKENDS, "backend", f"must be one of {', '.join(_BACKENDS)}, got {self.backend!r}")
 
     @property
     def needs(self) -> tuple[str, ...]:

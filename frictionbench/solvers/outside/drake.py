@@ -56,7 +56,6 @@ class Drake:
     perturbation: float = 0.0
 
     def __post_init__(self) -> None:
-        require(self.method in _METHODS, "method", f"must be one of {', '.join(_METHODS)}, got {self.method!r}")
         require(0 <= self.perturbation < 1, "perturbation", f"must be at least 0 and less than 1, got {self.perturbation!r}")
 
     def form(self, problem: FrictionProblem | LCP) -> DenseLCP:

@@ -37,10 +37,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.check import Array, require
+from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
 from frictionbench.solvers.interface import Answer, Status, solver
-from frictionbench.solvers.outside import require_settings
 from frictionbench.solvers.outside.scaled_delassus import SPACE, ScaledDelassus, scaled_delassus
 
 _METHODS = {"newton": "Newton", "cg": "CG"}
@@ -88,10 +87,6 @@ class MuJoCo:
 
     method: str = "newton"
     settings: str = "default"
-
-    def __post_init__(self) -> None:
-        require(self.method in _METHODS, "method", f"must be one of {', '.join(_METHODS)}, got {self.method!r}")
-        require_settings(self.settings)
 
     def form(self, problem: FrictionProblem) -> Whitened:
         return whitened(problem)

@@ -28,9 +28,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.check import Array, require
+from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer, Model, Status, solver
-from frictionbench.solvers.outside import MARGIN, require_settings
+from frictionbench.solvers.outside import MARGIN
 from frictionbench.solvers.outside.scaled_delassus import TANGENTS_FIRST, ScaledDelassus, scaled_delassus
 
 _SOLVERS = {"admm": "ADMM", "pgs": "PGS"}
@@ -73,11 +73,6 @@ class Pinocchio:
     method: str = "admm"
     law: str = "ncp"
     settings: str = "default"
-
-    def __post_init__(self) -> None:
-        for name, known in (("method", _SOLVERS), ("law", _LAWS)):
-            require(getattr(self, name) in known, name, f"must be one of {', '.join(known)}, got {getattr(self, name)!r}")
-        require_settings(self.settings)
 
     @property
     def model(self) -> Model:

@@ -11,10 +11,10 @@ import numpy as np
 from scipy import sparse
 
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.check import Array, require
+from frictionbench.problems.check import Array
 from frictionbench.problems.forms.relaxation import ConeProgram
 from frictionbench.solvers.interface import Answer, solver
-from frictionbench.solvers.outside import MARGIN, require_settings
+from frictionbench.solvers.outside import MARGIN
 from frictionbench.solvers.outside.scaled_program import (
     Prepared,
     RelaxationSolver,
@@ -68,9 +68,6 @@ class Clarabel(RelaxationSolver):
     """
 
     settings: str = "default"
-
-    def __post_init__(self) -> None:
-        require_settings(self.settings)
 
     def form(self, problem: FrictionProblem) -> Prepared:
         scaled = scaled_relaxation(problem, from_free=True)
@@ -170,10 +167,6 @@ class ProxSuite(RelaxationSolver):
 
     matrices: str = "sparse"
     settings: str = "default"
-
-    def __post_init__(self) -> None:
-        require(self.matrices in ("sparse", "dense"), "matrices", f"must be sparse or dense, got {self.matrices!r}")
-        require_settings(self.settings)
 
     def form(self, problem: FrictionProblem) -> Prepared:
         scaled = scaled_program(problem, problem.qp(), from_free=True)

@@ -18,7 +18,6 @@ from typing import Any
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array
 from frictionbench.solvers.interface import Answer, Status, solver
-from frictionbench.solvers.outside import require_settings
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 
 _TIES = {"default": 1e-13, "tuned": 1e-10}  # ratios that differ by less are a tie
@@ -40,9 +39,6 @@ class QuantEcon:
     """
 
     settings: str = "default"
-
-    def __post_init__(self) -> None:
-        require_settings(self.settings)
 
     def form(self, problem: FrictionProblem | LCP) -> DenseLCP:
         return dense_lcp(problem)

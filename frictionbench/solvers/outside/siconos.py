@@ -34,10 +34,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frictionbench.problems import LCP, FrictionProblem
-from frictionbench.problems.check import Array, require
+from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel
 from frictionbench.solvers.interface import Answer, Model, Status, solver
-from frictionbench.solvers.outside import require_settings
 from frictionbench.solvers.outside.children.child import child
 from frictionbench.solvers.outside.scaled_delassus import PLANE, SPACE, ScaledDelassus, scaled_delassus
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
@@ -85,10 +84,6 @@ class Siconos:
 
     method: str = "friction_3d_prox"
     settings: str = "default"
-
-    def __post_init__(self) -> None:
-        require(self.method in _METHODS, "method", f"must be one of {', '.join(_METHODS)}, got {self.method!r}")
-        require_settings(self.settings, self.method in _TUNED)
 
     @property
     def model(self) -> Model:
