@@ -48,13 +48,16 @@ def assert_as_one_by_one(
 
 @pytest.mark.parametrize("spec", LOOPED)
 def test_same_as_one_by_one(spec: str, planar: list[FrictionProblem], spatial: list[FrictionProblem]) -> None:
-    assert_as_one_by_one([*planar, *spatial], spec, workers=1)
+    for limit in (None, 4):
+        assert_as_one_by_one([*planar, *spatial], spec, workers=1, limit=limit)
 
 
 @pytest.mark.parametrize("spec", LOOPED)
 def test_loops_leave_next_to_nothing(spec: str, planar: list[FrictionProblem]) -> None:
     """What a loop leaves is solved one by one, so that the answers alone do not show that there is a loop."""
-    ((_, packed),) = fb.Batch(planar[:3]).groups
+    batch = fb.Batch(planar[:3])
+    ((_, packed),) = batch.groups
+    np.testing.assert_array_equal(fb.solve_many(batch, spec).impulse, fb.solve_many(planar[:3], spec).impulse)
     found = find(spec)[1].solve_many(packed, 1e-8, None)  # type: ignore[attr-defined]
     assert found.status.tolist() == [fb.Status.SOLVED] * 3
 
@@ -64,18 +67,6 @@ def test_hybrid_goes_from_sweeps_to_the_interior_point(spatial: list[FrictionPro
     found = find("hybrid")[1].solve_many(packed, 1e-8, None)  # type: ignore[attr-defined]
     assert found.work["members"].tolist() == [2, 2, 1]
     assert (found.work["interior_point iterations"] > 0).all()
-
-
-def test_a_limit_is_that_of_one_by_one(planar: list[FrictionProblem]) -> None:
-    for spec in ("path_search", "interior_point"):
-        answers = fb.solve_many(planar[:2], spec, limit=4)
-        single = [fb.solve(problem, spec, limit=4) for problem in planar[:2]]
-        assert answers.status.tolist() == [answer.status for answer in single]
-        np.testing.assert_array_equal(answers[1], single[1].impulse)
-
-
-def test_same_in_threads(planar: list[FrictionProblem]) -> None:
-    assert_as_one_by_one(planar, "lemke", workers=3)
 
 
 def starts(problems: list[FrictionProblem], exact: bool) -> list[np.ndarray]:
@@ -138,33 +129,12 @@ def test_anything_is_as_one_by_one(spec: str) -> None:
         assert_as_one_by_one(problems, spec, workers=int(rng.integers(1, 4)), start=given, limit=60)
 
 
-@pytest.mark.parametrize(
-    ("start", "named"),
-    [
-        (3, "start: must be"),
-        ([], "start: expected impulses of 2 problems, got 0"),
-        (np.zeros(3), "start: expected"),
-        ([np.zeros((2, 2)), np.zeros((3, 2))], r"start\[1\]: expected"),
-        ([np.zeros((2, 2)), None], r"start\[1\]"),
-        (np.full(16, np.nan), "start: must be finite"),
-    ],
-)
-def test_a_start_that_is_none(start: object, named: str, planar: list[FrictionProblem]) -> None:
-    with pytest.raises(fb.InputError, match=named):
-        fb.solve_many(planar[:2], "dantzig", start=start)  # type: ignore[arg-type]
-
-
 def test_rounding_is_told() -> None:
     """Impulses of 1e10 against velocities of 1: rounding alone may exceed the tolerance."""
     W = [[1.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0], [1.0, 0.0, 1.0 + 1e-9, 0.0], [0.0, 1.0, 0.0, 1.0 + 1e-9]]
     problem = FrictionProblem.from_delassus(W, [-1.0, 0.0, -2.0, 0.0], [0.5, 0.5], 2)
     answer = fb.solve(problem, "lemke", tol=1e-15)
     assert fb.solve_many([problem], "lemke", tol=1e-15).status[0] is answer.status
-
-
-def test_a_method_without_a_loop_goes_one_by_one(planar: list[FrictionProblem]) -> None:
-    answers = fb.solve_many(planar[:2], "murty")
-    np.testing.assert_array_equal(answers[1], fb.solve(planar[1], "murty").impulse)
 
 
 class Plugin:
@@ -193,16 +163,6 @@ def test_a_solver_may_have_its_own_loop(missing: int, planar: list[FrictionProbl
     assert answers.work["passes"].tolist() == [1, 1]
 
 
-def test_no_problems() -> None:
-    answers = fb.solve_many([], "lemke")
-    assert (len(answers), answers.impulse.shape) == (0, (0,))
-
-
-def test_a_batch_is_packed_once(planar: list[FrictionProblem]) -> None:
-    batch = fb.Batch(planar)
-    np.testing.assert_array_equal(fb.solve_many(batch, "lemke").impulse, fb.solve_many(planar, "lemke").impulse)
-
-
 @pytest.mark.parametrize(
     ("arguments", "named"),
     [
@@ -214,11 +174,15 @@ def test_a_batch_is_packed_once(planar: list[FrictionProblem]) -> None:
         ({"limit": 0}, "limit"),
         ({"workers": 0}, "workers"),
         ({"workers": True}, "workers"),
+        ({"start": 3}, "start: must be"),
+        ({"start": []}, "start: expected impulses of 2 problems, got 0"),
+        ({"start": np.zeros(3)}, "start: expected"),
+        ({"start": [np.zeros((2, 2)), np.zeros((3, 2))]}, r"start\[1\]: expected"),
+        ({"start": [np.zeros((2, 2)), None]}, r"start\[1\]"),
+        ({"start": np.full(16, np.nan)}, "start: must be finite"),
     ],
 )
-def test_invalid_arguments(arguments: dict[str, object], named: str) -> None:
-    given: dict[str, object] = {"problems": [], "spec": "lemke"} | arguments
-    if arguments == {"spec": "siconos"}:
-        given["problems"] = [fb.scene("stack", blocks=1).problem()]
+def test_invalid_arguments(arguments: dict[str, object], named: str, planar: list[FrictionProblem]) -> None:
+    given: dict[str, object] = {"problems": planar[:2], "spec": "lemke"} | arguments
     with pytest.raises(fb.InputError, match=named):
         fb.solve_many(given.pop("problems"), given.pop("spec"), **given)  # type: ignore[arg-type]
