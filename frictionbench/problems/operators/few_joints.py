@@ -34,10 +34,14 @@ class FewJoints:
         self.inverse = _generalised_inverse(G)
 
     def hold(self, velocity: Array) -> Array:
-        """The velocity (nv,) nearest in the kinetic metric that satisfies the equations."""
-        off = delassus.product(*self.rows, velocity[:, None].copy())[:, 0] + self.bias
-        held: Array = velocity - self.response @ (self.inverse @ off)
-        return held
+        """The velocity (nv,) nearest in the kinetic metric that satisfies the equations.
+
+        The second pass removes what the rounding of the inverse leaves of the first, where rows are nearly dependent.
+        """
+        for _ in range(2):
+            off = delassus.product(*self.rows, velocity[:, None].copy())[:, 0] + self.bias
+            velocity = velocity - self.response @ (self.inverse @ off)
+        return velocity
 
     def solution(self) -> Array:
         """A velocity that satisfies the equations, where one does: of least squares, with each velocity in that of a unit of

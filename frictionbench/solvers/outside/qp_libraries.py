@@ -157,7 +157,7 @@ class ProxSuite(RelaxationSolver):
         solve.
     Clock: ProxQP's own solve_time.
     Settings: compute_timings and check_duality_gap on. By default eps_primal_inf = eps_dual_inf = 1e-4, with which it calls
-        solvable problems infeasible; tuned are 1e-14, `frictionbench solve 'stack[blocks=10,mass_ratio=10000]' --solver
+        solvable problems infeasible; tuned are 1e-14, `frictionbench solve 'stack[blocks=20,mass_ratio=1000000]' --solver
         'proxsuite' --solver 'proxsuite[settings=tuned]'`.
     Tolerance: eps_abs = eps for both residuals, gap eps^2, no less than 1e-14, which is tested only on request; eps_rel = 0;
         eps stands for tol.
