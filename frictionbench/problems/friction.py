@@ -257,21 +257,31 @@ class FrictionProblem(ReadOnly):
 
     @property
     def units(self) -> Array:
-        """(nc,), m/s: the velocity in which the residual of each contact is measured (problems.forms.islands): the largest free
-        velocity of the contacts of its island that can bear. A solver that stops by one number stops at tol * min(units)."""
+        """(nc,), m/s: the velocity in which the residual of each contact is measured (problems.forms.islands): the largest
+        closing speed of the contacts of its island that can bear. A solver that stops by one number stops at tol * min(units).
+        """
         return self.operator.units
+
+    @cached_property
+    def relaxation_units(self) -> Array:
+        """(nc,), m/s: those of the convex relaxation: the units at q_n - mu |q_t|, as its impulses have to lift u_n to mu |u_t|
+        where a contact slides."""
+        q = self.q.reshape(-1, self.dimension).copy()
+        q[:, 0] -= self.friction * np.linalg.norm(q[:, 1:], axis=1)
+        return self.operator.units_at(q.ravel())
 
     @property
     def spread(self) -> float:
         """The largest of the units over the smallest; 1 where nothing moves."""
         return self.operator.spread
 
-    def balanced(self) -> tuple[Self, Array]:
+    def balanced(self, relaxed: bool = False) -> tuple[Self, Array]:
         """The problem with islands that nothing couples in like units, and factor (nc,): impulses r of it are factor r here.
 
-        A method whose tolerances are relative to the fastest contact solves this one as well for the slow islands.
+        relaxed: in like units of the convex relaxation. A method whose tolerances are relative to the fastest contact solves
+        this one as well for the slow islands.
         """
-        operator, factor = self.operator.balanced()
+        operator, factor = self.operator.balanced(self.relaxation_units if relaxed else self.units)
         same = object.__new__(type(self))
         return same._assign(self.dimension, self.friction, operator.friction_bias, operator), factor
 
@@ -290,7 +300,7 @@ class FrictionProblem(ReadOnly):
         return self.operator.velocity(self._by_contact(impulse))
 
     def contact_velocity(self, impulse: Array) -> Array:
-        """u (nc, d), bias included, after the contact impulses (nc, d); computed without W where the mechanics are given."""
+        """u (nc, d), bias included, after the contact impulses (nc, d) or (nc*d,); of given mechanics computed without W."""
         return self.operator.contact_velocity(self._by_contact(impulse))
 
     def velocity_size(self, impulse: Array) -> Array:
@@ -306,7 +316,9 @@ class FrictionProblem(ReadOnly):
             and impulse.flags.c_contiguous
         ):
             return impulse
-        return check.entries("impulse", impulse, shape[0] * shape[1]).reshape(shape)
+        flat, given = check.entries("impulse", impulse, shape[0] * shape[1]), np.shape(impulse)
+        check.require(given == shape or len(given) == 1, "impulse", f"must have shape {shape}, got {given}")
+        return flat.reshape(shape)
 
     def lcp(self, facets: int = 8) -> LCP:
         """The friction LCP of nc (K + 2) unknowns (problems.forms.lcp). Exact in the plane, where K = 2.

@@ -2,15 +2,18 @@
 
 Coulomb's law at a contact is equivalent to r = P_K(r - g(u)/s) for any s > 0, with the cone
 K = {|r_t| <= mu r_n + b_f, r_n >= 0} and de Saxcé's shifted velocity g(u) = u + mu |u_t| e_n (De Saxcé and Feng 1998). The
-residual measures the defect of that equation as a velocity, relative to the largest free velocity in the contact's island:
+residual measures the defect of that equation as a velocity, relative to what impulses have to change in the contact's island:
 
     max_i max( s_i | r_i - P_K(r_i - g(u_i)/s_i) |, |min(s_i r_n,i, u_n,i)| ) / unit_i
 
-with s_i the mean diagonal of contact i's block of W, and unit_i the largest |q_j| of the contacts of its island that can bear
-(problems.forms.islands), so that a part that rests does not hide behind another that is fast. It is zero exactly at a
-solution, and invariant under changes of units, of the order of the contacts and of their tangent frames; that of problems side
-by side is the largest of theirs. The second term, Signorini's own, is implied by the first, but only up to a factor of
-sqrt(1 + mu^2): the cone of a large mu is nearly a half-space, to which a contact that penetrates while it slides is close.
+with s_i the mean of the positive diagonal entries of contact i's block of W, and unit_i, where there is no friction bias, the
+largest closing speed max(-q_n,j, 0) of the contacts of its island that can bear (problems.forms.islands): the residual of no
+impulses is 1 wherever some are needed, and one of 1e-8 means that eight digits of what they change are right. It is zero
+exactly at a solution, and invariant under changes of units, also of a joint's coordinate, of the order of the contacts and of
+their tangent frames; that of problems side by side is the largest of theirs. docs/residual.md states what it can hide.
+
+The second term, Signorini's own, is implied by the first, but only up to a factor of sqrt(1 + mu^2): the cone of a large mu is
+nearly a half-space, to which a contact that penetrates while it slides is close.
 Without the shift, g(u) = u, the first term measures the convex relaxation's own optimality.
 
 Every term has a rounding error of some eps: s r, the terms of the sum u, and mu times those of u_t. The sum of these errors
@@ -52,7 +55,7 @@ def residual(problem: FrictionProblem, impulse: Array) -> float:
 
 
 def relaxation_residual(problem: FrictionProblem, impulse: Array, softness: Array | None = None) -> float:
-    """The residual of impulse (nc, d) on the problem's convex relaxation, in the same measure.
+    """The residual of impulse (nc, d) on the problem's convex relaxation, as a velocity over `problem.relaxation_units`.
 
     softness: (nc, d), R >= 0 in 1/kg, the compliance of regularised contacts, u = W r + q + R r.
     """
@@ -68,7 +71,11 @@ def contact_residuals(problem: FrictionProblem, impulse: Array, shift: float = 1
     if softness is not None:
         u = u + softness * impulse
     law = problem.friction, problem.friction_bias
-    return _residuals(impulse, u, problem.scale, *law, problem.units, shift)
+    return _residuals(impulse, u, problem.scale, *law, _units(problem, shift), shift)
+
+
+def _units(problem: FrictionProblem, shift: float) -> Array:
+    return problem.units if shift else problem.relaxation_units
 
 
 def polygon_residual(problem: FrictionProblem, lcp: LCP, z: Array) -> float:
@@ -146,7 +153,7 @@ def contact_floors(problem: FrictionProblem, impulse: Array, shift: float = 1.0)
         return np.full(nc, np.inf)
     u, terms = problem.contact_velocity(impulse), problem.velocity_size(impulse)
     law = problem.friction, problem.friction_bias
-    return _floors(impulse, u, terms, problem.scale, *law, problem.units, shift)
+    return _floors(impulse, u, terms, problem.scale, *law, _units(problem, shift), shift)
 
 
 def energy_within(problem: FrictionProblem, impulse: Array, bound: float) -> float:

@@ -26,7 +26,10 @@ class Verdict(StrEnum):
     SOLVED = "solved", "the residual of the exact problem is within the tolerance"
     RELAXED = "relaxed", "the model the solver was given is solved within the tolerance, the exact problem is not"
     NEAR_MISS = "near_miss", "claimed solved, and the residual is above the tolerance by less than a factor of ten"
-    UNJUDGEABLE = "unjudgeable", "claimed solved, and rounding alone may make a residual above the tolerance"
+    UNJUDGEABLE = (
+        "unjudgeable",
+        "claimed solved, and rounding, or a tolerance close to the residual of no impulses, leaves it open",
+    )
     UNSOLVED = "unsolved", "the solver reports that it did not solve the problem"
     TIMEOUT = "timeout", "stopped at the time limit"
     CRASHED = "crashed", "the call raised an error or its process ended"

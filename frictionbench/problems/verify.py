@@ -8,7 +8,8 @@ The residuals of the exact problem and of the model are computed separately: the
 the second only the solver's. Verdicts are no finer than floating-point arithmetic: see residual_floor in problems.residual.
 
 Islands are judged one by one (problems.forms.islands), each in its own unit and with its own floor. An island is unjudgeable
-where its floor is above the tolerance and its residual is within the floor; the verdict is that on all other islands if they
+where its floor is above the tolerance and its residual is within the floor, and where the tolerance is above LEAST_GAIN of
+the residual of no impulses, because there being within it says little; the verdict is that on all other islands if they
 are not solved, otherwise `unjudgeable`. So neither the speed nor the rounding errors of one part excuse another. A solver that
 stops by the norm of the whole problem leaves the slow islands of a problem less accurate by the ratio of the speeds, and its
 answer is a `near_miss` or `wrong` as for any other difference of norms: it must ask for tol times the smallest unit, or solve
@@ -31,6 +32,7 @@ import numpy as np
 
 from frictionbench.problems.answer import Answer, Status
 from frictionbench.problems.check import Array
+from frictionbench.problems.forms.islands import LEVEL
 from frictionbench.problems.forms.lcp import LCP
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.residual import (
@@ -45,6 +47,7 @@ from frictionbench.problems.simulate import ledger_defect
 from frictionbench.problems.verdicts import ACCEPTED, Verdict
 
 NEAR = 10.0  # times the tolerance: a residual below may be due to another norm in the solver's own stopping test
+LEAST_GAIN = 0.01  # of the residual of no impulses: a tolerance above it hardly tells an answer from none
 SOFTEST = 1e-6  # of s: softness allowed at any tolerance, because regularised methods cannot solve with rigid contacts
 FAR = 10.0  # times the energy defect that the tolerance allows: above it the row has a remark
 
@@ -89,11 +92,17 @@ def verify(problem: FrictionProblem | LCP, answer: Answer, model: str, tol: floa
     softness, soft = _softness(problem, answer, model, tol)
     shift = 0.0 if model in ("relaxation", "regularised") else 1.0
     by_contact = contact_residuals(problem, impulse)
-    parts = by_contact, _model_residuals(problem, answer, model, by_contact, softness), contact_floors(problem, impulse, shift)
-    exact, of_model, floor = (largest(part) for part in parts)
+    idle = contact_residuals(problem, np.zeros_like(impulse))
+    parts = (
+        by_contact,
+        _model_residuals(problem, answer, model, by_contact, softness),
+        contact_floors(problem, impulse, shift),
+        idle,
+    )
+    exact, of_model, floor = (largest(part) for part in parts[:3])
     reported = claimed or answer.status is Status.ROUNDING
     by_island = [_by_island(problem, part) for part in parts]
-    verdict, why = _verdict(by_island[0], by_island[1], by_island[2], claimed, reported, tol)
+    verdict, why = _verdict(by_island, claimed, reported, tol)
     accepted = claimed and verdict in ACCEPTED
     with np.errstate(over="ignore", invalid="ignore"):
         defect = ledger_defect(problem, impulse)
@@ -156,7 +165,8 @@ def _verify_lcp(lcp: LCP, answer: Answer, tol: float) -> Finding:
     if answer.z is None or np.shape(answer.z) != (lcp.size,):
         return Finding(Verdict.WRONG if claimed else Verdict.UNSOLVED, "z is missing or of the wrong shape", *(np.inf,) * 5)
     found = lcp.residual(answer.z)
-    verdict, why = _verdict(np.array([found]), np.array([found]), np.zeros(1), claimed, claimed, tol)
+    parts = [np.array([part]) for part in (found, found, 0.0, lcp.residual(np.zeros(lcp.size)))]
+    verdict, why = _verdict(parts, claimed, claimed, tol)
     return Finding(verdict, "; ".join(filter(None, (why, answer.detail))), found, found, 0.0, np.nan, np.nan)
 
 
@@ -167,16 +177,24 @@ def _above(residual: float, tol: float) -> str:
     return f"{residual:.2g}, {residual / tol:.2g} times that"
 
 
-def _verdict(exact: Array, model: Array, floor: Array, claimed: bool, reported: bool, tol: float) -> tuple[Verdict, str]:
-    """The verdict on the residuals and floors of all islands, and its reason, with the numbers of the islands that decide.
+def _verdict(parts: list[Array], claimed: bool, reported: bool, tol: float) -> tuple[Verdict, str]:
+    """The verdict and its reason, with the numbers of the islands that decide.
 
+    parts: by island the residuals of the exact problem and of the model, the floor, and the residual of no impulses.
     reported: the answer says that it is as good as rounding allows.
     """
-    unknown = (floor > tol) & (np.minimum(exact, model) <= floor) & np.isfinite(floor)
+    exact, model, floor, idle = parts
+    best = np.minimum(exact, model)
+    coarse = (best <= tol) & (idle > LEVEL) & (tol > LEAST_GAIN * idle)
+    rounded = (floor > tol) & (best <= floor) & np.isfinite(floor)
+    unknown = coarse | rounded
     worst, of_model = largest(exact[~unknown]), largest(model[~unknown])
     nearest = min(worst, of_model)
-    if nearest <= tol and unknown.any():
-        why = f"rounding alone may cause a residual of {largest(floor[unknown]):.2g}, above the tolerance {tol:g}"
+    if nearest <= tol and rounded.any():
+        why = f"rounding alone may cause a residual of {largest(floor[rounded]):.2g}, above the tolerance {tol:g}"
+        return (Verdict.UNJUDGEABLE, why) if reported else (Verdict.UNSOLVED, "")
+    if nearest <= tol and coarse.any():
+        why = f"no impulses at all have the residual {idle[coarse].min():.2g}, too close to the tolerance {tol:g}"
         return (Verdict.UNJUDGEABLE, why) if reported else (Verdict.UNSOLVED, "")
     if nearest <= tol:
         return Verdict.SOLVED if worst <= tol else Verdict.RELAXED, ""

@@ -72,7 +72,7 @@ HARDNESS = {
         lambda row: _value(row, "outcomes") >= 2,
     ),
     "unlike islands": Hardness(
-        "the largest free velocities of two islands of the contact graph differ by 1e3 or more",
+        "the largest closing speeds of two islands of the contact graph differ by 1e3 or more",
         lambda row: _value(row, "islands") >= 2 and _value(row, "island_ratio") >= 1e3,
     ),
     "large": Hardness("100 contacts or more", lambda row: _value(row, "contacts") >= 100),

@@ -94,7 +94,7 @@ SOLVES = (
         "island_ratio",
         _real,
         "1",
-        "largest over smallest unit of velocity of a contact, the largest free velocity in its island; 1 where nothing moves",
+        "largest over smallest unit of velocity of a contact, the largest closing speed in its island; 1 where nothing moves",
     ),
     Column("trivial", _flag, "", "no contact, no friction, or zero impulses are the answer"),
     Column("idle", _flag, "", "friction is not needed: the answer without friction satisfies Coulomb's law to 1e-8"),

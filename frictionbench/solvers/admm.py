@@ -85,7 +85,7 @@ class ADMM:
     shift = 0.0
 
     def form(self, problem: FrictionProblem) -> Formed:
-        return Formed(contact_form(problem), problem.blocks, problem.q.reshape(-1, problem.dimension))
+        return Formed(contact_form(problem, relaxed=not self.shift), problem.blocks, problem.q.reshape(-1, problem.dimension))
 
     def setup(self, formed: Formed) -> Prepared:
         factor = _lay_out(*formed.W)

@@ -35,7 +35,7 @@ class APGD:
     shift = 0.0
 
     def form(self, problem: FrictionProblem) -> ContactForm:
-        return contact_form(problem)
+        return contact_form(problem, relaxed=not self.shift)
 
     def solve(self, form: ContactForm, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         r, monitored = impulses(start, form.offset.shape), monitor(tol, LIMIT if limit is None else limit, PATIENCE)

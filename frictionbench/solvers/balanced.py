@@ -13,6 +13,7 @@ import numpy as np
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
+from frictionbench.problems.forms.islands import spread
 from frictionbench.problems.forms.lcp import by_unknown
 
 UNLIKE = 4.0  # below, a tolerance that is as much smaller costs next to nothing
@@ -25,20 +26,24 @@ class Balanced(NamedTuple):
     factor: Array
 
 
-def with_balance(cls: Any) -> Any:
+def with_balance(cls: Any, model: str) -> Any:
     """The class with steps that balance the problem and convert the answer; inherited ones do so already."""
     for name, balance in (("form", _form), ("setup", _setup), ("solve", _solve)):
         step = getattr(cls, name)
         if not hasattr(step, "__wrapped__"):
             setattr(cls, name, wraps(step)(balance(step)))
+    cls.solves_relaxation = model in ("relaxation", "regularised")
     return cls
 
 
 def _form(form: Any) -> Any:
     def balanced(self: Any, problem: Any) -> Any:
-        if type(problem) is not FrictionProblem or problem.spread <= UNLIKE:
+        if type(problem) is not FrictionProblem:
             return form(self, problem)
-        same, factor = problem.balanced()
+        relaxed = self.solves_relaxation
+        if (spread(problem.relaxation_units) if relaxed else problem.spread) <= UNLIKE:
+            return form(self, problem)
+        same, factor = problem.balanced(relaxed)
         return Balanced(form(self, same), factor)
 
     return balanced

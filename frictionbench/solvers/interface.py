@@ -235,7 +235,7 @@ def solver(
 
     def register(cls: Class) -> Class:
         whole = with_all_steps(cls)
-        made: Any = dataclass(frozen=True)(with_balance(whole) if whole.__module__.startswith(PACKAGE) else whole)
+        made: Any = dataclass(frozen=True)(with_balance(whole, model) if whole.__module__.startswith(PACKAGE) else whole)
         if name in _solvers:
             raise ValueError(f"solver: the name {name!r} is already registered by {_solvers[name].make}")
         facts = (family, model, dimension, warm_start, sparse, needs, lacks, remote, variants, members)
@@ -336,7 +336,7 @@ def solve(
     problem: a FrictionProblem of nc contacts of dimension d, or a bare LCP for solvers of LCPs.
     spec: a solver's name, with settings in brackets if any: "lemke", "nsgs[relaxation=1.3]". See `available`.
     tol: the requested residual, dimensionless, > 0: the largest defect of the solver's model at a contact, as a velocity over
-        the contact's unit, the largest free velocity in its island (problems.residual). For a bare LCP max|min(z, w)| over
+        the contact's unit, the largest closing speed in its island (problems.residual). For a bare LCP max|min(z, w)| over
         max|q|.
     limit: the largest number of pivots, sweeps or iterations, whichever the method counts; None for the method's own limit.
     start: (nc, d), N s, normal first: a guess of the impulses. A solver without warm start ignores it.

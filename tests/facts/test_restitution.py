@@ -24,7 +24,7 @@ def impact(base, velocity, bias=0.0, friction_bias=0.0) -> FrictionProblem:
 def response(problem) -> tuple[Array, Array]:
     """(impulse, velocity after it)."""
     answer = solve(problem, "lemke", tol=1e-11)
-    assert answer.status is Status.SOLVED
+    assert answer.status in (Status.SOLVED, Status.ROUNDING)
     return answer.impulse, problem.velocity(answer.impulse)
 
 

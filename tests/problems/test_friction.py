@@ -169,12 +169,15 @@ def test_residual_formula(seed) -> None:
     for problem in (random_problem(seed, contacts=6), spatial(seed, contacts=4, friction_bias=bool(seed % 2))):
         r = random.standard_normal((problem.contacts, problem.dimension)) * 10 ** random.uniform(-3, 2)
         s, mu = problem.scale[:, None], problem.friction
-        for measure, shift in ((residual, 1.0), (relaxation_residual, 0.0)):
+        for measure, shift, units in (
+            (residual, 1.0, problem.units),
+            (relaxation_residual, 0.0, problem.relaxation_units),
+        ):
             g = problem.contact_velocity(r)
             g[:, 0] += shift * mu * np.linalg.norm(g[:, 1:], axis=1)
             defect = r - project_cone(r - g / s, mu, problem.friction_bias)
             signorini = shift * np.abs(np.minimum(problem.scale * r[:, 0], problem.contact_velocity(r)[:, 0]))
-            worst = np.maximum(np.linalg.norm(s * defect, axis=1), signorini) / problem.units
+            worst = np.maximum(np.linalg.norm(s * defect, axis=1), signorini) / units
             assert measure(problem, r) == pytest.approx(np.max(worst), rel=1e-12)
 
 
@@ -377,3 +380,11 @@ def test_asymmetry_of_a_delassus_matrix_is_told() -> None:
     rounded = FrictionProblem.from_delassus([[2.0, 0.5], [0.5 + 1e-7, 1.0]], [-1.0, 0.3], [0.5], 2)
     assert rounded.summary == "1 contact in the plane, known by W"
     assert FrictionProblem(**fields()).asymmetry == 0
+
+
+def test_impulses_by_component_are_refused() -> None:
+    problem = random_problem(0, contacts=4)
+    by_component = np.zeros((problem.dimension, problem.contacts))
+    for method in (problem.velocity, problem.contact_velocity):
+        with pytest.raises(InputError, match=r"^impulse: must have shape \(4, 2\), got \(2, 4\)"):
+            method(by_component)

@@ -4,8 +4,12 @@ import numpy as np
 import pytest
 
 from frictionbench.problems import FrictionProblem
+from frictionbench.problems.answer import Answer, Status
+from frictionbench.problems.forms.islands import CANCELLED
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import relaxation_residual, residual, residual_floor
+from frictionbench.problems.verdicts import Verdict
+from frictionbench.problems.verify import verify
 
 contact_space = FrictionProblem.from_delassus
 NEIGHBOURS = np.eye(4) + 0.1 * np.kron([[0, 1], [1, 0]], np.eye(2))
@@ -17,7 +21,7 @@ def nothing(problem):
 
 @pytest.mark.parametrize("friction", [10.0, 1e4, 1e8, 1e12])
 def test_a_large_friction_does_not_hide_penetration(friction) -> None:
-    assert nothing(contact_space(np.eye(2), [-1.0, 1e3], [friction], 2)) == pytest.approx(1e-3)
+    assert nothing(contact_space(np.eye(2), [-1.0, 1e3], [friction], 2)) == pytest.approx(1.0)
     assert nothing(random_problem(1, contacts=12, friction=friction)) > 0.1
 
 
@@ -82,3 +86,79 @@ def test_what_is_not_a_number_is_no_answer_where_nothing_moves() -> None:
     for value in (np.nan, np.inf, 1.0):
         assert residual(problem, np.array([[value, 0.0]])) == np.inf
     assert nothing(problem) == 0
+
+
+@pytest.mark.parametrize(("speed", "step"), [(10.0, 1e-4), (100.0, 1e-3), (10.0, 0.01)])
+def test_a_sliding_block_needs_its_support(speed, step) -> None:
+    problem = FrictionProblem(
+        mass=np.eye(2), normal=[[0, 1]], tangent=[[1, 0]], friction=[0.5], free_velocity=[speed, -9.81 * step], bias=[0]
+    )
+    assert nothing(problem) == pytest.approx(1.0)
+    assert verify(problem, Answer(np.zeros((1, 2)), Status.SOLVED), "coulomb", 1e-4).verdict == Verdict.WRONG
+
+
+def test_a_cup_on_a_fast_sled_needs_its_support() -> None:
+    """The sled rests on the ground and slides with 10 m/s; nothing supports the cup on it."""
+    cup, sled = np.array([0.0, 1.0, 0.0, -1.0]), np.array([0.0, 0.0, 0.0, 1.0])
+    problem = FrictionProblem(
+        mass=np.diag([0.2, 0.2, 20.0, 20.0]),
+        normal=[sled, cup],
+        tangent=[[0.0, 0.0, 1.0, 0.0], [1.0, 0.0, -1.0, 0.0]],
+        friction=[0.0, 0.5],
+        free_velocity=[10.0, -9.81e-4, 10.0, -9.81e-4],
+        bias=[0.0, 0.0],
+    )
+    held = np.array([[20.0 * 9.81e-4, 0.0], [0.0, 0.0]])  # the sled alone, so that the cup falls into it
+    assert residual(problem, held) == pytest.approx(1.0)
+
+
+def hinge(coordinate):
+    """A block on the ground, and a limit of an angle (rad) that closes, with the unit of angle in rad."""
+    rows = np.array([[0.0, 1.0, 0.3], [0.0, 0.0, 1.0 / coordinate]])
+    return FrictionProblem(
+        mass=np.diag([1.0, 1.0, 0.02]),
+        normal=rows,
+        tangent=[[1.0, 0.0, 0.1], [0.0, 0.0, 0.0]],
+        friction=[0.5, 0.0],
+        free_velocity=[0.3, -0.02, -2.0],
+        bias=[0.0, 0.0],
+    )
+
+
+@pytest.mark.parametrize("coordinate", [np.pi / 180, 1e3, 1e-6])
+def test_a_joint_s_coordinate_changes_no_residual(coordinate) -> None:
+    impulse = np.array([[0.01, 0.002], [0.03, 0.0]])
+    other = impulse * [[1.0], [coordinate]]
+    for turn in (lambda p: p, lambda p: contact_space(p.W, p.q, p.friction, 2)):
+        assert residual(turn(hinge(coordinate)), other) == pytest.approx(residual(turn(hinge(1.0)), impulse), rel=1e-9)
+
+
+@pytest.mark.parametrize("mass", [1e-3, 1e4])
+def test_a_row_of_nothing_has_the_scale_of_the_others(mass) -> None:
+    """The unit of mass changes no residual where a contact touches nothing that moves."""
+
+    def given(mass):
+        return contact_space(np.diag([1.0, 1.0, 0.0, 0.0]) / mass, [-1.0, 0.2, 0.5, 0.0], [0.5, 0.5], 2)
+
+    r = np.array([[0.5, 0.0], [0.1, 0.0]])
+    assert residual(given(mass), mass * r) == pytest.approx(residual(given(1.0), r), rel=1e-12)
+
+
+def test_the_bias_of_a_row_without_a_normal_enters_no_unit() -> None:
+    dry = hinge(1.0).replace(normal=[[0.0, 1.0, 0.3], [0.0, 0.0, 0.0]], tangent=[[1.0, 0.0, 0.1], [0.0, 0.0, 1.0]])
+    assert dry.replace(bias=[0.0, 50.0]).units[0] == dry.units[0]
+
+
+def test_what_the_unit_hides_is_a_share_of_the_speeds() -> None:
+    """A block slides with 10 m/s and sinks with less than CANCELLED of it: it cannot be measured, and is not called solved."""
+    problem = block_that_sinks(0.1 * CANCELLED * 10.0)
+    assert nothing(problem) == pytest.approx(0.1, rel=1e-3)
+    finding = verify(problem, Answer(np.zeros((1, 2)), Status.SOLVED), "coulomb", 0.1)
+    assert finding.verdict == Verdict.UNJUDGEABLE
+    assert "no impulses at all have the residual 0.1" in finding.reason
+
+
+def block_that_sinks(speed):
+    return FrictionProblem(
+        mass=np.eye(2), normal=[[0, 1]], tangent=[[1, 0]], friction=[0.5], free_velocity=[10.0, -speed], bias=[0]
+    )

@@ -406,14 +406,22 @@ def block_scale(first, neighbours, block):  # type: ignore[no-untyped-def]
 
 @kernel
 def mean_diagonal(diagonal):  # type: ignore[no-untyped-def]
-    """The mean (nc,) of each contact's diagonal (nc, d); 1 where it is not positive."""
+    """The mean (nc,) of the positive entries of each contact's diagonal (nc, d); of all contacts where it has none, or 1."""
     nc, d = diagonal.shape
-    mean = np.empty(nc)
+    mean, whole, count = np.zeros(nc), 0.0, 0
     for i in range(nc):
-        total = 0.0
+        total, moving = 0.0, 0
         for a in range(d):
-            total += diagonal[i, a]
-        mean[i] = total / d if total > 0 else 1.0
+            if diagonal[i, a] > 0:
+                total += diagonal[i, a]
+                moving += 1
+        if moving:
+            mean[i] = total / moving
+            whole += mean[i]
+            count += 1
+    for i in range(nc):
+        if mean[i] == 0:
+            mean[i] = whole / count if whole > 0 else 1.0
     return mean
 
 
@@ -433,22 +441,25 @@ def pushed_contact_velocity(start, column, J, m_start, m_column, m_value, free, 
 
 
 @kernel
-def measures(start, column, J, m_start, m_column, m_value, free, bias):  # type: ignore[no-untyped-def]
+def measures(start, column, J, m_start, m_column, m_value, free, bias, b_f):  # type: ignore[no-untyped-def]
     """Without joints: the free contact velocities (nc*d,), the mean diagonal (nc,) of each contact's own block, max_i |q_i|,
-    and the units (nc,) where `one_island` finds that all are this, otherwise none."""
+    and the units (nc,) where `one_island` finds that all are the same, otherwise none."""
     nc, d = len(bias), J.shape[1]
     q = contact_velocity(start, column, J, free, bias).reshape(nc * d)
     if len(m_value) > len(free):  # M is not diagonal
         return q, mean_diagonal(diagonal(start, column, J, m_start, m_column, m_value)), largest(q, d), np.empty(0)
-    s, share = np.empty(nc), np.empty(len(column))
+    own, share, rows = np.zeros((nc, d)), np.empty(len(column)), 0
     for i in range(nc):
-        total = 0.0
         for k in range(start[i], start[i + 1]):
-            square = 0.0
+            share[k] = 0.0
             for a in range(d):
-                square += J[k, a] * J[k, a]
-            share[k] = square * m_value[column[k]]
-            total += share[k]
-        s[i] = total / d if total > 0 else 1.0
-    most = one_island(start, column, J, share, free, bias, q, s)
-    return q, s, most if most > 0 else largest(q, d), np.full(nc if most > 0 else 0, most)
+                term = J[k, a] * J[k, a] * m_value[column[k]]
+                own[i, a] += term
+                share[k] += term
+        tangent = 0.0
+        for a in range(1, d):
+            tangent += own[i, a]
+        rows += own[i, 0] == 0 or tangent == 0
+    s = mean_diagonal(own)
+    unit = one_island(start, column, J, share, free, bias, q, s, b_f) if rows == 0 else 0.0
+    return q, s, largest(q, d), np.full(nc if unit > 0 else 0, unit)

@@ -2,29 +2,37 @@
 
 Contacts are coupled where an impulse of one changes the velocity of the other. The impulse that stops contact j's own velocity
 |q_j| changes that of contact i by a share |W_ij| / s_j of it; below COUPLED the share counts as none, so that bodies which rest
-on one very heavy body are apart. An *island* is a connected component of this graph. A contact's *unit* (m/s) is the largest
-velocity that can reach it: max |q_j| over the contacts j that can bear and from which a path of couplings leads to it, as a
-rule those of its island. Islands next to one another do not change each other's units.
+on one very heavy body are apart. An *island* is a connected component of this graph. A contact's *demand* is what impulses have
+to change at least of its velocity,
+
+    c_i = max(-q_n,i, 0),      with a friction bias at least min(|q_t,i|, s_i b_f,i),
+
+and the *unit* (m/s) of the contacts of an island is the largest demand in it: the residual of no impulses is 1. Where no
+contact of an island has a demand above rounding, no impulses are a solution, and the unit is the largest speed |q_i|. A
+contact's velocity is a sum of terms J v* and b and known to rounding only: a unit is at least CANCELLED of the largest terms in
+the island and of its own, and NOISE of the problem's largest unit. Where nothing in an island moves, its unit is the largest of
+the problem.
+
+A row of a joint, a limit without tangent or dry friction without normal, may be in rad/s beside contacts in m/s. Between it and
+any other contact velocities are compared as |q_j| / sqrt(s_j), the root of an energy: the unit of contact i is the largest of
+c_j of the contacts in its island and of sqrt(s_i / s_j) c_j of the rows, that of row i is the largest sqrt(s_i / s_j) c_j.
 
 A contact that opens, q_n,i > 0, bears only if others push it. From Coulomb's law r'u <= 0, hence r'Wr <= -r'q: the impulses
 have at most the energy of what they stop, and change contact i's velocity by at most sqrt(s_i) times its root. With
 
     E_i = sum_j |q_j|^2 / s_j      over the contacts j of its island that close, q_n,j <= 0 to rounding,
 
-it counts as at most FAR sqrt(s_i E_i), however fast it slides, or as CANCELLED |q_i|, so that its own rounding can be judged;
-where q_n,i exceeds FAR sqrt(s_i E_i), it is open in any answer by far, r_i = 0, and is left out as a link too. A contact with a
-friction bias counts at least as what b_f can stop of its sliding, also in the sum, and as CANCELLED |q_i|. E_i is an estimate
-of the energy, invariant under changes of frame, of units and of the observer's velocity. A contact that counts too little makes
-the measure stricter.
-
-q is a sum of terms J v* and b, and known to rounding only: a contact's velocity counts as at least CANCELLED of their size, and
-a unit is at least NOISE of the largest. Where nothing in an island moves, its unit is the largest of the problem.
+it counts as at most FAR sqrt(s_i E_i), however fast it slides, or as CANCELLED of its terms; where q_n,i exceeds FAR
+sqrt(s_i E_i), it is open in any answer by far, r_n,i = 0, and is left out as a link too, unless it has a friction bias. Its own
+unit is then the largest of the islands that push it, or its own speed where none does. A contact with a friction bias counts in
+the sum as what b_f can stop of its sliding. E_i is an estimate of the energy, invariant under changes of frame, of units and of
+the observer's velocity.
 
 Of given mechanics W is not formed: a contact acts on the velocities that it touches, |W_ij| <= sum_v |J_iv| |J_jv| / m_v, and
 bodies that the mass matrix or joints connect are one.
 
-Most problems are one island that its fastest contact reaches, in which all contacts can bear. That is found first, without the
-graph and in squares of shares; where it is not found, the graph decides.
+Most problems are one island in which all contacts can bear. That is found first, without the graph and in squares of shares;
+where it is not found, the graph decides.
 """
 
 import numpy as np
@@ -41,50 +49,56 @@ PASSES = 6  # to and fro: two find the contacts of a pile that are numbered by l
 
 @kernel
 def mechanical_units(  # type: ignore[no-untyped-def]
-    start, column, J, m_start, m_column, m_value, f_start, f_column, free, bias, q, s, wider, terms
+    start, column, J, m_start, m_column, m_value, f_start, f_column, moves, bias, q, s, b_f
 ):
     """The units (nc,) of given mechanics.
 
-    free: v* (nv,). f_start, f_column: the entries of the joints' rows. wider: the friction bias (nc,). terms: (nc, d), the size
-    of the terms of q where there are joints, otherwise empty.
+    moves: (nv,), the size of the terms of each velocity. f_start, f_column: the entries of the joints' rows.
     """
     nc, d = len(s), J.shape[1]
-    least, size, closes = np.empty(nc), np.empty(d), np.empty(nc, np.bool_)
+    size, closes, row = np.empty(nc), np.empty(nc, np.bool_), np.empty(nc, np.bool_)
     for i in range(nc):
-        for a in range(d):
-            size[a] = terms[i, a] if len(terms) else abs(bias[i]) if a == 0 else 0.0
-            if len(terms) == 0:
-                for k in range(start[i], start[i + 1]):
-                    size[a] += abs(J[k, a] * free[column[k]])
-        least[i] = CANCELLED * length(size, 0, d)
-        closes[i] = q[i * d] <= max(CANCELLED * size[0], LEVEL * length(q, i, d))
+        normal, tangent, of_normal, terms = 0.0, 0.0, abs(bias[i]), abs(bias[i])
+        for k in range(start[i], start[i + 1]):
+            normal, tangent = max(normal, abs(J[k, 0])), max(tangent, length(J[k, 1:], 0, d - 1))
+            of_normal += abs(J[k, 0]) * moves[column[k]]
+            terms += length(J[k], 0, d) * moves[column[k]]
+        size[i], row[i] = max(terms, length(q, i, d)), normal == 0 or tangent == 0
+        closes[i] = q[i * d] <= max(CANCELLED * of_normal, LEVEL * length(q, i, d))
     graph = mechanical_graph(start, column, J, m_start, m_column, m_value, f_start, f_column, s)
-    return _reached(*graph, least, closes, q, s, wider)
+    return _units(*graph, size, closes, row, q, s, b_f)
 
 
 @kernel
-def delassus_units(first, neighbours, block, q, s, wider):  # type: ignore[no-untyped-def]
+def delassus_units(first, neighbours, block, q, s, b_f):  # type: ignore[no-untyped-def]
     """The units (nc,) where only W, by blocks, and q are known."""
     nc, d = len(s), block.shape[1]
-    source, most = _source(q, s)
-    if most > 0 and _reaches_all_in_w(first, neighbours, block, s, source):
-        return np.full(nc, most)
-    least, closes = np.empty(nc), np.empty(nc, np.bool_)
+    size, closes, row = np.empty(nc), np.empty(nc, np.bool_), np.zeros(nc, np.bool_)
     for i in range(nc):
-        speed = length(q, i, d)
-        least[i], closes[i] = CANCELLED * speed, q[i * d] <= LEVEL * speed
-    return _reached(*delassus_graph(first, neighbours, block, s), least, closes, q, s, wider)
+        size[i] = length(q, i, d)
+        closes[i] = q[i * d] <= LEVEL * size[i]
+        for k in range(first[i], first[i + 1]):
+            if neighbours[k] == i:
+                tangent = 0.0
+                for a in range(1, d):
+                    tangent += block[k, a, a]
+                row[i] = block[k, 0, 0] <= 0 or tangent <= 0
+    source, needed, most = _source(q, s, b_f)
+    if needed > CANCELLED * most and not row.any() and _reaches_all_in_w(first, neighbours, block, s, source):
+        return np.full(nc, needed)
+    return _units(*delassus_graph(first, neighbours, block, s), size, closes, row, q, s, b_f)
 
 
 @part
-def one_island(start, column, J, share, free, bias, q, s):  # type: ignore[no-untyped-def]
-    """max |q_i|, where it is found that this is the unit of every contact, of given mechanics without joints; otherwise 0.
+def one_island(start, column, J, share, free, bias, q, s, b_f):  # type: ignore[no-untyped-def]
+    """The largest demand, where it is found that this is the unit of every contact, of given mechanics without joints;
+    otherwise 0.
 
     share: |J_iv|^2 / m_v of a diagonal mass matrix, as J by contacts.
     """
     nc, nv = len(s), len(free)
-    source, most = _source(q, s)
-    if most == 0:
+    source, needed, _ = _source(q, s, b_f)
+    if needed == 0:
         return 0.0
     lever, speed, offset, entries = 0.0, 0.0, 0.0, 0
     for k in range(len(column)):
@@ -95,18 +109,18 @@ def one_island(start, column, J, share, free, bias, q, s):  # type: ignore[no-un
     for i in range(nc):
         offset, entries = max(offset, abs(bias[i])), max(entries, start[i + 1] - start[i])
     terms = offset + entries * J.shape[1] * lever * speed  # at least the size of those of any q_i
-    return most if most >= CANCELLED * terms and _reaches_all(start, column, share, nv, s, source) else 0.0
+    return needed if needed >= CANCELLED * terms and _reaches_all(start, column, share, nv, s, source) else 0.0
 
 
 @part
-def _source(q, s):  # type: ignore[no-untyped-def]
-    """The contact with the largest |q_i|, and that, if it counts in full and all contacts can bear where they are one island,
-    otherwise 0."""
+def _source(q, s, b_f):  # type: ignore[no-untyped-def]
+    """The contact with the largest |q_i|, the largest demand and |q_i|, if all contacts can bear where they are one island;
+    otherwise demand and speed are 0."""
     nc = len(s)
     if nc == 0:
-        return 0, 0.0
+        return 0, 0.0, 0.0
     d = len(q) // nc
-    energy, opening, fastest, source = 0.0, 0.0, 0.0, 0
+    energy, opening, fastest, source, needed = 0.0, 0.0, 0.0, 0, 0.0
     for i in range(nc):
         normal, light, square = q[i * d], 1 / s[i], 0.0
         for a in range(d):
@@ -117,10 +131,18 @@ def _source(q, s):  # type: ignore[no-untyped-def]
             opening = max(opening, normal * normal * light)
         if square > fastest:
             source, fastest = i, square
+        needed = max(needed, demand(q, i, d, s[i], b_f[i]))
     regular = 1e-280 < fastest < 1e280 and 1e-290 < energy < 1e290  # squares neither overflow nor vanish
-    if q[source * d] > LEVEL * np.sqrt(fastest):
-        opening = max(opening, fastest / s[source])
-    return source, np.sqrt(fastest) if regular and opening <= FAR * FAR * energy else 0.0
+    if not regular or opening > FAR * FAR * energy:
+        return source, 0.0, 0.0
+    return source, needed, np.sqrt(fastest)
+
+
+@part
+def demand(q, i, d, s, b_f):  # type: ignore[no-untyped-def]
+    """c_i: what impulses have to change at least of contact i's velocity."""
+    needed = max(-q[i * d], 0.0)
+    return max(needed, min(length(q[i * d + 1 : i * d + d], 0, d - 1), s * b_f)) if b_f > 0 else needed
 
 
 @part
@@ -226,54 +248,52 @@ def delassus_graph(first, neighbours, block, s):  # type: ignore[no-untyped-def]
 
 
 @part
-def _reached(start, node, push, read, nodes, least, closes, q, s, wider):  # type: ignore[no-untyped-def]
-    """The units: from the fastest contact on, all that its velocity reaches. least: CANCELLED of the terms of q_i."""
+def _units(start, node, push, read, nodes, size, closes, row, q, s, b_f):  # type: ignore[no-untyped-def]
+    """The units. size: that of the terms of q_i, at least |q_i|. closes: q_n,i <= 0 to rounding. row: of a joint."""
     nc, d = len(s), len(q) // max(len(s), 1)
-    unit, stack, known = np.zeros(nc), np.empty(nc, np.int64), 0
-    own, largest, fastest, source = np.empty(nc), 0.0, 0.0, 0
+    needed, speed, terms = np.empty(nc), np.empty(nc), size.copy()
     for i in range(nc):
-        own[i] = max(least[i], length(q, i, d))
-        largest = max(largest, own[i])
-    value, bears = _counted(start, node, push, read, nodes, own, largest, least, closes, q, s, wider)
+        needed[i] = demand(q, i, d, s[i], b_f[i])
+        speed[i] = max(CANCELLED * size[i], length(q, i, d))
+    uncut = speed.copy()
+    bears = _bearing(start, node, push, read, nodes, closes, q, s, b_f, needed, speed, terms)
+    parent = _components(start, node, push, read, nodes, bears)
+    # Of the bearing contacts of each tree: the largest in their own velocities, and of rows and of all over sqrt(s).
+    worst = np.zeros((nc + nodes, 3, 3))
     for i in range(nc):
-        if bears[i] and value[i] > fastest:
-            fastest, source = value[i], i
-    first, reader = _readers(start, node, read, nodes)
-    felt = np.zeros(nodes)
-    order, at = np.empty(0, np.int64), 0
-    while fastest > 0:
-        unit[source], stack[0], height = value[source], source, 1
-        known += 1
-        while height:
-            height -= 1
-            j = stack[height]
-            for k in range(start[j], start[j + 1]):
-                v = node[k]
-                if push[k] <= felt[v]:
-                    continue
-                felt[v] = push[k]
-                for m in range(first[v], first[v + 1]):
+        if bears[i]:
+            tree, root = top(parent, i), np.sqrt(s[i])
+            for m, value in enumerate((needed[i], speed[i], terms[i])):
+                kind = 1 if row[i] else 0
+                worst[tree, m, kind] = max(worst[tree, m, kind], value / root if row[i] else value)
+                worst[tree, m, 2] = max(worst[tree, m, 2], value / root)
+    unit, largest = np.zeros(nc), 0.0
+    for i in range(nc):
+        if bears[i]:
+            unit[i] = _unit(worst[top(parent, i)], row[i], s[i])
+            largest = max(largest, unit[i])
+    if not bears.all():
+        first, reader = _readers(start, node, read, nodes)
+        for j in range(nc):
+            for k in range(start[j], start[j + 1] if bears[j] else start[j]):
+                for m in range(first[node[k]], first[node[k] + 1]):
                     i = reader[m, 0]
-                    if unit[i] == 0 and read[reader[m, 1]] * push[k] > COUPLED:
-                        unit[i] = value[source]
-                        known += 1
-                        if bears[i]:
-                            stack[height] = i
-                            height += 1
-        if known == nc:
-            break
-        if len(order) == 0:
-            order = np.argsort(-value)
-        while at < nc and (unit[order[at]] > 0 or not bears[order[at]]):
-            at += 1
-        if at == nc or value[order[at]] == 0:
-            break
-        source = order[at]
+                    if not bears[i] and read[reader[m, 1]] * push[k] > COUPLED:
+                        unit[i] = max(unit[i], _unit(worst[top(parent, j)], row[i], s[i]))
+        for i in range(nc):
+            if unit[i] == 0:
+                unit[i] = uncut[i]
+            largest = max(largest, unit[i])
     for i in range(nc):
-        if unit[i] == 0:
-            unit[i] = own[i] if own[i] > 0 else fastest if fastest > 0 else largest
-        unit[i] = max(unit[i], NOISE * fastest)
+        unit[i] = max(unit[i], CANCELLED * size[i], NOISE * largest) if unit[i] > 0 else largest
     return unit
+
+
+@part
+def _unit(worst, row, s):  # type: ignore[no-untyped-def]
+    """The unit of a contact from the largest demand, speed and terms of an island, (3, 3), in its own dimension."""
+    needed, fastest, terms = worst[:, 2] * np.sqrt(s) if row else np.maximum(worst[:, 0], worst[:, 1] * np.sqrt(s))
+    return max(needed if needed > LEVEL * terms else fastest, CANCELLED * terms)
 
 
 @kernel
@@ -286,33 +306,31 @@ def spread(units):  # type: ignore[no-untyped-def]
 
 
 @part
-def _counted(start, node, push, read, nodes, own, largest, least, closes, q, s, wider):  # type: ignore[no-untyped-def]
-    """(nc,), (nc,): the velocity as which each contact counts, and whether it may bear. own: |q_i|, at least least_i."""
-    nc, d = len(s), len(q) // max(len(s), 1)
-    value, bears = own.copy(), np.ones(nc, np.bool_)
-    if closes.all() or largest == 0:
-        return value, bears
-    parent = _components(start, node, push, read, nodes)
-    energy, biased = np.zeros(nc + nodes), np.zeros(nc)
+def _bearing(start, node, push, read, nodes, closes, q, s, b_f, needed, speed, terms):  # type: ignore[no-untyped-def]
+    """(nc,) whether each contact may bear. Of those that open, speed and terms are cut to what can matter to others."""
+    nc, d, bears, most = len(s), len(q) // max(len(s), 1), np.ones(len(s), np.bool_), speed.max() if len(s) else 0.0
+    if closes.all() or most == 0:
+        return bears
+    parent = _components(start, node, push, read, nodes, bears)
+    energy = np.zeros(nc + nodes)
     for i in range(nc):
-        if not closes[i] and wider[i] > 0:
-            sliding = length(q[i * d + 1 : i * d + d], 0, d - 1)
-            biased[i] = min(max(sliding, least[i]), s[i] * wider[i])
-        energy[top(parent, i)] += ((own[i] if closes[i] else biased[i]) / largest) ** 2 / s[i]
+        counted = speed[i] if closes[i] else needed[i]
+        energy[top(parent, i)] += (counted / most) ** 2 / s[i]
     for i in range(nc):
         if not closes[i]:
-            given = largest * np.sqrt(s[i] * energy[top(parent, i)])
+            given = most * np.sqrt(s[i] * energy[top(parent, i)])
             pushed = q[i * d] <= FAR * given
-            bears[i] = pushed or s[i] * wider[i] > COUPLED * given
-            known = max(biased[i], least[i] if wider[i] > 0 else 0.0)
-            value[i] = max(min(own[i], max(FAR * given, least[i])) if pushed else 0.0, known)
-    return value, bears
+            bears[i] = pushed or s[i] * b_f[i] > COUPLED * given
+            counted = max(needed[i], CANCELLED * terms[i])
+            speed[i] = terms[i] = max(counted, min(speed[i], FAR * given)) if pushed else counted
+    return bears
 
 
 @kernel
 def islands(start, node, push, read, nodes):  # type: ignore[no-untyped-def]
     """(nc,): the island of each contact, numbered from 0 in the order of their first contacts."""
-    parent, nc = _components(start, node, push, read, nodes), len(start) - 1
+    nc = len(start) - 1
+    parent = _components(start, node, push, read, nodes, np.ones(nc, np.bool_))
     number, island, count = np.full(nc + nodes, -1, np.int64), np.empty(nc, np.int64), 0
     for i in range(nc):
         tree = top(parent, i)
@@ -324,17 +342,18 @@ def islands(start, node, push, read, nodes):  # type: ignore[no-untyped-def]
 
 
 @part
-def _components(start, node, push, read, nodes):  # type: ignore[no-untyped-def]
-    """A forest over contacts and nodes, one tree for each island."""
+def _components(start, node, push, read, nodes, linked):  # type: ignore[no-untyped-def]
+    """A forest over contacts and nodes, one tree for each island of the contacts that are linked (nc,)."""
     nc = len(start) - 1
     parent, pushed, felt = np.empty(nc + nodes, np.int64), np.zeros(nodes), np.zeros(nodes)
     for i in range(nc + nodes):
         parent[i] = i
-    for k in range(start[nc]):
-        pushed[node[k]] = max(pushed[node[k]], push[k])
-        felt[node[k]] = max(felt[node[k]], read[k])
     for i in range(nc):
-        for k in range(start[i], start[i + 1]):
+        for k in range(start[i], start[i + 1] if linked[i] else start[i]):
+            pushed[node[k]] = max(pushed[node[k]], push[k])
+            felt[node[k]] = max(felt[node[k]], read[k])
+    for i in range(nc):
+        for k in range(start[i], start[i + 1] if linked[i] else start[i]):
             if push[k] * felt[node[k]] > COUPLED or read[k] * pushed[node[k]] > COUPLED:
                 parent[top(parent, i)] = top(parent, nc + node[k])
     return parent

@@ -71,16 +71,20 @@ class DelassusOperator(Operator):
 
     @cached_property
     def units(self) -> Array:
-        units: Array = delassus_units(*self.blocks, self.q, self.scale, self.friction_bias)
+        units = self.units_at(self.q)
         units.setflags(write=False)
+        return units
+
+    def units_at(self, q: Array) -> Array:
+        units: Array = delassus_units(*self.blocks, q, self.scale, self.friction_bias)
         return units
 
     @cached_property
     def spread(self) -> float:
         return float(spread(self.units))
 
-    def balanced(self) -> tuple[Self, Array]:
-        factor: Array = delassus_factors(*self.blocks[:2], self.units)
+    def balanced(self, units: Array) -> tuple[Self, Array]:
+        factor: Array = delassus_factors(*self.blocks[:2], units)
         laws = self.q / np.repeat(factor, self.dimension), self.friction_bias / factor
         check.set_read_only(laws)
         same = type(self)(self.W, laws[0], self.dimension, laws[1])

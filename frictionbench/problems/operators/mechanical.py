@@ -36,8 +36,6 @@ ROUNDING = 1000 * float(np.finfo(float).eps)
 
 FEW = 100  # joint equations up to which a dense inverse is as fast as a factorisation of a band
 
-_NO_TERMS = np.zeros((0, 0))
-
 
 @dataclass(eq=False, repr=False)
 class MechanicalOperator(Operator):
@@ -105,14 +103,19 @@ class MechanicalOperator(Operator):
     def units(self) -> Array:
         return self._measures[3]
 
+    def units_at(self, q: Array) -> Array:
+        moves = np.abs(self.free_velocity) + self._held.rounding(self.free_velocity)
+        units: Array = mechanical_units(*self._bodies, moves, self.bias, q, self.scale, self.friction_bias)
+        return units
+
     @property
     def spread(self) -> float:
         return self._measures[4]
 
-    def balanced(self) -> tuple[Self, Array]:
+    def balanced(self, units: Array) -> tuple[Self, Array]:
         joints = self.joint_rows.start, self.joint_rows.column
         factor, by_velocity = mechanical_factors(
-            self.contact_rows.start, self.contact_rows.column, *self.mass_rows[:2], *joints, self.units
+            self.contact_rows.start, self.contact_rows.column, *self.mass_rows[:2], *joints, units
         )
         joint_bias = self.joint_bias / by_velocity[self.joint_rows.column[self.joint_rows.start[:-1]]]
         rows = self.mass_rows, self.inverse_rows, self.joint_rows, self.contact_rows
@@ -230,17 +233,19 @@ class MechanicalOperator(Operator):
     def _measures(self) -> tuple[Array, Array, float, Array, float]:
         """(q, scale, velocity_scale, units and their spread), which one pass over the contacts computes together."""
         free = self._on_joints(self.free_velocity)
-        q, scale, velocity_scale, units = delassus.measures(*self.contact_rows, *self.inverse_rows, free, self.bias)
-        terms, unlike = _NO_TERMS, 1.0
+        q, scale, velocity_scale, units = delassus.measures(
+            *self.contact_rows, *self.inverse_rows, free, self.bias, self.friction_bias
+        )
+        moves, unlike = np.abs(self.free_velocity), 1.0
         if self._has_joints:
             diagonal, locked = self._joint_diagonal
             by_contact = q.reshape(diagonal.shape)
-            terms = self.velocity_size(np.zeros_like(by_contact))
+            moves += self._held.rounding(self.free_velocity)
+            terms = delassus.velocity_size(*self.contact_rows, *self.inverse_rows, moves, np.zeros_like(by_contact), self.bias)
             by_contact[locked & (np.abs(by_contact) <= delassus.LOCKED * terms)] = 0.0
             scale, velocity_scale = delassus.mean_diagonal(diagonal), delassus.largest(q, diagonal.shape[1])
         if self._has_joints or not len(units):
-            velocities = self.free_velocity, self.bias, q, scale, self.friction_bias, terms
-            units = mechanical_units(*self._bodies, *velocities)
+            units = mechanical_units(*self._bodies, moves, self.bias, q, scale, self.friction_bias)
             unlike = spread(units)
         q.setflags(write=False)
         units.setflags(write=False)

@@ -79,14 +79,21 @@ class Operator(ReadOnly, ABC):
     def units(self) -> Array:
         """(nc,), m/s: the velocity in which each contact's residual is measured (problems.forms.islands)."""
 
+    @abstractmethod
+    def units_at(self, q: Array) -> Array:
+        """(nc,), m/s: the same where the contacts' velocities without impulses are q (nc*d,)."""
+
     @property
     @abstractmethod
     def spread(self) -> float:
         """The largest unit over the smallest; 1 where nothing moves."""
 
     @abstractmethod
-    def balanced(self) -> tuple[Self, Array]:
-        """The operator with separate islands in like units, and the factors (nc,) of the impulses (problems.forms.balance)."""
+    def balanced(self, units: Array) -> tuple[Self, Array]:
+        """The operator with separate islands in like units, and the factors (nc,) of the impulses (problems.forms.balance).
+
+        units: (nc,), m/s, those of the contacts.
+        """
 
     @property
     @abstractmethod

@@ -95,7 +95,8 @@ class Units(NamedTuple):
 
 def build_system(problem: FrictionProblem, relaxed: bool = False) -> System:
     """Scale a problem, or its convex relaxation, find the order of elimination and lay out its matrices."""
-    units, contacts = units_of(problem.units, problem.scale), problem.contact_rows if problem.mechanical else None
+    units = units_of(problem.relaxation_units if relaxed else problem.units, problem.scale)
+    contacts = problem.contact_rows if problem.mechanical else None
     if contacts is None:
         start, column, push, read = _delassus_elements(*problem.blocks, units.impulse / units.speed)
         units = units._replace(own=1.0, ratio=1.0)

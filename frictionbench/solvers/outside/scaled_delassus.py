@@ -1,7 +1,7 @@
 """The dimensionless Delassus form, in which the tolerances of all outside libraries have the same meaning.
 
-With E_i = 1/sqrt(s_i) on contact i's rows and theta = max_i min(|q_i|, unit_i) E_i, unit_i that of problems.residual,
-r = theta E r^ turns u = W r + q into
+With E_i = 1/sqrt(s_i) on contact i's rows and theta = max_i |q_i| E_i over contacts that close and unit_i E_i over those that
+open, unit_i that of problems.residual, r = theta E r^ turns u = W r + q into
 
     u^ = W^ r^ + q^,      W^ = E W E,      q^ = E q / theta,
 
@@ -86,14 +86,16 @@ def _scaled_vector(s, q, units, d, rows, size):  # type: ignore[no-untyped-def]
         E[i] = 1 / root
         for a in range(d):
             square += q[i * d + a] ** 2
-        theta, least = max(theta, min(np.sqrt(square), units[i]) / root), min(least, units[i] / root)
+        speed = np.sqrt(square)
+        theta = max(theta, (speed if q[i * d] <= 0 else min(speed, units[i])) / root)
+        least = min(least, units[i] / root)
         moving = moving or square > 0
     theta = theta if theta > 0 else 1.0
     for i in range(nc):
         for a in range(d):
             scaled[i * m + rows[a]] = E[i] * q[i * d + a] / theta
     root = np.sqrt(size)
-    return root * E, scaled, root * theta, least / theta if moving else 1.0
+    return root * E, scaled, root * theta, min(1.0, least / theta) if moving else 1.0
 
 
 @kernel

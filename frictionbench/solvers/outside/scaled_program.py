@@ -150,7 +150,7 @@ def scaled_program(problem: FrictionProblem, program: Kind, from_free: bool = Fa
         program.friction,
         program.friction_bias,
         problem.q,
-        problem.units,
+        problem.relaxation_units,
         *problem.mass_rows,
         m,
         problem.dimension,
@@ -257,7 +257,8 @@ def _units(scale, mu, friction_bias, q, units, m_start, m_column, m_value, m, d)
             square += q[i * d + a] * q[i * d + a]
         slip = min(1.0, max(mu[i], LEAST_FRICTION)) if mu[i] > 0 else 1.0
         least = min(least, slip * units[i] / root)
-        theta = max(theta, min(np.sqrt(square), units[i]) / root)
+        speed = np.sqrt(square)
+        theta = max(theta, (speed if q[i * d] <= 0 else min(speed, units[i])) / root)
         for k in range(m):
             rows[i * m + k] = root
         if friction_bias[i] > 0:
@@ -266,7 +267,7 @@ def _units(scale, mu, friction_bias, q, units, m_start, m_column, m_value, m, d)
                 rows[block * m + k] = root
             block += 1
     theta = theta if theta > 0 else 1.0
-    return D, rows, theta, least / theta if 0 < least < np.inf else 1.0
+    return D, rows, theta, min(1.0, least / theta) if 0 < least < np.inf else 1.0
 
 
 @kernel

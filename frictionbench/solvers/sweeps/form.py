@@ -43,14 +43,15 @@ class ContactForm(NamedTuple):
     units: Array
 
 
-def contact_form(problem: FrictionProblem) -> ContactForm:
-    """Pack a problem; in velocities where each contact touches few of them, in impulses otherwise."""
+def contact_form(problem: FrictionProblem, relaxed: bool = False) -> ContactForm:
+    """Pack a problem, or its convex relaxation; in velocities where each contact touches few of them, in impulses otherwise."""
     law = problem.friction, problem.friction_bias, problem.scale
     if not problem.mechanical or len(problem.joint_bias):
         parts = _pack_impulses(*problem.blocks, problem.q.reshape(-1, problem.dimension), *law)
     else:
         parts = _pack_velocities(*problem.contact_rows, *problem.inverse_rows, problem.free_velocity, problem.bias, *law)
-    return ContactForm._make((*parts, problem.units.copy()))
+    units = problem.relaxation_units if relaxed else problem.units
+    return ContactForm._make((*parts, units.copy()))
 
 
 @part
