@@ -246,8 +246,8 @@ class FrictionProblem(ReadOnly):
 
     @property
     def scale(self) -> Array:
-        """s (nc,), 1/kg: the mean diagonal of each contact's block of W, where joints lock it of W without joints; 1 where
-        that vanishes, too."""
+        """s (nc,), 1/kg: the mean of the positive diagonal entries of each contact's block of W, where joints lock it of W
+        without joints; where none is positive, the mean of all contacts."""
         return self.operator.scale
 
     @property

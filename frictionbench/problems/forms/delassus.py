@@ -394,7 +394,7 @@ def write_act_size(first, neighbours, block, r, q, size):  # type: ignore[no-unt
 
 @kernel
 def block_scale(first, neighbours, block):  # type: ignore[no-untyped-def]
-    """The mean diagonal (nc,) of each contact's block of W; 1 where it is not positive."""
+    """s (nc,): `mean_diagonal` of the blocks of W."""
     own = np.zeros((len(first) - 1, block.shape[1]))
     for i in range(len(own)):
         for k in range(first[i], first[i + 1]):

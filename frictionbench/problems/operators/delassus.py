@@ -62,7 +62,6 @@ class DelassusOperator(Operator):
 
     @cached_property
     def scale(self) -> Array:
-        """s (nc,): the mean diagonal of each contact's block of W; 1 where it vanishes."""
         return delassus.block_scale(*self.blocks)
 
     @cached_property
@@ -96,7 +95,7 @@ class DelassusOperator(Operator):
         return islands(*delassus_graph(*self.blocks, self.scale))
 
     @cached_property
-    def blocks(self) -> Blocks:
+    def blocks(self) -> Blocks:  # type: ignore[override]
         return delassus.blocks(self.W, self.dimension)
 
     @property

@@ -91,8 +91,6 @@ class MechanicalOperator(Operator):
 
     @property
     def scale(self) -> Array:
-        """s (nc,): the mean diagonal of each contact's block of W; without the joints where they lock the whole contact; 1
-        where that vanishes too."""
         return self._measures[1]
 
     @property
@@ -104,9 +102,14 @@ class MechanicalOperator(Operator):
         return self._measures[3]
 
     def units_at(self, q: Array) -> Array:
-        moves = np.abs(self.free_velocity) + self._held.rounding(self.free_velocity)
-        units: Array = mechanical_units(*self._bodies, moves, self.bias, q, self.scale, self.friction_bias)
+        units: Array = mechanical_units(*self._bodies, self._moves, self.bias, q, self.scale, self.friction_bias)
         return units
+
+    @property
+    def _moves(self) -> Array:
+        """(nv,): the size of the terms of each velocity."""
+        moves = np.abs(self.free_velocity)
+        return moves + self._held.rounding(self.free_velocity) if self._has_joints else moves
 
     @property
     def spread(self) -> float:
@@ -140,7 +143,7 @@ class MechanicalOperator(Operator):
         return offset
 
     @cached_property
-    def blocks(self) -> Blocks:
+    def blocks(self) -> Blocks:  # type: ignore[override]
         return delassus.blocks(self.W, self.contact_rows.value.shape[1]) if self._has_joints else self._free_blocks()
 
     @cached_property
@@ -236,11 +239,10 @@ class MechanicalOperator(Operator):
         q, scale, velocity_scale, units = delassus.measures(
             *self.contact_rows, *self.inverse_rows, free, self.bias, self.friction_bias
         )
-        moves, unlike = np.abs(self.free_velocity), 1.0
+        moves, unlike = self._moves, 1.0
         if self._has_joints:
             diagonal, locked = self._joint_diagonal
             by_contact = q.reshape(diagonal.shape)
-            moves += self._held.rounding(self.free_velocity)
             terms = delassus.velocity_size(*self.contact_rows, *self.inverse_rows, moves, np.zeros_like(by_contact), self.bias)
             by_contact[locked & (np.abs(by_contact) <= delassus.LOCKED * terms)] = 0.0
             scale, velocity_scale = delassus.mean_diagonal(diagonal), delassus.largest(q, diagonal.shape[1])

@@ -1,12 +1,12 @@
-"""What a friction problem asks of its contact operator, the affine map u = W r + q from impulses r to contact velocities u.
+"""What the two contact operators share: the affine map u = W r + q from impulses r to contact velocities u.
 
-Both operators also give the equations of motion behind the map, M (v - v*) = J' r + F' lam with F v + b_F = 0 and
-u = J v + offset, as plain arrays (problems.rows) for compiled passes and as scipy matrices for other callers.
+What a problem asks of either is documented by FrictionProblem, which passes it on. Both also give the equations of motion
+behind the map, M (v - v*) = J' r + F' lam with F v + b_F = 0 and u = J v + offset, as plain arrays (problems.rows) for compiled
+passes and as scipy matrices for other callers.
 """
 
-from abc import ABC, abstractmethod
 from functools import cached_property
-from typing import ClassVar, Self
+from typing import ClassVar
 
 import numpy as np
 from scipy import sparse
@@ -15,12 +15,12 @@ from frictionbench.problems.check import Array, ReadOnly
 from frictionbench.problems.forms import delassus
 from frictionbench.problems.forms.arrays import CSR, Dense, csr, dense
 from frictionbench.problems.forms.delassus import Blocks
-from frictionbench.problems.rows import ByContact, Index64, Rows, by_row
+from frictionbench.problems.rows import ByContact, Rows, by_row
 
 NO_ROWS = Rows(np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros(0))  # a matrix without rows
 
 
-class Operator(ReadOnly, ABC):
+class Operator(ReadOnly):
     """The operator of nc contacts of dimension d and nv velocities. Its arrays are read-only; what is derived is computed once.
 
     The operators are not frozen dataclasses, whose construction would add a tenth to the time of making a small problem's W.
@@ -29,7 +29,7 @@ class Operator(ReadOnly, ABC):
     mass_rows, inverse_rows: M and M^-1 (nv, nv); joint_rows: F (nj, nv); contact_rows: J (nc*d, nv) by contacts.
     free_velocity: v* (nv,). bias: (nc,), of the normal velocities. joint_bias: b_F (nj,).
     friction_bias: (nc,), the law's, on which the units depend.
-    q: (nc*d,), u where r = 0, rows per contact, normal first. W: the Delassus matrix (nc*d, nc*d).
+    q: (nc*d,), u where r = 0, rows per contact, normal first. W: the Delassus matrix (nc*d, nc*d); blocks: by contacts.
     """
 
     FIELDS: ClassVar[tuple[str, ...]]
@@ -43,11 +43,7 @@ class Operator(ReadOnly, ABC):
     joint_bias: Array
     q: Array
     W: sparse.csr_array
-
-    @property
-    @abstractmethod
-    def blocks(self) -> Blocks:
-        """W by blocks of contacts (problems.forms.delassus)."""
+    blocks: Blocks
 
     @cached_property
     def dense(self) -> Dense:
@@ -58,64 +54,6 @@ class Operator(ReadOnly, ABC):
     def csr(self) -> CSR:
         """W in compressed rows, and q (problems.forms.arrays)."""
         return csr(self.blocks, self.q)
-
-    @property
-    @abstractmethod
-    def asymmetry(self) -> float:
-        """The largest |W - W'| over the largest |W|; 0 where the mechanics are given."""
-
-    @property
-    @abstractmethod
-    def scale(self) -> Array:
-        """s (nc,), 1/kg: the mean diagonal of each contact's block of W; positive."""
-
-    @property
-    @abstractmethod
-    def velocity_scale(self) -> float:
-        """max_i |q_i|, m/s."""
-
-    @property
-    @abstractmethod
-    def units(self) -> Array:
-        """(nc,), m/s: the velocity in which each contact's residual is measured (problems.forms.islands)."""
-
-    @abstractmethod
-    def units_at(self, q: Array) -> Array:
-        """(nc,), m/s: the same where the contacts' velocities without impulses are q (nc*d,)."""
-
-    @property
-    @abstractmethod
-    def spread(self) -> float:
-        """The largest unit over the smallest; 1 where nothing moves."""
-
-    @abstractmethod
-    def balanced(self, units: Array) -> tuple[Self, Array]:
-        """The operator with separate islands in like units, and the factors (nc,) of the impulses (problems.forms.balance).
-
-        units: (nc,), m/s, those of the contacts.
-        """
-
-    @property
-    @abstractmethod
-    def islands(self) -> Index64:
-        """(nc,): the island of each contact."""
-
-    @property
-    @abstractmethod
-    def offset(self) -> Array:
-        """u (nc, d) where v = 0."""
-
-    @abstractmethod
-    def contact_velocity(self, r: Array) -> Array:
-        """u (nc, d) after the contact impulses r (nc, d)."""
-
-    @abstractmethod
-    def velocity_size(self, r: Array) -> Array:
-        """(nc, d): the sum of the absolute values of the terms that add up to contact_velocity(r)."""
-
-    @abstractmethod
-    def fresh(self) -> Self:
-        """The same operator without anything derived from it."""
 
     def velocity(self, r: Array) -> Array:
         """v (nv,) after the contact impulses r (nc, d)."""
