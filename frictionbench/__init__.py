@@ -3,7 +3,7 @@
     problems   scene, scenes, instance, instances, FrictionProblem, LCP, load, save, InputError
     engines    capture, EngineStep, load_step
     solvers    solve, available, solver, Answer, Status, solve_many, Batch, Answers
-    checks     residual, residual_floor, verify, Verdict
+    checks     residual, residual_floor, verify, Verdict, contradiction
     results    read_results, plot
 
 Units are SI: velocities in m/s, impulses in N s, masses in kg. Impulses have shape (nc, d) for nc contacts of dimension d (2
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from frictionbench import capture, plot
     from frictionbench.files import load, load_step, save
     from frictionbench.problems import LCP, Answer, FrictionProblem, InputError, Status, Verdict
+    from frictionbench.problems.analysis.contradiction import contradiction
     from frictionbench.problems.batch import Batch
     from frictionbench.problems.instances import instances
     from frictionbench.problems.instances import make_instance as instance
@@ -50,6 +51,7 @@ __all__ = [
     "__version__",
     "available",
     "capture",
+    "contradiction",
     "instance",
     "instances",
     "load",
@@ -71,6 +73,7 @@ __all__ = [
 _DEFINED_IN = {
     "frictionbench.problems": ("LCP", "Answer", "FrictionProblem", "InputError", "Status", "Verdict"),
     "frictionbench.problems.scenes": ("scene", "scenes"),
+    "frictionbench.problems.analysis.contradiction": ("contradiction",),
     "frictionbench.problems.batch": ("Batch",),
     "frictionbench.problems.instances": ("instance", "instances"),
     "frictionbench.problems.residual": ("residual", "residual_floor"),

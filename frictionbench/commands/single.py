@@ -6,6 +6,7 @@ Both run in isolated workers and are verified like any run.
 import json
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +14,6 @@ from frictionbench.commands.stored_cell import stored_cell
 from frictionbench.commands.table import columns, paragraph, screen
 from frictionbench.commands.trusted import trusted
 from frictionbench.harness.cells import worker
-from frictionbench.harness.cells.collect import Record
 from frictionbench.harness.cells.rows import PROBLEM_FACTS
 from frictionbench.harness.plans.choose import require_known
 from frictionbench.harness.plans.plan import BatchCell, Plan, Plugin, SimulationCell, SolveCell, Source, origin, owner
@@ -55,9 +55,12 @@ def solve_one(
     variants, plugins, unusable = (*load_plugins(solver_specs), []) if solver_specs else all_variants()
     plan = Plan("solve", (), variants, (tol,), time_limit=time_limit, plugins=plugins)
     with tempfile.TemporaryDirectory() as name, Pool(Path(name), jobs, plugins, plan.memory_limit) as pool:
-        record, summary, mechanical = _collect(problem, source, pool)
-        rank_by = rank_by or (RankBy.BODIES if mechanical else RankBy.FORM)
-        print(f"{problem}: {summary}", flush=True)
+        facts = _collect(problem, source, pool)
+        record = facts["record"]
+        rank_by = rank_by or (RankBy.BODIES if facts["mechanical"] else RankBy.FORM)
+        print(f"{problem}: {facts['summary']}", flush=True)
+        if facts["contradiction"]:
+            print("\n".join(paragraph(facts["contradiction"], screen(), "")), flush=True)
         tasks = [
             Task(cell.variant, worker.run_solve, (cell, record, time_limit), time_limit, plan.owner(cell.variant))
             for cell in plan.solve_cells([record])
@@ -163,8 +166,8 @@ def _source(problem: str) -> Source:
     return Source(name, settings)
 
 
-def _collect(problem: str, source: Source, pool: Pool) -> tuple[Record, str, bool]:
-    """The record and the summary of the source's first problem, which a worker makes, and whether its mechanics are given.
+def _collect(problem: str, source: Source, pool: Pool) -> dict[str, Any]:
+    """What worker.run_problem finds of the source's first problem.
 
     Errors: InputError naming problem where it takes too much memory or time, and as of collect.
     """
@@ -173,7 +176,8 @@ def _collect(problem: str, source: Source, pool: Pool) -> tuple[Record, str, boo
         raise InputError(f"problem: {problem} cannot be made ({outcome.reason})")
     if reason := outcome.value.get("refused"):
         raise InputError(reason)
-    return outcome.value["record"], outcome.value["summary"], outcome.value["mechanical"]
+    facts: dict[str, Any] = outcome.value
+    return facts
 
 
 def _task_again(row: Row, table: str, plugins: tuple[Plugin, ...]) -> Task:

@@ -24,6 +24,7 @@ class Status(Enum):
 
     SOLVED = "solved to the requested tolerance"
     RAY = "ended on a secondary ray with a valid certificate: this path leads to no solution"
+    INFEASIBLE = "no impulses reach the tolerance: contacts or joints that contradict each other prove it"
     WORK_LIMIT = "reached the work limit"
     STALLED = "no further progress was possible"
     BREAKDOWN = "numerical breakdown"

@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionbench.problems import FrictionProblem
+from frictionbench.problems.analysis.contradiction import contradiction
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, loop
 from frictionbench.problems.packed import CONTACT, Packed, Q, mechanical, mechanics_of, residuals
@@ -60,6 +61,7 @@ Prepared = tuple[FrictionProblem, tuple[str, ...], Any]  # the problem, its memb
 class Hybrid:
     """A portfolio: the interior point or a simpler method first, then others, until a checked answer is within the tolerance.
 
+    Where the first fails, a linear program looks for contacts that contradict each other, with which no member is of use.
     Impulses that a member claims and whose residual rounding alone explains are an answer too.
     The limit bounds each member's unit of work. work counts the members tried and, by name, the work of each.
     """
@@ -105,6 +107,8 @@ class Hybrid:
                     return Answer(impulse, status, work, detail=f"answered by {found_by}")
                 rounded = rounded or (found <= floor and answer.status is Status.SOLVED)
             late = late or answer.status is Status.TIME_LIMIT
+            if tried == 1 and (proof := contradiction(problem)) and proof.least_residual > tol:
+                return Answer(impulse, Status.INFEASIBLE, work, detail=str(proof))
             # Where the floor is above the tolerance, a second member may find smaller impulses; more seldom do.
             if is_over() or (rounded and tried > 1):
                 break

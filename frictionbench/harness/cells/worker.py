@@ -27,6 +27,7 @@ from frictionbench.harness.cells.timing import MOST, Timing, time_solver
 from frictionbench.harness.deadline import COMPILE_SECONDS, Deadline
 from frictionbench.harness.plans.plan import BatchCell, Plugin, SimulationCell, SolveCell, Source
 from frictionbench.problems import LCP, FrictionProblem, InputError
+from frictionbench.problems.analysis.contradiction import contradiction
 from frictionbench.problems.answer import AnswerError
 from frictionbench.problems.copies import duplicate, same
 from frictionbench.problems.instances import instances, make_instance
@@ -116,12 +117,15 @@ def run_scene(name: str, parameters: dict[str, Any], limit: float) -> dict[str, 
 
 
 def run_problem(source: Source, limit: float) -> dict[str, Any]:
-    """Collect a source's first problem: its record, its summary and whether its mechanics are given; or why it is refused."""
+    """Collect a source's first problem: its record, its summary, whether its mechanics are given, and in words the
+    contradiction in it, if any; or why it is refused."""
     try:
         (record, *_) = run_source(source, limit)
         problem = stored(_worker.folder, record["problem"])
-        mechanical = isinstance(problem, FrictionProblem) and problem.mechanical
-        return {"record": record, "summary": problem.summary, "mechanical": mechanical}
+        facts = {"record": record, "summary": problem.summary, "mechanical": False, "contradiction": ""}
+        if isinstance(problem, FrictionProblem):
+            facts |= {"mechanical": problem.mechanical, "contradiction": str(contradiction(problem) or "")}
+        return facts
     except InputError as error:
         return {"refused": str(error)}
 
