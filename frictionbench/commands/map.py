@@ -5,7 +5,7 @@ from frictionbench.harness.plans.choose import tolerances
 from frictionbench.harness.plans.plan import Plan, Plugin
 from frictionbench.harness.plans.suites import MAPPED
 from frictionbench.problems import InputError
-from frictionbench.problems.scenes.catalogue import find_scene
+from frictionbench.problems.catalogue import find_scene
 from frictionbench.problems.schemes import require_scheme
 from frictionbench.problems.spec import parse
 from frictionbench.results.conventions import DEFAULT_SCHEME

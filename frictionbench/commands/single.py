@@ -15,13 +15,13 @@ from frictionbench.commands.table import columns, paragraph, screen
 from frictionbench.commands.trusted import trusted
 from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.rows import PROBLEM_FACTS
-from frictionbench.harness.plans.choose import require_known
 from frictionbench.harness.plans.plan import BatchCell, Plan, Plugin, SimulationCell, SolveCell, Source, origin, owner
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import COLLECT_SECONDS, row_of
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.harness.workers.pool import Pool, Task
 from frictionbench.problems import InputError
+from frictionbench.problems.catalogue import require_known
 from frictionbench.problems.spec import parse
 from frictionbench.problems.verdicts import RANK, Verdict
 from frictionbench.results.cells import counts

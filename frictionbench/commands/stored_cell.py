@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from frictionbench.problems.catalogue import scenes
 from frictionbench.problems.check import require
 from frictionbench.problems.instances import instances
-from frictionbench.problems.scenes.catalogue import scenes
 from frictionbench.problems.schemes import require_scheme
 from frictionbench.results import store
 from frictionbench.results.conventions import COLD, KEEP_ANSWER, KEEP_VELOCITY, RELAX, WARM, WAYS

@@ -1,67 +1,34 @@
-"""Catalogues of what a name and a few parameters make, scenes and instances, and how modules register in them."""
+"""The catalogues of scenes and of instances: what a name and a few parameters make.
+
+    @generator(example_3={"friction": 0.02}, example_4={"friction": 0.1})
+    def two_blocks(friction: float = 0.02, ...) -> Scene: ...
+
+    @instance
+    def cubes(boxes: int = 5, friction: float = 0.5, ...) -> FrictionProblem: ...
+
+A scene moves in time. An instance is a friction problem of one step, made from parameters and a seed, that no scene simulates.
+Every scene also takes mass_unit and length_unit, the units in which its masses and lengths are then given: the motion is the
+same.
+"""
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
+from functools import cached_property
 from importlib import import_module
 from inspect import getdoc, signature
 from pkgutil import iter_modules
 from typing import Any, Generic, TypeVar
 
 from frictionbench.problems.check import InputError
+from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.parameters import number
+from frictionbench.problems.scene import Scene
 
+UNITS = ("mass_unit", "length_unit")
 Made = TypeVar("Made")
-
-
-@dataclass(frozen=True)
-class Generator(Generic[Made]):
-    """A function under its name in a catalogue, with its parameters' defaults and its docstring."""
-
-    name: str
-    make: Callable[..., Made]
-    parameters: dict[str, Any]
-    description: str
-
-    @property
-    def summary(self) -> str:
-        """The first line of the description; python -OO leaves none."""
-        return self.description.partition("\n")[0]
-
-
-class Catalogue(Generic[Made]):
-    """Generators by name. kind: what they make, in error messages."""
-
-    def __init__(self, kind: str) -> None:
-        self.kind = kind
-        self._generators: dict[str, Generator[Made]] = {}
-
-    def add(self, make: Callable[..., Made], name: str = "", **defaults: Any) -> None:
-        """List a function, by default under its own name; defaults replace those of its signature.
-
-        Errors: ValueError where the name is taken.
-        """
-        name = name or make.__name__
-        if name in self._generators:
-            raise ValueError(f"{self.kind}: the name {name!r} is taken by {self._generators[name].make}")
-        own = {key: parameter.default for key, parameter in signature(make).parameters.items()}
-        self._generators[name] = Generator(name, make, own | defaults, getdoc(make) or "")
-
-    def generators(self) -> dict[str, Generator[Made]]:
-        """All generators by name, in alphabetical order."""
-        return dict(sorted(self._generators.items()))
-
-    def find(self, name: str, parameters: Iterable[str]) -> Generator[Made]:
-        """The generator of this name. Errors: InputError naming the kind, or a parameter that the generator does not have."""
-        if not isinstance(name, str):
-            raise InputError(f"{self.kind}: expected its name as text, got {name!r:.100}")
-        if name not in self._generators:
-            known = self.generators()
-            raise InputError(f"{self.kind}: unknown {self.kind} {name!r}{near(name, known)}; known are {', '.join(known)}")
-        found = self._generators[name]
-        for key in set(parameters) - found.parameters.keys():
-            like, its = near(key, found.parameters), ", ".join(found.parameters)
-            raise InputError(f"{key}: the {self.kind} {name} has no such parameter{like}; it has {its}")
-        return found
+SceneFunction = TypeVar("SceneFunction", bound=Callable[..., Scene])
+InstanceFunction = TypeVar("InstanceFunction", bound=Callable[..., FrictionProblem])
 
 
 def near(name: str, known: Iterable[str]) -> str:
@@ -74,3 +41,168 @@ def import_all(package: str, path: list[str]) -> None:
     """Import every module of a package, whose decorators then register what they define; path: the package's __path__."""
     for module in iter_modules(path):
         import_module(f"{package}.{module.name}")
+
+
+@dataclass(frozen=True)
+class Generator(Generic[Made]):
+    """A function under its name in a catalogue, with its parameters' defaults and its docstring. dimension: 2 or 3 of a scene,
+    0 of an instance, where it is known only when one has been made."""
+
+    name: str
+    make: Callable[..., Made]
+    parameters: dict[str, Any]
+    description: str
+    dimension: int = 0
+
+    @property
+    def summary(self) -> str:
+        """The first line of the description; python -OO leaves none."""
+        return self.description.partition("\n")[0]
+
+
+class Catalogue(Generic[Made]):
+    """Generators by name. kind: what they make, in error messages. package: that of the modules which register them, all of
+    which are imported when a name is first looked up."""
+
+    def __init__(self, kind: str, package: str) -> None:
+        self.kind, self._package = kind, package
+        self._registered: dict[str, Generator[Made]] = {}
+
+    def add(self, make: Callable[..., Made], name: str, dimension: int = 0, **defaults: Any) -> None:
+        """List a function under a name; defaults replace those of its signature. Errors: ValueError where the name is taken."""
+        if name in self._registered:
+            raise ValueError(f"{self.kind}: the name {name!r} is taken by {self._registered[name].make}")
+        own = {key: parameter.default for key, parameter in signature(make).parameters.items()}
+        self._registered[name] = Generator(name, make, own | defaults, getdoc(make) or "", dimension)
+
+    @cached_property
+    def generators(self) -> dict[str, Generator[Made]]:
+        """All generators by name, in alphabetical order."""
+        import_all(self._package, list(import_module(self._package).__path__))
+        return dict(sorted(self._registered.items()))
+
+    def find(self, name: str, parameters: Iterable[str]) -> Generator[Made]:
+        """The generator of this name. Errors: InputError naming the kind, or a parameter that the generator does not have."""
+        if not isinstance(name, str):
+            raise InputError(f"{self.kind}: expected its name as text, got {name!r:.100}")
+        if name not in self.generators:
+            raise InputError(f"{self.kind}: {_unknown(self.kind, name)}")
+        found = self.generators[name]
+        for key in set(parameters) - found.parameters.keys():
+            like, its = near(key, found.parameters), ", ".join(found.parameters)
+            raise InputError(f"{key}: the {self.kind} {name} has no such parameter{like}; it has {its}")
+        return found
+
+
+SCENES: Catalogue[Scene] = Catalogue("scene", "frictionbench.problems.scenes")
+INSTANCES: Catalogue[FrictionProblem] = Catalogue("instance", "frictionbench.problems.instances")
+
+
+def _unknown(kind: str, name: str) -> str:
+    """Why there is none of this kind and name, and what may have been meant."""
+    if kind == "scene" and name in INSTANCES.generators:
+        return f"{name!r} is an instance, a problem of one step without a scene; frictionbench.instance({name!r}) makes it"
+    if kind == "instance" and name in SCENES.generators:
+        return f"{name!r} is a scene; frictionbench.scene({name!r}).problem() is the problem of its first step"
+    known = SCENES.generators if kind == "scene" else INSTANCES.generators
+    like = near(name, [*SCENES.generators, *INSTANCES.generators])
+    return f"unknown {kind} {name!r}{like}; known are {', '.join(known)}"
+
+
+def generator(dimension: int = 2, **others: dict[str, Any]) -> Callable[[SceneFunction], SceneFunction]:
+    """List a scene's generator under its name, and under each name in `others` with the defaults given there.
+
+    dimension: of its scenes, so that it is known before one is built. Errors: ValueError where a name is taken.
+    """
+
+    def register(make: SceneFunction) -> SceneFunction:
+        for name, defaults in {make.__name__: {}, **others}.items():
+            SCENES.add(make, name, dimension, **defaults)
+        return make
+
+    return register
+
+
+def instance(make: InstanceFunction) -> InstanceFunction:
+    """List a generator of problems under its name. Errors: ValueError where the name is taken."""
+    INSTANCES.add(make, make.__name__)
+    return make
+
+
+def scenes() -> dict[str, Generator[Scene]]:
+    """All scenes by name, in alphabetical order: a Generator each, with parameters (defaults) and summary.
+
+    >>> import frictionbench as fb
+    >>> "blocks" in fb.scenes()["stack"].parameters
+    True
+    """
+    return SCENES.generators
+
+
+def instances() -> dict[str, Generator[FrictionProblem]]:
+    """All instances by name, in alphabetical order: a Generator each, with parameters (defaults) and summary.
+
+    >>> import frictionbench as fb
+    >>> fb.instances()["cubes"].parameters["friction"]
+    0.5
+    """
+    return INSTANCES.generators
+
+
+def is_spatial(name: str) -> bool:
+    """Whether this is the name of a scene in space."""
+    return name in SCENES.generators and SCENES.generators[name].dimension == 3
+
+
+def find_scene(name: str, parameters: Iterable[str]) -> Generator[Scene]:
+    """The generator of the named scene. Errors: InputError naming the scene or the parameter that is unknown."""
+    return SCENES.find(name, [key for key in parameters if key not in UNITS])
+
+
+def scene(name: str, **parameters: Any) -> Scene:
+    """The named scene, with the parameters given in place of its defaults.
+
+    Every scene also takes mass_unit (kg) and length_unit (m), the units in which its masses and lengths are then given.
+    Scene.problem() gives the friction problem of its first time step.
+    Errors: InputError naming the scene or parameter that is unknown, or the parameter that is out of range.
+
+    >>> import frictionbench as fb
+    >>> scene = fb.scene("stack", blocks=3, friction=0.5)
+    >>> len(scene.bodies), scene.step, scene.problem().contacts
+    (3, 0.01, 6)
+    """
+    units = {key: number(key, parameters[key], above=0) for key in UNITS if key in parameters}
+    found = find_scene(name, parameters)
+    chosen = found.parameters | parameters
+    for key in {"friction", "restitution", "step", "duration"} & chosen.keys():
+        number(key, chosen[key])
+    made = found.make(**{key: value for key, value in chosen.items() if key not in units})
+    if units:
+        made = made.in_units(units.get("mass_unit", 1.0), units.get("length_unit", 1.0))
+    return replace(made, name=name, parameters=chosen)
+
+
+def make_instance(name: str, **parameters: Any) -> FrictionProblem:
+    """The named problem, with the parameters given in place of its defaults.
+
+    Errors: InputError naming the instance or parameter that is unknown, or the parameter that is out of range.
+
+    >>> import frictionbench as fb
+    >>> fb.instance("cubes", boxes=4, friction=0.3).dimension
+    3
+    """
+    found = INSTANCES.find(name, parameters)
+    return found.make(**found.parameters | parameters)
+
+
+def require_known(name: str, parameters: Iterable[str]) -> None:
+    """Errors: InputError naming the scene or instance, or the parameter, that is unknown; nothing is built."""
+    if name in INSTANCES.generators:
+        INSTANCES.find(name, parameters)
+    else:
+        find_scene(name, parameters)
+
+
+def problem_of(name: str, **parameters: Any) -> FrictionProblem:
+    """The instance of this name, or the problem of the scene's first step. Errors: as for scene and make_instance."""
+    return make_instance(name, **parameters) if name in INSTANCES.generators else scene(name, **parameters).problem()

@@ -8,33 +8,34 @@ and at each contact Coulomb's law between its impulse and its velocity u = (u_n,
 
     0 <= u_n  ⟂  r_n >= 0,      |r_t| <= mu r_n + b_f,      r_t opposes u_t with |r_t| = mu r_n + b_f wherever u_t != 0.
 
-Eliminating v and lam leaves the Delassus form u = W r + q with W = J P J', P the inverse mass on the null space of F.
+Eliminating v and lam leaves the Delassus form u = W r + q (problems.mechanics).
 References: Anitescu and Potra 1997; Acary and Brogliato 2008, chapter 10.
 """
 
-from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
-from scipy import sparse
 
 from frictionbench.problems import check, sizes
-from frictionbench.problems.check import Array, ReadOnly, require
+from frictionbench.problems.check import Array, require
 from frictionbench.problems.display import count, extent, html_table
-from frictionbench.problems.forms.arrays import CSR, Dense
+from frictionbench.problems.forms import delassus
+from frictionbench.problems.forms.balance import delassus_factors
+from frictionbench.problems.forms.definite import DIGITS, require_semidefinite
 from frictionbench.problems.forms.delassus import Blocks
+from frictionbench.problems.forms.islands import delassus_graph, delassus_units, islands, spread
+from frictionbench.problems.forms.joints import require_consistent
 from frictionbench.problems.forms.lcp import LCP, content_hash, friction_lcp, tangent_basis
+from frictionbench.problems.forms.mass import inverse_mass
 from frictionbench.problems.forms.relaxation import QP, ConeProgram, VelocityForm, relaxation_cone, relaxation_qp
-from frictionbench.problems.operators.delassus import DIGITS, DelassusOperator
-from frictionbench.problems.operators.mechanical import MechanicalOperator
-from frictionbench.problems.rows import ByContact, Index64, Rows
+from frictionbench.problems.mechanics import NO_ROWS, Mechanics
+from frictionbench.problems.rows import ByContact, Index64, Rows, by_contact
 
 LEAST_BIAS = 1e-12  # of a contact's unit: what a friction bias must be able to do to its velocity, to be part of a program
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class FrictionProblem(ReadOnly):
+class FrictionProblem(Mechanics):
     """A friction problem with nc contacts of dimension d (2 planar, 3 spatial) and nv velocities.
 
     mass: (nv, nv), symmetric positive definite. normal: (nc, nv). tangent: (nc*(d-1), nv), rows per contact.
@@ -44,10 +45,6 @@ class FrictionProblem(ReadOnly):
     joints: (nj, nv), joint_bias: (nj,), m/s: bilateral constraints, of any rank, satisfied exactly.
 
     Everything is checked, copied and made read-only here. Errors: InputError naming the field.
-
-    The bodies enter through the operator alone: of given mechanics, or of a given Delassus matrix (from_delassus), whose
-    velocities (nc*d) are those of W's symmetric root with unit mass. Compiled passes work on plain arrays (problems.rows):
-    contact_rows, the Jacobian J by contacts, and mass_rows, inverse_rows and joint_rows; scipy's matrices are made on demand.
 
     >>> import frictionbench as fb
     >>> point = fb.FrictionProblem(  # a point of 2 kg that slides on the floor and falls onto it at 0.1 m/s
@@ -62,10 +59,9 @@ class FrictionProblem(ReadOnly):
     [[0.2, -0.1]]
     """
 
-    dimension: int
-    friction: Array
-    friction_bias: Array
-    operator: MechanicalOperator | DelassusOperator
+    FIELDS: ClassVar[tuple[str, ...]] = (  # that define it, in the order of the content hash
+        *("mass", "normal", "tangent", "friction", "free_velocity", "bias", "friction_bias", "joints", "joint_bias"),
+    )
 
     def __init__(
         self,
@@ -82,26 +78,49 @@ class FrictionProblem(ReadOnly):
         dimension: int = 2,
     ) -> None:
         require(_is_dimension(dimension), "dimension", f"must be 2 or 3, got {dimension!r:.100}")
-        mechanics = {
-            "normal": normal,
-            "tangent": tangent,
-            "mass": mass,
-            "free_velocity": free_velocity,
-            "bias": bias,
-            "joints": joints,
-            "joint_bias": joint_bias,
-        }
-        sizes.agree(dimension, mechanics | {"friction": friction, "friction_bias": friction_bias})
-        law = _law(friction, friction_bias)
-        operator = MechanicalOperator.checked(len(law[0]), dimension, friction_bias=law[1], **mechanics)
-        self._assign(dimension, *law, operator)
+        sizes.agree(
+            dimension,
+            {
+                "normal": normal,
+                "tangent": tangent,
+                "mass": mass,
+                "free_velocity": free_velocity,
+                "bias": bias,
+                "joints": joints,
+                "joint_bias": joint_bias,
+                "friction": friction,
+                "friction_bias": friction_bias,
+            },
+        )
+        mu, b_f = _law(friction, friction_bias)
+        v = check.vector("free_velocity", free_velocity)
+        nc, nv = len(mu), len(v)
+        joint_rows = NO_ROWS if joints is None else check.rows("joints", joints, (None, nv))
+        nj = len(joint_rows.start) - 1
+        mass_rows = check.rows("mass", mass, (nv, nv))
+        normal_rows = check.rows("normal", normal, (nc, nv))
+        tangent_rows = check.rows("tangent", tangent, (nc * (dimension - 1), nv))
+        vars(self).update(
+            dimension=dimension,
+            friction=mu,
+            friction_bias=b_f,
+            free_velocity=v,
+            bias=check.vector("bias", bias, nc),
+            joint_bias=check.vector("joint_bias", np.zeros(nj) if joint_bias is None else joint_bias, nj),
+            contact_rows=ByContact(*by_contact(*normal_rows, *tangent_rows, dimension)),
+            joint_rows=joint_rows,
+            mass_rows=mass_rows,
+            inverse_rows=inverse_mass(mass_rows),
+        )
+        if nj:
+            require_consistent(self._held, self.joints, self.joint_bias, self.inverse_mass.diagonal(), v)
 
-    @classmethod
-    def from_delassus(cls, W: Any, q: Any, friction: Any, d: int, friction_bias: Any = None) -> Self:
+    @staticmethod
+    def from_delassus(W: Any, q: Any, friction: Any, d: int, friction_bias: Any = None) -> "FrictionProblem":
         """The problem of which only u = W r + q is known; rows per contact, normal first (FCLIB's order).
 
-        W: (nc*d, nc*d), 1/kg, its symmetric part positive semidefinite; stored as given, also where it is unsymmetric, by what
-        `asymmetry` and the summary tell. Methods that work in velocities do not take it then. q: (nc*d,), m/s.
+        W: (nc*d, nc*d), 1/kg, its symmetric part positive semidefinite; stored as given, also where it is unsymmetric, which
+        `asymmetry` and the summary state. Methods that work in velocities do not take it then. q: (nc*d,), m/s.
         friction: (nc,).
         Errors: InputError naming the field.
 
@@ -109,216 +128,19 @@ class FrictionProblem(ReadOnly):
         >>> fb.FrictionProblem.from_delassus([[0.5, 0.0], [0.0, 0.5]], [-0.1, 1.0], [0.5], d=2).contacts
         1
         """
-        require(_is_dimension(d), "d", f"must be 2 or 3, got {d!r:.100}")
-        sizes.agree(d, {"W": W, "q": q, "friction": friction, "friction_bias": friction_bias}, {"dimension": "d"})
-        law = _law(friction, friction_bias)
-        return object.__new__(cls)._assign(d, *law, DelassusOperator.checked(len(law[0]), d, W, q, law[1]))
+        return GivenDelassus(W, q, friction, d, friction_bias)
 
-    def _assign(self, d: int, friction: Array, friction_bias: Array, operator: MechanicalOperator | DelassusOperator) -> Self:
-        """Set the fields, all checked."""
-        assign = object.__setattr__  # the class is frozen
-        assign(self, "dimension", d)
-        assign(self, "friction", friction)
-        assign(self, "friction_bias", friction_bias)
-        assign(self, "operator", operator)
-        return self
-
-    def fresh(self) -> Self:
-        """The same problem without anything derived from it, so that the cost of preparing it is incurred again."""
-        again = object.__new__(type(self))
-        return again._assign(self.dimension, self.friction, self.friction_bias, self.operator.fresh())
-
-    def replace(self, **changes: Any) -> Self:
+    def replace(self, **changes: Any) -> "FrictionProblem":
         """The same problem with some of its fields changed. Errors: InputError naming the field."""
-        given = {name: getattr(self, name) for name in self.operator.FIELDS} | changes
+        given = {name: getattr(self, name) for name in self.FIELDS} | changes
         if self.mechanical:
-            return type(self)(dimension=self.dimension, **given)
-        return self.from_delassus(d=self.dimension, **given)
+            return FrictionProblem(dimension=self.dimension, **given)
+        return GivenDelassus(d=self.dimension, **given)
 
     @property
     def mechanical(self) -> bool:
         """Whether the mechanics are given; where not, only W and q are."""
-        return isinstance(self.operator, MechanicalOperator)
-
-    @property
-    def contacts(self) -> int:
-        """nc, the number of contacts."""
-        return len(self.friction)
-
-    @property
-    def mass(self) -> sparse.csr_array:
-        """M (nv, nv), read-only, as all matrices."""
-        return self.operator.mass
-
-    @property
-    def inverse_mass(self) -> sparse.csr_array:
-        """M^-1 (nv, nv)."""
-        return self.operator.inverse_mass
-
-    @property
-    def jacobian(self) -> sparse.csr_array:
-        """J (nc*d, nv), rows per contact, normal first."""
-        return self.operator.jacobian
-
-    @property
-    def normal(self) -> sparse.csr_array:
-        """The normal rows of J (nc, nv)."""
-        return self.operator.normal
-
-    @property
-    def tangent(self) -> sparse.csr_array:
-        """The tangent rows of J (nc*(d-1), nv)."""
-        return self.operator.tangent
-
-    @property
-    def joints(self) -> sparse.csr_array:
-        """F (nj, nv)."""
-        return self.operator.joints
-
-    @property
-    def free_velocity(self) -> Array:
-        """v* (nv,)."""
-        return self.operator.free_velocity
-
-    @property
-    def bias(self) -> Array:
-        """b (nc,), m/s."""
-        return self.operator.bias
-
-    @property
-    def joint_bias(self) -> Array:
-        """b_F (nj,), m/s."""
-        return self.operator.joint_bias
-
-    @property
-    def mass_rows(self) -> Rows:
-        """M by rows."""
-        return self.operator.mass_rows
-
-    @property
-    def inverse_rows(self) -> Rows:
-        """M^-1 by rows."""
-        return self.operator.inverse_rows
-
-    @property
-    def joint_rows(self) -> Rows:
-        """F by rows."""
-        return self.operator.joint_rows
-
-    @property
-    def contact_rows(self) -> ByContact:
-        """J by contacts."""
-        return self.operator.contact_rows
-
-    @property
-    def q(self) -> Array:
-        """The free contact velocity with its bias (nc*d,): u where r = 0. Read-only."""
-        return self.operator.q
-
-    @property
-    def W(self) -> sparse.csr_array:
-        """The Delassus matrix J P J' (nc*d, nc*d)."""
-        return self.operator.W
-
-    def dense(self) -> Dense:
-        """W and q as dense C-contiguous arrays, for code in C or Fortran: formed once, by a compiled pass, and read-only.
-
-        >>> import frictionbench as fb
-        >>> W, q = fb.scene("stack", blocks=2).problem().dense()
-        >>> W.shape, q.shape, W.flags.c_contiguous
-        ((8, 8), (8,), True)
-        """
-        return self.operator.dense
-
-    def csr(self) -> CSR:
-        """W in compressed rows and q, as plain arrays: indptr, indices, data, q; formed once and read-only."""
-        return self.operator.csr
-
-    @property
-    def blocks(self) -> Blocks:
-        """W by blocks of contacts (problems.forms.delassus)."""
-        return self.operator.blocks
-
-    @property
-    def asymmetry(self) -> float:
-        """The largest |W - W'| over the largest |W|; 0 where the mechanics are given."""
-        return self.operator.asymmetry
-
-    @property
-    def scale(self) -> Array:
-        """s (nc,), 1/kg: the mean of the positive diagonal entries of each contact's block of W, where joints lock it of W
-        without joints; where none is positive, the mean of all contacts."""
-        return self.operator.scale
-
-    @property
-    def velocity_scale(self) -> float:
-        """max_i |q_i|, m/s."""
-        return self.operator.velocity_scale
-
-    @property
-    def units(self) -> Array:
-        """(nc,), m/s: the velocity in which the residual of each contact is measured (problems.forms.islands): the largest
-        closing speed of the contacts of its island that can bear. A solver that stops by one number stops at tol * min(units).
-        """
-        return self.operator.units
-
-    @cached_property
-    def relaxation_units(self) -> Array:
-        """(nc,), m/s: those of the convex relaxation: the units at q_n - mu |q_t|, as its impulses have to lift u_n to mu |u_t|
-        where a contact slides."""
-        q = self.q.reshape(-1, self.dimension).copy()
-        q[:, 0] -= self.friction * np.linalg.norm(q[:, 1:], axis=1)
-        return self.operator.units_at(q.ravel())
-
-    @property
-    def spread(self) -> float:
-        """The largest of the units over the smallest; 1 where nothing moves."""
-        return self.operator.spread
-
-    def balanced(self, relaxed: bool = False) -> tuple[Self, Array]:
-        """The problem with islands that nothing couples in like units, and factor (nc,): impulses r of it are factor r here.
-
-        relaxed: in like units of the convex relaxation. A method whose tolerances are relative to the fastest contact solves
-        this one as well for the slow islands.
-        """
-        operator, factor = self.operator.balanced(self.relaxation_units if relaxed else self.units)
-        same = object.__new__(type(self))
-        return same._assign(self.dimension, self.friction, operator.friction_bias, operator), factor
-
-    @property
-    def islands(self) -> Index64:
-        """(nc,): the island of each contact, the connected component of the contact graph, numbered from 0."""
-        return self.operator.islands
-
-    @property
-    def offset(self) -> Array:
-        """u (nc, d) where v = 0."""
-        return self.operator.offset
-
-    def velocity(self, impulse: Array) -> Array:
-        """v (nv,) after the contact impulses (nc, d) or (nc*d,), the joints' equations satisfied; computed without W."""
-        return self.operator.velocity(self._by_contact(impulse))
-
-    def contact_velocity(self, impulse: Array) -> Array:
-        """u (nc, d), bias included, after the contact impulses (nc, d) or (nc*d,); of given mechanics computed without W."""
-        return self.operator.contact_velocity(self._by_contact(impulse))
-
-    def velocity_size(self, impulse: Array) -> Array:
-        """(nc, d): the sum of the absolute values of the terms of contact_velocity; its rounding error is some eps of this."""
-        return self.operator.velocity_size(self._by_contact(impulse))
-
-    def _by_contact(self, impulse: Array) -> Array:
-        shape = self.contacts, self.dimension
-        if (
-            type(impulse) is np.ndarray
-            and impulse.shape == shape
-            and impulse.dtype == np.float64
-            and impulse.flags.c_contiguous
-        ):
-            return impulse
-        flat, given = check.entries("impulse", impulse, shape[0] * shape[1]), np.shape(impulse)
-        check.require(given == shape or len(given) == 1, "impulse", f"must have shape {shape}, got {given}")
-        return flat.reshape(shape)
+        return True
 
     def lcp(self, facets: int = 8) -> LCP:
         """The friction LCP of nc (K + 2) unknowns (problems.forms.lcp). Exact in the plane, where K = 2.
@@ -364,7 +186,7 @@ class FrictionProblem(ReadOnly):
     @cached_property
     def hash(self) -> str:
         """Content hash: equal for equal problems, whatever form the fields were given in."""
-        return content_hash(dimension=self.dimension, **{name: getattr(self, name) for name in self.operator.FIELDS})
+        return content_hash(dimension=self.dimension, **{name: getattr(self, name) for name in self.FIELDS})
 
     @property
     def summary(self) -> str:
@@ -383,6 +205,108 @@ class FrictionProblem(ReadOnly):
     def _repr_html_(self) -> str:
         rows = {"size": self.summary, "friction": extent(self.friction), "free speeds up to": self.velocity_scale}
         return html_table("FrictionProblem", rows | {"hash": self.hash})
+
+
+class GivenDelassus(FrictionProblem):
+    """A problem of which only W (nc*d, nc*d) and q (nc*d,) are known, rows per contact, normal first.
+
+    W is stored as given, also where it is unsymmetric, as gyroscopic or follower forces make it, or slightly indefinite, as
+    recorded ones are (problems.forms.definite). Its velocities (nc*d) are those of the symmetric root of W's symmetric part,
+    J J', with unit mass. The root is dense, and computed only where a method asks for the Jacobian, its normal or its tangent
+    rows.
+    """
+
+    DEFINED_BY = ("dimension", "friction", "friction_bias", "W", "q")
+    FIELDS = ("W", "q", "friction", "friction_bias")
+
+    def __init__(self, W: Any, q: Any, friction: Any, d: int, friction_bias: Any = None) -> None:
+        require(_is_dimension(d), "d", f"must be 2 or 3, got {d!r:.100}")
+        sizes.agree(d, {"W": W, "q": q, "friction": friction, "friction_bias": friction_bias}, {"dimension": "d"})
+        mu, b_f = _law(friction, friction_bias)
+        n = len(mu) * d
+        vector, matrix = check.vector("q", q, n), check.matrix("W", W, (n, n))
+        require_semidefinite("W", matrix)
+        vars(self).update(dimension=d, friction=mu, friction_bias=b_f, W=matrix, q=vector)
+
+    @property
+    def mechanical(self) -> bool:
+        return False
+
+    @cached_property
+    def asymmetry(self) -> float:
+        return float(abs(self.W - self.W.T).max() / abs(self.W).max()) if self.W.nnz else 0.0
+
+    @cached_property
+    def blocks(self) -> Blocks:
+        return delassus.blocks(self.W, self.dimension)
+
+    @cached_property
+    def offset(self) -> Array:
+        return self.q.reshape(-1, self.dimension)
+
+    @cached_property
+    def _measures(self) -> tuple[Array, Array, float, Array, float]:
+        scale = delassus.block_scale(*self.blocks)
+        units = self._units_at(self.q, scale)
+        units.setflags(write=False)
+        return self.q, scale, float(delassus.largest(self.q, self.dimension)), units, float(spread(units))
+
+    def _units_at(self, q: Array, scale: Array) -> Array:
+        units: Array = delassus_units(*self.blocks, q, scale, self.friction_bias)
+        return units
+
+    @cached_property
+    def islands(self) -> Index64:
+        return islands(*delassus_graph(*self.blocks, self.scale))
+
+    def _in_like(self, units: Array) -> tuple[Self, Array]:
+        factor: Array = delassus_factors(*self.blocks[:2], units)
+        laws = {"q": self.q / np.repeat(factor, self.dimension), "friction_bias": self.friction_bias / factor}
+        check.set_read_only(tuple(laws.values()))
+        same = self._like(**laws)
+        vars(same)["blocks"] = self.blocks
+        return same, factor
+
+    def contact_velocity(self, impulse: Array) -> Array:
+        return delassus.act(*self.blocks, self._by_contact(impulse), self.offset)
+
+    def velocity_size(self, impulse: Array) -> Array:
+        return delassus.act_size(*self.blocks, self._by_contact(impulse), self.offset)
+
+    @cached_property
+    def bias(self) -> Array:  # type: ignore[override]
+        return check.vector("q", self.q[:: self.dimension])
+
+    @cached_property
+    def mass_rows(self) -> Rows:  # type: ignore[override]
+        n = len(self.q)
+        return Rows(np.arange(n + 1, dtype=np.int32), np.arange(n, dtype=np.int32), np.ones(n))
+
+    @property
+    def inverse_rows(self) -> Rows:  # type: ignore[override]
+        return self.mass_rows
+
+    @property
+    def joint_rows(self) -> Rows:  # type: ignore[override]
+        return NO_ROWS
+
+    @cached_property
+    def free_velocity(self) -> Array:  # type: ignore[override]
+        return check.vector("free_velocity", np.zeros(len(self.q)))
+
+    @property
+    def joint_bias(self) -> Array:  # type: ignore[override]
+        return self.free_velocity[:0]
+
+    @cached_property
+    def contact_rows(self) -> ByContact:  # type: ignore[override]
+        """J (nc*d, nc*d), J J' the symmetric part of W; dense but for the columns of W's null space, which are empty."""
+        value, basis = np.linalg.eigh((self.W + self.W.T).toarray() / 2)
+        floor = np.finfo(float).eps * len(value) * abs(value).max(initial=0.0)
+        root = (basis * np.sqrt(np.where(value > floor, value, 0.0))).reshape(-1, self.dimension, len(value))
+        normal, tangent = root[:, :1].reshape(-1, len(value)), root[:, 1:].reshape(-1, len(value))
+        rows = *check.rows("W", normal, normal.shape), *check.rows("W", tangent, tangent.shape)
+        return ByContact(*by_contact(*rows, self.dimension))
 
 
 def _is_dimension(value: object) -> bool:

@@ -1,7 +1,7 @@
 """Problems of any sizes packed one after another into flat arrays, so that one compiled loop goes over all of them.
 
 Of each problem the arrays hold either its mechanics, without joints, or its Delassus matrix by blocks. Problem k has the
-entries first[k, a] to first[k + 1, a] of the a-th array. The passes here are those of problems.operators on the pieces of one
+entries first[k, a] to first[k + 1, a] of the a-th array. The passes here are those of problems.mechanics on the pieces of one
 problem, so that the numbers are the same to the last bit.
 """
 
@@ -115,12 +115,12 @@ def pack(problems: Sequence[FrictionProblem]) -> Packed:
 
 
 def _pieces(problem: FrictionProblem) -> tuple[Any, ...]:
-    law, operator, d = (problem.friction, problem.friction_bias), problem.operator, problem.dimension
+    law, d = (problem.friction, problem.friction_bias), problem.dimension
     if problem.mechanical:
-        rows = *operator.contact_rows, *operator.inverse_rows, *operator.mass_rows, operator.free_velocity, operator.bias
+        rows = *problem.contact_rows, *problem.inverse_rows, *problem.mass_rows, problem.free_velocity, problem.bias
         return *law, *rows, NONE, NONE, NO_BLOCKS[d], NOTHING
     unmoved = NONE, NONE, np.zeros((0, d)), NONE, NONE, NOTHING, NONE, NONE, NOTHING, NOTHING, NOTHING
-    return *law, *unmoved, *operator.blocks, operator.q
+    return *law, *unmoved, *problem.blocks, problem.q
 
 
 @inlined

@@ -11,8 +11,8 @@ with the scene and sets up a FrictionProblem.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -212,6 +212,31 @@ class Scene:
         free = self.v0 + self.step * self.accelerate(self.q0, self.force(self.q0, self.v0, 0.0))
         return self.friction_problem(self.q0, free, self.contacts(self.q0))
 
+    def in_units(self, mass: float, length: float) -> "Scene":
+        """The scene with every mass multiplied by `mass` and every length by `length`: the motion is the same.
+
+        The unit of time is unchanged. A solver whose results depend on the units has an absolute tolerance.
+        Errors: InputError where the scene has no bodies: generalised coordinates may be lengths, angles or anything.
+        """
+        require(bool(self.bodies), "mass_unit, length_unit", "a scene in generalised coordinates has its own units only")
+
+        def scaled(state: Array, size: int) -> Array:
+            """The first d of `size` entries of each body are lengths."""
+            unit = np.ones(size)
+            unit[: self.dimension] = length
+            return state * np.tile(unit, len(self.bodies))
+
+        return replace(
+            self,
+            bodies=tuple(body.scaled(mass, length) for body in self.bodies),
+            obstacles=tuple(obstacle.scaled(length) for obstacle in self.obstacles),
+            hinges=tuple(Hinge(hinge.bodies, hinge.points * length) for hinge in self.hinges),
+            q0=scaled(self.q0, self.geometry.coordinates),
+            v0=scaled(self.v0, self.geometry.velocities),
+            gravity=tuple(length * g for g in self.gravity),
+            path=self.path and partial(_lengths, self.path, length),
+        )
+
     def __repr__(self) -> str:
         return f"Scene({self.name}: {', '.join(self._summary())})" if self.name else f"Scene({', '.join(self._summary())})"
 
@@ -223,3 +248,7 @@ class Scene:
         hinges = [count(len(self.hinges), "hinge")] if self.hinges else []
         time = f"{count(self.steps, 'step')} of {self.step:g} s"
         return [count(len(self.bodies), "body"), *hinges, f"mu = {self.friction:g}", time]
+
+
+def _lengths(path: Callable[[float], Array], length: float, time: float) -> Array:
+    return length * path(time)

@@ -50,8 +50,8 @@ from frictionbench.problems import LCP, FrictionProblem, InputError, check
 from frictionbench.problems.answer import Answer, Status
 from frictionbench.problems.catalogue import near
 from frictionbench.problems.check import Array, require
+from frictionbench.problems.forms.definite import DIGITS
 from frictionbench.problems.friction import require_problem
-from frictionbench.problems.operators.delassus import DIGITS
 from frictionbench.problems.residual import residual, residual_with_floor
 from frictionbench.problems.rows import Index64
 from frictionbench.problems.spec import split

@@ -354,7 +354,7 @@ def test_repr_of_problem() -> None:
 
 def test_fields_cannot_be_reassigned() -> None:
     for problem in (FrictionProblem(**fields()), known_by_W()):
-        for name in ("friction", "operator", "q", "mass"):
+        for name in ("friction", "W", "q", "mass"):
             with pytest.raises(AttributeError):
                 setattr(problem, name, None)
 

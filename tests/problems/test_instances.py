@@ -7,6 +7,7 @@ from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.instances import instances, make_instance
 from frictionbench.problems.reduce import keep_contacts
 from frictionbench.problems.residual import residual
+from frictionbench.problems.scenes import scene
 from frictionbench.solvers import solve
 
 SPATIAL = ("box_wall", "cubes", "packed_spheres", "random_bodies", "rod_chain", "sphere_pyramid")
@@ -107,6 +108,15 @@ def test_spatial_subproblems() -> None:
 def test_bad_parameter(name, parameters, field) -> None:
     with pytest.raises(InputError, match=rf"^{field}: "):
         make_instance(name, **parameters)
+
+
+def test_the_name_of_a_scene_or_an_instance_says_how_to_make_it() -> None:
+    with pytest.raises(InputError, match=r"^scene: 'cubes' is an instance.*frictionbench\.instance\('cubes'\)"):
+        scene("cubes")
+    with pytest.raises(InputError, match=r"^instance: 'stack' is a scene.*frictionbench\.scene\('stack'\)\.problem\(\)"):
+        make_instance("stack")
+    with pytest.raises(InputError, match=r"^scene: unknown scene 'cubs' \(did you mean cubes\?\)"):
+        scene("cubs")
 
 
 def test_ball_joints_move_together() -> None:

@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from frictionbench.problems import FrictionProblem, InputError
+from frictionbench.problems import FrictionProblem, InputError, mechanics
 from frictionbench.problems.forms import banded
 from frictionbench.problems.instances.rod_chain import rod_chain
-from frictionbench.problems.operators import mechanical
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scenes import scene
 from frictionbench.solvers import solve
@@ -30,7 +29,7 @@ def _both(name: str, monkeypatch: pytest.MonkeyPatch) -> list[FrictionProblem]:
     """The problem with a dense inverse of the joints' equations, and with a banded one."""
     made = []
     for few in (10_000, 0):
-        monkeypatch.setattr(mechanical, "FEW", few)
+        monkeypatch.setattr(mechanics, "FEW", few)
         made.append(PROBLEMS[name]())
     return made
 
@@ -64,7 +63,7 @@ def test_a_long_chain_needs_no_dense_matrix() -> None:
     problem = rod_chain(links=1500)
     answer = solve(problem, "hybrid")
     assert residual(problem, answer.impulse) <= 1e-8
-    assert problem.operator._held.factor.shape[1] < 20
+    assert problem._held.factor.shape[1] < 20
 
 
 def test_contradictions_among_many_are_named() -> None:

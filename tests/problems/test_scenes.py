@@ -10,7 +10,6 @@ from frictionbench.problems.planar.bodies import Geometry, half_plane, hollow, r
 from frictionbench.problems.planar.joints import Hinge
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.scenes import scene, scenes
-from frictionbench.problems.scenes.catalogue import SPATIAL
 from frictionbench.solvers import solve
 
 SMALL = {"stack": {"blocks": 4}, "wall": {"rows": 3, "columns": 3}, "pyramid": {"rows": 3}}
@@ -23,7 +22,7 @@ def test_scene_descriptions(name: str) -> None:
     made = scene(name)
     assert "friction" in info.parameters or not made.obstacles
     assert made.name == name
-    assert (made.dimension == 3) == (name in SPATIAL)
+    assert made.dimension == info.dimension
     assert made.parameters == info.parameters
     assert all(isinstance(value, (int, float)) for value in made.parameters.values())
     assert made.steps == round(made.duration / made.step)
@@ -44,6 +43,8 @@ def test_scenes_are_picklable(name: str) -> None:
 def test_unknown_names_and_values() -> None:
     with pytest.raises(InputError, match=r"^scene: unknown scene 'heap'; known are .*stack"):
         scene("heap")
+    with pytest.raises(InputError, match=r"^scene: unknown scene 'stak' \(did you mean stack\?\)"):
+        scene("stak")
     with pytest.raises(InputError, match=r"^brick: the scene stack has no such parameter; it has blocks, "):
         scene("stack", brick=3)
     for name, parameter, value in (

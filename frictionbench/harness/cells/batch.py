@@ -21,11 +21,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frictionbench.harness import process
-from frictionbench.harness.plans.choose import problem_of
 from frictionbench.harness.plans.plan import BatchCell
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.batch import Batch
+from frictionbench.problems.catalogue import problem_of
 from frictionbench.problems.check import Array
 from frictionbench.problems.verdicts import RANK, Verdict
 from frictionbench.problems.verify import verify
@@ -65,9 +65,9 @@ def batch_of(name: str, parameters: str, count: int) -> Problems:
     given = json.loads(parameters)
     rng = np.random.default_rng(SEED)
     drawn = [{key: rng.uniform(*bounds) for key, bounds in DRAWN.items()} | given for _ in range(count)]
-    problems = [problem_of(name, settings) for settings in drawn]
+    problems = [problem_of(name, **settings) for settings in drawn]
     spec = BASE[problems[0].dimension]
-    before = solve_many([problem_of(name, each | {"push": (1 - NEARBY) * each["push"]}) for each in drawn], spec, tol=TOL)
+    before = solve_many([problem_of(name, **each | {"push": (1 - NEARBY) * each["push"]}) for each in drawn], spec, tol=TOL)
     answers = solve_many(problems, spec, tol=TOL)
     loaded = np.concatenate([answers[k][:, 0] > 0 for k in range(count)])
     rested = [idle(problem, lambda given: solve(given, spec).impulse) for problem in problems[:SAMPLE]]

@@ -29,8 +29,8 @@ from frictionbench.harness.plans.plan import BatchCell, Plugin, SimulationCell, 
 from frictionbench.problems import LCP, FrictionProblem, InputError
 from frictionbench.problems.analysis.contradiction import contradiction
 from frictionbench.problems.answer import AnswerError
+from frictionbench.problems.catalogue import problem_of
 from frictionbench.problems.copies import duplicate, same
-from frictionbench.problems.instances import instances, make_instance
 from frictionbench.problems.scenes import scene
 from frictionbench.problems.spec import split
 from frictionbench.problems.verdicts import Verdict
@@ -107,10 +107,7 @@ def run_scene(name: str, parameters: dict[str, Any], limit: float) -> dict[str, 
     """Build a scene and its first problem, or an instance; why it is refused, if it is."""
     with _worker.deadline.within(limit):
         try:
-            if name in instances():
-                make_instance(name, **parameters)
-            else:
-                scene(name, **parameters).problem()
+            problem_of(name, **parameters)
         except InputError as error:
             return {"refused": str(error)}
     return {}

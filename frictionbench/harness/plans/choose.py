@@ -6,12 +6,9 @@ from typing import Any
 from frictionbench.harness.plans.plan import BatchSource, Plan, Plugin, Source
 from frictionbench.harness.plans.recorded import with_data
 from frictionbench.harness.plans.suites import SUITES
-from frictionbench.problems import FrictionProblem, InputError
-from frictionbench.problems.catalogue import near
+from frictionbench.problems import InputError
+from frictionbench.problems.catalogue import instances, near, require_known
 from frictionbench.problems.check import require
-from frictionbench.problems.instances import CATALOGUE, instances, make_instance
-from frictionbench.problems.scenes import scene
-from frictionbench.problems.scenes.catalogue import find_scene
 from frictionbench.problems.spec import parse
 from frictionbench.results.conventions import DRAWN
 from frictionbench.results.maps import Map
@@ -100,16 +97,3 @@ def _batches(plan: Plan, spec: str) -> tuple[BatchSource, ...]:
             False, "scene", f"{name} cannot be a batch: its problems differ by {', '.join(DRAWN)}, and it has not all of them"
         )
     return (BatchSource(name, settings, COUNT),)
-
-
-def require_known(name: str, settings: dict[str, Any]) -> None:
-    """Errors: InputError naming the scene or instance, or the setting, that is unknown; nothing is built."""
-    if name in instances():
-        CATALOGUE.find(name, settings)
-    else:
-        find_scene(name, settings)
-
-
-def problem_of(name: str, settings: dict[str, Any]) -> FrictionProblem:
-    """The instance, or the problem of the scene at its start. Errors: InputError as for require_known, or of a setting."""
-    return make_instance(name, **settings) if name in instances() else scene(name, **settings).problem()

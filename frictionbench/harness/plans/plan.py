@@ -11,8 +11,7 @@ from hashlib import sha256
 from typing import Any
 
 from frictionbench.problems import InputError
-from frictionbench.problems.instances import instances
-from frictionbench.problems.scenes.catalogue import SPATIAL
+from frictionbench.problems.catalogue import instances, is_spatial
 from frictionbench.results.conventions import COLD, DEFAULT_SCHEME, KEEP_ANSWER, WARM
 from frictionbench.results.maps import Map
 from frictionbench.solvers import find
@@ -57,7 +56,7 @@ class Source:
     @property
     def spatial(self) -> bool:
         """Whether it is a scene in space."""
-        return self.moves and self.scene in SPATIAL
+        return self.moves and is_spatial(self.scene)
 
 
 @dataclass(frozen=True)
@@ -111,7 +110,7 @@ class BatchSource:
     @property
     def spatial(self) -> bool:
         """Whether its problems are in space, as those of all instances but the random ones of the plane are."""
-        return self.scene in SPATIAL or self.scene in instances()
+        return is_spatial(self.scene) or self.scene in instances()
 
 
 @dataclass(frozen=True)

@@ -1,16 +1,29 @@
-"""Estimates of the least and the largest eigenvalue of a symmetric matrix from a few products with it (Lanczos 1950).
+"""Whether a given matrix is positive semidefinite, as W must be.
 
-A Ritz value is a weighted mean of eigenvalues: the least is never below the least eigenvalue, the largest never above the
-largest. Few steps suffice for extreme eigenvalues that are well separated, such as the negative ones of a matrix that is
-indefinite by more than round-off; up to STEPS rows the values are exact.
+It is decided by estimates of the least and the largest eigenvalue from a few products with the matrix (Lanczos 1950). A Ritz
+value is a weighted mean of eigenvalues: the least is never below the least eigenvalue, the largest never above the largest. Few
+steps suffice for extreme eigenvalues that are well separated, such as the negative ones of a matrix that is indefinite by more
+than round-off; up to STEPS rows the values are exact.
 """
 
 import numpy as np
 from scipy import sparse
 
-from frictionbench.problems.check import Array
+from frictionbench.problems.check import Array, InputError, require
 
+LARGEST = 1e150  # 1/kg, of an entry; squares of larger ones overflow
+DIGITS = 1e-6  # of the largest entry: what is unsymmetric by no more counts as rounding in a file
+INDEFINITE = 1e-6  # of the largest eigenvalue: recorded problems are indefinite by that much, as their files round W's digits
 STEPS = 60  # products with the matrix; up to so many rows the values are exact
+
+
+def require_semidefinite(field: str, W: sparse.csr_array) -> None:
+    """Errors: InputError naming the field where W (n, n) overflows, holds one triangle only, or its symmetric part has an
+    eigenvalue below -INDEFINITE of the largest, as far as spectrum_ends finds it."""
+    require(abs(W).max() < LARGEST if W.nnz else True, field, f"its entries must be below {LARGEST:g}")
+    _require_both_triangles(field, W)
+    least, largest = spectrum_ends(W)
+    require(least >= -INDEFINITE * max(largest, 0.0), field, "not positive semidefinite")
 
 
 def spectrum_ends(A: sparse.csr_array) -> tuple[float, float]:
@@ -40,3 +53,14 @@ def _orthogonal_to(basis: Array, direction: Array) -> Array:
         direction = direction - basis.T @ (basis @ direction)
         direction = direction / np.linalg.norm(direction)
     return direction
+
+
+def _require_both_triangles(field: str, W: sparse.csr_array) -> None:
+    """Errors: InputError naming the field where W has entries on one side of its diagonal alone, as one stored by a triangle
+    does, that are more than rounding."""
+    sides = sparse.tril(W, -1, format="coo"), sparse.triu(W, 1, format="coo")
+    for side, other in (sides, sides[::-1]):
+        if side.nnz and not other.nnz and abs(side.data).max() > DIGITS * abs(W).max():
+            most = abs(side.data).argmax()
+            i, j = side.row[most], side.col[most]
+            raise InputError(f"{field}: holds one triangle: entry ({i}, {j}) is {side.data[most]:.3g}, but ({j}, {i}) is 0")

@@ -4,10 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from frictionbench.problems.catalogue import instance
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.instances.bodies import GROUND, falling, touching
-from frictionbench.problems.instances.catalogue import instance
 from frictionbench.problems.parameters import count, number
 from frictionbench.problems.spatial.rotation import frames
 

@@ -4,9 +4,9 @@ import numpy as np
 from scipy import sparse
 from scipy.spatial import cKDTree
 
+from frictionbench.problems.catalogue import instance
 from frictionbench.problems.check import Array
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.instances.catalogue import instance
 from frictionbench.problems.parameters import count, number
 from frictionbench.problems.rows import Index64
 

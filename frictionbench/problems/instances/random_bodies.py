@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from frictionbench.problems.catalogue import instance
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.instances.bodies import touching
-from frictionbench.problems.instances.catalogue import instance
 from frictionbench.problems.parameters import count, number
 from frictionbench.problems.random_problem import random_problem
 

@@ -3,8 +3,8 @@
 import numpy as np
 from scipy import sparse
 
+from frictionbench.problems.catalogue import instance
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.instances.catalogue import instance
 from frictionbench.problems.instances.local_graph import FRICTION, INERTIA, PAIRS, graph_rows
 from frictionbench.problems.parameters import count
 

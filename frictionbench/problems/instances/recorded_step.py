@@ -13,9 +13,9 @@ wall_*                 walls of boxes in space, with 4 or 8 contacts a face
 
 from pathlib import Path
 
+from frictionbench.problems.catalogue import instance
 from frictionbench.problems.check import require
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.instances.catalogue import instance
 from frictionbench.problems.recorded import own
 
 FOLDER = Path(__file__).parent / "steps"

@@ -7,8 +7,8 @@ friction cones overlap, mu > tan(tilt/2): the cone of all contacts is then not p
 import numpy as np
 from scipy import sparse
 
+from frictionbench.problems.catalogue import instance
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.instances.catalogue import instance
 from frictionbench.problems.parameters import count, number
 from frictionbench.problems.random_problem import random_problem
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from frictionbench.problems.catalogue import generator
 from frictionbench.problems.parameters import number
 from frictionbench.problems.planar.bodies import half_plane, rigid_disc, vertical_wall
 from frictionbench.problems.scene import Scene
-from frictionbench.problems.scenes.catalogue import generator
 
 RADIUS = 0.5
 DENSITY = 1 / (np.pi * RADIUS**2)  # of a disc of 1 kg

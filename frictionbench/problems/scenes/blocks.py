@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from frictionbench.problems.catalogue import generator
 from frictionbench.problems.parameters import number
 from frictionbench.problems.planar.bodies import box, rigid_box
 from frictionbench.problems.scene import Scene
-from frictionbench.problems.scenes.catalogue import generator
 
 
 @generator(example_3={"friction": 0.02}, example_4={"friction": 0.1})

@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from frictionbench.problems.catalogue import generator
 from frictionbench.problems.check import Array
 from frictionbench.problems.parameters import count, number
 from frictionbench.problems.planar.bodies import Body, half_plane, homogeneous, rigid_box
 from frictionbench.problems.scene import Scene
-from frictionbench.problems.scenes.catalogue import generator
 
 THICK, HIGH, TOP = 0.1, 1.0, 0.15  # m: of a card along the ground, of a pair, and of the level top of each of its cards
 

@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
+from frictionbench.problems.catalogue import generator
 from frictionbench.problems.parameters import number
 from frictionbench.problems.planar.bodies import box, rigid_box
 from frictionbench.problems.scene import Scene
-from frictionbench.problems.scenes.catalogue import generator
 
 
 @generator(example_1={"friction": 0.05}, example_2={"friction": 0.2})

@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from frictionbench.problems.catalogue import generator
 from frictionbench.problems.parameters import number
 from frictionbench.problems.planar.bodies import Body, box, rigid_rod
 from frictionbench.problems.planar.joints import Hinge
 from frictionbench.problems.scene import Scene
-from frictionbench.problems.scenes.catalogue import generator
 
 CRANK, ROD = 0.153, 0.306  # m, of the slider-crank
 

@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
+from frictionbench.problems.catalogue import generator
 from frictionbench.problems.parameters import number
 from frictionbench.problems.planar.bodies import half_plane, rigid_rod
 from frictionbench.problems.scene import Scene
-from frictionbench.problems.scenes.catalogue import generator
 
 
 @generator()

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from frictionbench.problems.catalogue import generator
 from frictionbench.problems.parameters import number
 from frictionbench.problems.planar.bodies import Shape, half_plane, rigid_box, vertical_wall
 from frictionbench.problems.scene import Scene
-from frictionbench.problems.scenes.catalogue import generator
 
 
 @generator(example_5={})

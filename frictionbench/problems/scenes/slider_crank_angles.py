@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from frictionbench.problems.catalogue import generator
 from frictionbench.problems.check import Array
 from frictionbench.problems.generalised import ReducedScene
-from frictionbench.problems.scenes.catalogue import generator
 from frictionbench.problems.scenes.mechanisms import CRANK, ROD, slider_crank
 
 

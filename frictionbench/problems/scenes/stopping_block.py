@@ -4,10 +4,10 @@ from functools import partial
 
 import numpy as np
 
+from frictionbench.problems.catalogue import generator
 from frictionbench.problems.parameters import number
 from frictionbench.problems.planar.bodies import half_plane, rigid_box
 from frictionbench.problems.scene import GRAVITY, Scene
-from frictionbench.problems.scenes.catalogue import generator
 from frictionbench.problems.scenes.closed_forms import sliding
 
 

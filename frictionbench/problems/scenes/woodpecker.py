@@ -5,13 +5,13 @@ from typing import ClassVar
 
 import numpy as np
 
+from frictionbench.problems.catalogue import generator
 from frictionbench.problems.check import Array
 from frictionbench.problems.generalised import GeneralisedScene, GivenContacts
 from frictionbench.problems.parameters import number
 from frictionbench.problems.planar.bodies import Shape, box
 from frictionbench.problems.planar.collision import Contacts
 from frictionbench.problems.scene import GRAVITY
-from frictionbench.problems.scenes.catalogue import generator
 
 POLE, HOLE, HALF_SLEEVE = 0.0025, 0.0031, 0.0058  # m: the radii of pole and sleeve, half the sleeve's height
 TO_SPRING, TO_BIRD = 0.010, 0.015  # m: from the sleeve to the spring, from the spring to the woodpecker's centre of mass

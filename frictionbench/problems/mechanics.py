@@ -1,0 +1,331 @@
+"""The equations of motion behind u = W r + q, the affine map from contact impulses r to contact velocities u.
+
+With F the joints' Jacobian, P = M^-1 - M^-1 F' (F M^-1 F')^+ F M^-1 is the inverse mass on the null space of F, and
+
+    W = J P J',      q = J (P M v* - M^-1 F' (F M^-1 F')^+ b_F) + b e_n.
+
+W is formed only on demand. Everything derived is computed once; arrays and matrices are read-only.
+"""
+
+from functools import cached_property
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from frictionbench.problems import check
+from frictionbench.problems.check import Array, ReadOnly
+from frictionbench.problems.forms import delassus
+from frictionbench.problems.forms.arrays import CSR, Dense, csr, dense
+from frictionbench.problems.forms.balance import mechanical_factors
+from frictionbench.problems.forms.delassus import Blocks
+from frictionbench.problems.forms.islands import islands, mechanical_graph, mechanical_units, spread
+from frictionbench.problems.forms.joints import FEW, FewJoints, JointEquations, ManyJoints
+from frictionbench.problems.rows import ByContact, Index64, Rows, by_row
+
+NO_ROWS = Rows(np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros(0))  # a matrix without rows
+
+
+class Mechanics(ReadOnly):
+    """nc contacts of dimension d, 2 planar or 3 spatial, and nv velocities, with M (v - v*) = J' r + F' lam, F v + b_F = 0 and
+    u = J v + offset.
+
+    The matrices are held as plain arrays (problems.rows) for compiled passes; scipy's matrices are made of them on demand.
+
+    mass_rows, inverse_rows: M and M^-1 (nv, nv), joint_rows: F (nj, nv), by rows. contact_rows: J (nc*d, nv), by contacts.
+    free_velocity: v* (nv,). bias: b (nc,), m/s. joint_bias: b_F (nj,), m/s.
+    friction: mu (nc,). friction_bias: b_f (nc,), N s, on which the units depend.
+    """
+
+    DEFINED_BY: ClassVar[tuple[str, ...]] = (
+        *("dimension", "friction", "friction_bias", "mass_rows", "inverse_rows", "joint_rows", "contact_rows"),
+        *("free_velocity", "bias", "joint_bias"),
+    )
+    dimension: int
+    friction: Array
+    friction_bias: Array
+    mass_rows: Rows
+    inverse_rows: Rows
+    joint_rows: Rows
+    contact_rows: ByContact
+    free_velocity: Array
+    bias: Array
+    joint_bias: Array
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"{name}: a problem cannot be changed; problem.replace() makes another one")
+
+    def _like(self, **changes: Any) -> Self:
+        """The same without anything derived, some of what defines it changed to what has been checked and is read-only."""
+        own, again = vars(self), object.__new__(type(self))
+        vars(again).update({name: own[name] for name in self.DEFINED_BY} | changes)
+        return again
+
+    def fresh(self) -> Self:
+        """The same problem without anything derived from it, so that the cost of preparing it is incurred again."""
+        return self._like()
+
+    @property
+    def contacts(self) -> int:
+        """nc, the number of contacts."""
+        return len(self.friction)
+
+    @cached_property
+    def mass(self) -> sparse.csr_array:
+        """M (nv, nv), read-only, as all matrices."""
+        return self._matrix(self.mass_rows)
+
+    @cached_property
+    def inverse_mass(self) -> sparse.csr_array:
+        """M^-1 (nv, nv)."""
+        return self._matrix(self.inverse_rows)
+
+    @cached_property
+    def joints(self) -> sparse.csr_array:
+        """F (nj, nv)."""
+        return self._matrix(self.joint_rows)
+
+    @cached_property
+    def jacobian(self) -> sparse.csr_array:
+        """J (nc*d, nv), rows per contact, normal first."""
+        return self._contact_matrix(0, self.dimension)
+
+    @cached_property
+    def normal(self) -> sparse.csr_array:
+        """The normal rows of J (nc, nv)."""
+        return self._contact_matrix(0, 1)
+
+    @cached_property
+    def tangent(self) -> sparse.csr_array:
+        """The tangent rows of J (nc*(d-1), nv)."""
+        return self._contact_matrix(1, self.dimension)
+
+    def _matrix(self, rows: Rows) -> sparse.csr_array:
+        return rows.matrix(len(self.free_velocity))
+
+    def _contact_matrix(self, first: int, end: int) -> sparse.csr_array:
+        return self._matrix(Rows(*by_row(*self.contact_rows, first, end)))
+
+    @cached_property
+    def offset(self) -> Array:
+        """u (nc, d) where v = 0."""
+        offset = np.zeros((self.contacts, self.dimension))
+        offset[:, 0] = self.bias
+        offset.setflags(write=False)
+        return offset
+
+    @cached_property
+    def q(self) -> Array:
+        """The free contact velocity with its bias (nc*d,): u where r = 0. Read-only."""
+        return self._measures[0]
+
+    @cached_property
+    def W(self) -> sparse.csr_array:
+        """The Delassus matrix J P J' (nc*d, nc*d)."""
+        if not self._has_joints:
+            return self.blocks.matrix()
+        moves = sparse.diags_array((~self._locked).astype(float).ravel())
+        W = self._free_blocks().matrix() - sparse.csr_array(self._held.coupled())
+        W = sparse.csr_array(moves @ W @ moves)
+        W.eliminate_zeros()
+        return W
+
+    @cached_property
+    def blocks(self) -> Blocks:
+        """W by blocks of contacts (problems.forms.delassus)."""
+        return delassus.blocks(self.W, self.dimension) if self._has_joints else self._free_blocks()
+
+    def _free_blocks(self) -> Blocks:
+        """J M^-1 J': W without the joints."""
+        return Blocks(*delassus.delassus(*self.contact_rows, *self.inverse_rows))
+
+    def dense(self) -> Dense:
+        """W and q as dense C-contiguous arrays, for code in C or Fortran: formed once, by a compiled pass, and read-only.
+
+        >>> import frictionbench as fb
+        >>> W, q = fb.scene("stack", blocks=2).problem().dense()
+        >>> W.shape, q.shape, W.flags.c_contiguous
+        ((8, 8), (8,), True)
+        """
+        return self._dense
+
+    @cached_property
+    def _dense(self) -> Dense:
+        return dense(self.blocks, self.q)
+
+    def csr(self) -> CSR:
+        """W in compressed rows and q, as plain arrays: indptr, indices, data, q; formed once and read-only."""
+        return self._csr
+
+    @cached_property
+    def _csr(self) -> CSR:
+        return csr(self.blocks, self.q)
+
+    @property
+    def asymmetry(self) -> float:
+        """The largest |W - W'| over the largest |W|; 0 where the mechanics are given."""
+        return 0.0
+
+    @property
+    def scale(self) -> Array:
+        """s (nc,), 1/kg: the mean of the positive diagonal entries of each contact's block of W, where joints lock it of W
+        without joints; where none is positive, the mean of all contacts."""
+        return self._measures[1]
+
+    @property
+    def velocity_scale(self) -> float:
+        """max_i |q_i|, m/s."""
+        return self._measures[2]
+
+    @property
+    def units(self) -> Array:
+        """(nc,), m/s: the velocity in which the residual of each contact is measured (problems.forms.islands): the largest
+        closing speed of the contacts of its island that can carry load. A solver that stops by one number stops at
+        tol * min(units)."""
+        return self._measures[3]
+
+    @property
+    def spread(self) -> float:
+        """The largest of the units over the smallest; 1 where nothing moves."""
+        return self._measures[4]
+
+    @cached_property
+    def _measures(self) -> tuple[Array, Array, float, Array, float]:
+        """(q, scale, velocity_scale, units and their spread), which one pass over the contacts computes together."""
+        free = self._on_joints(self.free_velocity)
+        q, scale, velocity_scale, units = delassus.measures(
+            *self.contact_rows, *self.inverse_rows, free, self.bias, self.friction_bias
+        )
+        unlike = 1.0
+        if self._has_joints:
+            diagonal, locked = self._joint_diagonal
+            by_contact, none = q.reshape(diagonal.shape), np.zeros(diagonal.shape)
+            terms = delassus.velocity_size(*self.contact_rows, *self.inverse_rows, self._moves, none, self.bias)
+            by_contact[locked & (np.abs(by_contact) <= delassus.LOCKED * terms)] = 0.0
+            scale, velocity_scale = delassus.mean_diagonal(diagonal), delassus.largest(q, self.dimension)
+        if self._has_joints or not len(units):
+            units = self._units_at(q, scale)
+            unlike = spread(units)
+        check.set_read_only((q, units))
+        return q, scale, velocity_scale, units, unlike
+
+    def _units_at(self, q: Array, scale: Array) -> Array:
+        """The units (nc,) where the free contact velocities are q (nc*d,)."""
+        units: Array = mechanical_units(*self._bodies, self._moves, self.bias, q, scale, self.friction_bias)
+        return units
+
+    @property
+    def _moves(self) -> Array:
+        """(nv,): the size of the terms of each velocity."""
+        moves = np.abs(self.free_velocity)
+        return moves + self._held.rounding(self.free_velocity) if self._has_joints else moves
+
+    @property
+    def _bodies(self) -> tuple[NDArray[Any], ...]:
+        """J by contacts, M^-1 by rows, and where the joints have their entries."""
+        return *self.contact_rows, *self.inverse_rows, self.joint_rows.start, self.joint_rows.column
+
+    @cached_property
+    def relaxation_units(self) -> Array:
+        """(nc,), m/s: those of the convex relaxation: the units at q_n - mu |q_t|, as its impulses have to lift u_n to mu |u_t|
+        where a contact slides."""
+        q = self.q.reshape(-1, self.dimension).copy()
+        q[:, 0] -= self.friction * np.linalg.norm(q[:, 1:], axis=1)
+        return self._units_at(q.ravel(), self.scale)
+
+    @cached_property
+    def islands(self) -> Index64:
+        """(nc,): the island of each contact, the connected component of the contact graph, numbered from 0."""
+        return islands(*mechanical_graph(*self._bodies, self.scale))
+
+    def balanced(self, relaxed: bool = False) -> tuple[Self, Array]:
+        """The problem with islands that nothing couples in like units, and factor (nc,): impulses r of it are factor r here.
+
+        relaxed: in like units of the convex relaxation. A method whose tolerances are relative to the fastest contact solves
+        this one as well for the slow islands.
+        """
+        return self._in_like(self.relaxation_units if relaxed else self.units)
+
+    def _in_like(self, units: Array) -> tuple[Self, Array]:
+        F = self.joint_rows
+        factor, by_velocity = mechanical_factors(
+            self.contact_rows.start, self.contact_rows.column, *self.mass_rows[:2], F.start, F.column, units
+        )
+        biases = {
+            "free_velocity": self.free_velocity / by_velocity,
+            "bias": self.bias / factor,
+            "friction_bias": self.friction_bias / factor,
+            "joint_bias": self.joint_bias / by_velocity[F.column[F.start[:-1]]],
+        }
+        check.set_read_only(tuple(biases.values()))
+        return self._like(**biases), factor
+
+    def velocity(self, impulse: Array) -> Array:
+        """v (nv,) after the contact impulses (nc, d) or (nc*d,), the joints' equations satisfied; computed without W."""
+        return self._on_joints(self._pushed(self._by_contact(impulse)))
+
+    def contact_velocity(self, impulse: Array) -> Array:
+        """u (nc, d), bias included, after the contact impulses (nc, d) or (nc*d,); of given mechanics computed without W."""
+        r = self._by_contact(impulse)
+        if not self._has_joints:
+            return delassus.pushed_contact_velocity(*self.contact_rows, *self.inverse_rows, self.free_velocity, r, self.bias)
+        u = delassus.contact_velocity(*self.contact_rows, self._on_joints(self._pushed(r)), self.bias)
+        np.copyto(u, self.q.reshape(u.shape), where=self._locked)
+        return u
+
+    def velocity_size(self, impulse: Array) -> Array:
+        """(nc, d): the sum of the absolute values of the terms of contact_velocity; its rounding error is some eps of this."""
+        r = self._by_contact(impulse)
+        size: Array = delassus.velocity_size(*self.contact_rows, *self.inverse_rows, self.free_velocity, r, self.bias)
+        if self._has_joints:
+            size += (abs(self.jacobian) @ self._held.rounding(self._pushed(r))).reshape(size.shape)
+        return size
+
+    def _by_contact(self, impulse: Array) -> Array:
+        shape = self.contacts, self.dimension
+        if (
+            type(impulse) is np.ndarray
+            and impulse.shape == shape
+            and impulse.dtype == np.float64
+            and impulse.flags.c_contiguous
+        ):
+            return impulse
+        flat, given = check.entries("impulse", impulse, shape[0] * shape[1]), np.shape(impulse)
+        check.require(given == shape or len(given) == 1, "impulse", f"must have shape {shape}, got {given}")
+        return flat.reshape(shape)
+
+    def _pushed(self, r: Array) -> Array:
+        """v (nv,) after the contact impulses r (nc, d), without the joints."""
+        return delassus.velocity(*self.contact_rows, *self.inverse_rows, self.free_velocity, r)
+
+    def _on_joints(self, velocity: Array) -> Array:
+        """The velocity nearest in the kinetic metric with F v + b_F = 0."""
+        return self._held.hold(velocity) if self._has_joints else velocity
+
+    @property
+    def _has_joints(self) -> bool:
+        return len(self.joint_rows.start) > 1
+
+    @cached_property
+    def _held(self) -> JointEquations:
+        """The joints' equations with an inverse of F M^-1 F'."""
+        if len(self.joint_bias) <= FEW:
+            return FewJoints(self.joint_rows, self.joint_bias, self.inverse_rows, self.contact_rows)
+        return ManyJoints(self.joints, self.joint_bias, self.inverse_mass, self.jacobian)
+
+    @cached_property
+    def _joint_diagonal(self) -> tuple[Array, NDArray[np.bool_]]:
+        """The diagonal (nc, d) of W, 0 in locked directions, but without the joints where they lock the whole contact; and the
+        locked directions (nc, d): those in which joints leave a contact no velocity that impulses could change, so that W's
+        diagonal is a rounding error."""
+        diagonal: Array = delassus.diagonal(*self.contact_rows, *self.inverse_rows)
+        held, terms = (share.reshape(diagonal.shape) for share in self._held.shares())
+        size = diagonal + terms
+        locked: NDArray[np.bool_] = diagonal - held <= delassus.LOCKED * size
+        return np.where(locked.all(axis=1, keepdims=True), diagonal, np.where(locked, 0.0, diagonal - held)), locked
+
+    @property
+    def _locked(self) -> NDArray[np.bool_]:
+        """(nc, d): see _joint_diagonal."""
+        return self._joint_diagonal[1]
