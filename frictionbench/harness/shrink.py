@@ -20,7 +20,7 @@ from frictionbench.harness.run import row_of
 from frictionbench.harness.workers.pool import Pool, Task
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.recorded.own import save
-from frictionbench.problems.reduce import keep_contacts
+from frictionbench.problems.subproblems import keep_contacts
 from frictionbench.results.conventions import COLD
 from frictionbench.results.extras import SHRUNK, Shrunk
 from frictionbench.results.files import replaced, subfolder

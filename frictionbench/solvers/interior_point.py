@@ -40,8 +40,8 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.packed import Packed, residuals
 from frictionbench.problems.residual import contact_residuals, residual
 from frictionbench.problems.rows import Index64
-from frictionbench.problems.separate import Parts, separate
-from frictionbench.problems.separate import parts as parts_of
+from frictionbench.problems.subproblems import Parts, separate
+from frictionbench.problems.subproblems import parts as parts_of
 from frictionbench.solvers.clock import is_over
 from frictionbench.solvers.interface import Answer, Solved, Status, impulses, solve, solver
 from frictionbench.solvers.interior.central_path import Path, new_path, trace

@@ -15,8 +15,8 @@ from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.recorded.own import load
-from frictionbench.problems.reduce import keep_contacts
 from frictionbench.problems.scenes import scene
+from frictionbench.problems.subproblems import keep_contacts
 from frictionbench.results import store
 from frictionbench.results.files import ResultsError
 from tests.helpers.paths import BAD_SOLVERS

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import threading
 import time
-from functools import cache
+from functools import cache, wraps
 
 import numpy as np
 from numba import njit
@@ -20,45 +20,58 @@ def answer(problem, impulse=None):
     return Answer(np.zeros((problem.contacts, problem.dimension)) if impulse is None else impulse, Status.SOLVED)
 
 
-class Bad:
-    def prepare(self, problem):
-        return problem
+def bad(misbehave, family="bad"):
+    """List a solver that answers as the function of the problem does, under the function's name."""
 
-    def solve(self, problem, tol, limit, start=None):
-        # The harness first warms every solver up on a single contact, for which most of these answer correctly.
-        return answer(problem) if problem.contacts == 1 else self.misbehave(problem)
+    class Misbehaving:
+        __doc__ = misbehave.__doc__
+
+        def prepare(self, problem):
+            return problem
+
+        def solve(self, problem, tol, limit, start=None):
+            # The harness first warms every solver up on a single contact, for which these answer correctly.
+            return answer(problem) if problem.contacts == 1 else misbehave(problem)
+
+    return solver(misbehave.__name__, family=family, model="coulomb")(Misbehaving)
 
 
-@solver("segfault", family="bad", model="coulomb")
-class Segfault(Bad):
+def changed(change=None, family="bad"):
+    """List a solver that solves the problem, and then changes its answer by the function."""
+    if change is None:
+        return lambda change: changed(change, family)
+
+    @wraps(change)
+    def misbehave(problem):
+        answer = solve(problem, "lemke")
+        change(answer)
+        return answer
+
+    return bad(misbehave, family)
+
+
+@bad
+def segfault(problem):
     """Reads address zero."""
-
-    def misbehave(self, problem):
-        ctypes.string_at(0)
+    ctypes.string_at(0)
 
 
-@solver("abort", family="bad", model="coulomb")
-class Abort(Bad):
+@bad
+def abort(problem):
     """Calls abort."""
-
-    def misbehave(self, problem):
-        os.abort()
+    os.abort()
 
 
-@solver("sends_sigkill", family="bad", model="coulomb")
-class SendsSigkill(Bad):
+@bad
+def sends_sigkill(problem):
     """Sends SIGKILL to its own process."""
-
-    def misbehave(self, problem):
-        os.kill(os.getpid(), signal.SIGKILL)
+    os.kill(os.getpid(), signal.SIGKILL)
 
 
-@solver("calls_os_exit", family="bad", model="coulomb")
-class CallsOsExit(Bad):
+@bad
+def calls_os_exit(problem):
     """Ends the process with exit code 0."""
-
-    def misbehave(self, problem):
-        os._exit(0)
+    os._exit(0)
 
 
 @njit
@@ -69,23 +82,19 @@ def spin():
     return x
 
 
-@solver("hangs", family="bad", model="coulomb")
-class Hangs(Bad):
+@bad
+def hangs(problem):
     """Loops for ever in native code and ignores SIGTERM."""
-
-    def misbehave(self, problem):
-        signal.signal(signal.SIGTERM, signal.SIG_IGN)
-        spin()
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    spin()
 
 
-@solver("exhausts_memory", family="bad", model="coulomb")
-class ExhaustsMemory(Bad):
+@bad
+def exhausts_memory(problem):
     """Allocates memory until the limit is reached."""
-
-    def misbehave(self, problem):
-        arrays = []
-        while True:
-            arrays.append(np.empty(2**24))
+    arrays = []
+    while True:
+        arrays.append(np.empty(2**24))
 
 
 @cache
@@ -96,343 +105,262 @@ def slow_to_compile():
     return njit(space["slow"])
 
 
-@solver("compiles_slowly", family="bad", model="coulomb")
-class CompilesSlowly(Bad):
+@bad
+def compiles_slowly(problem):
     """Compiles a kernel of its own for longer than the time limit, in a cell and not when it is warmed up."""
-
-    def misbehave(self, problem):
-        slow_to_compile()(np.ones(3))
-        return Answer(np.zeros((problem.contacts, 2)), Status.STALLED)
+    slow_to_compile()(np.ones(3))
+    return Answer(np.zeros((problem.contacts, 2)), Status.STALLED)
 
 
-@solver("wrong_zero", family="bad", model="coulomb")
-class WrongZero(Bad):
+@bad
+def wrong_zero(problem):
     """Returns zero impulses with status SOLVED."""
-
-    def misbehave(self, problem):
-        return answer(problem)
+    return answer(problem)
 
 
-@solver("nan_impulse", family="bad", model="coulomb")
-class NanImpulse(Bad):
+@bad
+def nan_impulse(problem):
     """Returns NaN impulses with status SOLVED."""
-
-    def misbehave(self, problem):
-        return answer(problem, np.full((problem.contacts, 2), np.nan))
+    return answer(problem, np.full((problem.contacts, 2), np.nan))
 
 
-@solver("wrong_shape", family="bad", model="coulomb")
-class WrongShape(Bad):
+@bad
+def wrong_shape(problem):
     """Returns impulses for one contact too many."""
-
-    def misbehave(self, problem):
-        return answer(problem, np.zeros((problem.contacts + 1, 2)))
+    return answer(problem, np.zeros((problem.contacts + 1, 2)))
 
 
-@solver("returns_none", family="bad", model="coulomb")
-class ReturnsNone(Bad):
+@bad
+def returns_none(problem):
     """Returns None."""
-
-    def misbehave(self, problem):
-        return None
+    return
 
 
-@solver("modifies_friction", family="bad", model="coulomb")
-class ModifiesFriction(Bad):
+@bad
+def modifies_friction(problem):
     """Sets the friction coefficients of its input to zero."""
-
-    def misbehave(self, problem):
-        problem.friction.setflags(write=True)
-        problem.friction[:] = 0
-        return answer(problem)
+    problem.friction.setflags(write=True)
+    problem.friction[:] = 0
+    return answer(problem)
 
 
-@solver("raises", family="bad", model="coulomb")
-class Raises(Bad):
+@bad
+def raises(problem):
     """Raises an exception."""
-
-    def misbehave(self, problem):
-        raise RuntimeError("no idea")
+    raise RuntimeError("no idea")
 
 
-@solver("prints", family="bad", model="coulomb")
-class Prints(Bad):
+@bad
+def prints(problem):
     """Prints megabytes to standard output, from Python and through the file descriptor."""
-
-    def misbehave(self, problem):
-        for _ in range(50):
-            print("x" * 100_000)
-            os.write(1, b"y" * 100_000)
-        return answer(problem)
+    for _ in range(50):
+        print("x" * 100_000)
+        os.write(1, b"y" * 100_000)
+    return answer(problem)
 
 
-@solver("reports_stalled", family="bad", model="coulomb")
-class ReportsStalled(Bad):
+@bad
+def reports_stalled(problem):
     """Reports STALLED."""
-
-    def misbehave(self, problem):
-        return Answer(np.zeros((problem.contacts, 2)), Status.STALLED)
+    return Answer(np.zeros((problem.contacts, 2)), Status.STALLED)
 
 
-@solver("blocks_signals", family="bad", model="coulomb")
-class BlocksSignals(Bad):
+@bad
+def blocks_signals(problem):
     """Blocks every signal, disarms the timers, and loops for ever in native code."""
-
-    def misbehave(self, problem):
-        signal.pthread_sigmask(signal.SIG_SETMASK, set(signal.Signals))
-        for timer in (signal.ITIMER_REAL, signal.ITIMER_VIRTUAL, signal.ITIMER_PROF):
-            signal.setitimer(timer, 0)
-        spin()
+    signal.pthread_sigmask(signal.SIG_SETMASK, set(signal.Signals))
+    for timer in (signal.ITIMER_REAL, signal.ITIMER_VIRTUAL, signal.ITIMER_PROF):
+        signal.setitimer(timer, 0)
+    spin()
 
 
-@solver("replaces_alarm", family="bad", model="coulomb")
-class ReplacesAlarm(Bad):
+@bad
+def replaces_alarm(problem):
     """Replaces the handler of SIGALRM and sleeps for an hour."""
-
-    def misbehave(self, problem):
-        signal.signal(signal.SIGALRM, lambda number, frame: None)
-        time.sleep(3600)
+    signal.signal(signal.SIGALRM, lambda number, frame: None)
+    time.sleep(3600)
 
 
 @solver("hangs_in_warm_up", family="bad", model="coulomb")
-class HangsInWarmUp(Bad):
+class HangsInWarmUp:
     """Loops for ever in every call, from the warm-up on."""
 
     def solve(self, problem, tol, limit, start=None):
         spin()
 
 
-@solver("forks", family="bad", model="coulomb")
-class Forks(Bad):
+@bad
+def forks(problem):
     """Forks and returns in both the parent and the child process."""
-
-    def misbehave(self, problem):
-        os.fork()
-        return answer(problem)
+    os.fork()
+    return answer(problem)
 
 
-@solver("daemonises_child", family="bad", model="coulomb")
-class DaemonisesChild(Bad):
+@bad
+def daemonises_child(problem):
     """Leaves an orphaned process in a session of its own, which loops for ever and holds the worker's pipes open."""
-
-    def misbehave(self, problem):
+    if os.fork() == 0:
+        os.setsid()
         if os.fork() == 0:
-            os.setsid()
-            if os.fork() == 0:
-                spin()
-            os._exit(0)
-        return answer(problem)
+            spin()
+        os._exit(0)
+    return answer(problem)
 
 
-@solver("leaves_thread", family="bad", model="coulomb")
-class LeavesThread(Bad):
+@bad
+def leaves_thread(problem):
     """Leaves a thread running that loops for ever."""
-
-    def misbehave(self, problem):
-        threading.Thread(target=lambda: all(iter(int, 1)), daemon=True).start()
-        return answer(problem)
+    threading.Thread(target=lambda: all(iter(int, 1)), daemon=True).start()
+    return answer(problem)
 
 
-@solver("changes_directory", family="bad", model="coulomb")
-class ChangesDirectory(Bad):
+@bad
+def changes_directory(problem):
     """Changes the working directory."""
-
-    def misbehave(self, problem):
-        os.chdir("/")
-        return answer(problem)
+    os.chdir("/")
+    return answer(problem)
 
 
-@solver("freezes_clocks", family="bad", model="coulomb")
-class FreezesClocks(Bad):
+@bad
+def freezes_clocks(problem):
     """Replaces the clocks of Python's time module by constants."""
-
-    def misbehave(self, problem):
-        time.perf_counter = time.monotonic = time.time = lambda: 0.0
-        return solve(problem, "lemke")
+    time.perf_counter = time.monotonic = time.time = lambda: 0.0
+    return solve(problem, "lemke")
 
 
-@solver("patches_lemke", family="bad", model="coulomb")
-class PatchesLemke(Bad):
+@bad
+def patches_lemke(problem):
     """Replaces the solve method of lemke in this process by one that returns None."""
-
-    def misbehave(self, problem):
-        frictionbench.solvers.lemke.Lemke.solve = lambda self, prepared, tol, limit, start=None: None
-        return answer(problem)
+    frictionbench.solvers.lemke.Lemke.solve = lambda self, prepared, tol, limit, start=None: None
+    return answer(problem)
 
 
-@solver("modifies_mass", family="bad", model="coulomb")
-class ModifiesMass(Bad):
+@bad
+def modifies_mass(problem):
     """Multiplies the inverse mass matrix by 100, which does not enter the problem's hash, and solves the changed problem."""
-
-    def misbehave(self, problem):
-        problem.inverse_rows.value[:] *= 100
-        return Answer(solve(problem.fresh(), "lemke").impulse, Status.SOLVED)
+    problem.inverse_rows.value[:] *= 100
+    return Answer(solve(problem.fresh(), "lemke").impulse, Status.SOLVED)
 
 
-@solver("caches_result", family="bad", model="coulomb")
-class CachesResult(Bad):
+@bad
+def caches_result(problem):
     """Takes 20 ms for the first problem of each size and returns at once afterwards, always STALLED."""
-
-    def misbehave(self, problem):
-        if problem.contacts not in _sizes_seen:
-            end = time.perf_counter() + 0.02
-            while time.perf_counter() < end:
-                pass
-            _sizes_seen.add(problem.contacts)
-        return Answer(np.zeros((problem.contacts, 2)), Status.STALLED)
+    if problem.contacts not in _sizes_seen:
+        end = time.perf_counter() + 0.02
+        while time.perf_counter() < end:
+            pass
+        _sizes_seen.add(problem.contacts)
+    return Answer(np.zeros((problem.contacts, 2)), Status.STALLED)
 
 
 _sizes_seen: set[int] = set()
 
 
-@solver("zero_on_repeat", family="bad", model="coulomb")
-class ZeroOnRepeat(Bad):
+@bad
+def zero_on_repeat(problem):
     """Solves each problem once, and returns zeros at once for repeats."""
-
-    def misbehave(self, problem):
-        if problem.hash in _zero_repeats:
-            return answer(problem)
-        _zero_repeats.add(problem.hash)
-        return solve(problem, "lemke")
+    if problem.hash in _zero_repeats:
+        return answer(problem)
+    _zero_repeats.add(problem.hash)
+    return solve(problem, "lemke")
 
 
 _zero_repeats: set[str] = set()
 
 
-@solver("none_on_repeat", family="bad", model="coulomb")
-class NoneOnRepeat(Bad):
+@bad
+def none_on_repeat(problem):
     """Solves each problem once, and returns None for repeats."""
-
-    def misbehave(self, problem):
-        if problem.hash in _answered:
-            return None
-        _answered.add(problem.hash)
-        return solve(problem, "lemke")
+    if problem.hash in _answered:
+        return None
+    _answered.add(problem.hash)
+    return solve(problem, "lemke")
 
 
 _answered: set[str] = set()
 
 
-@solver("hangs_on_repeat", family="bad", model="coulomb")
-class HangsOnRepeat(Bad):
+@bad
+def hangs_on_repeat(problem):
     """Solves each problem once, and hangs on repeats."""
-
-    def misbehave(self, problem):
-        if problem.hash in _hang_repeats:
-            spin()
-        _hang_repeats.add(problem.hash)
-        return solve(problem, "lemke")
+    if problem.hash in _hang_repeats:
+        spin()
+    _hang_repeats.add(problem.hash)
+    return solve(problem, "lemke")
 
 
 _hang_repeats: set[str] = set()
 
 
-class ChangedAnswer(Bad):
-    """Base class: solves the problem and then changes the type of a field of the answer."""
-
-    def misbehave(self, problem):
-        return self.change(solve(problem, "lemke"))
-
-
-@solver("complex_impulse", family="bad", model="coulomb")
-class ComplexImpulse(ChangedAnswer):
+@changed
+def complex_impulse(answer):
     """Returns complex impulses."""
-
-    def change(self, answer):
-        answer.impulse = answer.impulse + 0j
-        return answer
+    answer.impulse = answer.impulse + 0j
 
 
-@solver("text_impulse", family="bad", model="coulomb")
-class TextImpulse(ChangedAnswer):
+@changed
+def text_impulse(answer):
     """Returns impulses as strings."""
-
-    def change(self, answer):
-        answer.impulse = answer.impulse.astype(str)
-        return answer
+    answer.impulse = answer.impulse.astype(str)
 
 
-@solver("masked_impulse", family="bad", model="coulomb")
-class MaskedImpulse(ChangedAnswer):
+@changed
+def masked_impulse(answer):
     """Returns impulses as a masked array."""
-
-    def change(self, answer):
-        answer.impulse = np.ma.masked_greater(answer.impulse, 0)
-        return answer
+    answer.impulse = np.ma.masked_greater(answer.impulse, 0)
 
 
-@solver("slow_impulse", family="bad", model="coulomb")
-class SlowImpulse(ChangedAnswer):
+@changed
+def slow_impulse(answer):
     """Returns an object whose conversion to an array never ends."""
-
-    def change(self, answer):
-        answer.impulse = type("Slow", (), {"__array__": lambda self, *_, **__: spin()})()
-        return answer
+    answer.impulse = type("Slow", (), {"__array__": lambda self, *_, **__: spin()})()
 
 
-@solver("text_status", family="bad", model="coulomb")
-class TextStatus(ChangedAnswer):
+@changed
+def text_status(answer):
     """Returns the string "solved" instead of a Status."""
-
-    def change(self, answer):
-        answer.status = "solved"
-        return answer
+    answer.status = "solved"
 
 
-@solver("fractional_work", family="bad", model="coulomb")
-class FractionalWork(ChangedAnswer):
+@changed
+def fractional_work(answer):
     """Returns a work counter that is no integer."""
-
-    def change(self, answer):
-        answer.work = {"pivots": 0.5}
-        return answer
+    answer.work = {"pivots": 0.5}
 
 
-@solver("numpy_integer_work", family="good", model="coulomb")
-class NumpyIntegerWork(ChangedAnswer):
+@changed(family="good")
+def numpy_integer_work(answer):
     """Returns a work counter as a numpy integer, which is accepted."""
-
-    def change(self, answer):
-        answer.work = {"pivots": np.int64(7)}
-        return answer
+    answer.work = {"pivots": np.int64(7)}
 
 
-@solver("long_detail", family="good", model="coulomb")
-class LongDetail(ChangedAnswer):
+@changed(family="good")
+def long_detail(answer):
     """Solves the problem and returns ten megabytes of unprintable characters as detail."""
-
-    def change(self, answer):
-        answer.detail = "\ud800\0" * 5_000_000
-        return answer
+    answer.detail = "\ud800\0" * 5_000_000
 
 
-@solver("calls_sys_exit", family="bad", model="coulomb")
-class CallsSysExit(Bad):
+@bad
+def calls_sys_exit(problem):
     """Calls sys.exit."""
-
-    def misbehave(self, problem):
-        sys.exit(3)
+    sys.exit(3)
 
 
-@solver("writes_to_fds", family="bad", model="coulomb")
-class WritesToFds(Bad):
+@bad
+def writes_to_fds(problem):
     """Writes random bytes to all open file descriptors."""
-
-    def misbehave(self, problem):
-        for number in map(int, os.listdir("/proc/self/fd")):
-            try:
-                os.set_blocking(number, False)
-                os.write(number, b"\0\1\2 rubbish \n" * 1000)
-            except OSError:
-                continue
-        return answer(problem)
+    for number in map(int, os.listdir("/proc/self/fd")):
+        try:
+            os.set_blocking(number, False)
+            os.write(number, b"\0\1\2 rubbish \n" * 1000)
+        except OSError:
+            continue
+    return answer(problem)
 
 
-@solver("starts_programs", family="bad", model="coulomb")
-class StartsPrograms(Bad):
+@bad
+def starts_programs(problem):
     """Starts programs in sessions of their own that run longer than the cell."""
-
-    def misbehave(self, problem):
-        for _ in range(3):
-            subprocess.Popen([sys.executable, "-c", "import time; time.sleep(3600)"], start_new_session=True)
-        return answer(problem)
+    for _ in range(3):
+        subprocess.Popen([sys.executable, "-c", "import time; time.sleep(3600)"], start_new_session=True)
+    return answer(problem)

@@ -5,9 +5,9 @@ import pytest
 
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.instances import instances, make_instance
-from frictionbench.problems.reduce import keep_contacts
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scenes import scene
+from frictionbench.problems.subproblems import keep_contacts
 from frictionbench.solvers import solve
 
 SPATIAL = ("box_wall", "cubes", "packed_spheres", "random_bodies", "rod_chain", "sphere_pyramid")

@@ -6,13 +6,13 @@ import pytest
 from frictionbench.harness.contract.check import in_units, permuted
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.stability import backward_error
-from frictionbench.problems.combine import side_by_side
 from frictionbench.problems.forms.delassus import measures
 from frictionbench.problems.forms.islands import CANCELLED, COUPLED, FAR, LEVEL, mechanical_units
 from frictionbench.problems.measures import defects
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import energy_within, polygon_residual, relaxation_residual, residual, residual_floor
 from frictionbench.problems.scenes import scene
+from frictionbench.problems.subproblems import side_by_side
 from frictionbench.solvers import available, solve
 from tests.helpers.friction_problems import block, spatial, with_joints
 

@@ -1,13 +1,12 @@
-"""Tests of problems.separate: parts of a problem that nothing connects."""
+"""Tests of problems.subproblems: parts of a problem that nothing connects."""
 
 import numpy as np
 import pytest
 
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.combine import side_by_side
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.scenes import scene
-from frictionbench.problems.separate import separate
+from frictionbench.problems.subproblems import separate, side_by_side
 
 PROBLEMS = random_problem(0, 5), scene("chain", links=3).problem(), random_problem(1, 3)
 

@@ -6,9 +6,9 @@ from scipy import sparse
 
 from frictionbench.harness.contract.check import in_units, permuted
 from frictionbench.problems import LCP, FrictionProblem
-from frictionbench.problems.combine import side_by_side
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import relaxation_residual, residual, residual_floor
+from frictionbench.problems.subproblems import side_by_side
 from frictionbench.problems.verify import NEAR, verify
 from frictionbench.solvers import Answer, Status, solve
 from tests.helpers.friction_problems import block, spatial

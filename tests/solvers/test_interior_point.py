@@ -6,7 +6,7 @@ from scipy import sparse
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.instances.cubes import cubes
-from frictionbench.problems.instances.local_graph import local_graph
+from frictionbench.problems.instances.graphs import local_graph
 from frictionbench.problems.instances.random_bodies import random_bodies
 from frictionbench.problems.instances.recorded_step import recorded_step
 from frictionbench.problems.instances.spheres import sphere_pyramid

@@ -23,10 +23,10 @@ from frictionbench.harness.contract.check import (
 )
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
-from frictionbench.problems.combine import side_by_side
 from frictionbench.problems.copies import duplicate, same
 from frictionbench.problems.instances import make_instance
 from frictionbench.problems.scenes import scene
+from frictionbench.problems.subproblems import side_by_side
 from frictionbench.solvers import Status
 
 FAST = 1e6  # the ratio of two islands' speeds: a test relative to the fastest contact allows the other any answer

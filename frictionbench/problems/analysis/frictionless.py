@@ -16,8 +16,8 @@ import numpy as np
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.reduce import keep_contacts
 from frictionbench.problems.residual import residual, residual_floor
+from frictionbench.problems.subproblems import keep_contacts
 
 # The largest residual of a frictionless answer that satisfies Coulomb's law: the tightest tolerance of most suites.
 WITHIN = 1e-8

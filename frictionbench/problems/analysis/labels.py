@@ -15,8 +15,8 @@ from scipy.optimize import linprog
 from frictionbench.problems.check import Array
 from frictionbench.problems.forms.definite import spectrum_ends
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.reduce import keep_contacts
 from frictionbench.problems.residual import residual
+from frictionbench.problems.subproblems import keep_contacts
 
 DENSE_ROWS = 600  # the most rows of W for dense decompositions, which cost more than solving larger problems
 NOTHING = 1e-12  # residual of r = 0 up to which it is an answer

@@ -1,12 +1,19 @@
-"""Random contacts between random bodies: irregular contact graphs and directions, which are rare in scenes."""
+"""Random contacts between random bodies: irregular contact graphs and directions, which are rare in scenes.
+
+In slots, contacts come in pairs at one point, whose normals enclose the angle pi - tilt. The two can press on each other,
+without moving anything, if their friction cones overlap, mu > tan(tilt/2): the cone of all contacts is then not pointed, and
+the data do not bound impulses. In unlike islands, an island may be lost in the whole.
+"""
 
 import numpy as np
+from scipy import sparse
 
 from frictionbench.problems.catalogue import instance
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.instances.bodies import touching
 from frictionbench.problems.parameters import count, number
 from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.subproblems import side_by_side
 
 
 @instance
@@ -35,3 +42,44 @@ def random(
 ) -> FrictionProblem:
     """Planar bodies touching each other or the ground at random points (problems.random_problem)."""
     return random_problem(seed, contacts, bodies, friction, mass_ratio)
+
+
+@instance
+def slots(seed: int = 0, points: int = 5, tilt: float = 0.01, excess: float = 1e-3) -> FrictionProblem:
+    """Planar bodies held at random points in slots that open by `tilt` (rad), without play: nearly jammed.
+
+    Bodies, points and velocities are those of problems.random_problem; each point has two contacts. excess: the friction
+    coefficient is (1 + excess) tan(tilt/2); where it is positive the friction cone is not pointed.
+    """
+    nc = count("points", points)
+    tilt = number("tilt", tilt, above=0, most=3.0)
+    mu = (1 + number("excess", excess, above=-1)) * np.tan(tilt / 2)
+    side = random_problem(count("seed", seed, least=0), nc, friction=mu)
+    n, t, cos, sin = side.normal, side.tangent, np.cos(tilt), np.sin(tilt)
+    return FrictionProblem(
+        mass=side.mass,
+        normal=sparse.vstack([n, sin * t - cos * n]),
+        tangent=sparse.vstack([t, -sin * n - cos * t]),
+        friction=np.full(2 * nc, mu),
+        free_velocity=side.free_velocity,
+        bias=np.zeros(2 * nc),
+    )
+
+
+@instance
+def unlike_islands(
+    seed: int = 0, islands: int = 4, contacts: int = 5, velocity_ratio: float = 1e4, friction: float = 0.5
+) -> FrictionProblem:
+    """Planar random problems (problems.random_problem) of five contacts each, side by side, with velocities of unlike size.
+
+    velocity_ratio: the free velocities and gaps of the first island over those of the last, geometric in between.
+    """
+    n, nc = count("islands", islands), count("contacts", contacts)
+    mu = number("friction", friction, least=0)
+    speed = np.geomspace(number("velocity_ratio", velocity_ratio, above=0), 1.0, n)
+    first = n * count("seed", seed, least=0)
+    parts = [random_problem(first + k, nc, friction=mu) for k in range(n)]
+    scaled = (
+        part.replace(free_velocity=v * part.free_velocity, bias=v * part.bias) for v, part in zip(speed, parts, strict=True)
+    )
+    return side_by_side(*scaled)

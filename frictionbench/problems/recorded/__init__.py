@@ -2,9 +2,8 @@
 
 FCLIB's HDF5              problems.recorded.fclib       read and written
 Siconos's text            problems.recorded.siconos     friction problems, local and global, and LCPs
-ContactBench's .npz       problems.recorded.contactbench
 our own .npz              problems.recorded.own         read and written
-arrays in an .npz         problems.recorded.plain       M, N, T, mu, v or W, q, mu, d; or an LCP's M, q
+arrays in an .npz         problems.recorded.plain       M, N, T, mu, v or W, q, mu, d; an LCP's M, q; ContactBench's G, g, mus
 """
 
 from pathlib import Path
@@ -12,9 +11,8 @@ from pathlib import Path
 from frictionbench.problems.check import Array, InputError
 from frictionbench.problems.forms.lcp import LCP
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.recorded import contactbench, fclib, own, plain, siconos
-from frictionbench.problems.recorded.archive import MAX_BYTES, read_arrays
-from frictionbench.problems.recorded.regular import opened
+from frictionbench.problems.recorded import fclib, own, plain, siconos
+from frictionbench.problems.recorded.archive import MAX_BYTES, opened, read_arrays
 
 HDF5, ZIP = b"\x89HDF\r\n\x1a\n", b"PK\x03\x04"
 
@@ -41,7 +39,7 @@ def _archive(path: Path) -> FrictionProblem | LCP:
     arrays = read_arrays(path)
     if own.holds(arrays):
         return own.problem(path, arrays)
-    reader = contactbench.problem if {"G", "g", "mus"} <= arrays.keys() else plain.kind(arrays)
+    reader = plain.kind(arrays)
     try:
         if reader is None:
             names = ", ".join(list(arrays)[:8])

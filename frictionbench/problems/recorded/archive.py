@@ -1,10 +1,21 @@
-"""The arrays of an .npz file, if they are plain numbers and not too large.
+"""Problem files may come from anybody: how they are opened, and which arrays of them are read.
 
-An archive is refused by its headers, before anything is unpacked: pickled objects, text, more than MAX_BYTES bytes, more than
-MOST arrays, and methods of compression other than numpy's.
+Files are opened only if they are regular and not too large: at a pipe or a device, or a link to one, reading would wait for
+ever or never end. results.files does the same for results: what compares and reports them does without this package, which
+takes longer to load than all else that they need.
+
+An archive (.npz) is refused by its headers, before anything is unpacked: pickled objects, text, more than MAX_BYTES bytes, more
+than MOST arrays, and methods of compression other than numpy's. An array of a name that no reader knows is refused too, since
+what it holds would be left out of the problem.
 """
 
+import os
+import re
+import stat
 import zipfile
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
+from difflib import get_close_matches
 from io import BytesIO
 from pathlib import Path
 from typing import IO, BinaryIO
@@ -13,7 +24,6 @@ import numpy as np
 from numpy.lib import format as npy
 
 from frictionbench.problems.check import REAL, Array, InputError, require
-from frictionbench.problems.recorded.regular import opened
 
 COMPRESSION = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # those of numpy; others can need much memory to unpack
 MOST = 1000  # arrays: far more than a problem has
@@ -21,6 +31,28 @@ LONGEST_HEADER = 2**16  # bytes of an array's header, which is read before its s
 ENTRY = b"PK\x01\x02"  # begins each entry of an archive's directory
 CHUNK = 2**24
 MAX_BYTES = 4 * 2**30  # bytes unpacked; a larger archive is refused without unpacking it
+ANSWERS = re.compile(r"[ru](_\w+)?")  # impulses and velocities that somebody found: not part of a problem
+OTHERS = {"J": "F", "G": "F", "joint": "F", "velocity": "v"}  # names that are used elsewhere
+
+
+@contextmanager
+def opened(path: Path, most: int) -> Iterator[BinaryIO]:
+    """A regular file of at most `most` bytes, open for reading. Errors: InputError naming the file."""
+    try:
+        _require_regular(path, os.stat(path), most)  # to open a device can have effects
+        file = os.fdopen(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb")  # does not wait for a pipe's writer
+    except OSError as error:
+        raise InputError(f"{path}: {'no such file' if isinstance(error, FileNotFoundError) else error.strerror}") from None
+    with file:
+        found = os.fstat(file.fileno())
+        _require_regular(path, found, most)
+        require(found.st_size > 0 or not file.read(1), str(path), "not a regular file: it states no size")  # as in /proc
+        yield file
+
+
+def _require_regular(path: Path, found: os.stat_result, most: int) -> None:
+    require(stat.S_ISREG(found.st_mode), str(path), "not a regular file")
+    require(found.st_size <= most, str(path), f"larger than the limit of {most / 2**30:g} GiB")
 
 
 def read_arrays(path: Path) -> dict[str, Array]:
@@ -70,3 +102,34 @@ def _claimed(name: str, stream: IO[bytes]) -> int:
     require(kind.kind in REAL, name, f"not an array of real numbers, but of {kind}")
     require(len(shape) <= 2 and min(shape, default=0) >= 0, name, f"expected a number, a vector or a matrix, got shape {shape}")
     return int(np.prod(shape, dtype=object)) * kind.itemsize
+
+
+def require_known(names: Collection[str], known: Collection[str], letters: dict[str, str] | None = None) -> None:
+    """Check that all names are known or those of answers.
+
+    letters: of fields, which may have been meant. Errors: InputError naming the first array that is neither, with the known
+    name that it is most like and all that are known.
+    """
+    for name in names:
+        if name not in known and not ANSWERS.fullmatch(name):
+            meant = _most_like(name, known, letters or {})
+            hint = f"; did you mean {meant}? Known" if meant else "; known"
+            raise InputError(f"{name}: unknown array{hint} are {', '.join(sorted(known, key=str.lower))}")
+
+
+@contextmanager
+def in_letters(letters: dict[str, str]) -> Iterator[None]:
+    """Errors within name the array that was given in place of the field that it was read as."""
+    try:
+        yield
+    except InputError as error:
+        field, _, reason = str(error).partition(": ")
+        raise InputError(f"{letters.get(field, field)}: {reason}") from None
+
+
+def _most_like(name: str, known: Collection[str], letters: dict[str, str]) -> str:
+    """The known name that is most like this one, "" if none is."""
+    by_name = {**letters, **OTHERS, **{one: one for one in known}}
+    by_name = {other.lower(): one for other, one in by_name.items() if one in known}
+    close = get_close_matches(name.lower(), by_name, n=1, cutoff=0.75)
+    return by_name[close[0]] if close else ""

@@ -15,7 +15,7 @@ from scipy.sparse.linalg import splu
 
 from frictionbench.problems.check import Array, InputError, require
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.recorded.names import in_letters
+from frictionbench.problems.recorded.archive import in_letters
 
 MOST_COUPLED = 4000  # coordinates of one block of M, or joints of a local problem: a dense inverse takes 128 MB
 MOST_DENSE = 2**27  # entries of a matrix that is needed dense: 1 GiB

@@ -29,8 +29,7 @@ from frictionbench.problems import check
 from frictionbench.problems.check import Array, InputError, ReadOnly, require, require_consistent
 from frictionbench.problems.forms.lcp import LCP
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.recorded.archive import read_arrays
-from frictionbench.problems.recorded.names import require_known
+from frictionbench.problems.recorded.archive import read_arrays, require_known
 
 _SPARSE = ("mass", "normal", "tangent", "joints")
 _DENSE = ("friction", "free_velocity", "bias", "friction_bias", "joint_bias")

@@ -6,6 +6,9 @@
         with d                                                  2 in the plane, 3 in space; 2 if left out
     W (nc*d, nc*d), q (nc*d), mu (nc), d; with fb (nc)          u = W r + q, rows of a contact normal first
     M (n, n), q (n)                                             an LCP, w = M z + q
+    G (3 nc, 3 nc), g (3 nc, 1), mus (nc)                       u = G r + g of ContactBench (Le Lidec and others 2024)
+
+ContactBench's contacts have the normal last, (t1, t2, n). Its G includes a compliance of 1e-9 I, which is part of the problem.
 
 mu may be one number for all contacts. N and T may both have the contacts in columns; where both are square, they have rows.
 A file with bodies may also hold their W and q, which are compared with those of the bodies. An array of any other name is
@@ -22,7 +25,7 @@ from frictionbench.problems import sizes
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.forms.lcp import LCP
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.recorded.names import in_letters, require_known
+from frictionbench.problems.recorded.archive import in_letters, require_known
 
 Arrays = dict[str, Array]
 
@@ -40,12 +43,15 @@ BODIES = {
     "dimension": "d",
 }
 DELASSUS = {"W": "W", "q": "q", "friction": "mu", "friction_bias": "fb", "dimension": "d"}
+CONTACTBENCH = {"W": "G", "q": "g", "friction": "mus", "dimension": "d"}
 SAME = 1e-6  # of the largest entry: a W and q stored beside bodies may be rounded to so many digits
 
 
 def kind(arrays: Arrays) -> Callable[[Arrays], FrictionProblem | LCP] | None:
     """The function that reads these arrays, None where they are of none of these kinds."""
     names = arrays.keys()
+    if {"G", "g", "mus"} <= names:
+        return contactbench
     if names & {"N", "T"}:
         return mechanical
     if "W" in names:
@@ -83,6 +89,17 @@ def known_by_delassus(arrays: Arrays) -> FrictionProblem:
     with in_letters(DELASSUS):
         sizes.agree(d, fields, DELASSUS)
         return FrictionProblem.from_delassus(**fields | {"friction": _for_each(arrays["mu"], arrays["q"].size // d)}, d=d)
+
+
+def contactbench(arrays: Arrays) -> FrictionProblem:
+    """ContactBench's problem with the normal first. Errors: InputError naming the array."""
+    require_known(arrays, ("G", "g", "mus", "lam0"))
+    G, g, mu = arrays["G"], arrays["g"].ravel(), arrays["mus"].ravel()
+    require(G.ndim == 2, "G", f"expected a matrix, got shape {G.shape}")
+    sizes.agree(3, {"W": G, "q": g, "friction": mu}, CONTACTBENCH)
+    order = (3 * np.arange(mu.size)[:, None] + np.array([2, 0, 1])).ravel()
+    with in_letters(CONTACTBENCH):
+        return FrictionProblem.from_delassus(G[np.ix_(order, order)], g[order], mu, 3)
 
 
 def lcp(arrays: Arrays) -> LCP:

@@ -29,8 +29,8 @@ from scipy import sparse
 from frictionbench.problems.check import Array, InputError, require
 from frictionbench.problems.forms.lcp import LCP
 from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.recorded.archive import opened
 from frictionbench.problems.recorded.forms import from_global
-from frictionbench.problems.recorded.regular import opened
 
 MAX_BYTES = 2**29  # bytes of text; a larger file is refused without reading it
 CHUNK = 2**20

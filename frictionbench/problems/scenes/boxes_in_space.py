@@ -11,7 +11,7 @@ from frictionbench.problems.catalogue import generator
 from frictionbench.problems.check import Array
 from frictionbench.problems.parameters import count, number
 from frictionbench.problems.scene import GRAVITY, Scene
-from frictionbench.problems.scenes.closed_forms import sliding
+from frictionbench.problems.scenes.one_block import sliding
 from frictionbench.problems.spatial.bodies import HalfSpace, solid_box
 from frictionbench.problems.spatial.rotation import AT_REST
 

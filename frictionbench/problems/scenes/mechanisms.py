@@ -1,10 +1,17 @@
-"""Mechanisms with hinges."""
+"""Mechanisms with hinges: a pendulum, a slider-crank, and a chain: contacts and joints together, at any size.
+
+The slider-crank is also given in its three independent coordinates, without hinges.
+"""
+
+from dataclasses import dataclass
 
 import numpy as np
 
 from frictionbench.problems.catalogue import generator
-from frictionbench.problems.parameters import number
-from frictionbench.problems.planar.bodies import Body, box, rigid_rod
+from frictionbench.problems.check import Array
+from frictionbench.problems.generalised import ReducedScene
+from frictionbench.problems.parameters import count, number
+from frictionbench.problems.planar.bodies import Body, box, half_plane, rigid_box, rigid_rod
 from frictionbench.problems.planar.joints import Hinge
 from frictionbench.problems.scene import Scene
 
@@ -80,6 +87,99 @@ def slider_crank(
                 [-w * crank * sin + swing * crank * sin, 0.0, 0.0],
             ]
         ),
+        friction=friction,
+        restitution=restitution,
+        step=step,
+        duration=duration,
+    )
+
+
+@generator()
+def chain(
+    links: int = 5,
+    friction: float = 0.5,
+    pull: float = 1.0,
+    ripple: float = 0.0,
+    fall: float = 0.0,
+    mass_ratio: float = 1.0,
+    step: float = 0.01,
+    duration: float = 1.0,
+) -> Scene:
+    """Boxes 1 by 0.2, flat on the ground in a row and hinged to each other in the middle of their height, are pulled along.
+
+    pull: m/s, of all of them, to the right. ripple: rad/s, spins of alternate sign, by which every second hinge is lifted at
+    first. fall: m/s, downwards. mass_ratio: the mass of the last link over that of the first, geometric in between.
+    """
+    n, spin = count("links", links), number("ripple", ripple)
+    density = number("mass_ratio", mass_ratio, above=0) ** (np.arange(n) / max(n - 1, 1))
+    velocity = np.zeros((n, 3))
+    velocity[:, 0] = number("pull", pull)
+    velocity[:, 1] = spin / 2 - number("fall", fall)  # a link's one end is lifted by spin, the other stays
+    velocity[:, 2] = spin * (-1.0) ** np.arange(n)
+    return Scene(
+        bodies=tuple(rigid_box(1.0, 0.2, float(rho)) for rho in density),
+        obstacles=(half_plane(),),
+        hinges=tuple(Hinge((i + 1, i), np.array([[-0.5, 0.0], [0.5, 0.0]])) for i in range(n - 1)),
+        q0=np.column_stack([np.arange(n), np.full(n, 0.1), np.zeros(n)]),
+        v0=velocity,
+        friction=friction,
+        step=step,
+        duration=duration,
+    )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class SliderCrankAngles(ReducedScene):
+    """q = (a, b, c), the angles of crank, rod and slider."""
+
+    def place(self, q: Array) -> Array:
+        return _centres(CRANK * _unit(q[0]), ROD * _unit(q[1]), q)
+
+    def slopes(self, q: Array) -> Array:
+        a, b, none = CRANK * _across(q[0]), ROD * _across(q[1]), np.zeros(2)
+        turns = np.eye(3)
+        return np.column_stack([_centres(a, none, turns[0]), _centres(none, b, turns[1]), _centres(none, none, turns[2])])
+
+    def bend(self, q: Array, v: Array) -> Array:
+        return _centres(-CRANK * _unit(q[0]) * v[0] ** 2, -ROD * _unit(q[1]) * v[1] ** 2, np.zeros(3))
+
+
+def _centres(crank: Array, rod: Array, turns: Array) -> Array:
+    """(9,): the bodies' centres and angles for the vectors (2,) along crank and rod."""
+    ends = crank / 2, crank + rod / 2, crank + rod
+    return np.concatenate([[*end, turn] for end, turn in zip(ends, turns, strict=True)])
+
+
+def _unit(angle: float) -> Array:
+    return np.array([np.cos(angle), np.sin(angle)])
+
+
+def _across(angle: float) -> Array:
+    return np.array([-np.sin(angle), np.cos(angle)])
+
+
+@generator()
+def slider_crank_angles(
+    friction: float = 0.01,
+    restitution: float = 0.4,
+    clearance: float = 0.001,
+    speed: float = 150.0,
+    tilt: float = 0.0,
+    angle: float = 0.0,
+    step: float = 1e-4,
+    duration: float = 0.08,
+) -> SliderCrankAngles:
+    """The slider-crank in generalised coordinates: the angles of crank, rod and slider, which its clearance leaves free.
+
+    The same motion as slider_crank, without joint equations and their drift. Parameters as there.
+    """
+    full = slider_crank(friction, restitution, clearance, speed, tilt, angle, step, duration)
+    at = np.array([2, 5, 8])
+    return SliderCrankAngles(
+        full=full,
+        q0=full.q0[at],
+        v0=full.v0[at],
+        size=full.reach,
         friction=friction,
         restitution=restitution,
         step=step,

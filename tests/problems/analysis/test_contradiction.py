@@ -8,9 +8,9 @@ import pytest
 from frictionbench.harness.contract.check import in_units, permuted
 from frictionbench.problems import FrictionProblem, Status
 from frictionbench.problems.analysis.contradiction import FAR, contradiction
-from frictionbench.problems.combine import side_by_side
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual
+from frictionbench.problems.subproblems import side_by_side
 from frictionbench.solvers import solve
 from tests.helpers.command_line import frictionbench
 from tests.helpers.friction_problems import block, nothing, spatial

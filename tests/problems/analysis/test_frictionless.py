@@ -7,9 +7,9 @@ from frictionbench.harness.cells.reference import Reference
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.frictionless import frictionless_answer, idle
 from frictionbench.problems.analysis.mode import distance_to_next_mode, mode, mode_counts
-from frictionbench.problems.combine import side_by_side
 from frictionbench.problems.instances import make_instance
 from frictionbench.problems.scenes import scene
+from frictionbench.problems.subproblems import side_by_side
 from frictionbench.solvers import solve
 from tests.helpers.friction_problems import block
 from tests.helpers.frictionless import friction_at_work

@@ -8,7 +8,7 @@ import pytest
 import frictionbench as fb
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.recorded import own, read
-from frictionbench.problems.recorded.names import require_known
+from frictionbench.problems.recorded.archive import require_known
 
 # Two contacts in space of one body: six velocities; one joint equation.
 J = np.random.default_rng(1).standard_normal((6, 6))

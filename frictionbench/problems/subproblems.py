@@ -1,7 +1,7 @@
-"""The parts of a problem that nothing connects: no body, no joint, no entry of the mass matrix or of W.
+"""Problems made smaller, taken apart and put together.
 
-Each part can be solved by itself, exactly. That differs from the islands of problems.forms.islands, in which couplings below
-rounding count as none.
+The parts of a problem are what nothing connects: no body, no joint, no entry of the mass matrix or of W. Each can be solved by
+itself, exactly. That differs from the islands of problems.forms.islands, in which couplings below rounding count as none.
 """
 
 import numpy as np
@@ -9,8 +9,37 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from frictionbench.problems.friction import FrictionProblem
-from frictionbench.problems.reduce import keep_contacts
 from frictionbench.problems.rows import Index64
+
+
+def keep_contacts(problem: FrictionProblem, contacts: list[int]) -> FrictionProblem:
+    """The problem with only these contacts.
+
+    Velocities that no contact or joint acts on are removed, unless the mass matrix couples them to others that stay.
+    """
+    d = problem.dimension
+    rows = (np.array(contacts, dtype=int)[:, None] * d + np.arange(d)).ravel()
+    mu, b = problem.friction[contacts], problem.friction_bias[contacts]
+    if not problem.mechanical:
+        return FrictionProblem.from_delassus(problem.W[rows][:, rows], problem.q[rows], mu, d, b)
+    tangents = (np.array(contacts, dtype=int)[:, None] * (d - 1) + np.arange(d - 1)).ravel()
+    normal, tangent = problem.normal[contacts], problem.tangent[tangents]
+    _, block = connected_components(problem.mass, directed=False)
+    touched = sparse.vstack([normal, tangent, problem.joints], format="csr").tocoo().col
+    stay = np.flatnonzero(np.isin(block, block[touched]))
+    return FrictionProblem(
+        mass=problem.mass[stay][:, stay],
+        normal=normal[:, stay],
+        tangent=tangent[:, stay],
+        friction=mu,
+        free_velocity=problem.free_velocity[stay],
+        bias=problem.bias[contacts],
+        friction_bias=b,
+        joints=problem.joints[:, stay],
+        joint_bias=problem.joint_bias,
+        dimension=d,
+    )
+
 
 Parts = list[tuple[Index64, FrictionProblem]]
 
@@ -86,3 +115,14 @@ def _separate_mechanics(problem: FrictionProblem, part: Index64, count: int) -> 
             )
         )
     return found
+
+
+def side_by_side(*problems: FrictionProblem) -> FrictionProblem:
+    """Problems of one dimension as one, without any coupling."""
+    matrices = {
+        name: sparse.block_diag([getattr(problem, name) for problem in problems], format="csr")
+        for name in ("mass", "normal", "tangent", "joints")
+    }
+    names = ("friction", "free_velocity", "bias", "friction_bias", "joint_bias")
+    vectors = {name: np.concatenate([getattr(problem, name) for problem in problems]) for name in names}
+    return FrictionProblem(**matrices, **vectors, dimension=problems[0].dimension)

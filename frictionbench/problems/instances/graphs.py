@@ -1,4 +1,8 @@
-"""Random planar contact graphs with local contacts: many bodies, each touching only near ones, without any regular pattern."""
+"""Random planar contact graphs of many bodies.
+
+In a local one each touches near ones only, without any regular pattern. In one without places any two may touch, so that no
+order of elimination is sparse.
+"""
 
 import numpy as np
 from scipy import sparse
@@ -29,24 +33,44 @@ def local_graph(seed: int = 0, bodies: int = 100, mass_ratio: float = 1.0) -> Fr
     at = random.uniform(0, np.sqrt(nb), (nb, 2))
     near = np.array(sorted(cKDTree(at).query_pairs(REACH)), dtype=int).reshape(-1, 2)
     pair = near[np.sort(random.choice(len(near), min(len(near), int(PAIRS * nb)), replace=False))]
-    nc = len(pair)
-    angle = random.uniform(0, 2 * np.pi, nc)
+    angle = random.uniform(0, 2 * np.pi, len(pair))
+    arm = (at[pair[:, 1]] - at[pair[:, 0]]) / 2
+    return _graph(pair, (arm, -arm), angle, number("mass_ratio", mass_ratio, least=1) ** random.random(nb), random)
+
+
+@instance
+def random_graph(seed: int = 0, bodies: int = 100) -> FrictionProblem:
+    """Planar bodies touching any others, near or not, at random points and normals: a contact graph with much fill.
+
+    1.6 contacts a body, the arms of each from both centres normal with standard deviation .5 m; masses, friction and free
+    velocities as in local_graph.
+    """
+    nb = count("bodies", bodies, least=8)
+    random = np.random.default_rng([count("seed", seed, least=0), nb])
+    nc = int(PAIRS * nb)
+    first = random.integers(nb, size=nc)
+    pair = np.column_stack([first, (first + random.integers(1, nb, size=nc)) % nb])
+    arm = 0.5 * random.standard_normal((nc, 2)), 0.5 * random.standard_normal((nc, 2))
+    return _graph(pair, arm, random.uniform(0, 2 * np.pi, nc), np.ones(nb), random)
+
+
+def _graph(pair: Index64, arm: tuple[Array, Array], angle: Array, mass: Array, random: np.random.Generator) -> FrictionProblem:
+    """Bodies of these masses (nb,) in contacts between pairs (nc, 2), at arms (nc, 2) from both centres, normals at angles."""
+    nb, nc = len(mass), len(pair)
     normal = np.column_stack([np.cos(angle), np.sin(angle)])
     tangent = np.column_stack([-normal[:, 1], normal[:, 0]])
-    arm = (at[pair[:, 1]] - at[pair[:, 0]]) / 2
     least, most = FRICTION
-    mass = number("mass_ratio", mass_ratio, least=1) ** random.random(nb)
     return FrictionProblem(
         mass=sparse.diags_array((mass[:, None] * [1.0, 1.0, INERTIA]).ravel()),
-        normal=graph_rows(pair, (arm, -arm), normal, nb),
-        tangent=graph_rows(pair, (arm, -arm), tangent, nb),
+        normal=_rows(pair, arm, normal, nb),
+        tangent=_rows(pair, arm, tangent, nb),
         friction=least * (most / least) ** random.random(nc),
         free_velocity=random.standard_normal(3 * nb),
         bias=np.zeros(nc),
     )
 
 
-def graph_rows(pair: Index64, arm: tuple[Array, Array], along: Array, bodies: int) -> sparse.csr_array:
+def _rows(pair: Index64, arm: tuple[Array, Array], along: Array, bodies: int) -> sparse.csr_array:
     """The rows (nc, 3 nb) of relative velocities along directions (nc, 2): first body, at its arm (nc, 2), minus second."""
     first, second = (at[:, 0] * along[:, 1] - at[:, 1] * along[:, 0] for at in arm)
     value = np.column_stack([along, first, -along, -second])
