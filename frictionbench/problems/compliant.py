@@ -27,7 +27,7 @@ LEAST = 0.01  # the least rebound
 
 
 class CompliantMotion(NamedTuple):
-    """times (n,), s, at which q (n, nq) and v (n, nv) are told; how often the forces were evaluated."""
+    """times (n,), s, of the states q (n, nq) and v (n, nv); how often the forces were evaluated."""
 
     times: Array
     q: Array
@@ -54,14 +54,14 @@ def comply(
     times: Array | None = None,
     method: str = "Radau",
 ) -> CompliantMotion:
-    """The scene's motion, told at these times, by default at its steps.
+    """The scene's motion at these times, by default at its steps.
 
     stiffness: N/m. slip: the speed s, m/s. accuracy: relative, of the integrator. method: scipy's Radau or BDF.
     Errors: InputError where the scene is spatial or has hinges, or the integrator fails.
     """
     require(scene.dimension == 2, "scene", "compliant contact is planar")
     require(not scene.hinges, "scene", "compliant contact needs independent coordinates: hinges are rigid")
-    nv, told = len(scene.v0), np.arange(scene.steps + 1) * scene.step if times is None else times
+    nv, at = len(scene.v0), np.arange(scene.steps + 1) * scene.step if times is None else times
     evaluations = 0
 
     def slope(time: float, y: Array) -> Array:
@@ -83,9 +83,7 @@ def comply(
     scale = np.repeat([scene.reach, speed], nv)
     y0 = np.concatenate([scene.q0, scene.v0])
     largest = scene.duration / 100  # so that no contact is passed over in free flight
-    done = solve_ivp(
-        slope, (0.0, told[-1]), y0, method=method, t_eval=told, rtol=accuracy, atol=accuracy * scale, max_step=largest
-    )
+    done = solve_ivp(slope, (0.0, at[-1]), y0, method=method, t_eval=at, rtol=accuracy, atol=accuracy * scale, max_step=largest)
     if not done.success:
         raise InputError(f"scene: its compliant motion cannot be integrated: {done.message}")
     return CompliantMotion(done.t, done.y[:nv].T, done.y[nv:].T, evaluations)

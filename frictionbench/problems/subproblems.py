@@ -75,8 +75,8 @@ def _components(rows: list[Index64], columns: list[Index64], n: int, nc: int) ->
     graph = sparse.coo_matrix((np.ones(len(row)), (row, column)), shape=(n, n))
     count, component = connected_components(graph, directed=False)
     number = np.full(count, -1)
-    bearing = np.unique(component[:nc])
-    number[bearing] = np.arange(len(bearing))
+    touched = np.unique(component[:nc])
+    number[touched] = np.arange(len(touched))
     return np.asarray(number[component])
 
 

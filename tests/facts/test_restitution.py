@@ -1,4 +1,7 @@
-"""Energy of one impact: Newton's restitution law can raise it, Poisson's law with the total cone never does."""
+"""Energy of one impact: Newton's restitution law can raise it, and so can Poisson's without the cone of both phases.
+
+Poisson's law itself never does: test_schemes.
+"""
 
 import numpy as np
 import pytest
@@ -9,7 +12,7 @@ from frictionbench.problems.random_problem import random_problem
 from frictionbench.solvers import Status, solve
 
 
-def impact(base, velocity, bias=0.0, friction_bias=0.0) -> FrictionProblem:
+def impact(base, velocity, bias=0.0) -> FrictionProblem:
     return FrictionProblem(
         mass=base.mass,
         normal=base.normal,
@@ -17,7 +20,6 @@ def impact(base, velocity, bias=0.0, friction_bias=0.0) -> FrictionProblem:
         friction=base.friction,
         free_velocity=velocity,
         bias=np.broadcast_to(bias, base.contacts),
-        friction_bias=np.broadcast_to(friction_bias, base.contacts),
     )
 
 
@@ -33,13 +35,10 @@ def newton(base, v, e) -> Array:
     return response(impact(base, v, bias=np.minimum(e * (base.normal @ v), 0)))[1]
 
 
-def poisson(base, v, e, total_cone=True) -> tuple[Array, Array]:
-    """(velocity after, p_c of the compression). Decompression returns e c, with friction up to mu (e c + c_x) or mu c_x."""
+def poisson(base, v, e) -> Array:
+    """Decompression returns e c, with friction up to mu c_x in place of Poisson's mu (e c + c_x)."""
     compression, pressed = response(impact(base, v))
-    returned = e * compression[:, 0]
-    thrown = pressed + base.inverse_mass @ (base.normal.T @ returned)
-    after = response(impact(base, thrown, friction_bias=base.friction * returned * total_cone))[1]
-    return after, base.jacobian.T @ compression.ravel()
+    return response(impact(base, pressed + base.inverse_mass @ (base.normal.T @ (e * compression[:, 0]))))[1]
 
 
 def single(seed) -> tuple[FrictionProblem, Array]:
@@ -62,21 +61,6 @@ def test_newton_restitution_can_gain_energy(e, share) -> None:
     assert max(gain(base, v, newton(base, v, 0.0)) for base, v in map(single, range(100))) <= 1e-9
 
 
-@pytest.mark.parametrize("e", [0.3, 0.8, 1.0])
-def test_poisson_energy_bound_with_total_cone(e) -> None:
-    """E+ <= E- - (1 - e^2)/2 |p_c|^2 in M^-1, for any number of contacts with one e."""
-    draws = [single(seed) for seed in range(60)]
-    draws += [(base, base.free_velocity) for base in (random_problem(seed, contacts=2 + seed % 6) for seed in range(60))]
-    lost = 0
-    for base, v in draws:
-        after, p = poisson(base, v, e)
-        energy = v @ (base.mass @ v) / 2
-        bound = energy - (1 - e * e) / 2 * (p @ (base.inverse_mass @ p))
-        assert after @ (base.mass @ after) / 2 <= bound + 1e-9 * energy
-        lost += bound < 0.99 * energy
-    assert lost > 50 or e == 1
-
-
 def test_second_impulse_cone_can_gain_energy() -> None:
-    gains = [gain(base, v, poisson(base, v, 0.8, total_cone=False)[0]) for base, v in map(single, range(200))]
+    gains = [gain(base, v, poisson(base, v, 0.8)) for base, v in map(single, range(200))]
     assert max(gains) > 0.5

@@ -9,7 +9,6 @@ from frictionbench.problems.analysis.labels import pointedness
 from frictionbench.problems.analysis.polyhedra import Shape
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual, residual_floor
-from frictionbench.problems.scenes import scene
 from frictionbench.solvers import Status, solve
 from tests.helpers.paths import DATA
 
@@ -179,10 +178,32 @@ def test_wedge_impulses_are_unbounded_above_threshold(angle, factor) -> None:
     assert found.velocities[0].vertices == pytest.approx(np.zeros((1, 4)), abs=1e-10)
 
 
-def test_stack_velocity_is_unique() -> None:
-    found = census(scene("stack", blocks=3, push=0.0).problem())
-    assert (found.shape, found.velocity_shape) == (Shape.CONVEX, Shape.ONE)
-    assert found.pieces[0].dimension == 3
+def test_a_table_on_four_legs() -> None:
+    """N = m g h/4 + s (+, -, +, -) for any s: only the resultant and the velocity are determined."""
+    m, corners = 8.0, np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]])
+    normal = np.column_stack([np.zeros((4, 2)), np.ones(4), corners[:, 1], -corners[:, 0], np.zeros(4)])
+    tangent = np.zeros((8, 6))
+    tangent[::2, 0], tangent[1::2, 1] = 1, 1
+    tangent[::2, 5], tangent[1::2, 5] = -corners[:, 1], corners[:, 0]
+    table = FrictionProblem(
+        mass=np.diag([m, m, m, 2, 2, 3]),
+        normal=normal,
+        tangent=tangent,
+        friction=[0.5] * 4,
+        free_velocity=[0, 0, -9.81 * 0.01, 0, 0, 0],
+        bias=[0] * 4,
+        dimension=3,
+    )
+    weight = m * 9.81 * 0.01
+    for s in (0.0, 0.1, -0.24):
+        r = np.zeros((4, 3))
+        r[:, 0] = weight * (0.25 + s * np.array([1, -1, 1, -1]))
+        assert residual(table, r) <= 1e-12
+    for spec in ("nsgs", "lemke"):
+        answer = solve(table, spec, tol=1e-10)
+        assert answer.status is Status.SOLVED
+        assert answer.impulse[:, 0].sum() == pytest.approx(weight)
+        assert table.contact_velocity(answer.impulse) == pytest.approx(np.zeros((4, 3)), abs=1e-10)
 
 
 @pytest.mark.slow  # the set of solutions near the jam by many solves

@@ -1,4 +1,7 @@
-"""The plain arrays of W and q are those of the sparse matrix, in the plane, in space, with joints and known by W alone."""
+"""The plain arrays of W and q, in the plane, in space, with joints and known by W alone.
+
+They are those of the sparse matrix, and those of copies of the same kinds, so that no kernel is compiled again.
+"""
 
 import ctypes
 
@@ -7,15 +10,16 @@ import pytest
 from scipy import sparse
 
 from frictionbench.problems import FrictionProblem
+from frictionbench.problems.copies import duplicate, nudged
+from frictionbench.problems.forms import delassus
 from frictionbench.problems.instances import make_instance
 from frictionbench.problems.random_problem import random_problem
-from frictionbench.problems.scenes import scene
 
 PLANAR = random_problem(3, contacts=6)
 PROBLEMS = {
     "plane": PLANAR,
     "space": make_instance("random_bodies", contacts=5),
-    "joints": scene("slider_crank").problem(),
+    "joints": make_instance("rod_chain", links=3),
     "matrix": FrictionProblem.from_delassus(PLANAR.W, PLANAR.q, PLANAR.friction, 2),
     "nothing": FrictionProblem.from_delassus(np.zeros((0, 0)), [], [], 3),
 }
@@ -40,3 +44,19 @@ def test_arrays_have_an_address() -> None:
     W, _ = PLANAR.dense()
     again = np.ctypeslib.as_array(W.ctypes.data_as(ctypes.POINTER(ctypes.c_double)), W.shape)
     assert again[1, 0] == PLANAR.W[1, 0]
+
+
+@pytest.mark.parametrize("problem", PROBLEMS.values(), ids=PROBLEMS)
+def test_no_kernel_is_compiled_for_a_copy(problem: FrictionProblem) -> None:
+    kernels = delassus.delassus, delassus._blocks, delassus.measures, delassus.velocity, delassus.contact_velocity
+    _use(problem.fresh())
+    compiled = [len(kernel.signatures) for kernel in kernels]
+    for same in (duplicate(problem), nudged(problem, 1), problem.balanced()[0], duplicate(problem.balanced()[0])):
+        _use(same)
+    assert [len(kernel.signatures) for kernel in kernels] == compiled
+
+
+def _use(problem: FrictionProblem) -> None:
+    """What methods ask of a problem."""
+    problem.dense(), problem.csr(), problem.units
+    problem.contact_velocity(0 * problem.offset)

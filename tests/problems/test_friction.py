@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from frictionbench.problems import LCP, FrictionProblem, InputError
+from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.forms.cone import project_cone
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.recorded.own import load, save
@@ -65,14 +65,6 @@ def test_bad_field(name, value) -> None:
 def test_bad_delassus_field(W, q, friction, d, name) -> None:
     with pytest.raises(InputError, match=f"^{name}: "):
         FrictionProblem.from_delassus(W, q, friction, d)
-
-
-@pytest.mark.parametrize(
-    ("M", "q", "name"), [(np.eye(2), [np.nan, 1], "q"), (np.eye(3), [1, 1], "M"), (np.eye(2), [[1, 1]], "q")]
-)
-def test_bad_lcp_field(M, q, name) -> None:
-    with pytest.raises(InputError, match=f"^{name}: "):
-        LCP(M, q)
 
 
 def test_no_contact() -> None:
@@ -190,42 +182,6 @@ def test_friction_bias_widens_the_cone() -> None:
     assert residual(FrictionProblem(**fields(friction_bias=[1.8])), r) > 1e-3
 
 
-def same_up_to_roundoff(a: float, b: float) -> bool:
-    return abs(a - b) <= 1e-9 * max(a, b, 1e-3)
-
-
-@settings(max_examples=40, deadline=None)
-@given(seed=st.integers(0, 10**6), kilogram=st.floats(1e-3, 1e3), metre=st.floats(1e-3, 1e3))
-def test_residual_invariance(seed, kilogram, metre) -> None:
-    problem = random_problem(seed, contacts=4, bodies=3)
-    random = np.random.default_rng(seed)
-    r = random.standard_normal((4, 2))
-    order = random.permutation(4)
-    before = residual(problem, r)
-    # New units for lengths of velocities: rows of J keep v's units, so u and v scale alike; impulses with mass and velocity.
-    changed = FrictionProblem(
-        mass=problem.mass * kilogram,
-        normal=problem.normal[order],
-        tangent=-problem.tangent[order],
-        friction=problem.friction[order],
-        free_velocity=problem.free_velocity * metre,
-        bias=problem.bias[order] * metre,
-    )
-    assert same_up_to_roundoff(residual(changed, r[order] * [1, -1] * kilogram * metre), before)
-
-
-def test_residual_tangent_frame_invariance() -> None:
-    random = np.random.default_rng(3)
-    J = random.standard_normal((6, 6))
-    angle = 0.7
-    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    full = np.kron(np.eye(2), np.block([[np.ones((1, 1)), np.zeros((1, 2))], [np.zeros((2, 1)), turn]]))
-    q, r = random.standard_normal(6), random.standard_normal((2, 3))
-    first = FrictionProblem.from_delassus(J @ J.T, q, [0.5, 0.9], 3)
-    second = FrictionProblem.from_delassus(full @ J @ J.T @ full.T, full @ q, [0.5, 0.9], 3)
-    assert same_up_to_roundoff(residual(first, r), residual(second, (full @ r.ravel()).reshape(2, 3)))
-
-
 @settings(max_examples=60, deadline=None)
 @given(
     seed=st.integers(0, 10**6), d=st.sampled_from([2, 3]), mu=st.sampled_from([0.0, 0.3, 5.0]), b=st.sampled_from([0.0, 0.4])
@@ -256,7 +212,7 @@ def test_equal_problems_have_equal_hashes_and_files(tmp_path) -> None:
     save(known, tmp_path / "w.npz")
     assert load(tmp_path / "w.npz").hash == known.hash
     r = np.random.default_rng(0).random((4, 2))
-    assert same_up_to_roundoff(residual(known, r), residual(problem, r))
+    assert residual(known, r) == pytest.approx(residual(problem, r), rel=1e-9)
 
 
 def known_by_W(seed: int = 0, contacts: int = 4) -> FrictionProblem:
@@ -329,17 +285,10 @@ def test_slight_indefiniteness_is_accepted(negative, accepted) -> None:
 
 def test_damaged_file(tmp_path) -> None:
     path = tmp_path / "p.npz"
-    with pytest.raises(InputError, match=r"p\.npz: no such file"):
-        load(path)
-    path.write_bytes(b"not a zip")
-    with pytest.raises(InputError, match=r"p\.npz"):
-        load(path)
-    np.savez(path, dimension=np.array(2))
-    with pytest.raises(InputError, match="is missing"):
-        load(path)
-    np.savez(path, dimension=np.array([object()], dtype=object))
-    with pytest.raises(InputError, match=r"p\.npz"):
-        load(path)
+    for dimension, complaint in ((np.array(2), "is missing"), (np.array([object()], dtype=object), r"p\.npz")):
+        np.savez(path, dimension=dimension)
+        with pytest.raises(InputError, match=complaint):
+            load(path)
 
 
 def test_repr_of_problem() -> None:

@@ -1,4 +1,8 @@
-"""What is no finite real number is refused with the name of its field, in problems, answers and parameters."""
+"""What cannot be used is refused with the name of its field, in problems, answers and parameters.
+
+That is what is no finite real number, and sparse matrices whose arrays do not fit together, by which compiled code would read
+outside them.
+"""
 
 from fractions import Fraction
 
@@ -9,6 +13,8 @@ from scipy import sparse
 import frictionbench as fb
 from frictionbench.problems import LCP, FrictionProblem, InputError
 from frictionbench.problems.parameters import number
+from frictionbench.problems.scenes import scene
+from frictionbench.solvers import solve
 
 GOOD = {
     "mass": np.diag([2.0, 3.0]),
@@ -97,3 +103,61 @@ def test_numbers_of_all_kinds_are_read() -> None:
     for kind in (np.int64, np.uint8, np.float32, np.longdouble):
         whole = {"mass": np.diag([2, 3]).astype(kind), "normal": GOOD["normal"].astype(kind).tolist()}
         assert FrictionProblem(**GOOD | whole).hash == problem.hash
+
+
+START = np.arange(7, dtype=np.int32)
+
+
+def damaged(form: str = "csr", **parts: object) -> sparse.csr_array:
+    """The identity of order 6 with other arrays."""
+    matrix = sparse.eye_array(6).asformat(form)
+    for name, value in parts.items():
+        setattr(matrix, name, value)
+    return matrix
+
+
+MATRICES = {
+    "negative": damaged(indptr=np.array([0, -5, 2, 3, 4, 5, 6], np.int32)),
+    "negative start": damaged(indptr=np.array([-3, 1, 2, 3, 4, 5, 6], np.int32)),
+    "too long": damaged(indptr=np.append(START, START[-1])),
+    "too short": damaged(indptr=START[:-1]),
+    "empty": damaged(indptr=START[:0]),
+    "overflowing": damaged(indptr=np.append(START[:-1], np.int32(-(2**31)))),  # its last difference is positive again
+    "beyond the end": damaged(indptr=np.append(START[:-1], np.int32(10**6))),
+    "large index": damaged(indices=START[:-1] + 100),
+    "negative index": damaged(indices=START[:-1] - 100),
+    "few entries": damaged(data=np.ones(1)),
+    "columns": damaged("csc", indptr=START[:-1]),
+    "triplets": damaged("coo", coords=(START[:-1] - 9, START[:-1])),
+    "few triplets": damaged("coo", coords=(START[:1], START[:1])),
+    "one axis": sparse.coo_array(np.ones(6)),
+}
+
+
+@pytest.mark.parametrize("matrix", MATRICES.values(), ids=MATRICES)
+def test_damaged_sparse_matrices(matrix) -> None:
+    wide = {"normal": np.ones((1, 6)), "tangent": np.ones((1, 6)), "free_velocity": np.ones(6), "joints": np.zeros((1, 6))}
+    with pytest.raises(InputError, match=r"^mass: "):
+        FrictionProblem(**GOOD | wide | {"mass": matrix})
+    with pytest.raises(InputError, match=r"^M: "):
+        LCP(matrix, np.ones(6))
+    with pytest.raises(InputError, match=r"^W: "):
+        FrictionProblem.from_delassus(matrix, np.ones(6), [0.5] * 3, 2)
+
+
+@pytest.mark.parametrize("dimension", [2.0, None, "2", [2], 4, float("nan")])
+def test_dimension(dimension) -> None:
+    with pytest.raises(InputError, match=r"^d: must be 2 or 3"):
+        FrictionProblem.from_delassus(np.eye(2), np.ones(2), [0.5], dimension)
+
+
+@pytest.mark.parametrize("solver", [None, 5, ["lemke"], b"lemke", object(), "", "lemke[", "lemke[restarts=-1]"])
+def test_names_of_solvers(solver) -> None:
+    with pytest.raises(InputError, match=r"^solver: "):
+        solve(scene("stack", blocks=1).problem(), solver)
+
+
+def test_entries_that_overflow() -> None:
+    for W in (np.full((4, 4), 1e308), np.eye(4) * 1e308, np.eye(4) * 1e200):
+        with pytest.raises(InputError, match=r"^W: its entries must be below 1e\+150"):
+            FrictionProblem.from_delassus(W, -np.ones(4), [0.5, 0.5], 2)

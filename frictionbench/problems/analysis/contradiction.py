@@ -45,8 +45,8 @@ class Contradiction(NamedTuple):
 
     def __str__(self) -> str:
         named = [*_named("contact", self.y), *_named("joint equation", self.z)]
-        told = "no solution exists: the conditions of " + " and ".join(named) + " contradict each other"
-        return f"{told}; no impulses have a residual below {self.least_residual:.2g}"
+        reason = "no solution exists: the conditions of " + " and ".join(named) + " contradict each other"
+        return f"{reason}; no impulses have a residual below {self.least_residual:.2g}"
 
 
 def _named(what: str, weights: Array) -> Iterable[str]:

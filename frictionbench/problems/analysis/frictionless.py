@@ -4,8 +4,8 @@ Without friction the impulses are normal and minimise the kinetic energy: with t
 
     0 <= u_n  ⟂  r_n >= 0,      u = W r + q.
 
-Such an answer satisfies Coulomb's law where no contact with friction that bears slides, as in a stack at rest. A friction
-problem with such an answer tests a solver of linear complementarity problems without friction, and is called idle. The
+Such an answer satisfies Coulomb's law where no contact with friction that carries load slides, as in a stack at rest. A
+friction problem with such an answer tests a solver of linear complementarity problems without friction, and is called idle. The
 frictionless velocities are unique, the impulses of hyperstatic contacts are not: the problem is idle if any of them satisfies
 the law.
 """
@@ -38,13 +38,13 @@ def idle(problem: FrictionProblem, solve: Solve) -> bool:
         return True
     # With a large normal impulse alone, the residual of a contact is at least |u_t| sqrt(1 + mu^2) over its unit.
     defect = np.linalg.norm(problem.contact_velocity(r)[:, 1:], axis=1) * np.hypot(1.0, problem.friction)
-    rough = (problem.friction > 0) | (problem.friction_bias > 0)
-    bears = np.flatnonzero(~(rough & (defect > within * problem.units)))
-    if len(bears) == problem.contacts:
+    with_friction = (problem.friction > 0) | (problem.friction_bias > 0)
+    others = np.flatnonzero(~(with_friction & (defect > within * problem.units)))
+    if len(others) == problem.contacts:
         return False
     second = np.zeros_like(r)
-    if len(bears):
-        second[bears] = frictionless_answer(keep_contacts(problem, bears.tolist()), solve)
+    if len(others):
+        second[others] = frictionless_answer(keep_contacts(problem, others.tolist()), solve)
     return residual(problem, second) <= max(WITHIN, residual_floor(problem, second))
 
 

@@ -100,10 +100,10 @@ def relaxation_cone(form: VelocityForm) -> ConeProgram:
 
 
 def _program(form: VelocityForm, section: Array) -> tuple[Rows, Array, Rows, Array, Rows, Array, Array, Array, Array]:
-    mu, wider = form.friction, form.friction_bias
-    p_start, q, *G, h = _matrices(*form.contact_rows, *form.mass_rows, form.free_velocity, form.offset, mu, wider, section)
+    mu, b_f = form.friction, form.friction_bias
+    p_start, q, *G, h = _matrices(*form.contact_rows, *form.mass_rows, form.free_velocity, form.offset, mu, b_f, section)
     P = Rows(p_start, form.mass_rows.column, form.mass_rows.value)
-    return P, q, Rows(*G), h, form.joint_rows, -form.joint_bias, section, mu, wider
+    return P, q, Rows(*G), h, form.joint_rows, -form.joint_bias, section, mu, b_f
 
 
 def _by_columns(columns: Rows, rows: int) -> sparse.csc_array:
@@ -111,12 +111,12 @@ def _by_columns(columns: Rows, rows: int) -> sparse.csc_array:
 
 
 @kernel
-def _matrices(start, column, J, m_start, m_column, m_value, free, offset, mu, wider, section):  # type: ignore[no-untyped-def]
+def _matrices(start, column, J, m_start, m_column, m_value, free, offset, mu, b_f, section):  # type: ignore[no-untyped-def]
     """P's columns' starts, q, G by columns (start, row, value) without zeros, and h."""
     nc, nv, m, d = len(mu), len(free), len(section), offset.shape[1]
     wide = 0
     for i in range(nc):
-        wide += wider[i] > 0
+        wide += b_f[i] > 0
     P_start, q, h = np.empty(nv + wide + 1, np.int32), np.zeros(nv + wide), np.zeros((nc + wide) * m)
     for v in range(nv):
         P_start[v] = m_start[v]
@@ -130,7 +130,7 @@ def _matrices(start, column, J, m_start, m_column, m_value, free, offset, mu, wi
         block = 0
         for segment in (False, True):
             for i in range(nc):
-                if segment and not wider[i] > 0:
+                if segment and not b_f[i] > 0:
                     continue
                 for k in range(m):
                     along = 0.0 if segment else section[k, 0]
@@ -154,7 +154,7 @@ def _matrices(start, column, J, m_start, m_column, m_value, free, offset, mu, wi
                         for a in range(1, d):
                             h[at] += across * section[k, a] * offset[i, a]
                 if segment and fill:
-                    q[nv + block - nc] = wider[i]
+                    q[nv + block - nc] = b_f[i]
                 block += 1
         if not fill:
             for v in range(nv + wide):
@@ -163,7 +163,7 @@ def _matrices(start, column, J, m_start, m_column, m_value, free, offset, mu, wi
 
 
 @kernel
-def _impulse(section, mu, wider, z):  # type: ignore[no-untyped-def]
+def _impulse(section, mu, b_f, z):  # type: ignore[no-untyped-def]
     """The contact impulses (nc, d): the rows' coefficients times their multipliers."""
     nc, (m, d) = len(mu), section.shape
     r, block = np.zeros((nc, d)), nc
@@ -172,7 +172,7 @@ def _impulse(section, mu, wider, z):  # type: ignore[no-untyped-def]
             r[i, 0] += section[k, 0] * z[i * m + k]
             for a in range(1, d):
                 r[i, a] += mu[i] * section[k, a] * z[i * m + k]
-        if wider[i] > 0:
+        if b_f[i] > 0:
             for k in range(m):
                 for a in range(1, d):
                     r[i, a] += section[k, a] * z[block * m + k]

@@ -40,12 +40,12 @@ def cubes(
     velocity[:, :2] = np.outer(number("push", push) * height, [0.8, 0.6]) + h * GRAVITY * np.sin(slope) * np.array([0.6, -0.8])
     velocity[:, 2] = -h * GRAVITY * np.cos(slope) - number("fall", fall)
     velocity[:, 5] = number("twist", twist) * height
-    rough = np.where(box % 2 == 0, 1.0, number("smooth", smooth, least=0))
+    share = np.where(box % 2 == 0, 1.0, number("smooth", smooth, least=0))
     return touching(
         np.column_stack([box, box - 1]),
         arms,
         np.broadcast_to(upright, (4 * boxes, 3, 3)),
         np.outer(mass, [1, 1, 1, 1 / 6, 1 / 6, 1 / 6]),
         velocity,
-        number("friction", friction, least=0) * rough,
+        number("friction", friction, least=0) * share,
     )

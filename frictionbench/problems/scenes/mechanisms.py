@@ -62,8 +62,8 @@ def slider_crank(
     guide = (height + 0.1) / 2 + clearance  # the height of a guide's centre
     angle = number("angle", angle)
     cos, sin = np.cos(angle), np.sin(angle)
-    lean = -np.arcsin(crank / rod * sin)
-    along = np.cos(lean)
+    rod_angle = -np.arcsin(crank / rod * sin)
+    along = np.cos(rod_angle)
     swing = -w * crank * cos / (rod * along)  # the rod's spin
     return Scene(
         bodies=(Body(0.038, 7.4e-5, ()), Body(0.038, 5.9e-4, ()), Body(0.076, 2.7e-6, (box(length, height),))),
@@ -76,7 +76,7 @@ def slider_crank(
         q0=np.array(
             [
                 [crank / 2 * cos, crank / 2 * sin, angle],
-                [crank * cos + rod / 2 * along, crank / 2 * sin, lean],
+                [crank * cos + rod / 2 * along, crank / 2 * sin, rod_angle],
                 [crank * cos + rod * along, 0.0, number("tilt", tilt, least=-0.1, most=0.1)],
             ]
         ),

@@ -40,7 +40,7 @@ ACCURACY = 1e-10  # of the integrator
 CLOSED = 1e-9  # of the largest body: a gap at which a contact is closed, far above the error of a located event
 LOW = 1e-9  # of the largest body: see above
 AT_REST = 1e-9  # of the fastest speed: a normal or tangential speed that is none
-SURE = 1e-8  # of the accelerations at hand: one that is none; far below events.path.HAIR
+SURE = 1e-8  # of the accelerations at hand: one that is none; far below events.path.MARGIN
 MOST = 500  # smooth parts of a step, each with an event at its end: also touches that leave the motion as it is
 
 Impact = Callable[[Scene, Array, Array, Contacts, Solve], tuple[list[Solved], Array]]

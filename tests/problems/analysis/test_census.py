@@ -14,7 +14,6 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scenes import scene
-from tests.helpers.force_level import Regime, force_level_lcp, regime
 from tests.helpers.friction_problems import block, nothing, spatial, with_joints
 from tests.helpers.lcp_census import lcp_census
 
@@ -217,14 +216,6 @@ def test_labels_are_plain() -> None:
     }
 
 
-def test_lcp_census_of_a_segment() -> None:
-    """Symmetric positive semidefinite, z_1 + z_2 = 1: one convex set, one w."""
-    found = lcp_census(LCP(np.ones((2, 2)), [-1, -1]))
-    assert found.shape is Shape.CONVEX
-    assert found.velocity_count == 1
-    assert found.pieces[0].vertices.sum(axis=1) == pytest.approx([1, 1])
-
-
 @pytest.mark.parametrize("seed", range(20))
 def test_lcp_census_against_principal_pivots(seed: int) -> None:
     random = np.random.default_rng(seed)
@@ -291,27 +282,3 @@ def test_shapes_of_unions() -> None:
     assert look(quadrant, segment([0, 0], [-1, 0])) is Shape.NOT_CONVEX
     assert contains(quadrant, np.array([3.0, 1e-9]))
     assert not contains(quadrant, np.array([3.0, -1e-3]))
-
-
-@pytest.mark.parametrize(
-    ("p", "K", "next_", "count"),
-    [(2, -1, Regime.SLIDE, 1), (2, 1, Regime.OPEN, 1), (-2, -1, Regime.IMPACT, 0), (-2, 1, Regime.THREE, 2)],
-)
-def test_one_sliding_contact_has_four_regimes(p: float, K: float, next_: Regime, count: int) -> None:
-    """Unit mass with a = 4, b = 3 and mu chosen so that a - mu b = p."""
-    mu = (4 - p) / 3
-    lcp = force_level_lcp(np.eye(2), [[2, 0]], [[1.5, 1]], [mu], [K / 2, 0], [1])
-    assert lcp.dense == pytest.approx(np.array([[p]]))
-    assert lcp.q == pytest.approx([K])
-    assert regime(lcp.dense[0, 0], lcp.q[0]) is next_
-    assert lcp_census(lcp).count == count
-
-
-def test_force_level_of_two_contacts() -> None:
-    random = np.random.default_rng(5)
-    M, N, T = np.diag([1.0, 2, 3]), random.random((2, 3)), random.random((2, 3))
-    mu, k, s, rate = np.array([0.5, 0.7]), random.random(3), np.array([-2.0, 0.0]), np.array([0.1, 0.2])
-    lcp = force_level_lcp(M, N, T, mu, k, s, rate)
-    inverse = np.linalg.inv(M)
-    assert lcp.dense == pytest.approx(N @ inverse @ np.column_stack([N[0] + 0.5 * T[0], N[1]]))
-    assert lcp.q == pytest.approx(N @ inverse @ k + rate)

@@ -50,19 +50,6 @@ def test_a_jam_is_not_pointed(friction: float) -> None:
     assert pointedness(jam(friction)) == pytest.approx(4)
 
 
-@pytest.mark.parametrize(
-    ("angle", "friction", "pointed"), [(0.5, 0.5, True), (0.5, 0.6, False), (1.0, 1.5, True), (1.0, 1.6, False)]
-)
-def test_wedge_pointedness_threshold(angle: float, friction: float, pointed: bool) -> None:
-    """Two planes that rise at +-angle from the vertical hold a particle's friction cones in balance from mu = tan(angle) on."""
-    normal = np.array([[np.cos(angle), np.sin(angle)], [-np.cos(angle), np.sin(angle)]])
-    tangent = np.column_stack([normal[:, 1], -normal[:, 0]])
-    problem = FrictionProblem(
-        mass=np.eye(2), normal=normal, tangent=tangent, friction=[friction] * 2, free_velocity=[0, -1], bias=[0, 0]
-    )
-    assert (pointedness(problem) < 1e-7) is pointed
-
-
 def test_joint_momentum() -> None:
     """A contact on a body that a joint holds in place exchanges impulses with the joint."""
     bead = {

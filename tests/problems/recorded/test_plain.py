@@ -148,6 +148,8 @@ def test_values_are_blamed_on_their_array(tmp_path) -> None:
     assert complaint(tmp_path, BODIES | {"fb": -np.ones(2)}) == "fb: must not be negative"
     assert complaint(tmp_path, BODIES | {"M": np.triu(np.ones((6, 6)))}).startswith("M: not ")
     assert complaint(tmp_path, CONTACTBENCH | {"mus": -np.ones(2)}) == "mus: must not be negative"
+    for d in (np.array(7), np.array([2, 3]), np.array("2")):
+        assert complaint(tmp_path, DELASSUS | {"d": d}).startswith("d: ")
     assert complaint(tmp_path, BODIES | {"vfree": BODIES["v"]}).startswith("vfree: another name of v")
 
 

@@ -9,8 +9,8 @@ conditions of the mode are evaluated on its dense output, and the first that is 
     singular   det A changes its sign: past Painlevé's p = 0 no force is determined
     redundant  where forces are not determined, the friction problem's accelerations are others than the mode's
 
-A force violates its condition when the acceleration that it would have to prevent exceeds HAIR of the accelerations at hand,
-so that the mode after the event is beyond doubt; the impulse until then is of the order of HAIR squared.
+A force violates its condition when the acceleration that it would have to prevent exceeds MARGIN of the accelerations at hand,
+so that the mode after the event is beyond doubt; the impulse until then is of the order of MARGIN squared.
 """
 
 from collections.abc import Callable
@@ -28,7 +28,7 @@ from frictionbench.problems.schemes.events.mode import Forces, Mode, forces
 from frictionbench.problems.schemes.stepping import NoSolution, Smooth, Solve
 
 SAMPLES = 6  # of the dense output of an integrator's step, so that a touch and rebound within it is seen
-HAIR = 1e-6  # see above
+MARGIN = 1e-6  # see above
 STILL = 1e-11  # of the fastest speed or the largest body: what a speed or a gap may be on the wrong side of zero
 RISES = 40  # halvings of an interval in which a condition is sought to hold for a while
 EXACT = 1e-14  # relative accuracy of an event's time
@@ -83,16 +83,16 @@ class _Path:
         if found.redundant:
             holds = 1.0 if self._holds(time, q, v, contacts) else -1.0
         else:
-            lift = found.normal * found.stiffness[:, 0] + HAIR * self.size
+            lift = found.normal * found.stiffness[:, 0] + MARGIN * self.size
             mu = self.scene.coefficients(contacts)
-            spare = (mu * found.normal - np.abs(found.tangential)) * found.stiffness[:, 1] + HAIR * self.size
+            spare = (mu * found.normal - np.abs(found.tangential)) * found.stiffness[:, 1] + MARGIN * self.size
             slip = np.where(self.mode.slip == 0, spare, 1.0)
         return np.concatenate([[touch, 1.0, found.sign * self.start.sign, holds], lift, slip, turn])
 
     def _holds(self, time: float, q: Array, v: Array, contacts: Contacts) -> bool:
         self.evaluations += 1
         at = accelerations(self.scene, q, v, time, contacts, self.mode.slip, self.solve)
-        return bool((np.abs(at.contacts) <= HAIR * max(at.size, self.size)).all())
+        return bool((np.abs(at.contacts) <= MARGIN * max(at.size, self.size)).all())
 
     def tolerance(self) -> Array:
         nc = len(self.mode.slip)
