@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from functools import partial
+from itertools import product
 from time import perf_counter
 
 import numpy as np
@@ -47,6 +48,27 @@ def drifts(
                     # of a step, with contact finding in Python; only to be compared between the forms
                     "seconds": seconds / count,
                 }
+
+
+def free(
+    schemes: Iterable[str] = ("anitescu_potra", "moreau", "stewart_trinkle"),
+    counts: Iterable[int] = (10, 20, 40, 80, 160),
+    duration: float = 0.004,
+) -> Iterator[Row]:
+    """The same mechanism with so much clearance that nothing touches: the order of each scheme in each form."""
+    known = fb.scene(NAMES["angles"], step=duration, duration=duration, clearance=0.01)
+    assert isinstance(known, ReducedScene)
+    end = known.place(SCHEMES["event_driven_newton"](known, start(known), exact).q)
+    for scheme, count, (form, name) in product(schemes, counts, NAMES.items()):
+        made = fb.scene(name, step=duration / count, duration=duration, clearance=0.01)
+        *_, last = simulation(made, exact, SCHEMES[scheme])
+        found = made.place(last.q) if isinstance(made, ReducedScene) else last.q
+        yield {
+            "scheme": scheme,
+            "step": duration / count,  # s
+            "form": form,  # angles or hinges
+            "error": float(np.abs(found - end).max()),  # of a body's coordinate at the end, m or rad
+        }
 
 
 def problems(solvers: Iterable[str] = SOLVERS, steps: int = 200) -> Iterator[Row]:
@@ -109,6 +131,7 @@ def summary(found: Tables) -> Summary:
         "drifts": told,
         "ends": ends,
         "counts": counts,
+        "free": "; ".join(f"{form}: {_orders(rows)}" for form, rows in found["free"].groupby("form")),
         "time_middle": f"{ratio[0.5]:.2f}",
         "time_low": f"{ratio[0.25]:.2f}",
         "time_high": f"{ratio[0.75]:.2f}",
@@ -117,6 +140,10 @@ def summary(found: Tables) -> Summary:
         "drift": (Panel("drift", partial(_drift, hinges=hinges)), Panel("error", partial(_error, drifts=drifts))),
     }
     return Summary(numbers, figures)
+
+
+def _orders(rows: pd.DataFrame) -> str:
+    return ", ".join(f"{scheme} {order(own['step'], own['error'])}" for scheme, own in rows.groupby("scheme"))
 
 
 def _drift(ax: Axes, hinges: pd.DataFrame) -> None:
@@ -140,6 +167,7 @@ def _error(ax: Axes, drifts: pd.DataFrame) -> None:
 STUDY = Study(
     (
         drifts,
+        free,
         problems,
     ),
     summary,

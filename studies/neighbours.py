@@ -29,7 +29,7 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "rod at p > 0": ("painleve_rod", ROD | {"friction": 1.0}),
     "rod at p < 0": ("painleve_rod", ROD),
     "rod leaving at p < 0": ("painleve_rod", ROD | {"lift": G * STEP}),
-    "jam": ("jam", {}),
+    "jam": ("jam", {"sideways": 0.1}),  # moves towards a wall: without it no impulses are a solution
     "flat landing": ("two_corner_block", {"fall": FALL, "friction": 1.0, "aspect": ASPECT, "velocity": 0.0}),
 }
 SCHEMES_COMPARED = ("anitescu_potra", "stewart_trinkle", "moreau", "event_driven")

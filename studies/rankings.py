@@ -233,7 +233,7 @@ def _alike(rows: pd.DataFrame) -> tuple[int, int, int, float]:
 
 def _said(alike: tuple[int, int, int, float]) -> str:
     none, of, same, value = alike
-    return f"{none} of {of} methods report no iteration, and {same} of them the residual {value!r} to the last digit"
+    return f"{none} of {of} methods report no iteration, and {same} of them the residual {value:.0e}, equal to the last digit"
 
 
 def _looks(rows: pd.DataFrame) -> dict[str, Look]:

@@ -1,7 +1,8 @@
 """Can a step with friction be recast as a convex problem? The relaxation's error, and Anitescu and Hart's fixed point."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -13,17 +14,19 @@ from frictionbench.problems import GRAVITY, FrictionProblem, census
 from frictionbench.reports import INK, Panel
 from frictionbench.solvers import solve
 from studies.motions import coulomb, path, relaxed
-from studies.study import Array, Row, Study, Summary, Tables, curve, finish, order, require, share
+from studies.study import Array, Row, Study, Summary, Tables, curve, finish, order, require
 
 PILES: dict[str, dict[str, Any]] = {
     "stack": {"blocks": 5},
     "pyramid": {"rows": 4},
     "wall": {"rows": 3, "columns": 3},
-    "arch": {"stones": 9, "push": 1.0},
+    "arch": {"stones": 9},
 }
 FRICTIONS = (0.05, 0.1, 0.2, 0.4, 0.8, 1.2, 1.6)
 STEPS = (1e-4, 1e-3, 1e-2)
 GAPS = "stewart_trinkle"
+SUDDEN, SMOOTH = "sudden", "smooth"
+PUSHES: dict[str, Callable[[float], float]] = {SUDDEN: lambda step: 1.0, SMOOTH: lambda step: 10.0 * step}  # m/s in a step
 
 
 def errors(frictions: Iterable[float] = FRICTIONS, steps: Iterable[float] = STEPS) -> Iterator[Row]:
@@ -32,10 +35,10 @@ def errors(frictions: Iterable[float] = FRICTIONS, steps: Iterable[float] = STEP
     anitescu_hart: relaxations until 1e-8; null if not reached; staggered: rounds of staggered projections until 1e-8; null
     if not reached.
     """
-    for name, size in PILES.items():
+    for (name, size), (kind, push) in product(PILES.items(), PUSHES.items()):
         for friction in frictions:
             for step in steps:
-                problem = fb.scene(name, **{"push": 1.0} | size, friction=friction, step=step).problem()
+                problem = fb.scene(name, **size, push=push(step), friction=friction, step=step).problem()
                 v, w = problem.velocity(coulomb(problem)), problem.velocity(relaxed(problem))
                 counts = {
                     spec: answer.work[unit] if fb.residual(problem, answer.impulse) <= 1e-8 else None
@@ -44,6 +47,7 @@ def errors(frictions: Iterable[float] = FRICTIONS, steps: Iterable[float] = STEP
                 }
                 yield {
                     "scene": name,  # pile, its lowest or topmost body pushed
+                    "push": kind,  # by 1 m/s at once, or by 10 m/s^2
                     "friction": friction,  # mu
                     "step": step,  # s
                     "residual": fb.residual(problem, relaxed(problem)),  # of the relaxation's answer by Coulomb's law
@@ -159,8 +163,10 @@ def summary(found: Tables) -> Summary:
     require(np.allclose(gaps["smooth"], gaps["smooth_predicted"], rtol=0.02), "the smooth gap is h mu |v_t|")
     require(abs(hop["hop"] / hop["hop_predicted"] - 1) < 0.05, "the hop is that of the closed form")
     usual = errors[errors["friction"].between(0.1, 0.8)]
-    by_step = usual.groupby("step")["error"].median()
-    require(by_step.iloc[0] >= by_step.iloc[-1], "smaller steps do not lessen the error")
+    by_step = usual.groupby(["push", "step"])["error"].median()
+    require(by_step[SUDDEN].iloc[0] >= by_step[SUDDEN].iloc[-1], "smaller steps do not lessen the error of sudden pushes")
+    by_push = usual.groupby("push")["error"].median()
+    by_pile = usual.groupby(["push", "scene"])["error"].median()
     counts = errors.groupby("friction")[["anitescu_hart", "staggered"]].agg(["count", "median"])
     arrived = {name: int(errors[name].notna().sum()) for name in ("anitescu_hart", "staggered")}
     apart = (stopping["coulomb"] - stopping["relaxed"]).abs() / stopping["exact"]
@@ -168,13 +174,17 @@ def summary(found: Tables) -> Summary:
     agree, many = int((falls["coulomb"] == falls["relaxed"]).sum()), len(falls)
     low, high = counts.index.min(), counts.index[counts["anitescu_hart"]["count"] > 0].max()
     numbers = {
-        "error": f"{100 * usual['error'].median():.0f}",
+        "sudden": f"{100 * by_push[SUDDEN]:.0f}",
+        "smooth_error": f"{100 * by_push[SMOOTH]:.2g}",
+        **{f"piles_{push}": _by_pile(by_pile[push]) for push in PUSHES},
+        "smooth_finest": f"{by_step[SMOOTH].iloc[0]:.1g}",
+        "smooth_coarsest": f"{by_step[SMOOTH].iloc[-1]:.1g}",
         "arrived": arrived["anitescu_hart"],
         "cases": len(errors),
         "first_step": f"{errors['step'].min():g}",
         "last_step": f"{errors['step'].max():g}",
-        "finest_error": f"{by_step.iloc[0]:.2f}",
-        "coarsest_error": f"{by_step.iloc[-1]:.2f}",
+        "finest_error": f"{by_step[SUDDEN].iloc[0]:.2f}",
+        "coarsest_error": f"{by_step[SUDDEN].iloc[-1]:.2f}",
         "hop": f"{1000.0 * hop['hop']:.1f}",
         "hop_predicted": f"{1000.0 * hop['hop_predicted']:.1f}",
         "smooth": smooth,
@@ -190,7 +200,7 @@ def summary(found: Tables) -> Summary:
         "staggered": arrived["staggered"],
         "cycle_from": f"{cycling['friction'].min():.2f}",
         "cycle_to": f"{cycling['friction'].max():.2f}",
-        "cycle_staggered": share(cycling["staggered"].eq("solved").sum(), len(cycling)),
+        "cycle_staggered": f"{cycling['staggered'].eq('solved').sum()} of {len(cycling)}",
     }
     figures = {
         "errors": (
@@ -205,10 +215,16 @@ def summary(found: Tables) -> Summary:
     return Summary(numbers, figures)
 
 
+def _by_pile(errors: pd.Series) -> str:
+    return ", ".join(f"{name} {error:.2g}" for name, error in errors.items())
+
+
 def _errors(ax: Axes, errors: pd.DataFrame) -> None:
     for k, (name, own) in enumerate(errors[errors["step"] == 0.001].groupby("scene")):
-        curve(ax, k, own["friction"], own["error"], str(name))
-    finish(ax, "mu", "error of the velocity", "x")
+        for push, line in ((SUDDEN, "-"), (SMOOTH, ":")):
+            rows = own[own["push"] == push]
+            curve(ax, k, rows["friction"], rows["error"].clip(lower=1e-6), f"{name}, {push}", ls=line)
+    finish(ax, "mu", "error of the velocity", "xy")
 
 
 def _counts(ax: Axes, errors: pd.DataFrame) -> None:

@@ -58,7 +58,11 @@ def summary(found: Tables) -> Summary:
     counts = rows.set_index([*KEYS, "start"])["count"].unstack()  # noqa: PD010
     counts = counts.reindex(solved.index[solved.eq(True).all(axis=1)]).astype(float)
     motions = counts.groupby(["variant", "scene"]).sum()
-    ratios = {name: {start: _ratio(own, start) for start in (WARM, SHUFFLED)} for name, own in motions.groupby(level="variant")}
+    methods = motions.index.unique("variant")
+    ratios = {
+        name: {start: _ratio(own, start, len(methods)) for start in (WARM, SHUFFLED)}
+        for name, own in motions.groupby(level="variant")
+    }
     names = sorted(ratios, key=lambda name: ratios[name][WARM][0])
     gained = [name for name in names if ratios[name][WARM][2] < 1]
     nearer = [name for name in names if ratios[name][WARM][0] < ratios[name][SHUFFLED][0]]
@@ -66,17 +70,17 @@ def summary(found: Tables) -> Summary:
     at_once = [f"{name} in {100 * free[name]:.0f} %" for name in names if free[name] > 0]
     lost = [name for name in names if answers.loc[name, WARM] < answers.loc[name, COLD]]
     middle = (motions[WARM] / motions[COLD]).groupby("variant").median()
-    low, high = ratios[names[0]][WARM][0], ratios[names[-1]][WARM][0]
+    ends = middle.idxmin(), middle.idxmax()
     told = [
         f"{name} ({COUNTS[name]}) {_words(ratios[name][WARM])}, {middle[name]:.2f} in the median motion, "
         f"from another step {ratios[name][SHUFFLED][0]:.2f}"
         for name in names
     ]
     numbers = {
-        "low": f"{low:.2f}",
-        "first": names[0],
-        "high": f"{high:.2f}",
-        "last": names[-1],
+        "middle_low": f"{middle.min():.2f}",
+        "middle_first": ends[0],
+        "middle_high": f"{middle.max():.2f}",
+        "middle_last": ends[1],
         "gained": len(gained),
         "methods": len(names),
         "problems": problems.iloc[0],
@@ -101,11 +105,11 @@ def _count(variant: str, work: object) -> float:
     return float(json.loads(work).get(COUNTS[variant], np.nan)) if isinstance(work, str) else np.nan
 
 
-def _ratio(own: pd.DataFrame, start: str, draws: int = 2000) -> tuple[float, float, float]:
-    """The ratio of the sums, with the interval of 95 % by resampling the motions."""
+def _ratio(own: pd.DataFrame, start: str, methods: int, draws: int = 2000) -> tuple[float, float, float]:
+    """The ratio of the sums, with its interval by resampling the motions, of 95 % for so many methods together."""
     pick = np.random.default_rng(1).integers(len(own), size=(draws, len(own)))
     above, below = (own[column].to_numpy(float) for column in (start, COLD))
-    low, high = np.quantile(above[pick].sum(axis=1) / below[pick].sum(axis=1), (0.025, 0.975))
+    low, high = np.quantile(above[pick].sum(axis=1) / below[pick].sum(axis=1), (0.025 / methods, 1 - 0.025 / methods))
     return float(above.sum() / below.sum()), float(low), float(high)
 
 

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from frictionbench.problems.schemes import SCHEMES, NoSolution, Step, start
     from frictionbench.problems.schemes.event_driven import Impact, follow, newton
     from frictionbench.problems.schemes.impact import impact
+    from frictionbench.problems.schemes.stepping import Scheme, Solve, Solved
     from frictionbench.problems.simulate import first_problem
     from frictionbench.problems.simulate import simulate as simulation
     from frictionbench.problems.spatial.bodies import HalfSpace, solid_box, solid_sphere
@@ -42,7 +43,10 @@ __all__ = [
     "NoSolution",
     "ReducedScene",
     "Scene",
+    "Scheme",
     "Shape",
+    "Solve",
+    "Solved",
     "Status",
     "Step",
     "Verdict",
@@ -84,6 +88,9 @@ _DEFINED_IN = {
     "follow": "schemes.event_driven",
     "newton": "schemes.event_driven",
     "impact": "schemes.impact",
+    "Scheme": "schemes.stepping",
+    "Solve": "schemes.stepping",
+    "Solved": "schemes.stepping",
     "first_problem": "simulate",
     "simulation": "simulate",
     "ACCEPTED": "verdicts",

@@ -28,7 +28,7 @@ METHOD = (  # how the figures were measured, in words for reports
     + "; ".join(f"{way}: {meaning.replace('`', '')}" for way, meaning in WAYS.items())
     + ". All include form, solve and, but for calls, the residual of every answer. Cold starts are from zero "
     f"impulses; warm ones from the answers of the same problems with pushes smaller by {100 * NEARBY:g} %, as of the step "
-    "before. Compiling and loading are in no figure.",
+    "before. Times exclude compilation and loading.",
     "A rate is shown only where the verifier finds the residual of every answer within the tolerance, contacts bear, and "
     "friction is at work; otherwise the reason stands in its place.",
     "MuJoCo's rollout has no row: it takes models and states and detects contacts itself, so that it cannot be given these "

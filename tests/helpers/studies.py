@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 from matplotlib.figure import Figure
 
-from studies import __main__ as running
+from studies import running
 from studies.study import Tables
 
 

@@ -6,8 +6,8 @@ import pytest
 from frictionbench import InputError
 from frictionbench.harness import families
 from frictionbench.results import ResultsError
-from studies.__main__ import compute
 from studies.rankings import recorded, summary
+from studies.running import compute
 from studies.study import RECORDED, Tables
 from tests.helpers.paths import ROOT
 from tests.helpers.studies import reduced, text

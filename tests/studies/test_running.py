@@ -6,7 +6,8 @@ import pandas as pd
 import pytest
 
 from frictionbench.results import ResultsError
-from studies import __main__ as running
+from studies import __main__ as command
+from studies import running
 from studies.study import Summary, require
 from tests.helpers.paths import ROOT
 
@@ -55,5 +56,5 @@ def test_numbers_that_the_prose_lacks_are_errors() -> None:
 @pytest.mark.parametrize("arguments", [["convexty"], ["warm", "--data", "somewhere"]])
 def test_what_is_not_known_is_refused(arguments, capsys) -> None:
     with pytest.raises(SystemExit, match="2"):
-        running.main(arguments)
+        command.main(arguments)
     assert "studies: error:" in capsys.readouterr().err

@@ -1,0 +1,124 @@
+"""The tables of studies, computed in processes of their own, and the page made from them.
+
+    OUT/NAME/TABLE.parquet   a computed table
+    OUT/NAME/runs, recorded  the solver runs of a study, results folders like any other
+    OUT/studies.md, studies/ the page of all studies that OUT holds, and its figures as SVG and PDF
+
+A table is computed anew where the code that computes it has changed: that of the package and that of the study above its
+`summary`. An interrupted call is continued by the same command.
+"""
+
+import os
+import sys
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from hashlib import sha256
+from importlib import import_module
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from frictionbench.harness import Progress, content, run_plan
+from frictionbench.reports import escaped, save_sheet
+from frictionbench.results import read_table, subfolder, write_text
+from studies.study import RECORDED, Study, Summary, Tables
+
+NAMES = (  # in the order of the page
+    *("convexity", "relaxation", "interior", "dissipation", "inclusion", "cone"),
+    *("orders", "events", "coordinates", "compliance", "neighbours", "warm", "rankings"),
+)
+HERE = Path(__file__).parent
+FIGURES = "studies"  # the folder of the figures that studies.md shows
+PANEL = (3.4, 2.5)  # inches
+CODE = b"code"  # the hash of the code that computed a table, in its file's metadata
+
+
+def study(name: str) -> Study:
+    found: Study = import_module(f"studies.{name}").STUDY
+    return found
+
+
+def code(name: str) -> str:
+    """A hash of what computes a study's tables: the package, and the study's file above its summary."""
+    above = (HERE / f"{name}.py").read_text(encoding="utf-8").partition("\ndef summary(")[0]
+    shared = (HERE / "motions.py").read_text(encoding="utf-8")
+    return sha256((above + shared + content(("problems", "solvers"))).encode()).hexdigest()
+
+
+def compute(names: Sequence[str], out: Path, jobs: int, locations: Sequence[str] = ()) -> None:
+    """Compute what is missing. Errors: as of harness.run; InputError where a location has no recorded problems."""
+    plans = {name: study(name).recorded for name in names}
+    recorded = {name: plan(locations) for name, plan in plans.items() if plan and locations}
+    missing = [(name, rows.__name__) for name in names for rows in study(name).rows if not _kept(out, name, rows.__name__)]
+    os.environ.setdefault("OMP_NUM_THREADS", "1")  # a core for each table
+    with ProcessPoolExecutor(jobs, get_context("spawn")) as pool:
+        for done in as_completed([pool.submit(write_rows, out, *table) for table in missing]):
+            print(done.result(), file=sys.stderr)
+    for name in names:
+        if (plan := study(name).plan) is not None:
+            run_plan(plan(), subfolder(out, name) / "runs", jobs, Progress())
+        if name in recorded:
+            run_plan(recorded[name], subfolder(out, name) / RECORDED, jobs, Progress())
+
+
+def write_rows(out: Path, name: str, table: str, settings: Mapping[str, Any] | None = None) -> Path:
+    """Compute a table, with other settings than its defaults where they are given, and write it."""
+    rows = next(rows for rows in study(name).rows if rows.__name__ == table)
+    found = pa.Table.from_pandas(pd.DataFrame(rows(**settings or {})), preserve_index=False)
+    path = subfolder(out, name) / f"{table}.parquet"
+    partial = path.with_suffix(".partial")
+    pq.write_table(found.replace_schema_metadata({**(found.schema.metadata or {}), CODE: code(name)}), partial)
+    return partial.replace(path)
+
+
+def _kept(out: Path, name: str, table: str) -> bool:
+    path = out / name / f"{table}.parquet"
+    return path.exists() and (pq.read_schema(path).metadata or {}).get(CODE) == code(name).encode()
+
+
+def read(out: Path, name: str) -> Tables | None:
+    """The tables of a study; None where one is missing."""
+    own, runs = study(name), out / name / "runs"
+    paths = [out / name / f"{rows.__name__}.parquet" for rows in own.rows]
+    if not all(path.exists() for path in paths) or (own.plan and not (runs / "solves.parquet").exists()):
+        return None
+    tables = {path.stem: pd.read_parquet(path) for path in paths}
+    tables |= {"solves": read_table(runs, "solves")} if own.plan else {}
+    recorded = out / name / RECORDED
+    return tables | ({RECORDED: read_table(recorded, "solves")} if (recorded / "solves.parquet").exists() else {})
+
+
+def write_page(out: Path) -> Path:
+    """Write OUT/studies.md and its figures, of all studies that are complete in OUT."""
+    told = []
+    for name in NAMES:
+        tables = read(out, name)
+        if tables is not None:
+            summary = study(name).summary(tables)
+            told.append(text(name, summary))
+            for figure, panels in summary.figures.items():
+                stem = subfolder(out, FIGURES) / f"{name}_{figure}"
+                save_sheet(panels, dict(summary.looks), stem, 2, PANEL, 8, kinds=("svg", "pdf"), paper="white")
+    write_text(out / "studies.md", _environment().get_template("page.md").render(studies=told))
+    return out / "studies.md"
+
+
+def text(name: str, summary: Summary) -> dict[str, str]:
+    """A study's question, answer and text in Markdown, with its numbers filled in."""
+
+    def figure(own: str, caption: str) -> str:
+        return f"![{caption}]({FIGURES}/{name}_{own}.svg)\n\n{caption}"
+
+    numbers = {key: escaped(value) if isinstance(value, str) else value for key, value in summary.numbers.items()}
+    module: Any = _environment().get_template(f"{name}.md").make_module({"figure": figure, **numbers})
+    question, answer = (" ".join(str(part).split()) for part in (module.question, module.answer))
+    return {"name": name, "question": question, "answer": answer, "body": str(module).strip()}
+
+
+def _environment() -> Environment:
+    return Environment(loader=FileSystemLoader(HERE / "text"), undefined=StrictUndefined, keep_trailing_newline=True)
