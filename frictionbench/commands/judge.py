@@ -10,6 +10,7 @@ from frictionbench.results.judgement import (
     QUANTITIES,
     Judgement,
     beside,
+    impossible,
     laws,
     notes,
     percentiles,
@@ -30,6 +31,8 @@ def told(folder: Path) -> str:
     lines += _quantities(found)
     most = ", ".join(f"{law} in {count}" for law, count in laws(found).items())
     lines += ["", f"law violated most: {most}" if most else "no law is violated beyond rounding"]
+    if proved := impossible(found):
+        lines += paragraph(printable(proved), screen(), "")
     if noted := notes(found):
         means = "; ".join(f"{printable(name)} {100 * share:.2g} % in {count} steps" for name, (share, count) in noted.items())
         lines += paragraph(f"not expressed by the problems, with mean shares of the impulse: {means}", screen(), "")

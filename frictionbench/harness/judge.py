@@ -23,6 +23,7 @@ from frictionbench.harness.run import COLLECT_SECONDS, open_folder
 from frictionbench.harness.run import run as run_plan
 from frictionbench.harness.workers.pool import Pool, Task
 from frictionbench.problems import FrictionProblem, InputError
+from frictionbench.problems.analysis.contradiction import contradiction
 from frictionbench.problems.check import Array, require
 from frictionbench.problems.recorded import own
 from frictionbench.problems.residual import contact_residuals, residual_floor
@@ -50,6 +51,7 @@ def judge_file(folder: Path, path: Path) -> Judgement:
     largest = dict(zip(LAWS, (float(one.max(initial=0.0)) for one in laws), strict=True))
     law = LAWS[int(np.argmax([one[by_contact.argmax()] for one in laws]))] if problem.contacts else ""
     limit = problem.friction * impulse[:, 0] + problem.friction_bias
+    exact = _exact(problem)
     forces = np.column_stack([impulse[:, 0], np.linalg.norm(impulse[:, 1:], axis=1), limit])
     return Judgement(
         file=path.name,
@@ -59,22 +61,25 @@ def judge_file(folder: Path, path: Path) -> Judgement:
         floor=residual_floor(problem, impulse),
         law=law,
         **largest,
-        creep=_creep(problem, impulse),
+        creep=None if exact is None else _creep(problem, impulse, exact),
         penetration=penetration(step),
         energy_defect=ledger_defect(problem, impulse),
         notes=dict(step.notes),
         forces=forces[:MOST_FORCES].tolist(),
+        contradiction="" if exact is not None else str(contradiction(problem) or ""),
     )
 
 
-def _creep(problem: FrictionProblem, impulse: Array) -> float | None:
-    """The largest slip, m/s, at the contacts that stick in the exact answer; None without such an answer or such contacts."""
-    if not problem.contacts:
-        return None
+def _exact(problem: FrictionProblem) -> Array | None:
+    """The exact answer, if one is found."""
     try:
-        exact = Reference()(problem)
+        return Reference()(problem)
     except NoReference:
         return None
+
+
+def _creep(problem: FrictionProblem, impulse: Array, exact: Array) -> float | None:
+    """The largest slip, m/s, at the contacts that stick in the exact answer; None without such contacts."""
     slip = np.linalg.norm(problem.contact_velocity(exact)[:, 1:], axis=1)
     sticking = (slip <= STICKS * problem.units) & (exact[:, 0] > STICKS * problem.units / problem.scale)
     own_slip = np.linalg.norm(problem.contact_velocity(impulse)[:, 1:], axis=1)

@@ -23,6 +23,7 @@ from frictionbench.results.judgement import (
     QUANTITIES,
     Judgement,
     beside,
+    impossible,
     laws,
     notes,
     percentiles,
@@ -71,6 +72,7 @@ def render(folder: Path, found: list[Judgement], rows: pd.DataFrame) -> str:
             heads=["worst" if p == 100 else f"p{p}" for p in PERCENTILES],
             quantities=[(name, unit, percentiles(found)[name]) for name, unit in QUANTITIES.items()],
             laws=laws(found),
+            impossible=impossible(found),
             notes=notes(found),
             beside=beside(rows),
             worst=[

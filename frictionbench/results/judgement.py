@@ -39,7 +39,7 @@ class Judgement(NamedTuple):
     of each, m/s. creep: m/s, the largest slip at contacts that stick in the exact answer; None where nothing sticks or no exact
     answer is known. penetration: m, with which the step begins; None where its length is unknown. energy_defect: J, what the
     answer adds to the balance of an exact one. notes: what the problem does not express, with its share of the impulse.
-    forces: per contact |r_n|, |r_t| and mu r_n, N s.
+    forces: per contact |r_n|, |r_t| and mu r_n, N s. contradiction: in words, where the step is proved to have no solution.
     """
 
     file: str
@@ -57,6 +57,7 @@ class Judgement(NamedTuple):
     energy_defect: float
     notes: dict[str, float]
     forces: list[list[float]]
+    contradiction: str
 
 
 def write_judgements(folder: Path, found: list[Judgement]) -> None:
@@ -115,6 +116,13 @@ def notes(found: list[Judgement]) -> dict[str, tuple[float, int]]:
             shares.setdefault(name, []).append(share)
     mean = {name: (float(np.mean(own)), len(own)) for name, own in shares.items()}
     return dict(sorted(mean.items(), key=lambda item: -item[1][0]))
+
+
+def impossible(found: list[Judgement]) -> str:
+    """How many steps are proved to have no solution, with the first of them; empty for none."""
+    proved = [one for one in found if one.contradiction]
+    told = f"{len(proved)} of {len(found)} steps {'has' if len(proved) == 1 else 'have'} no solution, with proof; "
+    return told + f"{proved[0].file}: {proved[0].contradiction}" if proved else ""
 
 
 def worst(found: list[Judgement], most: int) -> list[Judgement]:

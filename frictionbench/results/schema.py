@@ -109,7 +109,14 @@ SOLVES = (
         "existence",
         _text,
         "",
-        "proof of existence of a solution: gaps or pointed (theorems), counted (enumeration); none if there is none",
+        "proof of existence of a solution: gaps or pointed (theorems), counted (enumeration); none: proved to be none",
+    ),
+    Column(
+        "proved_infeasible",
+        _flag,
+        "",
+        "contacts or joints contradict each other, proved (Farkas): no impulses have a residual of 1e-8; looked for where "
+        "there is no reference answer",
     ),
     Column(
         "sensitivity", _real, "1", "relative change of the solution's velocities over that of q; large for ill-posed problems"

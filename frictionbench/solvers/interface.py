@@ -47,6 +47,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionbench.problems import LCP, FrictionProblem, InputError, check
+from frictionbench.problems.analysis.contradiction import contradiction
 from frictionbench.problems.answer import Answer, Status
 from frictionbench.problems.catalogue import near
 from frictionbench.problems.check import Array, require
@@ -346,7 +347,8 @@ def solve(
         not interrupted; `frictionbench solve --time-limit` ends those by their process.
 
     Returns an Answer: impulse (nc, d) in N s, normal first, also where the solver failed; status, what the solver claims, but
-    ROUNDING for SOLVED by a solver of this package where rounding alone may leave a residual above tol (residual_floor);
+    ROUNDING for SOLVED by a solver of this package where rounding alone may leave a residual above tol (residual_floor),
+    and INFEASIBLE where it ends on a ray, stalls or breaks down on a problem that is proved to have no solution;
     work, its counts; z (n,) of solvers of LCPs.
     Errors: InputError if the solver is unknown, not installed or does not take this problem, or if problem, tol, limit, start
     or time_limit is invalid; the message names which.
@@ -372,7 +374,14 @@ def solve(
     checked = answer.status is Status.SOLVED and info.ours and not instance.knows_rounding
     if checked and isinstance(problem, FrictionProblem) and residual_with_floor(problem, answer.impulse)[1] > tol:
         answer.status = Status.ROUNDING
+    lost = answer.status in _LOST and info.ours and not info.needs
+    proof = contradiction(problem) if lost and isinstance(problem, FrictionProblem) else None
+    if proof and proof.least_residual > tol:
+        answer.status, answer.detail = Status.INFEASIBLE, str(proof)
     return answer
+
+
+_LOST = (Status.RAY, Status.STALLED, Status.BREAKDOWN, Status.WORK_LIMIT)  # a reason for them is looked for
 
 
 def _solve_in_time(

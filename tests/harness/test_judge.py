@@ -8,11 +8,11 @@ import pytest
 
 import frictionbench as fb
 from frictionbench.commands.judge import told
-from frictionbench.harness.judge import judge
+from frictionbench.harness.judge import judge, judge_file
 from frictionbench.problems.violations import judged, violations
 from frictionbench.reports.judgement import write_judgement
 from frictionbench.results.files import ResultsError
-from frictionbench.results.judgement import NAME, percentiles, read_judgements
+from frictionbench.results.judgement import NAME, impossible, percentiles, read_judgements
 from frictionbench.results.store import read_table
 from tests.helpers.command_line import frictionbench
 
@@ -94,6 +94,18 @@ def test_edited_judgements_are_refused(folder, tmp_path) -> None:
         (tmp_path / NAME).write_text(json.dumps([row | change]))
         with pytest.raises(ResultsError, match=NAME):
             read_judgements(tmp_path)
+
+
+def test_a_step_without_solution_is_named(tmp_path) -> None:
+    """A driven joint pushes the box into the floor with 1 m/s, beside a step that can be solved."""
+    for name, steps in (("pressed.npz", box().replace(joints=[[0.0, 1.0]], joint_bias=[1.0])), ("free.npz", box())):
+        fb.save(steps, tmp_path / name, impulse=np.zeros((1, 2)), step=STEP)
+    found = [judge_file(tmp_path, tmp_path / name) for name in ("free.npz", "pressed.npz")]
+    assert [bool(one.contradiction) for one in found] == [False, True]
+    assert impossible(found[:1]) == ""
+    told = impossible(found)
+    assert told.startswith("1 of 2 steps has no solution, with proof; pressed.npz: no solution exists")
+    assert "contact 0 and joint equation 0" in told
 
 
 def test_unusable_folders_are_refused(tmp_path) -> None:

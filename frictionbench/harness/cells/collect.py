@@ -17,11 +17,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from frictionbench.harness.cells.reference import NoReference, Reference
+from frictionbench.harness.cells.reference import ACCEPTED, NoReference, Reference
 from frictionbench.harness.cells.rows import PROBLEM_FACTS
 from frictionbench.harness.plans.plan import Source, origin
 from frictionbench.problems import LCP, FrictionProblem, InputError
 from frictionbench.problems.analysis.census import census_labels
+from frictionbench.problems.analysis.contradiction import contradiction
 from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.analysis.labels import POINTED, labels
 from frictionbench.problems.analysis.mode import ModeCounts, distance_to_next_mode, mode_counts
@@ -279,6 +280,7 @@ def facts(source: Source, collected: Collected) -> Record:
     found = labels(problem)
     counted = _solution_set(problem)
     answer = collected.impulse if collected.impulse is not None else _answer(problem)
+    infeasible = answer is None and _contradicts_itself(problem)
     return {
         "problem": problem.hash,
         "scene": source.scene,
@@ -305,7 +307,8 @@ def facts(source: Source, collected: Collected) -> Record:
         "idle": not found.trivial and (_idle(problem) if collected.idle is None else collected.idle),
         **_modes(problem, answer),
         **counted,
-        "existence": _existence(problem, found.pointedness, counted["solutions"]),
+        "existence": "none" if infeasible else _existence(problem, found.pointedness, counted["solutions"]),
+        "proved_infeasible": infeasible,
         "sensitivity": _sensitivity(problem) if problem.contacts <= MAX_PERTURBED else None,
         "mode_distance": _mode_distance(problem, answer),
     }
@@ -322,6 +325,12 @@ def _existence(problem: FrictionProblem, pointedness: float, solutions: str | No
     """Why a solution is known to exist: by theory, else by counting; "none" if counting finds none, "" if unknown."""
     known = existence(problem, pointedness <= POINTED)
     return known or ("" if solutions is None else "none" if solutions == "none" else "counted")
+
+
+def _contradicts_itself(problem: FrictionProblem) -> bool:
+    """Whether contacts or joints are proved to contradict each other so much that no answer would be accepted."""
+    proof = contradiction(problem)
+    return proof is not None and bool(proof.least_residual > ACCEPTED)
 
 
 def _answer(problem: FrictionProblem) -> Array | None:

@@ -25,7 +25,7 @@ PROBLEM_FACTS = (
     *("rank", "condition", "redundancy", "pointedness", "p0_margin", "mass_ratio", "largest_friction"),
     *("asymmetry", "indefiniteness", "islands", "island_ratio"),
     *("trivial", "idle", "sticking", "sliding", "open"),
-    *("solutions", "outcomes", "existence", "sensitivity", "mode_distance"),
+    *("solutions", "outcomes", "existence", "proved_infeasible", "sensitivity", "mode_distance"),
 )
 
 

@@ -5,10 +5,13 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from frictionbench.harness.cells.collect import collect
 from frictionbench.harness.contract.check import in_units, permuted
+from frictionbench.harness.plans.plan import Source
 from frictionbench.problems import FrictionProblem, Status
 from frictionbench.problems.analysis.contradiction import FAR, contradiction
 from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.recorded.own import save
 from frictionbench.problems.residual import residual
 from frictionbench.problems.subproblems import side_by_side
 from frictionbench.solvers import solve
@@ -134,3 +137,25 @@ def test_solve_says_so(tmp_path) -> None:
     np.savez(between_walls_file, W=problem.W.toarray(), q=problem.q, mu=problem.friction, d=2)
     done = frictionbench("solve", str(between_walls_file), "--solver", "lemke")
     assert "no solution exists: the conditions of contacts 0, 1 contradict each other" in " ".join(done.stdout.split())
+
+
+@pytest.mark.parametrize("name", ["lemke", "interior_point", "nsgs"])
+def test_every_own_method_says_so(name) -> None:
+    answer = solve(between_walls(), name, limit=200)
+    assert answer.status is Status.INFEASIBLE
+    assert answer.detail == str(contradiction(between_walls()))
+
+
+def test_a_limit_alone_proves_nothing() -> None:
+    problem = random_problem(3, contacts=8)
+    retreats = problem.replace(bias=problem.bias - 1e-3)
+    assert (retreats.bias < 0).any()
+    assert solve(retreats, "nsgs", tol=1e-12, limit=1).status is Status.WORK_LIMIT
+
+
+def test_the_problem_is_labelled_where_it_is_collected(tmp_path) -> None:
+    for problem, proved in ((between_walls(), True), (block(), False)):
+        save(problem, tmp_path / "problem.npz")
+        (record,) = collect(tmp_path / str(proved), Source("walls", file=str(tmp_path / "problem.npz")))
+        assert record["proved_infeasible"] is proved
+        assert (record["existence"] == "none") is proved
