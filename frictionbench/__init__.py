@@ -1,7 +1,7 @@
 """Compare solvers for the friction LCPs of rigid-body dynamics.
 
     problems   scene, scenes, instance, instances, FrictionProblem, LCP, load, save, InputError
-    engines    capture, EngineStep, load_step
+    engines    capture, mujoco, EngineStep, load_step
     solvers    solve, available, solver, Answer, Status, solve_many, Batch, Answers
     checks     residual, residual_floor, verify, Verdict, contradiction
     results    read_results, plot
@@ -22,7 +22,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from frictionbench import capture, plot
+    from frictionbench import capture, mujoco, plot
     from frictionbench.files import load, load_step, save
     from frictionbench.problems import LCP, Answer, FrictionProblem, InputError, Status, Verdict
     from frictionbench.problems.analysis.contradiction import contradiction
@@ -56,6 +56,7 @@ __all__ = [
     "instances",
     "load",
     "load_step",
+    "mujoco",
     "plot",
     "read_results",
     "residual",
@@ -89,7 +90,7 @@ _OTHER_NAME = {"instance": "make_instance"}  # where the defining module calls i
 def __getattr__(name: str) -> Any:
     if name == "__version__":
         value: Any = import_module("importlib.metadata").version("frictionbench")
-    elif name in ("capture", "plot"):
+    elif name in ("capture", "mujoco", "plot"):
         value = import_module(f"frictionbench.{name}")
     else:
         module = next((module for module, names in _DEFINED_IN.items() if name in names), None)

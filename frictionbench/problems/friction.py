@@ -44,6 +44,11 @@ class FrictionProblem(Mechanics):
     friction_bias: (nc,), N s, >= 0: friction available without a normal impulse of this step (Poisson's decompression).
     joints: (nj, nv), joint_bias: (nj,), m/s: bilateral constraints, of any rank, satisfied exactly.
 
+    Joints that stop and rub are contacts by convention, in rad/s and N m s where the joint's coordinate is an angle:
+    a limit has T = 0 and mu = 0: N is its direction and b the gap over the step;
+    dry friction has N = 0 and mu = 0: T is the direction, in its first row, b_f the step times the force of friction, and b any
+    positive number, 1 by custom, so that r_n = 0. That b is in nobody's unit.
+
     Everything is checked, copied and made read-only here. Errors: InputError naming the field.
 
     >>> import frictionbench as fb

@@ -96,6 +96,8 @@ SOLVES = (
         "1",
         "largest over smallest unit of velocity of a contact, the largest closing speed in its island; 1 where nothing moves",
     ),
+    Column("limits", _whole, "", "how many of the contacts are limits of joints"),
+    Column("dry_friction", _whole, "", "how many of the contacts are dry friction of joints"),
     Column("trivial", _flag, "", "no contact, no friction, or zero impulses are the answer"),
     Column("idle", _flag, "", "friction is not needed: the answer without friction satisfies Coulomb's law to 1e-8"),
     Column("sticking", _whole, "", "number of contacts that stick in the reference answer; null without one"),

@@ -303,6 +303,8 @@ def facts(source: Source, collected: Collected) -> Record:
         "indefiniteness": found.indefiniteness,
         "islands": found.islands,
         "island_ratio": found.island_ratio,
+        "limits": found.limits,
+        "dry_friction": found.dry_friction,
         "trivial": bool(found.trivial),
         "idle": not found.trivial and (_idle(problem) if collected.idle is None else collected.idle),
         **_modes(problem, answer),

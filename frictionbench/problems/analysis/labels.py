@@ -41,6 +41,7 @@ class Labels:
     which only W is known, as recorded ones. 0 where the mechanics are given.
     islands: how many the contact graph has (problems.forms.islands). island_ratio: the largest over the smallest of the
     contacts' units of velocity, those of their islands; 1 where nothing moves.
+    limits, dry_friction: how many of the contacts are limits and dry friction of joints, in the conventions of FrictionProblem.
     trivial: why there is nothing to solve, or "": "no contact", "no friction", or "no impulse" where r = 0 is the answer. Where
     the friction cone of the contacts that are closed at r = 0 is not pointed, as in a jam, r = 0 is one answer of several.
     """
@@ -56,6 +57,8 @@ class Labels:
     indefiniteness: float
     islands: int
     island_ratio: float
+    limits: int
+    dry_friction: int
     trivial: str
 
 
@@ -68,7 +71,18 @@ def labels(problem: FrictionProblem) -> Labels:
     largest = float(problem.friction.max(initial=0.0))
     shape = pointedness(problem), p0_margin(problem), float(ratio), largest, *_as_given(problem)
     islands = int(problem.islands.max(initial=-1)) + 1
-    return Labels(size, rank, condition, *shape, islands, problem.spread, _trivial(problem))
+    limit, dry = joint_rows(problem)
+    counts = int(limit.sum()), int(dry.sum())
+    return Labels(size, rank, condition, *shape, islands, problem.spread, *counts, _trivial(problem))
+
+
+def joint_rows(problem: FrictionProblem) -> tuple[Array, Array]:
+    """Which contacts are limits, and which are dry friction of joints (nc,), booleans."""
+    size = abs(problem.jacobian).sum(axis=1) if problem.mechanical else problem.W.diagonal()
+    rows = np.reshape(size, (-1, problem.dimension)) > 0
+    normal, tangent = rows[:, 0], rows[:, 1:].any(axis=1)
+    smooth = problem.friction == 0
+    return smooth & normal & ~tangent, smooth & tangent & ~normal & (problem.friction_bias > 0)
 
 
 def _as_given(problem: FrictionProblem) -> tuple[float, float]:

@@ -23,10 +23,11 @@ def drake(plant: Any, context: Any) -> EngineStep:
     """The step that the plant takes from this context; called just before it, and changes nothing.
 
     plant: a finalized MultibodyPlant in discrete time, in a diagram with its SceneGraph. context: the diagram's, as
-    `simulator.get_context()` gives it. All point contacts are taken.
+    `simulator.get_context()` gives it. All point contacts are taken, and the limits of joints of one coordinate that the joint
+    passes or would pass in this step without them.
 
     Returns an EngineStep: the bias is the gap over the step, negative where bodies penetrate; notes hold the shares of contacts
-    by surfaces (hydroelastic), of what softness takes of contacts, and of everything else, as limits and constraints of joints.
+    by surfaces (hydroelastic), of what softness takes of contacts, and of everything else, as constraints between joints.
     Errors: InputError naming plant or context; step where the engine's next velocity is not that of the problem.
     """
     h = float(plant.time_step())
@@ -46,7 +47,28 @@ def drake(plant: Any, context: Any) -> EngineStep:
     rigid = float(pushed @ np.linalg.solve(mass, pushed))
     shares = {"softness of contacts": soft / (soft + rigid) if soft > 0 else 0.0}
     others = {"contacts by surfaces": surfaces}
+    signs, gaps = _limits(plant, now, free, h)
+    left = mass @ (velocity - free) - pushed - surfaces
+    contacts = contacts.and_limits(signs, np.maximum(signs @ left, 0.0), gaps)
     return captured(Step(mass, free, velocity, h, contacts, np.zeros((0, nv)), others, shares))
+
+
+def _limits(plant: Any, now: Any, free: Array, h: float) -> tuple[Array, Array]:
+    """Rows (n, nv), one entry of 1 or -1 each, and gaps (n,) of the limits that joints reach in h at their free velocities."""
+    from pydrake.multibody.tree import JointIndex
+
+    q, rows, gaps = plant.GetPositions(now), [np.zeros((0, len(free)))], []
+    for joint in (plant.get_joint(JointIndex(i)) for i in plant.GetJointIndices()):
+        if joint.num_positions() != 1 or joint.num_velocities() != 1:
+            continue
+        at, lower, upper = q[joint.position_start()], joint.position_lower_limits()[0], joint.position_upper_limits()[0]
+        for sign, gap in ((1.0, at - lower), (-1.0, upper - at)):
+            row = np.zeros(len(free))
+            row[joint.velocity_start()] = sign
+            if min(gap, gap + h * row @ free) < 0:
+                rows.append(row[None])
+                gaps.append(gap)
+    return np.vstack(rows), np.array(gaps)
 
 
 def _stepped(plant: Any, context: Any) -> tuple[Any, Any, Any]:
@@ -103,9 +125,8 @@ def _contacts(plant: Any, now: Any, results: Any, h: float) -> Contacts:
         impulses.append(h * frame @ info.contact_force())
         friction.append(_friction(inspector, pair.id_A, pair.id_B))
         gaps.append(-pair.depth)
-    return Contacts(
-        np.array(rows).reshape(-1, nv), np.array(impulses).reshape(-1, 3), np.array(friction, dtype=float), np.array(gaps)
-    )
+    law = np.array(friction, dtype=float), np.array(gaps), np.zeros(len(gaps))
+    return Contacts(np.array(rows).reshape(-1, nv), np.array(impulses).reshape(-1, 3), *law)
 
 
 def _frame(normal: Array) -> Array:

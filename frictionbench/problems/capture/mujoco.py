@@ -1,24 +1,29 @@
 """A step of MuJoCo as a friction problem.
 
-The step is taken on a copy of the data, by mj_step itself, and so are the velocity without constraints and, one unit impulse a
-velocity, the matrix M^-1 by which the integrator turns impulses into velocities: M with implicit damping, for those that have
-it. Each contact has rows J of MuJoCo's constraints in its frame, normal first:
+The step is taken on a copy of the data, by mj_step itself. Without constraints, with the forces tau of gravity, springs,
+damping, actuators and the user, MuJoCo's integrators make of the velocity v, with the damping B of the joints and
+D = d tau / d v,
+
+    v* = v + h A^-1 tau,      Euler  A = M + h B,      implicitfast  A = M - h D,      implicit  the same, D not symmetric,
+
+and impulses meet the mass A, its symmetric part where D is not symmetric. Each contact has rows J of MuJoCo's constraints in
+its frame, normal first:
 
     elliptic    J_n, J_1, J_2, ... themselves, forces f_n, f_1, f_2, ...
     pyramidal   edges J_n +- mu_k J_k, forces a_k+-:     f_n = sum a,  f_k = mu_k (a_k+ - a_k-)
 
 Friction of two coefficients is that of mu_1 with the second tangent's row times mu_2/mu_1 and its impulse times mu_1/mu_2.
-Sources: MuJoCo's documentation, "Computation", sections on the constraint model; mju_decodePyramid.
+Limits and dry friction of joints and tendons are rows of the problem in its conventions.
+Sources: MuJoCo's documentation, "Computation", sections on the constraint model and on integrators; mju_decodePyramid.
 """
 
-import copy
 from typing import Any
 
 import numpy as np
 from scipy import sparse
 
-from frictionbench.problems.capture.parts import Contacts, Step, captured, share_of_softness
-from frictionbench.problems.check import Array, InputError, require
+from frictionbench.problems.capture.parts import Contacts, Step, captured, require_finite, share_of_softness
+from frictionbench.problems.check import Array, require
 from frictionbench.problems.recorded.own import EngineStep
 
 TORSION, ROLLING = 3, 4  # rows of a contact from which on it resists torsion, and rolling
@@ -28,61 +33,75 @@ def mujoco(model: Any, data: Any) -> EngineStep:
     """The step that `mujoco.mj_step(model, data)` takes from here; called just before it, and changes nothing.
 
     model: a mujoco.MjModel. data: a mujoco.MjData with controls and applied forces set. Every cone and condim of contacts
-    between geoms is taken, and equality constraints as joints. The step of a copy of data calls the callbacks once more.
+    between geoms is taken, limits and dry friction of joints and tendons, and equality constraints as joints. The step of a
+    copy of data calls the callbacks once more.
 
-    Returns an EngineStep: the bias is the gap over the step, negative where bodies penetrate; notes hold the shares of limits,
-    of dry friction in joints, of torsional and rolling friction, of what softness takes of contacts and equalities, and of what
-    no constraint explains, as adhesion, or implicit terms of the integrator that are not symmetric.
+    Returns an EngineStep: the bias is the gap over the step, negative where bodies penetrate; notes hold the shares of
+    torsional and rolling friction, of what softness takes of contacts and equalities, and of what no constraint explains, as
+    implicit terms of the integrator that are not symmetric.
     Errors: InputError naming integrator for RK4, whose step has four sets of impulses; contact for moving surfaces and flexes
-    without friction; step where the engine's next velocity is not that of the problem.
+    without friction; data where the simulation has diverged; step where the engine's next velocity is not that of the problem.
     """
     import mujoco as mj
 
-    if model.opt.integrator == mj.mjtIntegrator.mjINT_RK4:
-        raise InputError("integrator: a step of RK4 has the impulses of four stages; use another to capture steps")
+    require(model.opt.integrator in known(mj), "integrator", "has a step of several stages, each with impulses; use another")
     h = float(model.opt.timestep)
     after = mj.MjData(model)
     mj.mj_copyData(after, model, data)
     mj.mj_step(model, after)
-    mass, free = _probed(mj, model, data)
-    J, force, kind = _jacobian(mj, model, after), after.efc_force.copy(), after.efc_type.copy()
-    at = mj.mjtConstraint
-    equal = kind == at.mjCNSTR_EQUALITY
-    touching = kind >= int(at.mjCNSTR_CONTACT_FRICTIONLESS)
-    contacts, others = _contacts(mj, model, after, J, h)
-    groups = {
-        "dry friction of joints": (kind == at.mjCNSTR_FRICTION_DOF) | (kind == at.mjCNSTR_FRICTION_TENDON),
-        "limits": (kind == at.mjCNSTR_LIMIT_JOINT) | (kind == at.mjCNSTR_LIMIT_TENDON),
-    }
-    others |= {name: h * J[rows].T @ force[rows] for name, rows in groups.items()}
+    bad = mj.mjtWarning.mjWARN_BADQACC
+    require(after.warning[bad].number == data.warning[bad].number, "data", "MuJoCo resets it: the simulation has diverged")
+    mass = mass_of(mj, model, after)
+    require_finite(mass, after.qfrc_smooth)
+    free = data.qvel + h * np.linalg.solve(mass, after.qfrc_smooth)
+    J, force, kind = jacobian(mj, model, after), after.efc_force.copy(), after.efc_type.copy()
+    equal = kind == mj.mjtConstraint.mjCNSTR_EQUALITY
+    touching = kind >= int(mj.mjtConstraint.mjCNSTR_CONTACT_FRICTIONLESS)
+    contacts, others = rows_of(mj, model, after, J)
+    symmetric = (mass + mass.T) / 2
     soft = {"softness of contacts": touching, "softness of equalities": equal}
-    shares = {name: share_of_softness(mass, J[rows], force[rows], after.efc_R[rows]) for name, rows in soft.items()}
-    return captured(Step(mass, free, after.qvel.copy(), h, contacts, J[equal], others, shares))
+    shares = {name: share_of_softness(symmetric, J[rows], force[rows], after.efc_R[rows]) for name, rows in soft.items()}
+    return captured(Step(symmetric, free, after.qvel.copy(), h, contacts, J[equal], others, shares))
 
 
-def _probed(mj: Any, model: Any, data: Any) -> tuple[Array, Array]:
-    """The mass that impulses meet, and the next velocity without constraints, as the engine's integrator has them."""
-    free, trial = copy.copy(model), mj.MjData(model)
-    free.opt.disableflags |= int(mj.mjtDisableBit.mjDSBL_CONSTRAINT)
-    full = np.zeros((model.nv, model.nv))
-    mj.mj_fullM(model, data, full)
-    unit = np.maximum(np.diag(full), 1e-12) / model.opt.timestep  # changes a velocity by about one
-    moved = np.zeros((model.nv + 1, model.nv))
-    for i, velocity in enumerate(moved):
-        mj.mj_copyData(trial, model, data)
-        if i < model.nv:
-            trial.qfrc_applied[i] += unit[i]
-        mj.mj_step(free, trial)
-        velocity[:] = trial.qvel
-    return np.linalg.inv((moved[:-1] - moved[-1]).T / (unit * model.opt.timestep)), moved[-1]
+def known(mj: Any) -> tuple[Any, ...]:
+    """The integrators whose steps have one set of impulses."""
+    return mj.mjtIntegrator.mjINT_EULER, mj.mjtIntegrator.mjINT_IMPLICIT, mj.mjtIntegrator.mjINT_IMPLICITFAST
 
 
-def _jacobian(mj: Any, model: Any, data: Any) -> Array:
+def mass_of(mj: Any, model: Any, data: Any) -> Array:
+    """A (nv, nv), by which the integrator turns impulses into velocities, of data whose step has been taken from here."""
+    mass, h = np.zeros((model.nv, model.nv)), model.opt.timestep
+    mj.mj_fullM(model, data, mass)
+    if model.opt.integrator not in known(mj)[1:]:
+        if not model.opt.disableflags & int(mj.mjtDisableBit.mjDSBL_EULERDAMP):
+            mass[np.diag_indices(model.nv)] += h * model.dof_damping
+        return mass
+    at = np.repeat(np.arange(model.nv), model.D_rownnz), model.D_colind
+    mass[at] -= h * data.qDeriv
+    if model.opt.integrator == mj.mjtIntegrator.mjINT_IMPLICITFAST:  # it keeps the lower triangle alone
+        return np.tril(mass) + np.tril(mass, -1).T
+    return mass
+
+
+def jacobian(mj: Any, model: Any, data: Any) -> Array:
     """The rows of all constraints (nefc, nv)."""
     if not mj.mj_isSparse(model):
         return np.array(data.efc_J).reshape(data.nefc, model.nv)
     ends = np.append(data.efc_J_rowadr, len(data.efc_J)) if data.nefc else np.zeros(1, int)
     return sparse.csr_array((data.efc_J, data.efc_J_colind, ends), shape=(data.nefc, model.nv)).toarray()
+
+
+def rows_of(mj: Any, model: Any, data: Any, J: Array) -> tuple[Contacts, dict[str, Array]]:
+    """The contacts, limits and rows of dry friction of MuJoCo's constraints J (nefc, nv), and the generalised impulses of
+    torsion and rolling."""
+    h, kind, at = float(model.opt.timestep), data.efc_type, mj.mjtConstraint
+    contacts, others = _contacts(mj, model, data, J, h)
+    limit = (kind == at.mjCNSTR_LIMIT_JOINT) | (kind == at.mjCNSTR_LIMIT_TENDON)
+    dry = (kind == at.mjCNSTR_FRICTION_DOF) | (kind == at.mjCNSTR_FRICTION_TENDON)
+    gap, used = data.efc_pos - data.efc_margin, h * data.efc_force
+    rows = contacts.and_limits(J[limit], used[limit], gap[limit])
+    return rows.and_dry_friction(J[dry], used[dry], h * data.efc_frictionloss[dry], h), others
 
 
 def _contacts(mj: Any, model: Any, data: Any, J: Array, h: float) -> tuple[Contacts, dict[str, Array]]:
@@ -109,7 +128,8 @@ def _contacts(mj: Any, model: Any, data: Any, J: Array, h: float) -> tuple[Conta
         impulses.append(h * f[None, :3])
         friction.append(mu)
         gaps.append(float(contact.dist - contact.includemargin))
-    return Contacts(np.vstack(rows), np.vstack(impulses), np.array(friction), np.array(gaps)), others
+    given = np.vstack(rows), np.vstack(impulses), np.array(friction), np.array(gaps)
+    return Contacts(*given, np.zeros(len(gaps))), others
 
 
 def _decoded(mj: Any, model: Any, data: Any, J: Array, first: int, contact: Any) -> tuple[Array, Array]:

@@ -1,7 +1,7 @@
-"""What the contacts of an engine's step can express, and notes on all other impulses of the step.
+"""What the rows of a friction problem can express of an engine's step, and notes on all other impulses of the step.
 
-With the impulses r of the contacts, lam of the equations F v + b_F = 0, and p_k of everything else (limits, torsion, dry
-friction), each as a generalised impulse (nv), a step of an engine is
+With the impulses r of contacts, limits and dry friction, lam of the equations F v + b_F = 0, and p_k of everything else
+(torsion, rolling), each as a generalised impulse (nv), a step of an engine is
 
     M (v+ - v0) = J' r + F' lam + sum_k p_k,
 
@@ -29,12 +29,31 @@ ZERO = 1e-14  # of sqrt(M_ii M_jj): entries of M below are rounding of its measu
 
 
 class Contacts(NamedTuple):
-    """The contacts of a step: rows (3 nc, nv) with the normal first, impulse (nc, 3) in N s, friction (nc,), gap (nc,) in m."""
+    """The contacts of a step, then its limits and its dry friction in the conventions of FrictionProblem.
+
+    rows (3 nc, nv) with the normal first, impulse (nc, 3) in N s, friction (nc,), gap (nc,) in m, loss (nc,) in N s: the
+    friction bias.
+    """
 
     rows: Array
     impulse: Array
     friction: Array
     gap: Array
+    loss: Array
+
+    def and_limits(self, rows: Array, impulse: Array, gap: Array) -> "Contacts":
+        """With limits besides: rows (n, nv), impulse (n,), gap (n,)."""
+        return self._joined(0, rows, impulse, gap, np.zeros(len(rows)))
+
+    def and_dry_friction(self, rows: Array, impulse: Array, loss: Array, step: float) -> "Contacts":
+        """With dry friction besides: rows (n, nv), impulse (n,), loss (n,) in N s; step in s, so that the bias is 1."""
+        return self._joined(1, rows, impulse, np.full(len(rows), step), loss)
+
+    def _joined(self, place: int, rows: Array, impulse: Array, gap: Array, loss: Array) -> "Contacts":
+        three, used = np.zeros((len(rows), 3, rows.shape[1])), np.zeros((len(rows), 3))
+        three[:, place], used[:, place] = rows, impulse
+        added = three.reshape(-1, rows.shape[1]), used, np.zeros(len(rows)), gap, loss
+        return Contacts(*(np.concatenate(pair) for pair in zip(self, added, strict=True)))
 
 
 class Step(NamedTuple):
@@ -56,9 +75,11 @@ class Step(NamedTuple):
 def captured(step: Step) -> EngineStep:
     """The problem of the step with the engine's impulses and notes.
 
-    Errors: InputError where mass is not positive definite, and where the problem's velocity is not the engine's.
+    Errors: InputError where the step is not finite or mass not positive definite, and where the problem's velocity is not the
+    engine's.
     """
-    mass = _without_noise(step.mass)
+    require_finite(step.mass, step.free, step.velocity)
+    mass = without_noise(step.mass)
     inverse = np.asarray(np.linalg.inv(mass), dtype=np.float64)
     contacts, F = step.contacts, step.equations
     pushed = contacts.rows.T @ contacts.impulse.ravel()
@@ -70,23 +91,36 @@ def captured(step: Step) -> EngineStep:
     total = _size(inverse, pushed) + _size(inverse, by_equations) + sum(sizes.values())
     least = max(NOISE * total, ROUNDING * _size(inverse, mass @ (np.abs(step.velocity) + np.abs(step.free))))
     notes = {name: size / total for name, size in sizes.items() if size > least}
-    rows = contacts.rows.reshape(-1, 3, len(mass))
-    problem = FrictionProblem(
-        mass=mass,
-        normal=rows[:, 0],
-        tangent=rows[:, 1:].reshape(-1, len(mass)),
-        friction=contacts.friction,
-        free_velocity=step.free + inverse @ sum(others.values()),
-        bias=contacts.gap / step.length,
-        joints=F,
-        joint_bias=-F @ step.velocity,
-        dimension=3,
-    )
+    free = step.free + inverse @ sum(others.values())
+    problem = posed(mass, free, contacts, contacts.gap / step.length, F, -F @ step.velocity)
     miss = float(np.abs(problem.velocity(contacts.impulse) - step.velocity).max(initial=0))
     scale = max(1.0, float(np.abs(step.velocity).max(initial=0)), float(np.abs(step.free).max(initial=0)))
     require(miss <= FAITHFUL * scale, "step", f"the captured problem misses the engine's next velocity by {miss:.1e}")
     notes |= {name: share for name, share in step.softness.items() if share > NOISE}
     return EngineStep(problem, contacts.impulse, notes, step.length)
+
+
+def posed(mass: Array, free: Array, contacts: Contacts, bias: Array, F: Array, joint_bias: Array) -> FrictionProblem:
+    """The problem of these rows."""
+    rows = contacts.rows.reshape(-1, 3, len(mass))
+    return FrictionProblem(
+        mass=mass,
+        normal=rows[:, 0],
+        tangent=rows[:, 1:].reshape(-1, len(mass)),
+        friction=contacts.friction,
+        free_velocity=free,
+        bias=bias,
+        friction_bias=contacts.loss,
+        joints=F,
+        joint_bias=joint_bias,
+        dimension=3,
+    )
+
+
+def require_finite(*arrays: Array) -> None:
+    """Errors: InputError where one of a step's arrays holds an infinity or a NaN."""
+    finite = all(np.isfinite(array).all() for array in arrays)
+    require(finite, "data", "masses, forces or velocities are not finite: the simulation has diverged")
 
 
 def share_of_softness(mass: Array, rows: Array, force: Array, softness: Array) -> float:
@@ -110,7 +144,7 @@ def _size(inverse: Array, impulse: Array) -> float:
     return float(np.sqrt(abs(impulse @ inverse @ impulse)))
 
 
-def _without_noise(mass: Array) -> Array:
+def without_noise(mass: Array) -> Array:
     """The mass, symmetric, with entries that are rounding set to zero, so that separate bodies stay separate."""
     symmetric = (mass + mass.T) / 2
     size: Array = np.sqrt(np.abs(np.diag(symmetric)))

@@ -118,3 +118,18 @@ def test_islands_are_counted():
     assert labels(scene("two_blocks").problem()).islands == 2
     assert labels(scene("stack", blocks=3).problem()).islands == 1
     assert labels(scene("long_bar").problem()).islands == 0
+
+
+@pytest.mark.parametrize("known", ["mechanics", "W"])
+def test_rows_of_joints_are_counted(known) -> None:
+    """A contact, a frictionless contact with its tangents, a limit, dry friction, and a locked contact with friction."""
+    N, T = np.zeros((5, 3)), np.zeros((10, 3))
+    N[[0, 1, 2, 4], 2] = T[[0, 2, 6, 8], 0] = 1.0
+    given = {"friction": [0.5, 0, 0, 0, 0.3], "friction_bias": [0, 0, 0, 0.1, 0]}
+    problem = FrictionProblem(
+        mass=np.eye(3), normal=N, tangent=T, free_velocity=[1.0, 0, -1], bias=[0, 0, 0, 1, 0], dimension=3, **given
+    )
+    if known == "W":
+        problem = FrictionProblem.from_delassus(problem.W, problem.q, d=3, **given)
+    found = labels(problem)
+    assert (found.limits, found.dry_friction) == (1, 1)

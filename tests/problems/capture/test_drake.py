@@ -5,6 +5,7 @@ import pytest
 
 import frictionbench as fb
 from frictionbench import capture
+from frictionbench.problems.analysis.labels import joint_rows
 from frictionbench.problems.capture.parts import REST
 
 drake = pytest.importorskip("pydrake.all", reason="Drake is not installed: pip install drake")
@@ -90,10 +91,18 @@ def test_contexts_of_the_plant_alone_are_refused() -> None:
         capture.drake(plant, plant.GetMyContextFromRoot(simulator.get_context()))
 
 
-def test_limits_are_noted() -> None:
+def test_limits_are_rows() -> None:
     plant, simulator = pile(True, "kLagged", upper=0.051)
-    simulator.AdvanceTo(STEP)
-    assert capture.drake(plant, simulator.get_context()).notes[REST] > 0.1
+    simulator.AdvanceTo(10 * STEP)
+    step = capture.drake(plant, simulator.get_context())
+    limit, _ = joint_rows(step.problem)
+    hinge = plant.GetJointByName("hinge").velocity_start()
+    assert step.problem.normal.toarray()[limit].tolist() == [[-float(i == hinge) for i in range(plant.num_velocities())]]
+    assert step.impulse[limit, 0] > 0.01  # of 5 N m for 2 ms
+    assert step.notes.get(REST, 0.0) < 1e-4
+    simulator.AdvanceTo(11 * STEP)
+    after = plant.GetVelocities(plant.GetMyContextFromRoot(simulator.get_context()))
+    assert np.abs(step.problem.velocity(step.impulse) - after).max() < 1e-9
 
 
 def test_contacts_by_surfaces_are_noted() -> None:

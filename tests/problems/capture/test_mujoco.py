@@ -5,6 +5,8 @@ import pytest
 
 import frictionbench as fb
 from frictionbench import capture
+from frictionbench.problems.analysis.labels import labels
+from frictionbench.problems.capture.parts import REST
 
 mj = pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install mujoco")
 
@@ -42,7 +44,7 @@ BLOCK = """
   </worldbody>
   {extra}
 </mujoco>"""
-LIMIT, DRY, TORSION, ROLLING = "limits", "dry friction of joints", "torsional friction", "rolling friction"
+TORSION, ROLLING = "torsional friction", "rolling friction"
 
 
 def fallen(xml: str, steps: int, speed: float = 0.3):
@@ -61,18 +63,53 @@ def fallen(xml: str, steps: int, speed: float = 0.3):
 def test_impulses_reproduce_the_next_velocity(cone, integrator) -> None:
     model, data = fallen(MODEL.format(cone=cone, integrator=integrator), 150)
     noted: set[str] = set()
+    limits = dry = 0
     for _ in range(6):
         state = data.qpos.copy(), data.qvel.copy(), data.time
         step = capture.mujoco(model, data)
         assert all(np.array_equal(a, b) for a, b in zip(state, (data.qpos, data.qvel, data.time), strict=True))
         mj.mj_step(model, data)
         assert np.abs(step.problem.velocity(step.impulse) - data.qvel).max() < 1e-9
-        assert step.problem.contacts == sum(contact.efc_address >= 0 for contact in data.contact) >= 8
-        assert np.allclose(step.problem.bias * step.step, data.contact.dist - data.contact.includemargin)
+        touching = sum(contact.efc_address >= 0 for contact in data.contact)
+        assert touching >= 8
+        assert np.allclose(step.problem.bias[:touching] * step.step, data.contact.dist - data.contact.includemargin)
+        found = labels(step.problem)
+        assert step.problem.contacts == touching + found.limits + found.dry_friction
+        limits, dry = limits + found.limits, dry + found.dry_friction
         noted |= step.notes.keys()
         for _ in range(15):
             mj.mj_step(model, data)
-    assert {LIMIT, DRY, TORSION, ROLLING, "softness of contacts", "softness of equalities"} <= noted
+    assert {TORSION, ROLLING, "softness of contacts", "softness of equalities"} <= noted
+    assert limits
+    assert dry == 6  # of one joint in each of six steps
+
+
+def test_limits_and_dry_friction_are_rows() -> None:
+    """A slider that is driven against its stop, and one that dry friction holds: rows, biases and impulses by hand."""
+    slider = '<body pos="0 {at} 0"><joint type="slide" axis="1 0 0" {joint}/><geom size=".1" mass="2"/></body>'
+    stop, held = slider.format(at=0, joint='range="-.5 .5" limited="true"'), slider.format(at=1, joint='frictionloss="3"')
+    model = mj.MjModel.from_xml_string(f"<mujoco><worldbody>{stop}{held}</worldbody></mujoco>")
+    data, h = mj.MjData(model), 0.002
+    data.qpos[0], data.qvel[0], data.qfrc_applied[1] = 0.501, 0.5, 2.0
+    step = capture.mujoco(model, data)
+    problem = step.problem
+    assert problem.normal.toarray().tolist() == [[-1, 0], [0, 0]]
+    assert problem.tangent.toarray().tolist() == [[0, 0], [0, 0], [0, 1], [0, 0]]
+    assert problem.friction.tolist() == [0, 0]
+    assert np.allclose(problem.friction_bias, [0, 3 * h])
+    assert np.allclose(problem.bias, [-0.001 / h, 1.0])
+    assert step.impulse[1, 1] == pytest.approx(-0.9 * 2 * h, rel=1e-9)  # held against 2 N, to MuJoCo's impedance of 0.9
+    assert set(step.notes) <= {REST}
+    exact = fb.solve(problem.replace(bias=[0, 1]), "hybrid", tol=1e-12)
+    assert np.allclose(problem.velocity(exact.impulse), 0, atol=1e-12)
+    assert np.allclose(exact.impulse, [[2 * 0.5, 0, 0], [0, -2 * h, 0]], atol=1e-12)
+
+
+def test_a_simulation_that_diverges_is_refused() -> None:
+    model, data = fallen(BLOCK.format(cone="elliptic", extra=""), 1)
+    data.qfrc_applied[0] = 1e20
+    with pytest.raises(fb.InputError, match="data: MuJoCo resets it: the simulation has diverged"):
+        capture.mujoco(model, data)
 
 
 @pytest.mark.parametrize("cone", ["pyramidal", "elliptic"])
@@ -115,5 +152,5 @@ def test_steps_without_contacts_and_unusable_ones() -> None:
     step = capture.mujoco(model, data)
     assert (step.problem.contacts, step.notes) == (0, {})
     model.opt.integrator = mj.mjtIntegrator.mjINT_RK4
-    with pytest.raises(fb.InputError, match="integrator: a step of RK4"):
+    with pytest.raises(fb.InputError, match="integrator: has a step of several stages"):
         capture.mujoco(model, data)

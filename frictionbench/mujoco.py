@@ -1,0 +1,277 @@
+"""Steps of MuJoCo's models with contacts, limits, dry friction and equalities solved exactly.
+
+    result = None
+    while data.time < 1.0:
+        result = frictionbench.mujoco.step(model, data, before=result)      # in place of mujoco.mj_step(model, data)
+
+Positions, collisions, actuators, passive and applied forces are MuJoCo's, and so is the velocity v* that it would reach without
+constraints (problems.capture.mujoco). The step is that of Anitescu and Potra (1997), after Stewart and Trinkle (1996):
+
+    A (v+ - v*) = J' r + F' lam,    F v+ = 0,    Coulomb's law between r and J v+ + b,    b = max(gap, 0) / h,    q+ = q + h v+,
+
+with limits and dry friction as rows of J. As b >= 0 and the joints ask for nothing else than rest, v+ = 0 satisfies all that is
+asked of velocities, whatever overlaps: the step has a solution. (MuJoCo lists contacts and limits within their margin alone,
+most often those that have begun to penetrate.)
+
+Penetrations and errors of joints are taken away from positions, not by velocities, so that they add no momentum. With the
+depths d that the step leaves by its linear forecast, the rows A_i of the normals, limits and equalities, W = A_i A^-1 A_i',
+
+    min 1/2 x'(W + E) x - SHARE d'x,    x_i >= 0 for normals and limits,    delta = A^-1 A_i' x,    q+ += delta,
+
+E = SOFT diag(W): each row alone is moved by nearly SHARE of its depth a step, and rows that contradict each other, as of parts
+that are wedged, by a compromise. The program is strictly convex, and always has its solution.
+
+Not in the step: torsional and rolling friction, the softness of constraints, adhesion by contacts, restitution.
+"""
+
+from collections import Counter
+from collections.abc import Hashable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve, cholesky, solve_triangular
+from scipy.optimize import nnls
+
+from frictionbench.problems import Answer, FrictionProblem, InputError, Status
+from frictionbench.problems.capture import mujoco as engine
+from frictionbench.problems.capture.parts import Contacts, posed, require_finite, without_noise
+from frictionbench.problems.check import Array
+from frictionbench.problems.residual import residual
+from frictionbench.problems.simulate import ledger_defect
+from frictionbench.solvers import solve
+
+SHARE = 0.2  # of a penetration, taken away in a step
+SOFT = 1e-3  # of the diagonal
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """A step that was taken.
+
+    problem, impulse (nc, 3) in N s, the normal first: contacts in the order of data.contact, then limits, then dry friction.
+    status: the solver's. seconds: what its call took. penetration: m or rad, the deepest with which the step began.
+    energy: in J, what changed the kinetic energy ("kinetic"): work of "forces" (with damping), "contacts" by their normals,
+    "friction", "limits", "dry friction" and "equalities", each with the mean of the velocities before and after, so that they
+    add up to it; "correction", the work against the forces when positions are corrected; "defect", the energy that the answer
+    adds compared with an exact one.
+    """
+
+    problem: FrictionProblem
+    impulse: Array
+    status: Status
+    seconds: float
+    penetration: float
+    energy: Mapping[str, float]
+    memory: Mapping[Hashable, Array]
+
+    @cached_property
+    def residual(self) -> float:
+        """The residual of Coulomb's law, as of `frictionbench.residual`."""
+        return residual(self.problem, self.impulse)
+
+    def __repr__(self) -> str:
+        return f"Step({self.problem.summary}, {self.status.value})"
+
+
+@dataclass(frozen=True, eq=False)
+class _Stage:
+    """What MuJoCo computes before the solver's turn: its rows, the masses A as they are and symmetric, the velocity v*."""
+
+    contacts: Contacts
+    J: Array
+    kind: Array
+    full: Array
+    mass: Array
+    free: Array
+
+    def equations(self, mj: Any) -> Array:
+        return self.kind == mj.mjtConstraint.mjCNSTR_EQUALITY
+
+
+def problem(model: Any, data: Any) -> FrictionProblem:
+    """The friction problem of the step that `step` would take from here.
+
+    model, data: as of `step`. Of data, what mujoco.mj_forward computes is set, but for the forces of constraints.
+    Errors: as of `step`.
+    """
+    import mujoco as mj
+
+    return _problem(mj, model, _stage(mj, model, data))
+
+
+def step(model: Any, data: Any, solver: str = "hybrid", tol: float = 1e-8, before: Step | None = None) -> Step:
+    """Advance data by one step, in place of mujoco.mj_step(model, data).
+
+    model: a mujoco.MjModel. Its integrator decides how damping enters: Euler or implicitfast as they are, implicit with the
+    symmetric part of its mass; RK4, whose stages have no impulses of their own, as Euler. data: a mujoco.MjData with controls
+    and applied forces; afterwards it holds what mj_step leaves, with the forces of constraints and the sensors of this step.
+    solver, tol: as of `frictionbench.solve`; a solver of the convex relaxation makes a step by that law.
+    before: the step before, for a warm start by pairs of geoms and by joints.
+
+    Where the solver fails, its status says so, and its impulses are used as they are, or none where they are not finite.
+    Errors: InputError naming data where the simulation has diverged, contact where its surface moves, dof_dampingpoly where
+    Euler is given damping that is not linear, or what `solve` refuses.
+    """
+    import mujoco as mj
+
+    stage = _stage(mj, model, data)
+    posed_problem = _problem(mj, model, stage)
+    nc = posed_problem.contacts
+    frames = np.array([contact.frame.reshape(3, 3) for contact in data.contact if contact.efc_address >= 0]).reshape(-1, 3, 3)
+    frames = np.concatenate([frames, np.broadcast_to(np.eye(3), (nc - len(frames), 3, 3))])
+    keys = _keys(mj, data, stage.kind)
+    old = {} if before is None else before.memory
+    start = np.einsum("kij,kj->ki", frames, np.array([old.get(key, np.zeros(3)) for key in keys]).reshape(-1, 3))
+    begin = perf_counter()
+    answer = _solved(posed_problem, solver, tol, start if old else None)
+    seconds = perf_counter() - begin
+    impulse = answer.impulse if np.isfinite(answer.impulse).all() else np.zeros((nc, 3))
+    velocity = posed_problem.velocity(impulse)
+    energy = _energy(mj, model, data, stage, impulse, velocity) | {"defect": ledger_defect(posed_problem, impulse)}
+    delta = _correction(mj, data, stage, velocity, model.opt.timestep)
+    energy["correction"] = -float(delta @ data.qfrc_smooth)
+    _advance(mj, model, data, stage, impulse, velocity)
+    mj.mj_integratePos(model, data.qpos, delta, 1.0)
+    depth = float(-stage.contacts.gap.min(initial=0.0)) + 0.0
+    memory = dict(zip(keys, np.einsum("kji,kj->ki", frames, impulse), strict=True))
+    return Step(posed_problem, impulse, answer.status, seconds, depth, energy, memory)
+
+
+def steps(model: Any, data: Any, count: int, solver: str = "hybrid", tol: float = 1e-8) -> Iterator[Step]:
+    """So many steps, each started from the one before; between them the caller may set controls. Errors: as of `step`."""
+    before = None
+    for _ in range(count):
+        before = step(model, data, solver, tol, before)
+        yield before
+
+
+def _stage(mj: Any, model: Any, data: Any) -> _Stage:
+    implicit = model.opt.integrator in engine.known(mj)[1:]
+    if not implicit and np.any(model.dof_dampingpoly):
+        raise InputError("dof_dampingpoly: Euler takes damping as linear; use implicitfast")
+    mj.mj_step1(model, data)
+    mj.mj_fwdActuation(model, data)
+    mj.mj_fwdAcceleration(model, data)
+    require_finite(data.qpos, data.qvel, data.qfrc_smooth)
+    if implicit:  # a trial step, for the derivatives of forces
+        everything = mj.mjtState.mjSTATE_INTEGRATION
+        state = np.empty(mj.mj_stateSize(model, everything))
+        mj.mj_getState(model, data, state, everything)
+        data.qfrc_constraint[:] = 0
+        mj.mj_implicit(model, data)
+        mj.mj_setState(model, data, state, everything)
+    full = engine.mass_of(mj, model, data)
+    require_finite(full)
+    mass = without_noise(full)
+    J = engine.jacobian(mj, model, data)
+    contacts, _ = engine.rows_of(mj, model, data, J)
+    free = data.qvel + model.opt.timestep * np.linalg.solve(full, data.qfrc_smooth)
+    return _Stage(contacts, J, np.array(data.efc_type), full, mass, free)
+
+
+def _problem(mj: Any, model: Any, stage: _Stage) -> FrictionProblem:
+    F = stage.J[stage.equations(mj)]
+    bias = np.maximum(stage.contacts.gap, 0.0) / model.opt.timestep
+    return posed(stage.mass, stage.free, stage.contacts, bias, F, np.zeros(len(F)))
+
+
+def _solved(given: FrictionProblem, solver: str, tol: float, start: Array | None) -> Answer:
+    if given.contacts:
+        return solve(given, solver, tol=tol, start=start)
+    return Answer(np.zeros((0, 3)), Status.SOLVED)
+
+
+def _keys(mj: Any, data: Any, kind: Array) -> list[Hashable]:
+    """What is the same row in the next step: the geoms of a contact, the joint of a limit, and the how manieth of them."""
+    at, counts = mj.mjtConstraint, Counter[Hashable]()
+    bases: list[Hashable] = [
+        ("contact", *contact.geom, *contact.flex, *contact.elem, *contact.vert)
+        for contact in data.contact
+        if contact.efc_address >= 0
+    ]
+    limits, dry = (at.mjCNSTR_LIMIT_JOINT, at.mjCNSTR_LIMIT_TENDON), (at.mjCNSTR_FRICTION_DOF, at.mjCNSTR_FRICTION_TENDON)
+    for kinds in (limits, dry):
+        bases += [(int(kind[i]), int(data.efc_id[i])) for i in np.flatnonzero(np.isin(kind, [int(one) for one in kinds]))]
+    keys: list[Hashable] = []
+    for base in bases:
+        keys.append((base, counts[base]))
+        counts[base] += 1
+    return keys
+
+
+def _energy(mj: Any, model: Any, data: Any, stage: _Stage, impulse: Array, velocity: Array) -> dict[str, float]:
+    """The ledger of Step, but for defect and correction."""
+    M = np.zeros_like(stage.mass)
+    mj.mj_fullM(model, data, M)
+    change, mean = velocity - data.qvel, (velocity + data.qvel) / 2
+    total = stage.full @ (velocity - stage.free)
+    forces = model.opt.timestep * data.qfrc_smooth - (stage.full - M) @ change
+    work = impulse * (stage.contacts.rows @ mean).reshape(-1, 3)
+    touching = sum(contact.efc_address >= 0 for contact in data.contact)
+    limit = (stage.contacts.loss == 0) & (np.arange(len(work)) >= touching)
+    dry = stage.contacts.loss > 0
+    return {
+        "kinetic": float(mean @ M @ change),
+        "forces": float(mean @ forces),
+        "contacts": float(work[:touching, 0].sum()),
+        "friction": float(work[:touching, 1:].sum()),
+        "limits": float(work[limit].sum()),
+        "dry friction": float(work[dry].sum()),
+        "equalities": float(mean @ total - work.sum()),
+    }
+
+
+def _correction(mj: Any, data: Any, stage: _Stage, velocity: Array, h: float) -> Array:
+    """delta (nv,): see above."""
+    normal, equal = stage.contacts.rows.reshape(-1, 3, len(velocity))[:, 0], stage.equations(mj)
+    depth = -(stage.contacts.gap + h * normal @ velocity)
+    deep = (stage.contacts.gap < 0) & (depth > 0)
+    F, error = stage.J[equal], data.efc_pos[equal]
+    if not deep.any() and not error.any():
+        return np.zeros_like(velocity)
+    rows, wanted = np.vstack([normal[deep], F, -F]), SHARE * np.concatenate([depth[deep], -error, error])
+    moved = cho_solve(cho_factor(stage.mass), rows.T)
+    W = rows @ moved
+    root = cholesky(W + np.diag(SOFT * np.maximum(np.diag(W), np.finfo(float).tiny)))
+    x, _ = nnls(root, solve_triangular(root, wanted, trans="T"))
+    return moved @ x
+
+
+def _advance(mj: Any, model: Any, data: Any, stage: _Stage, impulse: Array, velocity: Array) -> None:
+    """Let MuJoCo integrate activations, velocities and positions, with forces that make its next velocity this one."""
+    h = model.opt.timestep
+    data.efc_force[:] = _forces(mj, data, stage, impulse, stage.full @ (velocity - stage.free)) / h
+    data.qfrc_constraint[:] = stage.full @ (velocity - stage.free) / h
+    data.qacc[:] = (velocity - data.qvel) / h
+    mj.mj_sensorAcc(model, data)
+    (mj.mj_implicit if model.opt.integrator in engine.known(mj)[1:] else mj.mj_Euler)(model, data)
+
+
+def _forces(mj: Any, data: Any, stage: _Stage, impulse: Array, total: Array) -> Array:
+    """The impulses of MuJoCo's own rows (nefc,)."""
+    at, equal, result = mj.mjtConstraint, stage.equations(mj), np.zeros(len(stage.kind))
+    i = 0
+    for contact in data.contact:
+        first, dim = contact.efc_address, contact.dim
+        if first < 0:
+            continue
+        force = np.zeros(dim)
+        force[:3] = impulse[i, : min(dim, 3)]
+        if dim > 1:
+            force[2] *= contact.friction[1] / contact.friction[0]
+        if dim > 1 and stage.kind[first] == at.mjCNSTR_CONTACT_PYRAMIDAL:
+            edges = np.zeros(2 * (dim - 1))
+            mj.mju_encodePyramid(edges, force, contact.friction[: dim - 1])
+            force = edges
+        result[first : first + len(force)] = force
+        i += 1
+    limit = np.isin(stage.kind, [int(at.mjCNSTR_LIMIT_JOINT), int(at.mjCNSTR_LIMIT_TENDON)])
+    dry = np.isin(stage.kind, [int(at.mjCNSTR_FRICTION_DOF), int(at.mjCNSTR_FRICTION_TENDON)])
+    middle = i + int(limit.sum())
+    result[limit], result[dry] = impulse[i:middle, 0], impulse[middle:, 1]
+    if equal.any():
+        result[equal] = np.linalg.lstsq(stage.J[equal].T, total - stage.contacts.rows.T @ impulse.ravel(), rcond=None)[0]
+    return result
