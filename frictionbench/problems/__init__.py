@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from frictionbench.problems.analysis.census import Census, census
     from frictionbench.problems.analysis.frictionless import frictionless_answer, idle
+    from frictionbench.problems.analysis.outcomes import refined, velocity_distance
     from frictionbench.problems.analysis.polyhedra import Shape
     from frictionbench.problems.analysis.thresholds import is_p0, is_pointed
     from frictionbench.problems.answer import Answer, Status
@@ -62,11 +63,13 @@ __all__ = [
     "measured",
     "newton",
     "recorded_steps",
+    "refined",
     "relaxation_residual",
     "simulation",
     "solid_box",
     "solid_sphere",
     "start",
+    "velocity_distance",
 ]
 
 _DEFINED_IN = {
@@ -74,6 +77,8 @@ _DEFINED_IN = {
     "census": "analysis.census",
     "frictionless_answer": "analysis.frictionless",
     "idle": "analysis.frictionless",
+    "refined": "analysis.outcomes",
+    "velocity_distance": "analysis.outcomes",
     "Shape": "analysis.polyhedra",
     "is_p0": "analysis.thresholds",
     "is_pointed": "analysis.thresholds",

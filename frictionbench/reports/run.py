@@ -30,6 +30,7 @@ from frictionbench.results.commands import sources
 from frictionbench.results.conventions import COLD, KEEP_ANSWER, RankBy
 from frictionbench.results.extras import ConvergenceHistory, Shrunk, read_histories, read_shrunk
 from frictionbench.results.maps import FirstSteps, GridPoint, maps_of, read_first_steps, read_thresholds
+from frictionbench.results.outcomes import with_outcomes
 from frictionbench.results.store import read_manifest, read_table
 
 BANDS = (100, 1000)  # unknowns of the friction LCP: dense methods are faster below, sparse ones above
@@ -141,7 +142,8 @@ def read_run(folder: Path, rank_by: RankBy = RankBy.BODIES, budget: float | None
 
 
 def annotate(solves: pd.DataFrame) -> pd.DataFrame:
-    """A copy of the solves table with the columns label, problem_id, problem_class, stratum, time, answered and own_solved."""
+    """A copy of the solves table with the columns label, problem_id, problem_class, stratum, time, answered and own_solved,
+    and those of results.outcomes."""
     rows = solves.reset_index(drop=True)
     texts = ["scene", "parameters", "solver", "variant", "model", "verdict", "reason"]
     texts += ["phase", "problem", "start", "key", "host"]
@@ -152,6 +154,7 @@ def annotate(solves: pd.DataFrame) -> pd.DataFrame:
     rows["label"] += _mark(rows)
     if len(set(rows["host"])) > 1:
         rows["label"] += " on " + rows["host"]
+    rows = with_outcomes(rows)
     rows["problem_id"] = rows.groupby(_IDENTITY, dropna=False, sort=False).ngroup()
     rows["problem_class"] = _classes(rows)
     rows["stratum"] = strata(rows)

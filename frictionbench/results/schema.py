@@ -146,6 +146,20 @@ SOLVES = (
     Column("ncp", _real, "1", "defect of the cone complementarity: r in K, u + mu |u_t| e_n in K*, and their product"),
     Column("backward_error", _real, "1", "smallest relative change of (q, mu) for which the answer is exact"),
     Column("energy_defect", _real, "1", "defect of the energy balance over the kinetic energy of the free motion"),
+    Column(
+        "velocity_error",
+        _real,
+        "1",
+        "|v - v*| / |v* - v_0| in the metric of the mass, v* of the refined reference answer, v_0 without impulses; an error "
+        "where the problem has one outcome, null without a reference",
+    ),
+    Column(
+        "outcome_distance",
+        _real,
+        "1",
+        "the same of the answer refined to rounding, from a residual of 1e-4: distances more than 1e-3 apart are of different "
+        "outcomes; null where it is not refined that far",
+    ),
     Column("mode", _text, "", "state of each contact in the answer: o open, s sticking, l, r sliding; null if too many"),
     Column("work", _text, "", "deterministic counters, a JSON object"),
     Column("first_time", _real, "s", "form, setup and solve of the first call; null if something was compiled or loaded in it"),

@@ -5,6 +5,8 @@ the same phase, and `shuffled`, those of a problem drawn from the whole motion; 
 guess in a file of FCLIB's is `warm` as well, unless it is zero; so is, in a sequence of files, the answer of the file before,
 where both have as many contacts.
 
+The reference answer, refined to what rounding allows, stands beside its problem: velocities are compared with it.
+
 The list of a source's problems is stored too. A folder may come from someone else, so that each record is checked.
 """
 
@@ -26,6 +28,7 @@ from frictionbench.problems.analysis.contradiction import contradiction
 from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.analysis.labels import POINTED, labels
 from frictionbench.problems.analysis.mode import ModeCounts, distance_to_next_mode, mode_counts
+from frictionbench.problems.analysis.outcomes import refined
 from frictionbench.problems.analysis.stability import sensitivity
 from frictionbench.problems.analysis.thresholds import existence
 from frictionbench.problems.check import Array
@@ -114,7 +117,7 @@ def collect(folder: Path, source: Source) -> list[Record]:
         if name not in records:
             with replaced(store / f"{name}.npz") as file:
                 save(problem, file)
-            described = lcp_facts(source, found) if isinstance(found, LCP) else facts(source, found)
+            described = lcp_facts(source, found) if isinstance(found, LCP) else _answered_facts(folder, source, found)
             digests = {COLD: ""} | {start: _digest(impulses) for start, impulses in starts.items()}
             records[name] = described | {"starts": digests, **_own_terms(source)}
             if starts:
@@ -122,6 +125,16 @@ def collect(folder: Path, source: Source) -> list[Record]:
                     np.savez(file, **starts)  # type: ignore[arg-type]
     write_text(listed, json.dumps(list(records.values())))
     return list(records.values())
+
+
+def _answered_facts(folder: Path, source: Source, found: Collected) -> Record:
+    """The facts of a problem, whose refined reference answer is stored."""
+    answer = _answer(found.problem) if found.impulse is None else found.impulse
+    finest = None if answer is None else refined(found.problem, answer)
+    if finest is not None:
+        with replaced(_answer_file(folder, found.problem.hash)) as file:
+            np.savez(file, impulse=finest)
+    return facts(source, found._replace(impulse=answer))
 
 
 def _own_terms(source: Source) -> Record:
@@ -149,6 +162,17 @@ def stored_friction(folder: Path, problem: str) -> FrictionProblem:
     if isinstance(found, LCP):
         raise InputError(f"problem: {problem} is a bare LCP, without contacts")
     return found
+
+
+def stored_answer(folder: Path, problem: str) -> Array | None:
+    """The refined reference answer (nc, d) of a stored problem, None where there is none that can be read."""
+    with suppress(InputError, KeyError):
+        return read_arrays(_answer_file(folder, problem))["impulse"]
+    return None
+
+
+def _answer_file(folder: Path, problem: str) -> Path:
+    return folder / "problems" / f"{problem}.answer.npz"
 
 
 def stored_start(folder: Path, problem: str, source_origin: str, start: str, digest: str = "") -> Array | None:
@@ -275,11 +299,12 @@ def _solution_set(problem: FrictionProblem) -> dict[str, Any]:
 
 
 def facts(source: Source, collected: Collected) -> Record:
-    """The columns of a row that describe a problem: harness.cells.rows.PROBLEM_FACTS."""
+    """The columns of a row that describe a problem, with its reference answer if there is one:
+    harness.cells.rows.PROBLEM_FACTS."""
     problem = collected.problem
     found = labels(problem)
     counted = _solution_set(problem)
-    answer = collected.impulse if collected.impulse is not None else _answer(problem)
+    answer = collected.impulse
     infeasible = answer is None and _contradicts_itself(problem)
     return {
         "problem": problem.hash,

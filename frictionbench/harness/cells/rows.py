@@ -11,11 +11,14 @@ from frictionbench.harness.cells.timing import SLOW_FIRST, Timing
 from frictionbench.harness.plans.plan import BatchCell, Plugin, SimulationCell, SolveCell, Source
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.analysis.mode import mode
+from frictionbench.problems.analysis.outcomes import refined, velocity_distance
 from frictionbench.problems.analysis.stability import backward_error
+from frictionbench.problems.check import Array
 from frictionbench.problems.measures import defects
 from frictionbench.problems.verdicts import RANK, Verdict
 from frictionbench.problems.verify import Finding, verify
 from frictionbench.results.conventions import COLD
+from frictionbench.results.outcomes import APART
 from frictionbench.results.store import Row
 from frictionbench.solvers import Answer, SolverInfo, Status, find
 
@@ -86,14 +89,23 @@ def solver_facts(variant: str) -> Row:
 
 
 MOST_IN_MODE = 24  # contacts whose mode a row holds: a letter each, in a column that is read by eye
+CLOSE = 1e-4  # residual from which an answer is refined to tell its outcome: the coarsest tolerance of the suites
 NOTICEABLE = 1e-3  # seconds: a first call at least as long, and SLOW_FIRST times the repeats, has a remark
 
 
 def finding_columns(
-    problem: FrictionProblem | LCP, timing: Timing, info: SolverInfo, tol: float, limit: float, *, disturbed: bool
+    problem: FrictionProblem | LCP,
+    timing: Timing,
+    info: SolverInfo,
+    tol: float,
+    limit: float,
+    reference: Array | None,
+    *,
+    disturbed: bool,
 ) -> Row:
     """The columns that verification of the timed answers gives; of different answers the worst is reported.
 
+    reference: impulses (nc, d) with whose velocities those of the answer are compared.
     disturbed: another process ran on the core meanwhile, which may be why the first call was slow.
     """
     findings = [(verify(problem, answer, info.model, tol, quiet=bool(info.needs)), answer) for answer in timing.answers]
@@ -106,7 +118,7 @@ def finding_columns(
         "residual": finding.residual,
         "model_residual": finding.model_residual,
         "work": json.dumps(answer.work, sort_keys=True),
-        **({} if isinstance(problem, LCP) else _contact_columns(problem, finding, answer)),
+        **({} if isinstance(problem, LCP) else _contact_columns(problem, finding, answer, reference)),
     }
     remarks = [finding.reason]
     if len(findings) > 1:
@@ -136,7 +148,7 @@ def _worst(findings: list[tuple[Finding, Answer]]) -> tuple[Finding, Answer]:
     return max(findings, key=lambda found: (RANK[found[0].verdict], found[0].residual))
 
 
-def _contact_columns(problem: FrictionProblem, finding: Finding, answer: Answer) -> Row:
+def _contact_columns(problem: FrictionProblem, finding: Finding, answer: Answer, reference: Array | None) -> Row:
     """The columns of an answer to a friction problem beyond its residuals."""
     free = problem.free_velocity
     energy = float(free @ (problem.mass @ free)) / 2 or 1.0
@@ -147,6 +159,21 @@ def _contact_columns(problem: FrictionProblem, finding: Finding, answer: Answer)
         "backward_error": backward_error(problem, answer.impulse),
         "energy_defect": abs(finding.energy_defect) / energy,
         "mode": _mode(problem, answer),
+        **_velocity_columns(problem, finding, answer, reference),
+    }
+
+
+def _velocity_columns(problem: FrictionProblem, finding: Finding, answer: Answer, reference: Array | None) -> Row:
+    """The distance of the answer's velocities from those of the reference, and that of the outcome to which it belongs."""
+    if reference is None:
+        return {}
+    found = velocity_distance(problem, answer.impulse, reference)
+    if found is None or not finding.residual <= CLOSE:
+        return {"velocity_error": found}
+    finest = answer.impulse if found <= APART else refined(problem, answer.impulse)
+    return {
+        "velocity_error": found,
+        "outcome_distance": None if finest is None else velocity_distance(problem, finest, reference),
     }
 
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from frictionbench.harness import process
 from frictionbench.harness.cells.batch import batch_of, time_batch
-from frictionbench.harness.cells.collect import Record, collect, stored, stored_start
+from frictionbench.harness.cells.collect import Record, collect, stored, stored_answer, stored_start
 from frictionbench.harness.cells.motion import record_motion, store_motion
 from frictionbench.harness.cells.rows import batch_row, finding_columns, simulation_row, solve_row, solver_facts
 from frictionbench.harness.cells.simulation import refusal, run_closed_loop
@@ -150,7 +150,8 @@ def run_solve(cell: SolveCell, record: Record, limit: float) -> Row:
         return _done(start_time, row | {"verdict": Verdict.CRASHED, "reason": plugins.describe_error(error)})
     row["peak_memory"] = process.peak_memory()
     row |= _core_columns(core, timing.spent)
-    row |= finding_columns(problem, timing, info, cell.tol, limit, disturbed=bool(row["disturbed"]))
+    reference = stored_answer(_worker.folder, cell.problem)
+    row |= finding_columns(problem, timing, info, cell.tol, limit, reference, disturbed=bool(row["disturbed"]))
     if not same(problem, given):
         row |= {"verdict": Verdict.WRONG, "reason": "the solver changed its input"}
     return _done(start_time, row | {"overhead": perf_counter() - start_time - timing.spent})

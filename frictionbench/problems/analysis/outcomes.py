@@ -1,0 +1,111 @@
+"""How far apart the velocities of two answers are, and an answer refined to what rounding allows.
+
+Several impulses may give one motion, so that outcomes are compared by velocities, in the metric of the mass and relative to
+what contact changes:
+
+    distance = |v - v*|_M / |v* - v_0|_M,      |v|_M^2 = v'M v,
+
+v* the velocities of a reference answer and v_0 those without impulses, which satisfy the joints' equations. Of W and q alone
+|v - v*|_M^2 = (r - r*)'(u - u*).
+
+An answer within a tolerance is no outcome yet: in an ill-conditioned problem it may be far from any solution. Newton's method
+refines it first, on Alart and Curnier's equations in x = s r/unit and w = u/unit, contact by contact
+
+    open    x = 0                                        where x_n - w_n <= 0
+    closed  w_n = 0, and with y = x_t - w_t, L = mu x_n + b:     w_t = 0 where |y| <= L,     x_t = L y/|y| elsewhere.
+
+Redundant contacts leave their derivative J singular. A step solves (J'J + DAMPING) dx = -J'E in its augmented form
+[[DAMPING, J'], [J, -1]], which does not square the condition of J, and moves little where J is singular: so it stays near the
+answer from which it starts. A step is kept only if the residual falls.
+
+References: Alart and Curnier 1991; Yamashita and Fukushima 2001 (Levenberg and Marquardt's method near solutions that are not
+isolated).
+"""
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from frictionbench.problems.check import Array
+from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.residual import residual, residual_floor
+
+FINEST = 1e-12  # residual of a refined answer, where its floor is not above
+DAMPING = 1e-13  # of a square: singular values below 3e-7 count as singular
+STEPS = 12  # most of which are needed where the damped part converges linearly
+HALVINGS = 4
+
+
+def velocity_distance(problem: FrictionProblem, impulse: Array, reference: Array) -> float | None:
+    """The distance of the velocities of impulse (nc, d) from those of the reference (nc, d); None where contact changes nothing
+    or a shape is wrong."""
+    shape = problem.contacts, problem.dimension
+    if impulse.shape != shape or reference.shape != shape or not np.isfinite(impulse).all():
+        return None
+    changed = _norm(problem, reference, np.zeros(shape))
+    return _norm(problem, impulse, reference) / changed if changed > 0 else None
+
+
+def _norm(problem: FrictionProblem, one: Array, other: Array) -> float:
+    if problem.mechanical:
+        change = problem.velocity(one) - problem.velocity(other)
+        return float(np.sqrt(change @ (problem.mass @ change)))
+    change = problem.contact_velocity(one) - problem.contact_velocity(other)
+    return float(np.sqrt(max(np.sum((one - other) * change), 0.0)))
+
+
+def refined(problem: FrictionProblem, impulse: Array) -> Array | None:
+    """The answer (nc, d) refined until its residual is FINEST or within its floor; None where that is not reached.
+
+    Errors: InputError naming impulse, where it is no array of numbers.
+    """
+    r, least = impulse, residual(problem, impulse)
+    if not np.isfinite(least):
+        return None
+    sizes = problem.scale / problem.units
+    r = np.where(r == 0, 0.0, r)
+    W = sparse.diags_array(np.repeat(1 / problem.units, problem.dimension)) @ problem.W
+    W = sparse.csr_array(W @ sparse.diags_array(np.repeat(1 / sizes, problem.dimension)))
+    for _ in range(STEPS):
+        if least <= FINEST / 100:
+            break
+        step = _step(problem, sizes[:, None] * r, W) / sizes[:, None]
+        share, found = 1.0, np.inf
+        for _ in range(HALVINGS):
+            if (found := residual(problem, r + share * step)) < least:
+                break
+            share /= 4
+        if not found < least:
+            break
+        r, least = r + share * step, found
+    return r if least <= max(FINEST, residual_floor(problem, r)) else None
+
+
+def _step(problem: FrictionProblem, x: Array, W: sparse.csr_array) -> Array:
+    """The damped Newton step in x (nc, d), W that of x and w."""
+    nc, d = x.shape
+    w = problem.contact_velocity(x * (problem.units / problem.scale)[:, None]) / problem.units[:, None]
+    mu, bias = problem.friction, problem.friction_bias * problem.scale / problem.units
+    closed = x[:, 0] > w[:, 0]
+    y = x[:, 1:] - w[:, 1:]
+    size, limit = np.linalg.norm(y, axis=1), np.where(closed, mu * np.maximum(x[:, 0], 0.0), 0.0) + bias
+    slides = size > limit
+    along = y / np.where(size > 0, size, 1.0)[:, None]
+    of_x, of_w, error = np.zeros((nc, d, d)), np.zeros((nc, d, d)), np.zeros((nc, d))
+    of_x[:, 0, 0], of_w[:, 0, 0], error[:, 0] = ~closed, closed, np.where(closed, w[:, 0], x[:, 0])
+    turn = (np.eye(d - 1) - along[:, :, None] * along[:, None, :]) * (limit / np.where(size > 0, size, 1.0))[:, None, None]
+    stuck = (~slides)[:, None, None]
+    of_x[:, 1:, 1:] = np.where(stuck, 0.0, np.eye(d - 1) - turn)
+    of_w[:, 1:, 1:] = np.where(stuck, np.eye(d - 1), turn)
+    of_x[:, 1:, 0] = np.where((slides & closed)[:, None], -mu[:, None] * along, 0.0)
+    error[:, 1:] = np.where(slides[:, None], x[:, 1:] - limit[:, None] * along, w[:, 1:])
+    J = _by_blocks(of_x) + _by_blocks(of_w) @ W
+    eye = sparse.eye_array(nc * d)
+    system = sparse.csc_array(sparse.block_array([[DAMPING * eye, J.T], [J, -eye]]))
+    found = splu(system).solve(np.concatenate([np.zeros(nc * d), -error.ravel()]))
+    return np.asarray(found[: nc * d]).reshape(nc, d)
+
+
+def _by_blocks(blocks: Array) -> sparse.csr_array:
+    count, d, _ = blocks.shape
+    return sparse.csr_array(sparse.bsr_array((blocks, np.arange(count), np.arange(count + 1)), shape=(count * d, count * d)))
