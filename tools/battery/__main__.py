@@ -8,6 +8,8 @@ import warnings
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+import numpy as np
+
 from tools.battery import bullet, drake, mujoco, own, rapier
 from tools.battery.phenomena import PHENOMENA, Phenomenon
 from tools.battery.world import Make, Unsupported
@@ -18,6 +20,7 @@ ENGINES: dict[str, tuple[str, Make]] = {  # by name, what has to be installed, a
     "MuJoCo": ("mujoco", mujoco.default),
     "MuJoCo, stiff": ("mujoco", mujoco.stiff),
     "Drake": ("drake", drake.default),
+    "Drake, SAP": ("drake", drake.sap),
     "Drake, margin": ("drake", drake.margin),
     "Drake, softer": ("drake", drake.softer),
     "Drake, stiff": ("drake", drake.stiff),
@@ -56,7 +59,8 @@ def _error(one: Phenomenon, make: Make, step: float) -> str:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
-            return f"{one.measure(make, step) - one.exact:.1e}"
+            off = np.atleast_1d(one.measure(make, step)) - one.exact
+            return f"{off.mean():.1e}" if len(off) == 1 else f"{off.mean():.1e} ± {np.ptp(off) / 2:.0e}"
         except Unsupported:
             return "–"
         except (Exception, SystemExit) as error:  # whatever an engine raises is its cell

@@ -48,7 +48,7 @@ class Bullet:
 
     def _add(self, setting: Setting, shape: int, mass: float, **pose: Any) -> int:
         one = int(self._bullet.createMultiBody(mass, shape, **pose, **self._own))
-        roots = np.sqrt([setting.friction, setting.restitution])
+        roots = np.sqrt([setting.friction, setting.restitution or 0.0])
         self._bullet.changeDynamics(one, -1, lateralFriction=roots[0], restitution=roots[1], **self._own)
         return one
 

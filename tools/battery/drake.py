@@ -18,6 +18,11 @@ def softer(setting: Setting, step: float) -> "Drake":
     return Drake(setting, step, 1e6)
 
 
+def sap(setting: Setting, step: float) -> "Drake":
+    """As by default, with the approximation kSap, which is convex and has no iteration that lags behind."""
+    return Drake(setting, step, 1e7, approximation="kSap")
+
+
 def margin(setting: Setting, step: float) -> "Drake":
     """As by default, with the margin that the documentation names, within which faces keep their contact."""
     return Drake(setting, step, 1e7, margin=1e-4)

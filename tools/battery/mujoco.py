@@ -27,7 +27,7 @@ class MuJoCo:
     """A setting as MJCF: planes and free bodies."""
 
     def __init__(self, setting: Setting, step: float, option: str, contact: str) -> None:
-        contact = _bouncing(setting.restitution) if setting.restitution else contact
+        contact = contact if setting.restitution is None else _bouncing(setting.restitution)
         self._mj: Any = import_module("mujoco")
         gravity = " ".join(map(str, setting.gravity))
         self._model = self._mj.MjModel.from_xml_string(f"""
@@ -57,9 +57,10 @@ class MuJoCo:
 
 def _bouncing(e: float) -> str:
     """The solref of a spring and damper that let go with e times the speed: with the default time constant of 20 ms and the
-    damping ratio for which they do, or without damping for e = 1, as soft as contacts of several steps need."""
-    if e == 1:
-        return 'solref="-5000 0"'
+    damping ratio for which they do, or without damping for e = 1, as soft as contacts of several steps need. A spring that
+    does not pull lets go at some speed however much it is damped, 2 % with a ratio of 10 for e = 0."""
+    if e in (0, 1):
+        return 'solref="-5000 0"' if e else 'solref="0.02 10"'
     return f'solref="0.02 {brentq(lambda ratio: _rebound(ratio) - e, 1e-9, 0.7)}"'
 
 

@@ -31,7 +31,7 @@ class Exact:
             q0=np.hstack([np.array([body.position for body in setting.bodies], dtype=float), turn]),
             v0=np.array([[*body.velocity, *body.spin] for body in setting.bodies], dtype=float),
             friction=setting.friction,
-            restitution=setting.restitution,
+            restitution=setting.restitution or 0.0,
             gravity=tuple(setting.gravity),
             step=step,
         )

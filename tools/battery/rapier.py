@@ -56,4 +56,4 @@ class Rapier:
 
 
 def _material(setting: Setting, collider: Any) -> Any:
-    return collider.friction(setting.friction).restitution(setting.restitution)
+    return collider.friction(setting.friction).restitution(setting.restitution or 0.0)

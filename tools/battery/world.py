@@ -32,15 +32,15 @@ class Body(NamedTuple):
 class Setting(NamedTuple):
     """What the engines build: bodies on half spaces through the origin with these turns about the x axis.
 
-    friction, restitution: of every contact. slope: angle by which gravity is turned from -z towards x, which tilts the whole
-    scene.
+    friction, restitution: of every contact; no restitution where the phenomenon does not depend on it. slope: angle by which
+    gravity is turned from -z towards x, which tilts the whole scene.
     """
 
     bodies: tuple[Body, ...]
     friction: float
     slope: float = 0.0
     floors: tuple[float, ...] = (0.0,)
-    restitution: float = 0.0
+    restitution: float | None = None
 
     @property
     def gravity(self) -> Array:
