@@ -113,7 +113,10 @@ def report(
     width: Annotated[
         float,
         typer.Option(
-            "--width", metavar="85mm|3.35in|241pt", parser=options.parse_length, help="For the paper: the width of a column."
+            "--width",
+            metavar="85mm|3.35in|241pt",
+            parser=options.parse_length,
+            help="For the paper: the width of figures.",
         ),
     ] = 3.35,
     font: Annotated[
@@ -137,8 +140,7 @@ def report(
     run = read_run(folder, rank_by, budget)
     typer.echo(f"report: {write_report(folder, run)}")
     if paper:
-        from frictionbench.reports.latex import Layout
-        from frictionbench.reports.paper import chosen, of_scenes, write_paper
+        from frictionbench.reports.paper import Layout, chosen, of_scenes, write_paper
 
         run_of_paper = of_scenes(run, options.split_names(scenes)) if scenes else run
         run_of_paper = chosen(run_of_paper, options.split_names(solvers)) if solvers else run_of_paper

@@ -29,14 +29,14 @@ if TYPE_CHECKING:
     from frictionbench.reports.drawing.text import plain as plain
     from frictionbench.reports.drawing.text import power as power
     from frictionbench.reports.drawing.text import seconds as seconds
-    from frictionbench.reports.noise import sentence as sentence
-    from frictionbench.reports.noise import timing_noise as timing_noise
     from frictionbench.reports.page import write_report as write_report
     from frictionbench.reports.robustness import MapCells as MapCells
     from frictionbench.reports.robustness import map_cells as map_cells
     from frictionbench.reports.run import Run as Run
     from frictionbench.reports.run import read_run as read_run
     from frictionbench.reports.settings import workers_on_all_cores as workers_on_all_cores
+    from frictionbench.reports.tables import disturbed as disturbed
+    from frictionbench.reports.tables import exclusions as exclusions
     from frictionbench.reports.tables import reliabilities as reliabilities
     from frictionbench.reports.templates import environment as environment
     from frictionbench.reports.templates import script as script
@@ -55,12 +55,11 @@ _FILES = {
         "looks",
     ),
     "drawing.text": ("escaped", "percent", "plain", "count", "power", "seconds"),
-    "noise": ("sentence", "timing_noise"),
     "page": ("write_report",),
     "robustness": ("MapCells", "map_cells"),
     "run": ("Run", "read_run"),
     "settings": ("workers_on_all_cores",),
-    "tables": ("reliabilities",),
+    "tables": ("disturbed", "exclusions", "reliabilities"),
     "templates": ("environment", "script"),
 }
 

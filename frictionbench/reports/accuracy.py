@@ -28,11 +28,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from frictionbench.problems.verdicts import measured
+from frictionbench.problems.verdicts import Verdict, measured
+from frictionbench.results.cells import repeats
 from frictionbench.results.conventions import RankBy, law
 
 TARGETS = (1e-4, 1e-6, 1e-8)  # two decades apart: from the accuracy of real-time simulation to that of reference solutions
-CHARGES = (1, 3, 10)  # time limits charged for a problem not solved, up to a decade
+CHARGES = (1, 2, 10)  # time limits charged for a problem not solved: PAR1, PAR2 and PAR10
 LEVELS = {"p50": 0.5, "p99": 0.99, "worst": 1.0}
 HUNDRED = 100  # problems, of which the 99th percentile leaves out one
 DRAWS = 500  # bootstrap samples: enough for percentiles 2.5 and 97.5, which rest on a dozen samples each
@@ -71,20 +72,27 @@ def targets(rows: pd.DataFrame) -> tuple[float, ...]:
 
 def times_to(rows: pd.DataFrame, target: float, rank_by: RankBy = RankBy.BODIES) -> pd.DataFrame:
     """A row per problem and label: class, stratum, dimension, reached, charged (s), and form_time, setup_time, solve_time, time
-    (s) and work where reached.
+    (s), work and repeats (s) where reached; unjudgeable: not reached, and some answer is within the target or its own rounding
+    errors, so that it cannot be told.
 
     rows: annotated rows of the solves table, those of problems that are not ranked left out.
     """
     pair = ["problem_id", "label"]
-    within = rows[rows["answered"] & (rows["residual"] <= target)]
+    floor = rows["residual_floor"].fillna(0.0)
+    coarse = (rows["verdict"] == Verdict.UNJUDGEABLE) & (floor <= rows["tol"]) & (target >= rows["tol"])
+    known = rows["answered"] & ~coarse & (floor <= target)
+    within = rows[known & (rows["residual"] <= target)]
     within = within.assign(time=rank_by.time(within))
     best = within.sort_values("time", kind="stable").drop_duplicates(pair).set_index(pair)
+    best["repeats"] = [repeats(*times) for times in zip(*(best[f"{column}s"] for column in rank_by.columns), strict=True)]
+    open_cells = rows[rows["answered"] & ~known & (rows["residual"] <= np.maximum(target, floor))]
     ran = rows.assign(ran=measured(rows))
     ran = ran[ran.groupby(["problem_class", "label"])["ran"].transform("any")]
     names = ("problem_class", "stratum", "dimension", "scene", "model", "start", "host")
     times = ran.groupby(pair, sort=False).agg(**{name: (name, "first") for name in names}, limit=("time_limit", "max"))
-    times = times.join(best[["form_time", "setup_time", "solve_time", "time", "work"]])
+    times = times.join(best[["form_time", "setup_time", "solve_time", "time", "work", "repeats"]])
     times["reached"] = times["time"].notna()
+    times["unjudgeable"] = ~times["reached"] & times.index.isin(pd.MultiIndex.from_frame(open_cells[pair]))
     times["charged"] = times["time"].fillna(times["limit"])
     return times.reset_index()
 
@@ -99,6 +107,7 @@ def summary(times: pd.DataFrame) -> pd.DataFrame:
     table = groups.agg(
         problems=("reached", "size"),
         reached=("reached", "sum"),
+        unjudgeable=("unjudgeable", "sum"),
         form=("form_time", "median"),
         setup=("setup_time", "median"),
         solve=("solve_time", "median"),
@@ -138,7 +147,9 @@ def _completed(times: pd.DataFrame, name: str) -> pd.DataFrame:
         models = own.groupby("label")["model"].first()
         pairs = pd.MultiIndex.from_product([facts.index, own["label"].unique()], names=["problem_id", "label"])
         lacking = pairs.difference(pd.MultiIndex.from_frame(own[["problem_id", "label"]])).to_frame(index=False)
-        lacking = lacking.join(facts, on="problem_id").assign(reached=False, model=lacking["label"].map(models))
+        lacking = lacking.join(facts, on="problem_id").assign(
+            reached=False, unjudgeable=False, model=lacking["label"].map(models)
+        )
         parts.append(lacking.assign(charged=lacking["limit"]))
     return pd.concat([part for part in parts if len(part)] or parts, ignore_index=True).assign(problem_class=name)
 
@@ -183,7 +194,8 @@ def shown_levels(table: pd.DataFrame) -> list[str]:
 
 
 def by_charge(times: pd.DataFrame) -> pd.DataFrame:
-    """A row per label: for each of CHARGES its mean (s) over all problems and its rank; failed: problems not solved.
+    """A row per label: for each of CHARGES its mean (s) over all problems, PAR1 and so on, and its rank; failed: problems not
+    solved.
 
     times: one of `overall`.
     """

@@ -1,57 +1,92 @@
-"""Which solver to choose: for each kind of problem the solvers ordered by their mean time to a target, and the win rate of the
-first.
+"""Which solver to choose: for each kind of problem the solvers in the order of their mean time to a target, and how certain the
+first of them is.
 
-The mean is the weighted shifted geometric mean of reports.accuracy, with problems not solved charged the time limit. Only
-solvers that ran on every problem of the kind are ordered, so that all are compared on the same problems; plane and space are
-different kinds. The lead is the mean of the second solver over that of the first. The win rate is the share of DRAWS bootstrap
-samples in which the same solver is first; a sample draws n_eff problems with the probabilities of their weights. Problems of
-one scene are similar, so the win rate applies to problems like these. Of too few problems no solver is the winner. `headline`
-says it in a sentence for the plane and one for space, the first of the report. `left_out`
-tells which scenes decide a ranking: the order of the solvers, at the finest target, when each scene is left out in turn.
+The mean is the weighted shifted geometric mean of reports.accuracy, with problems not solved charged the time limit (PAR1).
+Only solvers that ran on every problem of the kind are compared; plane and space are different kinds. A solver of another law
+has a mean only if it solves every problem, because the charge would say nothing about its speed; those without a mean come
+last.
+
+The lead is the mean of the second solver over that of the first. Its interval holds 95 % of DRAWS bootstrap samples. A sample
+draws scenes with replacement, because problems of one scene are similar; of each drawn scene its problems, stratum by stratum;
+and of each cell its repeats, whose median is its time. In each sample the lead is over the best of the RIVALS next solvers,
+whichever that is. The first is called the winner only where the interval excludes 1; of too few problems there is no interval.
+
+Beside the mean stand the share solved, on how many problems a solver is the fastest, and its mean over the problems that all
+solvers with a mean solve, in which no charge counts. `headline` says it in sentences.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from frictionbench.reports.accuracy import HUNDRED, OVERALL, SHIFT, effective, percentiles, share_of_form, weights
+from frictionbench.reports.accuracy import (
+    CHARGES,
+    HUNDRED,
+    OVERALL,
+    SHIFT,
+    effective,
+    percentiles,
+    share_of_form,
+    shifted_geometric_mean,
+    weights,
+)
 from frictionbench.reports.drawing.text import ahead, count, percent, power, seconds
-from frictionbench.reports.run import Run
+from frictionbench.reports.run import PORTFOLIO, Run
 from frictionbench.results.conventions import COLD, WARM, RankBy, law
 from frictionbench.results.hardness import ILL
 
 SMALL, MEDIUM = 10, 100  # contacts: the largest problems of these two kinds, a decade each
-DRAWS = 1000  # bootstrap samples: the standard error of a win rate is below 2 %
-FEW = 5  # problems, by n_eff; of so few the bootstrap gives no meaningful win rate, and none is the winner
-MAJORITY = 0.5  # the least win rate of a winner
+DRAWS = 1000  # bootstrap samples: 25 of them lie beyond each end of an interval
+MEDIANS = 32  # resampled medians of the repeats of a cell, of which each sample takes one
+RIVALS = 4  # solvers after the first that may be the best of a sample
+FEW = 5  # problems, by n_eff; of so few the bootstrap gives no meaningful interval
+LISTED = 8  # solvers listed for a kind of problem
+GLOSS = {
+    "too few to rank": f"the weights leave {FEW} problems or fewer, of which resampling gives no meaningful interval",
+    "no clear winner": "the 95 % interval of the lead includes 1: other scenes, problems or repeats could reverse the order",
+}
+Array = NDArray[np.float64]
 
 
 class Place(NamedTuple):
-    """A solver in an order. law: what it solves in place of Coulomb's law; reached: the number of problems solved to the
-    target; form: the share of form in form, setup and solve; within: the share of the problems solved within the budget; times
-    in s."""
+    """A solver in an order. law: what it solves in place of Coulomb's law. reached, unjudgeable: problems solved to the target,
+    and those in which rounding leaves it open. fastest: problems on which no solver is faster. mean, p50, p99, worst: times in
+    s; common: the mean over the problems that all solvers with a mean solve. form: its share of form, setup and solve. within:
+    the share of the problems solved within the budget."""
 
     label: str
     law: str
     mean: float
+    common: float
     reached: int
+    unjudgeable: int
+    fastest: int
     form: float
     p50: float
     p99: float
     worst: float
     within: float
 
+    @property
+    def solved(self) -> str:
+        """The number solved, and those that cannot be judged: 40 + 80 unjudgeable."""
+        return f"{self.reached:.0f}" + (f" + {self.unjudgeable:.0f} unjudgeable" if self.unjudgeable else "")
+
 
 class Choice(NamedTuple):
-    """The solvers that ran on all problems of a kind, the fastest first. win_rate: of the first, None where the problems are
-    too few to name a winner; below MAJORITY none is named either."""
+    """The solvers that ran on all problems of a kind, the fastest first. common: how many problems all with a mean solve.
+    outside: how many of the solvers of Coulomb's law are from outside libraries. interval: of the lead, None where the problems
+    are too few. orders: the first three by each charge for a problem not solved (accuracy.CHARGES)."""
 
     places: list[Place]
     problems: int
-    win_rate: float | None
+    common: int
+    outside: int
+    interval: tuple[float, float] | None
+    orders: dict[int, list[str]]
 
     @property
     def winner(self) -> Place | None:
@@ -59,15 +94,16 @@ class Choice(NamedTuple):
 
     @property
     def unclear(self) -> str:
-        """Why no winner is named, or ""."""
-        if self.win_rate is None:
+        """Why no winner is named, a key of GLOSS, or ""."""
+        if self.interval is None:
             return "too few to rank"
-        return "no clear winner" if self.win_rate < MAJORITY else ""
+        return "no clear winner" if self.lead is not None and self.interval[0] <= 1 else ""
 
     @property
     def lead(self) -> float | None:
         """The mean of the second over that of the first; None without a second."""
-        return self.places[1].mean / self.places[0].mean if len(self.places) > 1 else None
+        second = self.places[1].mean if len(self.places) > 1 else np.nan
+        return second / self.places[0].mean if np.isfinite(second) else None
 
     @property
     def tail(self) -> bool:
@@ -81,97 +117,157 @@ class Choice(NamedTuple):
 
 
 class Kind(NamedTuple):
-    """A kind of problem: its name, its number of problems, and the choice at each target that some solver reaches."""
+    """A kind of problem: its name, its number of problems, and the choice at each target that some solver reaches. first: shown
+    on the first screen."""
 
     name: str
     problems: int
     choices: dict[float, Choice]
+    first: bool
 
 
-def kinds(run: Run) -> list[tuple[str, set[int], set[str]]]:
-    """Of each kind that the run has: its name, its problems, and the labels that are compared on them."""
+class _Members(NamedTuple):
+    name: str
+    problems: set[int]
+    labels: set[str]
+    first: bool = False
+
+
+def _kinds(run: Run) -> list[_Members]:
+    """Each kind that the run has, its problems, and the labels that are compared on them."""
     facts = run.ranked.drop_duplicates("problem_id").set_index("problem_id")
     cold, warm = (set(run.rows.loc[run.rows["start"].isin(starts), "label"]) for starts in (["", COLD], [WARM]))
     started = set(run.rows.loc[run.rows["label"].isin(warm), "problem_id"])
     found = []
-    for dimension, where in OVERALL.items():
-        own = facts[facts["dimension"] == dimension]
+    wholes = [(where, facts[facts["dimension"] == dimension]) for dimension, where in OVERALL.items()]
+    wholes.append(("robots' steps", facts[facts["robot"]]))
+    for where, own in wholes:
         contacts = own["contacts"]
         parts = {
+            "one outcome": ~own["several_outcomes"],
             f"up to {SMALL} contacts": contacts <= SMALL,
             f"{SMALL + 1} to {MEDIUM} contacts": (contacts > SMALL) & (contacts <= MEDIUM),
             f"more than {MEDIUM} contacts": contacts > MEDIUM,
             f"ill-conditioned, above {ILL:.0e}".replace("e+0", "e"): own["condition"] > ILL,
         }
-        found.append((where, set(own.index), cold))
-        found += [(f"{where}, {name}", set(own.index[at]), cold) for name, at in parts.items() if at.any() and not at.all()]
-        found.append((f"{where}, warm starts", set(own.index) & started, warm))
-    return [(name, problems, labels) for name, problems, labels in found if problems and labels]
+        found.append(_Members(where, set(own.index), cold, first=True))
+        found.append(_Members(f"{where}, warm starts", set(own.index) & started, warm, first=True))
+        found += [
+            _Members(f"{where}, {name}", set(own.index[at]), cold) for name, at in parts.items() if at.any() and not at.all()
+        ]
+    return [one for one in found if one.problems and one.labels]
 
 
-def choices(run: Run, among: set[str] | None = None) -> list[Kind]:
+def choices(run: Run, among: Collection[str] | None = None) -> list[Kind]:
     """The choice for each kind of problem. among: the labels to choose from; None for all."""
     found = []
-    for name, problems, labels in kinds(run):
-        some = labels if among is None else labels & among
-        best = {target: choose(times, problems, some, run.budget) for target, times in run.times.items()}
-        found.append(Kind(name, len(problems), {target: one for target, one in best.items() if one}))
+    for name, problems, labels, first in _kinds(run):
+        some = labels if among is None else labels & set(among)
+        best = {target: choose(times, problems, some, run.budget, run.outside) for target, times in run.times.items()}
+        found.append(Kind(name, len(problems), {target: one for target, one in best.items() if one}, first))
     return found
 
 
-def choose(times: pd.DataFrame, problems: set[int], labels: set[str], budget: float | None = None) -> Choice | None:
+def choose(
+    times: pd.DataFrame,
+    problems: set[int],
+    labels: set[str],
+    budget: float | None = None,
+    outside: Collection[str] = (),
+) -> Choice | None:
     """The choice for these problems among these labels; None if none of them reaches the target on any problem.
 
-    times: see reports.accuracy.times_to. budget: s.
+    times: see reports.accuracy.times_to. budget: s. outside: the labels of outside libraries.
     """
     own = times[times["problem_id"].isin(problems) & times["label"].isin(labels)]
-    logs, weight = compared(own, problems)
-    if not own["reached"].any() or logs.empty:
+    charged = _table(own, "charged").reindex(sorted(problems)).dropna(axis=1)
+    own = own[own["label"].isin(charged.columns)]
+    if not own["reached"].any():
         return None
-    means = (weight @ logs).sort_values(kind="stable")
-    own = own[own["label"].isin(means.index)]
-    groups = own.groupby("label")
-    facts = percentiles(own, budget).assign(reached=groups["reached"].sum(), form=share_of_form(own, ["label"]))
-    facts["law"] = [law(*what) for what in groups[["model", "dimension"]].first().reindex(facts.index).itertuples(index=False)]
-    facts["mean"] = np.exp(means) - SHIFT
-    places = [Place(label=str(label), **facts.loc[label].to_dict()) for label in means.index]
-    return Choice(places, len(logs), _win_rate(logs[means.index].to_numpy(), weight.to_numpy()))
+    reached = _table(own, "reached").reindex(charged.index).astype(bool)
+    problem = own.drop_duplicates("problem_id").set_index("problem_id").reindex(charged.index)
+    weight, groups = weights(problem), own.groupby("label")
+    facts = percentiles(own, budget).assign(reached=groups["reached"].sum(), unjudgeable=groups["unjudgeable"].sum())
+    models = groups[["model", "dimension"]].first().reindex(facts.index)
+    facts["law"] = [law(*what) for what in models.itertuples(index=False)]
+    facts["form"] = share_of_form(own, ["label"])
+    means = {c: np.exp(weight @ np.log(charged.where(reached, c * charged) + SHIFT)) - SHIFT for c in CHARGES}
+    has_mean = (facts["law"] == "") | (facts["reached"] == len(charged))
+    facts["mean"] = means[1].where(has_mean)
+    shared = reached[facts.index[has_mean & (facts["reached"] > 0)]].all(axis=1)
+    facts["common"] = charged[shared].apply(shifted_geometric_mean, weight=weight[shared]) if shared.any() else np.nan
+    facts["common"] = facts["common"].where(has_mean & (facts["reached"] > 0))
+    facts["fastest"] = (charged.where(reached, np.inf).eq(charged.where(reached).min(axis=1), axis=0)).sum()
+    facts = facts.sort_values(["mean", "reached"], ascending=[True, False], kind="stable")
+    ranked = [label for label in facts.index if has_mean[label]]
+    interval = None
+    if effective(weight.to_numpy()) >= FEW + 0.5 and ranked:
+        interval = lead_interval(own, charged[ranked[: 1 + RIVALS]], problem)
+    return Choice(
+        [Place(label=str(label), **facts.loc[label].to_dict()) for label in facts.index],
+        len(charged),
+        int(shared.sum()),
+        sum(label in outside for label in ranked),
+        interval,
+        {charge: list(mean[ranked].sort_values(kind="stable").index[:3]) for charge, mean in means.items()},
+    )
 
 
-def compared(times: pd.DataFrame, problems: set[int]) -> tuple[pd.DataFrame, "pd.Series[float]"]:
-    """The logarithms of the times plus s, a row per problem and a column per label that ran on all of the problems; and the
-    weights of the problems. times: see reports.accuracy.times_to."""
-    table = times.pivot_table(index="problem_id", columns="label", values="charged")
-    table = table.reindex(sorted(problems)).dropna(axis=1)
-    facts = times.drop_duplicates("problem_id").set_index("problem_id").reindex(table.index)
-    return np.log(table + SHIFT), weights(facts)
+def _table(times: pd.DataFrame, column: str) -> pd.DataFrame:
+    """A row per problem and a column per label."""
+    return times.set_index(["problem_id", "label"])[column].unstack()  # noqa: PD010 - a pivot_table would average
 
 
-def too_few(weight: NDArray[np.float64]) -> bool:
-    """Whether the problems of these weights are FEW or less."""
-    return effective(weight) < FEW + 0.5
+def lead_interval(times: pd.DataFrame, charged: pd.DataFrame, problem: pd.DataFrame) -> tuple[float, float]:
+    """The ends of the 95 % interval of the lead of the first column over the best of the others.
+
+    times: with the column repeats, relative to the time of the cell. charged: s, a row per problem and a column per label.
+    problem: scene and stratum of each row.
+    """
+    random = np.random.default_rng(0)
+    drawn, rows = draw_problems(problem, random), np.arange(len(charged))
+    repeats = times.set_index(["label", "problem_id"])["repeats"]
+    means = np.empty((DRAWS, charged.shape[1]))
+    for k, label in enumerate(charged.columns):
+        medians = np.stack([_medians(one, random) for one in repeats[label].reindex(charged.index)], axis=1)
+        logs = np.log(medians * charged[label].to_numpy() + SHIFT)
+        means[:, k] = (drawn * logs[random.integers(MEDIANS, size=drawn.shape), rows]).sum(axis=1)
+    means = np.exp(means) - SHIFT
+    leads = means[:, 1:].min(axis=1, initial=np.inf) / means[:, 0]
+    low, high = np.percentile(leads, [2.5, 97.5]) if means.shape[1] > 1 else (np.inf, np.inf)
+    return float(low), float(high)
 
 
-def _win_rate(logs: NDArray[np.float64], weight: NDArray[np.float64]) -> float | None:
-    """The share of weighted bootstrap samples in which the first column is least; None for FEW problems or less."""
-    if too_few(weight):
-        return None
-    drawn = np.random.default_rng(0).multinomial(round(effective(weight)), weight / weight.sum(), size=DRAWS)
-    return float(np.mean(np.argmin(drawn @ logs, axis=1) == 0))
+def draw_problems(problem: pd.DataFrame, random: np.random.Generator) -> Array:
+    """The weights (DRAWS, problems) of each problem in bootstrap samples of scenes and of the problems of each stratum."""
+    scenes = list(problem["scene"].unique())
+    copies = random.multinomial(len(scenes), np.full(len(scenes), 1 / len(scenes)), size=DRAWS)
+    found = np.zeros((DRAWS, len(problem)))
+    for (scene, _), at in problem.groupby(["scene", "stratum"], sort=False).indices.items():
+        n = len(at)
+        found[:, at] = random.multinomial(n * copies[:, scenes.index(scene)], np.full(n, 1 / n)) / n
+    weighted: Array = found / found.sum(axis=1, keepdims=True)
+    return weighted
 
 
-def headline(ranked: dict[RankBy, list[Kind]], overall: list[str], target: float) -> list[str]:
-    """A sentence for each class of all problems of a dimension. ranked: the choices by each ranking; target: the finest."""
+def _medians(repeats: object, random: np.random.Generator) -> Array:
+    """Medians of resampled repeats, over the median of the repeats; 1 where a cell was timed once or not solved."""
+    if not isinstance(repeats, np.ndarray) or len(repeats) < 2:
+        return np.ones(MEDIANS)
+    drawn = np.median(random.choice(repeats, size=(MEDIANS, len(repeats))), axis=1)
+    ratio: Array = drawn / np.median(repeats)
+    return ratio
+
+
+def headline(ranked: Mapping[RankBy, list[Kind]], target: float) -> list[str]:
+    """Sentences for each kind of the first screen. ranked: the choices by each ranking; target: the finest."""
     found = {by: {kind.name: kind for kind in kinds} for by, kinds in ranked.items()}
-    return [
-        _headline({by: kinds[name] for by, kinds in found.items()}, target)
-        for name in overall
-        if all(name in one for one in found.values())
-    ]
+    names = [kind.name for kind in next(iter(ranked.values()), []) if kind.first]
+    return [_headline({by: kinds[name] for by, kinds in found.items()}, target) for name in names]
 
 
-def differs(ranked: dict[RankBy, list[Kind]], target: float) -> bool:
-    """Whether the two rankings have another winner, or another order of the first three, for some kind of problem."""
+def differs(ranked: Mapping[RankBy, list[Kind]], target: float) -> bool:
+    """Whether the two rankings have another order of the first three, for some kind of problem."""
     return any(
         one.choices[target].order != other.choices[target].order
         for one, other in zip(*ranked.values(), strict=True)
@@ -181,84 +277,66 @@ def differs(ranked: dict[RankBy, list[Kind]], target: float) -> bool:
 
 def _headline(kinds: dict[RankBy, Kind], target: float) -> str:
     (first, one), (second, other) = kinds.items()
-    where = f"{one.name.capitalize()}, {count(one.problems, 'problem')}, to a verified residual of {power(target)}: "
+    where = (
+        f"{one.name[0].upper()}{one.name[1:]}, {count(one.problems, 'problem')}, to a verified residual of {power(target)}: "
+    )
     if target not in one.choices:
         return f"{where}no solver that ran on all of them reaches it."
     mine, theirs = one.choices[target], other.choices[target]
-    if mine.winner and theirs.winner and mine.order == theirs.order:
-        same = f"{second.words} the first three are the same, the fastest {_figures(second, theirs)}"
-        return f"{where}{_winner(first, mine)}; {same}."
-    if mine.unclear == theirs.unclear != "":
-        return f"{where}{mine.unclear}."
-    return f"{where}{_winner(first, mine)}; {_winner(second, theirs)}."
+    if mine.order == theirs.order and mine.unclear == theirs.unclear:
+        speed = f"{_speed(first, mine)}; {second.words} the order of the first three is the same"
+    else:
+        speed = f"{_speed(first, mine)}; {_speed(second, theirs)}"
+    return f"{where}{dependable(mine)}. {speed[0].upper()}{speed[1:]}.{_charges(mine)}"
 
 
-def _winner(by: RankBy, choice: Choice) -> str:
-    best = choice.winner
-    if best is None:
-        return f"{by.words} {choice.unclear}"
-    name = f"{best.label} ({best.law})" if best.law else best.label
-    return f"{by.words} {name} is the fastest, {_figures(by, choice)}"
+def dependable(choice: Choice) -> str:
+    """The solver that solves most, the fastest of these; among which it is so; and the best single method if it is none."""
+    exact = [place for place in choice.places if not place.law]
+    if not exact:
+        return "no solver of Coulomb's law ran on all of them"
+    own = len([place for place in exact if np.isfinite(place.mean)]) - choice.outside
+    outside = f"{count(choice.outside, 'outside solver')} of Coulomb's law"
+    among = f"{count(own, 'own method')} and {outside}" if choice.outside else "our own methods"
+
+    def order(place: Place) -> tuple[float, float]:
+        return -place.reached, place.mean
+
+    best = min(exact, key=order)
+    told = f"the most dependable choice among {among} is {best.label}, {_solved(best, choice)}"
+    told += f", itself the fastest on {best.fastest:.0f}"
+    single = [place for place in exact if not place.label.endswith(PORTFOLIO)]
+    if best not in single and single:
+        alone = min(single, key=order)
+        told += f"; the best single method is {alone.label}, {_solved(alone, choice)} with a mean of {seconds(alone.mean)}"
+    often = max(exact, key=lambda place: place.fastest)
+    return told + (f"; most often the fastest is {often.label}, on {often.fastest:.0f}" if often is not best else "")
 
 
-def _figures(by: RankBy, choice: Choice) -> str:
-    """The mean of the first, the share of form in it, how many problems it solved, and how far it is ahead of the second."""
+def _solved(place: Place, choice: Choice) -> str:
+    return f"{place.solved} of {choice.problems} solved"
+
+
+def _speed(by: RankBy, choice: Choice) -> str:
+    """The first by its mean, the share of form in it, and its lead; or why it is not called the winner."""
     best = choice.places[0]
-    form = f", {percent(best.form)} of the time form" if by is RankBy.BODIES else ""
-    mean = f"with a mean of {seconds(best.mean)}{form}, {best.reached} of {choice.problems} solved"
-    return mean + (f", {ahead(choice.lead, choice.places[1].label)}" if choice.lead else "")
+    name = f"{best.label} ({best.law})" if best.law else best.label
+    form = f" ({percent(best.form)} of it to write the problem down)" if by is RankBy.BODIES else ""
+    mean = f"{by.words} {name} has the least mean, {seconds(best.mean)}{form}"
+    if choice.interval is None or choice.lead is None:
+        return f"{mean}; {choice.unclear}" if choice.unclear else mean
+    return f"{mean}, {lead_words(choice)}" + (f": {choice.unclear}" if choice.unclear else "")
 
 
-class LeftOut(NamedTuple):
-    """A scene: its share of the weight, and whether without it the winner, and the order of the first three, are the same."""
-
-    scene: str
-    weight: float
-    winner: str
-    same_winner: bool
-    same_order: bool
-
-
-def without_scenes(run: Run) -> dict[str, list[LeftOut]]:
-    """By class of all problems of a dimension, a line for each scene; none where they are too few to rank, or of one scene."""
-    times = run.times[min(run.times)]
-    return {name: _lines(times, problems, labels) for name, problems, labels in kinds(run) if name in run.overall}
-
-
-def _lines(times: pd.DataFrame, problems: set[int], labels: set[str]) -> list[LeftOut]:
-    own = times[times["problem_id"].isin(problems) & times["label"].isin(labels)]
-    logs, weight = compared(own, problems)
-    facts = own.drop_duplicates("problem_id").set_index("problem_id").reindex(logs.index)
-    if too_few(weight.to_numpy()) or logs.shape[1] < 2 or facts["scene"].nunique() < 2:
-        return []
-    whole = _order(logs, weight)
-    found = []
-    for scene in facts["scene"].unique():
-        rest = facts[facts["scene"] != scene]
-        order = _order(logs.loc[rest.index], weights(rest))
-        share = float(weight[facts["scene"] == scene].sum())
-        found.append(LeftOut(scene, share, order[0], order[0] == whole[0], order == whole))
-    return sorted(found, key=lambda one: -one.weight)
-
-
-def _order(logs: pd.DataFrame, weight: "pd.Series[float]") -> list[str]:
-    return list((weight @ logs).nsmallest(3).index)
-
-
-def deciding_scenes(by_ranking: Mapping[RankBy, Mapping[str, list[LeftOut]]]) -> list[str]:
-    """Which scenes decide the rankings of each class, in words. by_ranking: left_out of the run ranked by each time."""
-    lines = [_families(name, lines, by) for by, found in by_ranking.items() for name, lines in found.items()]
-    return [line for line in lines if line]
-
-
-def _families(name: str, lines: list[LeftOut], by: RankBy) -> str:
-    """Which scenes decide the ranking of a class, in words."""
-    if not lines:
+def lead_words(choice: Choice) -> str:
+    """The lead with its interval: 1.3 times ahead of nsgs (1.1 to 1.6)."""
+    if choice.lead is None:
         return ""
-    where = f"{name.capitalize()}, {by.words}"
-    winners = [f"{one.scene} (then {one.winner})" for one in lines if not one.same_winner]
-    if winners:
-        return f"{where}, another solver is the first without {', '.join(winners)}."
-    orders = [one.scene for one in lines if not one.same_order]
-    rest = f"; the order of the first three changes without {', '.join(orders)}" if orders else ", and so do the first three"
-    return f"{where}, the winner stays the same whichever scene is left out{rest}."
+    told = ahead(choice.lead, choice.places[1].label)
+    return told + (f" ({choice.interval[0]:.3g} to {choice.interval[1]:.3g})" if choice.interval else "")
+
+
+def _charges(choice: Choice) -> str:
+    """Which other charges for a problem not solved change the order of the first three."""
+    changed = [f"by PAR{charge} {', '.join(order)}" for charge, order in choice.orders.items() if order != choice.orders[1]]
+    return f" Other charges for what is not solved change the first three: {'; '.join(changed)}." if changed else ""

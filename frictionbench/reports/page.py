@@ -18,13 +18,12 @@ from frictionbench.reports.animation import Animation, write_animations
 from frictionbench.reports.batches import has_batches, write_batches
 from frictionbench.reports.charts import CHARTS
 from frictionbench.reports.charts.chart import Chart
-from frictionbench.reports.choice import choices, deciding_scenes, differs, headline, without_scenes
+from frictionbench.reports.choice import GLOSS, LISTED, choices, differs, headline
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.files import BANDS
 from frictionbench.reports.drawing.tiles import Drawing
-from frictionbench.reports.noise import sentence, timing_noise
 from frictionbench.reports.recorded import motions, recorded_problems
-from frictionbench.reports.run import Run, read_run
+from frictionbench.reports.run import EXCLUSIONS, Run, read_run
 from frictionbench.reports.settings import settings, workers_on_all_cores
 from frictionbench.reports.sheets import sheets
 from frictionbench.reports.templates import environment, script
@@ -39,7 +38,6 @@ MOST_CELLS = 20_000  # of the filter: a megabyte of the page; a run of more is f
 DIGITS = 3  # of times and residuals in the filter
 FEW = 8  # curves that are distinguishable in one figure
 CURVES = ["times", "energies", "penetrations", "load", "clock"]  # columns that no table shows
-FIRST_SCREEN = 8  # solvers listed for each dimension above the fold
 MUCH_FORM = 0.2  # share of form in the time, above which the formulation by this suite may decide the rank
 
 Values = dict[str, Any]
@@ -120,15 +118,16 @@ def view(run: Run, animations: Sequence[Animation] = ()) -> Values:
         "cells": cells(run),
         "much_form": MUCH_FORM,
         "charges": CHARGES,
-        "first_screen": FIRST_SCREEN,
+        "first_screen": LISTED,
+        "gloss": GLOSS,
+        "exclusions": EXCLUSIONS,
         "maps_first": bool(run.manifest["settings"].get("maps")) and not run.manifest["settings"].get("sources"),
     }
 
 
 def _head(run: Run, rankings: Records) -> Values:
-    """The summary above all sections. differs: whether the rankings differ; families: which scenes decide the ranking."""
+    """The summary above all sections. differs: whether the rankings differ."""
     kinds, target = {one["by"]: one["kinds"] for one in rankings}, run.outer_targets[-1]
-    disturbance = timing_noise(run, kinds)
     return {
         "setup": _setup(run.manifest),
         "finished": "finished" in run.manifest,
@@ -136,23 +135,21 @@ def _head(run: Run, rankings: Records) -> Values:
         "ranked": run.ranked["problem_id"].nunique(),
         "wrong_simulations": int((run.simulations["verdict"] == Verdict.WRONG).sum()),
         "classes": run.rows["problem_class"].nunique(),
-        "noise": disturbance,
-        "noise_told": sentence(disturbance, len(run.rows)) if disturbance else "",
+        "disturbed": tables.disturbed(run),
+        "exclusions": tables.exclusions(run),
         "oversubscribed": workers_on_all_cores(run.manifest),
         "gaps": tables.gaps(run),
         "other_law": int((run.rows["claimed"] & (run.rows["verdict"] == Verdict.RELAXED)).sum()),
         "overhead": tables.overhead(run),
-        "headline": headline(kinds, run.overall, target),
+        "headline": headline(kinds, target),
         "differs": differs(kinds, target),
-        "families": deciding_scenes({one["by"]: one["left_out"] for one in rankings}),
         "reliability": tables.sentences(run),
-        "idle_share": tables.idle_share(run),
     }
 
 
 def _ranked(run: Run) -> Values:
     """All that depends on the time by which the run ranks. matrices, overall, percentiles, charged: by target, then by the
-    classes of all problems of a dimension; classes: the ranking of each class of problems; left_out: by dimension."""
+    classes of all problems of a dimension; classes: the ranking of each class of problems."""
     wholes = {target: overall(times) for target, times in run.times.items() if target in run.outer_targets}
     scenes = _scenes(run)
     return {
@@ -171,7 +168,6 @@ def _ranked(run: Run) -> Values:
         "parts": partial_rankings(run.times[run.outer_targets[-1]]),
         "classes": {name: tables.ranking(run.summaries, name) for names in scenes.values() for name in names},
         "sequences": motions(run),
-        "left_out": without_scenes(run),
     }
 
 

@@ -1,49 +1,58 @@
-"""Files for a paper: figures at the widths of a two-column page, booktabs tables, captions and references, in DIR/paper/.
+"""Files for a paper: figures of one width, booktabs tables, captions and references, in DIR/paper/.
 
     \\input{speed_accuracy.pgf}                    a figure in the paper's own fonts, or \\includegraphics{speed_accuracy}
-    \\input{times}                                 a table that fits its width
+    \\input{times}                                 a table, shrunk where it is wider than the text
     \\caption{\\benchcaption{speed_accuracy}}       from captions.tex
     \\bibliography{references}
 
 preview.tex is a document that shows all of them. The same tables always give the same files, byte for byte.
 """
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from shutil import which
 from typing import NamedTuple
 
-import numpy as np
-import pandas as pd
 from markupsafe import Markup
+from matplotlib.artist import Artist
 
-from frictionbench.reports import tables
-from frictionbench.reports.accuracy import LEVELS, in_order, overall, percentiles, shown_levels
 from frictionbench.reports.charts import CHARTS, profiles
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.files import BANDS, pages, save_panels, save_sheet
-from frictionbench.reports.drawing.svg import in_file
-from frictionbench.reports.drawing.text import count, percent, power, residual, seconds
-from frictionbench.reports.drawing.tiles import Drawing, Text
-from frictionbench.reports.latex import Cell, Layout, Table, Tex, bibliography, booktabs, cited, escaped, one_unit
+from frictionbench.reports.drawing.files import BANDS, NOTHING, save_sheet
+from frictionbench.reports.drawing.text import count
+from frictionbench.reports.drawing.tiles import Drawing
+from frictionbench.reports.latex import bibliography, escaped
+from frictionbench.reports.printed import Cell, Cited, Table, printed
 from frictionbench.reports.run import PORTFOLIO, Run
-from frictionbench.results.conventions import ENDINGS
 from frictionbench.results.files import ResultsError, subfolder, write_text
 
 FONT = 7  # points, in figures: the smallest size that journals accept
 ASPECT, TALLEST = 0.75, 7.4  # height of a panel over its width; inches of a figure, which leaves room for its caption
-MOST_IN_COLUMN, MOST_COLUMNS = 2, 3  # panels one above the other in a column of text; more stand side by side on the page
+NARROWEST, MOST_COLUMNS = 1.6, 3  # inches of a panel; panels side by side
+LETTERS = 75  # of a row that a column of text takes at a readable size; a table of longer rows takes the width of the page
 ON_PAGE_ONLY = ("Hover over", "Bands, ", "Below each panel")  # the beginnings of sentences that apply to the page only
+# Shrinks what is wider than the text, after \noindent; \width is graphicx's name for the natural width of the box.
+FIT = r"\noindent\footnotesize\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{%"
 
 
-class Float(NamedTuple):
-    """A figure: the name of its files, its caption, and whether it takes the page's width."""
+@dataclass(frozen=True)
+class Layout:
+    """width: of every figure, inches. font: serif or sans."""
 
-    name: str
+    width: float = 3.35
+    font: str = "serif"
+
+
+class Sheet(NamedTuple):
+    """A figure before it is split into pages: the name of its files, its caption, its panels, and what its legend names besides
+    the solvers."""
+
+    stem: str
     caption: str
-    wide: bool
+    panels: Sequence[Panel]
+    handles: Mapping[str, Artist] = NOTHING
 
 
 def write_paper(folder: Path, run: Run, layout: Layout | None = None, figures: Sequence[str] | None = None) -> Path:
@@ -54,36 +63,17 @@ def write_paper(folder: Path, run: Run, layout: Layout | None = None, figures: S
     """
     layout = layout or Layout()
     paper = subfolder(folder, "paper")
-    escape = escaped if which("pdflatex") else None
-    run, floats = replace(run, printed=True), list[Float]()
+    run, captions = replace(run, printed=True), dict[str, str]()
     for chart in CHARTS if figures is None else [_chart(name) for name in figures]:
-        found = chart.panels(run)[chart.in_paper]
-        for drawing in (one for one in found if isinstance(one, Drawing)):
-            wide = len(drawing.panels) > 1
-            width = layout.page if wide else layout.column
-            stem, caption = f"{chart.name}_{drawing.name}", f"{drawing.title.rstrip('.')}. {_caption(chart, run)}"
-            write_text(paper / f"{stem}.svg", in_file(drawing))
-            parts = pages(drawing, width, TALLEST)
-            for one, part in zip(_floats(stem, caption, wide, len(parts)), parts, strict=True):
-                save_panels(part, paper / one.name, width, layout.font, escape)
-                floats.append(_marked(one, [shape.text for panel in part for shape in panel if isinstance(shape, Text)]))
-        if panels := [one for one in found if isinstance(one, Panel)]:
-            columns = max(chart.columns, MOST_COLUMNS) if len(panels) > MOST_IN_COLUMN else min(chart.columns, len(panels))
-            width = (layout.column if columns == 1 else layout.page) / columns
-            most = columns * int(TALLEST / (ASPECT * width))
-            sheets = [panels[k : k + most] for k in range(0, len(panels), most)]
-            for one, sheet in zip(_floats(chart.name, _caption(chart, run), columns > 1, len(sheets)), sheets, strict=True):
-                size = width, ASPECT * width
-                drawn = save_sheet(sheet, run.looks, paper / one.name, columns, size, FONT, layout.font, escape)
-                floats.append(_marked(one, drawn))
-    made = {name: make(run) for name, make in TABLES.items()}
-    for name, table in made.items():
-        write_text(paper / f"{name}.tex", table.text)
-    words = {"by": f"{run.rank_by.words} ({run.rank_by.parts})", "target": power(run.outer_targets[-1])}
-    captions = {name: CAPTIONS[name].format(**words) for name in made} | {one.name: one.caption for one in floats}
+        for sheet in _sheets(chart, run):
+            captions |= _save(sheet, run, paper, layout)
+    made = printed(run)
+    for table in made:
+        write_text(paper / f"{table.name}.tex", booktabs(table))
+    captions = {table.name: table.caption for table in made} | captions
     write_text(paper / "captions.tex", captions_file(captions, _setting(run)))
     write_text(paper / "references.bib", bibliography({*run.rows["solver"], *run.simulations["solver"]}))
-    write_text(paper / "preview.tex", preview(made, floats, layout))
+    write_text(paper / "preview.tex", preview(made, list(captions)[len(made) :], layout))
     return paper
 
 
@@ -94,11 +84,37 @@ def _chart(name: str) -> Chart:
     raise ResultsError(f"figures: there is no {name}; there are {', '.join(chart.name for chart in CHARTS)}")
 
 
-def _floats(stem: str, caption: str, wide: bool, count: int) -> list[Float]:
-    """The figures of a chart in `count` parts; those after the first are continued."""
-    names = [stem, *(f"{stem}_{k}" for k in range(2, count + 1))]
-    title = caption.partition(". ")[0].rstrip(".")
-    return [Float(name, f"{title} (continued)." if k else caption, wide) for k, name in enumerate(names)]
+def _sheets(chart: Chart, run: Run) -> list[Sheet]:
+    """The figures of a chart: one of all panels, or one for each map."""
+    found = chart.panels(run)
+    drawings, panels = [one for one in found if isinstance(one, Drawing)], [one for one in found if isinstance(one, Panel)]
+    sheets = [
+        Sheet(
+            f"{chart.name}_{one.name}",
+            f"{one.title.rstrip('.')}. {_caption(chart, run)} {one.note}".rstrip(),
+            one.panels,
+            one.handles,
+        )
+        for one in drawings
+    ]
+    return [*sheets, *([Sheet(chart.name, _caption(chart, run), panels)] if panels else [])]
+
+
+def _save(sheet: Sheet, run: Run, paper: Path, layout: Layout) -> dict[str, str]:
+    """Save a figure, in parts that fit on a page; the caption of each part by its name."""
+    columns = 1 if len(sheet.panels) == 1 else max(1, min(MOST_COLUMNS, int(layout.width / NARROWEST)))
+    size = layout.width / columns, ASPECT * layout.width / columns
+    most = columns * max(1, int(TALLEST / size[1]))
+    captions = {}
+    for k in range(0, len(sheet.panels), most):
+        name = f"{sheet.stem}_{k // most + 1}" if k else sheet.stem
+        escape = escaped if which("pdflatex") else None
+        part, path = sheet.panels[k : k + most], paper / name
+        drawn = save_sheet(part, run.looks, path, columns, size, FONT, layout.font, escape, handles=sheet.handles)
+        title = sheet.caption.partition(". ")[0].rstrip(".")
+        caption = f"{title} (continued)." if k else sheet.caption
+        captions[name] = _marked(caption, [*drawn, *(panel.title for panel in part)])
+    return captions
 
 
 def _caption(chart: Chart, run: Run) -> str:
@@ -110,10 +126,15 @@ def _caption(chart: Chart, run: Run) -> str:
     return caption
 
 
-def _marked(one: Float, names: Iterable[str]) -> Float:
-    """The figure, its caption with the mark of portfolios explained where a name that is drawn has it."""
-    told = " An asterisk marks a portfolio, which runs other solvers." * any(PORTFOLIO in name for name in names)
-    return one._replace(caption=one.caption + told)
+def _plain(caption: str) -> str:
+    """A caption without markup and without the sentences that apply to the page only."""
+    sentences = Markup(caption).striptags().replace(". ", ".\n").splitlines()
+    return " ".join(sentence for sentence in sentences if not sentence.startswith(ON_PAGE_ONLY))
+
+
+def _marked(caption: str, names: Iterable[str]) -> str:
+    """The caption with the mark of portfolios explained where a name that is drawn has it."""
+    return caption + " An asterisk marks a portfolio, which runs other solvers." * any(PORTFOLIO in name for name in names)
 
 
 def of_scenes(run: Run, names: Collection[str]) -> Run:
@@ -152,113 +173,41 @@ def chosen(run: Run, names: Collection[str]) -> Run:
     return replace(run, **parts)
 
 
-def _solvability(run: Run) -> Table:
-    """The counts of verdicts per solver, without verdicts that do not occur."""
-    rows = tables.solvability(run)
-    columns = ["cells", "claimed", *(name for name in ENDINGS if rows[name].any())]
-    body = [[row["label"], *(str(row[name]) for name in columns)] for row in rows.to_dict("records")]
-    if rows["error"].notna().any():
-        columns.append("error")
-        for line, error in zip(body, rows["error"], strict=True):
-            line.append("–" if np.isnan(error) else residual(error))
-    return booktabs(["solver", *columns], body)
-
-
-def _times(run: Run) -> Table:
-    """Of all problems of the plane, then of space, the solvers with the largest share reached first."""
-    ranking = [(where, *row) for where in run.overall for row in tables.ranking(run.summaries, where)]
-    facts = {
-        "solver": [label for _, label, _ in ranking],
-        "where": [where for where, *_ in ranking] if len(run.overall) > 1 else [],
-        "for": [rows[0]["law"] for *_, rows in ranking],
-    }
-    facts = {name: texts for name, texts in facts.items() if any(texts)}
-    header, columns, groups = [*facts], [*facts.values()], [("", len(facts))]
-    for i, target in enumerate(run.summaries):
-        unit, means = one_unit([cells[i]["mean"] for *_, cells in ranking])
-        header += ["reached", f"mean, {unit}"]
-        groups.append((f"to {power(target)}", 2))
-        columns += [[f"{cells[i]['reached']}/{cells[i]['problems']}" for *_, cells in ranking], means]
-    return booktabs(header, list(zip(*columns, strict=True)), groups)
-
-
-def _percentiles(run: Run) -> Table:
-    """At the finest target, in the order of the mean."""
-    body, places = [], []
-    for where, times in overall(run.times[run.outer_targets[-1]]).items():
-        table = in_order(percentiles(times, run.budget))
-        places += [(where, label, row) for label, row in zip(table.index, table.to_dict("records"), strict=True)]
-    levels = shown_levels(pd.DataFrame([row for *_, row in places], columns=[*LEVELS]))
-    unit, shown = one_unit([row[name] for *_, row in places for name in levels])
-    for i, (where, label, row) in enumerate(places):
-        within = [] if run.budget is None else [percent(row["within"], 1)]
-        body.append([label, where, *shown[len(levels) * i : len(levels) * (i + 1)], *within])
-    budget = [] if run.budget is None else [f"within {seconds(run.budget)}"]
-    return booktabs(["solver", "where", *(f"{name}, {unit}" for name in levels), *budget], body)
-
-
-def _problems(run: Run) -> Table:
-    classes = tables.problem_classes(run)
-    body = [
-        [
-            row["problem_class"],
-            f"{row['problems']:.0f}",
-            f"{row['trivial'] + row['idle']:.0f}",
-            _range(row, "contacts"),
-            _range(row, "size"),
-        ]
-        for row in classes.to_dict("records")
-    ]
-    return booktabs(["class", "problems", "left out", "contacts", "unknowns"], body)
-
-
-def _range(row: dict[str, float], what: str) -> str:
-    low, high = row[f"{what}_from"], row[f"{what}_to"]
-    return f"{low:.0f}" if low == high else f"{low:.0f}–{high:.0f}" if np.isfinite(low) else "–"
-
-
-def _solvers(run: Run) -> Table:
-    both = pd.concat([run.rows[["solver", "model"]], run.simulations[["solver"]]]).drop_duplicates("solver").fillna("")
-    body: list[list[Cell]] = []
-    for row in both.sort_values("solver").itertuples():
-        keys = cited(row.solver)
-        citation = Tex(rf"\cite{{{','.join(keys)}}}", f"[{', '.join('00' for _ in keys)}]") if keys else "–"
-        body.append([row.solver, row.model, citation])
-    return booktabs(["solver", "solves", "references"], body)
-
-
-TABLES: dict[str, Callable[[Run], Table]] = {
-    "solvability": _solvability,
-    "times": _times,
-    "percentiles": _percentiles,
-    "problems": _problems,
-    "solvers": _solvers,
-}
-CAPTIONS = {
-    "solvability": "Verdicts of an independent verification, by solver; claimed: cells that the solver reports as solved; "
-    "error: the median residual, by Coulomb's law, of answers to another law or with a polygon for the cone. Problems in which "
-    "friction does not act are left out.",
-    "times": "Problems brought within a verified residual of each target, and the weighted shifted geometric mean of the time "
-    "{by}, problems not solved charged the time limit; for: what is solved in place of Coulomb's law.",
-    "percentiles": "The times {by} within which half and, from a hundred on, 99 % of the problems, by weight, are solved to "
-    "{target}, and the longest; a dash: not solved.",
-    "problems": "Problems by class; left out: nothing to solve, or solved without friction; unknowns of the friction LCP.",
-    "solvers": "Solvers, the model that each solves, and references.",
-}
-
-
-def _plain(caption: str) -> str:
-    """A caption without markup and without the sentences that apply to the page only."""
-    sentences = Markup(caption).striptags().replace(". ", ".\n").splitlines()
-    return " ".join(sentence for sentence in sentences if not sentence.startswith(ON_PAGE_ONLY))
-
-
 def _setting(run: Run) -> str:
     """The suite and the machine of the run, in a sentence."""
     machine = run.manifest.get("machine")
     processor = f", one thread of {machine['processor']}" if isinstance(machine, dict) and "processor" in machine else ""
     problems = run.ranked["problem_id"].nunique()
     return f"Suite {run.manifest['settings'].get('suite', 'unnamed')}, {count(problems, 'problem')}{processor}."
+
+
+def booktabs(table: Table) -> str:
+    """A tabular with the first column aligned left and the others right; its document loads booktabs and graphicx."""
+    code = [[_cell(cell) for cell in row] for row in (table.header, *table.rows)]
+    lines = [" & ".join(row) + r" \\" for row in code]
+    widths = [max(map(len, column)) for column in zip(*code, strict=True)]
+    over = [rf"\multicolumn{{{span}}}{{c}}{{{escaped(text)}}}" for text, span in table.groups]
+    head = [" & ".join(over) + r" \\", _rules(table.groups)] if over else []
+    wide = sum(widths) + 2 * len(widths) > LETTERS
+    return "\n".join([
+        f"% {'both columns, table*' if wide else 'one column, table'}",
+        rf"{{{FIT}",
+        rf"\begin{{tabular}}{{@{{}}l{'r' * (len(widths) - 1)}@{{}}}}",
+        *(r"\toprule", *head, lines[0], r"\midrule", *lines[1:], r"\bottomrule", r"\end{tabular}}\par}", ""),
+    ])  # fmt: skip
+
+
+def _cell(cell: Cell) -> str:
+    return rf"\cite{{{','.join(cell.keys)}}}" if isinstance(cell, Cited) else escaped(cell)
+
+
+def _rules(groups: Sequence[tuple[str, int]]) -> str:
+    first, rules = 1, []
+    for text, span in groups:
+        if text:
+            rules.append(rf"\cmidrule(lr){{{first}-{first + span - 1}}}")
+        first += span
+    return "".join(rules)
 
 
 def captions_file(captions: Mapping[str, str], setting: str) -> str:
@@ -277,28 +226,27 @@ def _label(name: str) -> str:
     return "".join(c for c in name if c.isalnum() or c in "_-")
 
 
-def preview(made: Mapping[str, Table], figures: Sequence[Float], layout: Layout) -> str:
-    """preview.tex: a document with all tables and figures."""
-    body = [_float("table", name, table.wide, rf"\input{{{name}}}") for name, table in made.items()]
-    for name, _, wide in figures:
+def preview(made: Sequence[Table], figures: Sequence[str], layout: Layout) -> str:
+    """preview.tex: a document with all tables and figures. Without lmodern it keeps TeX's own fonts, which unlike those of the
+    T1 encoding are outlines everywhere."""
+    body = [_float("table", table.name, rf"\input{{{table.name}}}") for table in made]
+    for name in figures:
         drawn = rf"\IfFileExists{{{name}.pgf}}{{\input{{{name}.pgf}}}}{{\includegraphics{{{name}.pdf}}}}"
-        body.append(_float("figure", name, wide, drawn))
+        body.append(_float("figure", name, drawn))
     family = [r"\renewcommand{\familydefault}{\sfdefault}"] if layout.font == "sans" else []
     return "\n".join([
         r"% pdflatex preview; bibtex preview; pdflatex preview; pdflatex preview",
         r"% Packages: geometry, booktabs, graphicx, pgf, url, and lmodern if it is there; in Debian and Ubuntu",
         r"% texlive-latex-recommended, texlive-pictures and lmodern.",
-        r"\documentclass[twocolumn]{article}",
-        rf"\usepackage[textwidth={layout.page:.3f}in,columnsep={layout.gap}in,textheight=9.5in]{{geometry}}",
-        r"\usepackage[T1]{fontenc}", r"\IfFileExists{lmodern.sty}{\usepackage{lmodern}}{}", *family,
+        r"\documentclass{article}",
+        rf"\usepackage[textwidth={max(2 * layout.width, 6.5):.3f}in,textheight=9.5in]{{geometry}}",
+        r"\IfFileExists{lmodern.sty}{\usepackage[T1]{fontenc}\usepackage{lmodern}}{}", *family,
         r"\usepackage{booktabs,graphicx,pgf,url}", r"\input{captions}",
         r"\begin{document}", r"\nocite{*}", *body,
         r"\bibliographystyle{plain}", r"\bibliography{references}", r"\end{document}", "",
     ])  # fmt: skip
 
 
-def _float(kind: str, name: str, wide: bool, content: str) -> str:
-    star = "*" * wide
+def _float(kind: str, name: str, content: str) -> str:
     caption = rf"\caption{{\benchcaption{{{_label(name)}}} \benchsetting}}\label{{{kind}:{_label(name)}}}"
-    parts = (rf"\begin{{{kind}{star}}}", r"\centering", content, caption, rf"\end{{{kind}{star}}}", r"\clearpage")
-    return "\n".join(parts)
+    return "\n".join((rf"\begin{{{kind}}}", r"\centering", content, caption, rf"\end{{{kind}}}", r"\clearpage"))

@@ -10,8 +10,11 @@ Columns added to the solves table:
     time            s, of the parts by which the run ranks: see results.conventions
     answered        whether there is an answer that was verified and timed
     own_solved      whether it solves the exact problem or the solver's own model to the tolerance
+    infeasible      whether the problem is proved to have no solution
+    several_outcomes    whether solutions with several velocities were found or enumerated
+    robot           whether the problem is a step of a robot
 
-Trivial and idle problems are excluded from rankings: `Run.ranked` leaves them out.
+Trivial, idle and infeasible problems are excluded from rankings: `Run.ranked` leaves them out.
 """
 
 import json
@@ -36,6 +39,12 @@ from frictionbench.results.store import read_manifest, read_table
 BANDS = (100, 1000)  # unknowns of the friction LCP: dense methods are faster below, sparse ones above
 PORTFOLIO = "*"
 NO_ANSWER = (Verdict.TIMEOUT, Verdict.CRASHED, Verdict.SKIPPED)
+EXCLUSIONS = {  # of problems from rankings, by column, the first that holds counts
+    "infeasible": "proved infeasible",
+    "trivial": "trivial",
+    "idle": "idle",
+}
+ROBOTS = "robots"  # with which the names of scenes begin that are steps of robots
 _IDENTITY = ["scene", "parameters", "step", "phase", "problem"]
 
 
@@ -68,10 +77,15 @@ class Run:
 
     @cached_property
     def ranked(self) -> pd.DataFrame:
-        """The rows of friction problems neither trivial nor idle, without sources that yielded no problem and bare LCPs."""
-        return self.rows[
-            ~self.rows["trivial"] & ~self.rows["idle"] & (self.rows["problem"] != "") & self.rows["contacts"].notna()
-        ]
+        """The rows of friction problems that no exclusion removes, without sources that yielded no problem and bare LCPs."""
+        removed = self.rows[list(EXCLUSIONS)].any(axis=1)
+        return self.rows[~removed & (self.rows["problem"] != "") & self.rows["contacts"].notna()]
+
+    @cached_property
+    def outside(self) -> set[str]:
+        """The labels of solvers that use an outside library: those whose version is not that of this package."""
+        versions = self.rows["version"].fillna("")
+        return set(self.rows.loc[~versions.isin(["", self.manifest.get("versions", {}).get("frictionbench", "")]), "label"])
 
     @property
     def tightest(self) -> pd.DataFrame:
@@ -148,8 +162,13 @@ def annotate(solves: pd.DataFrame) -> pd.DataFrame:
     texts = ["scene", "parameters", "solver", "variant", "model", "verdict", "reason"]
     texts += ["phase", "problem", "start", "key", "host"]
     rows[texts] = rows[texts].fillna("")
-    rows["trivial"], rows["idle"] = rows["trivial"].eq(True), rows["idle"].eq(True)
-    rows["claimed"] = rows["claimed"].eq(True)
+    for name in ("trivial", "idle", "claimed"):
+        rows[name] = rows[name].eq(True)
+    none = pd.Series(index=rows.index, dtype=object)
+    rows["infeasible"] = rows.get("proved_infeasible", none).eq(True)
+    outcomes = rows.get("outcomes_found", none).astype(float).fillna(rows["outcomes"].astype(float))
+    rows["several_outcomes"] = outcomes.groupby(rows["problem"]).transform("max") > 1
+    rows["robot"] = rows["scene"].str.startswith(ROBOTS)
     rows["label"] = rows["variant"].where(rows["start"].isin(["", COLD]), rows["variant"] + ", " + rows["start"])
     rows["label"] += _mark(rows)
     if len(set(rows["host"])) > 1:

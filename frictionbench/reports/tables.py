@@ -9,12 +9,14 @@ suite `hard` was chosen by failures, so that its shares compare kinds of problem
 from collections.abc import Callable, Collection
 from typing import Any, NamedTuple
 
+import numpy as np
 import pandas as pd
 
 from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.reports.accuracy import OVERALL, decade
-from frictionbench.reports.drawing.text import power, residual
-from frictionbench.reports.run import Run
+from frictionbench.reports.drawing.text import count, percent, power, residual
+from frictionbench.reports.run import EXCLUSIONS, Run
+from frictionbench.results.cells import repeats
 from frictionbench.results.conventions import ENDINGS, endings
 from frictionbench.results.hardness import HARDNESS, hardness
 
@@ -160,6 +162,7 @@ class Reliability(NamedTuple):
     exact: int
     own: int
     near_miss: int
+    unjudgeable: int
     wrong: int
     timeout: int
     crashed: int
@@ -170,10 +173,11 @@ def reliabilities(run: Run) -> list[Reliability]:
     rows = run.tightest[measured(run.tightest)]
     found = []
     for label, own in rows.groupby("label", sort=False):
-        solved = own["residual"] <= own["tol"], own["own_solved"]
+        judged = own["verdict"] != Verdict.UNJUDGEABLE
+        solved = judged & (own["residual"] <= own["tol"]), judged & own["own_solved"]
         ended = [
             int((own["verdict"] == verdict).sum())
-            for verdict in (Verdict.NEAR_MISS, Verdict.WRONG, Verdict.TIMEOUT, Verdict.CRASHED)
+            for verdict in (Verdict.NEAR_MISS, Verdict.UNJUDGEABLE, Verdict.WRONG, Verdict.TIMEOUT, Verdict.CRASHED)
         ]
         found.append(Reliability(str(label), own["model"].iloc[0], len(own), *(int(one.sum()) for one in solved), *ended))
     return sorted(found, key=lambda one: (-one.exact, -one.own))
@@ -208,8 +212,8 @@ def sentences(run: Run) -> list[tuple[str, str]]:
     several = len(run.overall) > 1
     only = {label: f" ({OVERALL[min(found)]})" if several and len(found) == 1 else "" for label, found in ran.items()}
     return [
-        (what, ", ".join(f"{one.label} ({count(one)})" if count else one.label + only[one.label] for one in solvers))
-        for what, (solvers, count) in claims.items()
+        (what, ", ".join(f"{one.label} ({figure(one)})" if figure else one.label + only[one.label] for one in solvers))
+        for what, (solvers, figure) in claims.items()
         if solvers
     ]
 
@@ -275,16 +279,45 @@ def mix(run: Run) -> pd.DataFrame:
 
 
 def not_ranked(run: Run) -> pd.DataFrame:
-    """A row per scene with problems that enter no ranking: problems, how many are trivial, and how many of the others idle."""
+    """A row per scene with problems that enter no ranking: problems, and how many each of EXCLUSIONS removes, the first that
+    holds."""
     facts = run.rows[(run.rows["problem"] != "") & run.rows["contacts"].notna()].drop_duplicates("problem_id")
-    facts = facts.assign(idle=facts["idle"] & ~facts["trivial"])
-    table = facts.groupby("scene", sort=False).agg(
-        problems=("problem_id", "size"), trivial=("trivial", "sum"), idle=("idle", "sum")
-    )
-    return table[(table["trivial"] > 0) | (table["idle"] > 0)].reset_index()
+    left = pd.Series(data=True, index=facts.index)
+    counts = {"problems": left}
+    for name in EXCLUSIONS:
+        counts[name] = left & facts[name]
+        left = left & ~facts[name]
+    table = pd.DataFrame(counts).groupby(facts["scene"], sort=False).sum()
+    return table[(table[list(EXCLUSIONS)] > 0).any(axis=1)].reset_index()
 
 
-def idle_share(run: Run) -> float:
-    """The share of idle problems among those that are ranked, 0 where they are left out as they should be."""
+def exclusions(run: Run) -> str:
+    """How many problems each exclusion removes from the rankings, and how many of those left have several outcomes."""
+    removed = not_ranked(run)[list(EXCLUSIONS)].sum()
+    parts = [f"{removed[name]} {what}" for name, what in EXCLUSIONS.items()]
     facts = run.ranked.drop_duplicates("problem_id")
-    return float(facts["idle"].mean()) if len(facts) else 0.0
+    told = f"Left out of all rankings: {', '.join(parts)}"
+    if facts["several_outcomes"].any():
+        several = count(int(facts["several_outcomes"].sum()), "problem")
+        told += f"; {several} of the {len(facts)} ranked have answers with several velocities, and are ranked with and without"
+    return told + "."
+
+
+def disturbed(run: Run) -> str:
+    """How many cells another process disturbed while they were timed, and by how much; empty for none.
+
+    The ratio of the recorded time, the median of the repeats, to the fastest of them is a lower bound of the disturbance.
+    """
+    rows = run.rows[run.rows["disturbed"].eq(True) & run.rows["solve_time"].notna()]
+    if rows.empty:
+        return ""
+    columns = [f"{column}s" for column in run.rank_by.columns]
+    times = [repeats(*own) for own in rows[columns].itertuples(index=False)]
+    ratio = [float(np.median(own) / own.min()) for own in times if len(own) > 1]
+    without = int(rows["core"].isna().sum())
+    kinds = [f"{len(rows) - without} waited for their core"] * (without < len(rows)) + [f"{without} had none"] * (without > 0)
+    told = f"Of {len(run.rows)} cells {' and '.join(kinds)} while they were timed"
+    if ratio:
+        told += f": their medians are longer than their fastest repeats by {percent(np.median(ratio) - 1)}, at most by "
+        told += percent(max(ratio) - 1)
+    return told + ". The intervals resample the repeats; frictionbench run --retake times these cells again."

@@ -79,9 +79,9 @@ def _of_folder(folder: Path, rank_by: RankBy) -> Cells:
     manifest = read_manifest(folder)
     settings, versions, machine = manifest["settings"], manifest.get("versions"), manifest.get("machine")
     solves, simulations = read_table(folder, "solves"), read_table(folder, "simulations")
-    repeats = list(map(_repeats, *(solves[f"{column}s"] for column in rank_by.columns)))
-    least = [times.min() if len(times) else np.nan for times in repeats]
-    few = np.array([len(times) < ENOUGH for times in repeats], dtype=bool)
+    totals = list(map(repeats, *(solves[f"{column}s"] for column in rank_by.columns)))
+    least = [times.min() if len(times) else np.nan for times in totals]
+    few = np.array([len(times) < ENOUGH for times in totals], dtype=bool)
     parts = [solves.assign(table="solve", seconds=least, disturbed=solves["disturbed"].fillna(False).astype(bool) & few)]
     renamed = simulations.drop(columns="work", errors="ignore").rename(
         columns={"worst_residual": "residual", "scheme": "phase"}
@@ -116,10 +116,10 @@ def _of_folder(folder: Path, rank_by: RankBy) -> Cells:
 
 def _least(times: Any) -> float:
     """The least of the times of a batch's rounds; NaN where it has none."""
-    return float(_repeats(times).min(initial=np.inf)) if times is not None and len(times) else np.nan
+    return float(repeats(times).min(initial=np.inf)) if times is not None and len(times) else np.nan
 
 
-def _repeats(*steps: Any) -> np.ndarray:
+def repeats(*steps: Any) -> np.ndarray:
     """The steps of each repeat together; empty if they do not have the same number of repeats."""
     times = [np.asarray([] if step is None else step, dtype=float) for step in steps]
     total = sum(times[1:], times[0]) if len({len(one) for one in times}) == 1 else np.empty(0)

@@ -9,7 +9,6 @@ from frictionbench.harness.run import run
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scenes import scene
 from frictionbench.reports.charts import convergence as chart
-from frictionbench.reports.charts import forces
 from frictionbench.reports.page import write_report
 from frictionbench.reports.run import read_run
 from frictionbench.results.extras import CONVERGENCE, ConvergenceHistory, read_histories, write_histories
@@ -90,7 +89,7 @@ def test_force_chart_of_redundant_problems(tmp_path) -> None:
     write_histories(folder, [*histories, ConvergenceHistory("bar", "{}", 2, "a", 1, False, [1, 2], [1.0, 1e-9], [])])
     assert read_histories(folder)[:2] == histories
     run = read_run(folder)
-    assert [panel.title for panel in forces.panels(run)] == ["table[legs=3]: 3 contacts"]
+    assert [panel.title for panel in chart.forces(run)] == ["table[legs=3]: 3 contacts"]
     assert [panel.title for panel in chart.panels(run)] == ["table[legs=3]: 3 contacts", "bar, step 2: 1 contact"]
 
 

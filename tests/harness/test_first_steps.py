@@ -9,7 +9,7 @@ import pytest
 from frictionbench.harness.maps import EVERY, STEPS, store_first_steps
 from frictionbench.problems.scenes import scene
 from frictionbench.problems.simulate import simulate
-from frictionbench.reports.drawing.tiles import picture
+from frictionbench.reports.drawing.first_steps import picture
 from frictionbench.results.files import ResultsError
 from frictionbench.results.maps import Axis, FirstSteps, Map, first_steps_file, read_first_steps
 from frictionbench.results.motion import Outline

@@ -22,8 +22,8 @@ from frictionbench.problems.analysis.thresholds import THRESHOLDS
 from frictionbench.problems.recorded.own import load
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scenes import scene
-from frictionbench.reports.drawing import svg, tiles
-from frictionbench.reports.drawing.tiles import Grid, Tile, panel
+from frictionbench.reports.drawing import tiles
+from frictionbench.reports.drawing.tiles import Field, Grid, Tile
 from frictionbench.reports.page import write_report
 from frictionbench.reports.paper import write_paper
 from frictionbench.reports.robustness import costs, failures, map_cells, robustness, smallest
@@ -173,10 +173,9 @@ def test_page_shows_every_map(atlas) -> None:
 def test_map_markup_is_compact_and_escaped() -> None:
     row = [Tile(i, 0, 1.0, "red") for i in range(5)]
     grid = Grid(tiles.Axis("a", (), 5), tiles.Axis("b", (), 2), {})
-    drawn = svg.markup(panel("<b>&", [*row, Tile(1.5, 0, 0.5, "blue", "<i>")], grid, "green"))
-    assert (
-        '<g fill="red"><path d="M0 0H5v1H0z"/></g><g fill="blue"><path d="M1.75 0.25H2.25v0.5H1.75z"><title>&lt;i&gt;' in drawn
-    )
+    drawn = tiles.markup(Field("<b>&", [*row, Tile(1.5, 0, 0.5, "blue", "<i>")], "green"), grid)
+    assert '<path d="M-0.5 -0.5H4.5V0.5H-0.5z"/>' in drawn
+    assert '<path d="M1.25 -0.25H1.75V0.25H1.25z"><title>&lt;i&gt;' in drawn
     assert "&lt;b&gt;&amp;" in drawn
 
 

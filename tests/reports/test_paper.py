@@ -14,10 +14,11 @@ from matplotlib.figure import Figure
 from frictionbench.commands.options import parse_length, split_names
 from frictionbench.reports.charts import pareto, profiles
 from frictionbench.reports.drawing import tiles
-from frictionbench.reports.drawing.files import draw_panel, pages, save_panels, save_sheet
+from frictionbench.reports.drawing.files import save_sheet
 from frictionbench.reports.drawing.tiles import polylines
-from frictionbench.reports.latex import Layout, booktabs, cited, escaped, one_unit, references
-from frictionbench.reports.paper import chosen, of_scenes, write_paper
+from frictionbench.reports.latex import cited, escaped, references
+from frictionbench.reports.paper import Layout, booktabs, chosen, of_scenes, write_paper
+from frictionbench.reports.printed import Table, one_unit
 from frictionbench.reports.run import Run, read_run
 from frictionbench.results.files import ResultsError
 from frictionbench.solvers import available
@@ -48,13 +49,13 @@ def test_table_units_and_widths(run, tmp_path, monkeypatch) -> None:
     assert r"solver & cells & claimed & solved & timeout \\" in verdicts
     assert r"\cite{Lemke1965," in (paper / "solvers.tex").read_text()
     assert one_unit([2e-6, 3e-4, float("nan")]) == ("µs", ["2.00", "300", "–"])
-    assert booktabs(["a", "b"], [["x" * 20, "y" * 20]]).wide is False
-    assert booktabs(["a", "b"], [["x" * 60, "y" * 60]]).wide is True
+    for letters, first in ((20, "% one column"), (60, "% both columns")):
+        assert booktabs(Table("t", "", ["a", "b"], [["x" * letters, "y" * letters]])).startswith(first)
 
 
 def test_latex_escaping() -> None:
     assert escaped("a_b 100 %") == r"a\_b 100 \%"
-    assert escaped("nsgs[x=1] 3 µs") == r"nsgs{[}x=1{]} 3 \textmu{}s"
+    assert escaped("nsgs[x=1] 3 µs") == r"nsgs{[}x=1{]} 3 \ensuremath{\mu}s"
     assert escaped("\\input{x} $^~") == r"\textbackslash{}input\{x\} \$\textasciicircum{}\textasciitilde{}"
     assert escaped("é漢\x00") == "e??"
 
@@ -107,32 +108,27 @@ def test_asterisk_is_explained_where_a_portfolio_is_drawn(tmp_path) -> None:
 
 
 def test_map_drawing(tmp_path) -> None:
-    """Ground, tiles, dots and texts, each with its colour and at its place, as PDF, twice the same."""
+    """Ground, tiles and curve, each with its colour and at its place, and a legend; as PDF, twice the same."""
     across, upwards = tiles.Axis("friction", ((0.0, "0"), (3.0, "1")), 4), tiles.Axis("mass, kg", ((0.0, "1"),), 4)
     grid = tiles.Grid(across, upwards, {"#112233": [[(0, 0), (3, 3)]]})
-    wrong = [
-        tiles.Tile(0, 0, 1, "#cc0000", "a reason"),
-        tiles.Tile(1, 0, 1, "#cc0000", "another"),
-        tiles.Tile(3, 3, 1, "#0000cc"),
-    ]
-    panel = tiles.panel("lemke 90 %", wrong, grid, "#a9d8b8")
+    wrong = [tiles.Tile(0, 0, 1, "#cc0000", "a"), tiles.Tile(1, 0, 1, "#cc0000", "b"), tiles.Tile(3, 3, 1, "#0000cc")]
+    field = tiles.Field("lemke 90 %", wrong, "#a9d8b8")
     ax = Figure().subplots()
-    draw_panel(ax, panel, 10.0, 20.0, 1.0)
-    boxes = {to_hex(patch.get_facecolor()): patch.get_path().get_extents(patch.get_transform()) for patch in ax.patches}
-    data = {colour: box.transformed(ax.transData.inverted()) for colour, box in boxes.items()}
-    assert data.keys() == {"#a9d8b8", "#cc0000", "#0000cc"}
-    left, right, low, high = 10 + tiles.LEFT, 10 + tiles.LEFT + tiles.ACROSS, 20 + tiles.TOP + tiles.UP, 20 + tiles.TOP
-    assert data["#a9d8b8"].extents == pytest.approx([left, high, right, low])
-    assert (data["#0000cc"].x1, data["#0000cc"].y0) == pytest.approx((right, high))
+    tiles.draw(ax, field, grid)
+    bars = {
+        to_hex(part.get_facecolor()[0]): [path.get_extents().extents for path in part.get_paths()] for part in ax.collections
+    }
+    assert to_hex(ax.get_facecolor()) == "#a9d8b8"
+    assert bars["#cc0000"][1] == pytest.approx([0.5, -0.5, 1.5, 0.5])
+    assert bars["#0000cc"][0] == pytest.approx([2.5, 2.5, 3.5, 3.5])
+    assert (ax.get_xlim(), ax.get_ylim()) == ((-0.5, 3.5), (-0.5, 3.5))
     curve = next(line for line in ax.lines if line.get_color() == "#112233")
-    assert curve.get_xdata()[0] == pytest.approx(left + tiles.ACROSS / 8)
-    assert [text.get_text() for text in ax.texts] == ["lemke 90 %", "mass, kg", "0", "1", "1", "friction"]
-    drawing = tiles.Drawing("A map.", "map", (tiles.Entry("solved", "#a9d8b8"),), (panel,) * 30)
-    parts = pages(drawing, 7.0, 7.4)
-    assert [len(part) for part in parts] == [16, 15]
+    assert (tuple(curve.get_xdata()), ax.get_xlabel(), ax.get_ylabel()) == ((0, 3), "friction", "mass, kg")
+    drawing = tiles.Drawing("A map.", "map", (tiles.Entry("solved", "#a9d8b8"),), grid, (field,))
     for name in "ab":
-        save_panels(parts[0], tmp_path / name, 7.0, "sans")
+        save_sheet(drawing.panels, {}, tmp_path / name, handles=drawing.handles)
     assert (tmp_path / "a.pdf").read_bytes() == (tmp_path / "b.pdf").read_bytes()
+    assert ">solved<" in (tmp_path / "a.svg").read_text()
 
 
 def test_points_are_joined_along_a_curve() -> None:
@@ -146,7 +142,7 @@ def test_points_are_joined_along_a_curve() -> None:
 
 def test_figures_fit_the_page(run, tmp_path) -> None:
     """Charts of one's choice, of some scenes, over several files where they are taller than a page."""
-    rows = [solve_row("lemke", f"{scene}{k}", scene=f"scene_{scene}") for scene in range(20) for k in (0, 1)]
+    rows = [solve_row("lemke", f"{scene}{k}", scene=f"scene_{scene}") for scene in range(16) for k in (0, 1)]
     many = read_run(write_folder(tmp_path / "many", rows))
     paper = write_paper(tmp_path, many, Layout(), ["speed_accuracy"])
     assert sorted(path.name for path in paper.glob("*.pdf")) == ["speed_accuracy.pdf", "speed_accuracy_2.pdf"]
@@ -168,6 +164,48 @@ def test_printed_lines_differ_without_colour(run) -> None:
     assert len({look.marker for look in few.looks.values()}) == len({str(look.dash) for look in few.looks.values()}) == 3
 
 
+def test_figures_have_the_width_that_was_asked_for(run, tmp_path) -> None:
+    """Of one panel and of several, with legends of short and of long names; and no text stands on another panel's."""
+    paper = write_paper(tmp_path, run, Layout(85 / 25.4), ["profiles", "speed_accuracy", "energy"])
+    for file in paper.glob("*.svg"):
+        width = float(re.search(r'width="([\d.]+)pt"', file.read_text(encoding="utf-8"))[1])
+        assert width == pytest.approx(72 * 85 / 25.4, abs=0.5), file.name
+
+
+def test_the_legend_stands_below_the_panels(run, tmp_path, monkeypatch) -> None:
+    sheets = []
+    monkeypatch.setattr(Figure, "savefig", lambda self, *given, **more: sheets.append(self))
+    save_sheet(profiles.CHART.panels(run), run.looks, tmp_path / "a", 2, (1.67, 1.25), 7)
+    (legend,) = sheets[0].legends
+    box = legend.get_window_extent()
+    assert box.x0 >= 0
+    assert box.x1 <= sheets[0].bbox.x1
+    assert box.y1 <= min(ax.get_tightbbox().y0 for ax in sheets[0].axes) + 1
+
+
+def test_captions_explain_the_columns_that_are_there(run, tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr("frictionbench.reports.paper.CHARTS", ())
+    lines = (write_paper(tmp_path, run) / "captions.tex").read_text().splitlines()
+    captions = {line.partition("@")[2].partition("\\")[0]: line for line in lines}
+    for table, word in (("solvability", "Error"), ("times", "For: "), ("percentiles", "99")):
+        assert word not in captions[table]
+    rows = [solve_row("soft", p, model="relaxation", verdict="relaxed", residual=0.1, model_residual=0.0) for p in "pq"]
+    (tmp_path / "other").mkdir()
+    soft = read_run(write_folder(tmp_path / "soft", [*rows, solve_row("lemke", "p")]))
+    told = (write_paper(tmp_path / "other", soft) / "captions.tex").read_text()
+    assert "Error: the median residual" in told
+    assert "For: what is solved" in told
+
+
+def compile_latex(folder, name, *commands) -> str:
+    """The log of a document. Errors: AssertionError with the end of what a command prints, if it fails."""
+    for command in commands:
+        options = ["-interaction=nonstopmode", "-halt-on-error", "-no-shell-escape"] if command == "pdflatex" else []
+        done = subprocess.run([command, *options, name], cwd=folder, capture_output=True, check=False, timeout=100)
+        assert done.returncode == 0, done.stdout[-2000:]
+    return (folder / f"{name}.log").read_text(encoding="latin-1")
+
+
 @latex
 def test_document_compiles(run, tmp_path, monkeypatch) -> None:
     """Figures as PGF in the document's own fonts, no table too wide, no reference undefined; twice the same bytes."""
@@ -176,10 +214,21 @@ def test_document_compiles(run, tmp_path, monkeypatch) -> None:
     first, second = ({file.name: file.read_bytes() for file in paper.iterdir()} for paper in papers)
     assert first == second
     assert {"pareto.pgf", "profiles.pgf"} <= first.keys()
-    for command in ("pdflatex", "bibtex", "pdflatex", "pdflatex"):
-        options = ["-interaction=nonstopmode", "-halt-on-error", "-no-shell-escape"] if command == "pdflatex" else []
-        done = subprocess.run([command, *options, "preview"], cwd=papers[0], capture_output=True, check=False, timeout=100)
-        assert done.returncode == 0, done.stdout[-2000:]
-    log = (papers[0] / "preview.log").read_text(encoding="latin-1")
+    log = compile_latex(papers[0], "preview", "pdflatex", "bibtex", "pdflatex", "pdflatex")
     assert re.findall(r"Overfull.*|.*undefined.*", log) == []
     assert "root:" not in log + json.dumps({name: str(content) for name, content in first.items()})
+
+
+@latex
+@pytest.mark.slow  # what docs/figures.md shows, in one column and two: a box wider than the column, a bitmap font
+@pytest.mark.parametrize("options", ["", "twocolumn"])
+def test_the_document_shown_compiles(run, tmp_path, options) -> None:
+    page = (ROOT / "docs/figures.md").read_text(encoding="utf-8")
+    (shown,) = re.findall(r"```latex\n(.*?)```", page, re.DOTALL)
+    paper = write_paper(tmp_path, run, Layout(85 / 25.4), ["profiles"])
+    preamble, _, body = shown.partition("\\begin{figure}")
+    text = [rf"\documentclass[{options}]{{article}}", preamble, r"\begin{document}\nocite{*}", r"\begin{figure}" + body]
+    (paper / "shown.tex").write_text("\n".join([*text, r"\bibliographystyle{plain}\end{document}"]), encoding="utf-8")
+    log = compile_latex(paper, "shown", "pdflatex", "bibtex", "pdflatex", "pdflatex")
+    assert [line for line in re.findall(r"Overfull \\hbox.*", log) if float(re.search(r"([\d.]+)pt", line)[1]) > 1] == []
+    assert b"/Type3" not in (paper / "shown.pdf").read_bytes()

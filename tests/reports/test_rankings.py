@@ -1,5 +1,7 @@
 """Two rankings, weights, percentiles, what scenes and noise decide, and the words for relaxations, by hand."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -7,7 +9,7 @@ import typer
 
 from frictionbench.commands.options import parse_duration
 from frictionbench.commands.single import advice
-from frictionbench.reports import accuracy, choice, noise, tables
+from frictionbench.reports import accuracy, choice, tables
 from frictionbench.reports.charts import profiles
 from frictionbench.reports.choice import headline
 from frictionbench.reports.drawing.text import ahead, count, percent
@@ -15,10 +17,10 @@ from frictionbench.reports.markdown import write_markdown
 from frictionbench.reports.page import write_report
 from frictionbench.reports.paper import write_paper
 from frictionbench.reports.recorded import motions
-from frictionbench.reports.run import read_run
+from frictionbench.reports.run import annotate, read_run
 from frictionbench.results.conventions import ANOTHER_LAW, POLYGON, RankBy, ending, law
 from tests.helpers.made_results import solve_row, write_folder
-from tests.reports.test_report import PLANE, run_of
+from tests.reports.test_report import PLANE, run_of, table
 
 TIMES = ("form_time", "setup_time", "solve_time")
 
@@ -49,13 +51,14 @@ def test_order_is_reversed_without_form():
     assert first(other).order == ["nsgs", "interior_point"]
     assert first(other).lead == pytest.approx((8e-4 + 1e-5 - 1e-5) / 2e-4)
     found = {one.rank_by: choice.choices(one) for one in (run, other)}
-    (line,) = headline(found, [PLANE], 1e-8)
-    assert "from bodies interior_point is the fastest" in line
-    assert "from the method's own form nsgs is the fastest" in line
-    same = run_of(*(row | {"form_time": 0.0} for row in robot()))
-    (line,) = headline({one.rank_by: choice.choices(one) for one in (same, same.ranked_by(RankBy.FORM))}, [PLANE], 1e-8)
-    same_order = "; from the method's own form the first three are the same, the fastest with a mean of 200 µs, 8 of 8 solved, "
-    assert line.endswith(f"{same_order}4 times ahead of interior_point.")
+    (line,) = headline(found, 1e-8)
+    assert "From bodies interior_point has the least mean" in line
+    assert "from the method's own form nsgs has the least mean" in line
+    same = run_of(*(row | {"form_time": 0.0, "form_times": [0.0] * 3} for row in robot()))
+    (line,) = headline({one.rank_by: choice.choices(one) for one in (same, same.ranked_by(RankBy.FORM))}, 1e-8)
+    assert line.endswith(
+        "4 times ahead of interior_point (4 to 4); from the method's own form the order of the first three is the same."
+    )
     # form is left out tolerance by tolerance: another tolerance may be the fastest then
     times = accuracy.times_to(run.ranked, 1e-8, RankBy.FORM)
     assert times.set_index("label").loc["nsgs", "charged"].tolist() == pytest.approx([2e-4] * 8)
@@ -70,9 +73,9 @@ def test_a_ranking_without_a_winner_is_told_beside_one_with():
     ]
     run = run_of(*rows)
     found = {one.rank_by: choice.choices(one) for one in (run, run.ranked_by(RankBy.FORM))}
-    (line,) = headline(found, [PLANE], 1e-8)
-    assert "from bodies a is the fastest, with a mean of" in line
-    assert line.endswith("; from the method's own form no clear winner.")
+    (line,) = headline(found, 1e-8)
+    assert "From bodies a has the least mean" in line
+    assert line.endswith(": no clear winner.")
 
 
 def test_levels_counts_and_shares_in_words():
@@ -90,7 +93,7 @@ def test_no_99th_percentile_of_few_problems(tmp_path):
     run = read_run(folder)
     assert np.isnan(accuracy.percentiles(accuracy.overall(run.times[1e-8])[PLANE])["p99"]).all()
     assert "<th>p99</th>" not in write_report(folder, run).read_text(encoding="utf-8")
-    assert "| solver | p50 | worst |" in write_markdown(folder, run).read_text(encoding="utf-8")
+    assert "| solver | where | p50, ms | worst, ms |" in write_markdown(folder, run).read_text(encoding="utf-8")
     assert "p99" not in (write_paper(folder, run) / "percentiles.tex").read_text(encoding="utf-8")
 
 
@@ -108,8 +111,8 @@ def test_both_rankings_on_page_and_the_chosen_one_in_paper_and_markdown(tmp_path
     captions = (write_paper(folder, run) / "captions.tex").read_text(encoding="utf-8")
     assert captions.count("from the method's own form (setup and solve)") >= 4
     told = write_markdown(folder, run).read_text(encoding="utf-8")
-    assert "## The fastest from the method's own form (setup and solve)" in told
-    assert "from bodies interior_point is the fastest" in told
+    assert "The solver with the least mean time from the method's own form (setup and solve)" in told
+    assert "from bodies interior_point has the least mean" in told
 
 
 def uneven():
@@ -142,32 +145,120 @@ def test_means_shares_and_profiles_are_weighted_by_hand():
 
 
 def test_too_few_problems_name_no_winner():
-    heavy = run_of(*uneven())
-    assert first(heavy).win_rate is not None
-    few = run_of(
-        *(row for row in uneven() if row["scene"] in ("many", "s0"))
-    )  # 13 problems, of which one has half of the weight
-    assert first(few).winner is None
-    assert (
-        "too few to rank"
-        in headline({one.rank_by: choice.choices(one) for one in (few, few.ranked_by(RankBy.FORM))}, [PLANE], 1e-8)[0]
-    )
+    assert first(run_of(*uneven())).interval is not None
+    few = run_of(*(row for row in uneven() if row["scene"] in ("many", "s0")))  # 13 problems, one with half of the weight
+    assert (first(few).winner, first(few).unclear) == (None, "too few to rank")
+    (line,) = headline({one.rank_by: choice.choices(one) for one in (few, few.ranked_by(RankBy.FORM))}, 1e-8)
+    assert line.count("too few to rank") == 1
 
 
-def test_the_ranking_without_each_scene():
-    """a is ahead by the scene many alone, which has one weight of seven."""
-    rows = [row | ({"solve_time": 1e-9} if row["variant"] == "a" and row["scene"] == "many" else {}) for row in uneven()]
-    rows = [row | ({"solve_time": 2.2e-3} if row["variant"] == "a" and row["scene"] != "many" else {}) for row in rows]
+def pair(ratios, **given):
+    """b takes 1 ms on each problem, a 1 ms over the ratio; a scene each."""
+    plain = {"form_time": 0.0, "setup_time": 0.0}
+    rows = [solve_row("a", f"p{i}", scene=f"s{i}", solve_time=1e-3 / r, **plain) for i, r in enumerate(ratios)]
+    return [*rows, *(solve_row("b", f"p{i}", scene=f"s{i}", solve_time=1e-3, **plain | given) for i in range(len(ratios)))]
+
+
+def test_a_winner_has_an_interval_without_one():
+    clear, doubtful = (first(run_of(*pair(ratios))) for ratios in ([1.5, 1.6, 1.4, 1.5] * 2, [3.0, 0.8, 3.0, 0.7] * 2))
+    for one in (clear, doubtful):
+        assert one.interval[0] < one.lead < one.interval[1]
+    assert (clear.winner.label, doubtful.winner, doubtful.unclear) == ("a", None, "no clear winner")
+
+
+def test_problems_of_one_scene_do_not_make_a_lead_certain():
+    """a is faster in one scene of 30 problems and in two of three others: drawn as problems, the lead would be certain."""
+    rows = pair([2.0, 2.0, 0.6, 1.1])
+    rows += [
+        solve_row(name, f"many{i}", scene="s0", contacts=20 * (i % 2) + 2, form_time=0.0, setup_time=0.0, solve_time=time)
+        for name, time in (("a", 5e-4), ("b", 1e-3))
+        for i in range(30)
+    ]
+    found = first(run_of(*rows))
+    assert found.lead > 1.3
+    low, _ = found.interval
+    assert low < 1
+    problem = pd.DataFrame({"scene": list("aaab"), "stratum": list("xxyz")})
+    drawn = choice.draw_problems(problem, np.random.default_rng(0))
+    assert drawn.sum(axis=1) == pytest.approx(np.ones(choice.DRAWS))
+    assert drawn[:, 3].std() > 0.3  # the scene of one stratum is there, twice, or not at all
+    assert np.mean(drawn[:, 3] == 0) == pytest.approx(1 / 4, abs=0.05)
+
+
+def test_repeats_widen_the_interval():
+    calm, noisy = ([1e-3] * 5, [0.6e-3, 0.7e-3, 1e-3, 2e-3, 4e-3])
+    widths = []
+    for times in (calm, noisy):
+        low, high = first(run_of(*pair([1.2] * 8, solve_times=times, form_times=[0.0] * 5, setup_times=[0.0] * 5))).interval
+        widths.append(high - low)
+    assert widths[0] == pytest.approx(0, abs=1e-9)
+    assert widths[1] > 0.1
+
+
+def test_the_first_screen_tells_the_most_dependable_choice():
+    """A portfolio that solves all and is rarely the fastest, a method that misses one, and one of an outside library."""
+    rows = [
+        solve_row(name, f"p{i}", scene=f"s{i}", solve_time=time, members="quick" if name == "mixed" else None, version=version)
+        for name, time, version in (("mixed", 2e-3, "1"), ("quick", 1e-3, "1"), ("theirs", 5e-3, "lib 2"))
+        for i in range(8)
+    ]
+    rows[8] |= {"verdict": "unsolved", "residual": 1.0}
+    run = replace(run_of(*rows), manifest={"versions": {"frictionbench": "1"}})
+    found = first(run)
+    facts = {place.label: (place.reached, place.fastest) for place in found.places}
+    assert facts == {"mixed*": (8, 1), "theirs": (8, 0), "quick": (7, 7)}
+    assert (found.common, found.outside) == (7, 1)
+    common = {place.label: place.common for place in found.places}
+    assert common["quick"] == pytest.approx(2e-3)  # with the millisecond of form and setup, and no charge
+    told = choice.dependable(found)
+    assert told.startswith("the most dependable choice among 2 own methods and 1 outside solver of Coulomb's law is mixed*")
+    assert "8 of 8 solved, itself the fastest on 1; the best single method is theirs, 8 of 8 solved" in told
+    assert told.endswith("most often the fastest is quick, on 7")
+
+
+def test_charges_that_change_the_order_are_told():
+    rows = pair([200.0] * 8)
+    rows[0] |= {"verdict": "unsolved", "residual": 1.0, "time_limit": 1.0}
     run = run_of(*rows)
-    assert first(run).order == ["a", "b"]
-    lines = choice.without_scenes(run)[PLANE]
-    assert {one.scene: (one.winner, one.same_winner) for one in lines}["many"] == ("b", False)
-    assert [one.weight for one in lines] == pytest.approx([1 / 7] * 7)
-    (told,) = choice.deciding_scenes({RankBy.BODIES: {PLANE: lines}})
-    assert told == "In the plane, from bodies, another solver is the first without many (then b)."
-    same = choice.without_scenes(run_of(*uneven()))[PLANE]
-    (told,) = choice.deciding_scenes({RankBy.BODIES: {PLANE: same}})
-    assert told.startswith("In the plane, from bodies, the winner stays the same whichever scene is left out")
+    assert first(run).orders == {1: ["a", "b"], 2: ["a", "b"], 10: ["a", "b"]}
+    rows[1] |= {"verdict": "unsolved", "residual": 1.0, "time_limit": 1.0}
+    run = run_of(*(row | {"time_limit": 40.0} for row in rows))
+    assert first(run).orders[1] == ["a", "b"]
+    assert first(run).orders[10] == ["b", "a"]
+    (line,) = headline({one.rank_by: choice.choices(one) for one in (run, run.ranked_by(RankBy.FORM))}, 1e-8)
+    assert "Other charges for what is not solved change the first three: by PAR10 b, a." in line
+
+
+def test_what_cannot_be_judged_is_counted_apart():
+    """Of three answers within the target one is within its own rounding errors only."""
+    rows = [solve_row("a", f"p{i}", residual=1e-9, residual_floor=1e-10) for i in range(3)]
+    rows[2] |= {"residual_floor": 6.4e-5, "verdict": "unjudgeable"}
+    run = run_of(*rows)
+    assert first(run).places[0].solved == "2 + 1 unjudgeable"
+    assert run.times[1e-8]["unjudgeable"].tolist() == [False, False, True]
+    assert (tables.reliabilities(run)[0].exact, tables.reliabilities(run)[0].unjudgeable) == (2, 1)
+    loose = accuracy.times_to(run.ranked, 1e-4)
+    assert loose["reached"].all()
+
+
+def test_infeasible_problems_and_several_outcomes():
+    rows = pair([1.5] * 8)
+    found = run_of(*rows).rows
+    found["infeasible"] |= found["problem"] == "p0"
+    found["several_outcomes"] |= found["problem"].isin(["p1", "p2"])
+    run = replace(run_of(*rows), rows=found)
+    assert {kind.name: kind.problems for kind in choice.choices(run)} == {PLANE: 7, f"{PLANE}, one outcome": 5}
+    told = tables.exclusions(run)
+    assert told.startswith("Left out of all rankings: 1 proved infeasible, 0 trivial, 0 idle; 2 problems of the 7 ranked have")
+
+
+def test_infeasible_and_outcomes_are_read_from_their_columns():
+    given = table("solves", pair([1.5] * 4)).assign(
+        proved_infeasible=[True, None, None, None] * 2, outcomes_found=[1, 2, 1, 1] * 2
+    )
+    rows = annotate(given).drop_duplicates("problem_id")
+    assert rows["infeasible"].tolist() == [True, False, False, False]
+    assert rows["several_outcomes"].tolist() == [False, True, False, False]
 
 
 def test_percentiles_and_budget_by_hand(tmp_path):
@@ -209,53 +300,14 @@ def test_advice_by_both_rankings():
     assert advice([b, a], RankBy.FORM).startswith("use b: solved from the method's own form in 500 µs")
 
 
-def disturbed(slow):
-    """a is the faster by its fastest repeats; by its medians only where the disturbed ones are not too slow."""
-    rows = [solve_row(name, f"p{i}", scene=f"s{i}", solve_time=1e-3 * (1 + (name == "b"))) for name in "ab" for i in range(8)]
-    for row in rows[:8]:
-        row |= {"disturbed": True, "core": 0, "solve_time": slow, "solve_times": [1e-3, slow, slow]}
-    return rows
-
-
-def noise_of(*rows):
-    run = run_of(*rows)
-    return noise.timing_noise(run, {by: choice.choices(run.ranked_by(by)) for by in RankBy})
-
-
-def test_noise_is_told_and_alarms_only_where_a_winner_changes(tmp_path):
-    """Form and setup take a millisecond beside: 2 ms in the fastest repeat."""
-    found, changed = (noise_of(*disturbed(slow)) for slow in (1.2e-3, 9e-3))
-    assert found[:5] == (8, 0, 0, pytest.approx(1.1), pytest.approx(1.1))
-    told = "Timing noise, by the fastest repeats: median at least +10 %, worst at least ×1.1, of 8 of 16 cells, of which "
-    same = "; no winner changes with the fastest repeats, by either ranking."
-    assert noise.sentence(found, 16) == f"{told}8 waited for their core{same}"
-    rows = disturbed(1.2e-3)
-    crowded = noise_of(*(row | {"core": None} for row in rows))
-    assert noise.sentence(crowded, 16) == f"{told}8 had none{same}"
-    mixed = noise_of(*(row | {"core": None} for row in rows[:3]), *rows[3:])
-    assert noise.sentence(mixed, 16) == f"{told}5 waited for their core and 3 had none{same}"
-    assert (found.changed, changed.changed) == (
-        [],
-        [f"{PLANE}, {by.words}, to 1e-8: a in place of b" for by in RankBy],
-    )
-    assert noise_of(*uneven()) is None
-
-
-def test_noise_that_decides_one_ranking_alone():
-    """From bodies b wins whatever the noise: writing the problem for a takes 20 ms."""
-    rows = disturbed(9e-3)
-    for row in rows[:8]:
-        row |= {"form_time": 20e-3, "form_times": [20e-3] * 3}
-    assert noise_of(*rows).changed == [f"{PLANE}, {RankBy.FORM.words}, to 1e-8: a in place of b"]
-
-
-@pytest.mark.slow  # a page of its own: noise that the page's head does not tell
-def test_noise_alarms_on_the_page(tmp_path):
-    pages = []
-    for name, slow in (("calm", 1.2e-3), ("wild", 9e-3)):
-        pages.append(write_report(write_folder(tmp_path / name, disturbed(slow))).read_text(encoding="utf-8"))
-    assert ["another solver wins" in page for page in pages] == [False, True]
-    assert not any("Disturbed" in page for page in pages)
+def test_disturbed_cells_are_counted():
+    """Form and setup take a millisecond beside: 2 ms in the fastest repeat, 2.2 ms in the median."""
+    rows = [solve_row("a", f"p{i}", disturbed=True, core=0, solve_times=[1e-3, 1.2e-3, 1.2e-3]) for i in range(3)]
+    rows[0]["core"] = None
+    told = tables.disturbed(run_of(*rows, *uneven()))
+    assert told.startswith("Of 39 cells 2 waited for their core and 1 had none while they were timed")
+    assert "by 10 %, at most by 10 %" in told
+    assert tables.disturbed(run_of(*uneven())) == ""
 
 
 def test_another_law_and_a_polygon_are_told_apart(tmp_path):
@@ -283,7 +335,8 @@ def test_another_law_and_a_polygon_are_told_apart(tmp_path):
     page = write_report(write_folder(tmp_path / "run", rows)).read_text(encoding="utf-8")
     assert "polygon, error 1e-2" in page
     assert "another law, error 3e-1" in page
-    assert "facets (polygon) is the fastest" in page
+    assert [place.label for place in first(run, "in space").places] == ["exact", "facets", "soft"]  # no mean but of a few
+    assert np.isnan(first(run, "in space").places[1].mean)
 
 
 def test_plane_and_space_are_ranked_apart():
@@ -292,12 +345,12 @@ def test_plane_and_space_are_ranked_apart():
     space = [row | {"solve_time": 3e-3 - row["solve_time"], "key": f"{row['key']}d"} for row in space]
     run = run_of(*plane, *space)
     assert (first(run).winner.label, first(run, "in space").winner.label) == ("a", "b")
-    lines = headline({one.rank_by: choice.choices(one) for one in (run, run.ranked_by(RankBy.FORM))}, run.overall, 1e-8)
+    lines = headline({one.rank_by: choice.choices(one) for one in (run, run.ranked_by(RankBy.FORM))}, 1e-8)
     assert [line.partition(",")[0] for line in lines] == ["In the plane", "In space"]
     assert set(run.summaries[1e-8]["problem_class"]) >= {"in the plane", "in space"}
 
 
-def test_mix_of_contacts_and_problems_left_out(tmp_path):
+def test_mix_of_contacts_and_problems_left_out():
     rows = [
         solve_row("a", "p", contacts=8, sticking=4, sliding=2, open=2),
         solve_row("a", "q", contacts=2, sticking=0, sliding=2, open=0),
@@ -316,8 +369,8 @@ def test_mix_of_contacts_and_problems_left_out(tmp_path):
         0,
     ]
     assert (large["problems"], large["unknown"]) == (1, 1)
-    assert tables.not_ranked(run).to_dict("records") == [{"scene": "jam", "problems": 2, "trivial": 1, "idle": 1}]
-    assert tables.idle_share(run) == 0.0
+    assert tables.not_ranked(run).to_dict("records") == [
+        {"scene": "jam", "problems": 2, "infeasible": 0, "trivial": 1, "idle": 1}
+    ]
     assert tables.mix(run_of(rows[3])).empty
-    page = write_report(write_folder(tmp_path / "run", rows)).read_text(encoding="utf-8")
-    assert "Share of idle problems among these: 0 %" in page
+    assert "0 proved infeasible, 1 trivial, 1 idle." in tables.exclusions(run)

@@ -125,8 +125,8 @@ def summarise(run: Run) -> Summary:
             "idle": int((facts["idle"] & ~facts["trivial"]).sum()),
             "hashes": _hashes(facts, maps),
         },
-        "checks": _checks(run, ranked, facts, version),
-        "headline": reports.headline(ranked, run.overall, run.outer_targets[-1]) if ranked else [],
+        "checks": _checks(run, facts, version),
+        "headline": reports.headline(ranked, run.outer_targets[-1]) if ranked else [],
         "rankings": [row for by, kinds in ranked.items() for kind in kinds for row in _places(run, by, kind)],
         "reliability": [_plain(one._asdict()) for one in reports.reliabilities(run)] if ranked else [],
         "scenes": _scenes(run, maps),
@@ -160,17 +160,15 @@ def held(folder: Path, names: set[str]) -> tuple[bool, str]:
     return False, f"{missing} of {len(names)} problems are not in the folder, so that their hashes were not checked."
 
 
-def _checks(run: Run, ranked: dict[RankBy, list[Kind]], facts: pd.DataFrame, version: str) -> list[list[Any]]:
+def _checks(run: Run, facts: pd.DataFrame, version: str) -> list[list[Any]]:
     idle = float((facts["trivial"] | facts["idle"]).mean()) if len(facts) else 0.0
-    noise = reports.timing_noise(run, ranked) if ranked else None
-    lines = [reports.sentence(noise, len(run.rows)), *noise.changed] if noise else ["No cell waited for its core."]
     crowded = reports.workers_on_all_cores(run.manifest)
     checks = [
         ("tables", True, "All columns are those of the schema."),
         ("problems", *held(run.folder, set(run.rows["problem"]) - {""})),
         ("version", "dirty" not in version, f"The code is {version}" + ", a changed checkout." * ("dirty" in version)),
         ("friction at work", idle <= 0.5, f"{100 * idle:.0f} % of the problems are trivial or idle and not ranked."),
-        ("timing noise", not (noise and noise.changed), " ".join(lines)),
+        ("timing noise", True, reports.disturbed(run) or "No cell waited for its core."),
         ("cores", not crowded, "Workers had all cores." if crowded else "A core was left free, or there was one worker."),
     ]
     return [[what, bool(holds), text] for what, holds, text in checks]

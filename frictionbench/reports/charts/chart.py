@@ -15,7 +15,7 @@ Section = Literal["top", "solvability", "maps", "chart", "time", "energy"]  # of
 class Chart(NamedTuple):
     """One or more panels under a name. A chart without panels is left out.
 
-    Drawings of maps are wide: each takes the width of the page and has its own file.
+    Each drawing of a map has its own file.
     """
 
     name: str  # of its files
@@ -23,13 +23,15 @@ class Chart(NamedTuple):
     section: Section
     caption: str  # text, or trusted markup
     title: str = ""  # empty if the heading of the section suffices
-    columns: int = 1  # of panels in the paper: one fills a column of text, several fill the width of the page
     on_page: slice = slice(None)  # the panels shown on the page
-    in_paper: slice = slice(None)  # the panels shown in the paper
-    wide: bool = False
     folded: bool = False  # shown on demand
     ranked: bool = False  # depends on the ranking: the page shows it for both
     remarks: tuple[tuple[str, Callable[[Run], bool]], ...] = ()  # further sentences, each with whether it applies to a run
+
+    @property
+    def wide(self) -> bool:
+        """Whether it has drawings of maps, each of which takes the width of the page."""
+        return self.section == "maps"
 
     def told(self, run: Run) -> str:
         """The caption with the remarks that apply."""

@@ -1,11 +1,15 @@
-"""Residual against work: the verified residual when a solver is stopped after a number of its iterations, on a few problems.
+"""What a run follows on a few problems (results.extras): the verified residual when a solver is stopped after a number of its
+iterations, and the impulses of the last answer.
 
-Each point is the answer of a separate, untimed call with that limit (results.extras).
+Each point of a history is the answer of a separate, untimed call with that limit. A body on more supports than it needs is
+hyperstatic: the motion and the net impulse are unique, their distribution over the contacts is not. Distributions are not
+compared; the chart shows what a simulator that uses contact forces would obtain.
 """
 
 from collections.abc import Iterable
 from functools import partial
 
+import numpy as np
 from matplotlib.axes import Axes
 
 from frictionbench.reports.charts.chart import Chart
@@ -16,6 +20,7 @@ from frictionbench.results.conventions import scene_title
 from frictionbench.results.extras import ConvergenceHistory
 
 WORST = 1e3  # residuals of iterations that diverge are drawn here if they are larger
+EXACT = 1e-4  # residual below which an answer's impulses are drawn: an order of magnitude finer than the eye sees
 
 
 def panels(run: Run) -> list[Panel]:
@@ -23,6 +28,13 @@ def panels(run: Run) -> list[Panel]:
     drawn = [history for history in run.histories if history.variant in run.looks and len(history.units) > 1]
     most = max((history.units[-1] for history in drawn), default=1)
     return [Panel(title, partial(_draw, histories=own, looks=run.looks, most=most)) for title, own in by_problem(drawn).items()]
+
+
+def forces(run: Run) -> list[Panel]:
+    """A panel per redundant problem of few contacts, with the answers that solve the exact problem."""
+    known = (history for history in run.histories if history.variant in run.looks and history.residuals)
+    drawn = [history for history in known if history.redundant and history.impulse and history.residuals[-1] <= EXACT]
+    return [Panel(title, partial(_draw_forces, histories=own, looks=run.looks)) for title, own in by_problem(drawn).items()]
 
 
 def by_problem(histories: Iterable[ConvergenceHistory]) -> dict[str, list[ConvergenceHistory]]:
@@ -51,6 +63,21 @@ def _draw(ax: Axes, histories: list[ConvergenceHistory], looks: dict[str, Look],
     ax.set_ylabel("verified residual")
 
 
+def _draw_forces(ax: Axes, histories: list[ConvergenceHistory], looks: dict[str, Look]) -> None:
+    for k, history in enumerate(histories):
+        impulse = np.array(history.impulse)
+        shift = 0.5 * ((k + 0.5) / len(histories) - 0.5)
+        contacts = np.arange(1, len(impulse) + 1)
+        ax.plot(contacts + shift, impulse[:, 0], **looks[history.variant].line | {"ls": "none"})
+    ax.set_xticks(range(1, histories[0].contacts + 1))
+    ax.set_xlim(0.5, histories[0].contacts + 0.5)
+    largest = max(contact[0] for history in histories for contact in history.impulse)
+    ax.set_ylim(0, 1.1 * largest if largest > 0 else 1.0)
+    ax.grid(axis="y", **GRID)
+    ax.set_xlabel("contact")
+    ax.set_ylabel("normal impulse in N s")
+
+
 CHART = Chart(
     name="convergence",
     panels=panels,
@@ -60,5 +87,12 @@ CHART = Chart(
     "answer of a separate, untimed call. A unit is what the method counts, so that curves of different methods show their rate "
     "of convergence and not which one is faster. Portfolios and solvers that solve neither the problem nor their own model are "
     "left out; the curve of a relaxation levels off at its model error.",
-    columns=2,
+)
+FORCES = Chart(
+    name="forces",
+    panels=forces,
+    section="solvability",
+    title="Force per contact on redundant supports",
+    caption="The normal impulses of answers that solve the exact problem. On more supports than a body needs, many "
+    "distributions of the load give the same motion. Each solver returns one of them; all are correct, and none is preferred.",
 )

@@ -68,6 +68,5 @@ CHART = Chart(
     section="energy",
     caption="Change of kinetic plus potential energy since the start, relative to the scene's energy scale. Friction and "
     "impacts dissipate energy: unless an applied force does work, a rise is an error of the scheme or the solver.",
-    columns=3,
     on_page=slice(MOST),
 )

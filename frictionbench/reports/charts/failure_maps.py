@@ -17,9 +17,10 @@ from matplotlib.colors import to_hex
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing import tiles
+from frictionbench.reports.drawing.first_steps import picture
 from frictionbench.reports.drawing.style import INK
 from frictionbench.reports.drawing.text import seconds
-from frictionbench.reports.drawing.tiles import Drawing, Entry, Grid, Tile, picture, polylines
+from frictionbench.reports.drawing.tiles import Drawing, Entry, Grid, Tile, polylines
 from frictionbench.reports.robustness import MapCells, map_cells
 from frictionbench.reports.run import Run
 from frictionbench.results.cells import counts
@@ -102,12 +103,11 @@ def _drawing(run: Run, cells: MapCells, fields: Sequence[Field], note: str, lege
     entries = [Entry(name, colour) for name, colour in legend.items() if colour in used]
     entries += [Entry(*THRESHOLDS[name], line=True, dashed=bool(k % 2)) for k, name in enumerate(traced)]
     grid = Grid(_axis(spec.x), _axis(spec.y), {THRESHOLDS[name][1]: polylines(places) for name, places in traced.items()})
-    panels = tuple(tiles.panel(field.title, _tiles(field), grid, field.ground) for field in fields)
+    panels = tuple(tiles.Field(field.title, _tiles(field), field.ground) for field in fields)
     title = f"{spec.title or spec.name}. {spec.note}".removesuffix(". ")
     pictures = [picture(found) for found in run.first_steps.get(spec.name, ())]
-    return Drawing(
-        title, spec.name, tuple(entries), panels, note, _facts(spec) | {"folder": str(run.folder), "pictures": pictures}
-    )
+    facts = _facts(spec) | {"folder": str(run.folder), "pictures": pictures}
+    return Drawing(title, spec.name, tuple(entries), grid, panels, note, facts)
 
 
 def _axis(axis: Axis) -> tiles.Axis:
@@ -256,7 +256,6 @@ VERDICTS = Chart(
     name="map",
     panels=verdicts,
     section="maps",
-    wide=True,
     caption="One map per scene. The first panels show the problem itself: the number of its solutions, its sensitivity to a "
     "small change of the data, the distance of the solution to a change of mode, and its condition. Then follows a panel for "
     "each solver that fails somewhere, with the share solved of the grid points where a solution is known. Small tiles "
@@ -268,7 +267,6 @@ TYPES = Chart(
     name="map_types",
     panels=types,
     section="maps",
-    wide=True,
     title="The type of solution found",
     caption="The state of the contacts in each verified answer: where there are several solutions, which one was found.",
 )
@@ -276,7 +274,6 @@ TIMES = Chart(
     name="map_times",
     panels=times,
     section="maps",
-    wide=True,
     folded=True,
     title="Time over the maps",
     caption="Form, setup and solve together; darker is faster. In closed loop the drift of energy relative to the scene's "
@@ -286,7 +283,6 @@ WORK = Chart(
     name="map_work",
     panels=work,
     section="maps",
-    wide=True,
     folded=True,
     title="Work over the maps",
     caption="The sum of a method's deterministic counters (pivots, iterations, factorisations, sweeps). Only values within a "

@@ -73,7 +73,6 @@ CHART = Chart(
     section="top",
     title="Speed against accuracy",
     ranked=True,
-    columns=2,
     caption="The mean time and the median verified residual by Coulomb's law at each tolerance, for the solvers that ran on "
     "every problem. Lower and further left is better; the grey line is "
     "the Pareto front, formed by the solvers for which no other is both faster and more accurate.",

@@ -1,37 +1,113 @@
-"""Performance profiles of Dolan and Moré (2002) with bootstrap bands: the weighted share of problems within tau times
-the least time.
+"""Performance profiles of Dolan and Moré (2002): the weighted share of problems within tau times the least time of any solver.
 
 The band contains 95 % of the profiles of bootstrap samples of the problems (reports.accuracy.Profile). Where the bands of two
 solvers overlap, a different choice of problems of the same kind may rank them the other way round.
+
+Beside them stand the share within a time, which does not depend on the other solvers; profiles of deterministic counters in
+place of time, which do not depend on the machine; and profiles by the properties that make a problem difficult, the number of
+contacts and the rank of W over its rows: rank deficiency is more difficult for most methods than lack of convexity (Acary,
+Brémond and Huber 2018).
+
+The work of a solver on a problem is the counter at the least time within the finest target (reports.accuracy), plus one, so
+that the ratio to a problem solved without work is defined. Counters of different units are not compared: a unit has a panel
+with the solvers that count it on every problem. The counters of the members of a portfolio are summed.
 """
 
+from collections import Counter
 from functools import partial
 
 import numpy as np
+import pandas as pd
 from matplotlib.axes import Axes
 
-from frictionbench.reports.accuracy import Array, Profile, overall, profiles
+from frictionbench.reports.accuracy import OVERALL, Array, Profile, overall, profiles
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.style import GRID, Look, log_ticks, share_axis
+from frictionbench.reports.drawing.style import GRID, INK, Look, log_ticks, share_axis, time_axis
 from frictionbench.reports.drawing.text import power
 from frictionbench.reports.run import Run
+from frictionbench.results.cells import counts
 
 FARTHEST = 1e3  # ratio to the fastest at the right edge: three decades
 POINTS = 61  # of a band, 20 per decade
 STEPS = 160  # of a curve, finer than the resolution of a panel
+UNITS = ("pivots", "sweeps", "iterations", "factorisations")
+SIZES = {"1 to 10 contacts": (1, 10), "11 to 100": (11, 100), "101 to 1000": (101, 1000), "more than 1000": (1001, 10**12)}
+RANKS = {
+    "W of full rank": (1.0, 1.0),
+    "rank 0.75 of the rows or more": (0.75, 1 - 1e-12),
+    "rank below that": (0.0, 0.75 - 1e-12),
+}
+FEWEST = 2  # problems of a class that has a panel
 
 
 def panels(run: Run) -> list[Panel]:
     """A panel per target and dimension."""
     return [
-        Panel(f"{where}, within {power(target)}", partial(draw, costs=profiles(times), looks=run.looks))
+        Panel(f"{where}, within {power(target)}", partial(_draw, costs=profiles(times), looks=run.looks))
         for target, every in run.times.items()
         for where, times in overall(every).items()
     ]
 
 
-def draw(
+def within_time(run: Run) -> list[Panel]:
+    """A panel per target and dimension that some solver reaches."""
+    draw = partial(_draw_within, looks=run.looks, budget=run.budget)
+    return [
+        Panel(f"{where}, within {power(target)}", partial(draw, costs=profiles(times, relative=False)))
+        for target, every in run.times.items()
+        for where, times in overall(every).items()
+        if times["reached"].any()
+    ]
+
+
+def work(run: Run) -> list[Panel]:
+    """A panel per dimension and unit that two or more labels count."""
+    found = []
+    for where, times in overall(run.times[run.outer_targets[-1]]).items():
+        units = pd.DataFrame([counted(text) for text in times["work"]], index=times.index, columns=list(UNITS))
+        for unit in UNITS:
+            counting = (units[unit].notna() | ~times["reached"]).groupby(times["label"]).transform("all")
+            own = times.assign(work=units[unit].fillna(0.0) + 1.0)[counting]
+            if len(set(own.loc[own["reached"], "label"])) > 1:
+                draw = partial(_draw, costs=profiles(own, "work"), looks=run.looks)
+                found.append(Panel(f"{where}, {unit}", partial(draw, across=f"{unit} over the fewest of any solver")))
+    return found
+
+
+def counted(text: object) -> dict[str, int]:
+    """The work in a row by unit: the counter "lemke pivots" of a portfolio has the unit pivots."""
+    total: Counter[str] = Counter()
+    for name, count in counts(text).items():
+        unit = name.rsplit(" ", 1)[-1]
+        if unit in UNITS:
+            total[unit] += count
+    return dict(total)
+
+
+def classes(run: Run) -> list[Panel]:
+    """A panel per class of size and of rank, if the problems of a run belong to several classes."""
+    tried = [target for target in sorted(run.times) if len(run.times[target])]
+    if not tried:
+        return []
+    times = run.times[tried[0]]
+    facts = run.ranked.groupby("problem_id")[["contacts", "rank", "dimension"]].max()
+    ratio = facts["rank"] / (facts["contacts"] * facts["dimension"])
+    found = []
+    for dimension, where in OVERALL.items():
+        for values, bounds in ((facts["contacts"], SIZES), (ratio, RANKS)):
+            own = values[facts["dimension"] == dimension]
+            members = {name: own.index[own.between(*ends)] for name, ends in bounds.items()}
+            members = {name: problems for name, problems in members.items() if len(problems) >= FEWEST}
+            for name, problems in members.items() if len(members) > 1 else ():
+                within = times[times["problem_id"].isin(problems)]
+                costs = next(map(profiles, overall(within).values()), {})
+                title = f"{where}, {name}: {within['problem_id'].nunique()} problems"
+                found.append(Panel(title, partial(_draw, costs=costs, looks=run.looks)))
+    return found
+
+
+def _draw(
     ax: Axes, costs: dict[str, Profile], looks: dict[str, Look], across: str = "time over the fastest solver's time"
 ) -> None:
     """Draw the profiles. costs: of each label, over the least cost, see reports.accuracy.profiles."""
@@ -46,6 +122,20 @@ def draw(
     share_axis(ax)
     ax.grid(**GRID)
     ax.set_xlabel(across)
+
+
+def _draw_within(ax: Axes, costs: dict[str, Profile], looks: dict[str, Look], budget: float | None) -> None:
+    longest = max(float(profile.cost[np.isfinite(profile.cost)].max(initial=0.0)) for profile in costs.values())
+    for label, profile in costs.items():
+        spent, share = steps(profile, longest)
+        if len(spent):
+            ax.step([*spent, longest], [*share, share[-1]], where="post", **looks[label].line, markevery=(0.1, 0.15))
+    if budget is not None:
+        ax.axvline(budget, color=INK, lw=0.8, alpha=0.6)
+    share_axis(ax)
+    ax.grid(**GRID)
+    time_axis(ax, "x")
+    ax.set_xlabel("time for each problem")
 
 
 def steps(profile: Profile, farthest: float) -> tuple[Array, Array]:
@@ -65,5 +155,32 @@ CHART = Chart(
     "time of the fastest solver on the problem. At tau = 1, the left edge, the share on which a solver is the fastest; at the "
     "right edge, the share that it solves at all. Bands, of the best few or of those chosen: 95 % bootstrap bands over the "
     "problems.",
-    columns=2,
+)
+WORK = Chart(
+    name="work",
+    panels=work,
+    section="time",
+    title="Performance profiles on work, within the tightest target",
+    caption="Performance profiles on deterministic counters in place of time, which do not depend on the machine. A unit is "
+    "the same work only for similar methods; an iteration of one may cost as much as ten of another. Each panel shows the "
+    "solvers that count its unit on every problem.",
+)
+WITHIN = Chart(
+    name="budget",
+    panels=within_time,
+    section="time",
+    title="Solved against time",
+    ranked=True,
+    caption="The weighted share of all ranked problems that a solver solves to the target if each is given that time, "
+    "for example the time available for a time step. Unlike a performance profile it does not depend on the other solvers.",
+)
+CLASSES = Chart(
+    name="classes",
+    panels=classes,
+    section="time",
+    title="Performance profiles by size and by rank, within the tightest target",
+    caption="Performance profiles for the problems of one class, by number of contacts and by the rank of W over its rows, "
+    "which is computed for up to 600 rows.",
+    folded=True,
+    ranked=True,
 )

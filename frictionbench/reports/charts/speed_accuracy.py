@@ -127,5 +127,4 @@ CHART = Chart(
             lambda run: bool((~run.ranked["answered"] & measured(run.ranked)).any()),
         ),
     ),
-    columns=3,
 )

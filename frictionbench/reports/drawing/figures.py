@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import matplotlib as mpl
+from markupsafe import escape
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -39,7 +40,7 @@ def inline_svg(panel: Panel) -> str:
     with mpl.rc_context(RC | ON_PAGE):
         figure = Figure(figsize=panel.size, layout="constrained")
         panel.draw(figure.subplots())
-        return _element(figure)
+        return _element(figure, f'role="img" aria-label="{escape(panel.title)}"')
 
 
 def swatch(look: Look) -> str:
@@ -49,16 +50,17 @@ def swatch(look: Look) -> str:
         ax = figure.add_axes((0, 0, 1, 1))
         ax.axis("off")
         ax.plot([0, 1, 2], [0, 0, 0], **look.line | {"gid": None}, markevery=[1], markersize=6)
-        return _element(figure)
+        return _element(figure, 'aria-hidden="true"')
 
 
-def _element(figure: Figure) -> str:
+def _element(figure: Figure, attributes: str) -> str:
+    """attributes: of the SVG element, for those who do not see it."""
     text = io.StringIO()
     figure.savefig(text, format="svg", dpi=IMAGE, metadata={"Date": None})
     svg = text.getvalue()
     svg = re.sub(r"\s*<metadata>.*?</metadata>", "", svg[svg.index("<svg") :], flags=re.DOTALL)
     svg = re.sub(r'\s*<defs>\s*<style type="text/css">\*\{(.*?)\}</style>\s*</defs>', "", svg, count=1)  # of the whole page
-    svg = svg.replace("<svg", '<svg style="stroke-linejoin: round; stroke-linecap: butt"', 1)
+    svg = svg.replace("<svg", f'<svg {attributes} style="stroke-linejoin: round; stroke-linecap: butt"', 1)
     svg = re.sub(r'<g id="(dots|band)-(label-[0-9a-f]+)"', r'<g data-\1="\2"', svg)
     svg = re.sub(r'<g id="(label-[0-9a-f]+)"', r'<g data-label="\1"', svg)
     svg = re.sub(r'<g id="[^"]*"', "<g", svg).replace(INK, "currentColor")

@@ -1,33 +1,38 @@
-"""A map as data: panels of coloured tiles over two parameters, laid out as a few shapes that each renderer draws.
+"""A map: panels of coloured tiles over two parameters, as SVG for the page and on matplotlib's axes for a paper.
 
-A panel is WIDTH x HEIGHT units with its origin at the upper left; the field of tiles is ACROSS x UP of them, below the title
-and the name of the upward axis, with ticks on the left and below. Grid points are counted in grid lines from the lower left
-corner of the field. reports.drawing.svg draws the shapes for the page, where a panel may hold thousands of tiles, and
-reports.drawing.files draws them for a paper.
+Grid points are counted in grid lines from the lower left corner. A panel on the page is WIDTH x HEIGHT units with its origin at
+the upper left; its field of tiles is ACROSS x UP of them. It is written here and not by matplotlib, because it may hold
+thousands of tiles, each with its tooltip: neighbours of one colour and tooltip are joined to one bar.
 
-`polylines` joins points that were found in no order along a line, such as the crossings of a threshold with the grid,
-and `picture` draws the first steps of a scene as paths of SVG, in which y points down.
+`polylines` joins points that were found in no order along a line, such as the crossings of a threshold with the grid.
 """
 
+import json
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from itertools import groupby
 from math import hypot
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
-import numpy as np
+from markupsafe import Markup, escape
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
+from frictionbench.reports.drawing import figures
 from frictionbench.reports.drawing.text import plain
-from frictionbench.results.maps import FirstSteps
-from frictionbench.results.motion import Array, Outline
 
 WIDTH, HEIGHT = 158.0, 142.0
 LEFT, TOP, ACROSS, UP = 30.0, 22.0, 120.0, 96.0  # of the field of tiles
 LETTERS = 7.2  # font size
 LONGEST = 38  # letters of a title; a longer one is cut
-LEGEND_ROWS = 8  # of a column of the legend: as many as fit on a panel
-Point = tuple[float, float]
+FEW = 6  # panels of a map that are drawn large
+SEAM = 0.05  # points, the outline of a tile, which closes the gap that a viewer may show between neighbours
 REACH = 1.5  # grid lines: neighbours on a curve that crosses all lines of the grid are at most a diagonal, 1.41, apart
-MARGIN = 0.15  # around the bodies, relative to their size
+CURVE, TICK, HALO = 1.3, 0.5, 2.9  # widths of lines; HALO: of the white one that sets a curve off from the tiles
+DASHES = 3.3, 4.6  # of every other curve, so that two that coincide are both seen
+Point = tuple[float, float]
 
 
 class Tile(NamedTuple):
@@ -38,6 +43,17 @@ class Tile(NamedTuple):
     width: float
     colour: str
     tooltip: str = ""
+
+
+class Bar(NamedTuple):
+    """Tiles of one colour and tooltip, neighbours joined: its sides, in grid lines."""
+
+    colour: str
+    tooltip: str
+    left: float
+    right: float
+    low: float
+    high: float
 
 
 class Axis(NamedTuple):
@@ -56,55 +72,12 @@ class Grid(NamedTuple):
     lines: Mapping[str, Sequence[Sequence[Point]]]
 
 
-class Text(NamedTuple):
-    """A line of text whose baseline starts, has its middle or ends at (x, y)."""
-
-    x: float
-    y: float
-    text: str
-    anchor: Literal["start", "middle", "end"] = "start"
-
-
-class Box(NamedTuple):
-    """An outlined rectangle with its upper left corner at (x, y). colour: empty for no fill; line: width of the outline."""
-
-    x: float
-    y: float
-    width: float
-    height: float
-    colour: str
-    line: float
-
-
-class Bars(NamedTuple):
-    """Tiles of one colour and tooltip, neighbours joined: each bar is (left, right, height, lower edge) in grid lines."""
-
-    colour: str
-    tooltip: str
-    bars: tuple[tuple[float, float, float, float], ...]
-
-
 class Field(NamedTuple):
-    """The tiles of a panel, the wider ones first so that refinements are drawn over them, on columns x lines grid lines."""
+    """One panel. ground: the colour of the field, so that its whole tiles can be left out."""
 
-    columns: int
-    lines: int
-    bars: tuple[Bars, ...]
-
-
-class Line(NamedTuple):
-    """A line through places (x, y) of the panel. colour: of a curve, which a wider white one sets off from the tiles; empty for
-    a tick. dashed: every other curve is, so that two that coincide are both seen."""
-
-    colour: str
-    places: tuple[Point, ...]
-    width: float
-    dashed: bool = False
-
-
-Shape = Text | Box | Field | Line
-Panel = tuple[Shape, ...]
-CURVE, TICK = 1.3, 0.5  # widths of lines
+    title: str
+    tiles: Sequence[Tile]
+    ground: str = ""
 
 
 class Entry(NamedTuple):
@@ -117,72 +90,124 @@ class Entry(NamedTuple):
 
 
 class Drawing(NamedTuple):
-    """A map: its title, the name of its file, its legend, its panels, a note on what needs no panel, and the facts by which a
-    reader finds what a tile stands for (see reports.charts.failure_maps)."""
+    """A map: its title, the name of its file, its legend, its grid, its panels, a note on what needs no panel, and the facts by
+    which a reader finds what a tile stands for (see reports.charts.failure_maps)."""
 
     title: str
     name: str
     legend: tuple[Entry, ...]
-    panels: tuple[Panel, ...]
+    grid: Grid
+    fields: tuple[Field, ...]
     note: str = ""
     facts: Mapping[str, object] = {}
 
+    @property
+    def panels(self) -> list[figures.Panel]:
+        """The panels for matplotlib."""
+        return [figures.Panel(field.title, partial(draw, field=field, grid=self.grid)) for field in self.fields]
 
-def legend(entries: Sequence[Entry]) -> Panel:
-    """The panel of names and their colours."""
-    shapes: list[Shape] = []
-    for k, (name, colour, line, dashed) in enumerate(entries):
-        x, y = 2 + 78 * (k // LEGEND_ROWS), TOP + 11 * (k % LEGEND_ROWS)
-        shapes.append(Line(colour, ((x, y + 3), (x + 8, y + 3)), CURVE, dashed) if line else Box(x, y, 8, 6, colour, 0.3))
-        shapes.append(Text(x + 11, y + 5.6, name))
-    return tuple(shapes)
+    @property
+    def handles(self) -> dict[str, Line2D | Patch]:
+        """The legend for matplotlib."""
+        return {
+            name: Line2D([], [], color=colour, ls="--" if dashed else "-") if line else Patch(fc=colour, ec="0.5", lw=0.4)
+            for name, colour, line, dashed in self.legend
+        }
 
 
-def panel(title: str, tiles: Iterable[Tile], grid: Grid, background: str = "") -> Panel:
-    """A title over a field of tiles with its axes. background: the colour of the field, so that its whole tiles can be left
-    out."""
-    columns, rows = grid.x.grid_lines, grid.y.grid_lines
-    bottom = TOP + UP
+def draw(ax: Axes, field: Field, grid: Grid) -> None:
+    """Draw a panel on matplotlib's axes."""
+    ax.set(xlim=(-0.5, grid.x.grid_lines - 0.5), ylim=(-0.5, grid.y.grid_lines - 0.5), facecolor=field.ground or "none")
+    for colour, bars in groupby(joined(field.tiles), key=lambda bar: bar.colour):
+        outlines = [((b.left, b.low), (b.right, b.low), (b.right, b.high), (b.left, b.high)) for b in bars]
+        ax.add_collection(PolyCollection(outlines, facecolors=colour, edgecolors=colour, linewidths=SEAM), autolim=False)
+    for k, (colour, ways) in enumerate(grid.lines.items()):
+        for way in ways:
+            x, y = zip(*way, strict=True)
+            if not k % 2:
+                ax.plot(x, y, lw=HALO, color="white", solid_capstyle="round")
+            ax.plot(x, y, lw=CURVE, color=colour, ls=(0, (1.5, 2.5)) if k % 2 else "-", solid_capstyle="round")
+    for axis, place, name in ((grid.x, ax.set_xticks, ax.set_xlabel), (grid.y, ax.set_yticks, ax.set_ylabel)):
+        place([line for line, _ in axis.ticks], [text for _, text in axis.ticks])
+        name(plain(axis.name, LONGEST))
 
-    def place(i: float, j: float) -> Point:
-        return LEFT + (i + 0.5) * ACROSS / columns, bottom - (j + 0.5) * UP / rows
 
-    lines = (
-        Line(colour, tuple(place(*at) for at in one), CURVE, dashed=bool(k % 2))
-        for k, (colour, ways) in enumerate(grid.lines.items())
-        for one in ways
-    )
-    ticks: list[Shape] = []
+def on_page(drawing: Drawing) -> Markup:
+    """The legend, the note and the panels as HTML. The script of the page enlarges panels and tells what a tile stands for."""
+    entries = "".join(map(_swatch, drawing.legend))
+    note = f'<p class="soft">{escape(drawing.note)}</p>' if drawing.note else ""
+    enlarge = '<button class="enlarge" hidden title="enlarge" aria-label="enlarge">⤢</button>'
+    shown = "".join(f'<div class="map">{enlarge}{markup(field, drawing.grid)}</div>\n' for field in drawing.fields)
+    facts = json.dumps(drawing.facts).replace("<", "\\u003c")
+    data = f'<script type="application/json" class="facts">{facts}</script>' if drawing.facts else ""
+    tiles = f'<div class="tiles{" few" * (len(drawing.fields) <= FEW)}">{shown}</div><div class="tile" hidden></div>'
+    return Markup(f'<p class="entries">{entries}</p>{note}{tiles}{data}')
+
+
+def _swatch(entry: Entry) -> str:
+    kind = ("dashed" if entry.dashed else "stroke") if entry.line else "area"
+    return f'<span><i class="{kind}" style="color:{entry.colour}"></i>{escape(entry.name)}</span>'
+
+
+def markup(field: Field, grid: Grid) -> str:
+    """A panel as an SVG element; text is escaped. The group with a transform counts in grid lines, upwards."""
+    across, up, bottom = ACROSS / grid.x.grid_lines, UP / grid.y.grid_lines, TOP + UP
+    parts = [_text(1, 8, plain(field.title, LONGEST)), _text(1, TOP - 3, plain(grid.y.name, LONGEST))]
+    ground = field.ground or "none"
+    parts.append(f'<rect x="{LEFT:g}" y="{TOP:g}" width="{ACROSS:g}" height="{UP:g}" fill="{ground}" stroke="currentColor"/>')
+    place = f"translate({LEFT + across / 2:.5g} {bottom - up / 2:.5g}) scale({across:.5g} {-up:.5g})"
+    parts.append(f'<g transform="{place}" shape-rendering="crispEdges">{_bars(field.tiles)}</g>')
+    for k, (colour, ways) in enumerate(grid.lines.items()):
+        for way in ways:
+            places = "L".join(f"{LEFT + (i + 0.5) * across:.1f} {bottom - (j + 0.5) * up:.1f}" for i, j in way)
+            line = (
+                f'<path d="M{places}{"h0" * (len(way) == 1)}" fill="none" stroke-linecap="round" stroke-linejoin="round" stroke'
+            )
+            halo = f'{line}="#ffffff" stroke-width="{HALO}"/>' if not k % 2 else ""
+            dashes = f' stroke-dasharray="{DASHES[0]} {DASHES[1]}"' if k % 2 else ""
+            parts.append(f'{halo}{line}="{colour}" stroke-width="{CURVE}"{dashes}/>')
+    ticks = []
     for i, text in grid.x.ticks:
-        x, _ = place(i, 0)
-        ticks += [Line("", ((x, bottom), (x, bottom + 2.5)), TICK), Text(x, bottom + 10, text, "middle")]
+        x = LEFT + (i + 0.5) * across
+        ticks.append(f"M{x:.4g} {bottom:g}v2.5")
+        parts.append(_text(x, bottom + 10, text, "middle"))
     for j, text in grid.y.ticks:
-        _, y = place(0, j)
-        ticks += [Line("", ((LEFT - 2.5, y), (LEFT, y)), TICK), Text(LEFT - 4, y + 2.5, text, "end")]
-    return (
-        Text(1, 8, plain(title, LONGEST)),
-        Text(1, TOP - 3, plain(grid.y.name, LONGEST)),
-        Box(LEFT, TOP, ACROSS, UP, background, 0.5),
-        Field(columns, rows, tuple(_joined(tiles))),
-        *lines,
-        *ticks,
-        Text(LEFT + ACROSS, bottom + 19, plain(grid.x.name, LONGEST), "end"),
-    )
+        y = bottom - (j + 0.5) * up
+        ticks.append(f"M{LEFT:g} {y:.4g}h-2.5")
+        parts.append(_text(LEFT - 4, y + 2.5, text, "end"))
+    parts.append(f'<path d="{"".join(ticks)}" stroke="currentColor" stroke-width="{TICK}"/>')
+    parts.append(_text(LEFT + ACROSS, bottom + 19, plain(grid.x.name, LONGEST), "end"))
+    label = f'role="img" aria-label="{escape(field.title)} over {escape(grid.x.name)} and {escape(grid.y.name)}"'
+    font = f'font-family="sans-serif" font-size="{LETTERS:g}" fill="currentColor" stroke-width=".5"'
+    return f'<svg viewBox="0 0 {WIDTH:g} {HEIGHT:g}" {label} {font}>{"".join(parts)}</svg>'
 
 
-def _joined(tiles: Iterable[Tile]) -> Iterable[Bars]:
-    for (_, colour, tooltip), alike in groupby(sorted(tiles, key=_order), key=_order):
-        bars: list[tuple[float, float, float, float]] = []
-        for j, i, w in sorted((tile.j, tile.i, tile.width) for tile in alike):
-            left, low = i + 0.5 - w / 2, j + 0.5 - w / 2
-            if bars and bars[-1][1:] == (left, w, low):
-                left = bars.pop()[0]
-            bars.append((left, i + 0.5 + w / 2, w, low))
-        yield Bars(colour, tooltip, tuple(bars))
+def _text(x: float, y: float, text: str, anchor: str = "start") -> str:
+    return f'<text x="{x:.4g}" y="{y:.4g}" text-anchor="{anchor}">{escape(text)}</text>'
 
 
-def _order(tile: Tile) -> tuple[float, str, str]:
-    return -tile.width, tile.colour, tile.tooltip
+def _bars(tiles: Iterable[Tile]) -> str:
+    parts = []
+    for colour, same in groupby(joined(tiles), key=lambda bar: bar.colour):
+        parts.append(f'<g fill="{colour}" stroke="none">')
+        for tooltip, bars in groupby(same, key=lambda bar: bar.tooltip):
+            path = "".join(f"M{b.left:g} {b.low:g}H{b.right:g}V{b.high:g}H{b.left:g}z" for b in bars)
+            parts.append(f'<path d="{path}"' + (f"><title>{escape(tooltip)}</title></path>" if tooltip else "/>"))
+        parts.append("</g>")
+    return "".join(parts)
+
+
+def joined(tiles: Iterable[Tile]) -> list[Bar]:
+    """The tiles as bars, the wider ones first, so that refinements are drawn over them; then by colour and tooltip."""
+    bars: list[Bar] = []
+    for i, j, width, colour, tooltip in sorted(tiles, key=lambda t: (-t.width, t.colour, t.tooltip, t.j, t.i)):
+        bar = Bar(colour, tooltip, i - width / 2, i + width / 2, j - width / 2, j + width / 2)
+        last = bars[-1] if bars else None
+        if last and last._replace(left=bar.left, right=bar.right) == bar and last.right == bar.left:
+            bars[-1] = last._replace(right=bar.right)
+        else:
+            bars.append(bar)
+    return bars
 
 
 def polylines(points: Iterable[Point], reach: float = REACH) -> list[list[Point]]:
@@ -208,54 +233,3 @@ def polylines(points: Iterable[Point], reach: float = REACH) -> list[list[Point]
 
 def _apart(a: Point, b: Point) -> float:
     return hypot(a[0] - b[0], a[1] - b[1])
-
-
-def picture(found: FirstSteps) -> dict[str, object]:
-    """at: the grid point. view: of the SVG. ground: a path. frames: a path each, the earliest first."""
-    moving = [outline for outline in found.outlines if outline.body >= 0]
-    places = [_placed(outline, pose) for pose in found.poses for outline in moving]
-    low, high = (
-        (np.min([place.min(axis=0) for place in places], axis=0), np.max([place.max(axis=0) for place in places], axis=0))
-        if places
-        else (-np.ones(2), np.ones(2))
-    )
-    margin = MARGIN * max(float((high - low).max()), 1e-9)
-    box = low - margin, high + margin
-    still = [outline for outline in found.outlines if outline.body < 0]
-    return {
-        "at": found.point,
-        "view": " ".join(f"{value:.5g}" for value in (box[0][0], -box[1][1], *(box[1] - box[0]))),
-        "ground": "".join(_svg_path(_ground(outline, box), closed=not outline.endless) for outline in still),
-        "frames": ["".join(_svg_path(_placed(outline, pose)) for outline in moving) for pose in found.poses],
-    }
-
-
-def _placed(outline: Outline, pose: Array) -> Array:
-    """The corners (k, 2) of a body's shape, of a disc those of a polygon, and its radius to show how it turns."""
-    x, y, angle = pose[outline.body]
-    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
-    placed: Array = _outline_corners(outline) @ turn + (x, y)
-    return placed
-
-
-def _outline_corners(outline: Outline) -> Array:
-    if not outline.radius:
-        return outline.corners
-    around = np.linspace(0, 2 * np.pi, 25)
-    circle = abs(outline.radius) * np.column_stack([np.cos(around), np.sin(around)])
-    return np.vstack([outline.corners[:1] + circle, outline.corners[:1]])
-
-
-def _ground(outline: Outline, box: tuple[Array, Array]) -> Array:
-    """The shape; the surface of a half plane as far as it is seen in the box between the lowest and the highest corner."""
-    if not outline.endless or len(outline.corners) < 2:
-        return _outline_corners(outline)
-    a, b = outline.corners[:2]
-    along = (b - a) / max(float(np.linalg.norm(b - a)), 1e-300)
-    middle = a + along * float(along @ ((box[0] + box[1]) / 2 - a))
-    far = 2 * float(np.linalg.norm(box[1] - box[0]))
-    return np.stack([middle - far * along, middle + far * along])
-
-
-def _svg_path(corners: Array, closed: bool = True) -> str:
-    return "M" + "L".join(f"{x:.5g} {-y:.5g}" for x, y in corners) + "Z" * closed

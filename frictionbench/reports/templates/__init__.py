@@ -13,9 +13,8 @@ from markupsafe import Markup
 from frictionbench.reports.accuracy import shown_levels
 from frictionbench.reports.drawing.figures import Panel, inline_svg, swatch
 from frictionbench.reports.drawing.style import Look
-from frictionbench.reports.drawing.svg import on_page
 from frictionbench.reports.drawing.text import count, percent, power, residual, seconds
-from frictionbench.reports.drawing.tiles import Drawing
+from frictionbench.reports.drawing.tiles import Drawing, on_page
 from frictionbench.results.commands import rerun
 from frictionbench.results.conventions import ENDINGS, ending, scene_title
 

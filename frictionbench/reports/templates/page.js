@@ -114,8 +114,7 @@ for (const title of document.querySelectorAll(".panels:not(.whole) > figure > h3
 }
 
 // Maps: a button enlarges a panel; a click on a tile tells its problem and the commands that solve and show it, and draws its first
-// steps. The field of tiles has its place within a panel from the transform of its group, and grid points count from its lower
-// left corner.
+// steps. The transform of the group of tiles gives the place of the first grid point and counts in grid lines.
 function steps(picture) {
   const element = (name, attributes) => {
     const made = document.createElementNS("http://www.w3.org/2000/svg", name);
@@ -137,7 +136,7 @@ for (const data of document.querySelectorAll("script.facts")) {
     svg.addEventListener("click", (event) => {
       const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(field.getScreenCTM().inverse());
       const pick = (axis, line) => {
-        const k = Math.round(2 * (line - 0.5));
+        const k = Math.round(2 * line);
         return k < 0 || k >= axis.values.length ? undefined : k - (event.target.closest("path, rect")?.querySelector("title") ? 0 : k % 2);
       };
       const i = pick(facts.x, at.x), j = pick(facts.y, at.y);

@@ -1,0 +1,229 @@
+"""The tables of a run in print: each a header, rows of text and a caption, as LaTeX in a paper and as Markdown in `report.md`.
+
+A caption explains the columns that its table has, and no others.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from frictionbench.problems.verdicts import measured
+from frictionbench.reports import tables
+from frictionbench.reports.accuracy import LEVELS, OVERALL, in_order, overall, percentiles, shown_levels
+from frictionbench.reports.choice import Choice, Kind, choices
+from frictionbench.reports.drawing.text import percent, power, residual, seconds
+from frictionbench.reports.latex import cited
+from frictionbench.reports.run import Run
+from frictionbench.results.conventions import ENDINGS
+
+BANDS = {"1 to 4": (0, 4), "5 to 20": (4, 20), "21 to 100": (20, 100), "more than 100": (100, np.inf)}  # contacts
+
+
+class Cited(NamedTuple):
+    """A cell that cites references by their keys."""
+
+    keys: tuple[str, ...]
+
+
+Cell = str | Cited
+
+
+class Table(NamedTuple):
+    """groups: a line above the header, texts with the number of columns that each spans."""
+
+    name: str
+    caption: str
+    header: Sequence[str]
+    rows: Sequence[Sequence[Cell]]
+    groups: Sequence[tuple[str, int]] = ()
+
+
+def printed(run: Run) -> list[Table]:
+    """All tables that have rows."""
+    found = [made for make in TABLES for made in make(run)]
+    return [table for table in found if table.rows]
+
+
+def _choice(run: Run) -> list[Table]:
+    """For each kind of problem the solver of the least mean, of all and of those of outside libraries, at the finest target."""
+    target = run.outer_targets[-1]
+    theirs = {kind.name: kind.choices.get(target) for kind in choices(run, run.outside)}
+    rows = [_first(kind, one, theirs.get(kind.name)) for kind in choices(run) if (one := kind.choices.get(target))]
+    caption = (
+        f"The solver with the least mean time {run.rank_by.words} ({run.rank_by.parts}) to {power(target)}, problems not "
+        "solved charged the time limit; its lead over the next, with the 95 % interval over resampled scenes, problems and "
+        "repeats; and the first of the outside libraries."
+    )
+    return [Table("choice", caption, ["for", "problems", "first", "mean", "lead", "interval", "solved", "outside"], rows)]
+
+
+def _first(kind: Kind, found: Choice, outside: Choice | None) -> list[str]:
+    best = found.places[0]
+    ends = f"{found.interval[0]:.3g} to {found.interval[1]:.3g}" if found.lead and found.interval else found.unclear or "–"
+    return [
+        kind.name,
+        str(kind.problems),
+        best.label + (f" ({best.law})" if best.law else ""),
+        seconds(best.mean),
+        f"{found.lead:.3g}" if found.lead else "–",
+        ends,
+        best.solved,
+        f"{outside.places[0].label} {seconds(outside.places[0].mean)}" if outside else "–",
+    ]
+
+
+def _times(run: Run) -> list[Table]:
+    """Of all problems of the plane, then of space, the solvers with the largest share reached first."""
+    ranking = [(where, *row) for where in run.overall for row in tables.ranking(run.summaries, where)]
+    facts = {
+        "solver": [label for _, label, _ in ranking],
+        "where": [where for where, *_ in ranking] if len(run.overall) > 1 else [],
+        "for": [rows[0]["law"] for *_, rows in ranking],
+    }
+    facts = {name: texts for name, texts in facts.items() if any(texts)}
+    header, columns, groups = [*facts], [*facts.values()], [("", len(facts))]
+    for i, target in enumerate(run.summaries):
+        unit, means = one_unit([cells[i]["mean"] if has_mean(cells[i]) else np.nan for *_, cells in ranking])
+        header += ["reached", f"mean, {unit}"]
+        groups.append((f"to {power(target)}", 2))
+        columns += [[f"{reached(cells[i])}/{cells[i]['problems']}" for *_, cells in ranking], means]
+    caption = (
+        "Problems brought within a verified residual of each target, and the weighted shifted geometric mean of the time "
+        f"{run.rank_by.words} ({run.rank_by.parts}), problems not solved charged the time limit."
+    )
+    if "for" in facts:
+        caption += (
+            " For: what is solved in place of Coulomb's law; such solvers have a mean only where they solve every problem."
+        )
+    return [Table("times", caption, header, list(zip(*columns, strict=True)), groups)]
+
+
+def has_mean(cells: dict[str, float]) -> bool:
+    """Whether a row of a summary has a mean that says something: see reports.choice."""
+    return not cells["law"] or cells["reached"] == cells["problems"]
+
+
+def reached(cells: dict[str, float]) -> str:
+    """The number solved, and those that cannot be judged: 40 + 80 unjudgeable."""
+    return f"{cells['reached']}" + (f" + {cells['unjudgeable']} unjudgeable" if cells["unjudgeable"] else "")
+
+
+def _percentiles(run: Run) -> list[Table]:
+    """At the finest target, in the order of p99."""
+    places = []
+    for where, times in overall(run.times[run.outer_targets[-1]]).items():
+        table = in_order(percentiles(times, run.budget))
+        places += [(where, str(label), row) for label, row in zip(table.index, table.to_dict("records"), strict=True)]
+    levels = shown_levels(pd.DataFrame([row for *_, row in places], columns=[*LEVELS]))
+    unit, shown = one_unit([row[name] for *_, row in places for name in levels])
+    budget = [] if run.budget is None else [f"within {seconds(run.budget)}"]
+    rows = [
+        [label, where, *shown[len(levels) * i : len(levels) * (i + 1)], *([percent(row["within"], 1)] if budget else [])]
+        for i, (where, label, row) in enumerate(places)
+    ]
+    named = {"p50": "half", "p99": "99 %", "worst": "all"}
+    caption = (
+        f"The times {run.rank_by.words} ({run.rank_by.parts}) within which {', '.join(named[name] for name in levels)} of the "
+        f"problems, by weight, are solved to {power(run.outer_targets[-1])}; a dash: not solved."
+    )
+    return [Table("percentiles", caption, ["solver", "where", *(f"{name}, {unit}" for name in levels), *budget], rows)]
+
+
+def _solvability(run: Run) -> list[Table]:
+    """The counts of verdicts per solver, without verdicts that do not occur."""
+    found = tables.solvability(run)
+    columns = ["cells", "claimed", *(name for name in ENDINGS if found[name].any())]
+    with_error = bool(found["error"].notna().any())
+    rows = [
+        [row["label"], *(str(row[name]) for name in columns)]
+        + ([residual(row["error"]) if np.isfinite(row["error"]) else "–"] if with_error else [])
+        for row in found.to_dict("records")
+    ]
+    caption = "Verdicts of an independent verification, by solver; claimed: cells that the solver reports as solved."
+    if with_error:
+        caption += " Error: the median residual, by Coulomb's law, of answers to another law or with a polygon for the cone."
+    caption += f" {tables.exclusions(run)}"
+    return [Table("solvability", caption, ["solver", *columns, *["error"] * with_error], rows)]
+
+
+def _sizes(run: Run) -> list[Table]:
+    """Medians of form, setup and solve over the problems whose own model is solved at the tightest tolerance, by size."""
+    found = []
+    for dimension, where in OVERALL.items():
+        ran = run.tightest[(run.tightest["dimension"] == dimension) & measured(run.tightest)]
+        rows, order = [], []
+        for label, own in ran.groupby("label", sort=False):
+            rows.append([str(label), *(_band(own, *ends) for ends in BANDS.values())])
+            order.append((-own["own_solved"].sum(), own.loc[own["own_solved"], "time"].median()))
+        rows = [rows[i] for i in sorted(range(len(rows)), key=order.__getitem__)]
+        caption = (
+            f"Medians of form + setup + solve {where}, ms, over the problems that a solver solves by its own model, whose "
+            "number stands beside that of all, by the number of contacts."
+        )
+        found.append(Table(f"sizes_{dimension}d", caption, ["solver", *BANDS], rows))
+    return found
+
+
+def _band(own: pd.DataFrame, low: float, high: float) -> str:
+    band = own[(own["contacts"] > low) & (own["contacts"] <= high)]
+    good = band[band["own_solved"]]
+    parts = [good[f"{step}_time"].median() for step in ("form", "setup", "solve")]
+    return f"{' + '.join(f'{1e3 * part:.2g}' for part in parts) if len(good) else '–'} ({len(good)}/{len(band)})"
+
+
+def _clocks(run: Run) -> list[Table]:
+    """Where a library's own clock differs from the benchmark's."""
+    found = tables.clocks(run).query("differs")
+    rows = [
+        [str(row.label), seconds(row.solve_time), seconds(row.clock_time), f"{row.ratio:.2g}"] for row in found.itertuples()
+    ]
+    caption = "Medians of the solve time measured by the benchmark and by the library, where they differ by more than a tenth."
+    return [Table("clocks", caption, ["solver", "benchmark", "library", "ratio"], rows)]
+
+
+def _problems(run: Run) -> list[Table]:
+    rows = [
+        [
+            row["problem_class"],
+            f"{row['problems']:.0f}",
+            f"{row['trivial'] + row['idle']:.0f}",
+            _range(row, "contacts"),
+            _range(row, "size"),
+        ]
+        for row in tables.problem_classes(run).to_dict("records")
+    ]
+    caption = "Problems by class; left out: nothing to solve, or solved without friction; unknowns of the friction LCP."
+    return [Table("problems", caption, ["class", "problems", "left out", "contacts", "unknowns"], rows)]
+
+
+def _range(row: dict[str, float], what: str) -> str:
+    low, high = row[f"{what}_from"], row[f"{what}_to"]
+    return f"{low:.0f}" if low == high else f"{low:.0f}–{high:.0f}" if np.isfinite(low) else "–"
+
+
+def _solvers(run: Run) -> list[Table]:
+    both = pd.concat([run.rows[["solver", "model"]], run.simulations[["solver"]]]).drop_duplicates("solver").fillna("")
+    rows: list[list[Cell]] = [
+        [row.solver, row.model, Cited(tuple(keys)) if (keys := cited(row.solver)) else "–"]
+        for row in both.sort_values("solver").itertuples()
+    ]
+    return [Table("solvers", "Solvers, the model that each solves, and references.", ["solver", "solves", "references"], rows)]
+
+
+def one_unit(times: Sequence[float]) -> tuple[str, list[str]]:
+    """A unit suitable for the times, s, and the times in this unit with three digits."""
+    known = [time for time in times if np.isfinite(time) and time > 0]
+    middle = float(np.exp(np.mean(np.log(known)))) if known else 1.0
+    scale, unit = next(((s, u) for s, u in ((1.0, "s"), (1e-3, "ms")) if middle >= s), (1e-6, "µs"))
+    return unit, [_digits(time / scale) if np.isfinite(time) else "–" for time in times]
+
+
+def _digits(value: float) -> str:
+    return f"{value:.0f}" if abs(value) >= 99.5 else f"{value:#.3g}".rstrip(".")
+
+
+TABLES: tuple[Callable[[Run], list[Table]], ...] = (
+    *(_choice, _solvability, _times, _percentiles, _sizes, _clocks, _problems, _solvers),
+)
