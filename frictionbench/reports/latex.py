@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 _SPECIAL = str.maketrans({
-    **{sign: "\\" + sign for sign in "&%$#_{}"},
+    **{sign: "\\" + sign for sign in "&%#_{}"}, "$": r"\ensuremath{\$}",
     "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}",
     ">": r"\textgreater{}", "|": r"\textbar{}", '"': "''", "`": "'",
     "[": "{[}", "]": "{]}", "µ": r"\ensuremath{\mu}", "μ": r"\ensuremath{\mu}", "–": "--", "−": r"\ensuremath{-}",

@@ -56,7 +56,7 @@ def test_table_units_and_widths(run, tmp_path, monkeypatch) -> None:
 def test_latex_escaping() -> None:
     assert escaped("a_b 100 %") == r"a\_b 100 \%"
     assert escaped("nsgs[x=1] 3 µs") == r"nsgs{[}x=1{]} 3 \ensuremath{\mu}s"
-    assert escaped("\\input{x} $^~") == r"\textbackslash{}input\{x\} \$\textasciicircum{}\textasciitilde{}"
+    assert escaped("\\input{x} $^~") == r"\textbackslash{}input\{x\} \ensuremath{\$}\textasciicircum{}\textasciitilde{}"
     assert escaped("é漢\x00") == "e??"
 
 
@@ -221,11 +221,11 @@ def test_document_compiles(run, tmp_path, monkeypatch) -> None:
 
 @latex
 @pytest.mark.slow  # what docs/figures.md shows, in one column and two: a box wider than the column, a bitmap font
-@pytest.mark.parametrize("options", ["", "twocolumn"])
-def test_the_document_shown_compiles(run, tmp_path, options) -> None:
+@pytest.mark.parametrize(("options", "width"), [("", 85 / 25.4), ("twocolumn", 229 / 72.27)])
+def test_the_document_shown_compiles(run, tmp_path, options, width) -> None:
     page = (ROOT / "docs/figures.md").read_text(encoding="utf-8")
     (shown,) = re.findall(r"```latex\n(.*?)```", page, re.DOTALL)
-    paper = write_paper(tmp_path, run, Layout(85 / 25.4), ["profiles"])
+    paper = write_paper(tmp_path, run, Layout(width), ["profiles"])
     preamble, _, body = shown.partition("\\begin{figure}")
     text = [rf"\documentclass[{options}]{{article}}", preamble, r"\begin{document}\nocite{*}", r"\begin{figure}" + body]
     (paper / "shown.tex").write_text("\n".join([*text, r"\bibliographystyle{plain}\end{document}"]), encoding="utf-8")
