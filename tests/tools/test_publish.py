@@ -84,11 +84,40 @@ def test_problems_that_are_missing_are_told(tmp_path: Path) -> None:
     assert {what for what, holds, _ in read(path)["checks"] if not holds} == {"problems", "version"}
 
 
-@pytest.mark.parametrize(
-    ("field", "value"), [("name", "../up"), ("rankings", [{"solver": 1}]), ("checks", [["a"]]), ("problems", {}), ("format", 2)]
-)
-def test_edited_summaries_are_refused(field, value, tmp_path: Path) -> None:
+EDITS = {
+    "name": ("../up", "index-a-b", "Index-a-b", 1),
+    "format": (2,),
+    "cells": (-1, True, 10**30),
+    "machine.cores": (None, "two", -1),
+    "machine.processor": (3,),
+    "settings.tolerances": (None, ["a"]),
+    "settings.time_limit": ("x",),
+    "libraries": ([], {"numpy": {}}),
+    "problems.hashes": ([], {"a": 1}),
+    "problems.ranked": (None,),
+    "checks": ([["a"]], 3),
+    "headline": ([1],),
+    "rankings": ([1], {}),
+    "rankings.target": (None, 0, -1.0, "x", 1e309),
+    "rankings.mean": ("x", -1.0, [], True),
+    "rankings.reached": (1.5,),
+    "reliability.wrong": (None,),
+    "scenes.scene": (None,),
+}
+
+
+@pytest.mark.parametrize("field", EDITS)
+def test_edited_summaries_are_refused(field: str, tmp_path: Path) -> None:
+    """Each names its field, and none reaches a page."""
     (path,) = publish([run(tmp_path / "run")], None, tmp_path / "summaries")
-    path.write_text(json.dumps(json.loads(path.read_text(encoding="utf-8")) | {field: value}), encoding="utf-8")
-    with pytest.raises(ResultsError, match=field):
-        read(path)
+    text = path.read_text(encoding="utf-8")
+    for value in (*EDITS[field], ...):
+        edited, (part, _, name) = json.loads(text), field.partition(".")
+        places = edited[part] if isinstance(edited[part], list) and name else [edited[part] if name else edited]
+        for place in places:
+            place[name or part] = value
+            if value is ...:
+                del place[name or part]
+        path.write_text(json.dumps(edited), encoding="utf-8")
+        with pytest.raises(ResultsError, match=f"{path.name}: .*{field}"):
+            read(path)

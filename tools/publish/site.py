@@ -14,7 +14,7 @@ import pandas as pd
 
 from frictionbench.reports import OVERALL, environment, script, write_report
 from frictionbench.results import TABLES, RankBy, read_table, subfolder, write_text
-from tools.publish.summary import Summary, write
+from tools.publish.summary import Summary, page_of, write
 
 HERE = Path(__file__).parent
 COPIED = (
@@ -32,7 +32,7 @@ class Entry(NamedTuple):
     @property
     def page(self) -> str:
         """The name of the page of its suite and version."""
-        return f"{self.summary['name'].rsplit('-', 2)[0]}.html"
+        return f"{page_of(self.summary['name'])}.html"
 
 
 def write_site(entries: Sequence[Entry], site: Path) -> Path:

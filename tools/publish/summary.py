@@ -19,6 +19,7 @@ Summaries may come from anybody: what does not have these fields and types is re
 
 import json
 import re
+from collections.abc import Callable, Iterator
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -36,25 +37,77 @@ LARGEST = 4 * 2**20  # bytes of a summary
 Summary = dict[str, Any]
 MACHINE = ("processor", "cores", "memory", "system", "python")
 DIGITS, SHORT = 4, 12  # digits of times; characters of a problem's hash, enough to tell some thousands apart
-NUMBER = (int, float, type(None))
-TYPES: dict[str, Any] = {
-    **dict.fromkeys(("name", "suite", "version", "release", "finished"), str),
-    **dict.fromkeys(("cells", "workers"), int),
-    **dict.fromkeys(("machine", "settings", "libraries", "problems"), dict),
-    **dict.fromkeys(("checks", "headline", "rankings", "reliability", "scenes"), list),
+
+
+def _text(value: Any) -> bool:
+    return isinstance(value, str)
+
+
+def _whole(value: Any) -> bool:
+    return type(value) is int and 0 <= value < 2**63
+
+
+def _number(value: Any) -> bool:
+    return type(value) in (int, float) and 0 <= value < LARGEST_NUMBER
+
+
+def _or_none(good: Callable[[Any], bool]) -> Callable[[Any], bool]:
+    return lambda value: value is None or good(value)
+
+
+def _texts(value: Any) -> bool:
+    return isinstance(value, dict) and all(map(_text, value.values()))
+
+
+def _is_name(value: Any) -> bool:
+    """Whether it names a file, and a page that is not the index."""
+    return _text(value) and bool(re.fullmatch(r"[\w+-][\w.+-]*", value)) and page_of(value).casefold() != "index"
+
+
+def page_of(name: str) -> str:
+    """The part of a run's name that its suite and version have in common with other runs."""
+    return name.rsplit("-", 2)[0]
+
+
+LARGEST_NUMBER = 1e300
+Fields = dict[str, Callable[[Any], bool]]
+FIELDS: Fields = {
+    "name": _is_name,
+    **dict.fromkeys(("suite", "version", "release", "finished"), _text),
+    **dict.fromkeys(("cells", "workers"), _whole),
+    "libraries": _texts,
+    "headline": lambda lines: isinstance(lines, list) and all(map(_text, lines)),
+    "checks": lambda lines: isinstance(lines, list) and all(_is_check(line) for line in lines),
 }
-ROWS: dict[str, dict[str, Any]] = {
+PARTS: dict[str, Fields] = {
+    "machine": {
+        **dict.fromkeys(("processor", "system", "python"), _or_none(_text)),
+        "cores": _whole,
+        "memory": _or_none(_number),
+    },
+    "settings": {
+        "time_limit": _or_none(_number),
+        "tolerances": lambda values: isinstance(values, list) and all(map(_number, values)),
+    },
+    "problems": {**dict.fromkeys(("ranked", "trivial", "idle"), _whole), "hashes": _texts},
+}
+ROWS: dict[str, Fields] = {
     "rankings": {
-        **dict.fromkeys(("kind", "by", "solver", "law", "unclear"), str),
-        **dict.fromkeys(("target", "mean", "p50", "p99", "worst"), NUMBER),
-        **dict.fromkeys(("reached", "problems"), int),
+        **dict.fromkeys(("kind", "by", "solver", "law", "unclear"), _text),
+        "target": lambda value: _number(value) and value > 0,
+        **dict.fromkeys(("mean", "p50", "p99", "worst"), _or_none(_number)),
+        **dict.fromkeys(("reached", "problems"), _whole),
     },
     "reliability": {
-        **dict.fromkeys(("solver", "model"), str),
-        **dict.fromkeys(("problems", "exact", "own", "near_miss", "wrong", "timeout", "crashed"), int),
+        **dict.fromkeys(("solver", "model"), _text),
+        **dict.fromkeys(("problems", "exact", "own", "near_miss", "wrong", "timeout", "crashed"), _whole),
     },
-    "scenes": {**dict.fromkeys(("scene", "solver"), str), **dict.fromkeys(("solved", "cells"), int)},
+    "scenes": {**dict.fromkeys(("scene", "solver"), _text), **dict.fromkeys(("solved", "cells"), _whole)},
 }
+
+
+def _is_check(value: Any) -> bool:
+    return isinstance(value, list) and list(map(type, value)) == [str, bool, str]
 
 
 def write(summary: Summary, folder: Path) -> Path:
@@ -72,24 +125,33 @@ def write(summary: Summary, folder: Path) -> Path:
 
 
 def read(path: Path) -> Summary:
-    """The summary in a file. Errors: ResultsError naming the file and the field that is missing or of another type."""
+    """The summary in a file. Errors: ResultsError naming the file and the field that is missing or cannot be used."""
     found = read_json(path, LARGEST)
     if not isinstance(found, dict) or found.get("format") != FORMAT:
         raise ResultsError(f"{path}: not a published summary of format {FORMAT}")
-    good = {field: isinstance(found.get(field), kind) for field, kind in TYPES.items()}
-    if all(good.values()):
-        good["name"] = bool(re.fullmatch(r"[\w+-][\w.+-]*", found["name"]))
-        good["problems.hashes"] = isinstance(found["problems"].get("hashes"), dict)
-        good["headline"] = all(isinstance(line, str) for line in found["headline"])
-        good["checks"] = all(isinstance(one, list) and list(map(type, one)) == [str, bool, str] for one in found["checks"])
-        for table, columns in ROWS.items():
-            good[table] = all(isinstance(row, dict) for row in found[table])
-            for row in found[table] if good[table] else ():
-                good |= {f"{table}.{name}": False for name, kind in columns.items() if not isinstance(row.get(name), kind)}
-    for field, is_good in good.items():
-        if not is_good:
-            raise ResultsError(f"{path}: {field} is missing or of another type")
+    for field in _unusable(found):
+        raise ResultsError(f"{path}: {field} is missing or cannot be used")
     return found
+
+
+def _unusable(found: Summary) -> Iterator[str]:
+    """The names of fields that are missing, or of another type or size."""
+    yield from _unusable_in("", found, FIELDS)
+    for part, fields in PARTS.items():
+        yield from _unusable_in(f"{part}.", found.get(part), fields)
+    for table, fields in ROWS.items():
+        if not isinstance(found.get(table), list):
+            yield table
+            continue
+        for row in found[table]:
+            yield from _unusable_in(f"{table}.", row, fields)
+
+
+def _unusable_in(part: str, given: Any, fields: Fields) -> Iterator[str]:
+    if not isinstance(given, dict):
+        yield part.rstrip(".")
+        return
+    yield from (f"{part}{name}" for name, good in fields.items() if name not in given or not good(given[name]))
 
 
 def summarise(run: Run) -> Summary:
