@@ -4,7 +4,7 @@ from collections import Counter
 from pathlib import Path
 
 from frictionbench.problems.verdicts import Verdict
-from frictionbench.results import baseline, cells, store
+from frictionbench.results import baseline, cells
 from frictionbench.results.cells import Cells, rounded
 from frictionbench.results.compare import Comparison, Limits, compare
 from frictionbench.results.files import ResultsError
@@ -16,8 +16,6 @@ def accept(folder: Path, path: Path | None) -> tuple[Comparison | None, str]:
     path: baselines/SUITE.tsv if None. Errors: ResultsError where the run is not finished or has no cell to compare, or path is
     not a baseline or one that the run cannot be compared with.
     """
-    if not store.read_manifest(folder).get("finished"):
-        raise ResultsError(f"{folder}: the run is not finished; run the same command again to resume it")
     run, before = cells.read(folder), None
     if unusable := compare(folder, folder, Limits(times=False)).unusable:
         raise ResultsError(f"{folder}: cannot be a baseline: {unusable}")
@@ -29,6 +27,8 @@ def accept(folder: Path, path: Path | None) -> tuple[Comparison | None, str]:
             raise ResultsError(f"{path}: {before.unusable}; delete the file to accept a run that cannot be compared with it")
     tolerances = " ".join(f"{tol:g}" for tol in run.tolerances)
     facts = {"suite": run.suite, "tolerances": tolerances, "code": run.code, "made": run.made}
+    for variant, loaded in run.loaded.items():
+        facts[f"{baseline.LOADED}{variant}"] = "; ".join(f"{name} {digest}" for name, digest in sorted(loaded.items()))
     baseline.write(path, facts, _rows(run))
     verdicts = ", ".join(f"{count} {verdict}" for verdict, count in Counter(run.table["verdict"]).most_common())
     told = f"accepted: {path}, {len(run.table)} cells: {verdicts}"

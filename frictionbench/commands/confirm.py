@@ -20,7 +20,7 @@ from frictionbench.harness.plans.suites import SUITES
 from frictionbench.problems import InputError
 from frictionbench.problems.compiled import PACKAGE
 from frictionbench.results import cells, store
-from frictionbench.results.compare import Comparison, Limits, confirm, suspects
+from frictionbench.results.compare import Comparison, Limits, confirm, equal_loads, suspects
 from frictionbench.results.conventions import RankBy, scene_title
 from frictionbench.results.files import ResultsError
 from frictionbench.results.times import Pair
@@ -69,6 +69,7 @@ def confirmed(
         timed = before is not None and limits.times
         sides = [side for side in (before, now) if side is not None]
         pairs: list[Pair] = []
+        equal: dict[str, list[str]] = {}
         for i in range(PAIRS if timed else PAIRS_UNTIMED):
             tell(f"confirm: pair {i + 1} of {PAIRS if timed else PAIRS_UNTIMED}")
             found = {
@@ -77,7 +78,8 @@ def confirmed(
             }
             base = found[id(before)] if before else stored
             pairs.append((base.table, found[id(now)].table))
-    return confirm(comparison, pairs, before is not None, limits)
+            equal |= equal_loads(stored, base, found[id(now)]) if before else {}
+    return confirm(comparison, pairs, before is not None, limits, equal)
 
 
 def _options(settings: dict[str, Any]) -> list[str]:
@@ -134,13 +136,18 @@ def baseline_code(code: str, named: list[str], scratch: Path) -> Code:
 
 
 def _moved(spec: str, home: Path, folder: Path) -> str:
-    """The solver's file in another checkout of the repository at home."""
-    if not plugins.is_file(spec):
+    """The solver's file, or the files of its command, in another checkout of the repository at home."""
+    if not plugins.defines_all(spec):
         raise InputError(f"code: {spec} is installed; give an environment with the baseline's version of it, like .venv-base")
-    path = Path(spec).absolute()
-    if not path.is_relative_to(home) or not (folder / path.relative_to(home)).is_file():
-        raise InputError(f"code: {spec} is not in {folder}")
-    return str(folder / path.relative_to(home))
+    moved = plugins.absolute(spec)
+    for path in plugins.files(moved):
+        other = folder / path.relative_to(home) if path.is_relative_to(home) else None
+        if plugins.is_file(spec) and (other is None or not other.is_file()):
+            raise InputError(f"code: {spec} is not in {folder}")
+        if other is not None and not other.is_file():
+            raise InputError(f"code: {path.name} is not in {folder}; give a checkout in which the baseline's version is built")
+        moved = moved.replace(str(path), str(other or path))
+    return moved
 
 
 def _unpacked(revision: str, folder: Path) -> Path:

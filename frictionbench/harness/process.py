@@ -9,6 +9,7 @@ import os
 import signal
 import socket
 import sys
+import tempfile
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -166,13 +167,14 @@ class Core:
 def watch_core() -> Iterator[Core]:
     """The seconds for which this thread waited for its core during the block, and load average and clock before and after."""
     core = Core()
-    before, load, clock = _waited(), os.getloadavg()[0], _clock()
+    before, load, clock = waited(), os.getloadavg()[0], _clock()
     yield core
-    core.core_wait = _waited() - before
+    core.core_wait = waited() - before
     core.load, core.clock = (load, os.getloadavg()[0]), (*clock, *_clock())
 
 
-def _waited() -> float:
+def waited() -> float:
+    """The seconds for which this thread has been runnable while its core ran another; NaN where the system does not tell."""
     try:
         with open("/proc/thread-self/schedstat", encoding="ascii") as times:
             return int(times.read().split()[1]) / 1e9
@@ -207,6 +209,20 @@ def forbid_new_privileges() -> None:
 def hide_memory() -> None:
     """No process without privileges can trace this one, or read its memory."""
     _prctl(PR_SET_DUMPABLE, 0)
+
+
+def close_all_but(*kept: int) -> None:
+    """Close all descriptors that this process has inherited but the standard streams and those kept."""
+    held_cores.clear()  # the parent's claims, which it holds itself
+    for name in _listed("/proc/self/fd"):
+        if int(name) > 2 and int(name) not in kept:
+            with suppress(OSError):  # that of the list itself
+                os.close(int(name))
+
+
+def use_temporary(folder: Path) -> None:
+    """Have this process and its children create temporary files in this folder."""
+    os.environ["TMPDIR"] = tempfile.tempdir = str(folder)
 
 
 @contextmanager

@@ -14,7 +14,7 @@ from importlib.metadata import version
 from inspect import cleandoc
 from pathlib import Path
 
-from frictionbench.harness import machine
+from frictionbench.harness import dependencies, machine
 from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.collect import Record
 from frictionbench.harness.cells.rows import batch_row, no_problem, simulation_row, solve_row
@@ -98,7 +98,10 @@ def _run(
                 stage.finished(task)
             else:
                 tasks.append(task)
+        record = dependencies.Record(folder)
         for outcome in engine.run(tasks, stage.started, stage.compiling):
+            if source := plan.source(outcome.task.arguments[0].variant):
+                record.add(source, outcome.loaded)
             shards[outcome.task.arguments[0].table].write(row_of(outcome, plan.plugins))
             stage.finished(outcome.task)
     for table, shard in shards.items():
@@ -125,14 +128,16 @@ def open_folder(plan: Plan, folder: Path) -> None:
     manifest = {"settings": plan.settings(), "machine": machine.describe(), "versions": machine.versions()}
     if (folder / "manifest.json").exists():
         stored = store.read_manifest(folder)
-        if different := list(_differences(stored, manifest)):
+        if different := _differences(stored, manifest) or [
+            f"{place}: has another content" for place in dependencies.differing(stored.get("content"))
+        ]:
             listed = "\n  ".join(different[:12])
             raise ResultsError(f"{folder} holds another run; choose another --out. Differences:\n  {listed}")
         return
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise ResultsError(f"{folder}: neither empty nor a results folder; nothing was written. Choose another --out")
     begun = {"release": version("frictionbench"), "solvers": _descriptions(plan), "started": _now()}
-    store.write_manifest(folder, manifest | begun)
+    store.write_manifest(folder, manifest | begun | dependencies.begun(plan))
 
 
 def _descriptions(plan: Plan) -> dict[str, str]:

@@ -100,6 +100,16 @@ def checked_copy(given: Any) -> Answer:
     )
 
 
+def is_plain(answer: Any) -> bool:
+    """Whether reading an answer computes nothing: its arrays are numpy's own, and its counts and texts Python's or numpy's."""
+    if type(answer) is not Answer or type(answer.work) is not dict or type(answer.detail) is not str:
+        return False
+    arrays = (answer.impulse, answer.z, answer.softness)
+    return all(array is None or type(array) is np.ndarray for array in arrays) and all(
+        type(count) in (int, np.int64) for count in answer.work.values()
+    )
+
+
 def identical(one: Answer, other: Answer) -> bool:
     """Whether two checked answers are the same to the last bit, work counters included."""
     return _bits(one) == _bits(other)

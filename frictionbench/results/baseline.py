@@ -1,8 +1,9 @@
 """A baseline: the results of a run as one sorted table of text that a person can review in a diff.
 
-Lines `# name: value` state what was run and by which code, the number of cells, and the sha256 of all other lines, so that a
-table that was cut or edited is noticed; then follow, separated by tabs, a header and a line per cell. Residuals have two
-digits. Times have one: they are used only to decide whether a timeout may be due to a slower machine.
+Lines `# name: value` state what was run and by which code, what plug-ins loaded (harness.dependencies), the number of cells,
+and the sha256 of all other lines, so that a table that was cut or edited is noticed; then follow, separated by tabs, a header
+and a line per cell. Residuals have two digits. Times have one: they are used only to decide whether a timeout may be due to a
+slower machine.
 """
 
 from collections.abc import Iterable, Mapping
@@ -18,17 +19,19 @@ COLUMNS = (
     *("verdict", "residual", "work", "seconds", "limit"),
 )
 FACTS = ("schema", "suite", "tolerances", "code", "made", "cells")
+LOADED = "loaded by "  # a solver of a plug-in; then what it loaded, `NAME HASH` each
 HASH = "sha256"
 AGAIN = "restore it, or delete it and create it again with `frictionbench compare --accept`"
 LARGEST = 64 * 2**20  # bytes, a hundred times the baseline of the largest suite
 
 
 def write(path: Path, facts: Mapping[str, str], rows: Iterable[tuple[str, ...]]) -> None:
-    """Write a baseline atomically. rows: the values of COLUMNS and the key, as text."""
+    """Write a baseline atomically. facts: of FACTS, and LOADED. rows: the values of COLUMNS and the key, as text."""
     path.parent.mkdir(parents=True, exist_ok=True)
     lines = sorted("\t".join(map(_plain, row)) for row in rows)
     facts = {"schema": str(SCHEMA_VERSION), **facts, "cells": str(len(lines))}
-    head = [f"# {name}: {_plain(facts[name])}" for name in FACTS]
+    names = (*FACTS, *sorted(name for name in facts if name.startswith(LOADED)))
+    head = [f"# {name}: {_plain(facts[name])}" for name in names]
     body = ["\t".join([*COLUMNS, "key"]), *lines]
     write_text(path, "\n".join([*head, f"# {HASH}: {_hash([*head, *body])}", *body]) + "\n")
 

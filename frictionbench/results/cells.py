@@ -8,6 +8,7 @@ the machine can only increase a time, and some of many short repeats are free of
 its core and had few repeats.
 """
 
+import json
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -20,18 +21,24 @@ from frictionbench.results import baseline
 from frictionbench.results.commands import sources
 from frictionbench.results.conventions import RankBy, json_object, scene_title
 from frictionbench.results.files import ResultsError
-from frictionbench.results.store import read_manifest, read_table
+from frictionbench.results.store import Row, read_manifest, read_table
 
 TEXTS = ("table", "variant", "scene", "step", "phase", "start", "verdict", "reason", "work")
 NUMBERS = ("tol", "residual", "seconds", "limit")
+FAILURES = ("steps_not_done", "unsolved_problems")  # counters of what failed within a simulation or a batch
 MOST = 10**18  # a count; larger ones are no counts
 ROUNDED = 1.1  # a baseline's residuals have two digits
+HASH = 12  # characters of a hash in a baseline
 ENOUGH = 5  # repeats, of which at least one is undisturbed as a rule
 
 
 @dataclass(frozen=True)
 class Cells:
-    """The cells of one run, and facts about it. sources: of solvers from plug-ins, by variant, a file or a name."""
+    """The cells of one run, and facts about it.
+
+    sources: of solvers from plug-ins, by variant, a file or a name. loaded: what they loaded, by variant and name a hash or a
+    version. finished: whether all cells were run.
+    """
 
     path: Path
     table: pd.DataFrame
@@ -41,6 +48,8 @@ class Cells:
     code: str = ""
     made: str = ""
     sources: dict[str, str] = field(default_factory=dict)
+    loaded: dict[str, dict[str, str]] = field(default_factory=dict)
+    finished: bool = True
 
     @property
     def measured(self) -> pd.DataFrame:
@@ -72,7 +81,13 @@ def _require_residuals(path: Path, table: pd.DataFrame) -> None:
 def _of_text(path: Path) -> Cells:
     facts, rows = baseline.read(path)
     table = _typed(pd.DataFrame(rows, columns=["key", *baseline.COLUMNS]))
-    return Cells(path, table, facts["suite"], _numbers(facts["tolerances"].split()), code=facts["code"], made=facts["made"])
+    loaded = {
+        name.removeprefix(baseline.LOADED): dict(part.rsplit(" ", 1) for part in line.split("; ") if " " in part)
+        for name, line in facts.items()
+        if name.startswith(baseline.LOADED)
+    }
+    tolerances = _numbers(facts["tolerances"].split())
+    return Cells(path, table, facts["suite"], tolerances, code=facts["code"], made=facts["made"], loaded=loaded)
 
 
 def _of_folder(folder: Path, rank_by: RankBy) -> Cells:
@@ -83,23 +98,31 @@ def _of_folder(folder: Path, rank_by: RankBy) -> Cells:
     least = [times.min() if len(times) else np.nan for times in totals]
     few = np.array([len(times) < ENOUGH for times in totals], dtype=bool)
     parts = [solves.assign(table="solve", seconds=least, disturbed=solves["disturbed"].fillna(False).astype(bool) & few)]
-    renamed = simulations.drop(columns="work", errors="ignore").rename(
-        columns={"worst_residual": "residual", "scheme": "phase"}
-    )
     parts.append(
-        renamed.assign(
-            table="simulation", step=None, start=simulations["after_failure"], work="", seconds=simulations["solver_time"]
+        simulations.rename(columns={"worst_residual": "residual", "scheme": "phase"}).assign(
+            table="simulation",
+            step=None,
+            start=simulations["after_failure"],
+            work=[_missed(row) for row in simulations.to_dict("records")],
+            seconds=simulations["solver_time"],
         )
     )
     batches = read_table(folder, "batches")
     parts.append(
-        batches.assign(table="batch", step=None, phase=batches["way"], seconds=[_least(own) for own in batches["times"]])
+        batches.assign(
+            table="batch",
+            step=None,
+            phase=batches["way"],
+            work=[_unverified(row) for row in batches.to_dict("records")],
+            seconds=[_least(own) for own in batches["times"]],
+        )
     )
     rows = pd.concat([part for part in parts if len(part)] or parts[:1], ignore_index=True)
     rows = rows.assign(
         scene=[scene_title(*pair) for pair in zip(rows["scene"], rows["parameters"], strict=True)],
         step=["" if pd.isna(step) else str(int(step)) for step in rows["step"]],
         work=[format_counts(counts(text)) for text in rows["work"]],
+        key=_with_files(rows, manifest),
         limit=rows["time_limit"],
     )
     return Cells(
@@ -111,7 +134,51 @@ def _of_folder(folder: Path, rank_by: RankBy) -> Cells:
         str(versions.get("frictionbench", "")) if isinstance(versions, dict) else "",
         str(manifest.get("finished") or manifest.get("started") or ""),
         sources(settings),
+        _loaded(manifest),
+        bool(manifest.get("finished")),
     )
+
+
+FILE = "@"  # in a key, before the hash of the problem's file
+
+
+def _with_files(rows: pd.DataFrame, manifest: dict[str, Any]) -> list[str]:
+    """The keys, of a problem in a file with that file's hash: another file of the same name is another cell."""
+    content, listed = manifest.get("content"), manifest["settings"].get("sources")
+    content = content if isinstance(content, dict) else {}
+    hashes: dict[tuple[str, str], str] = {}
+    for source in listed if isinstance(listed, list) else ():
+        if isinstance(source, dict) and isinstance(digest := content.get(str(source.get("file"))), str):
+            hashes[str(source.get("scene")), json.dumps(source.get("parameters"), sort_keys=True)] = digest
+    places = zip(rows["key"], rows["scene"], rows["parameters"], strict=True)
+    return [f"{key}{FILE}{hashes[place][:HASH]}" if (place := (scene, text)) in hashes else key for key, scene, text in places]
+
+
+def _loaded(manifest: dict[str, Any]) -> dict[str, dict[str, str]]:
+    """What the plug-ins loaded, by variant and name, as the manifest states it."""
+    loaded, content = manifest.get("loaded"), manifest.get("content")
+    if not isinstance(loaded, dict) or not isinstance(content, dict):
+        return {}
+    return {
+        variant: {name: str(content.get(place) or "-")[:HASH] for name, place in loaded[source].items()}
+        for variant, source in sources(manifest["settings"]).items()
+        if isinstance(loaded.get(source), dict)
+    }
+
+
+def _missed(row: Row) -> str:
+    """The failures of a simulation as counters."""
+    steps, done, unsolved = (row[name] for name in ("steps", "steps_done", "unsolved"))
+    found = {"steps_not_done": steps - done} if pd.notna(steps) and pd.notna(done) else {}
+    found |= {"unsolved_problems": unsolved} if pd.notna(unsolved) else {}
+    return json.dumps({name: int(count) for name, count in found.items()})
+
+
+def _unverified(row: Row) -> str:
+    """The counters of a batch, and of its failures."""
+    share, problems = row["verified"], row["problems"]
+    failed = {"unsolved_problems": round((1 - share) * problems)} if pd.notna(share) and pd.notna(problems) else {}
+    return json.dumps(json_object(row["work"]) | failed)
 
 
 def _least(times: Any) -> float:

@@ -3,7 +3,9 @@
 flips      cells measured in both runs with different verdicts, ordered as in problems.verdicts
 gone       cells measured before and not now: those that were skipped, for whatever reason, and those without a row
 added      cells measured now and not before that fail
-work       deterministic counters that changed, summed per solver over the cells that both runs solved
+work       deterministic counters that changed, summed per solver over the cells that both runs solved; of simulations and
+           batches also what failed in them, over all cells with the same verdict
+untimed    cells, per solver, that had times and have none
 times      per solver, over the same cells: see results.times
 """
 
@@ -15,7 +17,7 @@ import numpy as np
 import pandas as pd
 
 from frictionbench.problems.verdicts import ACCEPTED, RANK, Verdict, measured
-from frictionbench.results.cells import parse_counts
+from frictionbench.results.cells import FAILURES, parse_counts
 
 GONE, NEW = "gone", "new"  # in place of the verdict of a cell that one of the runs does not have
 MARGIN = 2.0  # a time within this factor of the limit may exceed it on another day, by noise alone
@@ -154,20 +156,34 @@ def explained_by_speed(before: pd.DataFrame, after: pd.DataFrame, alike: bool) -
 
 def work(before: pd.DataFrame, after: pd.DataFrame, limit: float) -> Iterator[Growth]:
     """The counters whose sum over a solver's cells changed, or that only one run has. The tables have equal cells."""
-    same = equally_solved(before, after)
+    same = after[after["verdict"] == before["verdict"]]
     for variant, keys in same.groupby(same["variant"]).groups.items():
-        counts = [(parse_counts(before["work"][key]), parse_counts(after["work"][key])) for key in keys]
+        counts = [(_counts(before.loc[key]), _counts(after.loc[key])) for key in keys]
         for name in sorted({name for pair in counts for side in pair for name in side}):
             pairs = [(old.get(name), new.get(name)) for old, new in counts if name in old or name in new]
             both = [(old, new) for old, new in pairs if old is not None and new is not None]
             lost, fresh = [old for old, new in pairs if new is None], [new for old, new in pairs if old is None]
             sums = sum(old for old, _ in both), sum(new for _, new in both)
             if sums[0] != sums[1]:
-                yield Growth(str(variant), name, *sums, len(both), limit)
+                yield Growth(str(variant), name, *sums, len(both), 1.0 if name in FAILURES else limit)
             if lost:
                 yield Growth(str(variant), name, sum(filter(None, lost)), None, len(lost), limit)
-            if fresh:
+            if fresh and name not in FAILURES:
                 yield Growth(str(variant), name, None, sum(filter(None, fresh)), len(fresh), limit)
+
+
+def _counts(cell: pd.Series) -> dict[str, int]:
+    """A cell's counters; of one that is not solved what failed in it alone."""
+    found = parse_counts(cell["work"])
+    return found if cell["verdict"] in ACCEPTED else {name: count for name, count in found.items() if name in FAILURES}
+
+
+def untimed(before: pd.DataFrame, after: pd.DataFrame) -> Iterator[Growth]:
+    """The cells of each solver, solved in both runs, whose times are gone: their speed is not known any more."""
+    same = equally_solved(before, after)
+    lost = same[before.loc[same.index, "seconds"].notna() & same["seconds"].isna()]
+    for variant, keys in lost.groupby(lost["variant"]).groups.items():
+        yield Growth(str(variant), "timed cells", len(keys), None, len(keys), 1.0)
 
 
 def equally_solved(before: pd.DataFrame, after: pd.DataFrame) -> pd.DataFrame:

@@ -7,7 +7,7 @@ both versions ran alternately (results.times); two runs are one process each, wh
 """
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -21,6 +21,8 @@ from frictionbench.results.changes import GONE, Change, Flip, Growth
 from frictionbench.results.conventions import RankBy
 from frictionbench.results.files import ResultsError
 from frictionbench.results.times import Pair, Time, times
+
+SHOWN = 5  # names in a note
 
 
 class Limits(NamedTuple):
@@ -96,6 +98,11 @@ def compare(baseline: Path, current: Path, limits: Limits = Limits()) -> Compari
         (old, *more_old), (new, *more_new) = _processes(baseline, limits.rank_by), _processes(current, limits.rank_by)
     except ResultsError as error:
         return Comparison(baseline, current, unusable=str(error))
+    for side in (old, new):
+        if not side.finished:
+            return Comparison(
+                baseline, current, unusable=f"{side.path}: the run is not finished; run the same command again to resume it"
+            )
     for name in ("suite", "tolerances"):
         if getattr(old, name) != getattr(new, name):
             return Comparison(baseline, current, unusable=f"the runs differ in their {name}")
@@ -124,9 +131,9 @@ def compare(baseline: Path, current: Path, limits: Limits = Limits()) -> Compari
 
 
 def _untimed(old: Cells) -> str:
-    return (
-        "they were measured on different machines" if old.machine else "those of a baseline file are of one process, elsewhere"
-    )
+    of_file = "those of a baseline file are of one process, elsewhere"
+    why = "they were measured on different machines" if old.machine else of_file
+    return f"{why}. `--confirm --code` runs both versions alternately on this machine"
 
 
 def _processes(path: Path, rank_by: RankBy) -> list[Cells]:
@@ -144,7 +151,7 @@ def _differences(before: pd.DataFrame, after: pd.DataFrame, alike: bool, limits:
         "flips": tuple(changes.flips(old[~by_speed], new[~by_speed])),
         "gone": tuple(changes.gone(before, after)),
         "added": tuple(changes.added(before, after)),
-        "work": tuple(changes.work(old, new, limits.growth)),
+        "work": (*changes.work(old, new, limits.growth), *(changes.untimed(old, new) if limits.times else ())),
     }
     return found, int(by_speed.sum())
 
@@ -165,12 +172,30 @@ def suspects(comparison: Comparison, limits: Limits) -> list[Time]:
     return [time for time in comparison.times if not time.worse and time.n == 1 and time.ratio > (1 + limits.slowdown) / 2]
 
 
-def confirm(comparison: Comparison, pairs: Sequence[Pair], both: bool, limits: Limits) -> Comparison:
+def equal_loads(recorded: Cells, before: Cells, after: Cells) -> dict[str, list[str]]:
+    """By variant the names of what both versions of a plug-in loaded, though the baseline was made with another content of it:
+    that they give the same result does not tell what the change of these has done.
+
+    A library of the suite's, of which the version is known, may be loaded in one run and not in another.
+    """
+    found: dict[str, list[str]] = {}
+    for variant, now in after.loaded.items():
+        known, then = recorded.loaded.get(variant, {}), before.loaded.get(variant, {})
+        equal = {name for name, digest in now.items() if then.get(name) == digest}
+        versions = {name for name in equal - known.keys() if "." in now[name]}
+        names = [name for name in equal - versions if known.get(name) != now[name]]
+        found |= {variant: sorted(names)} if names else {}
+    return found
+
+
+def confirm(
+    comparison: Comparison, pairs: Sequence[Pair], both: bool, limits: Limits, equal: Mapping[str, Sequence[str]] | None = None
+) -> Comparison:
     """The comparison with the alerts that remain after their cells ran again.
 
     pairs: of the alternating runs, the cells of the baseline's code and of the current code; if the baseline's code is not
     available, both is false and its recorded cells are used. An alert remains if it occurs in more than half of the pairs, or
-    if its solver did not run again; times are judged by their confidence intervals.
+    if its solver did not run again, or is one of `equal` (equal_loads); times are judged by their confidence intervals.
     """
     votes: Counter[tuple[str, str]] = Counter()
     record = read(comparison.baseline).table
@@ -180,23 +205,34 @@ def confirm(comparison: Comparison, pairs: Sequence[Pair], both: bool, limits: L
         votes.update({_name(found) for kind in differences.values() for found in kind if found.worse})
     again = {variant for _, after in pairs for variant in after["variant"]}
     first: dict[str, Any] = {name: getattr(comparison, name) for name in ("flips", "gone", "added", "work")}
-    alerts = [found for kind in first.values() for found in kind if found.worse and found.variant in again]
+    equal = equal or {}
+    repeated = again - equal.keys()
+    alerts = [found for kind in first.values() for found in kind if found.worse and found.variant in repeated]
     dismissed = {_name(found) for found in alerts if 2 * votes[_name(found)] <= len(pairs)}
     remaining: dict[str, Any] = {
         name: tuple(found for found in kind if _name(found) not in dismissed) for name, kind in first.items()
     }
     why = "both versions give the same result on this machine" if both else "the repeats give the result of the baseline"
     notes = [f"Not confirmed, {why}: {variant}, {name}." for variant, name in sorted(dismissed)]
+    notes += [f"{variant}: nothing is dismissed: {_same_on_both(names)}" for variant, names in equal.items()]
     timed = {time.variant: time for time in (times(pairs, limits.slowdown, limits.alpha) if both and limits.times else [])}
     return replace(
         comparison,
         same=comparison.same + sum(_name(flip) in dismissed for flip in comparison.flips),
         **remaining,
         times=tuple(({time.variant: time for time in comparison.times} | timed).values()),
-        untimed="" if timed else comparison.untimed,
+        untimed="" if timed else "no cell was timed in both versions" if both and limits.times else comparison.untimed,
         notes=(*comparison.notes, *notes),
     )
 
 
 def _name(found: Change) -> tuple[str, str]:
     return found.variant, found.name
+
+
+def _same_on_both(names: Sequence[str]) -> str:
+    return (
+        f"both versions load the same {', '.join(names[:SHOWN])}, and the baseline was made with other content. "
+        "Give as --code an environment with the baseline's, or for an executable a checkout in which it is built; if the "
+        "change is meant, accept the run as the baseline."
+    )

@@ -60,6 +60,12 @@ def files(source: str) -> list[Path]:
     return [Path(word) for word in shlex.split(source.removeprefix(PREFIX)) if Path(word).is_file()]
 
 
+def command_hash(source: str) -> str:
+    """The SHA-256 of the command's words, its files by their names alone, as on other machines."""
+    words = shlex.split(source.removeprefix(PREFIX))
+    return sha256(shlex.join(Path(word).name if Path(word).is_file() else word for word in words).encode()).hexdigest()
+
+
 def content(source: str) -> str:
     """The SHA-256 of the command and its files. Errors: OSError."""
     parts = [source.encode(), *(path.read_bytes() for path in files(source))]

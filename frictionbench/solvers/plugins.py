@@ -16,7 +16,7 @@ import importlib
 import importlib.util
 import sys
 import traceback
-from hashlib import sha256
+from hashlib import file_digest, sha256
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
@@ -25,6 +25,7 @@ from frictionbench.solvers import executable
 from frictionbench.solvers.interface import available
 
 GROUP = "frictionbench.solvers"
+MODULE = "frictionbench_plugin_"  # begins the name of a file's module
 FRAMES = 3  # of a traceback that describe_error names: enough to reach the plug-in's own code
 
 
@@ -61,14 +62,20 @@ def content(source: str) -> str:
     try:
         if executable.is_command(source):
             return executable.content(source)
-        if is_file(source):
-            return sha256(Path(source).read_bytes()).hexdigest()
-        digest = sha256()
-        for home, path in _files(_point(source)):
-            digest.update(f"{path.relative_to(home)}\0".encode() + sha256(path.read_bytes()).digest())
-        return digest.hexdigest()
+        return content_of(Path(source) if is_file(source) else _home(_point(source)))
     except OSError as error:
         raise InputError(f"solver: {source} cannot be read ({error.strerror})") from None
+
+
+def content_of(path: Path) -> str:
+    """The SHA-256 of a file, or of the names and contents of all files in a folder but compiled ones. Errors: OSError."""
+    if not path.is_dir():
+        with path.open("rb") as opened:
+            return file_digest(opened, "sha256").hexdigest()
+    digest = sha256()
+    for file in sorted(each for each in path.rglob("*") if each.is_file() and "__pycache__" not in each.parts):
+        digest.update(f"{file.relative_to(path)}\0".encode() + bytes.fromhex(content_of(file)))
+    return digest.hexdigest()
 
 
 def version(source: str) -> str:
@@ -96,7 +103,7 @@ _commands: set[str] = set()
 
 
 def _load_file(path: Path) -> tuple[str, ...]:
-    module_name = f"frictionbench_plugin_{path.stem}_{content(str(path))[:12]}"
+    module_name = f"{MODULE}{path.stem}_{content(str(path))[:12]}"
     if module_name in sys.modules:
         return ()
     before = set(available())
@@ -159,15 +166,9 @@ def distribution(point: EntryPoint) -> str:
     return f"{point.dist.name} {point.dist.version}" if point.dist else point.module
 
 
-def _files(point: EntryPoint) -> list[tuple[Path, Path]]:
-    """The files of the package or module of an entry point, as (folder, file); found without importing the module itself."""
+def _home(point: EntryPoint) -> Path:
+    """The package's folder or the module's file of an entry point, found without importing the module itself."""
     top = importlib.util.find_spec(point.module.partition(".")[0])
     if top is None:
         raise InputError(f"solver: {point.name} of {distribution(point)}: the module {point.module} does not exist")
-    if not top.submodule_search_locations:
-        path = Path(str(top.origin))
-        return [(path.parent, path)]
-    homes = [Path(place) for place in top.submodule_search_locations]
-    return sorted(
-        (home, path) for home in homes for path in home.rglob("*") if path.is_file() and "__pycache__" not in path.parts
-    )
+    return Path(next(iter(top.submodule_search_locations or ()), str(top.origin)))

@@ -1,8 +1,11 @@
 """Many small problems solved in one way, timed and verified: the columns of a row of batches.
 
 The problems are of one scene and size, each with its own push, friction and mass ratio, drawn from SEED. The way is timed
-ROUNDS times, in turn with single calls of BASE on the same problems, by the processor's time, which another process on
-the core does not change; compiling and loading come before. Threads are timed by the wall's clock, where this run has all cores
+ROUNDS times, in turn with single calls of BASE on the same problems, each round on problems that differ in the last bits, so
+that no answer is one of before; the answers of the first call and of the last round are verified. The time is that of the
+processor, children's included, which another process on the core does not change; where the call took more than WAITS times
+as long without waiting for the core, it waited for something else, and its duration counts. Compiling and loading come
+before. Threads are timed by the wall's clock, where this run has all cores
 for itself, on the problems repeated for LONG seconds; where other processes took more than FOREIGN of these cores meanwhile,
 there is no figure. Every answer of every problem is verified.
 
@@ -11,6 +14,7 @@ A warm start is the answer of the same problem with a push smaller by NEARBY, as
 
 import json
 import math
+import os
 from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -21,12 +25,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frictionbench.harness import process
+from frictionbench.harness.cells.timing import drawn_ulps
 from frictionbench.harness.plans.plan import BatchCell
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.frictionless import idle
+from frictionbench.problems.answer import checked_copy, is_plain
 from frictionbench.problems.batch import Batch
 from frictionbench.problems.catalogue import problem_of
 from frictionbench.problems.check import Array
+from frictionbench.problems.copies import nudged
 from frictionbench.problems.verdicts import RANK, Verdict
 from frictionbench.problems.verify import verify
 from frictionbench.results.conventions import DRAWN, NEARBY, WARM
@@ -36,6 +43,8 @@ from frictionbench.solvers import Answer, Answers, SolverInfo, solve, solve_many
 BASE = {2: "lemke", 3: "hybrid"}  # by dimension
 TOL, ROUNDS, SAMPLE, AGAIN, SEED = 1e-8, 5, 20, 10, 1
 SHORT, LONG = 0.01, 0.3  # s: in shorter runs a call's own time counts, and that of starting threads
+WAITS = 1.2  # between them lies what a virtual machine's host takes
+REUSED = 4.0  # times as long: fewer is the difference between few problems together and many
 FOREIGN = 0.02  # of the cores' time, that of other processes
 
 
@@ -84,17 +93,26 @@ def batch_of(name: str, parameters: str, count: int) -> Problems:
 def time_batch(cell: BatchCell, batch: Problems, info: SolverInfo) -> Row:
     """The columns that are measured."""
     run, answers_of = _way(cell, batch.problems, batch.before)
-    single = partial(_calls, batch.problems, batch.facts["base"], cell.tol)
-    row = _verified(cell, batch, list(answers_of(run())), info)  # also compiles and loads
-    single()
+    row = _verified(cell, batch.problems, list(answers_of(run())), info)  # also compiles and loads
+    _calls(batch.problems, batch.facts["base"], cell.tol)
     times, singles = [], []
     for _ in range(ROUNDS):
-        times.append(_seconds(run, process_time) / cell.count)
-        singles.append(_seconds(single, process_time) / cell.count)
+        problems = tuple(nudged(problem, drawn_ulps()) for problem in batch.problems)
+        run, answers_of = _way(cell, problems, batch.before)
+        seconds, last = _worked(run)
+        times.append(seconds / cell.count)
+        singles.append(_worked(partial(_calls, problems, batch.facts["base"], cell.tol))[0] / cell.count)
+    again = _verified(cell, problems, list(answers_of(last)), info)
+    if again["verified"] < row["verified"]:
+        row |= again | {"work": row["work"]}
     row |= {"times": times, "base_times": singles}
     if row["verified"] < 1:  # its rate is refused: what it would cost to measure more is saved
         return row
-    row["problem_times"] = _each(cell, batch, max(AGAIN, math.ceil(SHORT / min(times))))
+    each = _each(cell, batch, max(AGAIN, math.ceil(SHORT / min(times))))
+    if REUSED * sum(each) >= min(times) * len(each):
+        row["problem_times"] = each
+    else:
+        row["reason"] = "it reuses earlier results: the times of single problems, solved many times over, are left out"
     if cell.way == "packed" and cell.start != WARM:
         row |= _threads(cell, batch, min(times))
     return row
@@ -112,7 +130,8 @@ def _way(cell: BatchCell, problems: tuple[FrictionProblem, ...], before: Array, 
 
 
 def _calls(problems: tuple[FrictionProblem, ...], spec: str, tol: float) -> list[Answer]:
-    return [solve(problem.fresh(), spec, tol=tol) for problem in problems]
+    answers = [solve(problem.fresh(), spec, tol=tol) for problem in problems]
+    return [answer if is_plain(answer) else checked_copy(answer) for answer in answers]
 
 
 def _one_by_one(found: Answers) -> list[Answer]:
@@ -126,7 +145,7 @@ def _each(cell: BatchCell, batch: Problems, repeats: int) -> list[float]:
     for k, problem in enumerate(batch.problems[:SAMPLE]):
         before = np.tile(batch.before[k * nc * d : (k + 1) * nc * d], repeats)
         way = _way(cell, (problem,) * repeats, before)
-        times.append(min(_seconds(way.run, process_time) for _ in range(2)) / repeats)
+        times.append(min(_worked(way.run)[0] for _ in range(2)) / repeats)
     return times
 
 
@@ -138,18 +157,18 @@ def _threads(cell: BatchCell, batch: Problems, seconds: float) -> Row:
         many = batch.problems * math.ceil(LONG / (seconds * cell.count))
         runs = {number: _way(cell, many, batch.before, number).run for number in (1, workers)}
         begun, busy, own = perf_counter(), process.busy_seconds(), process_time()
-        walls = [{number: _seconds(run, perf_counter) for number, run in runs.items()} for _ in range(ROUNDS)]
+        walls = [{number: _wall(run) for number, run in runs.items()} for _ in range(ROUNDS)]
         foreign = (process.busy_seconds() - busy) - (process_time() - own)
         quiet = foreign <= FOREIGN * workers * (perf_counter() - begun)
     gain = min(each[1] for each in walls) / min(each[workers] for each in walls)
     return {"threads": workers, "gain": gain if quiet else None}
 
 
-def _verified(cell: BatchCell, batch: Problems, answers: list[Answer], info: SolverInfo) -> Row:
+def _verified(cell: BatchCell, problems: tuple[FrictionProblem, ...], answers: list[Answer], info: SolverInfo) -> Row:
     """The worst verdict, how often which verdict was found, and the counts of work together."""
     findings = [
         verify(problem, answer, info.model, cell.tol, quiet=bool(info.needs))
-        for problem, answer in zip(batch.problems, answers, strict=True)
+        for problem, answer in zip(problems, answers, strict=True)
     ]
     verdicts = Counter(finding.verdict for finding in findings)
     work: Counter[str] = Counter()
@@ -165,7 +184,21 @@ def _verified(cell: BatchCell, batch: Problems, answers: list[Answer], info: Sol
     }
 
 
-def _seconds(run: Callable[[], Any], clock: Callable[[], float]) -> float:
-    begun = clock()
+def _worked(run: Callable[[], Any]) -> tuple[float, Any]:
+    """The seconds of a call, see above, and what it returned."""
+    before = perf_counter() - process.waited(), _processor_time()
+    found = run()
+    duration, processor = perf_counter() - process.waited() - before[0], _processor_time() - before[1]
+    return duration if duration > WAITS * processor else processor, found
+
+
+def _processor_time() -> float:
+    """The processor's time that this process and its children have had, s."""
+    times = os.times()
+    return process_time() + times.children_user + times.children_system
+
+
+def _wall(run: Callable[[], Any]) -> float:
+    begun = perf_counter()
     run()
-    return clock() - begun
+    return perf_counter() - begun

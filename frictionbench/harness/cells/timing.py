@@ -4,18 +4,22 @@ A call in which anything was compiled or loaded (numba compiling or reading its 
 sample: it is repeated, and a solver whose every call loads something has no times. The first call gives the answer. If it was
 short its times are discarded, because it also warmed caches, and repeats follow until a budget is spent: at least three, at
 most fifteen. A long call is its own sample. Garbage collection is disabled meanwhile. Times are raw, in seconds. Answers are
-copied when they are returned, so that each timed answer can be verified.
+copied when they are returned, so that each timed answer can be verified. An answer that is not plain arrays and numbers is
+converted within the time of its solve: work that is done when the answer is read, or awaited from another thread or a device,
+is work of the solver.
 
 A library in another process, which a user of it would not need, is timed by its own clock there (SolverInfo.remote): setup and
 solve are then that clock, but no more than the call took, and the call's time is kept beside them.
 
 Repeats could be answered from a cache, also innocently, by a memoised matrix, and so could a first call, where the solver met
-the problem in an earlier cell. A last call is therefore made on a problem that differs in the last bits. If it takes much
-longer, the same problem is solved again, and then both with another such problem: where each is slow once and quick
-afterwards, the solver reuses results, and the samples are the calls on the problems that it had not met.
+the problem in an earlier cell or process. A last call is therefore made on a problem that differs in the last bits, by another
+number of units in each call, so that no file can hold its answer. If it takes much longer, the same problem is solved again,
+and then both with another such problem: where each is slow once and quick afterwards, the solver reuses results, and the
+samples are the calls on the problems that it had not met.
 """
 
 import gc
+import secrets
 import statistics
 import sys
 from collections.abc import Callable
@@ -26,7 +30,7 @@ from typing import Any, NamedTuple
 
 from frictionbench.harness.process import no_forked_child
 from frictionbench.problems import LCP, FrictionProblem
-from frictionbench.problems.answer import checked_copy, identical
+from frictionbench.problems.answer import checked_copy, identical, is_plain
 from frictionbench.problems.copies import nudged
 from frictionbench.solvers import Answer, Solver
 
@@ -34,6 +38,7 @@ BUDGET = 0.1  # seconds of repeats for a cell: suites have thousands
 FEWEST, MOST = 3, 15  # repeats: a median needs three, and more than fifteen change it little
 SLOW_FIRST = 5.0  # times as long as the repeats: a first call that is slower may have been followed by reuse of its results
 SLOW_NEW = 2e-4  # seconds: a call on a new problem that is shorter is not questioned, because interruptions are as long
+MOST_ULPS = 4096  # of a nudge: a relative change of 1e-12 at most, and enough of them that none is drawn twice
 LOADS = 5  # successive calls that load something, after which the next is expected to as well
 
 
@@ -123,14 +128,19 @@ def time_solver(
     return timing
 
 
+def drawn_ulps() -> int:
+    """A number of units in the last place for `nudged`, drawn anew in each process."""
+    return 1 + secrets.randbelow(MOST_ULPS)
+
+
 def _question(
     timing: Timing, problem: FrictionProblem | LCP, call: Callable[[Any], Call], answered: Callable[[], None]
 ) -> None:
     """Replace the samples where the solver is found to reuse results: see above."""
     usual, new = statistics.median(map(sum, zip(timing.form, timing.setup, timing.solve, strict=True))), []
     with suppress(Exception):  # it may fail on the new problem, which is not its cell's
-        for ulps in (1, 2):
-            other = nudged(problem, ulps)
+        for _ in range(2):
+            other = nudged(problem, drawn_ulps())
             answered()
             made = call(other)
             if sum(made.times) <= max(SLOW_FIRST * usual, SLOW_NEW) or sum(made.times) <= SLOW_FIRST * sum(call(other).times):
@@ -164,6 +174,7 @@ def timed_call(solver: Solver, problem: FrictionProblem | LCP, solve: Callable[[
         prepared = solver.setup(formed)
         ready = perf_counter()
         answer = solve(prepared)
+        answer = answer if is_plain(answer) else checked_copy(answer)
         end = perf_counter()
     return Call(
         checked_copy(answer), (written - start, ready - written, end - ready), bool(loads.buffer) or len(sys.modules) != modules

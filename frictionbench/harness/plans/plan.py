@@ -241,6 +241,10 @@ class Plan:
         """All solvers of problems and simulations, each once."""
         return tuple(dict.fromkeys((*self.solvers, *self.spatial_solvers, *self.simulation_solvers)))
 
+    def source(self, variant: str) -> str:
+        """The source of a variant among the plan's plug-ins; empty for our own."""
+        return next((plugin.source for plugin in self.plugins if variant in plugin.solvers), "")
+
     def owner(self, variant: str) -> str:
         """The owner of a variant among the plan's plug-ins."""
         return owner(variant, self.plugins)

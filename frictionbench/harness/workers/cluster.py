@@ -154,6 +154,7 @@ def _isolated(task: Task, files: Files, settings: Settings) -> tuple[str, str, O
     if key not in _pools:
         _pools[key] = Pool(folder, 1, tuple(plugins), memory_limit)
     (outcome,) = _pools[key].run([task])
+    outcome = replace(outcome, loaded={})  # its paths are those of this machine
     return machine.content(), machine.host(), outcome
 
 

@@ -4,6 +4,8 @@ The main process imports no plug-in, and a scene of a million blocks takes a min
 """
 
 import json
+import os
+import sys
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
@@ -33,6 +35,8 @@ def load_plugins(specs: list[str], wanted: tuple[str, ...] = ()) -> tuple[tuple[
     heads = {split("solver", spec)[0] for spec in named}
     sources = list(dict.fromkeys([*files, *(name for name in plugins.installed() if name in heads)])) if specs else []
     named += wanted
+    if sources and os.geteuid() == 0:
+        print("frictionbench: plug-ins run with root's rights, which no sandbox takes from them in full", file=sys.stderr)
     loaded = tuple(_load(sources, named)) if sources else ()
     for spec in named:
         if not any(spec in plugin.solvers for plugin in loaded):

@@ -12,13 +12,14 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import Any
 
 from frictionbench.harness import machine, process
+from frictionbench.harness.dependencies import Loaded
 from frictionbench.harness.plans.plan import Plugin
 from frictionbench.problems import InputError, compiled
 from frictionbench.problems.compiled import PACKAGE
@@ -45,12 +46,16 @@ class Task:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a task returned; or, where it returned nothing, the verdict (TIMEOUT or CRASHED) and the reason."""
+    """What a task returned; or, where it returned nothing, the verdict (TIMEOUT or CRASHED) and the reason.
+
+    loaded: what the worker of a plug-in has loaded so far, see harness.dependencies.
+    """
 
     task: Task
     value: Any = None
     failure: Verdict | None = None
     reason: str = ""
+    loaded: Loaded = field(default_factory=dict)
 
     def input_error(self, otherwise: str) -> InputError:
         """The failure as an error: its reason where that begins with the name of a field, else the message `otherwise`."""
@@ -171,7 +176,7 @@ class _Slot:
             self.send(self.task)
             return None
         failure = Verdict[message["failure"]] if "failure" in message else None
-        outcome = Outcome(self.task, message.get("value"), failure, message.get("reason", ""))
+        outcome = Outcome(self.task, message.get("value"), failure, message.get("reason", ""), message.get("loaded", {}))
         self.task, self._tries = None, 0
         return outcome
 

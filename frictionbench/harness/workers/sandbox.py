@@ -5,12 +5,15 @@
     landlock, files only   it cannot write to the run's files: Linux before 6.12
     process groups         signals that it sends to its own group reach no other process of the run; nothing more
 
-The run's files are its folder, this package, its compiled kernels, Python with all that it imports, and the plug-ins.
+The run's files are its folder, this package, the compiled kernels of all versions, Python with all that it imports, and the
+plug-ins. Each plug-in's worker has a home folder, a cache and a temporary folder of its own, so that what a solver keeps there
+is not found by the next, and none of its files can be larger than MOST_FILE.
 
 Namespaces, with the processes keeper - init - plug-in: the keeper makes a user namespace, in which it may do what follows
-without privileges outside; a mount namespace, in which the protected folders are read-only; and a namespace of processes, whose
-first process is init. When init ends the kernel kills all processes of the namespace, however they were detached. The keeper
-ends as the plug-in's process ended, and init when the keeper does.
+without privileges outside; a mount namespace, in which the protected folders
+are read-only, as are the kernel's settings, and the folders above them cannot be moved, because each is a mount; and a
+namespace of processes, whose first process is init. When init ends the kernel kills all processes of the namespace, however
+they were detached. The keeper ends as the plug-in's process ended, and init when the keeper does.
 
 Landlock (Linux 5.13) grants rights beneath folders and refuses them everywhere else, for good and for all descendants. To
 protect folders, the rights to write are granted to all that neither is nor holds one of them. In the folders that hold a
@@ -55,6 +58,18 @@ def best() -> str:
     return LANDLOCK if found >= SCOPES else FILES_ONLY if found else GROUPS
 
 
+MOST_FILE = 2**30  # bytes: far above what an answer takes
+
+
+def use_scratch(scratch: Path) -> None:
+    """Give this process and its children another home and cache folder, and bound the size of their files."""
+    os.environ["PYTHONUSERBASE"] = site.getuserbase()
+    os.environ["HOME"] = os.environ["XDG_CACHE_HOME"] = str(scratch)
+    _, most = resource.getrlimit(resource.RLIMIT_FSIZE)
+    bound = MOST_FILE if most == resource.RLIM_INFINITY else min(MOST_FILE, most)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (bound, bound))
+
+
 def confine(sandbox: str, folder: Path, plugins: Iterable[Plugin], owner: str) -> None:
     """Confine the calling process, before it runs the owner's code; with namespaces it returns in another process.
 
@@ -62,11 +77,11 @@ def confine(sandbox: str, folder: Path, plugins: Iterable[Plugin], owner: str) -
     """
     if sandbox == GROUPS:
         return
-    caches = Path(config.CACHE_DIR).parent / "plugins"
-    own = caches / sha256(owner.encode()).hexdigest()[:16]
+    caches = Path(config.CACHE_DIR).parent
+    own = caches / "plugins" / sha256(owner.encode()).hexdigest()[:16]
     own.mkdir(parents=True, exist_ok=True)
     named = [file for plugin in plugins for file in files(plugin.source)]
-    protected = _outermost([folder, folder / "problems", Path(config.CACHE_DIR), caches, *_code(), *named])
+    protected = _outermost([folder, folder / "problems", caches, *_code(), *named])
     (_enter_namespaces if sandbox == NAMESPACES else _restrict)(protected, own.resolve())
     config.CACHE_DIR = str(own)
     _tolerate_read_only_caches()
@@ -162,6 +177,7 @@ def _grant(ruleset: int, path: Path) -> None:
 NEW_MOUNTS, NEW_USERS, NEW_PROCESSES = 0x00020000, 0x10000000, 0x20000000  # linux/sched.h
 BIND, RECURSIVE, PRIVATE = 0x1000, 0x4000, 1 << 18  # linux/mount.h
 MOUNT_SETATTR, AT_FDCWD, AT_RECURSIVE, READ_ONLY = 442, -100, 0x8000, 1
+SETTINGS = Path("/proc/sys")  # of the kernel; what stands in core_pattern is executed by root
 CAPABILITIES = 0x20080522  # version 3 of the structures of capset(2)
 
 
@@ -180,11 +196,14 @@ def _enter_namespaces(protected: Sequence[Path], writable: Path) -> None:
         with open(f"/proc/self/{name}", "w", encoding="ascii") as mapping:
             mapping.write(line)
     _mount(None, Path("/"), PRIVATE | RECURSIVE)
-    for path in protected:
+    for above in sorted({above for path in protected for above in path.parents} - {Path("/")}):
+        _mount(above, above, BIND | RECURSIVE)  # what is mounted cannot be moved
+    for path in (*protected, Path("/sys")):
         _mount(path, path, BIND | RECURSIVE)
         _set_attributes(path, _Attributes(set=READ_ONLY))
     _mount(writable, writable, BIND)
     _set_attributes(writable, _Attributes(clear=READ_ONLY))
+    os.chdir(os.getcwd())  # into the new mounts; by the old ones all could be written to
     said, says = os.pipe()
     if os.fork():
         _close_others(said)
@@ -193,6 +212,8 @@ def _enter_namespaces(protected: Sequence[Path], writable: Path) -> None:
     die_with_parent(0)
     os.close(said)
     _mount(Path("proc"), Path("/proc"), 0, kind=b"proc")
+    _mount(SETTINGS, SETTINGS, BIND)
+    _set_attributes(SETTINGS, _Attributes(set=READ_ONLY))
     if process := os.fork():
         hide_memory()
         _close_others(says)

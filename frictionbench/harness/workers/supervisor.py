@@ -13,6 +13,7 @@ outside this repository (Task.owner) runs no other solver, in a sandbox (harness
 
 import json
 import os
+import shutil
 import signal
 import socket
 import sys
@@ -20,11 +21,13 @@ from collections.abc import Callable
 from contextlib import suppress
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection, wait
+from pathlib import Path
+from tempfile import TemporaryDirectory, mkdtemp
 from typing import Any
 
 from numba.core.registry import cpu_target
 
-from frictionbench.harness import machine, process
+from frictionbench.harness import dependencies, machine, process
 from frictionbench.harness.cells import worker
 from frictionbench.harness.deadline import COMPILE_SECONDS, HARNESS_SECONDS, Deadline
 from frictionbench.harness.workers import sandbox
@@ -46,7 +49,7 @@ def serve(control_fd: int) -> None:
     ended = _signalled(signal.SIGCHLD)
     supervisors: set[int] = set()
     confined = sandbox.best()
-    with socket.socket(fileno=control_fd) as control:
+    with socket.socket(fileno=control_fd) as control, TemporaryDirectory(prefix="frictionbench-") as scratch:
         control.sendall(json.dumps({"code": machine.code(), "sandbox": confined}).encode() + b"\n")
         for context in (cpu_target.typing_context, cpu_target.target_context):
             context.refresh()  # imports what numba needs for its first kernel, once for all workers
@@ -63,10 +66,10 @@ def serve(control_fd: int) -> None:
             pid = os.fork()
             if pid == 0:
                 control.close()
-                _run_and_exit(supervise, Connection(fds[0]), confined)
+                _run_and_exit(supervise, Connection(fds[0]), confined, Path(scratch))
             os.close(fds[0])
             supervisors.add(pid)
-    process.end_descendants()
+        process.end_descendants()
 
 
 def _signalled(number: signal.Signals) -> int:
@@ -86,8 +89,11 @@ def _reaped() -> set[int]:
     return found
 
 
-def supervise(channel: Connection, confined: str) -> None:
-    """Run a supervisor: receive tasks from the channel, and send the worker's replies back through it."""
+def supervise(channel: Connection, confined: str, scratch: Path) -> None:
+    """Run a supervisor: receive tasks from the channel, and send the worker's replies back through it.
+
+    Each worker has a folder of its own in scratch, which is removed after its end, whatever it or its processes left there.
+    """
     process.adopt_orphans()
     signal.set_wakeup_fd(-1)
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
@@ -97,19 +103,29 @@ def supervise(channel: Connection, confined: str) -> None:
         settings = channel.recv()
         while (task := channel.recv()) is not None:
             if child is None or not child.may_run(task):
-                process.end_descendants()
+                _end(child)
                 core = process.hold_core() if core is None else core
                 try:
-                    child = _Worker(channel, core, settings, task.owner, confined)
+                    child = _Worker(channel, core, settings, Path(mkdtemp(dir=scratch)), task.owner, confined)
                 except (OSError, ValueError) as error:
                     channel.send_bytes(_reply(unusable=str(error)))
                     break
             reply, reusable = child.run(task, channel)
             if process.end_descendants(spare=_spared(child, task, reply) if reusable else ()) or not reusable:
-                process.end_descendants()
+                _end(child)
                 child = None
             channel.send_bytes(reply)
+    _end(child)
+
+
+def _end(child: "_Worker | None") -> None:
+    """End the worker with all that it started, and remove its folder."""
     process.end_descendants()
+    if child is not None:
+        for folder, _, _ in os.walk(child.scratch):
+            with suppress(OSError):
+                os.chmod(folder, 0o700)
+        shutil.rmtree(child.scratch, ignore_errors=True)
 
 
 def _spared(child: "_Worker", task: Task, reply: bytes) -> list[int]:
@@ -121,14 +137,20 @@ class _Worker:
     """A worker process, as seen by its supervisor."""
 
     def __init__(
-        self, channel: Connection, core: int | None, settings: tuple[Any, ...], owner: str = "", confined: str = sandbox.GROUPS
+        self,
+        channel: Connection,
+        core: int | None,
+        settings: tuple[Any, ...],
+        scratch: Path,
+        owner: str = "",
+        confined: str = sandbox.GROUPS,
     ) -> None:
         """Start a worker, in the sandbox where it runs a plug-in, and wait until it is ready.
 
         Errors: OSError where it cannot be started, InputError with the reason it gives.
         """
         self.deadline = Deadline()
-        self.owner = owner
+        self.owner, self.scratch = owner, scratch
         tasks, self._tasks = Pipe(duplex=False)
         self._replies, replies = os.pipe()
         supervisor = os.getpid()
@@ -138,7 +160,7 @@ class _Worker:
             self._tasks.close()
             os.close(self._replies)
             process.die_with_parent(supervisor)
-            _run_and_exit(work, tasks, replies, self.deadline, core, settings, owner, confined)
+            _run_and_exit(work, tasks, replies, self.deadline, core, settings, scratch, owner, confined)
         tasks.close()
         os.close(replies)
         ready = bytearray()
@@ -203,6 +225,7 @@ def work(
     deadline: Deadline,
     core: int | None,
     settings: tuple[Any, ...],
+    scratch: Path,
     owner: str,
     confined: str,
 ) -> None:
@@ -214,9 +237,13 @@ def work(
         signal.signal(number, signal.SIG_DFL)
     try:
         os.setsid()
+        process.close_all_but(tasks.fileno(), replies)
         folder, plugin_files, _ = settings
         if owner:
             sandbox.confine(confined, folder, plugin_files, owner)
+            sandbox.use_scratch(scratch)
+            dependencies.watch(folder)
+        process.use_temporary(scratch)
         worker.start(deadline, core, *settings)
     except (OSError, ValueError) as error:
         os.write(replies, _reply(reason=str(error) if isinstance(error, InputError) else f"workers: {error}"))
@@ -231,10 +258,10 @@ def work(
         deadline.allow(HARNESS_SECONDS)
         try:
             value = task.function(*task.arguments)
-            reply = _reply(value=value, helpers=living())
+            reply = _reply(value=value, helpers=living(), loaded=dependencies.loaded())
         except Exception as error:
             reason = str(error) if isinstance(error, InputError) else plugins.describe_error(error)
-            reply = _failure(Verdict.CRASHED, reason, helpers=living())
+            reply = _failure(Verdict.CRASHED, reason, helpers=living(), loaded=dependencies.loaded())
         if os.getpid() != pid:  # a child that a solver forked, and that returned from the call as well
             os._exit(0)
         os.chdir(home)
@@ -245,12 +272,13 @@ def work(
 
 def _checked(line: bytes) -> tuple[bytes, bool]:
     """The reply to send on, and whether its worker can be reused. A solver may have written anything to the pipe."""
-    with suppress(ValueError, RecursionError):
+    with suppress(ValueError, TypeError, RecursionError):
         reply = json.loads(line) if line.count(b"\n") == 1 else None
         if (
             isinstance(reply, dict)
-            and reply.keys() <= {"value", "failure", "reason", "helpers"}
+            and reply.keys() <= {"value", "failure", "reason", "helpers", "loaded"}
             and reply.get("failure") in (None, Verdict.CRASHED.name)
+            and all(isinstance(place, str) for place in dict(reply.get("loaded", {})).values())
         ):
             return line, True
     return _failure(Verdict.CRASHED, "the worker returned a malformed reply"), False

@@ -7,6 +7,7 @@ from itertools import accumulate, takewhile
 import numpy as np
 
 from frictionbench.reports.drawing.text import code, escaped, seconds
+from frictionbench.results.cells import FILE
 from frictionbench.results.changes import GONE, Change, Flip, Growth
 from frictionbench.results.commands import rerun
 from frictionbench.results.compare import Comparison
@@ -24,9 +25,7 @@ def markdown(comparison: Comparison) -> str:
     counts = " · ".join(f"{name} {count}" for name, count in comparison.counts.items())
     parts = [f"## {counts}", f"{runs}.", *map(escaped, comparison.notes)]
     if comparison.untimed:
-        parts.append(
-            f"Times are not compared: {comparison.untimed}. `--confirm --code` runs both versions alternately on this machine."
-        )
+        parts.append(f"Times are not compared: {comparison.untimed}.")
     for variant in solvers(comparison):
         own = [
             found
@@ -59,7 +58,7 @@ def rerun_command(comparison: Comparison, flip: Flip) -> str:
     """The command that runs the cell again; empty if it is gone."""
     if flip.after == GONE:
         return ""
-    return rerun(comparison.current, flip.key, flip.variant, comparison.sources)
+    return rerun(comparison.current, flip.key.partition(FILE)[0], flip.variant, comparison.sources)
 
 
 def format_verdicts(flip: Flip) -> str:

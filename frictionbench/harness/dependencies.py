@@ -1,0 +1,149 @@
+"""What a run's results depend on besides this package: the files of its problems, and what its plug-ins load.
+
+The main process hashes it. A run is resumed only where all of it is as it was; a baseline holds the hashes, so that a change of
+a package that a plug-in wraps is not taken for noise where both versions of the plug-in load the changed package.
+
+A plug-in's worker reports, after each task, what was loaded or read since it began: modules, shared libraries, and files that
+Python opened for reading. Left out are the standard library, the system's folders, temporary and compiled files, and what the
+worker had loaded before; of a library of the suite's the version is reported. What native code reads by itself is not seen.
+"""
+
+import os
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from frictionbench.harness.plans.plan import Plan, Plugin
+from frictionbench.problems.compiled import PACKAGE
+from frictionbench.results import store
+from frictionbench.solvers import executable, plugins
+
+SYSTEM = tuple(Path(place) for place in ("/usr/lib", "/usr/lib64", "/lib", "/lib64", "/etc", "/proc", "/sys", "/dev"))
+MOST = 1000  # files read: a plug-in that reads more is not followed further
+COMPILED = (".py", ".pyc", ".nbi", ".nbc")  # suffixes of modules, and of what is made from them
+VERSION = "version "  # before the version of a library, which stands in place of a path
+Loaded = dict[str, str]  # by name a path, or VERSION and a version
+
+
+class _Watch:
+    """What this process had loaded when it began to watch, and what it has opened since."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder.resolve()
+        self.known = {name.partition(".")[0] for name in sys.modules} | sys.stdlib_module_names
+        self.before, self.libraries = set(sys.modules), set(_mapped())
+        self.read: set[str] = set()
+        self.written: set[str] = set()
+        sys.addaudithook(self._heard)
+
+    def _heard(self, event: str, arguments: tuple[Any, ...]) -> None:
+        if event == "open" and isinstance(arguments[0], str) and len(self.read) < MOST:
+            flags = arguments[2] if isinstance(arguments[2], int) else 0
+            path = os.path.abspath(arguments[0])
+            (self.written if flags & (os.O_WRONLY | os.O_RDWR) else self.read).add(path)
+
+
+_watch: _Watch | None = None
+
+
+def watch(folder: Path) -> None:
+    """Begin to watch what this process, a worker of the run in folder, loads and reads."""
+    global _watch  # noqa: PLW0603  # one for the process: an audit hook cannot be removed
+    _watch = _watch or _Watch(folder)
+
+
+def loaded() -> Loaded:
+    """What this process has loaded and read since `watch`, by names that are the same on other machines."""
+    if _watch is None:
+        return {}
+    found: Loaded = {}
+    for name in sorted(set(sys.modules) - _watch.before):
+        top = name.partition(".")[0]
+        module = sys.modules.get(top)
+        if top in sys.stdlib_module_names or top == PACKAGE.name or module is None:
+            continue
+        if top in _watch.known:
+            found[top] = f"{VERSION}{getattr(module, '__version__', '')}"
+        elif place := next(iter(getattr(module, "__path__", ())), getattr(module, "__file__", None)):
+            found[Path(place).name if name.startswith(plugins.MODULE) else top] = str(Path(place).resolve())
+    places = [Path(place) for place in found.values()]
+    places += [_watch.folder, *_left_out()]
+    others = {Path(path).resolve() for path in {*_mapped(), *_watch.read} - _watch.libraries - _watch.written}
+    for path in sorted(others):
+        if path.is_file() and path.suffix not in COMPILED and not any(map(path.is_relative_to, places)):
+            found[_named(path)] = str(path)
+    return found
+
+
+def _mapped() -> list[str]:
+    """The files from which this process has mapped code."""
+    with open("/proc/self/maps", encoding="utf-8", errors="replace") as maps:
+        entries = [line.split(maxsplit=5) for line in maps]
+    return [entry[5].rstrip("\n") for entry in entries if len(entry) == 6 and "x" in entry[1] and entry[5].startswith("/")]
+
+
+def _left_out() -> list[Path]:
+    library = Path(os.__file__).parent
+    suite = [Path(place) for top in ("numpy", "scipy", "numba", "llvmlite") for place in sys.modules[top].__path__]
+    places = [PACKAGE, Path(tempfile.gettempdir()), *SYSTEM, *suite, *(library / name for name in ("encodings", "lib-dynload"))]
+    return [place.resolve() for place in places]
+
+
+def _named(path: Path) -> str:
+    """The path below the first place where Python finds code, or the file's name."""
+    homes = [Path(place).resolve() for place in sys.path if place]
+    return next((str(path.relative_to(home)) for home in homes if path.is_relative_to(home)), path.name)
+
+
+def differing(recorded: Any) -> list[str]:
+    """The places in a manifest's `content` whose content is another now."""
+    places = recorded.items() if isinstance(recorded, dict) else ()
+    return [place for place, digest in places if hashed(place) != digest]
+
+
+class Record:
+    """What the plug-ins of a run have loaded so far, kept in its manifest: `loaded`, by source and name, and `content`, the
+    hashes of both these and the files of the problems, by place."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._seen: set[tuple[str, str, str]] = set()
+
+    def add(self, source: str, loaded: Loaded) -> None:
+        """Add what the worker of a source's solver has loaded."""
+        new = {(source, name, place) for name, place in loaded.items()} - self._seen
+        if not new:
+            return
+        self._seen |= new
+        manifest = store.read_manifest(self._folder)
+        manifest["loaded"].setdefault(source, {}).update({name: place for _, name, place in new})
+        manifest["content"] |= {place: hashed(place) for *_, place in new if place not in manifest["content"]}
+        store.write_manifest(self._folder, manifest)
+
+
+def begun(plan: Plan) -> dict[str, Any]:
+    """The parts `loaded` and `content` of a manifest, before anything has run."""
+    files = {name for source in plan.sources for name in (source.file, source.before) if name}
+    loaded = {plugin.source: _named_files(plugin) for plugin in plan.plugins}
+    places = sorted(files | {place for known in loaded.values() for place in known.values()})
+    return {"loaded": loaded, "content": {place: hashed(place) for place in places}}
+
+
+def _named_files(plugin: Plugin) -> Loaded:
+    """The files that name a plug-in, and an executable's command."""
+    found = {path.name: str(path) for path in plugins.files(plugin.source)}
+    if executable.is_command(plugin.source):
+        found["command"] = f"{VERSION}{executable.command_hash(plugin.source)}"
+    return found
+
+
+def hashed(place: str) -> str:
+    """The hash of what lies at a path, or the version itself; empty where it cannot be read."""
+    if place.startswith(VERSION):
+        return place.removeprefix(VERSION)
+    path = Path(place)
+    try:
+        return plugins.content_of(path) if path.is_file() or path.is_dir() else ""
+    except OSError:
+        return ""

@@ -1,0 +1,289 @@
+"""What the gate for CI promises, as docs/ci.md tells it in a table: each line of it names a test, most of which are here."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from frictionbench.commands.accept import accept
+from frictionbench.harness import dependencies
+from frictionbench.harness.cells import batch, timing
+from frictionbench.harness.cells.batch import batch_of, time_batch
+from frictionbench.harness.plans.plan import BatchCell, Source
+from frictionbench.harness.run import run
+from frictionbench.harness.workers.inputs import load_plugins
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.recorded.own import save
+from frictionbench.reports.comparison.markdown import markdown
+from frictionbench.results import cells, store
+from frictionbench.results.compare import Limits, compare, confirm, equal_loads
+from frictionbench.results.files import ResultsError
+from frictionbench.solvers import Answer, Status, find
+from frictionbench.solvers.interface import with_all_steps
+from tests.helpers.friction_problems import block
+from tests.helpers.made_results import SETTINGS, batch_row, simulation_row, solve_row, unanswered_row, write_folder
+from tests.helpers.paths import ROOT
+from tests.helpers.plugin import write
+from tests.helpers.runs import quiet, small_plan
+
+
+def alerts(before: Path, after: Path, limits: Limits = Limits()) -> dict[str, tuple[int | None, int | None]]:  # noqa: B008
+    """The counters that are worse, before and after."""
+    return {one.name: (one.before, one.after) for one in compare(before, after, limits).worse}
+
+
+def test_times_that_are_gone_are_a_regression(tmp_path: Path) -> None:
+    """Also against a baseline, whose times are not compared otherwise."""
+    before = write_folder(tmp_path / "before", [solve_row("a", "p"), solve_row("a", "q")])
+    after = write_folder(tmp_path / "after", [solve_row("a", "p"), solve_row("a", "q", solve_time=None)])
+    accept(before, tmp_path / "made.tsv")
+    for old in (before, tmp_path / "made.tsv"):
+        assert alerts(old, after) == {"timed cells": (1, None)}
+    assert alerts(after, before) == {}
+    assert alerts(before, after, Limits(times=False)) == {}
+
+
+def test_more_failures_within_a_simulation(tmp_path: Path) -> None:
+    """Two of 160 steps are wrong, then 117; or the motion ends earlier, with the same verdict."""
+    rows = {
+        name: simulation_row("a", verdict="wrong", steps=160, steps_done=done, problems=160, unsolved=unsolved)
+        for name, done, unsolved in (("before", 160, 2), ("worse", 160, 117), ("shorter", 80, 2))
+    }
+    folders = {name: write_folder(tmp_path / name, [solve_row("a", "p")], [row]) for name, row in rows.items()}
+    accept(folders["before"], tmp_path / "made.tsv")
+    for old in (folders["before"], tmp_path / "made.tsv"):
+        assert alerts(old, folders["worse"]) == {"unsolved_problems": (2, 117)}
+        assert alerts(old, folders["shorter"]) == {"steps_not_done": (0, 80)}
+        assert alerts(old, folders["before"]) == {}
+
+
+def test_more_failures_within_a_batch(tmp_path: Path) -> None:
+    rows = [batch_row("a", "packed", verdict="unsolved", residual=1.0, verified=share) for share in (0.99, 0.5)]
+    folders = [write_folder(tmp_path / f"{i}", [], None, [row]) for i, row in enumerate(rows)]
+    assert alerts(*folders) == {"unsolved_problems": (1, 50)}
+
+
+def test_unfinished_runs_are_no_baseline(tmp_path: Path) -> None:
+    whole = write_folder(tmp_path / "whole", [solve_row("a", "p"), solve_row("a", "q")])
+    part = write_folder(tmp_path / "part", [solve_row("a", "p")], finished=None)
+    for pair in ((part, whole), (whole, part)):
+        found = compare(*pair)
+        assert found.exit_code == 2
+        assert "the run is not finished" in found.unusable
+
+
+def test_another_file_of_the_same_name(tmp_path: Path) -> None:
+    """It is another cell; of the one that is gone the comparison fails."""
+    given = {"parameters": '{"file": "one.npz"}', "scene": "mine"}
+    source = {"scene": "mine", "parameters": {"file": "one.npz"}, "file": "/there/one.npz"}
+    settings = SETTINGS | {"sources": [source]}
+    folders = [
+        write_folder(
+            tmp_path / digest,
+            [solve_row("a", "p", **given)],
+            settings=settings,
+            content={"/there/one.npz": digest * 16},
+            loaded={},
+        )
+        for digest in ("aaaa", "bbbb")
+    ]
+    assert compare(folders[0], folders[0]).exit_code == 0
+    accept(folders[0], tmp_path / "made.tsv")
+    assert "no cell was measured in both runs" in compare(tmp_path / "made.tsv", folders[1]).unusable
+    mixed = [solve_row("a", "p", **given), solve_row("a", "q")]
+    both = [
+        write_folder(tmp_path / f"{digest}2", mixed, settings=settings, content={"/there/one.npz": digest * 16}, loaded={})
+        for digest in ("aaaa", "bbbb")
+    ]
+    found = compare(*both)
+    assert [one.worse for one in found.gone] == [True]
+    assert found.exit_code == 1
+
+
+def loaded_by(folder: Path, digest: str, rows: list[store.Row]) -> Path:
+    """A run of a plug-in that wraps a package of this content."""
+    plugins = [{"source": "wrapper.py", "content": "c", "solvers": {"a": {}}}]
+    loaded = {"wrapper.py": {"wrapper.py": "/here/wrapper.py", "wrapped": "/site/wrapped", "numpy": "version 2.1"}}
+    content = {"/here/wrapper.py": "1" * 64, "/site/wrapped": digest * 64, "version 2.1": "2.1"}
+    return write_folder(folder, rows, settings=SETTINGS | {"plugins": plugins}, loaded=loaded, content=content)
+
+
+def test_what_both_versions_load_dismisses_nothing(tmp_path: Path) -> None:
+    """A package behind a wrapper is worse, and both versions of the wrapper load it."""
+    solved, worse = [solve_row("a", "p")], [unanswered_row("a", "p", "crashed")]
+    before, after = loaded_by(tmp_path / "before", "2", solved), loaded_by(tmp_path / "after", "3", worse)
+    accept(before, tmp_path / "made.tsv")
+    limits = Limits(times=False)
+    for old in (before, tmp_path / "made.tsv"):
+        first, now, recorded = compare(old, after, limits), cells.read(after), cells.read(old)
+        equal = equal_loads(recorded, now, now)
+        assert equal == {"a": ["wrapped"]}
+        stands = confirm(first, [(now.table, now.table)], True, limits, equal)
+        assert stands.exit_code == 1
+        assert "both versions load the same wrapped, and the baseline was made with other content" in markdown(stands)
+        assert equal_loads(recorded, recorded, now) == {}  # in an environment with the package as it was
+    same = loaded_by(tmp_path / "same", "2", worse)
+    assert equal_loads(cells.read(before), cells.read(same), cells.read(same)) == {}
+
+
+WRAPPER = """
+import sys
+sys.path.insert(0, {home!r})
+import wrapped
+"""
+READS = "import numpy; numpy.load({home!r} + '/gains.npy')"
+
+
+@pytest.mark.parametrize("changed", ["wrapped/core.py", "gains.npy", "problem.npz"])
+def test_a_run_is_not_resumed_after_its_inputs_changed(changed: str, tmp_path: Path) -> None:
+    """A module of the wrapped package, a file that the solver reads while it solves, the file of a problem."""
+    (tmp_path / "wrapped").mkdir()
+    (tmp_path / "wrapped" / "__init__.py").write_text("from wrapped import core", encoding="utf-8")
+    (tmp_path / "wrapped" / "core.py").write_text("GAIN = 1.0", encoding="utf-8")
+    np.save(tmp_path / "gains.npy", np.ones(3))
+    save(block(), tmp_path / "problem.npz")
+    home = str(tmp_path)
+    plugin = write(tmp_path / "guest.py", first=WRAPPER.format(home=home), body=READS.format(home=home))
+    source = Source("mine", {"file": "problem.npz"}, file=str(tmp_path / "problem.npz"))
+
+    def again() -> None:
+        variants, plugins = load_plugins([str(plugin)])
+        plan = small_plan(sources=(source,), simulations=(), tolerances=(1e-6,), solvers=variants, plugins=plugins)
+        run(plan, tmp_path / "run", 1, quiet())
+
+    again()
+    found = store.read_manifest(tmp_path / "run")["loaded"][str(plugin)]
+    assert found == {"guest.py": str(plugin), "wrapped": str(tmp_path / "wrapped"), "gains.npy": str(tmp_path / "gains.npy")}
+    again()
+    (tmp_path / changed).write_bytes((tmp_path / changed).read_bytes() + b" ")
+    with pytest.raises(ResultsError, match=f"{tmp_path / changed.partition('/')[0]}: has another content"):
+        again()
+
+
+def test_command_of_an_executable_is_recorded(tmp_path: Path) -> None:
+    """The same binary with other words is another content; the folder it lies in is not."""
+    program = tmp_path / "solve.sh"
+    program.write_text("#!/bin/sh\n", encoding="utf-8")
+    program.chmod(0o755)
+    plugins = [
+        dependencies.Plugin(f"exec:{program} {words} {{problem}} {{answer}}", "content", {}) for words in ("--exact", "--fast")
+    ]
+    exact, fast = (dependencies.begun(small_plan(plugins=(plugin,)))["loaded"][plugin.source] for plugin in plugins)
+    assert exact["solve.sh"] == fast["solve.sh"] == str(program)
+    assert exact["command"] != fast["command"]
+
+
+class Lazy:
+    """An impulse that is computed when it is converted, which takes so many seconds of the test's clock."""
+
+    def __init__(self, clock, impulse):
+        self.clock, self.impulse = clock, impulse
+
+    def __array__(self, dtype=None, copy=None):
+        self.clock.now += 4.0
+        return self.impulse
+
+
+@with_all_steps
+class Dispatches:
+    """Returns before its work is done."""
+
+    def __init__(self, clock):
+        self.clock = clock
+
+    def solve(self, problem, tol, limit, start=None):
+        return Answer(Lazy(self.clock, np.zeros((problem.contacts, problem.dimension))), Status.STALLED)
+
+
+def test_work_done_while_an_answer_is_read_is_timed(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Clock:
+        now = 0.0
+
+        def __call__(self) -> float:
+            return self.now
+
+    clock = Clock()
+    monkeypatch.setattr(timing, "perf_counter", clock)
+    solver = Dispatches(clock)
+    found = timing.time_solver(solver, block(), lambda ready: solver.solve(ready, 1e-8, None), lambda: None)
+    assert found.solve == [4.0]
+
+
+def test_nudges_are_drawn_in_each_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    """So that no file on disk holds the answers to them."""
+    drawn: list[int] = []
+    nudged = timing.nudged
+    monkeypatch.setattr(timing, "SLOW_NEW", -1.0)
+    monkeypatch.setattr(timing, "SLOW_FIRST", 0.0)
+    monkeypatch.setattr(timing, "nudged", lambda problem, ulps: (drawn.append(ulps), nudged(problem, ulps))[1])
+    _, solver = find("lemke")
+    for _ in range(4):
+        timing.time_solver(solver, block(), lambda ready: solver.solve(ready, 1e-8, None), lambda: None, most=3)
+    assert len(set(drawn)) > 2
+    assert max(drawn) > 2
+
+
+def batch_times(monkeypatch: pytest.MonkeyPatch, solve) -> tuple[store.Row, int]:
+    """The row of a batch of three problems that are solved by this function, and the number of different ones."""
+    seen: set[str] = set()
+
+    def calls(problems: tuple[FrictionProblem, ...], spec: str, tol: float) -> list[Answer]:
+        seen.update(problem.hash for problem in problems)
+        return [solve(problem, spec, tol=tol) for problem in problems]
+
+    monkeypatch.setattr(batch, "_calls", calls)
+    for name, value in {"ROUNDS": 2, "SHORT": 0.0, "AGAIN": 1, "SAMPLE": 1}.items():
+        monkeypatch.setattr(batch, name, value)
+    cell = BatchCell("stack", {"blocks": 1}, 3, "lemke", "calls", 1e-8)
+    return time_batch(cell, batch_of("stack", '{"blocks": 1}', 3), find("lemke")[0]), len(seen)
+
+
+def test_batches_differ_in_each_round(monkeypatch: pytest.MonkeyPatch) -> None:
+    row, different = batch_times(monkeypatch, batch.solve)
+    assert (row["verdict"], different) == ("solved", 9)
+
+
+def test_waiting_counts_in_batches(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Seconds of sleep are none of the processor's."""
+    clock = {"now": 0.0}
+
+    def sleeps(problem: FrictionProblem, spec: str, tol: float) -> Answer:
+        clock["now"] += 5.0
+        return batch.solve(problem, spec, tol=tol)
+
+    monkeypatch.setattr(batch, "perf_counter", lambda: clock["now"])
+    row, _ = batch_times(monkeypatch, sleeps)
+    assert row["times"] == [5.0, 5.0]
+
+
+HOMES = """
+import os, tempfile
+from pathlib import Path
+places = [Path.home(), Path(os.environ["XDG_CACHE_HOME"]), Path(tempfile.gettempdir())]
+known = [(place / "answers").exists() for place in places]
+for place in places:
+    (place / "answers").write_bytes(bytes(1000))
+Path({log!r}).open("a").write(f"{{known}} {{places[0]}}\\n")
+"""
+
+
+def test_workers_have_folders_of_their_own(tmp_path: Path) -> None:
+    """What one leaves in its home, its cache or among temporary files is not found by the next, and is removed at the end."""
+    log = tmp_path / "log"
+    plugin = write(tmp_path / "guest.py", first=HOMES.format(log=str(log)))
+    for _ in range(2):
+        load_plugins([str(plugin)])
+    lines = log.read_text(encoding="utf-8").splitlines()
+    assert {line.partition("]")[0] for line in lines} == {"[False, False, False"}
+    homes = {Path(line.partition("] ")[2]) for line in lines}
+    assert len(homes) == 2
+    assert not any(home.exists() for home in homes)
+
+
+def test_every_promise_has_a_test() -> None:
+    """The table of docs/ci.md names tests that exist."""
+    named = re.findall(r"`(tests/[\w/]+\.py)::(\w+)`", (ROOT / "docs" / "ci.md").read_text(encoding="utf-8"))
+    assert len(named) > 15
+    for file, test in named:
+        assert f"def {test}(" in (ROOT / file).read_text(encoding="utf-8"), f"{file}::{test}"
