@@ -182,14 +182,6 @@ def compare(
         float,
         typer.Option("--slowdown", metavar="RATIO", min=1, help="Ratio of times above which a solver counts as slower."),
     ] = 1.1,
-    growth: Annotated[
-        float,
-        typer.Option("--growth", metavar="RATIO", min=1, help="Ratio of work counters above which work counts as grown."),
-    ] = 1.05,
-    alpha: Annotated[
-        float,
-        typer.Option("--alpha", metavar="P", min=0, max=1, help="Error probability of the confidence intervals of times."),
-    ] = 0.05,
     no_times: Annotated[bool, typer.Option("--no-times", help="Do not compare times.")] = False,
     rank_by: options.By = RankBy.BODIES,
     known: Annotated[
@@ -199,8 +191,8 @@ def compare(
         Path | None,
         typer.Option(
             "--out",
-            metavar="FOLDER|FILE.html",
-            help="Also write it as Markdown, JSON, benchmark JSON and JUnit XML; with --history a page of charts.",
+            metavar="FOLDER",
+            help="Also write it as Markdown, JSON and JUnit XML.",
         ),
     ] = None,
 ) -> None:
@@ -216,7 +208,7 @@ def compare(
     from frictionbench.results.known import acknowledge, read
 
     if history:
-        _show_history(runs, out)
+        _show_history(runs)
         return
     if len(runs) != 2:
         raise InputError("DIR: give a baseline and one results folder, or --history for a table of many")
@@ -227,7 +219,7 @@ def compare(
     if code and not confirm:
         raise InputError("code: names the code that --confirm runs; give --confirm as well")
     acknowledged = read(known) if known else []
-    limits = Limits(slowdown, growth, alpha, not no_times, rank_by)
+    limits = Limits(slowdown, times=not no_times, rank_by=rank_by)
     comparison = compare_runs(baseline, folder, limits)
     if confirm:
         from frictionbench.commands.confirm import confirmed
@@ -320,7 +312,7 @@ def export(
     if first.startswith("fclib/"):
         if others or out or scene:
             raise InputError("problems: a family of fclib is fetched alone, into the user's cache")
-        from frictionbench.commands.fetch import fetch
+        from frictionbench.commands.export import fetch
 
         fetch(first)
         return
@@ -391,9 +383,8 @@ def map_(
 
     Every solver runs on a grid that is refined where verdicts differ.
     """
-    from frictionbench.commands.map import plan_map
     from frictionbench.commands.summary import folder_for
-    from frictionbench.harness.maps import corners, run_maps
+    from frictionbench.harness.maps import corners, plan_map, run_maps
     from frictionbench.harness.progress import Progress
     from frictionbench.harness.workers.inputs import load_plugins, require_buildable
     from frictionbench.reports.page import write_report
@@ -440,7 +431,7 @@ def rerun(
 
         show_rerun(folder, row, solver or [])
         return
-    from frictionbench.commands.shrink import shrink as shrink_row
+    from frictionbench.commands.single import shrink as shrink_row
 
     small = shrink_row(folder, row, solver or [])
     size = f"{small.problem.contacts} contacts and {len(small.problem.free_velocity)} velocities"
@@ -459,17 +450,14 @@ def _accept(folder: Path, baseline: Path) -> None:
     typer.echo(accepted)
 
 
-def _show_history(folders: list[Path], out: Path | None) -> None:
-    """Show verdicts, work and times of runs over time, as a table and, if out is given, on a page of charts."""
+def _show_history(folders: list[Path]) -> None:
+    """Show verdicts, work and times of runs over time."""
     from rich.console import Console
 
-    from frictionbench.reports.comparison.history import history, lines, write_history
+    from frictionbench.reports.comparison.history import history, lines
 
-    found = lines(folders)
-    console, table = Console(), history(found)
-    (console if console.is_terminal else Console(width=10**6)).print(table)  # lines are not wrapped in a pipe
-    if out:
-        typer.echo(f"history: {write_history(found, out)}")
+    console = Console()
+    (console if console.is_terminal else Console(width=10**6)).print(history(lines(folders)))  # a pipe's lines are not wrapped
 
 
 def _show_markdown(text: str) -> None:

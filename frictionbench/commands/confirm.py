@@ -15,7 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from frictionbench.commands.trusted import trusted
+from frictionbench.commands.stored_cell import trusted
 from frictionbench.harness.plans.suites import SUITES
 from frictionbench.problems import InputError
 from frictionbench.problems.compiled import PACKAGE

@@ -1,15 +1,19 @@
-"""`frictionbench export`: problems of a scene, an instance or a run as files, in FCLIB's HDF5 format or as our .npz."""
+"""`frictionbench export`: problems of a scene, an instance or a run as files, in FCLIB's HDF5 format or as our .npz;
+recorded problems from their public collection into the user's cache."""
 
 import re
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
+from rich.console import Console
+from rich.progress import BarColumn, DownloadColumn, Progress, TextColumn, TransferSpeedColumn
+
 from frictionbench.harness import process
 from frictionbench.harness.cells.collect import Record, collect, read_records, stored, stored_friction
 from frictionbench.harness.plans.plan import MEMORY_LIMIT, Source
 from frictionbench.problems import InputError
-from frictionbench.problems.recorded import fclib, own
+from frictionbench.problems.recorded import collection, fclib, own
 from frictionbench.problems.spec import parse
 from frictionbench.results import store
 from frictionbench.results.files import replaced
@@ -55,3 +59,16 @@ def _written(folder: Path, records: list[Record], out: Path) -> Iterator[Path]:
                 title = f"frictionbench {record['scene']} {record['parameters']} step {record['step']}"
                 fclib.write(stored_friction(folder, record["problem"]), file, record["scene"], title)
         yield path
+
+
+def fetch(name: str) -> None:
+    """Fetch a family with a progress bar. Errors: InputError naming the family or the file."""
+    family = collection.family(name)
+    files = collection.registry()[family]
+    columns = TextColumn("{task.description}"), BarColumn(), DownloadColumn(), TransferSpeedColumn()
+    with Progress(*columns, console=Console(stderr=True)) as progress:
+        bar = progress.add_task(f"fclib/{family}", total=sum(file.size for file in files))
+        for file in collection.fetch(family):
+            progress.advance(bar, file.size)
+    Console().print(f"{len(files)} files in {collection.folder(family)}", soft_wrap=True, markup=False)
+    Console().print(f"run them: frictionbench run recorded --data fclib/{family}", soft_wrap=True, markup=False)

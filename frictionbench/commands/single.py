@@ -1,31 +1,34 @@
-"""`frictionbench solve` and `frictionbench rerun`: one problem with every solver, and one cell again.
+"""`frictionbench solve` and `frictionbench rerun`: one problem with every solver, one cell again, and its problem made smaller.
 
-Both run in isolated workers and are verified like any run.
+All run in isolated workers and are verified like any run.
 """
 
 import json
 import tempfile
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from frictionbench.commands.stored_cell import stored_cell
+from frictionbench.commands.stored_cell import stored_cell, trusted
 from frictionbench.commands.table import columns, paragraph, screen
-from frictionbench.commands.trusted import trusted
 from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.rows import PROBLEM_FACTS
 from frictionbench.harness.plans.plan import BatchCell, Plan, Plugin, SimulationCell, SolveCell, Source, origin, owner
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import COLLECT_SECONDS, row_of
+from frictionbench.harness.shrink import shrink_rows
 from frictionbench.harness.workers.inputs import load_plugins
 from frictionbench.harness.workers.pool import Pool, Task
-from frictionbench.problems import InputError
+from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.catalogue import require_known
+from frictionbench.problems.recorded.own import load
 from frictionbench.problems.spec import parse
 from frictionbench.problems.verdicts import RANK, Verdict
+from frictionbench.results import commands
 from frictionbench.results.cells import counts
 from frictionbench.results.conventions import RankBy, ending
+from frictionbench.results.extras import SHRUNK
 from frictionbench.results.files import printable
 from frictionbench.results.store import Row
 from frictionbench.solvers import available, find
@@ -224,3 +227,32 @@ def _time(value: float | None) -> str:
         return ""
     scale, unit = next(((s, u) for s, u in ((1.0, "s"), (1e-3, "ms")) if value >= 0.9995 * s), (1e-6, "µs"))
     return f"{value / scale:.3g} {unit}"
+
+
+class Reduced(NamedTuple):
+    """The file of the reduced problem, the problem, the number of trials, and the command that shows the failure."""
+
+    path: Path
+    problem: FrictionProblem
+    trials: int
+    command: str
+
+
+def shrink(folder: Path, key: str, named: list[str]) -> Reduced:
+    """Shrink the problem of a failing solve row into folder/shrunk.
+
+    named: outside solvers that the user trusts. Errors: as of store.find_row, and InputError where the row did not fail, or its
+    solver is neither ours nor among the named.
+    """
+    _, row, settings, memory_limit = stored_cell(folder, key, ["solves"])
+    key = row["key"]
+    if row["verdict"] in (Verdict.SOLVED, Verdict.SKIPPED):
+        raise InputError(f"row: {key} is {row['verdict']}; only failing rows can be shrunk")
+    ((_, found),) = shrink_rows(folder, [row], trusted(row, settings, named), memory_limit, 1, np.inf)
+    if not found.file:
+        raise InputError(f"row: {key} does not fail again from a cold start; it was not shrunk")
+    path = folder / SHRUNK / found.file
+    small = load(path)
+    assert isinstance(small, FrictionProblem)
+    command = commands.solve(path, row["variant"], row["tol"], commands.sources(settings))
+    return Reduced(path, small, found.trials, command)

@@ -1,4 +1,6 @@
-"""A cell of a results folder that is to run again: what it needs, checked, because the folder may come from someone else."""
+"""A cell of a results folder that is to run again, which may come from someone else: what it needs is checked, and its code is
+our own or that of plug-ins that the user names in this command. The file named in the manifest is shown and never run.
+"""
 
 import json
 import re
@@ -6,14 +8,19 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from frictionbench.harness.plans.plan import Plugin
+from frictionbench.harness.workers.inputs import load_plugins
+from frictionbench.problems import InputError
 from frictionbench.problems.catalogue import scenes
 from frictionbench.problems.check import require
 from frictionbench.problems.instances import instances
 from frictionbench.problems.schemes import require_scheme
+from frictionbench.problems.spec import split
 from frictionbench.results import store
 from frictionbench.results.conventions import COLD, KEEP_ANSWER, KEEP_VELOCITY, RELAX, WARM, WAYS
 from frictionbench.results.schema import TABLES
 from frictionbench.results.store import Row
+from frictionbench.solvers import available, find
 
 # Limits within which a solver can be judged: with less than these, a fault of the folder would be told as the solver's.
 LEAST_SECONDS, MOST_SECONDS = 1e-3, 1e6
@@ -73,3 +80,29 @@ def stored_cell(folder: Path, key: str, tables: Sequence[str] = tuple(TABLES)) -
 def _positive(row: Row, name: str, least: float, most: float) -> None:
     value = row[name]
     require(value is not None and value > 0 and least <= value <= most, name, f"cannot be {value}")
+
+
+def trusted(row: Row, settings: dict[str, Any], named: list[str]) -> tuple[Plugin, ...]:
+    """The named plug-ins that define the row's solver; none for our own solvers.
+
+    Errors: InputError naming the solver, and the file from which the run loaded it.
+    """
+    variant = row["variant"]
+    info = available().get(split("solver", variant)[0])
+    if info is not None and info.ours:  # plug-ins loaded by this process are not ours
+        find(variant)
+        return ()
+    if not named:
+        raise InputError(
+            f"solver: {variant} is not part of frictionbench; {_origin(variant, settings)}. To run it, name it with --solver"
+        )
+    _, plugins = load_plugins(named, (variant,))
+    return tuple(plugin for plugin in plugins if variant in plugin.solvers)
+
+
+def _origin(variant: str, settings: dict[str, Any]) -> str:
+    plugins = settings.get("plugins")
+    for plugin in plugins if isinstance(plugins, list) else []:
+        if isinstance(plugin, dict) and variant in (plugin.get("solvers") or ()):
+            return f"the run loaded it from {plugin.get('source')!r} ({str(plugin.get('content'))[:12]})"
+    return "the manifest does not name the file"

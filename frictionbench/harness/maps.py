@@ -24,16 +24,21 @@ from typing import get_args
 import numpy as np
 
 from frictionbench.harness.cells.motion import record_motion
-from frictionbench.harness.plans.plan import Plan, SimulationCell, Source
+from frictionbench.harness.plans.choose import tolerances
+from frictionbench.harness.plans.plan import Plan, Plugin, SimulationCell, Source
+from frictionbench.harness.plans.suites import MAPPED
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.run import run
 from frictionbench.harness.shrink import ENOUGH, shrink_rows
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.analysis.thresholds import THRESHOLDS
+from frictionbench.problems.catalogue import find_scene
 from frictionbench.problems.scenes import scene, scenes
+from frictionbench.problems.schemes import require_scheme
 from frictionbench.problems.simulate import first_problem_of
+from frictionbench.problems.spec import parse
 from frictionbench.results import store
-from frictionbench.results.conventions import first_phase
+from frictionbench.results.conventions import DEFAULT_SCHEME, first_phase
 from frictionbench.results.extras import read_shrunk, write_shrunk
 from frictionbench.results.files import subfolder, write_text
 from frictionbench.results.maps import (
@@ -52,6 +57,7 @@ from frictionbench.results.maps import (
 from frictionbench.results.store import Row
 
 SCALES = get_args(Scale)
+SOLVERS = (*MAPPED, "relaxation_ip")  # of a map whose command names none
 MOST_LINES = 200  # along an axis: finer than a map can show
 REPEATS = 2  # timed solves: a map shows times by colour, to a factor
 STEPS, EVERY = 12, 4  # steps of a picture of a scene, and steps between two frames
@@ -81,6 +87,50 @@ def axis(field: str, text: str, name: str) -> Axis:
         raise InputError(f"{field}: {text!r} needs an odd number of values, one of them 0")
     whole = isinstance(scenes()[name].parameters.get(found.parameter), int) if name in scenes() else False
     return Axis(found.parameter, found.low, found.high, found.count, found.scale, whole)
+
+
+def plan_map(
+    scene_spec: str,
+    x: str,
+    y: str,
+    variants: tuple[str, ...] = (),
+    plugins: tuple[Plugin, ...] = (),
+    tol: str = "1e-6",
+    time_limit: float = 1.0,
+    scheme: str = DEFAULT_SCHEME,
+    steps: int = 0,
+) -> Plan:
+    """The plan of one map, of simulations where steps > 0. Errors: InputError naming the field; no scene is built."""
+    name, settings = parse("scene", scene_spec)
+    find_scene(name, settings)
+    require_scheme(scheme)
+    across, upwards = axis("x", x, name), axis("y", y, name)
+    if across.parameter == upwards.parameter:
+        raise InputError(f"y: {upwards.parameter} is already on the other axis; name another parameter")
+    spec = Map(
+        name=f"{name}_{across.parameter}_{upwards.parameter}",
+        scene=name,
+        x=across,
+        y=upwards,
+        parameters=settings,
+        scheme=scheme,
+        steps=steps,
+        most=across.count * upwards.count,
+        thresholds=() if steps else ("p", "P0", "pointed", "gaps"),
+        title=scene_spec,
+    )
+    ladder = tolerances(tol)
+    return Plan(
+        suite="map",
+        sources=(),
+        solvers=variants or SOLVERS,
+        tolerances=ladder,
+        simulation_solvers=variants or SOLVERS,
+        simulation_tol=min(ladder),
+        maps=(spec,),
+        time_limit=time_limit,
+        plugins=plugins,
+    )
 
 
 def corners(spec: Map) -> list[GridPoint]:

@@ -78,8 +78,6 @@ def test_a_core_is_left_free_by_default(monkeypatch, cores, jobs) -> None:
         (("run", "--jobs", "0"), "--jobs"),
         (("solve", "stack", "--tol", "x"), "--tol"),
         (("map", "stack", "--x", "a", "--y", "b", "--steps", "-1"), "--steps"),
-        (("compare", "a", "b", "--alpha", "2"), "--alpha"),
-        (("compare", "a", "b", "--alpha", "nan"), "--alpha"),
         (("compare", "a", "b", "--slowdown", "0.9"), "--slowdown"),
         (("export", "stack", "--pick", "-1", "--out", "c"), "--pick"),
         (("report", "a", "--width", "3m"), "--width"),

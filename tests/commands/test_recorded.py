@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from frictionbench.commands.export import export
-from frictionbench.commands.shrink import shrink
-from frictionbench.commands.single import advice, rerun_row, solve_one
+from frictionbench.commands.single import advice, rerun_row, shrink, solve_one
 from frictionbench.harness.cells.collect import collect
 from frictionbench.harness.plans.choose import choose
 from frictionbench.harness.plans.plan import Source

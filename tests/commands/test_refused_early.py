@@ -5,7 +5,7 @@ import resource
 import pytest
 
 from frictionbench.commands import single
-from frictionbench.commands.map import plan_map
+from frictionbench.harness.maps import plan_map
 from frictionbench.harness.plans.choose import choose
 from frictionbench.harness.workers import inputs
 from frictionbench.problems import InputError

@@ -7,7 +7,7 @@ from contextlib import suppress
 import numpy as np
 import pytest
 
-from frictionbench.commands.shrink import shrink
+from frictionbench.commands.single import shrink
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.run import run
 from frictionbench.harness.shrink import Search, reduction

@@ -373,8 +373,6 @@ def test_comparison_files(runs, tmp_path, monkeypatch):
         "solved → crashed, residual 1.0e-09 → nan ill?",
         "unsolved → skipped, residual 1.0e-09 → nan absent",
     ]
-    figures = {entry["name"]: entry["value"] for entry in json.loads((tmp_path / "out" / "benchmark.json").read_text("utf-8"))}
-    assert figures == {"a: not solved": 1, "a: time": pytest.approx(3000)}
     monkeypatch.setenv("GITHUB_STEP_SUMMARY", str(tmp_path / "summary"))
     summarise(result)
     page = (tmp_path / "out" / "comparison.md").read_text(encoding="utf-8")

@@ -147,7 +147,7 @@ def run_solve(cell: SolveCell, record: Record, limit: float) -> Row:
         verdict = Verdict.WRONG if error.claimed else Verdict.UNSOLVED
         return _done(start_time, row | {"verdict": verdict, "reason": str(error), "claimed": error.claimed})
     except BaseException as error:  # whatever a solver raises, also SystemExit, is a finding of its row
-        return _done(start_time, row | {"verdict": Verdict.CRASHED, "reason": plugins.describe_error(error)})
+        return _done(start_time, row | _crashed(error))
     row["peak_memory"] = process.peak_memory()
     row |= _core_columns(core, timing.spent)
     reference = stored_answer(_worker.folder, cell.problem)
@@ -173,15 +173,7 @@ def run_simulation(cell: SimulationCell, limit: float) -> Row:
         return _done(start_time, row | {"verdict": Verdict.SKIPPED, "reason": reason})
     stage = scene(cell.scene, **cell.parameters)
     start_time += _warm_up(cell.variant, stage.dimension, bool(stage.hinges), limit)
-    process.reset_peak_memory()
-    try:
-        with _worker.deadline.within(limit, *_compiling(cell.variant)), process.watch_core() as core:
-            simulated = run_closed_loop(cell, info, solver)
-    except BaseException as error:
-        return _done(start_time, row | {"verdict": Verdict.CRASHED, "reason": plugins.describe_error(error)})
-    return _done(
-        start_time, row | simulated | {"peak_memory": process.peak_memory()} | _core_columns(core, perf_counter() - start_time)
-    )
+    return _done(start_time, row | _measured(cell.variant, limit, lambda: run_closed_loop(cell, info, solver)))
 
 
 def run_batch(cell: BatchCell, limit: float) -> Row:
@@ -191,20 +183,27 @@ def run_batch(cell: BatchCell, limit: float) -> Row:
     with _worker.deadline.within(limit, COMPILE_SECONDS):
         batch = batch_of(cell.scene, json.dumps(cell.parameters), cell.count)
     start_time = perf_counter()
-    refused = next(filter(None, map(info.refuses, batch.problems)), None)
     row |= batch.facts
-    if reason := info.missing or refused:
+    if reason := info.missing or next(filter(None, map(info.refuses, batch.problems)), None):
         return _done(start_time, row | {"verdict": Verdict.SKIPPED, "reason": reason})
     start_time += _warm_up(cell.variant, batch.dimension, False, limit)
+    return _done(start_time, row | _measured(cell.variant, limit, lambda: time_batch(cell, batch, info)))
+
+
+def _measured(variant: str, limit: float, measure: Callable[[], Row]) -> Row:
+    """The columns that `measure` finds, and those of memory and core; that it crashed, whatever a solver raises."""
     process.reset_peak_memory()
     begun = perf_counter()
     try:
-        with _worker.deadline.within(limit, *_compiling(cell.variant)), process.watch_core() as core:
-            found = time_batch(cell, batch, info)
+        with _worker.deadline.within(limit, *_compiling(variant)), process.watch_core() as core:
+            found = measure()
     except BaseException as error:
-        return _done(start_time, row | {"verdict": Verdict.CRASHED, "reason": plugins.describe_error(error)})
-    columns = _core_columns(core, perf_counter() - begun)
-    return _done(start_time, row | found | {"peak_memory": process.peak_memory()} | columns)
+        return _crashed(error)
+    return found | {"peak_memory": process.peak_memory()} | _core_columns(core, perf_counter() - begun)
+
+
+def _crashed(error: BaseException) -> Row:
+    return {"verdict": Verdict.CRASHED, "reason": plugins.describe_error(error)}
 
 
 def run_check(variant: str, check: str, violations: Callable[[SolverInfo, Solver, str], list[str]], limit: float) -> list[str]:

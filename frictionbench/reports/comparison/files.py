@@ -2,7 +2,6 @@
 
 comparison.md      the text shown in the terminal
 comparison.json    all results as data
-benchmark.json     figures of the current run, smaller is better (github-action-benchmark's format customSmallerIsBetter)
 junit.xml          a test suite per solver with a test case per cell, counter and time (JUnit)
 """
 
@@ -16,9 +15,9 @@ from xml.etree import ElementTree
 import numpy as np
 import pandas as pd
 
-from frictionbench.problems.verdicts import ACCEPTED, Verdict, measured
+from frictionbench.problems.verdicts import Verdict
 from frictionbench.reports.comparison.markdown import format_verdicts, markdown, rerun_command
-from frictionbench.results.cells import parse_counts, read
+from frictionbench.results.cells import read
 from frictionbench.results.changes import Change, Flip, Growth
 from frictionbench.results.compare import Comparison
 from frictionbench.results.files import replaced, write_text
@@ -33,7 +32,6 @@ def write_files(comparison: Comparison, folder: Path) -> None:
     write_text(folder / "comparison.md", markdown(comparison))
     write_text(folder / "comparison.json", _text(data(comparison)))
     cells = pd.DataFrame() if comparison.unusable or comparison.benchmarks else read(comparison.current).table
-    write_text(folder / "benchmark.json", _text(figures(comparison, cells)))
     with replaced(folder / "junit.xml") as partial:
         ElementTree.ElementTree(junit(comparison, cells)).write(partial, encoding="utf-8", xml_declaration=True)
 
@@ -48,22 +46,6 @@ def data(comparison: Comparison) -> dict[str, Any]:
 def _values(comparison: Comparison, found: Change) -> dict[str, Any]:
     values = vars(found) | {"worse": found.worse}
     return values | ({"command": rerun_command(comparison, found)} if isinstance(found, Flip) else {})
-
-
-def figures(comparison: Comparison, cells: pd.DataFrame) -> list[dict[str, Any]]:
-    """For each solver the number of cells not solved, sums of counters and the geometric mean time."""
-    found = []
-    for variant, own in cells.groupby("variant") if len(cells) else ():
-        ran = own[measured(own)]
-        good = ran["verdict"].isin(ACCEPTED)
-        found.append({"name": f"{variant}: not solved", "unit": "cells", "value": int((~good).sum())})
-        counters = pd.DataFrame([parse_counts(line) for line in ran["work"]]).sum()
-        found += [{"name": f"{variant}: {name}", "unit": name, "value": int(count)} for name, count in counters.items()]
-        if np.isfinite(mean := np.exp(np.log(ran.loc[good, "seconds"].dropna()).mean())):
-            found.append({"name": f"{variant}: time", "unit": "µs", "value": 1e6 * mean})
-    if comparison.benchmarks:
-        found += [{"name": time.variant, "unit": "µs", "value": 1e6 * time.after} for time in comparison.times]
-    return found
 
 
 def junit(comparison: Comparison, cells: pd.DataFrame) -> ElementTree.Element:
