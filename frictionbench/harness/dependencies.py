@@ -11,6 +11,7 @@ worker had loaded before; of a library of the suite's the version is reported. W
 import os
 import sys
 import tempfile
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from frictionbench.solvers import executable, plugins
 
 SYSTEM = tuple(Path(place) for place in ("/usr/lib", "/usr/lib64", "/lib", "/lib64", "/etc", "/proc", "/sys", "/dev"))
 MOST = 1000  # files read: a plug-in that reads more is not followed further
+MOST_FILES, LARGEST = 50_000, 16 * 2**30  # files and bytes of a package: more than any has, and hashed in a minute
 COMPILED = (".py", ".pyc", ".nbi", ".nbc")  # suffixes of modules, and of what is made from them
 VERSION = "version "  # before the version of a library, which stands in place of a path
 Loaded = dict[str, str]  # by name a path, or VERSION and a version
@@ -71,7 +73,8 @@ def loaded() -> Loaded:
     places += [_watch.folder, *_left_out()]
     others = {Path(path).resolve() for path in {*_mapped(), *_watch.read} - _watch.libraries - _watch.written}
     for path in sorted(others):
-        if path.is_file() and path.suffix not in COMPILED and not any(map(path.is_relative_to, places)):
+        metadata = path.parent.suffix in (".dist-info", ".egg-info")
+        if path.is_file() and path.suffix not in COMPILED and not metadata and not any(map(path.is_relative_to, places)):
             found[_named(path)] = str(path)
     return found
 
@@ -139,11 +142,15 @@ def _named_files(plugin: Plugin) -> Loaded:
 
 
 def hashed(place: str) -> str:
-    """The hash of what lies at a path, or the version itself; empty where it cannot be read."""
+    """The hash of the file or folder at a path, or the version itself; empty where it cannot be read or is too large: a worker
+    may report any path."""
     if place.startswith(VERSION):
         return place.removeprefix(VERSION)
     path = Path(place)
     try:
-        return plugins.content_of(path) if path.is_file() or path.is_dir() else ""
+        files = [path] if path.is_file() else list(islice((each for each in path.rglob("*") if each.is_file()), MOST_FILES + 1))
+        if not files or len(files) > MOST_FILES or sum(each.stat().st_size for each in files) > LARGEST:
+            return ""
+        return plugins.content_of(path)
     except OSError:
         return ""

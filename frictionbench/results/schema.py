@@ -214,11 +214,11 @@ BATCHES = (
     Column("verified", _real, "1", "share of problems whose verified residual is within the tolerance"),
     Column("residual", _real, "1", "largest verified residual"),
     Column("work", _text, "", "deterministic counters, summed over the problems, a JSON object"),
-    Column("times", _reals, "s", "processor's time over the number of problems, of each round"),
+    Column("times", _reals, "s", "processor's time, or the duration if it waited, over the number of problems, of each round"),
     Column("base", _text, "", "solver of the single calls to which rates are relative"),
-    Column("base_times", _reals, "s", "processor's time of such a single call, measured in turn with `times`"),
+    Column("base_times", _reals, "s", "the same of such a single call, measured in turn with `times`"),
     Column(
-        "problem_times", _reals, "s", "processor's time of each problem of a sample, solved many times over in the same way"
+        "problem_times", _reals, "s", "the same of each problem of a sample, solved many times over; null if results are reused"
     ),
     Column("threads", _whole, "", "number of threads, on as many cores; null where they were not tried"),
     Column("gain", _real, "1", "rate on them over that on one, by the wall's clock; null where other processes ran meanwhile"),

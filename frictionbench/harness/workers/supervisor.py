@@ -272,13 +272,14 @@ def work(
 
 def _checked(line: bytes) -> tuple[bytes, bool]:
     """The reply to send on, and whether its worker can be reused. A solver may have written anything to the pipe."""
-    with suppress(ValueError, TypeError, RecursionError):
+    with suppress(ValueError, RecursionError):
         reply = json.loads(line) if line.count(b"\n") == 1 else None
         if (
             isinstance(reply, dict)
             and reply.keys() <= {"value", "failure", "reason", "helpers", "loaded"}
             and reply.get("failure") in (None, Verdict.CRASHED.name)
-            and all(isinstance(place, str) for place in dict(reply.get("loaded", {})).values())
+            and isinstance(reply.setdefault("loaded", {}), dict)
+            and all(isinstance(place, str) for place in reply["loaded"].values())
         ):
             return line, True
     return _failure(Verdict.CRASHED, "the worker returned a malformed reply"), False
