@@ -126,11 +126,12 @@ class Record:
 
 
 def begun(plan: Plan) -> dict[str, Any]:
-    """The parts `loaded` and `content` of a manifest, before anything has run."""
+    """The parts `loaded` and `content` of a manifest, before anything has run; without files that are still to be written, as
+    the steps that are judged, which are named by their hashes."""
     files = {name for source in plan.sources for name in (source.file, source.before) if name}
     loaded = {plugin.source: _named_files(plugin) for plugin in plan.plugins}
     places = sorted(files | {place for known in loaded.values() for place in known.values()})
-    return {"loaded": loaded, "content": {place: hashed(place) for place in places}}
+    return {"loaded": loaded, "content": {place: digest for place in places if (digest := hashed(place))}}
 
 
 def _named_files(plugin: Plugin) -> Loaded:
