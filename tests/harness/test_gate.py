@@ -253,6 +253,7 @@ def test_waiting_counts_in_batches(monkeypatch: pytest.MonkeyPatch) -> None:
         return batch.solve(problem, spec, tol=tol)
 
     monkeypatch.setattr(batch, "perf_counter", lambda: clock["now"])
+    monkeypatch.setattr(batch.process, "waited", lambda: 0.0)
     row, _ = batch_times(monkeypatch, sleeps)
     assert row["times"] == [5.0, 5.0]
 
