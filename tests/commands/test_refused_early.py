@@ -8,8 +8,7 @@ from frictionbench.commands import single
 from frictionbench.harness.maps import plan_map
 from frictionbench.harness.plans.choose import choose
 from frictionbench.harness.workers import inputs
-from frictionbench.problems import InputError
-from frictionbench.problems.scenes import catalogue
+from frictionbench.problems import InputError, catalogue
 from tests.helpers.command_line import frictionbench
 from tests.helpers.made_results import solve_row, write_folder
 
