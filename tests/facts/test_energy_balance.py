@@ -8,6 +8,7 @@ from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual
 from frictionbench.problems.simulate import ledger_defect
 from frictionbench.solvers import Status, solve
+from tests.helpers.friction_problems import contacts_of
 
 
 def kinetic(problem, v) -> float:
@@ -45,16 +46,7 @@ def designed(seed) -> tuple[FrictionProblem, np.ndarray]:
     r = np.column_stack([c, np.where(sticks, random.uniform(-1, 1, nc) * limit, -np.sign(u_t) * limit)])
     bias = np.where(is_open, random.random(nc), 0) - N @ v
     push = N.T @ r[:, 0] + T.T @ r[:, 1] + F.T @ random.standard_normal(1)
-    problem = FrictionProblem(
-        mass=M,
-        normal=N,
-        tangent=T,
-        friction=mu,
-        free_velocity=v - np.linalg.solve(M, push),
-        bias=bias,
-        friction_bias=at_hand,
-        joints=F,
-    )
+    problem = contacts_of(N, T, mu, v - np.linalg.solve(M, push), mass=M, bias=bias, friction_bias=at_hand, joints=F)
     return problem, r
 
 

@@ -8,7 +8,7 @@ from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import relaxation_residual, residual, residual_floor
 from frictionbench.problems.scenes import scene
 from frictionbench.solvers import solve
-from tests.helpers.friction_problems import block
+from tests.helpers.friction_problems import block, contacts_of
 
 G = 9.81
 
@@ -85,15 +85,7 @@ def test_polygon_friction_deficit(facets, percent) -> None:
     mu, deficits = 0.5, {}
     for name, angle in (("between", np.pi / facets), ("along", 2 * np.pi / facets)):
         way = np.array([np.cos(angle), np.sin(angle)])
-        problem = FrictionProblem(
-            mass=np.eye(3),
-            normal=[[0, 0, 1]],
-            tangent=[[1, 0, 0], [0, 1, 0]],
-            friction=[mu],
-            free_velocity=[*(10 * way), -1],
-            bias=[0],
-            dimension=3,
-        )
+        problem = contacts_of([[0, 0, 1]], [[1, 0, 0], [0, 1, 0]], [mu], [*(10 * way), -1])
         lcp = problem.lcp(facets=facets)
         answer = solve(lcp, "lemke", tol=1e-10)
         assert answer.z is not None

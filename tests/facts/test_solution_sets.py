@@ -10,57 +10,30 @@ from frictionbench.problems.analysis.polyhedra import Shape
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual, residual_floor
 from frictionbench.solvers import Status, solve
+from tests.helpers.friction_problems import contacts_of
 from tests.helpers.paths import DATA
 
 
 def jam(mu=0.5, bias=(0.0, 0.0)) -> FrictionProblem:
     """A particle between two walls that face each other, moving along them."""
-    return FrictionProblem(
-        mass=np.eye(2),
-        normal=[[1, 0], [-1, 0]],
-        tangent=[[0, 1], [0, 1]],
-        friction=[mu] * 2,
-        free_velocity=[0, 1],
-        bias=bias,
-    )
+    return contacts_of([[1, 0], [-1, 0]], [[0, 1], [0, 1]], mu, [0, 1], bias=bias)
 
 
 def two_corner_block(mu, free_velocity) -> FrictionProblem:
     """A square block that stands on its two lower corners."""
-    return FrictionProblem(
-        mass=np.diag([1, 1, 1 / 6]),
-        normal=[[0, 1, -0.5], [0, 1, 0.5]],
-        tangent=[[1, 0, 0.5]] * 2,
-        friction=[mu] * 2,
-        free_velocity=free_velocity,
-        bias=[0, 0],
-    )
+    return contacts_of([[0, 1, -0.5], [0, 1, 0.5]], [[1, 0, 0.5]] * 2, mu, free_velocity, mass=np.diag([1, 1, 1 / 6]))
 
 
 def wedge(angle, mu) -> FrictionProblem:
     """A particle pressed into a wedge of two walls, each at `angle` from its axis."""
     normal = np.array([[np.cos(angle), np.sin(angle)], [-np.cos(angle), np.sin(angle)]])
-    return FrictionProblem(
-        mass=np.eye(2),
-        normal=normal,
-        tangent=np.column_stack([normal[:, 1], -normal[:, 0]]),
-        friction=[mu] * 2,
-        free_velocity=[0, -1],
-        bias=[0, 0],
-    )
+    return contacts_of(normal, np.column_stack([normal[:, 1], -normal[:, 0]]), mu, [0, -1])
 
 
 def near_jam() -> FrictionProblem:
     """One step of three blocks; an opposed pair of vertices, -7e-6 m apart, holds the first two almost without a way out."""
     data = np.load(DATA / "near_jam.npz")
-    return FrictionProblem(
-        mass=data["M"],
-        normal=data["N"].T,
-        tangent=data["T"].T,
-        friction=np.full(6, float(data["mu"])),
-        free_velocity=data["vfree"],
-        bias=data["b"],
-    )
+    return contacts_of(data["N"].T, data["T"].T, np.full(6, float(data["mu"])), data["vfree"], mass=data["M"], bias=data["b"])
 
 
 def on_arc(t, mu) -> np.ndarray:
@@ -185,15 +158,7 @@ def test_a_table_on_four_legs() -> None:
     tangent = np.zeros((8, 6))
     tangent[::2, 0], tangent[1::2, 1] = 1, 1
     tangent[::2, 5], tangent[1::2, 5] = -corners[:, 1], corners[:, 0]
-    table = FrictionProblem(
-        mass=np.diag([m, m, m, 2, 2, 3]),
-        normal=normal,
-        tangent=tangent,
-        friction=[0.5] * 4,
-        free_velocity=[0, 0, -9.81 * 0.01, 0, 0, 0],
-        bias=[0] * 4,
-        dimension=3,
-    )
+    table = contacts_of(normal, tangent, [0.5] * 4, [0, 0, -9.81 * 0.01, 0, 0, 0], mass=np.diag([m, m, m, 2, 2, 3]))
     weight = m * 9.81 * 0.01
     for s in (0.0, 0.1, -0.24):
         r = np.zeros((4, 3))

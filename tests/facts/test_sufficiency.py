@@ -8,6 +8,7 @@ from scipy.optimize import linprog
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.random_problem import random_problem
+from tests.helpers.friction_problems import contacts_of
 
 
 def one_contact(a, b, g, mu) -> np.ndarray:
@@ -21,13 +22,8 @@ def random_contact(seed) -> tuple[float, float, float]:
 
 
 def two_corner_block(mu, H=1.0, w=1.0) -> np.ndarray:
-    problem = FrictionProblem(
-        mass=np.diag([1, 1, (w * w + H * H) / 12]),
-        normal=[[0, 1, -w / 2], [0, 1, w / 2]],
-        tangent=[[1, 0, H / 2]] * 2,
-        friction=[mu] * 2,
-        free_velocity=[0, -1, 0],
-        bias=[0, 0],
+    problem = contacts_of(
+        [[0, 1, -w / 2], [0, 1, w / 2]], [[1, 0, H / 2]] * 2, mu, [0, -1, 0], mass=np.diag([1, 1, (w * w + H * H) / 12])
     )
     return problem.lcp().dense
 
@@ -74,14 +70,7 @@ def test_never_row_sufficient(seed) -> None:
 @pytest.mark.parametrize("mu", [0.1, 2.0])
 def test_not_column_sufficient_without_pointed_cone(mu) -> None:
     """A particle between two walls: N c = 0 for c = (1, 1), and z = (c, 0, -1) has z o Qz = (0, 0, -mu c)."""
-    jam = FrictionProblem(
-        mass=np.eye(2),
-        normal=[[1, 0], [-1, 0]],
-        tangent=[[0, 1], [0, 1]],
-        friction=[mu] * 2,
-        free_velocity=[0, 1],
-        bias=[0, 0],
-    )
+    jam = contacts_of([[1, 0], [-1, 0]], [[0, 1], [0, 1]], mu, [0, 1])
     z = np.array([1, 1, 0, 0, 0, 0, -1, -1.0])
     assert z * (jam.lcp().M @ z) == pytest.approx([0, 0, 0, 0, 0, 0, -mu, -mu])
 

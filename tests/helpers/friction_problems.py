@@ -5,6 +5,21 @@ import numpy as np
 from frictionbench.problems import FrictionProblem
 
 
+def contacts_of(normal, tangent, friction, free_velocity, mass=None, bias=0.0, **more) -> FrictionProblem:
+    """The problem of contacts with these rows; of unit masses unless given. friction, bias: one for all contacts, or each."""
+    nc = len(normal)
+    return FrictionProblem(
+        mass=np.eye(len(free_velocity)) if mass is None else mass,
+        normal=normal,
+        tangent=tangent,
+        friction=np.broadcast_to(friction, nc),
+        free_velocity=free_velocity,
+        bias=np.broadcast_to(bias, nc),
+        dimension=1 + len(tangent) // nc,
+        **more,
+    )
+
+
 def block(speed=1.0, friction=0.5, mass=2.0, h=0.01, **more) -> FrictionProblem:
     """A point mass on the ground under gravity, sliding at `speed`."""
     return FrictionProblem(

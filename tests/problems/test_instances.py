@@ -12,6 +12,7 @@ from frictionbench.problems.residual import residual
 from frictionbench.problems.scenes import scene
 from frictionbench.problems.subproblems import keep_contacts
 from frictionbench.solvers import solve
+from tests.helpers.friction_problems import contacts_of
 
 SPATIAL = ("box_wall", "cubes", "packed_spheres", "random_bodies", "rod_chain", "sphere_pyramid")
 SMALL = {
@@ -173,14 +174,7 @@ def test_island_ratio() -> None:
 def test_islands_are_those_that_the_residual_is_judged_by() -> None:
     """Two bodies on a third that is 1e14 times as heavy are apart, though W is not zero between them."""
     normal = np.array([[1.0, 0.0, -1.0], [0.0, 1.0, -1.0]])
-    problem = FrictionProblem(
-        mass=np.diag([1.0, 1.0, 1e14]),
-        normal=normal,
-        tangent=np.zeros((2, 3)),
-        friction=np.ones(2),
-        free_velocity=np.array([-1.0, -1e-3, 0.0]),
-        bias=np.zeros(2),
-    )
+    problem = contacts_of(normal, np.zeros((2, 3)), np.ones(2), np.array([-1.0, -1e-3, 0.0]), mass=np.diag([1.0, 1.0, 1e14]))
     assert problem.W[0, 2] > 0
     assert _islands(problem) == (2, pytest.approx(1e3))
 

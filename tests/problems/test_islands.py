@@ -14,7 +14,7 @@ from frictionbench.problems.residual import energy_within, polygon_residual, rel
 from frictionbench.problems.scenes import scene
 from frictionbench.problems.subproblems import side_by_side
 from frictionbench.solvers import available, solve
-from tests.helpers.friction_problems import block, spatial, with_joints
+from tests.helpers.friction_problems import block, contacts_of, spatial, with_joints
 
 
 def in_contact_space(problem):
@@ -211,16 +211,8 @@ def test_a_sliding_contact_whose_bias_is_rounding_can_be_judged() -> None:
 def test_a_locked_tangent_is_no_diagonal_of_the_lcp(angle) -> None:
     """Rounding of a diagonal that vanishes misled the scaling, and with it the claims, of methods on the LCP."""
     locked = [[0.0, np.cos(angle), np.sin(angle)]]
-    problem = FrictionProblem(
-        mass=np.eye(3),
-        normal=[[1.0, 0.0, 0.0]],
-        tangent=[[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        friction=[0.5],
-        free_velocity=[-0.1, 1.0, 0.3],
-        bias=[0.0],
-        joints=locked,
-        joint_bias=[0.5],
-        dimension=3,
+    problem = contacts_of(
+        [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], 0.5, [-0.1, 1.0, 0.3], joints=locked, joint_bias=[0.5]
     )
     diagonal = problem.lcp().dense.diagonal()
     assert ((diagonal == 0) | (diagonal > 1e-3)).all()

@@ -10,6 +10,7 @@ from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import relaxation_residual, residual, residual_floor
 from frictionbench.problems.verdicts import Verdict
 from frictionbench.problems.verify import verify
+from tests.helpers.friction_problems import contacts_of
 
 contact_space = FrictionProblem.from_delassus
 NEIGHBOURS = np.eye(4) + 0.1 * np.kron([[0, 1], [1, 0]], np.eye(2))
@@ -44,14 +45,13 @@ def test_signorini_s_law_is_not_asked_of_the_relaxation() -> None:
 
 def belt():
     """A ball on the ground below a belt that is nearly out of reach and moves with 200 m/s."""
-    return FrictionProblem(
+    return contacts_of(
+        [[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]],
+        [[1.0, 0.0, 0.0], [1.0, 0.0, -1.0]],
+        0.5,
+        [5e-3, -1e-2, 200.0],
         mass=np.diag([1.0, 1.0, 1e3]),
-        normal=[[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]],
-        tangent=[[1.0, 0.0, 0.0], [1.0, 0.0, -1.0]],
-        friction=[0.5, 0.5],
-        free_velocity=[5e-3, -1e-2, 200.0],
         bias=[0.0, 0.05],
-        dimension=2,
     )
 
 
@@ -100,13 +100,12 @@ def test_a_sliding_block_needs_its_support(speed, step) -> None:
 def test_a_cup_on_a_fast_sled_needs_its_support() -> None:
     """The sled rests on the ground and slides with 10 m/s; nothing supports the cup on it."""
     cup, sled = np.array([0.0, 1.0, 0.0, -1.0]), np.array([0.0, 0.0, 0.0, 1.0])
-    problem = FrictionProblem(
+    problem = contacts_of(
+        [sled, cup],
+        [[0.0, 0.0, 1.0, 0.0], [1.0, 0.0, -1.0, 0.0]],
+        [0.0, 0.5],
+        [10.0, -9.81e-4, 10.0, -9.81e-4],
         mass=np.diag([0.2, 0.2, 20.0, 20.0]),
-        normal=[sled, cup],
-        tangent=[[0.0, 0.0, 1.0, 0.0], [1.0, 0.0, -1.0, 0.0]],
-        friction=[0.0, 0.5],
-        free_velocity=[10.0, -9.81e-4, 10.0, -9.81e-4],
-        bias=[0.0, 0.0],
     )
     held = np.array([[20.0 * 9.81e-4, 0.0], [0.0, 0.0]])  # the sled alone, so that the cup falls into it
     assert residual(problem, held) == pytest.approx(1.0)
@@ -115,14 +114,7 @@ def test_a_cup_on_a_fast_sled_needs_its_support() -> None:
 def hinge(coordinate):
     """A block on the ground, and a limit of an angle (rad) that closes, with the unit of angle in rad."""
     rows = np.array([[0.0, 1.0, 0.3], [0.0, 0.0, 1.0 / coordinate]])
-    return FrictionProblem(
-        mass=np.diag([1.0, 1.0, 0.02]),
-        normal=rows,
-        tangent=[[1.0, 0.0, 0.1], [0.0, 0.0, 0.0]],
-        friction=[0.5, 0.0],
-        free_velocity=[0.3, -0.02, -2.0],
-        bias=[0.0, 0.0],
-    )
+    return contacts_of(rows, [[1.0, 0.0, 0.1], [0.0, 0.0, 0.0]], [0.5, 0.0], [0.3, -0.02, -2.0], mass=np.diag([1.0, 1.0, 0.02]))
 
 
 @pytest.mark.parametrize("coordinate", [np.pi / 180, 1e3, 1e-6])

@@ -11,7 +11,7 @@ from frictionbench.problems.residual import relaxation_residual, residual, resid
 from frictionbench.problems.subproblems import side_by_side
 from frictionbench.problems.verify import NEAR, verify
 from frictionbench.solvers import Answer, Status, solve
-from tests.helpers.friction_problems import block, spatial
+from tests.helpers.friction_problems import block, contacts_of, spatial
 
 LEMKE, RELAXATION = "lcp", "relaxation"
 
@@ -101,14 +101,7 @@ def test_regularised_contacts(share, verdict, said):
 
 def opposed() -> FrictionProblem:
     """A body between two walls that press it from both sides; equal impulses cancel."""
-    return FrictionProblem(
-        mass=np.eye(2),
-        normal=[[0.0, 1.0], [0.0, -1.0]],
-        tangent=[[1.0, 0.0], [1.0, 0.0]],
-        friction=[0.5, 0.5],
-        free_velocity=[1.0, -1.0],
-        bias=[0.0, 0.0],
-    )
+    return contacts_of([[0.0, 1.0], [0.0, -1.0]], [[1.0, 0.0], [1.0, 0.0]], 0.5, [1.0, -1.0])
 
 
 def test_large_impulses_are_unjudgeable():

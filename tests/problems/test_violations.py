@@ -8,6 +8,7 @@ from frictionbench.problems.instances import make_instance
 from frictionbench.problems.recorded.own import EngineStep
 from frictionbench.problems.violations import judged, penetration, violations
 from frictionbench.solvers import solve
+from tests.helpers.friction_problems import contacts_of
 
 H = 0.01
 
@@ -15,15 +16,7 @@ H = 0.01
 def ball(*velocity: float, gap: float = 0.0) -> FrictionProblem:
     """A point of 1 kg on a floor of friction 0.5; velocities normal first."""
     rows = np.eye(3)
-    return FrictionProblem(
-        mass=rows,
-        normal=rows[:1],
-        tangent=rows[1:],
-        friction=[0.5],
-        free_velocity=velocity,
-        bias=[gap / H],
-        dimension=3,
-    )
+    return contacts_of(rows[:1], rows[1:], 0.5, velocity, mass=rows, bias=[gap / H])
 
 
 @pytest.mark.parametrize(

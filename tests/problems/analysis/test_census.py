@@ -14,7 +14,7 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scenes import scene
-from tests.helpers.friction_problems import block, nothing, spatial, with_joints
+from tests.helpers.friction_problems import block, contacts_of, nothing, spatial, with_joints
 from tests.helpers.lcp_census import lcp_census
 
 
@@ -67,14 +67,7 @@ def test_no_contact_has_one_empty_solution() -> None:
 
 def test_frictionless_supports() -> None:
     """Two frictionless supports and a third in their middle: one velocity, a segment of impulses."""
-    problem = FrictionProblem(
-        mass=np.eye(2),
-        normal=[[1, -1], [1, 0], [1, 1]],
-        tangent=np.zeros((3, 2)),
-        friction=np.zeros(3),
-        free_velocity=[-1, 0],
-        bias=np.zeros(3),
-    )
+    problem = contacts_of([[1, -1], [1, 0], [1, 1]], np.zeros((3, 2)), np.zeros(3), [-1, 0])
     found = census(problem)
     assert found.shape is Shape.CONVEX
     assert found.velocity_count == 1
@@ -88,15 +81,7 @@ def test_frictionless_supports() -> None:
 def test_friction_bias_on_opening_contact() -> None:
     """A slow particle leaves the ground and yet is held along it by the friction bias; a fast one is slowed by all of it."""
     for speed, left, letter in ((0.1, 0.0, "S"), (1.0, 0.75, "R"), (-1.0, -0.75, "L")):
-        problem = FrictionProblem(
-            mass=2 * np.eye(2),
-            normal=[[0, 1]],
-            tangent=[[1, 0]],
-            friction=[0.5],
-            free_velocity=[speed, 1.0],
-            bias=[0],
-            friction_bias=[0.5],
-        )
+        problem = contacts_of([[0, 1]], [[1, 0]], 0.5, [speed, 1.0], mass=2 * np.eye(2), friction_bias=[0.5])
         found = census(problem)
         assert [piece.mode for piece in found.pieces] == [letter]
         assert found.pieces[0].vertices == pytest.approx(np.array([[0, 2 * (left - speed)]]))

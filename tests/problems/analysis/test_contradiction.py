@@ -16,20 +16,13 @@ from frictionbench.problems.residual import residual
 from frictionbench.problems.subproblems import side_by_side
 from frictionbench.solvers import solve
 from tests.helpers.command_line import frictionbench
-from tests.helpers.friction_problems import block, nothing, spatial
+from tests.helpers.friction_problems import block, contacts_of, nothing, spatial
 
 
 def between_walls(first=-1.0, second=-0.5, angle=0.7):
     """A point between two walls that ask it to leave with speeds -first and -second, in opposite directions."""
     n, t = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
-    return FrictionProblem(
-        mass=np.diag([2.0, 2.0]),
-        normal=[n, -n],
-        tangent=[t, -t],
-        friction=[0.5, 0.5],
-        free_velocity=[0.1, 0.0],
-        bias=[first, second],
-    )
+    return contacts_of([n, -n], [t, -t], 0.5, [0.1, 0.0], mass=np.diag([2.0, 2.0]), bias=[first, second])
 
 
 def in_contact_space(problem):
