@@ -25,10 +25,10 @@ from frictionbench.harness.workers.pool import Pool, Task
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.analysis.contradiction import contradiction
 from frictionbench.problems.check import Array, require
+from frictionbench.problems.measures import judged, penetration, violations
 from frictionbench.problems.recorded import own
 from frictionbench.problems.residual import contact_residuals, residual_floor
 from frictionbench.problems.simulate import ledger_defect
-from frictionbench.problems.violations import judged, penetration, violations
 from frictionbench.results.files import replaced, subfolder
 from frictionbench.results.judgement import LAWS, Judgement, checked, touching, write_judgements
 

@@ -72,53 +72,35 @@ __all__ = [
     "velocity_distance",
 ]
 
-_DEFINED_IN = {
-    "Census": "analysis.census",
-    "census": "analysis.census",
-    "frictionless_answer": "analysis.frictionless",
-    "idle": "analysis.frictionless",
-    "refined": "analysis.outcomes",
-    "velocity_distance": "analysis.outcomes",
-    "Shape": "analysis.polyhedra",
-    "is_p0": "analysis.thresholds",
-    "is_pointed": "analysis.thresholds",
-    "comply": "compliant",
-    "ReducedScene": "generalised",
-    "recorded_steps": "instances.recorded_step",
-    "relaxation_residual": "residual",
-    "GRAVITY": "scene",
-    "NoSolution": "schemes",
-    "Step": "schemes",
-    "Impact": "schemes.event_driven",
-    "follow": "schemes.event_driven",
-    "newton": "schemes.event_driven",
-    "impact": "schemes.impact",
-    "Scheme": "schemes.stepping",
-    "Solve": "schemes.stepping",
-    "Solved": "schemes.stepping",
-    "first_problem": "simulate",
-    "simulation": "simulate",
-    "ACCEPTED": "verdicts",
-    "measured": "verdicts",
-    "LCP": "forms.lcp",
-    "Answer": "answer",
-    "FrictionProblem": "friction",
-    "InputError": "check",
-    "SCHEMES": "schemes",
-    "Scene": "scene",
-    "start": "schemes",
-    "HalfSpace": "spatial.bodies",
-    "solid_box": "spatial.bodies",
-    "solid_sphere": "spatial.bodies",
-    "Status": "answer",
-    "Verdict": "verdicts",
+_DEFINED_IN = {  # by module
+    "analysis.census": ("Census", "census"),
+    "analysis.frictionless": ("frictionless_answer", "idle"),
+    "analysis.outcomes": ("refined", "velocity_distance"),
+    "analysis.polyhedra": ("Shape",),
+    "analysis.thresholds": ("is_p0", "is_pointed"),
+    "answer": ("Answer", "Status"),
+    "check": ("InputError",),
+    "compliant": ("comply",),
+    "forms.lcp": ("LCP",),
+    "friction": ("FrictionProblem",),
+    "generalised": ("ReducedScene",),
+    "instances.recorded_step": ("recorded_steps",),
+    "residual": ("relaxation_residual",),
+    "scene": ("GRAVITY", "Scene"),
+    "schemes": ("SCHEMES", "NoSolution", "Step", "start"),
+    "schemes.event_driven": ("Impact", "follow", "newton"),
+    "schemes.impact": ("impact",),
+    "schemes.stepping": ("Scheme", "Solve", "Solved"),
+    "simulate": ("first_problem", "simulation"),
+    "spatial.bodies": ("HalfSpace", "solid_box", "solid_sphere"),
+    "verdicts": ("ACCEPTED", "Verdict", "measured"),
 }
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _DEFINED_IN:
+    module = next((module for module, names in _DEFINED_IN.items() if name in names), None)
+    if module is None:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    globals()[name] = value = getattr(
-        import_module(f"{__name__}.{_DEFINED_IN[name]}"), {"simulation": "simulate"}.get(name, name)
-    )
+    own = {"simulation": "simulate"}.get(name, name)
+    globals()[name] = value = getattr(import_module(f"{__name__}.{module}"), own)
     return value

@@ -1,28 +1,19 @@
 """Simulated scenes agree with closed-form mechanics, and their energy never rises."""
 
 from functools import cache
-from itertools import pairwise
 
 import numpy as np
 import pytest
 
-from frictionbench import solvers
-from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.labels import pointedness
 from frictionbench.problems.check import Array
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scenes import scene
 from frictionbench.problems.schemes import Step
 from frictionbench.problems.simulate import ledger_defect, simulate
+from tests.helpers.friction_problems import lemke
 
 G = 9.81
-
-
-def lemke(problem: FrictionProblem) -> Array:
-    answer = solvers.solve(problem, "lemke", tol=1e-8)
-    assert answer.status is solvers.Status.SOLVED
-    assert residual(problem, answer.impulse) <= 1e-8
-    return answer.impulse
 
 
 def last(name: str, steps: int | None = None, **parameters: float) -> Step:
@@ -61,18 +52,6 @@ def test_two_blocks_first_order() -> None:
     travel = [two_blocks(0.1, h)["short"] + two_blocks(0.1, h)["far"] for h in steps]
     slope = np.polyfit(np.log(steps), np.log(travel), 1)[0]
     assert 0.7 <= slope <= 1.4
-
-
-@pytest.mark.parametrize("step", [0.02, 0.01, 0.005])
-def test_stopping_block(step: float) -> None:
-    speed = 1.0
-    mu = speed / (G * step * round(0.5 / step))  # stops after half a second exactly
-    made = scene("stopping_block", friction=mu, speed=speed, step=step)
-    states = list(simulate(made, lemke))
-    for before, after in pairwise(states):
-        assert after.v[0] == pytest.approx(max(0.0, before.v[0] - mu * G * step), abs=1e-10)
-        assert after.v[1:] == pytest.approx([0, 0], abs=1e-10)
-    assert states[-1].q[0] - speed**2 / (2 * mu * G) == pytest.approx(-speed * step / 2, abs=1e-10)
 
 
 @pytest.mark.parametrize(("friction", "slides"), [(0.05, True), (0.2, False)])

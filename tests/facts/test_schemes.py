@@ -9,23 +9,17 @@ import pytest
 from frictionbench import solvers
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.check import Array
-from frictionbench.problems.residual import relaxation_residual, residual
+from frictionbench.problems.residual import relaxation_residual
 from frictionbench.problems.scene import Scene
 from frictionbench.problems.scenes import scene
 from frictionbench.problems.schemes import SCHEMES, NoSolution, Step
 from frictionbench.problems.schemes.impact import impact
 from frictionbench.problems.simulate import simulate
 from tests.helpers.force_level import force_level_lcp
+from tests.helpers.friction_problems import lemke
 
 G = 9.81
 BOUNCING = [name for name, scheme in SCHEMES.items() if "restitution" not in scheme.lacks and not scheme.events]
-
-
-def lemke(problem: FrictionProblem) -> Array:
-    answer = solvers.solve(problem, "lemke", tol=1e-8)
-    assert answer.status is solvers.Status.SOLVED
-    assert residual(problem, answer.impulse) <= 1e-8
-    return answer.impulse
 
 
 def relaxation(problem: FrictionProblem) -> Array:

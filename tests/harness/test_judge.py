@@ -9,7 +9,7 @@ import pytest
 import frictionbench as fb
 from frictionbench.commands.judge import told
 from frictionbench.harness.judge import judge, judge_file
-from frictionbench.problems.violations import judged, violations
+from frictionbench.problems.measures import judged, violations
 from frictionbench.reports.judgement import write_judgement
 from frictionbench.results.files import ResultsError
 from frictionbench.results.judgement import NAME, impossible, percentiles, read_judgements

@@ -3,6 +3,8 @@
 import numpy as np
 
 from frictionbench.problems import FrictionProblem
+from frictionbench.problems.residual import residual
+from frictionbench.solvers import Status, solve
 
 
 def contacts_of(normal, tangent, friction, free_velocity, mass=None, bias=0.0, **more) -> FrictionProblem:
@@ -31,6 +33,11 @@ def block(speed=1.0, friction=0.5, mass=2.0, h=0.01, **more) -> FrictionProblem:
         bias=[0.0],
         **more,
     )
+
+
+def known_by_W(problem) -> FrictionProblem:
+    """The problem of which only the Delassus matrix is known."""
+    return FrictionProblem.from_delassus(problem.W, problem.q, problem.friction, problem.dimension, problem.friction_bias)
 
 
 def nothing(dimension=2) -> FrictionProblem:
@@ -68,3 +75,11 @@ def with_joints(problem, joints, friction_bias=None) -> FrictionProblem:
     """A problem with joints F v = 0 and a friction bias added."""
     names = ("mass", "normal", "tangent", "friction", "free_velocity", "bias", "dimension")
     return FrictionProblem(**{name: getattr(problem, name) for name in names}, joints=joints, friction_bias=friction_bias)
+
+
+def lemke(problem) -> np.ndarray:
+    """Impulses that solve the problem, by Lemke's method, or in space, where that takes a polygon, by an interior point."""
+    answer = solve(problem, "lemke" if problem.dimension == 2 else "interior_point", tol=1e-10)
+    assert answer.status is Status.SOLVED
+    assert residual(problem, answer.impulse) <= 1e-9
+    return answer.impulse

@@ -14,13 +14,14 @@ from frictionbench.problems.copies import duplicate, nudged
 from frictionbench.problems.forms import delassus
 from frictionbench.problems.instances import make_instance
 from frictionbench.problems.random_problem import random_problem
+from tests.helpers.friction_problems import known_by_W
 
 PLANAR = random_problem(3, contacts=6)
 PROBLEMS = {
     "plane": PLANAR,
     "space": make_instance("random_bodies", contacts=5),
     "joints": make_instance("rod_chain", links=3),
-    "matrix": FrictionProblem.from_delassus(PLANAR.W, PLANAR.q, PLANAR.friction, 2),
+    "matrix": known_by_W(PLANAR),
     "nothing": FrictionProblem.from_delassus(np.zeros((0, 0)), [], [], 3),
 }
 

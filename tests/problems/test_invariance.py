@@ -1,6 +1,6 @@
 """What the measures of an answer must not depend on: units, the order of contacts, frames and mirrors, contacts met twice.
 
-200 random problems, planar and spatial, with and without joints and friction biases; to each an exact answer and inexact ones.
+60 random problems, planar and spatial, with and without joints and friction biases; to each an exact answer and inexact ones.
 """
 
 from functools import cache
@@ -18,7 +18,7 @@ from frictionbench.problems.verify import verify
 from frictionbench.solvers import Answer, Status, solve
 from tests.helpers.friction_problems import spatial, with_joints
 
-SEEDS = range(200)
+SEEDS = range(60)
 
 
 def rebuilt(problem, **changes):
@@ -167,5 +167,5 @@ def test_duplicated_contact_invariance(seed):
 def test_random_answers_cover_three_verdicts():
     """The answers above are of three kinds, so that equal verdicts mean something."""
     kinds = [[verify(met(seed)[0], Answer(r, Status.SOLVED), "lcp", 1e-5).verdict for r in met(seed)[1]] for seed in SEEDS]
-    assert sum(first == "solved" for first, _, _ in kinds) > 190
-    assert sum(last == "wrong" for _, _, last in kinds) > 190
+    assert sum(first == "solved" for first, _, _ in kinds) > 57
+    assert sum(last == "wrong" for _, _, last in kinds) > 57

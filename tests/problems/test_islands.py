@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from frictionbench.harness.contract.check import in_units, permuted
-from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.stability import backward_error
 from frictionbench.problems.forms.delassus import measures
 from frictionbench.problems.forms.islands import CANCELLED, COUPLED, FAR, LEVEL, mechanical_units
@@ -14,11 +13,7 @@ from frictionbench.problems.residual import energy_within, polygon_residual, rel
 from frictionbench.problems.scenes import scene
 from frictionbench.problems.subproblems import side_by_side
 from frictionbench.solvers import available, solve
-from tests.helpers.friction_problems import block, contacts_of, spatial, with_joints
-
-
-def in_contact_space(problem):
-    return FrictionProblem.from_delassus(problem.W, problem.q, problem.friction, problem.dimension, problem.friction_bias)
+from tests.helpers.friction_problems import block, contacts_of, known_by_W, spatial, with_joints
 
 
 def by_definition(problem, terms):
@@ -72,14 +67,14 @@ def cases(seed):
 def test_units_by_definition(seed) -> None:
     problem = cases(seed)
     speed, terms = sizes(problem)
-    assert in_contact_space(problem).units == pytest.approx(by_definition(problem, speed), rel=1e-9)
+    assert known_by_W(problem).units == pytest.approx(by_definition(problem, speed), rel=1e-9)
     assert problem.units == pytest.approx(by_definition(problem, terms), rel=1e-9)
 
 
 def test_no_impulses_have_the_residual_1_of_either_law() -> None:
     """A belt of 1e3 m/s: what the relaxation has to lift, 500 m/s, is no measure of what Coulomb's law has to change."""
     problem = block(speed=1e3, friction=0.5)
-    for given in (problem, in_contact_space(problem)):
+    for given in (problem, known_by_W(problem)):
         closing = -given.q[0]
         assert given.units == pytest.approx([max(closing, CANCELLED * 1e3)])
         assert given.relaxation_units == pytest.approx([closing + 500])
@@ -87,7 +82,7 @@ def test_no_impulses_have_the_residual_1_of_either_law() -> None:
 
 
 @pytest.mark.parametrize("seed", range(12))
-@pytest.mark.parametrize("convert", [lambda problem: problem, in_contact_space], ids=["bodies", "W"])
+@pytest.mark.parametrize("convert", [lambda problem: problem, known_by_W], ids=["bodies", "W"])
 def test_measures_of_problems_side_by_side_are_the_largest_of_theirs(seed, convert) -> None:
     random, dimension = np.random.default_rng(seed), 2 + seed % 2
     parts, impulses = [], []
@@ -117,7 +112,7 @@ def test_units_follow_units_order_and_observer(seed) -> None:
 
 def test_islands_are_numbered_and_counted() -> None:
     two = side_by_side(scene("stack", blocks=2).problem(), block())
-    for problem in (two, in_contact_space(two)):
+    for problem in (two, known_by_W(two)):
         assert problem.islands.tolist() == [0, 0, 0, 0, 1]
     tied = with_joints(side_by_side(block(), block()), [[1.0, 0.0, -1.0, 0.0]])
     assert tied.islands.tolist() == [0, 0]
@@ -148,7 +143,7 @@ def unlike(seed, dimension, ratio=1e9):
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_balanced_islands_are_alike_and_have_the_same_answers(dimension) -> None:
     problem = unlike(5, dimension)
-    for given in (problem, in_contact_space(problem)):
+    for given in (problem, known_by_W(problem)):
         same, factor = given.balanced()
         assert given.spread > 1e8
         fastest = [same.units[same.islands == island].max() for island in set(same.islands.tolist())]
@@ -193,7 +188,7 @@ def test_what_is_found_without_the_graph_is_what_the_graph_gives(dimension, open
 def test_contacts_that_are_open_by_as_much_do_not_count_as_energy() -> None:
     resting = block(speed=0.0)
     twice = permuted(resting, np.array([0, 0, 0])).replace(bias=[0.0, 1e6, 1e6])
-    for problem in (twice, in_contact_space(twice)):
+    for problem in (twice, known_by_W(twice)):
         assert problem.units[0] == pytest.approx(resting.velocity_scale)
         assert residual(problem, np.zeros((3, 2))) == pytest.approx(1.0)
 
@@ -201,7 +196,7 @@ def test_contacts_that_are_open_by_as_much_do_not_count_as_energy() -> None:
 def test_a_sliding_contact_whose_bias_is_rounding_can_be_judged() -> None:
     """In the second phase of Poisson's law, a block that slides opens by rounding and keeps a friction bias of rounding."""
     sliding = block(speed=3.4).replace(free_velocity=[3.4, 1.6e-8], friction_bias=[1.5e-10])
-    for problem in (sliding, in_contact_space(sliding)):
+    for problem in (sliding, known_by_W(sliding)):
         answer = solve(problem, "interior_point", tol=1e-8)
         assert residual_floor(problem, answer.impulse) < 1e-8
         assert answer.status.name == "SOLVED"

@@ -25,7 +25,7 @@ def held(seed, gap=1.0):
     )
 
 
-@pytest.mark.parametrize("seed", range(50))
+@pytest.mark.parametrize("seed", range(12))
 def test_force_on_open_locked_contact(seed):
     problem = held(seed)
     exact = solve(problem, "lemke", tol=1e-12).impulse
@@ -38,7 +38,7 @@ def test_force_on_open_locked_contact(seed):
     assert not problem.W[:, [0, 1]].toarray().any()
 
 
-@pytest.mark.parametrize("seed", range(50))
+@pytest.mark.parametrize("seed", range(12))
 def test_force_on_closed_locked_contact(seed):
     problem = held(seed, gap=0.0)
     exact = solve(problem, "lemke", tol=1e-12).impulse

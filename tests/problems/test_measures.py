@@ -1,15 +1,16 @@
-"""The defects that the field knows: zero at solutions, each about its own part of the law, without units."""
+"""Defects and violations: zero at solutions, each about its own part of the law, the defects without units."""
 
 import numpy as np
 import pytest
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.instances import make_instance
-from frictionbench.problems.measures import defects
+from frictionbench.problems.measures import defects, judged, penetration, violations
 from frictionbench.problems.random_problem import random_problem
+from frictionbench.problems.recorded.own import EngineStep
 from frictionbench.problems.residual import residual
 from frictionbench.solvers import solve
-from tests.helpers.friction_problems import block, nothing, spatial
+from tests.helpers.friction_problems import block, contacts_of, nothing, spatial
 
 
 @pytest.mark.parametrize(
@@ -62,3 +63,48 @@ def test_defects_bound_residual() -> None:
         off = r + 1e-6 * np.random.default_rng(seed).standard_normal(r.shape) * np.abs(r).max()
         found = defects(problem, off)
         assert residual(problem, off) <= 10 * (found.signorini + found.dissipation)
+
+
+H = 0.01
+
+
+def ball(*velocity: float, gap: float = 0.0) -> FrictionProblem:
+    """A point of 1 kg on a floor of friction 0.5; velocities normal first."""
+    rows = np.eye(3)
+    return contacts_of(rows[:1], rows[1:], 0.5, velocity, mass=rows, bias=[gap / H])
+
+
+@pytest.mark.parametrize(
+    ("velocity", "impulse", "expected"),
+    [
+        ((-1.0, 3.0, 0.0), (1.0, -0.5, 0.0), (0, 0, 0, 0)),  # slides, exactly
+        ((-1.0, 0.3, 0.0), (1.0, -0.3, 0.0), (0, 0, 0, 0)),  # sticks, exactly
+        ((-1.0, 3.0, 0.0), (0.9, -0.45, 0.0), (0.1, 0, 0, 0)),  # still approaches
+        ((1.0, 3.0, 0.0), (0.5, -0.25, 0.0), (0.5, 0, 0, 0)),  # pulled down or pushed while open
+        ((-1.0, 3.0, 0.0), (1.0, -0.7, 0.0), (0, 0.2, 0, 0)),  # friction of 0.7 in a cone of 0.5
+        ((-1.0, 0.3, 0.0), (1.0, -0.28, 0.0), (0, 0, 0, 0.02)),  # creeps at 0.02 m/s inside the cone
+        ((-1.0, 3e9, 0.0), (1.0, 0.0, -0.5), (0, 0, 0.5, 0.5)),  # friction across the slip
+    ],
+)
+def test_each_law(velocity, impulse, expected) -> None:
+    found = violations(ball(*velocity), np.array([impulse]))
+    assert np.array(found).ravel() == pytest.approx(expected, abs=1e-8)
+
+
+def test_exact_answers_violate_nothing() -> None:
+    problem = make_instance("cubes", boxes=3, push=0.5)
+    found = violations(problem, solve(problem, "interior_point", tol=1e-10).impulse)
+    assert np.max(found) < 1e-8
+
+
+@pytest.mark.parametrize(
+    ("speed", "violated"),
+    [(0.0, 0.0), (0.4, 0.0), (1.0, 0.0), (1.2, 0.2), (-0.3, 0.3)],  # m/s out of a penetration of 1 m/s times the step
+)
+def test_penetration_may_be_left_but_not_deepened(speed, violated) -> None:
+    step = EngineStep(ball(-2.0, 0.0, 0.0, gap=-H), [[2.0 + speed, 0.0, 0.0]], step=H)
+    assert penetration(step) == pytest.approx(H)
+    assert violations(judged(step), step.impulse).signorini == pytest.approx([violated], abs=1e-12)
+    unknown = EngineStep(step.problem, step.impulse)
+    assert judged(unknown) is step.problem
+    assert penetration(unknown) is None

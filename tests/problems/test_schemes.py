@@ -6,7 +6,6 @@ from math import radians
 import numpy as np
 import pytest
 
-from frictionbench import solvers
 from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.check import Array
 from frictionbench.problems.planar.bodies import Shape, half_plane, rigid_box, rigid_disc
@@ -16,14 +15,7 @@ from frictionbench.problems.scenes import scene, scenes
 from frictionbench.problems.schemes import SCHEMES, NoSolution, Step, start
 from frictionbench.problems.schemes.anitescu_potra import anitescu_potra
 from frictionbench.problems.simulate import simulate
-
-
-def lemke(problem: FrictionProblem) -> Array:
-    """The impulses by Lemke's method, or in space, where that takes a polygon, by an interior point."""
-    answer = solvers.solve(problem, "lemke" if problem.dimension == 2 else "interior_point", tol=1e-10)
-    assert answer.status is solvers.Status.SOLVED
-    assert residual(problem, answer.impulse) <= 1e-9
-    return answer.impulse
+from tests.helpers.friction_problems import lemke
 
 
 def last(made: Scene, steps: int | None = None) -> Step:

@@ -7,6 +7,7 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.scenes import scene
 from frictionbench.problems.subproblems import separate, side_by_side
+from tests.helpers.friction_problems import known_by_W
 
 PROBLEMS = random_problem(0, 5), scene("chain", links=3).problem(), random_problem(1, 3)
 
@@ -28,8 +29,7 @@ def whole(request) -> FrictionProblem:
         joints=apart.joints[:, v],
         joint_bias=apart.joint_bias,
     )
-    laws = mixed.friction, 2, mixed.friction_bias
-    return FrictionProblem.from_delassus(mixed.W, mixed.q, *laws) if request.param else mixed
+    return known_by_W(mixed) if request.param else mixed
 
 
 def test_parts_move_as_in_the_whole(whole) -> None:

@@ -11,7 +11,7 @@ from frictionbench.problems.residual import relaxation_residual, residual, resid
 from frictionbench.problems.subproblems import side_by_side
 from frictionbench.problems.verify import NEAR, verify
 from frictionbench.solvers import Answer, Status, solve
-from tests.helpers.friction_problems import block, contacts_of, spatial
+from tests.helpers.friction_problems import block, contacts_of, known_by_W, spatial
 
 LEMKE, RELAXATION = "lcp", "relaxation"
 
@@ -170,7 +170,7 @@ def exact_residual(problem, impulse):
     return float(worst)
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", range(16))
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_rounding_is_below_floor(seed, dimension):
     random = np.random.default_rng(seed)
@@ -201,12 +201,8 @@ def hiding_places(ratio):
         "many parts": side_by_side(block(), block(), fast, in_units(block(), 1.0, np.sqrt(ratio))),
         "one heavy floor": floor.replace(mass=heavy, free_velocity=free, joints=None, joint_bias=None, **rows),
         "open contact": opened.replace(bias=np.array([opened.bias[0], ratio])),
-        "in contact space": in_contact_space(side_by_side(light, fast)),
+        "in contact space": known_by_W(side_by_side(light, fast)),
     }
-
-
-def in_contact_space(problem):
-    return FrictionProblem.from_delassus(problem.W, problem.q, problem.friction, problem.dimension, problem.friction_bias)
 
 
 @pytest.mark.parametrize("place", hiding_places(1.0))

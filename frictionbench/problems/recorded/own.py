@@ -28,11 +28,11 @@ from scipy import sparse
 from frictionbench.problems import check
 from frictionbench.problems.check import Array, InputError, ReadOnly, require, require_consistent
 from frictionbench.problems.forms.lcp import LCP
-from frictionbench.problems.friction import FrictionProblem
+from frictionbench.problems.friction import FrictionProblem, GivenDelassus
 from frictionbench.problems.recorded.archive import read_arrays, require_known
 
-_SPARSE = ("mass", "normal", "tangent", "joints")
-_DENSE = ("friction", "free_velocity", "bias", "friction_bias", "joint_bias")
+LCP_FIELDS = ("M", "q")
+_MATRICES = {"mass", "normal", "tangent", "joints", "W", "M"}
 _PARTS = ("data", "indices", "indptr", "shape")
 NAMES = ("impulse", "step", "notes")  # the arrays of an engine's step
 MOST, LONGEST = 100, 200  # notes, and characters of each: a note is a term, not a text
@@ -89,20 +89,13 @@ class EngineStep(ReadOnly):
 
 def save(problem: FrictionProblem | LCP, path: Path, extras: Mapping[str, Array] | None = None) -> None:
     """Write the problem to path (.npz), with the further arrays of an engine's step, if any."""
-    dimension = 0
-    if isinstance(problem, LCP):
-        arrays, matrices = {"q": problem.q}, {"M": problem.M}
-    elif not problem.mechanical:
-        arrays = {"q": problem.q, "friction": problem.friction, "friction_bias": problem.friction_bias}
-        matrices = {"W": problem.W}
-        dimension = problem.dimension
-    else:
-        arrays = {name: getattr(problem, name) for name in _DENSE}
-        matrices = {name: getattr(problem, name) for name in _SPARSE}
-        dimension = problem.dimension
-    for name, matrix in matrices.items():
-        parts = {"data": matrix.data, "indices": matrix.indices, "indptr": matrix.indptr, "shape": np.array(matrix.shape)}
-        arrays |= {f"{name}_{part}": value for part, value in parts.items()}
+    dimension, fields = (0, LCP_FIELDS) if isinstance(problem, LCP) else (problem.dimension, problem.FIELDS)
+    values = {name: getattr(problem, name) for name in fields}
+    arrays = {name: value for name, value in values.items() if name not in _MATRICES}
+    for name, matrix in values.items():
+        if name in _MATRICES:
+            parts = {"data": matrix.data, "indices": matrix.indices, "indptr": matrix.indptr, "shape": np.array(matrix.shape)}
+            arrays |= {f"{name}_{part}": value for part, value in parts.items()}
     np.savez(path, allow_pickle=False, dimension=np.array(dimension), **arrays, **(extras or {}))
 
 
@@ -149,25 +142,25 @@ def _problem(arrays: dict[str, Array]) -> FrictionProblem | LCP:
     dimension = arrays["dimension"].item()
     require(dimension in (0, 2, 3), "dimension", f"must be 2 or 3, or 0 for an LCP, got {dimension!r}")
     dimension = int(dimension)
+    fields = _fields(arrays, dimension == 0)
+    given: dict[str, Any] = {name: _matrix(arrays, name) if name in _MATRICES else arrays[name] for name in fields}
     if dimension == 0:
-        return LCP(_matrix(arrays, "M"), arrays["q"])
-    if "W_data" in arrays:
-        W, q, mu, b_f = _matrix(arrays, "W"), arrays["q"], arrays["friction"], arrays["friction_bias"]
-        return FrictionProblem.from_delassus(W, q, mu, dimension, b_f)
-    matrices = {name: _matrix(arrays, name) for name in _SPARSE}
-    return FrictionProblem(**matrices, **{name: arrays[name] for name in _DENSE}, dimension=dimension)
+        return LCP(**given)
+    if "W" in given:
+        return FrictionProblem.from_delassus(**given, d=dimension)
+    return FrictionProblem(**given, dimension=dimension)
+
+
+def _fields(arrays: Collection[str], lcp: bool) -> tuple[str, ...]:
+    """The fields of the problem that arrays of these names hold."""
+    return LCP_FIELDS if lcp else GivenDelassus.FIELDS if "W_data" in arrays else FrictionProblem.FIELDS
 
 
 def _names(arrays: Collection[str]) -> set[str]:
     """The names that belong together with those of these arrays."""
-    groups: tuple[tuple[str, ...], tuple[str, ...]] = _SPARSE, _DENSE
-    if "M_data" in arrays:
-        groups = ("M",), ("q",)
-    elif "W_data" in arrays:
-        groups = ("W",), ("q", "friction", "friction_bias")
-    matrices, dense = groups
-    extras = () if "M_data" in arrays else NAMES
-    return {"dimension", *dense, *extras, *(f"{name}_{part}" for name in matrices for part in _PARTS)}
+    fields = {*_fields(arrays, "M_data" in arrays)}
+    parts = {f"{name}_{part}" for name in fields & _MATRICES for part in _PARTS}
+    return {"dimension", *(fields - _MATRICES), *parts, *(() if "M" in fields else NAMES)}
 
 
 def _matrix(arrays: dict[str, Array], name: str) -> sparse.csr_array:

@@ -8,7 +8,7 @@ import pytest
 from frictionbench.harness.cells.collect import collect
 from frictionbench.harness.contract.check import in_units, permuted
 from frictionbench.harness.plans.plan import Source
-from frictionbench.problems import FrictionProblem, Status
+from frictionbench.problems import Status
 from frictionbench.problems.analysis.contradiction import FAR, contradiction
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.recorded.own import save
@@ -16,17 +16,13 @@ from frictionbench.problems.residual import residual
 from frictionbench.problems.subproblems import side_by_side
 from frictionbench.solvers import solve
 from tests.helpers.command_line import frictionbench
-from tests.helpers.friction_problems import block, contacts_of, nothing, spatial
+from tests.helpers.friction_problems import block, contacts_of, known_by_W, nothing, spatial
 
 
 def between_walls(first=-1.0, second=-0.5, angle=0.7):
     """A point between two walls that ask it to leave with speeds -first and -second, in opposite directions."""
     n, t = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
     return contacts_of([n, -n], [t, -t], 0.5, [0.1, 0.0], mass=np.diag([2.0, 2.0]), bias=[first, second])
-
-
-def in_contact_space(problem):
-    return FrictionProblem.from_delassus(problem.W, problem.q, problem.friction, problem.dimension)
 
 
 def exact_sum(problem, found):
@@ -49,7 +45,7 @@ def test_opposite_walls(angle) -> None:
     assert float(gain) == pytest.approx(1.5)
     assert found.least_residual == pytest.approx(1.5 / problem.units.sum(), rel=1e-12)
     assert "conditions of contacts 0, 1 contradict" in str(found)
-    assert contradiction(in_contact_space(problem)).least_residual == pytest.approx(1.5 / in_contact_space(problem).units.sum())
+    assert contradiction(known_by_W(problem)).least_residual == pytest.approx(1.5 / known_by_W(problem).units.sum())
 
 
 @pytest.mark.parametrize("name", ["interior_point", "nsgs", "lemke", "hybrid"])

@@ -4,14 +4,13 @@ import numpy as np
 import pytest
 
 from frictionbench.harness.cells.reference import Reference
-from frictionbench.problems import FrictionProblem
 from frictionbench.problems.analysis.frictionless import frictionless_answer, idle
 from frictionbench.problems.analysis.mode import distance_to_next_mode, mode, mode_counts
 from frictionbench.problems.instances import make_instance
 from frictionbench.problems.scenes import scene
 from frictionbench.problems.subproblems import side_by_side
 from frictionbench.solvers import solve
-from tests.helpers.friction_problems import block, contacts_of
+from tests.helpers.friction_problems import block, contacts_of, known_by_W
 from tests.helpers.frictionless import friction_at_work
 
 
@@ -33,8 +32,7 @@ def test_what_rests_on_level_ground_is_idle_and_what_is_pushed_is_not(name):
 def test_in_space_and_given_by_the_delassus_matrix():
     for push in (0.0, 1.0):
         cubes = make_instance("cubes", boxes=2, push=push)
-        known = FrictionProblem.from_delassus(cubes.W, cubes.q, cubes.friction, 3, cubes.friction_bias)
-        assert idle(cubes, _solve) == idle(known, _solve) == (push == 0)
+        assert idle(cubes, _solve) == idle(known_by_W(cubes), _solve) == (push == 0)
 
 
 def test_an_arch_needs_friction_at_rest_and_an_upright_wedge_does_not():

@@ -15,12 +15,12 @@ from frictionbench.problems.recorded import fclib, own, read
 from frictionbench.problems.recorded.own import EngineStep, packed
 from frictionbench.problems.scenes import scene
 from tests.helpers.edits import CASES, edited_array, little_memory, little_time, mutated
-from tests.helpers.friction_problems import spatial, with_joints
+from tests.helpers.friction_problems import known_by_W, spatial, with_joints
 from tests.helpers.recorded import blocks, columns, dense, global_text, local_text, numbers, triplets
 
 PLANAR, SPATIAL = random_problem(3, contacts=4, bodies=2), spatial(5, contacts=3)
 BARE = LCP(np.eye(3) + 0.1, [-1.0, 2.0, -3.0])
-BY_W = FrictionProblem.from_delassus(SPATIAL.W, SPATIAL.q, SPATIAL.friction, 3)
+BY_W = known_by_W(SPATIAL)
 STEP = EngineStep(SPATIAL, np.ones((3, 3)), {"limits": 0.25, "soft contacts": 0.5}, 0.01)
 JOINTED = with_joints(PLANAR, np.random.default_rng(0).standard_normal((2, len(PLANAR.free_velocity))))
 TEXTS = {

@@ -16,13 +16,8 @@ from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.recorded import fclib, forms, own, read
 from frictionbench.problems.residual import residual
 from frictionbench.solvers import available, find, solve
-from tests.helpers.friction_problems import spatial, with_joints
+from tests.helpers.friction_problems import known_by_W, spatial, with_joints
 from tests.helpers.recorded import FOLDER, blocks, columns, dense, global_text, local_text, numbers, recorded, triplets
-
-
-def known_by_W(problem) -> FrictionProblem:
-    return FrictionProblem.from_delassus(problem.W, problem.q, problem.friction, problem.dimension)
-
 
 PLANAR, SPATIAL = random_problem(3, contacts=4, bodies=2), spatial(5, contacts=3)
 BOTH = pytest.mark.parametrize("problem", [PLANAR, SPATIAL], ids=["planar", "spatial"])
