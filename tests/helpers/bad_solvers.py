@@ -242,54 +242,41 @@ def modifies_mass(problem):
     return Answer(solve(problem.fresh(), "lemke").impulse, Status.SOLVED)
 
 
+def repeated(what) -> bool:
+    """Whether this has been asked with the same argument before."""
+    before = what in _seen
+    _seen.add(what)
+    return before
+
+
+_seen: set[object] = set()
+
+
 @bad
 def caches_result(problem):
     """Takes 20 ms for the first problem of each size and returns at once afterwards, always STALLED."""
-    if problem.contacts not in _sizes_seen:
-        end = time.perf_counter() + 0.02
-        while time.perf_counter() < end:
-            pass
-        _sizes_seen.add(problem.contacts)
+    end = time.perf_counter() + (0 if repeated(("size", problem.contacts)) else 0.02)
+    while time.perf_counter() < end:
+        pass
     return Answer(np.zeros((problem.contacts, 2)), Status.STALLED)
-
-
-_sizes_seen: set[int] = set()
 
 
 @bad
 def zero_on_repeat(problem):
     """Solves each problem once, and returns zeros at once for repeats."""
-    if problem.hash in _zero_repeats:
-        return answer(problem)
-    _zero_repeats.add(problem.hash)
-    return solve(problem, "lemke")
-
-
-_zero_repeats: set[str] = set()
+    return answer(problem) if repeated(("zero", problem.hash)) else solve(problem, "lemke")
 
 
 @bad
 def none_on_repeat(problem):
     """Solves each problem once, and returns None for repeats."""
-    if problem.hash in _answered:
-        return None
-    _answered.add(problem.hash)
-    return solve(problem, "lemke")
-
-
-_answered: set[str] = set()
+    return None if repeated(("none", problem.hash)) else solve(problem, "lemke")
 
 
 @bad
 def hangs_on_repeat(problem):
     """Solves each problem once, and hangs on repeats."""
-    if problem.hash in _hang_repeats:
-        spin()
-    _hang_repeats.add(problem.hash)
-    return solve(problem, "lemke")
-
-
-_hang_repeats: set[str] = set()
+    return spin() if repeated(("hang", problem.hash)) else solve(problem, "lemke")
 
 
 @changed

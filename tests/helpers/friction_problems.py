@@ -77,9 +77,9 @@ def with_joints(problem, joints, friction_bias=None) -> FrictionProblem:
     return FrictionProblem(**{name: getattr(problem, name) for name in names}, joints=joints, friction_bias=friction_bias)
 
 
-def lemke(problem) -> np.ndarray:
+def lemke(problem, tol=1e-8) -> np.ndarray:
     """Impulses that solve the problem, by Lemke's method, or in space, where that takes a polygon, by an interior point."""
-    answer = solve(problem, "lemke" if problem.dimension == 2 else "interior_point", tol=1e-10)
+    answer = solve(problem, "lemke" if problem.dimension == 2 else "interior_point", tol=tol)
     assert answer.status is Status.SOLVED
-    assert residual(problem, answer.impulse) <= 1e-9
+    assert residual(problem, answer.impulse) <= tol
     return answer.impulse

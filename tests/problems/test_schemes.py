@@ -1,6 +1,7 @@
 """The schemes, what they refuse, and driving a scene through time."""
 
 from dataclasses import replace
+from functools import partial
 from math import radians
 
 import numpy as np
@@ -15,7 +16,9 @@ from frictionbench.problems.scenes import scene, scenes
 from frictionbench.problems.schemes import SCHEMES, NoSolution, Step, start
 from frictionbench.problems.schemes.anitescu_potra import anitescu_potra
 from frictionbench.problems.simulate import simulate
-from tests.helpers.friction_problems import lemke
+from tests.helpers import friction_problems
+
+lemke = partial(friction_problems.lemke, tol=1e-10)
 
 
 def last(made: Scene, steps: int | None = None) -> Step:
