@@ -190,7 +190,7 @@ def test_fast_rod_lifts_without_force() -> None:
 
 
 def test_narrow_walls_have_no_gap_solution() -> None:
-    """Both gaps ask for more room than there is: Lemke's method ends on a ray. Velocities do not mind."""
+    """Both gaps ask for more room than there is, which is proved. Velocities do not mind."""
     made = scene("jam", overlap=0.002)
     seen: list[solvers.Status] = []
 
@@ -201,7 +201,7 @@ def test_narrow_walls_have_no_gap_solution() -> None:
 
     for name in ("stewart_trinkle", "anitescu_potra"):
         list(simulate(made, solve, SCHEMES[name], 1))
-    assert seen == [solvers.Status.RAY, solvers.Status.SOLVED]
+    assert seen == [solvers.Status.INFEASIBLE, solvers.Status.SOLVED]
 
 
 def test_relaxation_hop_height() -> None:
