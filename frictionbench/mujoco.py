@@ -119,25 +119,33 @@ def step(model: Any, data: Any, solver: str = "hybrid", tol: float = 1e-8, befor
 
     stage = _stage(mj, model, data)
     posed_problem = _problem(mj, model, stage)
-    nc = posed_problem.contacts
-    frames = np.array([contact.frame.reshape(3, 3) for contact in data.contact if contact.efc_address >= 0]).reshape(-1, 3, 3)
-    frames = np.concatenate([frames, np.broadcast_to(np.eye(3), (nc - len(frames), 3, 3))])
-    keys = _keys(mj, data, stage.kind)
-    old = {} if before is None else before.memory
-    start = np.einsum("kij,kj->ki", frames, np.array([old.get(key, np.zeros(3)) for key in keys]).reshape(-1, 3))
+    guess = None if before is None else start(model, data, before)
     begin = perf_counter()
-    answer = _solved(posed_problem, solver, tol, start if old else None)
+    answer = _solved(posed_problem, solver, tol, guess)
     seconds = perf_counter() - begin
-    impulse = answer.impulse if np.isfinite(answer.impulse).all() else np.zeros((nc, 3))
+    impulse = answer.impulse if np.isfinite(answer.impulse).all() else np.zeros_like(answer.impulse)
     velocity = posed_problem.velocity(impulse)
     energy = _energy(mj, model, data, stage, impulse, velocity) | {"defect": ledger_defect(posed_problem, impulse)}
     delta = _correction(mj, data, stage, velocity, model.opt.timestep)
     energy["correction"] = -float(delta @ data.qfrc_smooth)
+    keys, frames = _keys(mj, data), _frames(mj, data)
     _advance(mj, model, data, stage, impulse, velocity)
     mj.mj_integratePos(model, data.qpos, delta, 1.0)
     depth = float(-stage.contacts.gap.min(initial=0.0)) + 0.0
     memory = dict(zip(keys, np.einsum("kji,kj->ki", frames, impulse), strict=True))
     return Step(posed_problem, impulse, answer.status, seconds, depth, energy, memory)
+
+
+def start(model: Any, data: Any, before: Step) -> Array:
+    """The impulses (nc, 3) of the step before, for the contacts that it had too, to start from; zero for others.
+
+    model, data: as after `problem`, whose contacts these are.
+    """
+    import mujoco as mj
+
+    keys, frames = _keys(mj, data), _frames(mj, data)
+    old = np.array([before.memory.get(key, np.zeros(3)) for key in keys]).reshape(-1, 3)
+    return np.einsum("kij,kj->ki", frames, old)
 
 
 def steps(model: Any, data: Any, count: int, solver: str = "hybrid", tol: float = 1e-8) -> Iterator[Step]:
@@ -184,17 +192,23 @@ def _solved(given: FrictionProblem, solver: str, tol: float, start: Array | None
     return Answer(np.zeros((0, 3)), Status.SOLVED)
 
 
-def _keys(mj: Any, data: Any, kind: Array) -> list[Hashable]:
+def _frames(mj: Any, data: Any) -> Array:
+    """(nc, 3, 3): of contacts the frame that the impulses are told in, by rows; for rows of joints the unit matrix."""
+    frames = np.array([contact.frame.reshape(3, 3) for contact in data.contact if contact.efc_address >= 0]).reshape(-1, 3, 3)
+    joints = sum(int(rows.sum()) for rows in engine.limits_and_dry_friction(mj, data))
+    return np.concatenate([frames, np.broadcast_to(np.eye(3), (joints, 3, 3))])
+
+
+def _keys(mj: Any, data: Any) -> list[Hashable]:
     """What is the same row in the next step: the geoms of a contact, the joint of a limit, and the how manieth of them."""
-    at, counts = mj.mjtConstraint, Counter[Hashable]()
+    counts = Counter[Hashable]()
     bases: list[Hashable] = [
         ("contact", *contact.geom, *contact.flex, *contact.elem, *contact.vert)
         for contact in data.contact
         if contact.efc_address >= 0
     ]
-    limits, dry = (at.mjCNSTR_LIMIT_JOINT, at.mjCNSTR_LIMIT_TENDON), (at.mjCNSTR_FRICTION_DOF, at.mjCNSTR_FRICTION_TENDON)
-    for kinds in (limits, dry):
-        bases += [(int(kind[i]), int(data.efc_id[i])) for i in np.flatnonzero(np.isin(kind, [int(one) for one in kinds]))]
+    for rows in engine.limits_and_dry_friction(mj, data):
+        bases += [(int(data.efc_type[i]), int(data.efc_id[i])) for i in np.flatnonzero(rows)]
     keys: list[Hashable] = []
     for base in bases:
         keys.append((base, counts[base]))
@@ -211,15 +225,14 @@ def _energy(mj: Any, model: Any, data: Any, stage: _Stage, impulse: Array, veloc
     forces = model.opt.timestep * data.qfrc_smooth - (stage.full - M) @ change
     work = impulse * (stage.contacts.rows @ mean).reshape(-1, 3)
     touching = sum(contact.efc_address >= 0 for contact in data.contact)
-    limit = (stage.contacts.loss == 0) & (np.arange(len(work)) >= touching)
-    dry = stage.contacts.loss > 0
+    middle = touching + int(engine.limits_and_dry_friction(mj, data)[0].sum())
     return {
         "kinetic": float(mean @ M @ change),
         "forces": float(mean @ forces),
         "contacts": float(work[:touching, 0].sum()),
         "friction": float(work[:touching, 1:].sum()),
-        "limits": float(work[limit].sum()),
-        "dry friction": float(work[dry].sum()),
+        "limits": float(work[touching:middle].sum()),
+        "dry friction": float(work[middle:].sum()),
         "equalities": float(mean @ total - work.sum()),
     }
 
@@ -263,13 +276,11 @@ def _forces(mj: Any, data: Any, stage: _Stage, impulse: Array, total: Array) -> 
         if dim > 1:
             force[2] *= contact.friction[1] / contact.friction[0]
         if dim > 1 and stage.kind[first] == at.mjCNSTR_CONTACT_PYRAMIDAL:
-            edges = np.zeros(2 * (dim - 1))
-            mj.mju_encodePyramid(edges, force, contact.friction[: dim - 1])
-            force = edges
+            along = force[1:] / contact.friction[: dim - 1]  # edges may pull: the cone is wider than the pyramid
+            force = np.stack([force[0] / (dim - 1) + along, force[0] / (dim - 1) - along], axis=1).ravel() / 2
         result[first : first + len(force)] = force
         i += 1
-    limit = np.isin(stage.kind, [int(at.mjCNSTR_LIMIT_JOINT), int(at.mjCNSTR_LIMIT_TENDON)])
-    dry = np.isin(stage.kind, [int(at.mjCNSTR_FRICTION_DOF), int(at.mjCNSTR_FRICTION_TENDON)])
+    limit, dry = engine.limits_and_dry_friction(mj, data)
     middle = i + int(limit.sum())
     result[limit], result[dry] = impulse[i:middle, 0], impulse[middle:, 1]
     if equal.any():

@@ -95,13 +95,19 @@ def jacobian(mj: Any, model: Any, data: Any) -> Array:
 def rows_of(mj: Any, model: Any, data: Any, J: Array) -> tuple[Contacts, dict[str, Array]]:
     """The contacts, limits and rows of dry friction of MuJoCo's constraints J (nefc, nv), and the generalised impulses of
     torsion and rolling."""
-    h, kind, at = float(model.opt.timestep), data.efc_type, mj.mjtConstraint
+    h = float(model.opt.timestep)
     contacts, others = _contacts(mj, model, data, J, h)
-    limit = (kind == at.mjCNSTR_LIMIT_JOINT) | (kind == at.mjCNSTR_LIMIT_TENDON)
-    dry = (kind == at.mjCNSTR_FRICTION_DOF) | (kind == at.mjCNSTR_FRICTION_TENDON)
+    limit, dry = limits_and_dry_friction(mj, data)
     gap, used = data.efc_pos - data.efc_margin, h * data.efc_force
     rows = contacts.and_limits(J[limit], used[limit], gap[limit])
     return rows.and_dry_friction(J[dry], used[dry], h * data.efc_frictionloss[dry], h), others
+
+
+def limits_and_dry_friction(mj: Any, data: Any) -> tuple[Array, Array]:
+    """Which of MuJoCo's constraints are limits, and which dry friction (nefc,), of joints and tendons."""
+    kind, at = data.efc_type, mj.mjtConstraint
+    limit = (kind == at.mjCNSTR_LIMIT_JOINT) | (kind == at.mjCNSTR_LIMIT_TENDON)
+    return limit, (kind == at.mjCNSTR_FRICTION_DOF) | (kind == at.mjCNSTR_FRICTION_TENDON)
 
 
 def _contacts(mj: Any, model: Any, data: Any, J: Array, h: float) -> tuple[Contacts, dict[str, Array]]:

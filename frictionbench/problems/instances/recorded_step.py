@@ -9,6 +9,9 @@ heavy_top              a planar stack in which each block is heavier than the on
 discs, bodies          a planar pile of discs, 290 contacts; planar random bodies, 210 contacts
 friction_1e3_*         in space; masses_1e6, masses_1e8: of spatial bodies
 wall_*                 walls of boxes in space, with 4 or 8 contacts a face
+
+robot_step has steps of robots, models of other packages moved by MuJoCo, by model, behaviour and number of the step
+(docs/robots.md; `python -m tools.robots.record` records and chooses them).
 """
 
 from pathlib import Path
@@ -19,18 +22,29 @@ from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.recorded import own
 
 FOLDER = Path(__file__).parent / "steps"
+ROBOTS = FOLDER / "robots"
 
 
-def recorded_steps() -> list[str]:
+def recorded_steps(folder: Path = FOLDER) -> list[str]:
     """The names of all kept steps, in alphabetical order."""
-    return sorted(path.stem for path in FOLDER.glob("*.npz"))
+    return sorted(path.stem for path in folder.glob("*.npz"))
 
 
 @instance
 def recorded_step(case: str = "near_jam") -> FrictionProblem:
     """A single step that is kept as a file, by its name: see problems.instances.recorded_step."""
-    known = recorded_steps()
+    return _kept(FOLDER, case)
+
+
+@instance
+def robot_step(case: str = "humanoid-fall-044") -> FrictionProblem:
+    """A step of a robot, with limits and dry friction of its joints as contacts, by its name: docs/robots.md lists them."""
+    return _kept(ROBOTS, case)
+
+
+def _kept(folder: Path, case: str) -> FrictionProblem:
+    known = recorded_steps(folder)
     require(case in known, "case", f"unknown step {case!r}; known are {', '.join(known)}")
-    problem = own.load(FOLDER / f"{case}.npz")
+    problem = own.load(folder / f"{case}.npz")
     assert isinstance(problem, FrictionProblem)
     return problem

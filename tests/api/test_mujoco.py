@@ -1,0 +1,185 @@
+"""Exact steps of MuJoCo's models: against closed forms, against mj_step where nothing touches, and on robots."""
+
+import numpy as np
+import pytest
+
+import frictionbench as fb
+
+mj = pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install mujoco")
+
+BLOCK = """
+<mujoco>
+  <option cone="{cone}" timestep=".004" integrator="{integrator}"/>
+  <worldbody>
+    <geom name="floor" type="plane" size="5 5 .1" friction="{mu}"/>
+    <body pos="0 0 .1"><freejoint/><geom type="box" size=".1 .1 .1" mass="2" friction="{mu}"/><site name="s" size=".2"/></body>
+  </worldbody>
+  <sensor><touch site="s"/></sensor>
+</mujoco>"""
+CHAIN = """
+<mujoco>
+  <option timestep=".005" integrator="{integrator}"/>
+  <worldbody>
+    <body pos="0 0 2">
+      <joint axis="0 1 0" damping=".3"/><geom type="capsule" fromto="0 0 0 .3 0 -.1" size=".02"/>
+      <body pos=".3 0 -.1">
+        <joint axis="1 1 0" stiffness="2" damping=".2"/><geom type="capsule" fromto="0 0 0 .3 0 0" size=".02"/>
+      </body>
+    </body>
+    <body name="ball" pos="0 1 3"><freejoint/><geom size=".1"/></body>
+  </worldbody>
+  <actuator><position joint="0" kp="3" kv=".1" timeconst=".1"/></actuator>
+</mujoco>""".replace('joint="0"', 'joint="j"').replace('<joint axis="0 1 0"', '<joint name="j" axis="0 1 0"')
+
+
+def made(xml: str):
+    model = mj.MjModel.from_xml_string(xml)
+    return model, mj.MjData(model)
+
+
+@pytest.mark.parametrize("integrator", ["Euler", "implicitfast", "implicit"])
+def test_without_contacts_the_step_is_mujocos(integrator) -> None:
+    model, data = made(CHAIN.format(integrator=integrator))
+    data.qvel[:] = np.arange(model.nv) / 5
+    data.ctrl[:] = 0.7
+    other = mj.MjData(model)
+    mj.mj_copyData(other, model, data)
+    for _ in range(20):
+        result = fb.mujoco.step(model, data)
+        mj.mj_step(model, other)
+    assert result.problem.contacts == 0
+    for name in ("qpos", "qvel", "act"):
+        assert np.allclose(getattr(data, name), getattr(other, name), rtol=0, atol=1e-12), name
+    assert data.time == other.time
+
+
+@pytest.mark.parametrize("cone", ["pyramidal", "elliptic"])
+@pytest.mark.parametrize("integrator", ["Euler", "RK4"])
+def test_a_block_slides_to_rest_and_stays(cone, integrator) -> None:
+    """v falls by mu g h a step, and rests at zero, where MuJoCo's soft friction creeps; forces and sensors are the step's."""
+    mu, h = 0.5, 0.004
+    model, data = made(BLOCK.format(cone=cone, integrator=integrator, mu=mu))
+    data.qpos[2] -= 1e-9  # touching
+    data.qvel[0] = 0.3
+    for k, result in enumerate(fb.mujoco.steps(model, data, 25), start=1):
+        assert result.residual <= 1e-8
+        assert data.qvel[0] == pytest.approx(max(0.3 - k * mu * 9.81 * h, 0.0), abs=1e-7)
+        force = np.zeros((data.ncon, 6))
+        for i in range(data.ncon):
+            mj.mj_contactForce(model, data, i, force[i])
+        assert np.allclose(force[:, :3] * h, result.impulse, atol=1e-9)
+        assert data.sensordata[0] == pytest.approx(2 * 9.81, rel=1e-6)
+        energy = dict(result.energy)
+        assert abs(energy["defect"]) < 1e-8
+        assert energy["friction"] == pytest.approx(energy["kinetic"], abs=1e-8)
+
+
+def test_ledger_adds_up_with_everything_at_work() -> None:
+    model, data = made(EVERYTHING)
+    data.qvel[:] = np.sin(np.arange(model.nv))
+    used = dict.fromkeys(("contacts", "friction", "limits", "dry friction", "equalities"), 0.0)
+    for result in fb.mujoco.steps(model, data, 250):
+        energy = result.energy
+        parts = [energy[name] for name in ("forces", *used)]
+        assert energy["kinetic"] == pytest.approx(sum(parts), abs=1e-12)
+        used = {name: max(size, abs(energy[name])) for name, size in used.items()}
+        assert result.residual <= 1e-8
+    assert all(used.values())
+
+
+EVERYTHING = """
+<mujoco>
+  <worldbody>
+    <geom type="plane" size="5 5 .1"/>
+    <body pos="0 0 .5"><freejoint/><geom type="box" size=".1 .1 .1"/>
+      <body pos=".1 0 0">
+        <joint axis="0 1 0" range="-5 5" limited="true"/><geom type="capsule" fromto="0 0 0 .3 0 0" size=".03"/>
+        <body name="tip" pos=".3 0 0">
+          <joint axis="0 1 0" frictionloss=".05"/><geom type="capsule" fromto="0 0 0 .2 0 0" size=".03"/>
+        </body>
+      </body>
+    </body>
+    <body name="pendant" pos=".5 .2 .5"><freejoint/><geom size=".05"/></body>
+  </worldbody>
+  <equality><connect body1="tip" body2="pendant" anchor=".2 0 0"/></equality>
+</mujoco>"""
+
+
+def test_dry_friction_holds_and_a_limit_stops() -> None:
+    slider = '<body pos="0 {at} 0"><joint type="slide" axis="1 0 0" {joint}/><geom size=".1" mass="2"/></body>'
+    bodies = slider.format(at=0, joint='range="-.5 .5" limited="true"') + slider.format(at=1, joint='frictionloss="3"')
+    model, data = made(f"<mujoco><worldbody>{bodies}</worldbody></mujoco>")
+    data.qpos[0], data.qvel[0], data.qfrc_applied[:] = 0.499, 0.8, (1.0, 2.9)
+    for result in fb.mujoco.steps(model, data, 50):
+        assert result.residual <= 1e-8
+    assert np.abs(data.qvel).max() < 1e-9
+    assert data.qpos[1] == pytest.approx(0, abs=1e-12)
+    assert data.qpos[0] == pytest.approx(0.5, abs=1e-5)  # passed by a part of one step, and taken back by a fifth each step
+
+
+def test_penetration_is_taken_away_without_momentum() -> None:
+    ball = '<geom type="plane" size="1 1 1"/><body pos="0 0 .09"><freejoint/><geom size=".1"/></body>'
+    model, data = made(f"<mujoco><worldbody>{ball}</worldbody></mujoco>")
+    for k, result in enumerate(fb.mujoco.steps(model, data, 20)):
+        assert result.penetration == pytest.approx(0.01 * 0.8**k, rel=1e-3 * (k + 1))
+        assert np.abs(data.qvel).max() < 1e-10
+
+
+def test_what_cannot_be_is_compromised() -> None:
+    """A ball wedged between a floor and a ceiling that are too close: it rests in the middle, and every step is solved."""
+    xml = """<mujoco><worldbody><geom type="plane" size="1 1 1"/><geom type="box" size="1 1 .1" pos="0 0 .26"/>
+    <body pos="0 0 .09"><freejoint/><geom size=".1"/></body></worldbody></mujoco>"""
+    model, data = made(xml)
+    for result in fb.mujoco.steps(model, data, 60):
+        assert result.residual <= 1e-8
+        assert np.abs(data.qvel).max() < 1e-9
+    assert data.qpos[2] == pytest.approx(0.08, abs=1e-3)
+
+
+def test_warm_starts_follow_geoms_and_joints(monkeypatch) -> None:
+    model, data = made(EVERYTHING)
+    starts, solve = [], fb.mujoco.solve
+
+    def spied(problem, solver, tol, start):
+        starts.append(start)
+        return solve(problem, solver, tol=tol, start=start)
+
+    monkeypatch.setattr(fb.mujoco, "solve", spied)
+    before = None
+    for _ in range(400):
+        result = fb.mujoco.step(model, data, before=before)
+        if before is not None and before.problem.contacts > 1 and before.memory.keys() == result.memory.keys():
+            assert np.linalg.norm(starts[-1], axis=1) == pytest.approx(np.linalg.norm(before.impulse, axis=1), abs=1e-12)
+        before = result
+    assert np.linalg.norm(starts[-1] - before.impulse) < 1e-2 * np.linalg.norm(before.impulse)  # nearly at rest
+
+
+def test_unusable_models_and_states() -> None:
+    model, data = made(CHAIN.format(integrator="Euler"))
+    model.dof_dampingpoly[0] = 1.0
+    with pytest.raises(fb.InputError, match="dof_dampingpoly: Euler takes damping as linear"):
+        fb.mujoco.step(model, data)
+    model, data = made(BLOCK.format(cone="elliptic", integrator="Euler", mu=0.5))
+    data.qfrc_applied[0] = np.inf
+    with pytest.raises(fb.InputError, match="data: masses, forces or velocities are not finite"):
+        fb.mujoco.step(model, data)
+
+
+@pytest.mark.slow  # six robots; the quick tests have no meshes, tendons or many joints at once
+@pytest.mark.parametrize("name", ["humanoid", "dog", "quadruped", "stacker", "hand_block", "fetch_pick"])
+def test_robots_step_in_closed_loop(name) -> None:
+    pytest.importorskip("tools.robots.models")
+    from tools.robots.models import MODELS, begin
+
+    robot = next(one for one in MODELS if one.name == name)
+    try:
+        model = robot.load()
+    except fb.InputError as missing:
+        pytest.skip(str(missing))
+    data, drive = begin(model, "smooth", 0)
+    before = None
+    for k in range(100):
+        drive(data, k)
+        before = fb.mujoco.step(model, data, before=before)
+        assert before.residual <= 1e-8
+    assert np.isfinite(data.qpos).all()
