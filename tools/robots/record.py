@@ -11,9 +11,9 @@ cluster the nearest to its centre and the farthest from it are taken, the typica
 is at work: where the frictionless velocities satisfy Coulomb's law, the next one is. A model's share does not depend on how
 often it touches anything. What is kept is the problem that `frictionbench.mujoco.step` would solve there.
 
-The selection (robots.tsv) is written before any problem with friction is solved. Then each step is answered by hybrid and by
-the first of OTHERS whose velocities agree; the answer of smaller residual is kept (robots.npz), beside the start that a
-simulation would have: the exact impulses of the step before, matched by geoms and joints.
+The selection (robots.tsv) is written before any problem with friction is solved. Then each step is answered by METHODS, and the
+best answer is kept (robots.npz), beside the start that a simulation would have: the exact impulses of the step before, matched
+by geoms and joints.
 
     python -m tools.robots.record [select|answer]
 """
@@ -39,10 +39,10 @@ CLUSTERS, EVERY, STEPS = 4, 5, 500
 FOLDER = Path(fb.__file__).parent
 STORE = FOLDER / "problems" / "instances" / "steps" / "robots"
 TABLE, ANSWERS = (FOLDER / "harness" / "plans" / f"robots.{suffix}" for suffix in ("tsv", "npz"))
-OTHERS = ("nsgs", "lemke[facets=64]", "proximal_newton", "interior_point")
-TOL, SAME = 1e-10, 1e-6
+METHODS = ("hybrid", "nsgs", "proximal_newton")  # that have nothing in common
+TOL, VERIFIED = 1e-10, 1e-8
 FEATURES = ("contacts", "limits", "dry_friction", "islands", "redundancy", "condition", "mass_ratio", "sticking")
-COLUMNS = ("case", "model", "behaviour", "step", "length", "velocities", "equations", *FEATURES, "hash")
+COLUMNS = ("case", "model", "behaviour", "step", "length", "velocities", "equations", *FEATURES, "hash", "verified", "apart")
 WHOLE = mj.mjtState.mjSTATE_INTEGRATION
 AT = mj.mjtConstraint
 ROWS = (AT.mjCNSTR_LIMIT_JOINT, AT.mjCNSTR_LIMIT_TENDON), (AT.mjCNSTR_FRICTION_DOF, AT.mjCNSTR_FRICTION_TENDON)
@@ -182,34 +182,38 @@ def select() -> None:
             np.savez_compressed(path, allow_pickle=False, **packed)
             rows.append(one.facts | {"hash": problem.hash})
         print(name, len(rows), "steps", flush=True)
-    with TABLE.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS, delimiter="\t", lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    _write(rows)
     np.savez_compressed(ANSWERS, allow_pickle=False, **starts)
     print(len(rows), "steps of", sum(len(found) for _, found in everything.values()), "candidates")
 
 
 def answer() -> None:
-    """Answer the steps of the table by two methods each."""
+    """Answer the steps of the table by all METHODS, keep the best answer, and note in the table whose are verified and how far
+    apart their velocities are, as a share of the largest change of a velocity."""
     with np.load(ANSWERS, allow_pickle=False) as arrays:
         kept = {name: arrays[name] for name in arrays if name.endswith(" start")}
     with TABLE.open(encoding="utf-8", newline="") as file:
-        cases = [row["case"] for row in csv.DictReader(file, delimiter="\t")]
-    for case in cases:
-        problem = fb.instance("robot_step", case=case)
-        first = fb.solve(problem, "hybrid", tol=TOL)
-        size = max(1e-12, float(np.abs(problem.velocity(first.impulse) - problem.free_velocity).max()))
-        for other in OTHERS:
-            second = fb.solve(problem, other, tol=TOL)
-            both = [fb.residual(problem, one.impulse) for one in (first, second)]
-            apart = np.abs(problem.velocity(first.impulse) - problem.velocity(second.impulse)).max() / size
-            if max(both) <= 1e-8 and apart <= SAME:
-                kept[case] = min((first, second), key=lambda one: fb.residual(problem, one.impulse)).impulse
-                break
-            print(f"{case}: hybrid {both[0]:.1e} {other} {both[1]:.1e}, velocities {apart:.1e} apart", flush=True)
+        rows = list(csv.DictReader(file, delimiter="\t"))
+    for row in rows:
+        problem = fb.instance("robot_step", case=row["case"])
+        answers = {method: fb.solve(problem, method, tol=TOL).impulse for method in METHODS}
+        left = {method: fb.residual(problem, impulse) for method, impulse in answers.items()}
+        verified = [method for method in METHODS if left[method] <= VERIFIED]
+        velocities = np.array([problem.velocity(answers[method]) for method in verified])
+        change = np.abs(velocities - problem.free_velocity).max()
+        kept[row["case"]] = answers[min(verified, key=lambda method: left[method])]
+        row |= {"verified": ", ".join(verified), "apart": f"{np.ptp(velocities, axis=0).max() / change:.0e}"}
+        if len(verified) < len(METHODS) or np.ptp(velocities, axis=0).max() > 1e-6 * change:
+            print(row["case"], {method: f"{size:.0e}" for method, size in left.items()}, row["apart"], flush=True)
     np.savez_compressed(ANSWERS, allow_pickle=False, **kept)
-    print(len(kept) - len(cases), "answers of", len(cases))
+    _write(rows)
+
+
+def _write(rows: list[dict[str, Any]]) -> None:
+    with TABLE.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS, delimiter="\t", lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
 
 
 if __name__ == "__main__":

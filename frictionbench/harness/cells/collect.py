@@ -21,6 +21,7 @@ import numpy as np
 
 from frictionbench.harness.cells.reference import ACCEPTED, NoReference, Reference
 from frictionbench.harness.cells.rows import PROBLEM_FACTS
+from frictionbench.harness.plans import robots
 from frictionbench.harness.plans.plan import Source, origin
 from frictionbench.problems import LCP, FrictionProblem, InputError
 from frictionbench.problems.analysis.census import census_labels
@@ -232,7 +233,9 @@ def _numbers(problem: FrictionProblem) -> tuple[int, int, int]:
 def _chosen(source: Source) -> list[tuple[Collected, dict[str, Array]]]:
     """The source's problems, each with its starts by name; of a motion those in which friction is at work, if there are any."""
     if source.scene in instances():
-        return [(Collected(0, first_phase(DEFAULT_SCHEME), make_instance(source.scene, **source.parameters)), {})]
+        known = robots.kept(f"{source.parameters['case']} start") if source.scene == robots.SCENE else None
+        starts = {} if known is None else {WARM: known}
+        return [(Collected(0, first_phase(DEFAULT_SCHEME), make_instance(source.scene, **source.parameters)), starts)]
     stage = scene(source.scene, **source.parameters)
     if source.pick == 0:
         return [(Collected(0, first_phase(source.scheme), first_problem_of(stage, source.scheme)), {})]

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from frictionbench.harness.plans import families
+from frictionbench.harness.plans import robots as of_robots
 from frictionbench.harness.plans.atlas import ATLAS
 from frictionbench.harness.plans.hard import hard
 from frictionbench.harness.plans.plan import BatchSource, Plan, Source
@@ -82,7 +83,7 @@ def standard() -> Plan:
     in under five minutes."""
     return Plan(
         suite="standard",
-        sources=(*STEPS, *families.sources(*families.PLANE, *families.SPACE)),
+        sources=(*STEPS, *families.sources(*families.PLANE, *families.SPACE), *of_robots.one_of_each()),
         solvers=(*EXACT, *RELAXED),
         spatial_solvers=SPATIAL,
         tolerances=LADDER,
@@ -193,6 +194,20 @@ def batch() -> Plan:
     )
 
 
+def robots() -> Plan:
+    """Steps of robots recorded of models of other packages, with limits and dry friction of joints, cold and warm."""
+    return Plan(
+        suite="robots",
+        sources=of_robots.steps(),
+        solvers=SPATIAL,
+        spatial_solvers=SPATIAL,
+        tolerances=LADDER,
+        starts=(COLD, WARM),
+        time_limit=2.0,
+        expects="ten minutes",
+    )
+
+
 def peers() -> Plan:
     """Our solvers compared with outside libraries, also with those that are not installed, on planar and spatial problems."""
     stepped = (Source("three_blocks", {}, pick=1), Source("several_blocks", {}, pick=1))
@@ -213,6 +228,7 @@ SUITES = {
     "standard": standard,
     "seeds": seeds,
     "replay": replay,
+    "robots": robots,
     "scaling": scaling,
     "hard": hard,
     "batch": batch,
