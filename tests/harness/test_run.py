@@ -114,7 +114,7 @@ def test_unreadable_results_are_reported(tmp_path) -> None:
 
 def test_decompression_limit(tmp_path, monkeypatch) -> None:
     """Files that unpack to more than their own size are refused by what they state; manifests by their size."""
-    folder = write_folder(tmp_path / "run", [solve_row("lemke", f"p{i}", reason=f"{i} " * 99) for i in range(99)])
+    folder = write_folder(tmp_path / "run", [solve_row("lemke", f"p{i}", reason=f"{i} " * 99) for i in range(400)])
     problem, table = tmp_path / "problem.npz", folder / "solves.parquet"
     own.save(scene("pyramid", rows=8).problem(), problem)
     with np.load(problem) as arrays:

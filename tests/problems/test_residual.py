@@ -5,7 +5,7 @@ import pytest
 
 from frictionbench.problems import FrictionProblem
 from frictionbench.problems.answer import Answer, Status
-from frictionbench.problems.forms.islands import CANCELLED
+from frictionbench.problems.forms.islands import CANCELLED, NOISE
 from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import relaxation_residual, residual, residual_floor
 from frictionbench.problems.verdicts import Verdict
@@ -154,3 +154,38 @@ def block_that_sinks(speed):
     return FrictionProblem(
         mass=np.eye(2), normal=[[0, 1]], tangent=[[1, 0]], friction=[0.5], free_velocity=[10.0, -speed], bias=[0]
     )
+
+
+def grain(mass, fall=1e-3):
+    """A grain falls with `fall` onto a slider of 1 kg at 1 m/s, which dry friction, a row of a joint, can stop. Velocities: the
+    slider's, the grain's along it and upwards."""
+    problem = FrictionProblem(
+        mass=np.diag([1.0, mass, mass]),
+        normal=[[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
+        tangent=[[1.0, 0.0, 0.0], [-1.0, 1.0, 0.0]],
+        friction=[0.0, 0.5],
+        friction_bias=[10.0, 0.0],
+        free_velocity=[1.0, 1.0, -fall],
+        bias=[0.0, 0.0],
+    )
+    return problem, np.array([[0.0, -1.0], [0.0, 0.0]])  # the slider stops, nothing holds the grain
+
+
+@pytest.mark.parametrize("mass", [1.0, 1e-6])
+def test_what_a_row_hides_is_bounded_by_the_energy_that_it_stops(mass) -> None:
+    problem, impulse = grain(mass)
+    energy = 1.0 / problem.scale[0]  # c_j^2 / s_j of the row
+    assert problem.units[1] == pytest.approx(np.sqrt(problem.scale[1] * energy))
+    assert residual(problem, impulse) == pytest.approx(1e-3 / problem.units[1], rel=1e-3)
+
+
+def test_impulses_that_nobody_needs_hide_behind_the_speed() -> None:
+    """A contact that slides and does not close: an impulse of 1e-5 of the speed is one of 1e-5, and no contact needs any."""
+    problem = contact_space(np.eye(2), [0.0, 100.0], [0.0], 2)
+    assert nothing(problem) == 0.0
+    assert residual(problem, np.array([[1e-3, 0.0]])) == pytest.approx(1e-5)
+
+
+def test_a_far_island_hides_what_is_smaller_by_its_noise() -> None:
+    beside = contact_space(np.eye(4), [-1e-20, 0.0, -1.0, 0.0], [0.5, 0.5], 2)
+    assert residual(beside, np.array([[0.0, 0.0], [1.0, 0.0]])) == pytest.approx(1e-20 / NOISE)
