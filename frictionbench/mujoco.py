@@ -28,7 +28,7 @@ from collections import Counter
 from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from time import perf_counter
+from time import thread_time
 from typing import Any
 
 import numpy as np
@@ -52,7 +52,7 @@ class Step:
     """A step that was taken.
 
     problem, impulse (nc, 3) in N s, the normal first: contacts in the order of data.contact, then limits, then dry friction.
-    status: the solver's. seconds: what its call took. penetration: m or rad, the deepest with which the step began.
+    status: the solver's. seconds: processor's time of its call. penetration: m or rad, the deepest with which the step began.
     energy: in J, what changed the kinetic energy ("kinetic"): work of "forces" (with damping), "contacts" by their normals,
     "friction", "limits", "dry friction" and "equalities", each with the mean of the velocities before and after, so that they
     add up to it; "correction", the work against the forces when positions are corrected; "defect", the energy that the answer
@@ -120,9 +120,9 @@ def step(model: Any, data: Any, solver: str = "hybrid", tol: float = 1e-8, befor
     stage = _stage(mj, model, data)
     posed_problem = _problem(mj, model, stage)
     guess = None if before is None else start(model, data, before)
-    begin = perf_counter()
+    begin = thread_time()
     answer = _solved(posed_problem, solver, tol, guess)
-    seconds = perf_counter() - begin
+    seconds = thread_time() - begin
     impulse = answer.impulse if np.isfinite(answer.impulse).all() else np.zeros_like(answer.impulse)
     velocity = posed_problem.velocity(impulse)
     energy = _energy(mj, model, data, stage, impulse, velocity) | {"defect": ledger_defect(posed_problem, impulse)}
