@@ -441,8 +441,8 @@ def rerun(
 
 def _accept(folder: Path, baseline: Path) -> None:
     """Write a run as a baseline, and show the changes against the previous one."""
-    from frictionbench.commands.accept import accept
     from frictionbench.reports.comparison.markdown import markdown
+    from frictionbench.results.compare import accept
 
     before, accepted = accept(folder, baseline)
     if before is not None:

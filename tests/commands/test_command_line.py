@@ -14,7 +14,6 @@ from typer.testing import CliRunner
 from frictionbench.commands import listing
 from frictionbench.commands.cli import app
 from frictionbench.commands.summary import folder_for, summary
-from frictionbench.commands.table import columns
 from frictionbench.harness import process
 from frictionbench.harness.cells import worker
 from frictionbench.harness.plans.choose import choose
@@ -89,15 +88,6 @@ def test_invalid_option_values_are_named(arguments, option) -> None:
     done = CliRunner().invoke(app, arguments)
     assert done.exit_code == 2
     assert f"Invalid value for '{option}': " in done.output.splitlines()[-1]
-
-
-def test_narrow_tables_omit_columns(capsys) -> None:
-    header, row = ("solver", "time", "empty", "work"), ("nsgs[relaxation=1.3]", "3 ms", "", "pivots 12, restarts 0")
-    (wide_head, wide), (_, narrow, *told) = (columns(header, [row], width, ("work",)) for width in (None, 30))
-    assert wide.split() == " ".join(row).split()
-    assert "empty" not in wide_head
-    assert narrow == "nsgs[relaxation=1.3]  3 ms"
-    assert "work" in " ".join(told)
 
 
 def test_lists_show_settings(capsys) -> None:

@@ -6,10 +6,9 @@ from pathlib import Path
 import pytest
 
 from frictionbench.commands import confirm
-from frictionbench.commands.accept import accept
 from frictionbench.problems import InputError
 from frictionbench.results import baseline, cells
-from frictionbench.results.compare import Comparison, Limits, compare
+from frictionbench.results.compare import Comparison, Limits, accept, compare
 from tests.helpers.command_line import frictionbench
 from tests.helpers.plugin import write
 

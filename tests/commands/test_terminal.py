@@ -1,8 +1,5 @@
 """The command line on a terminal: tables and lists at 80 columns, completion by shells, and names that are mistyped."""
 
-import os
-import subprocess
-import sys
 from io import StringIO
 
 import pytest
@@ -10,12 +7,11 @@ import rich.console
 from rich.console import Console
 
 from frictionbench.commands import listing, table
-from frictionbench.commands.table import columns, paragraph
+from frictionbench.commands.table import columns
 from frictionbench.harness.progress import Progress
 from frictionbench.harness.workers.pool import Task
 from tests.helpers.command_line import frictionbench
 from tests.helpers.made_results import solve_row, write_folder
-from tests.helpers.paths import ROOT
 
 
 def test_columns_left_out_are_named() -> None:
@@ -26,11 +22,6 @@ def test_columns_left_out_are_named() -> None:
     assert len(columns(("solver", "verdict", "work"), rows, None, ("work",))) == 2
 
 
-def test_lines_break_between_words() -> None:
-    (first, second) = paragraph("a " + "x" * 90, 80)
-    assert (first.strip(), second.strip()) == ("a", "x" * 90)
-
-
 def test_scenes_are_listed_once(capsys, monkeypatch) -> None:
     monkeypatch.setattr(table, "screen", lambda: 80)
     listing.show("scenes")
@@ -39,22 +30,6 @@ def test_scenes_are_listed_once(capsys, monkeypatch) -> None:
     assert "also under the name example_3, which is two_blocks[]; example_4, which is two_blocks[friction=0.1]" in told.replace(
         "\n    ", " "
     )
-
-
-@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
-def test_shells_complete_commands(shell) -> None:
-    words = {"bash": {"COMP_WORDS": "frictionbench sh", "COMP_CWORD": "1"}}.get(
-        shell, {"_TYPER_COMPLETE_ARGS": "frictionbench sh"}
-    )
-    words |= {
-        "_FRICTIONBENCH_COMPLETE": f"complete_{shell}",
-        "_TYPER_COMPLETE_FISH_ACTION": "get-args",
-        "PYTHONPATH": str(ROOT),
-    }
-    call = "import sys; sys.argv = ['frictionbench']; from frictionbench.commands.cli import main; main()"
-    done = subprocess.run([sys.executable, "-c", call], env=os.environ | words, capture_output=True, text=True, check=True)
-    assert "show" in done.stdout
-    assert "lemke" not in done.stdout
 
 
 @pytest.mark.parametrize(
@@ -97,10 +72,3 @@ def test_a_comparison_is_laid_out_on_a_terminal(tmp_path, monkeypatch) -> None:
     assert (shown.returncode, piped.returncode) == (1, 1)
     assert "##" not in shown.stdout
     assert "worse 1" in shown.stdout
-
-
-def test_the_lcp_is_named_in_the_plane_only() -> None:
-    """In space the exact problem is no LCP."""
-    for problem, named in (("stack[blocks=1]", True), ("cubes[boxes=1]", False)):
-        done = frictionbench("solve", problem, "--solver", "nsgs")
-        assert ("LCP of " in done.stdout) == named, done

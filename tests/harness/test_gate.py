@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from frictionbench.commands.accept import accept
 from frictionbench.harness import dependencies
 from frictionbench.harness.cells import batch, timing
 from frictionbench.harness.cells.batch import batch_of, time_batch
@@ -17,7 +16,7 @@ from frictionbench.problems import FrictionProblem
 from frictionbench.problems.recorded.own import save
 from frictionbench.reports.comparison.markdown import markdown
 from frictionbench.results import cells, store
-from frictionbench.results.compare import Limits, compare, confirm, equal_loads
+from frictionbench.results.compare import Limits, accept, compare, confirm, equal_loads
 from frictionbench.results.files import ResultsError
 from frictionbench.solvers import Answer, Status, find
 from frictionbench.solvers.interface import with_all_steps
@@ -256,6 +255,15 @@ def test_waiting_counts_in_batches(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(batch.process, "waited", lambda: 0.0)
     row, _ = batch_times(monkeypatch, sleeps)
     assert row["times"] == [5.0, 5.0]
+
+
+def test_leaving_its_core_is_recorded(tmp_path: Path) -> None:
+    plugin = write(tmp_path / "guest.py", first="import os", body="os.sched_setaffinity(0, range(os.cpu_count()))")
+    variants, plugins = load_plugins([str(plugin)])
+    plan = small_plan(sources=(Source("stack", {"blocks": 1}),), simulations=(), tolerances=(1e-6,))
+    run(small_plan(**vars(plan) | {"solvers": variants, "plugins": plugins}), tmp_path / "run", 1, quiet())
+    (row,) = store.read_table(tmp_path / "run", "solves").to_dict("records")
+    assert row["disturbed"]
 
 
 HOMES = """

@@ -192,13 +192,6 @@ def test_a_reply_without_a_verdict_is_a_crashed_row(verdict) -> None:
     assert (row["verdict"], row["reason"]) == ("crashed", "the worker returned a malformed row")
 
 
-def test_solve_runs_every_solver() -> None:
-    done = frictionbench("solve", "stack[blocks=2,push=1]", "--solver", "lemke", "--solver", "nsgs")
-    assert done.returncode == 0, done.stderr
-    assert "lemke" in done.stdout
-    assert "solved" in done.stdout
-
-
 def test_options_restrict_a_suite() -> None:
     plan = choose("smoke", ["stack[blocks=3]"], ("nsgs[relaxation=1.2]",), "1e-3,1e-5", 3.0)
     assert plan.sources == (Source("stack", {"blocks": 3}, 6),)

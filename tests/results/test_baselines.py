@@ -6,12 +6,11 @@ import json
 import pytest
 from rich.console import Console
 
-from frictionbench.commands.accept import accept
 from frictionbench.reports.comparison import history as runs_over_time
 from frictionbench.reports.comparison.markdown import markdown
 from frictionbench.results import cells, known
 from frictionbench.results.changes import Flip
-from frictionbench.results.compare import compare
+from frictionbench.results.compare import accept, compare
 from frictionbench.results.files import ResultsError
 from frictionbench.results.schema import SCHEMA_VERSION
 from tests.helpers.command_line import frictionbench

@@ -11,7 +11,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from frictionbench.commands.accept import accept
+from frictionbench.results.compare import accept
 from frictionbench.results.schema import arrow_schema
 from tests.helpers import command_line
 from tests.helpers.command_line import Done

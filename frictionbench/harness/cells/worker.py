@@ -266,9 +266,12 @@ def _problem(name: str) -> FrictionProblem | LCP:
 
 
 def _core_columns(core: process.Core, spent: float) -> Row:
-    """The columns on the cell's core; spent: seconds that were timed."""
-    disturbed = _worker.core is None or not core.core_wait <= SHARED * spent
-    return {**vars(core), "disturbed": disturbed}
+    """The columns on the cell's core; spent: seconds that were timed. A solver that has left its core is disturbed as well."""
+    own = None if _worker.core is None else {_worker.core}
+    left = own is None or os.sched_getaffinity(0) != own
+    if own:
+        os.sched_setaffinity(0, own)
+    return {**vars(core), "disturbed": left or not core.core_wait <= SHARED * spent}
 
 
 def _done(start_time: float, row: Row) -> Row:

@@ -20,7 +20,6 @@ from frictionbench.harness.workers import pool
 from frictionbench.harness.workers.pool import Pool
 from frictionbench.problems import InputError
 from frictionbench.reports.page import write_report
-from frictionbench.reports.settings import workers_on_all_cores
 from frictionbench.results import store
 from frictionbench.results.files import ResultsError
 from tests.helpers.runs import quiet
@@ -200,14 +199,3 @@ def test_disturbed_rows_are_repeated(tmp_path) -> None:
     run(plan, tmp_path, 1, quiet())
     again = store.read_table(tmp_path, "solves").set_index("key")["reason"]
     assert [again[row["key"]] for row in rows] == ["", "", "before"]
-
-
-def test_run_on_all_cores_is_reported(tmp_path) -> None:
-    cores = len(process.cores())
-    run(Plan("test", (Source("stack", {"blocks": 1}),), ("nsgs",), (1e-4,)), tmp_path, 1, quiet())
-    manifest = store.read_manifest(tmp_path)
-    assert (manifest["workers"], workers_on_all_cores(manifest)) == (1, int(cores == 1))
-    store.write_manifest(tmp_path, manifest | {"workers": cores})
-    assert f"{cores} workers on all cores" in write_report(tmp_path).read_text(encoding="utf-8")
-    for unusable in ({"workers": "many", "machine": {"cores": 1}}, {"workers": 1, "machine": 7}):
-        assert workers_on_all_cores(unusable) == 0
