@@ -174,8 +174,11 @@ def timed_call(solver: Solver, problem: FrictionProblem | LCP, solve: Callable[[
         prepared = solver.setup(formed)
         ready = perf_counter()
         answer = solve(prepared)
-        answer = answer if is_plain(answer) else checked_copy(answer)
         end = perf_counter()
+        if not is_plain(answer):
+            begun = perf_counter()
+            answer = checked_copy(answer)
+            end += perf_counter() - begun
     return Call(
         checked_copy(answer), (written - start, ready - written, end - ready), bool(loads.buffer) or len(sys.modules) != modules
     )
