@@ -248,7 +248,7 @@ def accept(folder: Path, path: Path | None) -> tuple[Comparison | None, str]:
     run, before = read(folder), None
     if unusable := compare(folder, folder, Limits(times=False)).unusable:
         raise ResultsError(f"{folder}: cannot be a baseline: {unusable}")
-    path = path or Path("baselines") / f"{_name(run.suite)}.tsv"
+    path = path or Path("baselines") / f"{_file_name(run.suite)}.tsv"
     if path.exists():
         baselines.read(path)  # refuses to overwrite a file that is not a baseline
         before = compare(path, folder, Limits(times=False))
@@ -258,7 +258,7 @@ def accept(folder: Path, path: Path | None) -> tuple[Comparison | None, str]:
     facts = {"suite": run.suite, "tolerances": tolerances, "code": run.code, "made": run.made}
     for variant, loaded in run.loaded.items():
         facts[f"{baselines.LOADED}{variant}"] = "; ".join(f"{name} {digest}" for name, digest in sorted(loaded.items()))
-    baselines.write(path, facts, _rows(run))
+    baselines.write(path, facts, _lines(run))
     verdicts = ", ".join(f"{count} {verdict}" for verdict, count in Counter(run.table["verdict"]).most_common())
     told = f"accepted: {path}, {len(run.table)} cells: {verdicts}"
     if (run.table["verdict"] == Verdict.TIMEOUT).any():
@@ -266,14 +266,14 @@ def accept(folder: Path, path: Path | None) -> tuple[Comparison | None, str]:
     return before, told
 
 
-def _name(suite: str) -> str:
+def _file_name(suite: str) -> str:
     """The suite as the name of a file. Errors: ResultsError where a manifest of someone else's names another folder."""
     if Path(suite).name != suite or suite == "..":
         raise ResultsError(f"suite: {suite!r} is not the name of a file; name the baseline's file")
     return suite
 
 
-def _rows(run: Cells) -> list[tuple[str, ...]]:
+def _lines(run: Cells) -> list[tuple[str, ...]]:
     table = run.table.assign(
         tol=[f"{tol:g}" for tol in run.table["tol"]],
         residual=[rounded(value, 2) for value in run.table["residual"]],
