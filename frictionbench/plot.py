@@ -12,7 +12,7 @@ Errors: ValueError where the run has nothing to draw, or no such panel; ResultsE
 ['bar']
 >>> ax = fb.plot.energy("run", ax=Figure().subplots())
 >>> ax.get_xlabel(), ax.get_ylabel()
-('time in s', 'change of energy')
+('time in s', 'change of energy, %')
 >>> [text.get_text() for text in ax.get_legend().get_texts()]
 ['lemke']
 """

@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     from frictionbench.reports.run import read_run as read_run
     from frictionbench.reports.settings import workers_on_all_cores as workers_on_all_cores
     from frictionbench.reports.tables import disturbed as disturbed
-    from frictionbench.reports.tables import exclusions as exclusions
     from frictionbench.reports.tables import reliabilities as reliabilities
     from frictionbench.reports.templates import environment as environment
     from frictionbench.reports.templates import script as script
@@ -47,19 +46,13 @@ _FILES = {
     "choice": ("Kind", "choices", "headline"),
     "drawing.figures": ("Panel",),
     "drawing.files": ("save_sheet",),
-    "drawing.style": (
-        "ALARM",
-        "GRID",
-        "INK",
-        "Look",
-        "looks",
-    ),
+    "drawing.style": ("ALARM", "GRID", "INK", "Look", "looks"),
     "drawing.text": ("escaped", "percent", "plain", "count", "power", "seconds"),
     "page": ("write_report",),
     "robustness": ("MapCells", "map_cells"),
     "run": ("Run", "read_run"),
     "settings": ("workers_on_all_cores",),
-    "tables": ("disturbed", "exclusions", "reliabilities"),
+    "tables": ("disturbed", "reliabilities"),
     "templates": ("environment", "script"),
 }
 

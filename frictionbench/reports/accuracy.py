@@ -88,7 +88,7 @@ def times_to(rows: pd.DataFrame, target: float, rank_by: RankBy = RankBy.BODIES)
     open_cells = rows[rows["answered"] & ~known & (rows["residual"] <= np.maximum(target, floor))]
     ran = rows.assign(ran=measured(rows))
     ran = ran[ran.groupby(["problem_class", "label"])["ran"].transform("any")]
-    names = ("problem_class", "stratum", "dimension", "scene", "model", "start", "host")
+    names = ("problem_class", "stratum", "dimension", "scene", "cluster", "model", "start", "host")
     times = ran.groupby(pair, sort=False).agg(**{name: (name, "first") for name in names}, limit=("time_limit", "max"))
     times = times.join(best[["form_time", "setup_time", "solve_time", "time", "work", "repeats"]])
     times["reached"] = times["time"].notna()
@@ -99,8 +99,9 @@ def times_to(rows: pd.DataFrame, target: float, rank_by: RankBy = RankBy.BODIES)
 
 def summary(times: pd.DataFrame) -> pd.DataFrame:
     """A row per class and label, and per label over all of the plane and of space: problems, reached (how many within the
-    target), share and mean (s), both weighted, the medians of form, setup and solve (s) over the problems reached, written: the
-    share of form, and law: what the label solves in place of Coulomb's law."""
+    target), solved (the same in words), share and mean (s), both weighted, the medians of form, setup and solve (s) over the
+    problems reached, written: the share of form, and law: what the label solves in place of Coulomb's law; there is no mean for
+    another law where not all is solved."""
     both = pd.concat([*overall(times).values(), times], ignore_index=True)
     both["weight"] = weights(both, ["problem_class", "label"])
     groups = both.groupby(["problem_class", "label"], sort=False)
@@ -118,7 +119,14 @@ def summary(times: pd.DataFrame) -> pd.DataFrame:
     table["written"] = share_of_form(both, ["problem_class", "label"])
     table["mean"] = _means(both, ["problem_class", "label"])
     table["law"] = [law(*what) for what in zip(table["model"], table["dimension"], strict=True)]
+    table["mean"] = table["mean"].where((table["law"] == "") | (table["reached"] == table["problems"]))
+    table["solved"] = [*map(solved_words, table["reached"], table["unjudgeable"])]
     return table.drop(columns=["model", "dimension"]).reset_index()
+
+
+def solved_words(reached: int, unjudgeable: int) -> str:
+    """The number solved, and those that cannot be judged: 40 + 80 unjudgeable."""
+    return f"{reached:.0f}" + (f" + {unjudgeable:.0f} unjudgeable" if unjudgeable else "")
 
 
 def share_of_form(times: pd.DataFrame, by: list[str]) -> "pd.Series[float]":
@@ -206,26 +214,6 @@ def by_charge(times: pd.DataFrame) -> pd.DataFrame:
         columns[f"rank {charge}"] = columns[f"mean {charge}"].rank(method="min")
     failed = (~times["reached"]).groupby(times["label"], sort=False).sum()
     return pd.DataFrame(columns).assign(failed=failed).sort_values("mean 1", kind="stable").rename_axis("label").reset_index()
-
-
-def partial_rankings(times: pd.DataFrame) -> pd.DataFrame:
-    """A row per label that was skipped on whole classes: the number of problems that it ran on (ran_on), of all; and on these
-    its rank among the solvers that ran on all of them (others, itself included), its mean (s), and the best label with its own.
-    The class is one of OVERALL.
-    """
-    found = []
-    for name, complete in overall(times).items():
-        count, there = complete["label"].value_counts(), times[times["dimension"].map(OVERALL) == name]
-        for label, own in there.groupby("label", sort=False):
-            if len(own) < count[label]:
-                same = there[there["problem_id"].isin(own["problem_id"])]
-                same = same.assign(weight=weights(same, ["label"]))
-                means = _means(same, ["label"])[same.groupby("label").size() == len(own)].sort_values(kind="stable")
-                rank = int((means < means[label]).sum()) + 1
-                row = {"problem_class": name, "label": label, "ran_on": len(own), "of": int(count[label])}
-                row |= {"rank": rank, "others": len(means), "reached": int(own["reached"].sum()), "mean": means[label]}
-                found.append(row | {"best": means.index[0], "best_mean": means.iloc[0]})
-    return pd.DataFrame(found)
 
 
 def _means(times: pd.DataFrame, by: list[str]) -> "pd.Series[float]":

@@ -7,7 +7,8 @@ has a mean only if it solves every problem, because the charge would say nothing
 last.
 
 The lead is the mean of the second solver over that of the first. Its interval holds 95 % of DRAWS bootstrap samples. A sample
-draws scenes with replacement, because problems of one scene are similar; of each drawn scene its problems, stratum by stratum;
+draws scenes with replacement, because problems of one scene are similar, and of robots' steps the models; of each drawn scene
+its problems, stratum by stratum;
 and of each cell its repeats, whose median is its time. In each sample the lead is over the best of the RIVALS next solvers,
 whichever that is. The first is called the winner only where the interval excludes 1; of too few problems there is no interval.
 
@@ -28,9 +29,11 @@ from frictionbench.reports.accuracy import (
     OVERALL,
     SHIFT,
     effective,
+    overall,
     percentiles,
     share_of_form,
     shifted_geometric_mean,
+    solved_words,
     weights,
 )
 from frictionbench.reports.drawing.text import ahead, count, percent, power, seconds
@@ -72,8 +75,7 @@ class Place(NamedTuple):
 
     @property
     def solved(self) -> str:
-        """The number solved, and those that cannot be judged: 40 + 80 unjudgeable."""
-        return f"{self.reached:.0f}" + (f" + {self.unjudgeable:.0f} unjudgeable" if self.unjudgeable else "")
+        return solved_words(self.reached, self.unjudgeable)
 
 
 class Choice(NamedTuple):
@@ -213,6 +215,24 @@ def choose(
     )
 
 
+def partial_rankings(times: pd.DataFrame) -> pd.DataFrame:
+    """A row per label that was skipped on whole classes: the number of problems that it ran on (ran_on), of all; and on these
+    its rank among the solvers that ran on all of them (others, itself included), its mean (s), and the best label with its own.
+    The class is one of OVERALL.
+    """
+    found = []
+    for name, complete in overall(times).items():
+        count, there = complete["label"].value_counts(), times[times["dimension"].map(OVERALL) == name]
+        for label, own in there.groupby("label", sort=False):
+            if len(own) < count[label] and (choice := choose(there, set(own["problem_id"]), set(there["label"]))):
+                at = [place.label for place in choice.places].index(str(label))
+                place, best = choice.places[at], choice.places[0]
+                row = {"problem_class": name, "label": label, "ran_on": len(own), "of": int(count[label]), "rank": at + 1}
+                row |= {"others": len(choice.places), "reached": place.reached, "mean": place.mean}
+                found.append(row | {"best": best.label, "best_mean": best.mean})
+    return pd.DataFrame(found)
+
+
 def _table(times: pd.DataFrame, column: str) -> pd.DataFrame:
     """A row per problem and a column per label."""
     return times.set_index(["problem_id", "label"])[column].unstack()  # noqa: PD010 - a pivot_table would average
@@ -222,10 +242,10 @@ def lead_interval(times: pd.DataFrame, charged: pd.DataFrame, problem: pd.DataFr
     """The ends of the 95 % interval of the lead of the first column over the best of the others.
 
     times: with the column repeats, relative to the time of the cell. charged: s, a row per problem and a column per label.
-    problem: scene and stratum of each row.
+    problem: cluster and stratum of each row.
     """
     random = np.random.default_rng(0)
-    drawn, rows = draw_problems(problem, random), np.arange(len(charged))
+    drawn, rows = draw_problems(problem.assign(weight=weights(problem)), random), np.arange(len(charged))
     repeats = times.set_index(["label", "problem_id"])["repeats"]
     means = np.empty((DRAWS, charged.shape[1]))
     for k, label in enumerate(charged.columns):
@@ -239,13 +259,16 @@ def lead_interval(times: pd.DataFrame, charged: pd.DataFrame, problem: pd.DataFr
 
 
 def draw_problems(problem: pd.DataFrame, random: np.random.Generator) -> Array:
-    """The weights (DRAWS, problems) of each problem in bootstrap samples of scenes and of the problems of each stratum."""
-    scenes = list(problem["scene"].unique())
-    copies = random.multinomial(len(scenes), np.full(len(scenes), 1 / len(scenes)), size=DRAWS)
+    """The weights (DRAWS, problems) of each problem in bootstrap samples of clusters and of the problems of each stratum.
+
+    problem: with cluster (see reports.run), stratum and weight.
+    """
+    clusters, weight = list(problem["cluster"].unique()), problem["weight"].to_numpy()
+    copies = random.multinomial(len(clusters), np.full(len(clusters), 1 / len(clusters)), size=DRAWS)
     found = np.zeros((DRAWS, len(problem)))
-    for (scene, _), at in problem.groupby(["scene", "stratum"], sort=False).indices.items():
-        n = len(at)
-        found[:, at] = random.multinomial(n * copies[:, scenes.index(scene)], np.full(n, 1 / n)) / n
+    for (cluster, _), at in problem.groupby(["cluster", "stratum"], sort=False).indices.items():
+        drawn = random.multinomial(len(at) * copies[:, clusters.index(cluster)], np.full(len(at), 1 / len(at)))
+        found[:, at] = drawn * weight[at].sum() / len(at)
     weighted: Array = found / found.sum(axis=1, keepdims=True)
     return weighted
 

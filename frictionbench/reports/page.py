@@ -13,12 +13,12 @@ import pandas as pd
 
 from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.reports import robustness, tables
-from frictionbench.reports.accuracy import CHARGES, OVERALL, by_charge, overall, partial_rankings, percentiles
+from frictionbench.reports.accuracy import CHARGES, OVERALL, by_charge, overall, percentiles
 from frictionbench.reports.animation import Animation, write_animations
 from frictionbench.reports.batches import has_batches, write_batches
 from frictionbench.reports.charts import CHARTS
 from frictionbench.reports.charts.chart import Chart
-from frictionbench.reports.choice import GLOSS, LISTED, choices, differs, headline
+from frictionbench.reports.choice import GLOSS, LISTED, choices, differs, headline, partial_rankings
 from frictionbench.reports.drawing.figures import Panel
 from frictionbench.reports.drawing.files import BANDS
 from frictionbench.reports.drawing.tiles import Drawing

@@ -14,6 +14,7 @@ from pathlib import Path
 from shutil import which
 from typing import NamedTuple
 
+import pandas as pd
 from markupsafe import Markup
 from matplotlib.artist import Artist
 
@@ -152,20 +153,14 @@ def chosen(run: Run, names: Collection[str]) -> Run:
 
     Errors: ResultsError naming a solver that is not in the run.
     """
-    selected: set[str] = set()
-    for name in names:
-        found = {
-            str(label)
-            for table in (run.rows, run.simulations)
-            for label in table.loc[
-                (table["solver"] == name) | (table["variant"] == name) | (table["label"].str.removesuffix(PORTFOLIO) == name),
-                "label",
-            ]
-        }
-        if not found:
-            there = ", ".join(sorted({*run.rows["variant"], *run.simulations["variant"]}))
-            raise ResultsError(f"solvers: {name} is not in this run; there are {there}")
-        selected |= found
+    every = pd.concat([table[["solver", "variant", "label"]] for table in (run.rows, run.simulations)])
+    named = {
+        name: every[every[["solver", "variant"]].eq(name).any(axis=1) | (every["label"].str.removesuffix(PORTFOLIO) == name)]
+        for name in names
+    }
+    if missing := [name for name, found in named.items() if found.empty]:
+        raise ResultsError(f"solvers: {missing[0]} is not in this run; there are {', '.join(sorted(set(every['variant'])))}")
+    selected = {label for found in named.values() for label in found["label"]}
     parts = {
         name: table[table["label"].isin(selected)] if len(table) else table
         for name, table in (("rows", run.rows), ("simulations", run.simulations), ("map_simulations", run.map_simulations))

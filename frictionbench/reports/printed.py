@@ -85,10 +85,10 @@ def _times(run: Run) -> list[Table]:
     facts = {name: texts for name, texts in facts.items() if any(texts)}
     header, columns, groups = [*facts], [*facts.values()], [("", len(facts))]
     for i, target in enumerate(run.summaries):
-        unit, means = one_unit([cells[i]["mean"] if has_mean(cells[i]) else np.nan for *_, cells in ranking])
+        unit, means = one_unit([cells[i]["mean"] for *_, cells in ranking])
         header += ["reached", f"mean, {unit}"]
         groups.append((f"to {power(target)}", 2))
-        columns += [[f"{reached(cells[i])}/{cells[i]['problems']}" for *_, cells in ranking], means]
+        columns += [[f"{cells[i]['solved']}/{cells[i]['problems']}" for *_, cells in ranking], means]
     caption = (
         "Problems brought within a verified residual of each target, and the weighted shifted geometric mean of the time "
         f"{run.rank_by.words} ({run.rank_by.parts}), problems not solved charged the time limit."
@@ -98,16 +98,6 @@ def _times(run: Run) -> list[Table]:
             " For: what is solved in place of Coulomb's law; such solvers have a mean only where they solve every problem."
         )
     return [Table("times", caption, header, list(zip(*columns, strict=True)), groups)]
-
-
-def has_mean(cells: dict[str, float]) -> bool:
-    """Whether a row of a summary has a mean that says something: see reports.choice."""
-    return not cells["law"] or cells["reached"] == cells["problems"]
-
-
-def reached(cells: dict[str, float]) -> str:
-    """The number solved, and those that cannot be judged: 40 + 80 unjudgeable."""
-    return f"{cells['reached']}" + (f" + {cells['unjudgeable']} unjudgeable" if cells["unjudgeable"] else "")
 
 
 def _percentiles(run: Run) -> list[Table]:

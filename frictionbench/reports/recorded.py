@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from frictionbench.problems.verdicts import measured
+from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.reports.accuracy import in_order, percentiles
 from frictionbench.reports.run import Run
 from frictionbench.results.conventions import scene_title
@@ -52,7 +52,7 @@ def _recorded(family: str, file: str, rows: pd.DataFrame) -> Recorded:
     first, tol = rows.iloc[0], float(rows["tol"].min())
     if first["problem"] == "":
         return Recorded(family, file, None, None, None, None, "", tol, {}, 0, str(first["reason"]))
-    done = rows[rows["answered"] & (rows["residual"] <= tol)]
+    done = rows[rows["answered"] & (rows["residual"] <= tol) & (rows["verdict"] != Verdict.UNJUDGEABLE)]
     tried = rows.loc[measured(rows), "label"].nunique()
     contacts, dimension, unknowns = (None if pd.isna(first[n]) else int(first[n]) for n in ("contacts", "dimension", "size"))
     rows_of_w = (contacts or 0) * (dimension or 0)

@@ -13,6 +13,7 @@ Columns added to the solves table:
     infeasible      whether the problem is proved to have no solution
     several_outcomes    whether solutions with several velocities were found or enumerated
     robot           whether the problem is a step of a robot
+    cluster         the scene, of steps of robots with the model: problems of one cluster are similar
 
 Trivial, idle and infeasible problems are excluded from rankings: `Run.ranked` leaves them out.
 """
@@ -30,7 +31,7 @@ from frictionbench.problems.verdicts import Verdict, measured
 from frictionbench.reports.accuracy import OVERALL, strata, summary, targets, times_to
 from frictionbench.reports.drawing.style import Look, apart, looks
 from frictionbench.results.commands import sources
-from frictionbench.results.conventions import COLD, KEEP_ANSWER, RankBy
+from frictionbench.results.conventions import COLD, KEEP_ANSWER, RankBy, json_object
 from frictionbench.results.extras import ConvergenceHistory, Shrunk, read_histories, read_shrunk
 from frictionbench.results.maps import FirstSteps, GridPoint, maps_of, read_first_steps, read_thresholds
 from frictionbench.results.outcomes import with_outcomes
@@ -44,7 +45,7 @@ EXCLUSIONS = {  # of problems from rankings, by column, the first that holds cou
     "trivial": "trivial",
     "idle": "idle",
 }
-ROBOTS = "robots"  # with which the names of scenes begin that are steps of robots
+ROBOTS = "robot_step"  # the scene of recorded steps of robots, whose parameter `case` begins with the model
 _IDENTITY = ["scene", "parameters", "step", "phase", "problem"]
 
 
@@ -168,7 +169,9 @@ def annotate(solves: pd.DataFrame) -> pd.DataFrame:
     rows["infeasible"] = rows.get("proved_infeasible", none).eq(True)
     outcomes = rows.get("outcomes_found", none).astype(float).fillna(rows["outcomes"].astype(float))
     rows["several_outcomes"] = outcomes.groupby(rows["problem"]).transform("max") > 1
-    rows["robot"] = rows["scene"].str.startswith(ROBOTS)
+    rows["robot"] = rows["scene"] == ROBOTS
+    models = rows["parameters"].map(lambda text: str(json_object(text).get("case", "")).partition("-")[0])
+    rows["cluster"] = rows["scene"].where(~rows["robot"], rows["scene"] + " " + models)
     rows["label"] = rows["variant"].where(rows["start"].isin(["", COLD]), rows["variant"] + ", " + rows["start"])
     rows["label"] += _mark(rows)
     if len(set(rows["host"])) > 1:
@@ -179,7 +182,8 @@ def annotate(solves: pd.DataFrame) -> pd.DataFrame:
     rows["stratum"] = strata(rows)
     rows["time"] = RankBy.BODIES.time(rows)
     rows["answered"] = ~rows["verdict"].isin(NO_ANSWER) & np.isfinite(rows["residual"]) & np.isfinite(rows["time"])
-    rows["own_solved"] = rows["answered"] & (rows[["residual", "model_residual"]].min(axis=1) <= rows["tol"])
+    judged = rows["answered"] & (rows["verdict"] != Verdict.UNJUDGEABLE)
+    rows["own_solved"] = judged & (rows[["residual", "model_residual"]].min(axis=1) <= rows["tol"])
     return rows
 
 

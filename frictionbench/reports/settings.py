@@ -46,13 +46,10 @@ def workers_on_all_cores(manifest: dict[str, Any]) -> int:
 
 
 def _setting(part: str, name: str, value: Any) -> Setting:
-    text = _format_bytes(value) if name in ("memory", "memory_limit") else _format(value)
+    of_memory = name in ("memory", "memory_limit") and isinstance(value, int | float)
+    text = f"{value / 2**30:.3g} GiB" if of_memory else _format(value)
     shown = name if part == "versions" else name.replace("_", " ")
     return Setting(shown, text[:MOST], len(value) if isinstance(value, list) and len(text) > LONG else 0)
-
-
-def _format_bytes(value: Any) -> str:
-    return f"{value / 2**30:.3g} GiB" if isinstance(value, int | float) else _format(value)
 
 
 def _format(value: Any) -> str:

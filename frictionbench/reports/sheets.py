@@ -13,23 +13,10 @@ MOST_FAILURES = 12  # kinds of failure listed for one solver, the most frequent 
 LONGEST = 6000  # characters of a description, three times the longest in this package; a plug-in's may be of any length
 
 
-class Failure(NamedTuple):
-    """The cells of one class in which a solver failed with one verdict: their number, of all cells that ran, and the one with
-    the fewest contacts."""
-
-    problem_class: str
-    verdict: str
-    cells: int
-    of: int
-    contacts: float
-    residual: float
-    reason: str
-    key: str
-
-
 class Sheet(NamedTuple):
     """One solver. description: its own, in paragraphs, from the manifest. results: its rows of the summary over all problems of
-    the plane and of space, each with its target. more: kinds of failure not listed. skipped: cells by reason.
+    the plane and of space, each with its target. failures: rows of _failures; more: how many of them are not listed. skipped:
+    cells by reason.
     """
 
     label: str
@@ -37,7 +24,7 @@ class Sheet(NamedTuple):
     facts: dict[str, str]
     description: list[str]
     results: list[dict[str, Any]]
-    failures: list[Failure]
+    failures: list[Any]
     more: int
     skipped: dict[str, int]
 
@@ -53,7 +40,7 @@ def sheets(run: Run) -> list[Sheet]:
     for row in run.rows.drop_duplicates("label").sort_values("label").itertuples():
         label = str(row.label)
         text = descriptions.get(row.variant, "") if isinstance(descriptions, dict) else ""
-        own = [Failure(*one) for one in failed[failed["label"] == label].drop(columns="label").itertuples(index=False)]
+        own = list(failed[failed["label"] == label].itertuples(index=False))
         facts = {name: str(getattr(row, name) or "") for name in ("family", "model", "version", "members")}
         found.append(
             Sheet(
@@ -78,7 +65,8 @@ def _flowing(paragraph: str) -> str:
 
 
 def _failures(run: Run) -> pd.DataFrame:
-    """A row per label, class and verdict other than solved and skipped, see Failure, the most frequent first."""
+    """A row per label, class and verdict other than solved and skipped, the most frequent first: cells, of all that ran (of);
+    and contacts, residual, reason and key of the one with the fewest contacts."""
     ran = run.ranked[measured(run.ranked)]
     of = ran.groupby(["label", "problem_class"]).size().rename("of")
     ran = ran.assign(verdict=endings(ran))

@@ -173,8 +173,7 @@ def reliabilities(run: Run) -> list[Reliability]:
     rows = run.tightest[measured(run.tightest)]
     found = []
     for label, own in rows.groupby("label", sort=False):
-        judged = own["verdict"] != Verdict.UNJUDGEABLE
-        solved = judged & (own["residual"] <= own["tol"]), judged & own["own_solved"]
+        solved = own["own_solved"] & (own["residual"] <= own["tol"]), own["own_solved"]
         ended = [
             int((own["verdict"] == verdict).sum())
             for verdict in (Verdict.NEAR_MISS, Verdict.UNJUDGEABLE, Verdict.WRONG, Verdict.TIMEOUT, Verdict.CRASHED)

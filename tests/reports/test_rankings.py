@@ -1,5 +1,6 @@
 """Two rankings, weights, percentiles, what scenes and noise decide, and the words for relaxations, by hand."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -178,11 +179,25 @@ def test_problems_of_one_scene_do_not_make_a_lead_certain():
     assert found.lead > 1.3
     low, _ = found.interval
     assert low < 1
-    problem = pd.DataFrame({"scene": list("aaab"), "stratum": list("xxyz")})
+    problem = pd.DataFrame({"cluster": list("aaab"), "stratum": list("xxyz"), "weight": [1 / 6, 1 / 6, 1 / 3, 1 / 3]})
     drawn = choice.draw_problems(problem, np.random.default_rng(0))
     assert drawn.sum(axis=1) == pytest.approx(np.ones(choice.DRAWS))
     assert drawn[:, 3].std() > 0.3  # the scene of one stratum is there, twice, or not at all
     assert np.mean(drawn[:, 3] == 0) == pytest.approx(1 / 4, abs=0.05)
+
+
+def test_steps_of_robots_are_a_class_whose_clusters_are_models():
+    rows = [
+        solve_row("a", f"p{k}", scene="robot_step", parameters=json.dumps({"case": f"{model}-walk-{k}"}), dimension=3)
+        for k, model in enumerate(["anymal", "anymal", "hand", "panda", "hand", "panda", "g1", "g1"])
+    ]
+    run = run_of(*rows, *pair([2.0] * 3))
+    assert run.ranked.drop_duplicates("problem_id")["cluster"].nunique() == 4 + 3
+    assert [(kind.name, kind.problems, kind.first) for kind in choice.choices(run) if kind.first] == [
+        (PLANE, 3, True),
+        ("in space", 8, True),
+        ("robots' steps", 8, True),
+    ]
 
 
 def test_repeats_widen_the_interval():

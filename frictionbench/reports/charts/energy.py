@@ -8,11 +8,12 @@ from matplotlib.axes import Axes
 
 from frictionbench.reports.charts.chart import Chart
 from frictionbench.reports.drawing.figures import Panel
-from frictionbench.reports.drawing.style import ALARM, GRID, INK, Look, percent_axis
+from frictionbench.reports.drawing.style import ALARM, GRID, INK, Look
 from frictionbench.reports.run import Run
 from frictionbench.results.conventions import scene_title
 
 POINTS = 200  # of a curve, finer than the panel's resolution
+FLAT = 1e-7  # per cent: smaller changes are rounding errors
 MOST = 24  # panels on the page; more make it slow to load
 
 
@@ -39,27 +40,22 @@ def _draw(ax: Axes, simulations: pd.DataFrame, looks: dict[str, Look]) -> None:
         count = min(len(row.times), len(row.energies))
         keep = np.unique(np.linspace(0, count - 1, min(count, POINTS)).astype(int))
         scale = row.energy_scale if row.energy_scale > 0 else 1.0
-        change = (row.energies[keep] - row.energies[0]) / scale
+        change = 100 * (row.energies[keep] - row.energies[0]) / scale
         look = looks[row.label]
-        ax.plot(
-            row.times[keep],
-            change,
-            **look.line,
-            markevery=(0.1, 0.3),
-            ms=3.5,
-            alpha=0.9,
-        )
+        ax.plot(row.times[keep], change, **look.line, markevery=(0.1, 0.3), ms=3.5, alpha=0.9)
         highest = max(highest, float(np.nanmax(change, initial=0.0)))
     ax.axhline(0, color=INK, lw=0.6)
-    if highest > 1e-6:
+    if highest > 1e-4:
         bottom, top = ax.get_ylim()
         ax.axhspan(0, top, color=ALARM, alpha=0.08, lw=0)
         ax.set_ylim(bottom, top)
         ax.text(0.02, 0.95, "energy gained", transform=ax.transAxes, va="center", fontsize="small", alpha=0.8)
-    percent_axis(ax)
+    low, high = ax.get_ylim()
+    ax.set_ylim(min(low, -FLAT), max(high, FLAT))
+    ax.ticklabel_format(axis="y", scilimits=(-3, 4), useOffset=False)
     ax.grid(**GRID)
     ax.set_xlabel("time in s")
-    ax.set_ylabel("change of energy")
+    ax.set_ylabel("change of energy, %")
 
 
 CHART = Chart(

@@ -83,17 +83,34 @@ def types(run: Run) -> list[Drawing]:
     several = [
         cells for cells in map_cells(run) if "mode" in cells.rows and len(set(cells.rows["mode"].map(_type).dropna())) > 1
     ]
-    return [_drawing(run, cells, *_alike(_types(cells)), TYPE) for cells in several]
+    return [
+        _drawing(run, cells, *_alike(_each(cells, _types, cells.rows[cells.rows["verdict"] == Verdict.SOLVED])), TYPE)
+        for cells in several
+    ]
+
+
+def _types(own: pd.DataFrame) -> Field:
+    return Field("", own, own["mode"].map(_type).map(TYPE).fillna(""))
 
 
 def times(run: Run) -> list[Drawing]:
     """A drawing per map: the time of each solver; in closed loop the drift of energy and the penetration."""
-    return [_drawing(run, cells, *_alike(_loop(cells) if cells.spec.steps else _times(cells))) for cells in map_cells(run)]
+    return [
+        _drawing(run, cells, *_alike(_loop(cells) if cells.spec.steps else _each(cells, _times))) for cells in map_cells(run)
+    ]
+
+
+def _times(own: pd.DataFrame) -> Field:
+    return _scale("", own, own["time"], seconds)
 
 
 def work(run: Run) -> list[Drawing]:
     """A drawing per map of first problems: the work of each solver."""
-    return [_drawing(run, cells, *_alike(_work(cells))) for cells in map_cells(run) if not cells.spec.steps]
+    return [_drawing(run, cells, *_alike(_each(cells, _work))) for cells in map_cells(run) if not cells.spec.steps]
+
+
+def _work(own: pd.DataFrame) -> Field:
+    return _scale("", own, own["work"].map(_count), "{:.0f}".format)
 
 
 def _drawing(run: Run, cells: MapCells, fields: Sequence[Field], note: str, legend: Mapping[str, str] = NO_COLOURS) -> Drawing:
@@ -196,12 +213,10 @@ def _type(mode: object) -> str | None:
     return ", ".join(kinds)
 
 
-def _types(cells: MapCells) -> list[tuple[str, Field]]:
-    fields = []
-    for label in cells.labels:
-        rows = cells.rows[(cells.rows["label"] == label) & (cells.rows["verdict"] == Verdict.SOLVED)]
-        fields.append((label, Field("", rows, rows["mode"].map(_type).map(TYPE).fillna(""))))
-    return fields
+def _each(cells: MapCells, field: Callable[[pd.DataFrame], Field], rows: pd.DataFrame | None = None) -> list[tuple[str, Field]]:
+    """The field that is made of the rows of each label."""
+    rows = cells.rows if rows is None else rows
+    return [(label, field(rows[rows["label"] == label])) for label in cells.labels]
 
 
 def _alike(fields: Sequence[tuple[str, Field]]) -> tuple[list[Field], str]:
@@ -220,16 +235,6 @@ def _alike(fields: Sequence[tuple[str, Field]]) -> tuple[list[Field], str]:
     return found, "; ".join(notes) + "." * bool(notes)
 
 
-def _times(cells: MapCells) -> list[tuple[str, Field]]:
-    parts = ((label, cells.rows[cells.rows["label"] == label]) for label in cells.labels)
-    return [(label, _scale("", rows, rows["time"], seconds)) for label, rows in parts]
-
-
-def _work(cells: MapCells) -> list[tuple[str, Field]]:
-    parts = ((label, cells.rows[cells.rows["label"] == label]) for label in cells.labels)
-    return [(label, _scale("", rows, rows["work"].map(_count), "{:.0f}".format)) for label, rows in parts]
-
-
 def _count(work: str) -> float:
     """The sum of all counters of a row; nan if there are none."""
     found = counts(work)
@@ -239,16 +244,15 @@ def _count(work: str) -> float:
 def _loop(cells: MapCells) -> list[tuple[str, Field]]:
     """The drift, penetration and contact-free steps of each label, as far as they change over the map."""
     fields = []
-    for title, column in (
-        ("drift", "energy_drift"),
-        ("overlap, m", "worst_penetration"),
-        ("contact-free", "contact_free_steps"),
+    for column, title in (
+        ("energy_drift", "drift"),
+        ("worst_penetration", "overlap, m"),
+        ("contact_free_steps", "contact-free"),
     ):
         for label in cells.labels:
-            rows = cells.rows[cells.rows["label"] == label]
-            values = rows[column].astype(float)
-            if values.max() > values.min():
-                fields.append((label, _scale(title, rows, values)))
+            own = cells.rows[cells.rows["label"] == label]
+            if own[column].max() > own[column].min():
+                fields.append((label, _scale(title, own, own[column])))
     return fields
 
 

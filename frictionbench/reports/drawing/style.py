@@ -8,7 +8,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator, PercentFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator, PercentFormatter
 
 from frictionbench.reports.drawing.text import seconds
 
@@ -17,7 +17,6 @@ ALARM = "#d62728"
 NARROW = 5.0  # least ratio of the ends of a time axis, for two ticks or more
 ZERO, WORST = 1e-17, 1e1  # where residuals of zero, and large or missing ones, are drawn
 GRID: Any = {"lw": 0.4, "alpha": 0.3}  # of the lines of a grid
-FLAT = 1e-9  # least extent of an axis of shares; smaller differences are rounding errors
 RC: Any = {
     "font.size": 9.0,
     "font.family": "sans-serif",
@@ -123,26 +122,6 @@ def time_axis(ax: Axes, which: Literal["x", "y"]) -> None:
     subs = (1.0,) if high > 150 * low else (1.0, 3.0) if high > 12 * low else (1.0, 2.0, 5.0)
     axis.set_major_locator(LogLocator(subs=subs, numticks=7))
     axis.set_major_formatter(FuncFormatter(lambda value, _: seconds(value)))
-
-
-def percent_axis(ax: Axes) -> None:
-    """Make the vertical axis one of per cent, with enough digits to distinguish the ticks, after everything is drawn."""
-    low, high = ax.get_ylim()
-    if not high - low > FLAT:
-        low, high = (low + high - FLAT) / 2, (low + high + FLAT) / 2
-        ax.set_ylim(low, high)
-    ticks = np.asarray(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high))
-    shown = 100 * ticks[(ticks >= low) & (ticks <= high)]
-    exact = (k for k in range(4) if np.allclose(np.round(shown, k), shown, rtol=0, atol=0.1 * (ticks[1] - ticks[0])))
-    decimals = next(exact, None)
-    ax.set_yticks(
-        shown / 100, [f"{tick:.{decimals}f} %" if decimals is not None else f"{_scientific(tick)} %" for tick in shown]
-    )
-
-
-def _scientific(value: float) -> str:
-    digits, exponent = f"{value:.1e}".split("e")
-    return f"{float(digits):g}e{int(exponent)}" if value else "0"
 
 
 def share_axis(ax: Axes) -> None:
