@@ -13,8 +13,10 @@ with limits and dry friction as rows of J. As b >= 0 and the joints ask for noth
 asked of velocities, whatever overlaps: the step has a solution. (MuJoCo lists contacts and limits within their margin alone,
 most often those that have begun to penetrate.)
 
-Penetrations and errors of joints are taken away from positions, not by velocities, so that they add no momentum. With the
-depths d that the step leaves by its linear forecast, the rows A_i of the normals, limits and equalities, W = A_i A^-1 A_i',
+Penetrations and errors of joints are taken away from positions, not by velocities, so that they add no momentum. A depth of
+SLOP of the model's mean size is left, so that MuJoCo lists resting contacts in every step: else a contact that a solver's
+tolerance opens by a nanometre is lost for a step. With the depths d beyond it that the step leaves by its linear forecast, the
+rows A_i of the normals, limits and equalities, W = A_i A^-1 A_i',
 
     min 1/2 x'(W + E) x - SHARE d'x,    x_i >= 0 for normals and limits,    delta = A^-1 A_i' x,    q+ += delta,
 
@@ -45,6 +47,7 @@ from frictionbench.solvers import solve
 
 SHARE = 0.2  # of a penetration, taken away in a step
 SOFT = 1e-3  # of the diagonal
+SLOP = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,13 +105,20 @@ def problem(model: Any, data: Any) -> FrictionProblem:
     return _problem(mj, model, _stage(mj, model, data))
 
 
-def step(model: Any, data: Any, solver: str = "hybrid", tol: float = 1e-8, before: Step | None = None) -> Step:
+def step(
+    model: Any,
+    data: Any,
+    solver: str = "hybrid",
+    tol: float = 1e-8,
+    before: Step | None = None,
+    limit: int | None = None,
+) -> Step:
     """Advance data by one step, in place of mujoco.mj_step(model, data).
 
     model: a mujoco.MjModel. Its integrator decides how damping enters: Euler or implicitfast as they are, implicit with the
     symmetric part of its mass; RK4, whose stages have no impulses of their own, as Euler. data: a mujoco.MjData with controls
     and applied forces; afterwards it holds what mj_step leaves, with the forces of constraints and the sensors of this step.
-    solver, tol: as of `frictionbench.solve`; a solver of the convex relaxation makes a step by that law.
+    solver, tol, limit: as of `frictionbench.solve`; a solver of the convex relaxation makes a step by that law.
     before: the step before, for a warm start by pairs of geoms and by joints.
 
     Where the solver fails, its status says so, and its impulses are used as they are, or none where they are not finite.
@@ -121,12 +131,12 @@ def step(model: Any, data: Any, solver: str = "hybrid", tol: float = 1e-8, befor
     posed_problem = _problem(mj, model, stage)
     guess = None if before is None else start(model, data, before)
     begin = thread_time()
-    answer = _solved(posed_problem, solver, tol, guess)
+    answer = _solved(posed_problem, solver, tol, guess, limit)
     seconds = thread_time() - begin
     impulse = answer.impulse if np.isfinite(answer.impulse).all() else np.zeros_like(answer.impulse)
     velocity = posed_problem.velocity(impulse)
     energy = _energy(mj, model, data, stage, impulse, velocity) | {"defect": ledger_defect(posed_problem, impulse)}
-    delta = _correction(mj, data, stage, velocity, model.opt.timestep)
+    delta = _correction(mj, model, data, stage, velocity)
     energy["correction"] = -float(delta @ data.qfrc_smooth)
     keys, frames = _keys(mj, data), _frames(mj, data)
     _advance(mj, model, data, stage, impulse, velocity)
@@ -186,9 +196,9 @@ def _problem(mj: Any, model: Any, stage: _Stage) -> FrictionProblem:
     return posed(stage.mass, stage.free, stage.contacts, bias, F, np.zeros(len(F)))
 
 
-def _solved(given: FrictionProblem, solver: str, tol: float, start: Array | None) -> Answer:
+def _solved(given: FrictionProblem, solver: str, tol: float, guess: Array | None, limit: int | None) -> Answer:
     if given.contacts:
-        return solve(given, solver, tol=tol, start=start)
+        return solve(given, solver, tol=tol, start=guess, limit=limit)
     return Answer(np.zeros((0, 3)), Status.SOLVED)
 
 
@@ -237,10 +247,10 @@ def _energy(mj: Any, model: Any, data: Any, stage: _Stage, impulse: Array, veloc
     }
 
 
-def _correction(mj: Any, data: Any, stage: _Stage, velocity: Array, h: float) -> Array:
+def _correction(mj: Any, model: Any, data: Any, stage: _Stage, velocity: Array) -> Array:
     """delta (nv,): see above."""
     normal, equal = stage.contacts.rows.reshape(-1, 3, len(velocity))[:, 0], stage.equations(mj)
-    depth = -(stage.contacts.gap + h * normal @ velocity)
+    depth = -(stage.contacts.gap + model.opt.timestep * normal @ velocity) - SLOP * model.stat.meansize
     deep = (stage.contacts.gap < 0) & (depth > 0)
     F, error = stage.J[equal], data.efc_pos[equal]
     if not deep.any() and not error.any():

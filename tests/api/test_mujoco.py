@@ -114,14 +114,14 @@ def test_dry_friction_holds_and_a_limit_stops() -> None:
         assert result.residual <= 1e-8
     assert np.abs(data.qvel).max() < 1e-9
     assert data.qpos[1] == pytest.approx(0, abs=1e-12)
-    assert data.qpos[0] == pytest.approx(0.5, abs=1e-5)  # passed by a part of one step, and taken back by a fifth each step
+    assert data.qpos[0] == pytest.approx(0.5, abs=2e-4)  # passed by a part of one step, and taken back but for .001 of the size
 
 
 def test_penetration_is_taken_away_without_momentum() -> None:
     ball = '<geom type="plane" size="1 1 1"/><body pos="0 0 .09"><freejoint/><geom size=".1"/></body>'
     model, data = made(f"<mujoco><worldbody>{ball}</worldbody></mujoco>")
     for k, result in enumerate(fb.mujoco.steps(model, data, 20)):
-        assert result.penetration == pytest.approx(0.01 * 0.8**k, rel=1e-3 * (k + 1))
+        assert result.penetration == pytest.approx(1e-4 + 0.0099 * 0.8**k, rel=1e-3 * (k + 1))  # to .001 of the mean size
         assert np.abs(data.qvel).max() < 1e-10
 
 
@@ -140,9 +140,9 @@ def test_warm_starts_follow_geoms_and_joints(monkeypatch) -> None:
     model, data = made(EVERYTHING)
     starts, solve = [], fb.mujoco.solve
 
-    def spied(problem, solver, tol, start):
+    def spied(problem, solver, tol, start, limit):
         starts.append(start)
-        return solve(problem, solver, tol=tol, start=start)
+        return solve(problem, solver, tol=tol, start=start, limit=limit)
 
     monkeypatch.setattr(fb.mujoco, "solve", spied)
     before = None

@@ -1,6 +1,6 @@
 """Solvers in closed loop beside MuJoCo's own step of the same models.
 
-    python -m tools.robots.loop [SECONDS] > loop.tsv
+    python -m tools.robots.loop [SECONDS [MODEL ...]] > loop.tsv
 
 Each solver moves each model by `frictionbench.mujoco.step`, warm, for SECONDS of the model's time or LIMIT of the processor's,
 from the same start and with the same controls. A line each: steps, how many within 1e-8 by the verifier's residual, the time
@@ -11,6 +11,7 @@ and the residual that of every tenth step as captured, with its soft constraints
 """
 
 import sys
+from collections.abc import Sequence
 from time import thread_time
 from typing import Any
 
@@ -22,7 +23,7 @@ from tools.robots.models import MODELS, begin
 
 TOL, LIMIT, WARMED = 1e-8, 8.0, 20  # residual; s of the processor; steps before anything is measured, so that all is compiled
 NAMES = ("humanoid", "quadruped", "dog", "fruit_fly", "stacker", "hand_block", "adroit_relocate", "fetch_pick")
-SOLVERS = ("hybrid", "interior_point", "nsgs", "proximal_newton", "apgd_coulomb", "mujoco")
+SOLVERS = ("hybrid", "interior_point", "nsgs", "proximal_newton", "mujoco")
 COLUMNS = ("model", "solver", "steps", "solved", "median", "p99", "longest", "within .2 ms", "within 1 ms", "energy defect")
 DEPTHS = ("deepest at first", "deepest later", "drift")
 
@@ -86,13 +87,13 @@ def _judge(model: Any, data: Any, tally: Tally) -> None:
         tally.residual.append(fb.residual(step.problem, step.impulse))
 
 
-def main(seconds: float) -> None:
+def main(seconds: float, names: Sequence[str]) -> None:
     print(*COLUMNS, *DEPTHS, sep="\t")
-    for name in NAMES:
+    for name in names:
         for solver in SOLVERS:
             run(name, solver, None)
             print(name, solver, *run(name, solver, seconds).line(), sep="\t", flush=True)
 
 
 if __name__ == "__main__":
-    main(float(sys.argv[1]) if len(sys.argv) > 1 else 1.0)
+    main(float(sys.argv[1]) if len(sys.argv) > 1 else 1.0, sys.argv[2:] or NAMES)
