@@ -25,7 +25,8 @@ problems, Mathematical Programming 75 (1996).
 
 import numpy as np
 
-from frictionbench.problems.compiled import kernel
+from frictionbench.problems.compiled import kernel, part
+from frictionbench.solvers.clock import late
 from frictionbench.solvers.interface import Status, solver
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP
 from frictionbench.solvers.pivots.merit_newton import (
@@ -35,6 +36,7 @@ from frictionbench.solvers.pivots.merit_newton import (
     GRADIENT,
     NEWTON,
     STALLED,
+    TIME,
     Descent,
     MeritNewton,
     record,
@@ -68,7 +70,7 @@ class FischerNewton(MeritNewton):
         return "no descent: a stationary point of the merit that is not a solution" if status is Status.STALLED else ""
 
 
-@kernel
+@part
 def fischer(y, w):  # type: ignore[no-untyped-def]
     """Phi (n,), without cancellation where a + b > 0."""
     value = np.empty(len(y))
@@ -123,6 +125,8 @@ def iterate_fischer(M, q, y, descent, eps):  # type: ignore[no-untyped-def]
             kind, d = GRADIENT, -gradient
         worst, slope, t = descent.recent.max(), gradient @ d, 1.0
         while True:
+            if late(descent.until):
+                return TIME, k
             trial = y + t * d
             w = M @ trial + q
             phi = fischer(trial, w)

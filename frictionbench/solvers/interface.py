@@ -189,7 +189,7 @@ class SolverInfo:
         return f"{self.name} does not support {', '.join(present)}" if present else None
 
 
-def dense_storage(instance: Solver, problem: FrictionProblem | LCP) -> int:
+def dense_storage(instance: object, problem: FrictionProblem | LCP) -> int:
     """The bytes of the dense matrices of an LCP's size that a solver holds: as many as its class's `dense_matrices` says."""
     if isinstance(problem, LCP):
         n = problem.size

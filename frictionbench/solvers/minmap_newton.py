@@ -24,6 +24,7 @@ Mathematical Programming 134 (2012).
 import numpy as np
 
 from frictionbench.problems.compiled import kernel, part
+from frictionbench.solvers.clock import late
 from frictionbench.solvers.interface import Status, solver
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP
 from frictionbench.solvers.pivots.merit_newton import (
@@ -33,6 +34,7 @@ from frictionbench.solvers.pivots.merit_newton import (
     GRADIENT,
     NEWTON,
     STALLED,
+    TIME,
     Descent,
     MeritNewton,
     record,
@@ -121,6 +123,8 @@ def iterate_minmap(M, q, y, descent, eps, globalised):  # type: ignore[no-untype
             while kind <= GRADIENT:
                 t = 1.0
                 while t >= SHORTEST:
+                    if late(descent.until):
+                        return TIME, k, period
                     trial = np.minimum(y + t * d, M @ (y + t * d) + q)
                     work[EVALUATIONS] += 1
                     if trial @ trial / 2 <= (1.0 - 2.0 * DECREASE * t) * worst:

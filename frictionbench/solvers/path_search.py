@@ -45,7 +45,7 @@ from frictionbench.problems.compiled import kernel, loop, part
 from frictionbench.problems.forms.lcp import friction_rows, tangent_basis
 from frictionbench.problems.packed import Packed, Q, blocks_of, law_of
 from frictionbench.problems.rows import Index64
-from frictionbench.solvers.clock import deadline
+from frictionbench.solvers.clock import deadline, is_over
 from frictionbench.solvers.interface import Answer, Solved, Status, solver
 from frictionbench.solvers.loops import impulses_of, is_alone, solved, unsolved
 from frictionbench.solvers.pivots.lu_basis import (
@@ -119,7 +119,7 @@ class PathSearch:
         target = MARGIN * tol
         settings = q, weight, noise, target, limit, deadline(), self.crash, self.proximal
         y, least, end, ray, work = search(columns, basis, *settings)
-        while overflowed(basis):
+        while basis.size[2] > 0 and not is_over():  # the factors did not fit
             basis = roomier_basis(basis)
             y, least, end, ray, work = search(columns, basis, *settings)
         z = np.empty(lcp.size)
@@ -245,7 +245,7 @@ def search(columns, basis, q, weight, noise, tol, limit, until, steps, proximal)
             delta[i] = shift * (1.0 + SPREAD * noise[work[RESTARTS], i])
             along[i] = q[i] - eps * z[i]  # F(z) + eps (z - centre) = (M + eps) z + along
             right[i] = along[i] + delta[i]
-        crash_point(basis, columns, right, A, z, w, steps, work)
+        crash_point(basis, columns, right, A, z, w, steps, until, work)
         for i in range(n):  # residual r of x: -delta on A; below, with w_i = max(F_i, 0) + delta_i
             columns.cover[i] = -delta[i] if A[i] else min(w[i] - delta[i], 0.0) - delta[i]
             right[i] = columns.cover[i] - along[i]
@@ -255,7 +255,7 @@ def search(columns, basis, q, weight, noise, tol, limit, until, steps, proximal)
         if overflowed(basis):
             break
         if end == NEWTON:
-            residual = newton_point(basis, columns, q, weight, v, z, w, work)
+            residual = newton_point(basis, columns, q, weight, v, z, w, until, work)
             if residual < least:
                 put(best, z)
                 least = residual
@@ -283,7 +283,7 @@ def search(columns, basis, q, weight, noise, tol, limit, until, steps, proximal)
 
 
 @part
-def crash_point(basis, columns, q, A, z, w, steps, work):  # type: ignore[no-untyped-def]
+def crash_point(basis, columns, q, A, z, w, steps, until, work):  # type: ignore[no-untyped-def]
     """Improve the guess A of the basic z, and write the basic point of LCP(M, q) over z, w; A is empty where that fails.
 
     Projected Newton: what is negative changes sides, and the least infeasible basis is stored; of it, what stays negative
@@ -295,7 +295,7 @@ def crash_point(basis, columns, q, A, z, w, steps, work):  # type: ignore[no-unt
         stored[i], right[i] = A[i], -q[i]
     least = np.inf
     for step in range(steps + 1):
-        dependent = complementary(basis, columns, A, work)
+        dependent = complementary(basis, columns, A, until, work)
         basic_point(basis, columns, right, z, w)
         if not dependent:
             infeasible = 0.0
@@ -312,7 +312,7 @@ def crash_point(basis, columns, q, A, z, w, steps, work):  # type: ignore[no-unt
         work[CRASH] += 1
     put(A, stored)
     for _ in range(4):
-        dependent = complementary(basis, columns, A, work)
+        dependent = complementary(basis, columns, A, until, work)
         basic_point(basis, columns, right, z, w)
         basic_z(basis, A)
         below = dependent
@@ -325,21 +325,21 @@ def crash_point(basis, columns, q, A, z, w, steps, work):  # type: ignore[no-unt
         for i in range(n):
             A[i] = A[i] and z[i] > 0.0
     fill(A, False)
-    complementary(basis, columns, A, work)
+    complementary(basis, columns, A, until, work)
     fill(z, 0.0)
     put(w, q)
 
 
 @part
-def complementary(basis, columns, A, work):  # type: ignore[no-untyped-def]
+def complementary(basis, columns, A, until, work):  # type: ignore[no-untyped-def]
     """Factorise the complementary basis of A; how many of its columns were left out as dependent."""
     set_complementary_basis(basis, A)
     work[FACTORISATIONS] += 1
-    return factorise_basis(basis, columns, DEPENDENT)
+    return factorise_basis(basis, columns, DEPENDENT, until)
 
 
 @part
-def newton_point(basis, columns, q, weight, end, z, w, work):  # type: ignore[no-untyped-def]
+def newton_point(basis, columns, q, weight, end, z, w, until, work):  # type: ignore[no-untyped-def]
     """Write over z and w = M z + q the Newton point, solved and refined by the basis; its natural residual.
 
     Of an ill-conditioned basis the end of the path can be better: variables that left the basis within the slip of zero are not
@@ -349,7 +349,7 @@ def newton_point(basis, columns, q, weight, end, z, w, work):  # type: ignore[no
     work[STEPS] += 1
     work[FACTORISATIONS] += 1
     fill(columns.prox, 0.0)
-    factorise_basis(basis, columns, 0.0)
+    factorise_basis(basis, columns, 0.0, until)
     correction, right, point, best = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     put(best, z)
     for i in range(n):

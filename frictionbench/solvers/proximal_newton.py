@@ -21,7 +21,9 @@ Newton step is, contact by contact, with G = (A + rho s B)^-1,
     dr = -G (F + B du),        (M + J'G B J) dv = -J'G F,        du = J dv:
 
 the matrix of solvers.interior.newton with another block for every contact. A has rank 3 at an open contact and none at one that
-sticks; rho > 0 makes G exist, for any number of contacts on a body. A step is halved until |s F| falls.
+sticks; rho > 0 makes G exist, for any number of contacts on a body. Impulses of joints are further unknowns, their defects
+F v + b_F further equations, with the same matrix 1/delta for each joint as there. A step is halved until the norm |s F| of all
+equations falls.
 
 Where a is stationary it is a Coulomb solution, for every rho. For a monotone problem the anchors converge; Coulomb's law is not
 monotone, so they need not. It solves problems that trap interior points: large friction, and contacts in random directions.
@@ -40,9 +42,24 @@ from frictionbench.problems.compiled import inlined, kernel, lean
 from frictionbench.problems.residual import residual
 from frictionbench.solvers.clock import is_past, late
 from frictionbench.solvers.interface import Answer, Status, impulses, solver
-from frictionbench.solvers.interior.newton import PIVOT, Work, accelerate, add_stiffness, clear, last_step, new_work, push, read
+from frictionbench.solvers.interior.newton import (
+    PIVOT,
+    Work,
+    accelerate,
+    add_stiffness,
+    clear,
+    joint_step,
+    last_step,
+    new_work,
+    pull_joints,
+    push,
+    push_joints,
+    read,
+    read_joints,
+)
+from frictionbench.solvers.interior.phases import Phased
 from frictionbench.solvers.interior.point import Vector
-from frictionbench.solvers.interior.system import System, build_system, in_velocities
+from frictionbench.solvers.interior.system import System
 from frictionbench.solvers.sparse_lu.multifrontal import factorise, solve_factorised
 
 LIMIT = 1500  # factorisations by default: most problems that are solved take less than 500
@@ -56,21 +73,11 @@ DECREASE = 1e-4  # share of the predicted decrease of |s F| that a step must rea
 
 
 @solver("proximal_newton", family="newton", model="coulomb", dimension=(3,), warm_start=True, sparse=True)
-class ProximalNewton:
+class ProximalNewton(Phased):
     """Proximal points found by Newton's method on Alart and Curnier's equations, sparse in the velocities.
 
     Work: factorisations, and anchors tried. History: the residual after each of them.
     """
-
-    def form(self, problem: FrictionProblem) -> FrictionProblem:
-        """Joints are eliminated, which leaves a problem in Delassus form."""
-        if problem.joints.shape[0]:
-            laws = (problem.friction, problem.dimension, problem.friction_bias)
-            problem = FrictionProblem.from_delassus(problem.W, problem.q, *laws)
-        return in_velocities(problem)
-
-    def setup(self, problem: FrictionProblem) -> tuple[FrictionProblem, System]:
-        return problem, build_system(problem)
 
     def solve(
         self, prepared: tuple[FrictionProblem, System], tol: float, limit: int | None, start: Array | None = None
@@ -80,10 +87,14 @@ class ProximalNewton:
         limit = LIMIT if limit is None else limit
         nc, work = problem.contacts, new_work(system, last_step(system))
         anchor = impulses(start, (nc, 3)) / system.impulse
-        state = State(anchor.copy(), np.zeros((nc, 3)), np.zeros((nc, 3)))
+        state = new_state(system)
+        state.r[:] = anchor
         impulse = anchor * system.impulse
         least = residual(problem, impulse)
         history, factorisations, rho = [least], 0, SOFT if start is None else min(SOFT, least)
+        if least > tol and len(state.joint) and not is_past(work.until):
+            settle_joints(system, state, work)
+            factorisations += 1
         while least > tol and factorisations < limit and not is_past(work.until):
             steps = min(STEPS, limit - factorisations)
             aim = max(ACCURATE / 100, ENOUGH / 10 * min(least, 1.0))
@@ -109,11 +120,20 @@ class ProximalNewton:
 
 
 class State(NamedTuple):
-    """Impulses r, velocities u and equations F (nc, 3), for r as it is or after a step."""
+    """Impulses r, velocities u and equations F (nc, 3), for r as it is or after a step; the joints' impulses and F v + b_F
+    (nj, 1)."""
 
     r: Array
     u: Array
     F: Array
+    joint: Array
+    drift: Array
+
+
+@kernel
+def new_state(system: System) -> State:
+    contacts, joints = np.zeros((3, len(system.friction), 3)), np.zeros((2, len(system.joint_bias), 1))
+    return State(contacts[0], contacts[1], contacts[2], joints[0], joints[1])
 
 
 @lean
@@ -128,18 +148,29 @@ def _pair(system: System, i: int, state: State, anchor: Array, rho: float) -> Ve
 
 
 @lean
-def equations(system: System, state: State, anchor: Array, rho: float, work: Work) -> float:
-    """Overwrite u and F for the impulses r; |s F|."""
+def move(system: System, state: State, work: Work) -> None:
+    """Overwrite u and the joints' drift for the impulses."""
     for k in range(len(work.momentum)):
         work.momentum[k] = 0.0
     for i in range(len(state.r)):
         push(system.contacts, True, i, (state.r[i, 0], state.r[i, 1], state.r[i, 2]), work.momentum)
+    push_joints(system.joints, state.joint, work.momentum)
     accelerate(system, work.momentum, work.vector)
-    total = 0.0
     for i in range(len(state.r)):
         state.u[i, 0], state.u[i, 1], state.u[i, 2] = read(system.contacts, True, i, work.vector)
         for k in range(3):
             state.u[i, k] += system.offset[i, k]
+    read_joints(system.joints, work.vector, state.drift)
+    for j in range(len(state.drift)):
+        state.drift[j, 0] += system.joint_bias[j]
+
+
+@lean
+def equations(system: System, state: State, anchor: Array, rho: float, work: Work) -> float:
+    """Overwrite u, F and the joints' drift for the impulses; |s F|."""
+    move(system, state, work)
+    total = 0.0
+    for i in range(len(state.r)):
         x0, x1, x2 = _pair(system, i, state, anchor, rho)
         size, normal = np.sqrt(x1 * x1 + x2 * x2), max(x0, 0.0)
         radius = system.friction[i] * normal + system.friction_bias[i]
@@ -149,7 +180,25 @@ def equations(system: System, state: State, anchor: Array, rho: float, work: Wor
         state.F[i, 2] = state.r[i, 2] - ratio * x2
         for k in range(3):
             total += (system.weight[i] * state.F[i, k]) ** 2
+    for j in range(len(state.drift)):
+        total += state.drift[j, 0] ** 2
     return float(np.sqrt(total))
+
+
+@kernel
+def settle_joints(system: System, state: State, work: Work) -> None:
+    """The joints' impulses that hold them while the contacts' impulses stay as they are; one factorisation."""
+    clear(system, work.storage)
+    factorise(system.fronts, work.storage, work.swap, PIVOT)
+    for _ in range(3):  # each leaves a small share of the drift: delta over the square of a joint's row
+        move(system, state, work)
+        for k in range(len(work.vector)):
+            work.vector[k] = 0.0
+        pull_joints(system, state.drift, work.step.joint, work.vector)
+        solve_factorised(system.fronts, work.storage, work.swap, work.vector)
+        joint_step(system, state.drift, work.vector, work.step.joint)
+        for j in range(len(state.joint)):
+            state.joint[j, 0] += work.step.joint[j, 0]
 
 
 @inlined
@@ -177,7 +226,7 @@ def _impulse_change(system: System, i: int, state: State, anchor: Array, rho: fl
 
 @lean
 def newton_step(system: System, state: State, anchor: Array, rho: float, step: Array, work: Work) -> None:
-    """Overwrite step (nc, 3) by dr; one factorisation."""
+    """Overwrite step (nc, 3) by dr, and work.step.joint by the joints' change; one factorisation."""
     dv = work.vector
     clear(system, work.storage)
     for k in range(len(dv)):
@@ -191,19 +240,21 @@ def newton_step(system: System, state: State, anchor: Array, rho: float, step: A
         n, s, t = (c0[0], c1[0], c2[0]), (c0[1], c1[1], c2[1]), (c0[2], c1[2], c2[2])
         add_stiffness(system, True, i, n, s, t, work.storage)
         push(system.contacts, True, i, _impulse_change(system, i, state, anchor, rho, F, none), dv)
+    pull_joints(system, state.drift, work.step.joint, dv)
     factorise(system.fronts, work.storage, work.swap, PIVOT)
     solve_factorised(system.fronts, work.storage, work.swap, dv)
     for i in range(len(step)):
         F = (state.F[i, 0], state.F[i, 1], state.F[i, 2])
         du = read(system.contacts, True, i, dv)
         step[i, 0], step[i, 1], step[i, 2] = _impulse_change(system, i, state, anchor, rho, F, du)
+    joint_step(system, state.drift, dv, work.step.joint)
 
 
 @kernel
 def newton(system: System, state: State, anchor: Array, rho: float, work: Work, tol: float, limit: int) -> tuple[int, float]:
     """Newton's method from state.r, which is overwritten, to |s F| <= tol in at most limit steps, the last begun before
     work.until; the steps and |s F|."""
-    step, trial = np.zeros(state.r.shape), State(np.zeros(state.r.shape), np.zeros(state.r.shape), np.zeros(state.r.shape))
+    step, trial = np.zeros(state.r.shape), new_state(system)
     size = equations(system, state, anchor, rho, work)
     for used in range(limit):
         if not tol < size < np.inf or late(work.until):
@@ -214,6 +265,8 @@ def newton(system: System, state: State, anchor: Array, rho: float, work: Work, 
             for i in range(len(step)):
                 for k in range(3):
                     trial.r[i, k] = state.r[i, k] + length * step[i, k]
+            for j in range(len(state.joint)):
+                trial.joint[j, 0] = state.joint[j, 0] + length * work.step.joint[j, 0]
             ahead = equations(system, trial, anchor, rho, work)
             if ahead < (1 - DECREASE * length) * size:
                 break
@@ -222,4 +275,6 @@ def newton(system: System, state: State, anchor: Array, rho: float, work: Work, 
         for i in range(len(step)):
             for k in range(3):
                 state.r[i, k], state.u[i, k], state.F[i, k] = trial.r[i, k], trial.u[i, k], trial.F[i, k]
+        for j in range(len(state.joint)):
+            state.joint[j, 0], state.drift[j, 0] = trial.joint[j, 0], trial.drift[j, 0]
     return limit, size

@@ -10,7 +10,8 @@ from frictionbench.solvers.interior.newton import new_work
 from frictionbench.solvers.interior.point import start_point
 from frictionbench.solvers.interior.predictor_corrector import nothing_yet, predictor_corrector
 from frictionbench.solvers.interior.system import build_system, space_of
-from frictionbench.solvers.sparse_lu.multifrontal import factorise, solve_factorised
+from frictionbench.solvers.sparse_lu.multifrontal import factorise
+from tests.helpers.kernels import solve_factorised
 
 PROBLEMS = {
     "stack of 50": scene("stack", blocks=50).problem(),

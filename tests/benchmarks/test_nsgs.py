@@ -5,8 +5,8 @@ import pytest
 
 from frictionbench.problems.scenes import scene
 from frictionbench.solvers.sweeps.form import contact_form
-from frictionbench.solvers.sweeps.gauss_seidel import planar_sweeps, spatial_sweeps
 from tests.helpers.friction_problems import spatial
+from tests.helpers.kernels import planar_sweeps, spatial_sweeps
 
 
 @pytest.mark.parametrize("rows", [5, 30])

@@ -36,7 +36,7 @@ from frictionbench.solvers.interior.point import start_point
 from frictionbench.solvers.interior.predictor_corrector import nothing_yet, predictor_corrector
 from frictionbench.solvers.interior.system import build_system, space_of
 from frictionbench.solvers.sparse_lu import multifrontal
-from tests.helpers.kernels import assemble
+from tests.helpers.kernels import assemble, solve_factorised
 
 MATRICES = {
     "stack of 50": lambda: scene("stack", blocks=50).problem(),
@@ -97,7 +97,7 @@ def test_newton_matrix(benchmark, name, operation, method) -> None:
         else:
             benchmark.pedantic(lu.solve, args=(b,), rounds=20, iterations=10)
     else:
-        chosen = plain if method == "plain" else lambda kernel: getattr(multifrontal, kernel)
+        chosen = plain if method == "plain" else {"factorise": multifrontal.factorise, "solve_factorised": solve_factorised}.get
         factorise, solve = chosen("factorise"), chosen("solve_factorised")
         storage, swap = assembled.copy(), np.zeros(len(b), np.int64)
         factorise(system.fronts, storage, swap, PIVOT)

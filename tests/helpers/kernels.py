@@ -1,71 +1,183 @@
 """Compiled wrappers of functions that the solvers' kernels call, so that tests can call them."""
 
 from frictionbench.problems.compiled import kernel
-from frictionbench.solvers import proximal_newton
+from frictionbench.solvers import fischer_newton, proximal_newton
 from frictionbench.solvers.interior import newton, point
-from frictionbench.solvers.pivots import lemke_path
+from frictionbench.solvers.pivots import inverse_basis, lemke_path, lu_basis, merit_newton, natural, newton_path
+from frictionbench.solvers.sparse_lu import minimum_degree, multifrontal
+from frictionbench.solvers.sweeps import gauss_seidel, laws
 
 
 @kernel
-def evaluate_point(system, space, point, defect, work):
-    return newton.evaluate_point(system, space, point, defect, work)
+def evaluate_point(*arguments):
+    return newton.evaluate_point(*arguments)
 
 
 @kernel
-def linearise(system, space, point, work):
-    newton.linearise(system, space, point, work)
+def linearise(*arguments):
+    return newton.linearise(*arguments)
 
 
 @kernel
-def assemble(system, space, point, work):
-    newton.assemble(system, space, point, work)
+def assemble(*arguments):
+    return newton.assemble(*arguments)
 
 
 @kernel
-def direction(system, space, point, target, defect, step, work):
-    newton.direction(system, space, point, target, defect, step, work)
+def direction(*arguments):
+    return newton.direction(*arguments)
 
 
 @kernel
-def new_point(system):
-    return point.new_point(system)
+def new_point(*arguments):
+    return point.new_point(*arguments)
 
 
 @kernel
-def longest(system, space, at, step, limit):
-    return point.longest(system, space, at, step, limit)
+def longest(*arguments):
+    return point.longest(*arguments)
 
 
 @kernel
-def longest_in_cone(a, step, limit):
-    return point.longest_in_cone(a, step, limit)
+def longest_in_cone(*arguments):
+    return point.longest_in_cone(*arguments)
 
 
 @kernel
-def to_geodesics(system, space, at, step):
-    point.to_geodesics(system, space, at, step)
+def to_geodesics(*arguments):
+    return point.to_geodesics(*arguments)
 
 
 @kernel
-def add_products(space, factor, x, s, total):
-    point.add_products(space, factor, x, s, total)
+def add_products(*arguments):
+    return point.add_products(*arguments)
 
 
 @kernel
-def equations(system, state, anchor, rho, work):
-    return proximal_newton.equations(system, state, anchor, rho, work)
+def equations(*arguments):
+    return proximal_newton.equations(*arguments)
 
 
 @kernel
-def newton_step(system, state, anchor, rho, step, work):
-    proximal_newton.newton_step(system, state, anchor, rho, step, work)
+def newton_step(*arguments):
+    return proximal_newton.newton_step(*arguments)
 
 
 @kernel
-def entering_column(state, p, z_enters, accuracy):
-    return lemke_path.entering_column(state, p, z_enters, accuracy)
+def entering_column(*arguments):
+    return lemke_path.entering_column(*arguments)
 
 
 @kernel
-def exchange(state, p, z_enters, s, t):
-    lemke_path.exchange(state, p, z_enters, s, t)
+def exchange(*arguments):
+    return lemke_path.exchange(*arguments)
+
+
+@kernel
+def follow_lemke_path(*arguments):
+    return lemke_path.follow_lemke_path(*arguments)
+
+
+@kernel
+def lemke_state(*arguments):
+    return lemke_path.lemke_state(*arguments)
+
+
+@kernel
+def slack_basis(*arguments):
+    return inverse_basis.slack_basis(*arguments)
+
+
+@kernel
+def invert(*arguments):
+    return inverse_basis.invert(*arguments)
+
+
+@kernel
+def factorise_basis(*arguments):
+    return lu_basis.factorise_basis(*arguments)
+
+
+@kernel
+def set_complementary_basis(*arguments):
+    return lu_basis.set_complementary_basis(*arguments)
+
+
+@kernel
+def basic_z(*arguments):
+    return lu_basis.basic_z(*arguments)
+
+
+@kernel
+def ftran(*arguments):
+    return lu_basis.ftran(*arguments)
+
+
+@kernel
+def replace_column(*arguments):
+    return lu_basis.replace_column(*arguments)
+
+
+@kernel
+def orientation(*arguments):
+    return lu_basis.orientation(*arguments)
+
+
+@kernel
+def natural_residual(*arguments):
+    return natural.natural_residual(*arguments)
+
+
+@kernel
+def is_ray(*arguments):
+    return newton_path.is_ray(*arguments)
+
+
+@kernel
+def solve_dense(*arguments):
+    return merit_newton.solve_dense(*arguments)
+
+
+@kernel
+def fischer(*arguments):
+    return fischer_newton.fischer(*arguments)
+
+
+@kernel
+def same_elements(*arguments):
+    return minimum_degree.same_elements(*arguments)
+
+
+@kernel
+def analyse(*arguments):
+    return multifrontal.analyse(*arguments)
+
+
+@kernel
+def position_in_front(*arguments):
+    return multifrontal.position_in_front(*arguments)
+
+
+@kernel
+def determinant_sign(*arguments):
+    return multifrontal.determinant_sign(*arguments)
+
+
+@kernel
+def solve_factorised(*arguments):
+    return multifrontal.solve_factorised(*arguments)
+
+
+@kernel
+def planar_sweeps(*arguments):
+    return gauss_seidel.planar_sweeps(*arguments)
+
+
+@kernel
+def spatial_sweeps(*arguments):
+    return gauss_seidel.spatial_sweeps(*arguments)
+
+
+@kernel
+def spatial_contact(*arguments):
+    return laws.spatial_contact(*arguments)

@@ -10,10 +10,11 @@ from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scenes import scene
 from frictionbench.solvers import Status, solve
-from frictionbench.solvers.fischer_newton import fischer, jacobian
+from frictionbench.solvers.fischer_newton import jacobian
 from frictionbench.solvers.minmap_newton import iterate_minmap
-from frictionbench.solvers.pivots.merit_newton import NEWTON, SOLVED, STALLED, new_descent, solve_dense
+from frictionbench.solvers.pivots.merit_newton import NEWTON, SOLVED, STALLED, new_descent
 from tests.helpers.friction_problems import block, nothing, spatial
+from tests.helpers.kernels import fischer, solve_dense
 
 BOTH = ["fischer_newton", "minmap_newton"]
 

@@ -10,8 +10,9 @@ from frictionbench.problems.scenes import scene
 from frictionbench.solvers import Status, find, solve
 from frictionbench.solvers.sweeps.form import contact_form, state, velocity
 from frictionbench.solvers.sweeps.gauss_seidel import LIMIT
-from frictionbench.solvers.sweeps.laws import defect, planar_contact, spatial_contact
+from frictionbench.solvers.sweeps.laws import defect, planar_contact
 from tests.helpers.friction_problems import block, nothing, spatial, with_joints
+from tests.helpers.kernels import spatial_contact
 
 
 @pytest.mark.parametrize("bias", [0.0, 0.4])
@@ -37,6 +38,36 @@ def test_one_spatial_contact_is_solved_exactly(bias) -> None:
         r = random.standard_normal(3)
         spatial_contact(problem.contact_velocity(r[None])[0], r, problem.W.toarray(), mu, bias)
         assert residual(problem, r[None]) < 1e-9
+
+
+def thin_block(random, rank) -> tuple[np.ndarray, np.ndarray]:
+    """A contact's own block of this rank, badly scaled by rows or by columns, and a free velocity that it can stop."""
+    root = random.standard_normal((3, rank)) * 10 ** random.uniform(-4, 4, (3, 1) if random.random() < 0.5 else (1, rank))
+    return root @ root.T, root @ random.standard_normal(rank)
+
+
+@pytest.mark.parametrize("bias", [0.0, 0.4])
+@pytest.mark.parametrize("rank", [1, 2])
+def test_one_contact_whose_block_is_singular_ends_in_its_cone(rank, bias) -> None:
+    random, unsolved = np.random.default_rng(0), 0
+    for _ in range(3000):
+        W, q = thin_block(random, rank)
+        r, mu = np.zeros(3), random.choice([0.1, 0.5, 1.0, 3.0])
+        spatial_contact(q.copy(), r, W, mu, bias)
+        assert np.isfinite(r).all()
+        assert r[0] >= 0
+        assert np.hypot(r[1], r[2]) <= (mu * r[0] + bias) * (1 + 1e-12)
+        if mu * np.hypot(W[0, 1], W[0, 2]) < W[0, 0]:  # otherwise it may jam
+            unsolved += residual(FrictionProblem.from_delassus(W, q, [mu], 3, [bias]), r[None]) > 1e-8
+    assert not unsolved
+
+
+def test_a_contact_of_two_directions() -> None:
+    """Three directions of which every two determine the third: a determinant that is zero but for rounding."""
+    root = 1e-6 * np.array([[-1.0, 1.0], [-8.0, 4.0], [0.0, 7.0]])
+    q, r = root @ [3.0, -7.0], np.zeros(3)
+    spatial_contact(q.copy(), r, root @ root.T, 0.1, 0.0)
+    assert np.hypot(r[1], r[2]) <= 0.1 * r[0] * (1 + 1e-12)
 
 
 @pytest.mark.parametrize("start", [[0.0, 0.0], [0.1, 0.15], [0.283, 0.394]])

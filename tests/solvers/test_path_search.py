@@ -9,21 +9,20 @@ from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual
 from frictionbench.problems.scenes import scene
 from frictionbench.solvers import Status, find, solve
-from frictionbench.solvers.pivots.lu_basis import (
-    Columns,
+from frictionbench.solvers.pivots.lu_basis import Columns, column, new_basis
+from frictionbench.solvers.pivots.natural import MARGIN, natural_weight
+from frictionbench.solvers.pivots.scaling import scaling
+from tests.helpers.friction_problems import block, spatial
+from tests.helpers.kernels import (
     basic_z,
-    column,
     factorise_basis,
     ftran,
-    new_basis,
+    is_ray,
+    natural_residual,
     orientation,
     replace_column,
     set_complementary_basis,
 )
-from frictionbench.solvers.pivots.natural import MARGIN, natural_residual, natural_weight
-from frictionbench.solvers.pivots.newton_path import is_ray
-from frictionbench.solvers.pivots.scaling import scaling
-from tests.helpers.friction_problems import block, spatial
 from tests.helpers.lcps import assert_solved
 
 
@@ -88,7 +87,7 @@ def test_a_basis_solves_and_is_updated() -> None:
     few = {"update": np.empty((4, n)), "updated": np.zeros(4, np.int64)}
     basis, A = new_basis(n)._replace(**few), random.random(n) < 0.5
     set_complementary_basis(basis, A)
-    assert factorise_basis(basis, columns, 1e-12) == 0
+    assert factorise_basis(basis, columns, 1e-12, np.inf) == 0
     for position, entering in ((3, 2 * n), (5, int(np.flatnonzero(~A)[0])), (7, n + int(np.flatnonzero(A)[0]))):
         d = np.empty(n)
         column(columns, entering, d)
@@ -98,7 +97,7 @@ def test_a_basis_solves_and_is_updated() -> None:
         x = y.copy()
         ftran(basis, columns, x)
         assert dense[:, basis.head] @ x == pytest.approx(y, abs=1e-8)
-    assert factorise_basis(basis, columns, 1e-12) == 0
+    assert factorise_basis(basis, columns, 1e-12, np.inf) == 0
     x = y.copy()
     ftran(basis, columns, x)
     assert dense[:, basis.head] @ x == pytest.approx(y, abs=1e-8)
@@ -109,7 +108,7 @@ def test_dependent_columns_are_left_out() -> None:
     columns, dense = random_columns(n, rank)
     basis = new_basis(n)
     set_complementary_basis(basis, np.ones(n, bool))
-    assert factorise_basis(basis, columns, 1e-9) == n - rank
+    assert factorise_basis(basis, columns, 1e-9, np.inf) == n - rank
     assert np.linalg.cond(dense[:, basis.head]) < 1e6
     A = np.empty(n, bool)
     basic_z(basis, A)
@@ -124,7 +123,7 @@ def test_orientation_is_the_sign_of_the_determinant() -> None:
         A = random.random(n) < 0.6
         basis = new_basis(n)
         set_complementary_basis(basis, A)
-        if factorise_basis(basis, columns, 1e-9) == 0:
+        if factorise_basis(basis, columns, 1e-9, np.inf) == 0:
             signs.append((orientation(basis), np.sign(np.linalg.det(dense[np.ix_(A, A)])) if A.any() else 1))
     assert len(signs) > 10
     assert {1, -1} == {sign for sign, _ in signs}
@@ -145,7 +144,7 @@ def measured(problem, z) -> float:
     lcp = problem.lcp()
     scale = scaling(lcp)
     y = z / (scale.theta * scale.D)
-    w = scale.matrix(lcp.dense) @ y + scale.vector(lcp.q)
+    w = scale.matrix(lcp) @ y + scale.vector(lcp.q)
     return natural_residual(natural_weight(problem, lcp, scale), y, w)
 
 

@@ -8,9 +8,9 @@ from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.residual import residual
 from frictionbench.solvers.dantzig import contact_order
 from frictionbench.solvers.interface import Status, solve
-from frictionbench.solvers.pivots.inverse_basis import compress, invert, slack_basis
-from frictionbench.solvers.pivots.lemke_path import USUAL, follow_lemke_path, lemke_state
-from tests.helpers.kernels import entering_column, exchange
+from frictionbench.solvers.pivots.inverse_basis import compress
+from frictionbench.solvers.pivots.lemke_path import USUAL
+from tests.helpers.kernels import entering_column, exchange, follow_lemke_path, invert, lemke_state, slack_basis
 
 PRINCIPAL = ("dantzig", "murty")
 

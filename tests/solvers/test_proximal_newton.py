@@ -9,7 +9,7 @@ from frictionbench.problems.residual import residual
 from frictionbench.solvers import Status, solve
 from frictionbench.solvers.interior.newton import new_work
 from frictionbench.solvers.interior.system import build_system
-from frictionbench.solvers.proximal_newton import State
+from frictionbench.solvers.proximal_newton import new_state
 from tests.helpers.friction_problems import nothing, spatial
 from tests.helpers.kernels import equations, newton_step
 
@@ -21,7 +21,7 @@ def test_newton_step_to_first_order(seed, rho) -> None:
     problem = spatial(seed, contacts=12, nv=24, friction=0.7, friction_bias=True)
     system, random = build_system(problem), np.random.default_rng(seed)
     work, step = new_work(system, np.inf), np.zeros((12, 3))
-    state, ahead = State(*np.zeros((3, 12, 3))), State(*np.zeros((3, 12, 3)))
+    state, ahead = new_state(system), new_state(system)
     anchor = random.standard_normal((12, 3))
     state.r[:] = random.standard_normal((12, 3))
     equations(system, state, anchor, rho, work)
@@ -81,3 +81,14 @@ def test_last_digits_take_a_few_steps(seed) -> None:
     answer = solve(problem, "proximal_newton", tol=1e-8, start=near)
     assert answer.status is Status.SOLVED
     assert answer.work["factorisations"] <= 5
+
+
+def test_joints_leave_the_matrix_sparse_and_are_held_from_a_start() -> None:
+    problem = make_instance("rod_chain", links=30)
+    system = build_system(problem)
+    assert system.fronts.start[-1] < problem.q.size**2 / 5
+    answer = solve(problem, "proximal_newton")
+    assert answer.status is Status.SOLVED
+    near = solve(problem, "proximal_newton", start=answer.impulse * (1 + 1e-4))
+    assert near.status is Status.SOLVED
+    assert near.work["factorisations"] <= answer.work["factorisations"] / 2

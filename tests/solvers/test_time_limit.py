@@ -12,7 +12,9 @@ from frictionbench.solvers.interface import find
 from frictionbench.solvers.interior.newton import new_work
 from frictionbench.solvers.interior.system import build_system
 from frictionbench.solvers.pivots import merit_newton
-from frictionbench.solvers.proximal_newton import State, newton
+from frictionbench.solvers.pivots.lu_basis import Columns, new_basis
+from frictionbench.solvers.proximal_newton import new_state, newton
+from tests.helpers.kernels import factorise_basis, set_complementary_basis
 
 METHODS = ("lemke", "dantzig", "murty", "path_search", "fischer_newton", "nsgs", "admm_coulomb", "interior_point", "hybrid")
 
@@ -48,6 +50,27 @@ def test_a_factorisation_that_would_not_end_in_time_is_not_begun(
     assert fb.solve(given, spec).work["factorisations"] > 0
 
 
+@pytest.mark.parametrize("spec", ["fischer_newton", "minmap_newton"])
+def test_dense_matrices_that_would_not_be_written_in_time_are_not_formed(
+    spec: str, problem: FrictionProblem, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(clock, "WRITING", 1e-9)
+    monkeypatch.setattr(merit_newton, "dense_lcp", None)
+    for given in (problem, problem.lcp()):
+        answer = fb.solve(given, spec, time_limit=1e6)
+        assert answer.status is fb.Status.TIME_LIMIT
+        assert not any(answer.work.values())
+
+
+def test_a_basis_is_factorised_until_the_deadline() -> None:
+    columns = Columns(np.arange(4), np.arange(3), np.ones(3), np.zeros(3), np.zeros(3))
+    for until, rest in ((np.inf, 0), (-1.0, 3)):
+        basis = new_basis(3)
+        set_complementary_basis(basis, np.ones(3, bool))
+        assert factorise_basis(basis, columns, 1e-9, until) == rest
+        assert basis.size[2] == (rest > 0)
+
+
 def test_admm_keeps_its_penalty_where_there_is_no_time_for_another(
     problem: FrictionProblem, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -78,7 +101,7 @@ def test_newton_looks_at_the_clock_before_each_step() -> None:
     nc = problem.contacts
 
     def steps(until: float) -> int:
-        return newton(system, State(*np.zeros((3, nc, 3))), np.zeros((nc, 3)), 1.0, new_work(system, until), 1e-12, 20)[0]
+        return newton(system, new_state(system), np.zeros((nc, 3)), 1.0, new_work(system, until), 1e-12, 20)[0]
 
     assert steps(-1.0) == 0 < steps(np.inf)
 

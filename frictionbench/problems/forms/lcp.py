@@ -134,7 +134,8 @@ def tangent_basis(dimension: int, facets: int = 8) -> Array:
         basis[1, 1:] = 1.0, -1.0
     else:
         angle = 2 * np.pi * np.arange(facets) / facets
-        basis[1:, 1:] = np.cos(angle), np.sin(angle)
+        section = np.array([np.cos(angle), np.sin(angle)])
+        basis[1:, 1:] = np.where(np.abs(section) > 1e-15, section, 0.0)  # of a locked direction no rounding may be left
     return basis
 
 

@@ -157,18 +157,34 @@ def accelerate(system: System, momentum: Array, v: Array) -> None:
 
 
 @lean
-def _push_joints(joints: Elements, impulse: Array, momentum: Array) -> None:
+def push_joints(joints: Elements, impulse: Array, momentum: Array) -> None:
     for j in range(len(impulse)):
         for a in range(joints.start[j], joints.start[j + 1]):
             momentum[joints.column[a]] += joints.push[a, 0] * impulse[j, 0]
 
 
 @lean
-def _read_joints(joints: Elements, v: Array, velocity: Array) -> None:
+def read_joints(joints: Elements, v: Array, velocity: Array) -> None:
     for j in range(len(velocity)):
         velocity[j, 0] = 0.0
         for a in range(joints.start[j], joints.start[j + 1]):
             velocity[j, 0] += joints.read[a, 0] * v[joints.column[a]]
+
+
+@lean
+def pull_joints(system: System, drift: Array, step: Array, momentum: Array) -> None:
+    """momentum += F' step, step = -drift/delta: the joints' part of the right side of A dv = b. drift, step: (nj, 1)."""
+    for j in range(len(drift)):
+        step[j, 0] = -drift[j, 0] / JOINT_SOFTNESS
+    push_joints(system.joints, step, momentum)
+
+
+@lean
+def joint_step(system: System, drift: Array, dv: Array, step: Array) -> None:
+    """The change of the joints' impulses for a change dv of the velocities."""
+    read_joints(system.joints, dv, step)
+    for j in range(len(drift)):
+        step[j, 0] = -(drift[j, 0] + step[j, 0]) / JOINT_SOFTNESS
 
 
 @lean
@@ -182,13 +198,13 @@ def evaluate_point(system: System, space: Space, point: Point, defect: Point, wo
         work.momentum[k] = 0.0
     for i in range(len(x)):
         r = _impulse(space, x, i)
-        work.impulse[i, 0], work.impulse[i, 1] = r[0], r[1]
+        work.impulse[i, 0], work.impulse[i, 1] = r[0] if system.pushes[i] else 0.0, r[1]
         if space is not None:
             work.impulse[i, 2] = r[2]
         push(system.contacts, space, i, r, work.momentum)
-    _push_joints(system.joints, point.joint, work.momentum)
+    push_joints(system.joints, point.joint, work.momentum)
     accelerate(system, work.momentum, v)
-    _read_joints(system.joints, v, defect.joint)
+    read_joints(system.joints, v, defect.joint)
     for i in range(len(x)):
         mu, bias, shift = system.friction[i], system.friction_bias[i], system.shift[i]
         u0, u1, u2 = read(system.contacts, space, i, v)
@@ -250,14 +266,10 @@ def direction(system: System, space: Space, point: Point, target: Array, defect:
     _contact_steps(system, space, point, target, defect, step, work)
     for i in range(len(target)):
         push(system.contacts, space, i, _impulse(space, step.x, i), dv)
-    for j in range(len(defect.joint)):
-        step.joint[j, 0] = -defect.joint[j, 0] / JOINT_SOFTNESS
-    _push_joints(system.joints, step.joint, dv)
+    pull_joints(system, defect.joint, step.joint, dv)
     solve_factorised(system.fronts, work.storage, work.swap, dv)
     _contact_steps(system, space, point, target, defect, step, work)
-    _read_joints(system.joints, dv, step.joint)
-    for j in range(len(defect.joint)):
-        step.joint[j, 0] = -(defect.joint[j, 0] + step.joint[j, 0]) / JOINT_SOFTNESS
+    joint_step(system, defect.joint, dv, step.joint)
 
 
 @lean

@@ -11,6 +11,7 @@ W on the left of C and J = I on its right, so that an unsymmetric W is solved as
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, lean, part
@@ -44,6 +45,7 @@ class System(NamedTuple):
     slot, constant: what M + F'F/delta adds to the fronts, and where. inverse, indices, indptr: M^-1 by rows.
     shift: 0 for Coulomb's law, mu for its convex relaxation. weight: s_i of problems.residual.
     pairs: the products of a contact (solvers.interior.point): 4 in the plane, 2 in space, 1 where there is no friction at all.
+    pushes: whether a contact's normal impulse acts on anything; that of a joint's dry friction does not.
     """
 
     fronts: Fronts
@@ -62,6 +64,7 @@ class System(NamedTuple):
     shift: Array
     weight: Array
     pairs: Index64
+    pushes: NDArray[np.bool_]
     speed: float
     impulse: float
 
@@ -142,7 +145,7 @@ def system_of(contacts, laws, motion, joints, units, relaxed):  # type: ignore[n
         own_joint_bias[j] = joint_bias[j] / (length[j] * units.speed)
     return System(
         fronts, elements, joined, slot, constant, value, index, begin,
-        own_free, own_offset, own_joint_bias, mu, bias, shift, weight, pairs, units.speed, units.impulse,
+        own_free, own_offset, own_joint_bias, mu, bias, shift, weight, pairs, _pushes(elements, mu), units.speed, units.impulse,
     )  # fmt: skip
 
 
@@ -163,6 +166,17 @@ def _laws(friction, friction_bias, scale, offset, free, place, unit, relaxed, un
         for a in range(d):
             own_offset[i, a] = offset[i, a] / units.speed
     return own_free, own_offset, mu, bias, shift, weight, pairs
+
+
+@part
+def _pushes(elements, friction):  # type: ignore[no-untyped-def]
+    """Whether a normal impulse moves anything, or lets friction do so (nc,)."""
+    pushes = np.empty(len(friction), np.bool_)
+    for i in range(len(friction)):
+        pushes[i] = friction[i] > 0
+        for a in range(elements.start[i], elements.start[i + 1]):
+            pushes[i] = pushes[i] or elements.push[a, 0] != 0
+    return pushes
 
 
 @part

@@ -39,4 +39,4 @@ def dense_lcp(problem: FrictionProblem | LCP, facets: int = 8) -> DenseLCP:
     lcp = problem if isinstance(problem, LCP) else problem.lcp(facets)
     scale = scaling(lcp)
     units = np.zeros(0) if isinstance(problem, LCP) else problem.units
-    return DenseLCP(lcp, scale, scale.matrix(lcp.dense), scale.vector(lcp.q), units)
+    return DenseLCP(lcp, scale, scale.matrix(lcp), scale.vector(lcp.q), units)

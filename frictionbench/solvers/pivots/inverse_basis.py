@@ -95,7 +95,7 @@ def symmetrised(indptr, indices, data, D):  # type: ignore[no-untyped-def]
     return start, rows[:at], column[:at], row[:at]
 
 
-@kernel
+@part
 def slack_basis(M: Matrix, n: int) -> InverseBasis:
     """All w basic, and d = 0, of up to n unknowns."""
     index, vectors = np.empty((5, n + 1), np.int64), np.zeros((5, n + 1))
@@ -275,7 +275,7 @@ def refactor(basis: InverseBasis) -> bool:
     return True
 
 
-@kernel
+@part
 def invert(basis: InverseBasis, active: Index64) -> bool:
     """Make the z of these indices basic in a slack basis, and their w nonbasic; False where that is singular."""
     for c in range(len(active)):

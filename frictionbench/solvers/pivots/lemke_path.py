@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import inlined, kernel, lean, lean_kernel, part
+from frictionbench.problems.compiled import inlined, lean, part
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.clock import late
 from frictionbench.solvers.pivots.inverse_basis import InverseBasis, Matrix, exchange_pair, refactor, slack_basis, transform
@@ -48,7 +48,7 @@ class LemkeState(NamedTuple):
     work: Index64
 
 
-@kernel
+@part
 def lemke_state(M: Matrix, n: int) -> LemkeState:
     """The slack basis of M, of up to n unknowns, with d = 0."""
     vectors, blocking = np.zeros((5, n + 1)), np.ones(n + 1, np.bool_)
@@ -123,7 +123,7 @@ def exchange(state: LemkeState, p: int, z_enters: bool, s: int, t: float) -> Non
     state.work[0] += 1
 
 
-@lean_kernel
+@lean
 def follow_lemke_path(state: LemkeState, slack: float, precision: tuple[float, float], limit: int, until: float) -> int:
     """Follow Lemke's path from a complementary basis in which z0 lets every basic variable rise, and return how it ended.
 

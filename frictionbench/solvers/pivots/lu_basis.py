@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, part
 from frictionbench.problems.rows import Index64
+from frictionbench.solvers.clock import late
 from frictionbench.solvers.pivots.vectors import fill, put
 
 DENSE = 512  # unknowns up to which there is storage for full factors
@@ -49,7 +50,7 @@ class LUBasis(NamedTuple):
     """head (n,): the variable that stands at position i. The rest is its factorisation, internal to this file."""
 
     head: Index64
-    size: Index64  # of the core; of the updates; 1 where the factors did not fit into their storage, 0 where they did
+    size: Index64  # of the core; of the updates; 1 where the factors were not finished, 0 where they were
     core: Index64  # the variable of the k-th core column
     order: Index64  # its row, and so its position
     L: Factor  # the k-th column's multipliers, by row
@@ -101,20 +102,20 @@ def roomier_basis(basis: LUBasis) -> LUBasis:
     return new_basis(len(basis.head), 4 * len(basis.L.value))
 
 
-@kernel
+@part
 def overflowed(basis):  # type: ignore[no-untyped-def]
-    """Whether a factor did not fit into its storage when the basis was last factorised."""
+    """Whether a factor did not fit into its storage, or the time, when the basis was last factorised."""
     return basis.size[2] > 0
 
 
-@kernel
+@part
 def set_complementary_basis(basis, A):  # type: ignore[no-untyped-def]
     """Make head the complementary basis of the set A (n, bool): z_i where A_i, w_i elsewhere."""
     for i in range(len(A)):
         basis.head[i] = i if A[i] else i + len(A)
 
 
-@kernel
+@part
 def basic_z(basis, A):  # type: ignore[no-untyped-def]
     """Write over A (n, bool) which z the basis holds."""
     fill(A, False)
@@ -152,12 +153,13 @@ def largest_magnitude(y):  # type: ignore[no-untyped-def]
     return most
 
 
-@kernel
-def factorise_basis(basis, columns, floor):  # type: ignore[no-untyped-def]
+@part
+def factorise_basis(basis, columns, floor, until):  # type: ignore[no-untyped-def]
     """Factorise head, placing its variables anew; the number of linearly dependent columns.
 
     A column of which elimination leaves no more than `floor` of its size counts as dependent. The w of a row that is then
-    left over takes its place, so that head is a regular basis in any case; so it does for columns that exceed the storage.
+    left over takes its place, so that head is a regular basis in any case; so it does for columns that exceed the storage, or
+    that are left at the deadline `until`.
     """
     head, order, L, U, slack, place, y = basis.head, basis.order, basis.L, basis.U, basis.slack, basis.place, basis.column
     n, listed, seen = len(head), basis.listed, basis.seen
@@ -174,7 +176,7 @@ def factorise_basis(basis, columns, floor):  # type: ignore[no-untyped-def]
         if not core[j]:
             continue
         at, u_at = L.start[m], U.start[m]
-        if at + n - m > len(L.value) or u_at + m > len(U.value):
+        if at + n - m > len(L.value) or u_at + m > len(U.value) or late(until):
             basis.size[2] = 1
             dependent += 1
             continue
@@ -243,7 +245,7 @@ def scatter(columns, j, y, listed, seen, place, slack):  # type: ignore[no-untyp
     return count, most, first
 
 
-@kernel
+@part
 def ftran(basis, columns, y):  # type: ignore[no-untyped-def]
     """Solve B x = y, in place, x by position."""
     order, L, U, slack, n = basis.order, basis.L, basis.U, basis.slack, len(y)
@@ -283,7 +285,7 @@ def ftran(basis, columns, y):  # type: ignore[no-untyped-def]
             y[p] = step
 
 
-@kernel
+@part
 def replace_column(basis, p, j, d):  # type: ignore[no-untyped-def]
     """Let variable j take position p, d being its column in terms of the basis; whether a factorisation is due."""
     k = basis.size[1]
@@ -310,7 +312,7 @@ def basic_point(basis, columns, b, z, w):  # type: ignore[no-untyped-def]
             w[j - n] = x[i]
 
 
-@kernel
+@part
 def orientation(basis):  # type: ignore[no-untyped-def]
     """The sign of det M_AA, A the z of a complementary basis just factorised; +1 where there are none."""
     sign = 1

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array, require
-from frictionbench.problems.compiled import kernel, part
-from frictionbench.solvers.clock import SPEED, deadline, late
-from frictionbench.solvers.interface import Answer, Status
+from frictionbench.problems.compiled import part
+from frictionbench.solvers.clock import SPEED, deadline, is_past, late
+from frictionbench.solvers.interface import Answer, Status, dense_storage
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 from frictionbench.solvers.pivots.natural import MARGIN, exact_residual, natural_residual, natural_weight
 
@@ -27,10 +27,10 @@ NEWTON, GRADIENT, EVALUATIONS, FACTORISATIONS = range(4)  # counted in work: ste
 
 
 class Formed(NamedTuple):
-    """The problem, its scaled dense LCP, and the weight (n,) of the natural residual."""
+    """The problem, its scaled dense LCP, None if there is no time to form it, and the weight (n,) of the natural residual."""
 
     problem: FrictionProblem | LCP
-    dense: DenseLCP
+    dense: DenseLCP | None
     weight: Array
 
 
@@ -103,6 +103,8 @@ class MeritNewton(ABC):
         """The detail of the answer."""
 
     def form(self, problem: FrictionProblem | LCP) -> Formed:
+        if is_past(deadline(written=dense_storage(self, problem))):
+            return Formed(problem, None, np.zeros(0))
         dense = dense_lcp(problem, self.facets)
         return Formed(problem, dense, natural_weight(problem, dense.lcp, dense.scale))
 
@@ -112,9 +114,13 @@ class MeritNewton(ABC):
         The status is SOLVED also where the method gave up and its best point's exact residual is within tol.
         """
         problem, dense, weight = form
+        if dense is None:
+            return _nothing(problem)
         descent = new_descent(weight, MARGIN * tol, 200 if limit is None else limit, self.memory)
         end, iterations, period = self.iterate(dense, descent)
         z = dense.scale.solution(np.maximum(descent.best, 0.0))
+        if isinstance(problem, FrictionProblem):  # a normal impulse that acts on nothing, as of a joint's dry friction
+            z[: problem.contacts][(dense.M.diagonal()[: problem.contacts] == 0) & (problem.friction == 0)] = 0.0
         impulse = dense.lcp.impulse(z)
         if end != SOLVED and exact_residual(problem, dense.lcp, z, impulse) <= tol:
             end = SOLVED
@@ -123,7 +129,13 @@ class MeritNewton(ABC):
         return Answer(impulse, STATUS[end], work, history, z, self.describe_end(STATUS[end], period))
 
 
-@kernel
+def _nothing(problem: FrictionProblem | LCP) -> Answer:
+    """No impulses, as the time is over."""
+    shape, z = ((0, 0), np.zeros(problem.size)) if isinstance(problem, LCP) else ((problem.contacts, problem.dimension), None)
+    return Answer(np.zeros(shape), Status.TIME_LIMIT, dict.fromkeys(UNITS, 0), z=z)
+
+
+@part
 def solve_dense(A, b):  # type: ignore[no-untyped-def]
     """x (n,) with A x = b by LU with partial pivoting; NaN where A is singular."""
     try:

@@ -16,7 +16,7 @@ import numpy as np
 
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import kernel
+from frictionbench.problems.compiled import kernel, part
 from frictionbench.problems.forms.lcp import contact_of
 from frictionbench.problems.residual import polygon_residual, residual
 from frictionbench.solvers.pivots.scaling import Scaling, diagonal_scaling
@@ -76,7 +76,7 @@ def exact_residual(problem: FrictionProblem | LCP, lcp: LCP, z: Array, impulse: 
     return residual(problem, impulse) if problem.dimension == 2 else polygon_residual(problem, lcp, z)
 
 
-@kernel
+@part
 def natural_residual(weight, y, w):  # type: ignore[no-untyped-def]
     """max_i g_i |min(y_i, w_i)|, infinity if an entry is NaN; weight, y, w: (n,)."""
     worst = 0.0

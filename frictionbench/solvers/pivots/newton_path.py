@@ -8,7 +8,7 @@ who starts from a random point meets none before t = 1, where they no longer mat
 
 import numpy as np
 
-from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.compiled import part
 from frictionbench.solvers.clock import late
 from frictionbench.solvers.pivots.lu_basis import (
     add_columns_product,
@@ -90,7 +90,7 @@ def follow_newton_path(basis, columns, b, v, limit, until, work):  # type: ignor
             work[PIVOTS] += 1
         if renew:
             work[FACTORISATIONS] += 1
-            if factorise_basis(basis, columns, DEPENDENT):
+            if factorise_basis(basis, columns, DEPENDENT, until):
                 return SINGULAR
             put(x, b)
             ftran(basis, columns, x)
@@ -108,7 +108,7 @@ def write_z(basis, x, z):  # type: ignore[no-untyped-def]
             z[basis.head[i]] = x[i]
 
 
-@kernel
+@part
 def is_ray(columns, v):  # type: ignore[no-untyped-def]
     """Whether 0 != v >= 0, Mv >= 0 and v_i (Mv)_i = 0, up to 1e-9 of the largest v."""
     size = largest_magnitude(v)

@@ -15,6 +15,7 @@ import numpy as np
 from frictionbench.problems import LCP
 from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel, lean
+from frictionbench.problems.forms.lcp import dense_matrix
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,9 +25,12 @@ class Scaling:
     D: Array
     theta: float
 
-    def matrix(self, M: Array) -> Array:
-        """D M D for a dense M, in C order."""
-        return np.ascontiguousarray(M * self.D[:, None] * self.D)
+    def matrix(self, lcp: LCP) -> Array:
+        """D M D as a dense array (n, n) in C order."""
+        start, column, value = lcp.rows
+        scaled = value * np.repeat(self.D, np.diff(start)) * self.D[column]
+        dense: Array = dense_matrix(start, column, scaled, lcp.size)
+        return dense
 
     def vector(self, q: Array) -> Array:
         """D q / theta."""

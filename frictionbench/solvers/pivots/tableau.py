@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import kernel, lean, lean_kernel
+from frictionbench.problems.compiled import lean, part
 from frictionbench.problems.rows import Index64
 from frictionbench.solvers.pivots.inverse_basis import InverseBasis
 from frictionbench.solvers.pivots.lemke_path import COMPLEMENTARY, LIMIT, PIVOT, RAY, LemkeState
@@ -31,14 +31,14 @@ class Tableau(NamedTuple):
     at: Index64
 
 
-@kernel
+@part
 def new_tableau(n: int) -> Tableau:
     """Of n unknowns, at most SMALL."""
     n = min(n, SMALL)
     return Tableau(np.empty((n + 1, n)), np.empty(3 * n + 1, np.int64))
 
 
-@lean_kernel
+@lean
 def follow_in_tableau(state: LemkeState, tableau: Tableau, slack: float, limit: int) -> int:
     """Follow Lemke's path from the slack basis, and return how it ended, as follow_lemke_path.
 

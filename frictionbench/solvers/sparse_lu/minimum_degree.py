@@ -16,7 +16,7 @@ References: George and Liu 1989 (minimum degree); Amestoy, Davis and Duff 1996 (
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionbench.problems.compiled import kernel, part
+from frictionbench.problems.compiled import part
 
 Index = NDArray[np.int64]
 
@@ -30,7 +30,7 @@ def _minus_one(n: int) -> Index:
     return index
 
 
-@kernel
+@part
 def same_elements(start: Index, member: Index, n: int) -> tuple[Index, int]:
     """Number the variables (n,) so that those of just the same elements share a number, and how many numbers there are.
 

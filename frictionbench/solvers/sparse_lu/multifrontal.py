@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionbench.problems.check import Array
-from frictionbench.problems.compiled import inlined, kernel, lean_kernel, part
+from frictionbench.problems.compiled import inlined, lean, lean_kernel, part
 from frictionbench.solvers.sparse_lu.dense_front import backward, eliminate, extend_add, forward, pivot
 from frictionbench.solvers.sparse_lu.minimum_degree import Index, minimum_degree, same_elements, transpose
 
@@ -51,7 +51,7 @@ class Fronts(NamedTuple):
     owner: Index
 
 
-@kernel
+@part
 def analyse(start: Index, member: Index, n: int) -> tuple[Fronts, Index, Index]:
     """The fronts, the place (n,) of each variable in the order of elimination, and the front to add each element to.
 
@@ -132,7 +132,7 @@ def _lay_out(first: Index, listed: Index, pivots: Index, parent: Index, offset: 
     return Fronts(begin, variable, above, own, parent, start, owner)
 
 
-@lean_kernel
+@lean
 def position_in_front(fronts: Fronts, front: int, variable: int) -> int:
     """Where a variable stands in a front, which must have it."""
     low, high = fronts.first[front], fronts.first[front + 1] - 1
@@ -145,7 +145,7 @@ def position_in_front(fronts: Fronts, front: int, variable: int) -> int:
     return int(low - fronts.first[front])
 
 
-@lean_kernel
+@lean
 def place_of_entry(fronts: Fronts, row: int, column: int) -> int:
     """Where in the storage of `factorise` an entry of A is added, by its row and column in the order of elimination."""
     f = fronts.owner[min(row, column)]
@@ -219,7 +219,7 @@ def operations(fronts: Fronts) -> float:
     return count
 
 
-@lean_kernel
+@lean
 def solve_factorised(fronts: Fronts, storage: Array, swap: Index, b: Array) -> None:
     """Overwrite b (n,) with A^-1 b, after factorise, whose factors it leaves as they are."""
     eliminated = 0
@@ -253,7 +253,7 @@ def solve_factorised(fronts: Fronts, storage: Array, swap: Index, b: Array) -> N
             b[eliminated + k] = total * storage[row + k]
 
 
-@lean_kernel
+@lean
 def determinant_sign(fronts: Fronts, storage: Array, swap: Index) -> int:
     """The sign of det A, after factorise: that of its pivots and row interchanges."""
     sign, eliminated = 1, 0

@@ -6,7 +6,7 @@ some 25 ns on one core of a server, within a fifth of the same loop in C (gcc -O
 
 import numpy as np
 
-from frictionbench.problems.compiled import kernel
+from frictionbench.problems.compiled import part
 from frictionbench.solvers.sweeps.laws import planar_contact, spatial_contact
 from frictionbench.solvers.sweeps.stopping import Monitor, monitor
 
@@ -20,7 +20,7 @@ def monitor_sweeps(tol: float, limit: int | None) -> Monitor:
     return monitor(tol, LIMIT if limit is None else limit, PATIENCE, CHECK)
 
 
-@kernel
+@part
 def planar_sweeps(form, r, x, relaxation, count):  # type: ignore[no-untyped-def]
     """`count` sweeps over planar contacts; the impulses r (nc, 2) and the state x are brought up to date."""
     for _ in range(count):
@@ -38,7 +38,7 @@ def planar_sweeps(form, r, x, relaxation, count):  # type: ignore[no-untyped-def
                 x[form.push_column[k]] += form.push[k, 0] * change_n + form.push[k, 1] * change_t
 
 
-@kernel
+@part
 def spatial_sweeps(form, r, x, relaxation, count):  # type: ignore[no-untyped-def]
     """The same over spatial contacts, r (nc, 3)."""
     u, change = np.empty(3), np.empty(3)

@@ -14,17 +14,17 @@ In the plane that is -tau/S clipped to an interval; in space a trust-region prob
 
 If mu|w| < a the contact has one solution. Otherwise it may have several (Painlevé): these laws prefer the open one, then
 the sticking one, then a sliding one. At most one side of the cone then bounds r_t (kappa beyond -1 or 1: pushing
-to that side jams the contact). A singular S is lifted by LIFT, about the present r_t, so that the fixed points stay exact.
+to that side jams the contact). A singular S is lifted to LIFT, about the present r_t, so that the fixed points stay exact.
 References: Jean 1999; Daviet, Bertails-Descoubes and Boissieux 2011, for one exact spatial contact.
 """
 
-from math import hypot
+from math import sqrt
 
 from frictionbench.problems.compiled import inlined, kernel, part
 from frictionbench.problems.residual import contact_residual
 from frictionbench.solvers.sweeps.form import state, velocity
 
-LIFT = 1e-14  # added to a singular S, relative to the trace of W: a hundred units of rounding
+LIFT = 1e-14  # the least eigenvalue of S, relative to the trace of W: a hundred units of rounding
 TINY = 1e-300  # and where W is zero: no division by zero
 
 
@@ -48,44 +48,56 @@ def planar_contact(u_n, u_t, r_n, r_t, W, mu, b_f):  # type: ignore[no-untyped-d
     return max(-(p_n + w * t) / a, 0.0), t
 
 
-@kernel
+@part
 def spatial_contact(u, r, W, mu, b_f):  # type: ignore[no-untyped-def]
     """Overwrite r (3,) by the impulse after; u: (3,), W: (3, 3)."""
     a, w1, w2 = W[0, 0], W[0, 1], W[0, 2]
     p_n = u[0] - a * r[0] - w1 * r[1] - w2 * r[2]
-    lift = LIFT * (a + W[1, 1] + W[2, 2]) + TINY
+    least = LIFT * (a + W[1, 1] + W[2, 2]) + TINY
     t1, t2 = 0.0, 0.0
     if b_f > 0:
-        S11, S12, S21, S22 = W[1, 1] + lift, W[1, 2], W[2, 1], W[2, 2] + lift
-        tau1 = u[1] - W[1, 0] * r[0] - S11 * r[1] - S12 * r[2]
-        tau2 = u[2] - W[2, 0] * r[0] - S21 * r[1] - S22 * r[2]
-        t1, t2 = bounded_tangent(S11, S12, S21, S22, tau1, tau2, b_f, 0.0, 0.0)
+        p1, p2 = u[1] - W[1, 0] * r[0], u[2] - W[2, 0] * r[0]
+        t1, t2 = bounded_tangent(W[1, 1], W[1, 2], W[2, 1], W[2, 2], least, p1, p2, r[1], r[2], b_f, 0.0, 0.0)
     if p_n + w1 * t1 + w2 * t2 >= 0 or a <= 0:
         r[0], r[1], r[2] = 0.0, t1, t2
         return
     c1, c2 = W[1, 0] / a, W[2, 0] / a
-    S11, S12, S21, S22 = W[1, 1] - c1 * w1 + lift, W[1, 2] - c1 * w2, W[2, 1] - c2 * w1, W[2, 2] - c2 * w2 + lift
-    tau1 = u[1] - c1 * u[0] - S11 * r[1] - S12 * r[2]
-    tau2 = u[2] - c2 * u[0] - S21 * r[1] - S22 * r[2]
-    t1, t2 = bounded_tangent(S11, S12, S21, S22, tau1, tau2, b_f - mu * p_n / a, mu * w1 / a, mu * w2 / a)
-    r[0], r[1], r[2] = max(-(p_n + w1 * t1 + w2 * t2) / a, 0.0), t1, t2
+    S11, S12, S21, S22 = W[1, 1] - c1 * w1, W[1, 2] - c1 * w2, W[2, 1] - c2 * w1, W[2, 2] - c2 * w2
+    p1, p2, L = u[1] - c1 * u[0], u[2] - c2 * u[0], b_f - mu * p_n / a
+    t1, t2 = bounded_tangent(S11, S12, S21, S22, least, p1, p2, r[1], r[2], L, mu * w1 / a, mu * w2 / a)
+    n = max(-(p_n + w1 * t1 + w2 * t2) / a, 0.0)
+    size, radius = sqrt(t1 * t1 + t2 * t2), mu * n + b_f
+    if size > radius:  # by rounding, or where r_n came out negative
+        t1, t2 = t1 * (radius / size), t2 * (radius / size)
+    r[0], r[1], r[2] = n, t1, t2
 
 
 @part
-def bounded_tangent(S11, S12, S21, S22, tau1, tau2, L, k1, k2):  # type: ignore[no-untyped-def]
-    """t with S t + tau = -alpha t, alpha >= 0 ⟂ |t| <= L - k't; zero where L <= 0.
+def bounded_tangent(S11, S12, S21, S22, least, p1, p2, r1, r2, L, k1, k2):  # type: ignore[no-untyped-def]
+    """t with p + S (t - r) = -alpha t, alpha >= 0 ⟂ |t| <= L - k't; zero where L <= 0 and t does not stick.
 
-    Newton's method on radius/|t| - 1, radius = L - k't, which is nearly linear in alpha (Moré and Sorensen 1983), kept inside a
-    bracket: it is negative at alpha = 0 unless the contact sticks, and not negative at (1 + |k|) |tau| / L.
+    It is solved along the axes in which S is diag(g, h) + [[0, s], [-s, 0]]: with g and h lifted to `least`, no determinant
+    cancels, whatever the rank of S. The root alpha of radius/|t| - 1, radius = L - k't, which is nearly linear in it, is found
+    by Newton's method (Moré and Sorensen 1983), kept inside a bracket: the function is negative at alpha = 0 unless the
+    contact sticks, and not negative at (1 + |k|) |tau| / L. What is outside by rounding is cut off.
     """
-    low, high = 0.0, (1 + hypot(k1, k2)) * hypot(tau1, tau2) / L
+    mean, half, across, s = (S11 + S22) / 2, (S11 - S22) / 2, (S12 + S21) / 2, (S12 - S21) / 2
+    spread = sqrt(half * half + across * across)
+    g, h = max(mean + spread, least), max(mean - spread, least)
+    # The axis of g: the longer of two expressions of the eigenvector, which cancels nothing.
+    e1, e2 = (half + spread, across) if half > 0 else (across, spread - half)
+    length = sqrt(e1 * e1 + e2 * e2)
+    e1, e2 = (e1 / length, e2 / length) if length > 0 else (1.0, 0.0)
+    x, y = e1 * r1 + e2 * r2, e1 * r2 - e2 * r1
+    tau1, tau2 = e1 * p1 + e2 * p2 - g * x - s * y, e1 * p2 - e2 * p1 + s * x - h * y
+    k1, k2 = e1 * k1 + e2 * k2, e1 * k2 - e2 * k1
+    low, high = 0.0, (1 + sqrt(k1 * k1 + k2 * k2)) * sqrt(tau1 * tau1 + tau2 * tau2) / L
     alpha = 0.0
-    t1, t2 = 0.0, 0.0
     for _ in range(100):
-        d1, d2 = S11 + alpha, S22 + alpha
-        det = d1 * d2 - S12 * S21
-        t1, t2 = (S12 * tau2 - d2 * tau1) / det, (S21 * tau1 - d1 * tau2) / det
-        size, radius = hypot(t1, t2), L - k1 * t1 - k2 * t2
+        d1, d2 = g + alpha, h + alpha
+        det = d1 * d2 + s * s
+        x, y = (s * tau2 - d2 * tau1) / det, -(s * tau1 + d1 * tau2) / det
+        size, radius = sqrt(x * x + y * y), L - k1 * x - k2 * y
         excess = size - radius
         if alpha == 0 and excess <= 0:
             break
@@ -97,14 +109,15 @@ def bounded_tangent(S11, S12, S21, S22, tau1, tau2, L, k1, k2):  # type: ignore[
             low = alpha
         else:
             high = alpha
-        v1, v2 = (S12 * t2 - d2 * t1) / det, (S21 * t1 - d1 * t2) / det  # dt/dalpha
-        slope = (-(k1 * v1 + k2 * v2) * size - radius * (t1 * v1 + t2 * v2) / size) / size
+        v1, v2 = (s * y - d2 * x) / det, -(s * x + d1 * y) / det  # dt/dalpha
+        slope = (-(k1 * v1 + k2 * v2) * size - radius * (x * v1 + y * v2) / size) / size
         alpha += excess / slope
         if not low < alpha < high:
             alpha = (low + high) / 2
             if alpha in (low, high):
                 break
-    return t1, t2
+    share = L / (size + L - radius) if excess > 0 else 1.0
+    return share * (e1 * x - e2 * y), share * (e2 * x + e1 * y)
 
 
 @kernel

@@ -5,14 +5,8 @@ import pytest
 from scipy import sparse
 
 from frictionbench.problems.scenes import scene
-from frictionbench.solvers.sparse_lu.minimum_degree import same_elements
-from frictionbench.solvers.sparse_lu.multifrontal import (
-    analyse,
-    determinant_sign,
-    factorise,
-    position_in_front,
-    solve_factorised,
-)
+from frictionbench.solvers.sparse_lu.multifrontal import factorise
+from tests.helpers.kernels import analyse, determinant_sign, position_in_front, same_elements, solve_factorised
 
 
 def pattern(name, **parameters):
