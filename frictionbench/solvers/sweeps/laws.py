@@ -24,7 +24,7 @@ from frictionbench.problems.compiled import inlined, kernel, part
 from frictionbench.problems.residual import contact_residual
 from frictionbench.solvers.sweeps.form import state, velocity
 
-LIFT = 1e-14  # the least eigenvalue of S, relative to the trace of W: a hundred units of rounding
+LIFT = 1e-14  # the least eigenvalue of S, relative to the trace of W_t: a hundred units of rounding
 TINY = 1e-300  # and where W is zero: no division by zero
 
 
@@ -53,12 +53,13 @@ def spatial_contact(u, r, W, mu, b_f):  # type: ignore[no-untyped-def]
     """Overwrite r (3,) by the impulse after; u: (3,), W: (3, 3)."""
     a, w1, w2 = W[0, 0], W[0, 1], W[0, 2]
     p_n = u[0] - a * r[0] - w1 * r[1] - w2 * r[2]
-    least = LIFT * (a + W[1, 1] + W[2, 2]) + TINY
+    least = LIFT * (W[1, 1] + W[2, 2]) + TINY
     t1, t2 = 0.0, 0.0
     if b_f > 0:
         p1, p2 = u[1] - W[1, 0] * r[0], u[2] - W[2, 0] * r[0]
         t1, t2 = bounded_tangent(W[1, 1], W[1, 2], W[2, 1], W[2, 2], least, p1, p2, r[1], r[2], b_f, 0.0, 0.0)
-    if p_n + w1 * t1 + w2 * t2 >= 0 or a <= 0:
+    # Friction that sticks may hold the normal too, where the block is singular: then u_n is zero but for rounding.
+    if p_n + w1 * t1 + w2 * t2 >= -LIFT * (abs(p_n) + abs(w1 * t1) + abs(w2 * t2)) or a <= 0:
         r[0], r[1], r[2] = 0.0, t1, t2
         return
     c1, c2 = W[1, 0] / a, W[2, 0] / a
