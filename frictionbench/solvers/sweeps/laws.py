@@ -58,17 +58,19 @@ def spatial_contact(u, r, W, mu, b_f):  # type: ignore[no-untyped-def]
     if b_f > 0:
         p1, p2 = u[1] - W[1, 0] * r[0], u[2] - W[2, 0] * r[0]
         t1, t2 = bounded_tangent(W[1, 1], W[1, 2], W[2, 1], W[2, 2], least, p1, p2, r[1], r[2], b_f, 0.0, 0.0)
-    # Friction that sticks may hold the normal too, where the block is singular: then u_n is zero but for rounding.
-    if p_n + w1 * t1 + w2 * t2 >= -LIFT * (abs(p_n) + abs(w1 * t1) + abs(w2 * t2)) or a <= 0:
+    if p_n + w1 * t1 + w2 * t2 >= 0 or a <= 0:
         r[0], r[1], r[2] = 0.0, t1, t2
         return
     c1, c2 = W[1, 0] / a, W[2, 0] / a
     S11, S12, S21, S22 = W[1, 1] - c1 * w1, W[1, 2] - c1 * w2, W[2, 1] - c2 * w1, W[2, 2] - c2 * w2
     p1, p2, L = u[1] - c1 * u[0], u[2] - c2 * u[0], b_f - mu * p_n / a
+    open1, open2 = t1, t2
     t1, t2 = bounded_tangent(S11, S12, S21, S22, least, p1, p2, r[1], r[2], L, mu * w1 / a, mu * w2 / a)
-    n = max(-(p_n + w1 * t1 + w2 * t2) / a, 0.0)
+    n = -(p_n + w1 * t1 + w2 * t2) / a
+    if n < 0:  # neither branch holds: in a singular block friction alone may stop u_n, which is then negative by rounding
+        n, t1, t2 = 0.0, open1, open2
     size, radius = sqrt(t1 * t1 + t2 * t2), mu * n + b_f
-    if size > radius:  # by rounding, or where r_n came out negative
+    if size > radius:  # by rounding
         t1, t2 = t1 * (radius / size), t2 * (radius / size)
     r[0], r[1], r[2] = n, t1, t2
 
