@@ -35,9 +35,9 @@ def load_plugins(specs: list[str], wanted: tuple[str, ...] = ()) -> tuple[tuple[
     heads = {split("solver", spec)[0] for spec in named}
     sources = list(dict.fromkeys([*files, *(name for name in plugins.installed() if name in heads)])) if specs else []
     named += wanted
-    if sources and os.geteuid() == 0:
-        print("frictionbench: plug-ins run with root's rights, which no sandbox takes from them in full", file=sys.stderr)
     loaded = tuple(_load(sources, named)) if sources else ()
+    if loaded and os.geteuid() == 0:
+        print("frictionbench: plug-ins run with root's rights, which no sandbox takes from them in full", file=sys.stderr)
     for spec in named:
         if not any(spec in plugin.solvers for plugin in loaded):
             find(spec)
