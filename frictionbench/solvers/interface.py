@@ -65,7 +65,7 @@ __all__ = ["Answer", "Solved", "Solver", "SolverInfo", "Status", "available", "f
 Model = Literal["coulomb", "lcp", "relaxation", "regularised"]
 LACKS = ("friction_bias", "joints", "asymmetry")  # what a solver may not support of a problem
 PACKAGE = "frictionbench.solvers."  # the modules of this package's own solvers
-RELAXATION = {"cvxpy", "clarabel", "osqp", "proxsuite", "qpsolvers"}  # distributions of the package's extra of this name
+RELAXATION = {"clarabel", "osqp", "proxsuite"}  # distributions of the package's extra of this name
 MOST_WORK = 10**8  # the largest limit that may be given: histories of that length are allocated
 
 
@@ -111,7 +111,7 @@ class SolverInfo:
     lacks: what is not supported: friction_bias, joints, or asymmetry (of W, by methods that work in velocities: the Jacobian of
     an unsymmetric W is that of its symmetric part); problems where it is not zero, asymmetry up to DIGITS, are refused.
     remote: whether the library runs in another process, for reasons of ours: it is then timed by its own clock (Answer.clock).
-    variants: settings that count as solvers of their own, as in `ccp[backend=clarabel]`; a solver of this package takes their
+    variants: settings that count as solvers of their own, as in `ccp[backend=highs]`; a solver of this package takes their
     texts in no other combination. A variant with another model, dimension, needs or lacks has an attribute of that name.
     members: the solvers that a portfolio may run.
     make: the class, a frozen dataclass whose fields are the settings.

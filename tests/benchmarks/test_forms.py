@@ -19,7 +19,7 @@ def test_a_checked_problem(benchmark, boxes) -> None:
 
 
 @pytest.mark.parametrize("boxes", BOXES)
-@pytest.mark.parametrize("spec", ["nsgs", "lemke", "path_search", "interior_point", "relaxation_ip", "hybrid", "ccp"])
+@pytest.mark.parametrize("spec", ["nsgs", "lemke", "path_search", "interior_point", "relaxation_ip", "hybrid", "clarabel"])
 def test_form_and_setup(benchmark, spec, boxes) -> None:
     problem, (_, method) = scene("stack", blocks=boxes, push=1.0).problem(), find(spec)
     prepared = benchmark(lambda: method.prepare(problem.fresh()))

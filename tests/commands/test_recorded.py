@@ -29,11 +29,11 @@ from tests.helpers.paths import DATA
 
 def test_file_is_solved_and_ranked(tmp_path, capsys) -> None:
     fclib.write(spatial(0, contacts=3), tmp_path / "p.hdf5")
-    solve_one(str(tmp_path / "p.hdf5"), ["nsgs", "interior_point", "ccp[backend=clarabel]"], 1e-8, 10.0, 1)
+    solve_one(str(tmp_path / "p.hdf5"), ["nsgs", "interior_point", "osqp"], 1e-8, 10.0, 1)
     told = capsys.readouterr().out
     assert "3 contacts" in told
     assert "use " in told.splitlines()[-1]
-    assert told.splitlines()[-2].split()[:2] == ["3", "ccp[backend=clarabel]:"]  # planar only: skipped, and so last
+    assert told.splitlines()[-2].split()[:2] == ["3", "osqp:"]  # planar only: skipped, and so last
 
 
 def test_bare_lcp_is_solved_by_lcp_solvers(tmp_path, capsys) -> None:

@@ -107,7 +107,7 @@ def test_first_step_is_unique() -> None:
     assert found.velocities[0].vertices == pytest.approx(np.zeros((1, 2)), abs=1e-12)
 
 
-@pytest.mark.parametrize(("spec", "letter"), [("lemke", "o"), ("nsgs", "o"), ("ccp", "s")])
+@pytest.mark.parametrize(("spec", "letter"), [("lemke", "o"), ("nsgs", "o"), ("clarabel", "s")])
 def test_solution_returned_by_each_solver(spec, letter) -> None:
     """From r = 0 all but one row of the LCP are right, and Lemke's path mends it by the sliding speed alone: the rod opens,
     as under Gauss-Seidel, for which r = 0 is a fixed point. The relaxation has one answer and that is the stick."""

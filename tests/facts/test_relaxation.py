@@ -14,7 +14,7 @@ G = 9.81
 
 
 def relaxed(problem, tol=1e-10) -> np.ndarray:
-    answer = solve(problem, "ccp", tol=tol)  # it may report failure where its gap is below its rounding
+    answer = solve(problem, "clarabel", tol=tol)  # it may report failure where its gap is below its rounding
     assert relaxation_residual(problem, answer.impulse) <= tol + residual_floor(problem, answer.impulse)
     return answer.impulse
 

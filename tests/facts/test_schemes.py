@@ -23,7 +23,7 @@ BOUNCING = [name for name, scheme in SCHEMES.items() if "restitution" not in sch
 
 
 def relaxation(problem: FrictionProblem) -> Array:
-    answer = solvers.solve(problem, "ccp", tol=1e-10)
+    answer = solvers.solve(problem, "clarabel", tol=1e-10)
     assert relaxation_residual(problem, answer.impulse) <= 1e-8
     return answer.impulse
 

@@ -28,7 +28,9 @@ PLANAR = {
     "random": random_problem(7, contacts=6),
     "delassus": FrictionProblem.from_delassus(np.diag([2.0, 1.0]), [-1.0, 1.0], [0.5], 2),
 }
-SOLVERS = sorted(name for name, info in available().items() if not info.needs or name in ("ccp", "ccp_cone"))  # ours
+SOLVERS = sorted(
+    name for name, info in available().items() if not info.needs or name in ("clarabel", "osqp", "proxsuite")
+)  # ours
 
 
 def own_residual(name: str, problem: FrictionProblem, answer: Answer) -> float:

@@ -52,7 +52,7 @@ def test_claims_are_correct(spec) -> None:
 @pytest.mark.parametrize("spec", RELAXED)
 @pytest.mark.parametrize("problem", [random_problem(8, contacts=20), spatial(3, joints=1, friction_bias=True)])
 def test_relaxation_velocity_is_unique(spec, problem) -> None:
-    reference = solve(problem, "ccp_cone[backend=scs]", tol=1e-9)
+    reference = solve(problem, "clarabel", tol=1e-9)
     answer = solve(problem, spec, tol=1e-9)
     assert problem.velocity(answer.impulse) == pytest.approx(problem.velocity(reference.impulse), abs=1e-6)
 

@@ -1,27 +1,34 @@
 """What an adapter is charged over a call of its library by hand: form + setup + solve over the wall time of tools.direct.calls.
 
-    python -m tools.direct [SOLVER ...]      a table in Markdown, of all libraries or of the solvers named
+    python -m tools.direct [SOLVER ...] [--data DIR]      tables in Markdown, of all libraries or of the solvers named
 
-The sample is a pushed stack of 2, 10 and 40 contacts at 1e-8. Each adapter and its call are timed in turn, one call after the
-other, least of REPEATS: what else the machine does falls on both. Of a library in another process, setup and solve are its own
-clock there, on both sides. Where the ratio is above FAIR, the adapter's docstring says why, under Charged. A verdict other than
-solved or relaxed follows the times: of the adapter's answer, and of the one by hand.
+The samples are pushed stacks and random bodies of 2 to 300 contacts at 1e-8 and, with --data, a folder's recorded problems.
+Each adapter and its call are timed in turn, one call after the other, least of REPEATS or of as many as take SECONDS: what
+else the machine does falls on both. Of a library in another process, setup and solve are its own clock there, on both sides.
+Where the ratio is above FAIR, the adapter's docstring says why, under Charged. A verdict other than solved or relaxed follows
+the times: of the adapter's answer, and of the one by hand.
 """
 
+import argparse
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
 
+import numpy as np
+
 import frictionbench as fb
 from frictionbench.problems import FrictionProblem
+from frictionbench.problems.instances import make_instance
+from frictionbench.problems.recorded import read
 from frictionbench.solvers import Answer, Status, find
 from tools.direct.calls import CALLS
 from tools.direct.given import arrays
 from tools.direct.page import facts
 
-BLOCKS = (1, 5, 20)
-TOL, REPEATS, FAIR = 1e-8, 15, 1.3
+BLOCKS, BODIES = (1, 10, 50, 150), (20, 100, 300)  # stacks in the plane, of two contacts a block; contacts in space
+TOL, REPEATS, SECONDS, FAIR = 1e-8, 15, 3.0, 1.3
 
 
 class Charged(NamedTuple):
@@ -34,33 +41,78 @@ class Charged(NamedTuple):
 
     def __str__(self) -> str:
         own = "none" if self.clock is None else f"{1e6 * self.clock:.0f}"
-        good = set(self.verdicts) <= {"solved", "relaxed"}
-        verdicts = "" if good else f" ({self.verdicts[0]}, by hand {self.verdicts[1]})"
+        verdicts = "" if self.good == (True, True) else f" ({self.verdicts[0]}, by hand {self.verdicts[1]})"
         return f"{1e6 * self.by_hand:.0f}, {1e6 * self.adapter:.0f}, {own}; {self.ratio:.2f}{verdicts}"
 
     @property
     def ratio(self) -> float:
         return self.adapter / self.by_hand
 
+    @property
+    def good(self) -> tuple[bool, bool]:
+        """Whether the adapter's answer and the one by hand are solved or relaxed."""
+        one, other = (verdict in ("solved", "relaxed") for verdict in self.verdicts)
+        return one, other
 
-def charged_table(solvers: list[str]) -> Iterator[str]:
-    """The lines of the table, a row for each library, or for those named; one that is not installed has its reason.
+
+def charged_tables(solvers: list[str]) -> Iterator[str]:
+    """The lines of the tables in the plane and in space, a row for each library, or for those named; one that is not installed
+    has its reason.
 
     Errors: InputError where a named solver has no call by hand.
     """
     specs = chosen(solvers)
-    problems = [fb.scene("stack", blocks=blocks, push=1.0).problem() for blocks in BLOCKS]
+    stacks = [fb.scene("stack", blocks=blocks, push=1.0).problem() for blocks in BLOCKS]
+    yield from _table(specs, stacks)
+    yield ""
+    yield from _table(specs, [make_instance("random_bodies", contacts=contacts, seed=2) for contacts in BODIES])
+
+
+def _table(specs: list[str], problems: list[FrictionProblem]) -> Iterator[str]:
     heads = [f"{problem.contacts} contacts, µs: by hand, charged, own clock; ratio" for problem in problems]
-    yield _row("solver", *heads, f"why more than {FAIR}")
+    yield _row("in the plane" if problems[0].dimension == 2 else "in space", *heads, f"why more than {FAIR}")
     yield _row(*["---"] * (len(heads) + 2))
     for spec in specs:
         info, _ = find(spec)
+        call, d = CALLS[spec], problems[0].dimension
+        if d not in call.d:
+            continue
         if info.missing:
             yield _row(spec, info.missing, *[""] * len(heads))
             continue
-        measured = [charged(spec, problem) for problem in problems]
+        measured = [charged(spec, problem) for problem in problems if problem.contacts <= call.most]
         why = facts(info).get("Charged", "") if max(each.ratio for each in measured) > FAIR else ""
-        yield _row(spec, *map(str, measured), why)
+        yield _row(spec, *map(str, measured), *["–"] * (len(problems) - len(measured)), why)
+
+
+def recorded_table(solvers: list[str], folder: Path) -> Iterator[str]:
+    """The lines of the table on the recorded problems of a folder: calls that take a problem by its W and q.
+
+    Errors: InputError as of charged_tables, or where the folder has no friction problem.
+    """
+    problems = {path.name: read(path) for path in sorted(folder.iterdir()) if path.is_file()}
+    ordinary = {name: p for name, p in problems.items() if isinstance(p, FrictionProblem) and not p.friction_bias.any()}
+    if not ordinary:
+        raise fb.InputError(f"data: no friction problem in {folder}")
+    heads = "problems", "adapter solves", "by hand", "ratio: geometric mean", "worst", "of"
+    yield _row("recorded", *heads)
+    yield _row(*["---"] * (len(heads) + 1))
+    for spec in chosen(solvers):
+        call, (info, _) = CALLS[spec], find(spec)
+        taken = {
+            name: problem
+            for name, problem in ordinary.items()
+            if call.by_matrix and problem.dimension in call.d and problem.contacts <= call.most and not info.refuses(problem)
+        }
+        if info.missing or not taken:
+            continue
+        found = {
+            name: charged(spec, FrictionProblem.from_delassus(p.W, p.q, p.friction, p.dimension)) for name, p in taken.items()
+        }
+        both = {name: each.ratio for name, each in found.items() if each.good == (True, True)}
+        solved = [sum(each.good[side] for each in found.values()) for side in (0, 1)]
+        mean, worst = np.exp(np.mean(np.log(list(both.values())))), max(both, key=both.__getitem__)
+        yield _row(spec, str(len(taken)), *map(str, solved), f"{mean:.2f}", f"{both[worst]:.2f}", worst)
 
 
 def _row(*cells: str) -> str:
@@ -79,9 +131,10 @@ def charged(spec: str, problem: FrictionProblem) -> Charged:
     """Time a call by hand and the adapter in turn."""
     _, solver = find(spec)
     given, by_hand, adapter, clock = arrays(problem), float("inf"), float("inf"), None
+    until = perf_counter() + SECONDS
     for _ in range(REPEATS):
         begun = perf_counter()
-        called = CALLS[spec](given, TOL)
+        called = CALLS[spec].function(given, TOL)
         between, fresh = perf_counter(), problem.fresh()
         start = perf_counter()
         formed = solver.form(fresh)
@@ -92,14 +145,21 @@ def charged(spec: str, problem: FrictionProblem) -> Charged:
         adapter = min(adapter, ready - start + solving)
         if answer.clock is not None:
             clock = min(clock or float("inf"), answer.clock)
-    direct = Answer(called.impulse, Status.SOLVED if called.claimed else Status.FAILED)
+        if perf_counter() > until:
+            break
+    status = Status.SOLVED if called.claimed else Status.FAILED
+    direct = Answer(called.impulse, status, softness=called.softness)
     one, other = (fb.verify(problem, each, TOL, solver=spec).verdict.value for each in (answer, direct))
     return Charged(by_hand, adapter, clock, (one, other))
 
 
 if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("solvers", nargs="*", metavar="SOLVER")
+    parser.add_argument("--data", type=Path, metavar="DIR")
+    asked = parser.parse_args()
     try:
-        for line in charged_table(sys.argv[1:]):
-            print(line)
+        for line in recorded_table(asked.solvers, asked.data) if asked.data else charged_tables(asked.solvers):
+            print(line, flush=True)
     except fb.InputError as error:
         sys.exit(str(error))

@@ -1,45 +1,57 @@
 """Calls of outside libraries as a user would write them by hand, with which the adapters of frictionbench are compared.
 
-They know nothing of the adapters: each forms what its library takes with numpy from the dense arrays of a problem, unscaled,
-and returns the contact impulses and whether the library reports success (tools.direct.given).
+They know nothing of the adapters: each forms what its library takes with numpy and scipy from a problem's arrays, unscaled, and
+returns the contact impulses and whether the library reports success (tools.direct.given).
 """
 
 import io
 import json
 import re
 import subprocess
-import warnings
 from collections.abc import Callable
 from functools import cache, partial
 from importlib import import_module
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy import sparse
 
-from tools.direct.given import Arrays, Called, delassus, lcp, of_lcp, of_multipliers, program
+from tools.direct.given import Arrays, Called, delassus, dense, lcp, of_lcp, of_multipliers, program
 
 
 def clarabel(given: Arrays, tol: float) -> Called:
     library: Any = import_module("clarabel")
     P, q, G, h = program(given)
-    settings = library.DefaultSettings()
-    settings.verbose, settings.tol_feas, settings.tol_gap_abs, settings.tol_gap_rel = False, tol, 1e-16, 1e-16
-    upper, bounds = sparse.csc_matrix(np.triu(P)), sparse.csc_matrix(G)
-    found = library.DefaultSolver(upper, q, bounds, h, [library.NonnegativeConeT(len(h))], settings).solve()
+    settings, n = library.DefaultSettings(), len(h)
+    settings.verbose, settings.tol_feas, settings.tol_gap_abs, settings.tol_gap_rel = False, tol, 1e-15, 1e-15
+    cones = [library.NonnegativeConeT(n)] if given.d == 2 else [library.SecondOrderConeT(3)] * (n // 3)
+    found = library.DefaultSolver(_upper(P), q, sparse.csc_matrix(G), h, cones, settings).solve()
     return Called(of_multipliers(given, np.array(found.z)), found.status == library.SolverStatus.Solved)
+
+
+def scs(given: Arrays, tol: float) -> Called:
+    library: Any = import_module("scs")
+    P, q, G, h = program(given)
+    cone = {"l": len(h)} if given.d == 2 else {"q": [3] * (len(h) // 3)}
+    data = {"P": _upper(P), "A": sparse.csc_matrix(G), "b": h, "c": q}
+    found = library.SCS(data, cone, verbose=False, eps_abs=tol / 10, eps_rel=0.0, max_iters=100_000).solve()
+    return Called(of_multipliers(given, found["y"]), found["info"]["status_val"] == 1)
 
 
 def osqp(given: Arrays, tol: float) -> Called:
     library: Any = import_module("osqp")
     P, q, G, h = program(given)
     made = library.OSQP()
-    upper, lower, settings = sparse.csc_matrix(np.triu(P)), np.full(len(h), -np.inf), {"verbose": False, "max_iter": 100_000}
-    made.setup(upper, q, sparse.csc_matrix(G), lower, h, eps_abs=tol / 10, eps_rel=0.0, **settings)
+    lower, settings = np.full(len(h), -np.inf), {"verbose": False, "max_iter": 100_000}
+    made.setup(_upper(P), q, sparse.csc_matrix(G), lower, h, eps_abs=tol / 10, eps_rel=0.0, **settings)
     found = made.solve(raise_error=False)
     return Called(of_multipliers(given, found.y), found.info.status_val == 1)
+
+
+def _upper(P: Any) -> Any:
+    return sparse.triu(sparse.csc_matrix(P), format="csc")
 
 
 def proxsuite(given: Arrays, tol: float) -> Called:
@@ -56,14 +68,14 @@ def proxsuite(given: Arrays, tol: float) -> Called:
     return Called(of_multipliers(given, np.array(qp.results.z)), solved)
 
 
-def piqp(given: Arrays, tol: float) -> Called:
+def piqp(given: Arrays, tol: float, matrices: str = "sparse") -> Called:
     library: Any = import_module("piqp")
     P, q, G, h = program(given)
-    made = library.SparseSolver()
+    made, kept = (library.SparseSolver(), sparse.csc_matrix) if matrices == "sparse" else (library.DenseSolver(), dense)
     settings = made.settings
     settings.eps_abs, settings.eps_rel = tol, 0.0
-    settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = 3e-16, 0.0
-    made.setup(sparse.csc_matrix(P), q, None, None, sparse.csc_matrix(G), None, h)
+    settings.eps_duality_gap_abs, settings.eps_duality_gap_rel = 1e-15, 0.0
+    made.setup(kept(P), q, None, None, kept(G), None, h)
     found = made.solve()
     return Called(of_multipliers(given, np.array(made.result.z_u)), found == library.PIQP_SOLVED)
 
@@ -72,22 +84,29 @@ def daqp(given: Arrays, tol: float) -> Called:
     library: Any = import_module("daqp")
     P, q, G, h = program(given)
     sense = np.zeros(len(h), dtype=np.int32)
-    _, _, flag, info = library.solve(P, q, G, h, np.full(len(h), -1e30), sense, primal_tol=tol / 10, dual_tol=tol / 10)
+    rows = dense(P), q, dense(G), h, np.full(len(h), -1e30), sense
+    _, _, flag, info = library.solve(*rows, primal_tol=tol / 10, dual_tol=tol / 10, iter_limit=10_000)
     return Called(of_multipliers(given, np.array(info["lam"])), flag > 0)
 
 
 def quadprog(given: Arrays, tol: float) -> Called:
     library: Any = import_module("quadprog")
     P, q, G, h = program(given)
-    return Called(of_multipliers(given, library.solve_qp(P, -q, -G.T, -h)[4]), True)
+    return Called(of_multipliers(given, library.solve_qp(dense(P), -q, -dense(G).T, -h)[4]), True)
+
+
+def _dual(given: Arrays, definite: float) -> tuple[np.ndarray, np.ndarray]:
+    """H and g of the relaxation's dual min z'Hz/2 + g'z, z >= 0, with a larger diagonal."""
+    _, _, G, h = program(given)
+    H, g = dense(G @ given.inverse @ G.T), h - G @ given.v
+    H[np.diag_indices(len(g))] *= 1 + definite
+    return H, g
 
 
 def mujoco_boxqp(given: Arrays, tol: float) -> Called:
     library: Any = import_module("mujoco")
-    P, q, G, h = program(given)
-    H, g = G @ np.linalg.solve(P, G.T), h + G @ np.linalg.solve(P, q)
+    H, g = _dual(given, 1e-13)
     n = len(g)
-    H[np.diag_indices(n)] *= 1 + 1e-13
     z, factor, index = np.zeros((n, 1)), np.zeros((n, n + 7)), np.zeros((n, 1), dtype=np.int32)
     rank = library.mju_boxQP(z, factor, index, H, g[:, None], np.zeros((n, 1)), None)
     return Called(of_multipliers(given, z.ravel()), rank >= 0)
@@ -97,14 +116,10 @@ def qpmad(given: Arrays, tol: float) -> Called:
     library: Any = import_module("pyqpmad")
     P, q, G, h = program(given)
     made, multipliers = library.Solver(), np.zeros(len(h))
-    code = made.solve(np.zeros(len(q)), np.array(P, order="F"), q, None, None, G, np.full(len(h), -1e30), h)
+    code = made.solve(np.zeros(len(q)), np.array(dense(P), order="F"), q, None, None, dense(G), np.full(len(h), -1e30), h)
     active = made.get_inequality_dual()
     multipliers[active.indices] = active.dual
     return Called(of_multipliers(given, multipliers), code == library.OK)
-
-
-def clarabel_by_qpsolvers(given: Arrays, tol: float) -> Called:
-    return _by_qpsolvers(given, "clarabel", tol_feas=tol, tol_gap_abs=1e-16, tol_gap_rel=1e-16)
 
 
 def highs(given: Arrays, tol: float, **settings: float) -> Called:
@@ -120,29 +135,19 @@ def _by_qpsolvers(given: Arrays, backend: str, **settings: float) -> Called:
     return Called(of_multipliers(given, np.zeros(len(h)) if found.z is None else found.z), found.found)
 
 
-def cvxpy(given: Arrays, tol: float) -> Called:
-    library: Any = import_module("cvxpy")
-    P, q, G, h = program(given)
-    v = library.Variable(len(q))
-    rows = G @ v <= h
-    asked = library.Problem(library.Minimize(library.quad_form(v, P, assume_PSD=True) / 2 + q @ v), [rows])
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of an inaccurate solution; the status reports it
-        asked.solve(solver="CLARABEL", tol_feas=tol, tol_gap_abs=1e-16, tol_gap_rel=1e-16)
-    return Called(of_multipliers(given, rows.dual_value), asked.status == "optimal")
-
-
 def casadi_qrqp(given: Arrays, tol: float) -> Called:
-    library: Any = import_module("casadi")
-    P, q, G, h = program(given)
-    H, g = G @ np.linalg.solve(P, G.T), h + G @ np.linalg.solve(P, q)
-    n = len(g)
-    H[np.diag_indices(n)] *= 1 + 1e-12
-    silent = {"print_iter": False, "print_header": False, "print_info": False, "error_on_fail": False}
-    sparsity = {"h": library.Sparsity.dense(n, n), "a": library.Sparsity(0, n)}
-    made = library.conic("solver", "qrqp", sparsity, silent)
+    H, g = _dual(given, 1e-12)
+    made = _qrqp(len(g))
     found = made(h=H, g=g, lbx=0.0, ubx=np.inf)
     return Called(of_multipliers(given, np.array(found["x"]).ravel()), made.stats()["success"])
+
+
+@cache
+def _qrqp(n: int) -> Any:
+    """CasADi's solver object, which is for a sparsity."""
+    library: Any = import_module("casadi")
+    silent = {"print_iter": False, "print_header": False, "print_info": False, "error_on_fail": False}
+    return library.conic("solver", "qrqp", {"h": library.Sparsity.dense(n, n), "a": library.Sparsity(0, n)}, silent)
 
 
 def quantecon(given: Arrays, tol: float) -> Called:
@@ -193,13 +198,15 @@ def _gams_model(n: int) -> tuple[Any, tuple[Any, Any], Any]:
     return gp.Model(made, "lcp", problem="MCP", matches={w: z}), (M, q), z
 
 
-def pinocchio(given: Arrays, tol: float) -> Called:
+def pinocchio(given: Arrays, tol: float, **chosen: float) -> Called:
     pin: Any = import_module("pinocchio")
-    nc = len(given.mu)
-    own = np.column_stack([3 * np.arange(nc) + 2, 3 * np.arange(nc)]).ravel()
+    nc, d = len(given.mu), given.d
+    own = (3 * np.arange(nc)[:, None] + np.array([2, 0, 1])[:d]).ravel()
+    matrix, vector = delassus(given)
     W, g = np.zeros((3 * nc, 3 * nc), order="F"), np.zeros(3 * nc)
-    W[np.ix_(own, own)], g[own] = delassus(given)
-    W[own[1::2] + 1, own[1::2] + 1] = W[own[1::2], own[1::2]]
+    W[np.ix_(own, own)], g[own] = dense(matrix), vector
+    if d == 2:  # a second tangent, decoupled
+        W[3 * np.arange(nc) + 1, 3 * np.arange(nc) + 1] = W[3 * np.arange(nc), 3 * np.arange(nc)]
     body = pin.Model()
     body.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "body")
     models, datas = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
@@ -213,25 +220,29 @@ def pinocchio(given: Arrays, tol: float) -> Called:
     settings.max_iterations = 20_000
     settings.absolute_feasibility_tol = settings.absolute_complementarity_tol = tol / 10
     settings.relative_feasibility_tol = settings.relative_complementarity_tol = 0.0
+    for option, value in chosen.items():
+        setattr(settings, option, value)
     found = pin.ADMMConstraintSolver().solve(pin.DelassusOperatorDense(W), g, models, datas, settings, result)
-    return Called(np.array(result.retrieveConstraintImpulses())[own].reshape(nc, 2), found)
+    return Called(np.array(result.retrieveConstraintImpulses())[own].reshape(nc, d), found)
 
 
 def mujoco(given: Arrays, tol: float) -> Called:
     library: Any = import_module("mujoco")
-    M, N, T, v, b, mu = given
-    nc, nv = len(mu), len(v)
+    nc, nv, d = len(given.mu), len(given.v), given.d
     model, data = _soft_contacts(nv, nc)
-    L, J, offset = np.linalg.cholesky(M), np.zeros((3 * nc, nv)), np.zeros(3 * nc)
-    J[0::3], J[1::3], offset[0::3] = np.linalg.solve(L, N.T).T, np.linalg.solve(L, T.T).T, b
-    scale = (np.square(J[0::3]).sum(axis=1) + np.square(J[1::3]).sum(axis=1)) / 2
+    L, rows, offset = np.linalg.cholesky(dense(given.M)), np.zeros((nc, 3, nv)), np.zeros((nc, 3))
+    rows[:, :d] = np.linalg.solve(L, dense(given.J).T).T.reshape(nc, d, nv)
+    offset[:, :d] = given.b.reshape(nc, d)
+    scale = np.square(rows).sum(axis=(1, 2)) / d
     model.opt.iterations, softness = 1000, np.repeat(max(tol, 1e-7) * scale, 3)
-    data.efc_J[:], data.efc_aref[:], data.efc_R[:], data.efc_D[:] = J.ravel(), -offset, softness, 1 / softness
+    data.efc_J[:], data.efc_aref[:] = rows.ravel(), -offset.ravel()
+    data.efc_R[:], data.efc_D[:] = softness, 1 / softness
     data.efc_margin[:] = data.efc_pos[:] = 0
-    data.contact.mu[:], data.contact.friction[:, :2] = mu, mu[:, None]
-    data.qacc_smooth[:] = data.qfrc_smooth[:] = L.T @ v
+    data.contact.mu[:], data.contact.friction[:, :2] = given.mu, given.mu[:, None]
+    data.qacc_smooth[:] = data.qfrc_smooth[:] = L.T @ given.v
     library.mj_fwdConstraint(model, data)
-    return Called(data.efc_force.reshape(nc, 3)[:, :2].copy(), data.solver_niter[0] < 1000)
+    solved, soft = data.solver_niter[0] < 1000, softness.reshape(nc, 3)[:, :d]
+    return Called(data.efc_force.reshape(nc, 3)[:, :d].copy(), solved, softness=soft)
 
 
 @cache
@@ -251,34 +262,54 @@ def _soft_contacts(nv: int, nc: int) -> tuple[Any, Any]:
     return model, data
 
 
-def siconos(given: Arrays, tol: float) -> Called:
+def siconos(given: Arrays, tol: float, method: str) -> Called:
     """By a child of the system's Python, for which Debian builds Siconos."""
-    asked = {field: value.tolist() for field, value in given._asdict().items()} | {"tol": tol}
+    begun = perf_counter()
+    W, q = delassus(given)
+    forming = perf_counter() - begun
+    W = sparse.coo_array(W)
+    entries = np.column_stack([W.row, W.col, W.data])
+    asked = {"entries": entries.tolist(), "q": q.tolist(), "mu": given.mu.tolist(), "tol": tol, "method": method}
     script = Path(__file__).with_name("siconos_child.py")
     done = subprocess.run(["/usr/bin/python3", script], input=json.dumps(asked), capture_output=True, text=True, check=True)
     found = json.loads(next(line for line in done.stdout.splitlines() if line.startswith("{")))
-    return Called(np.reshape(found["r"], (-1, 2)), not found["code"], found["clock"])
+    return Called(np.reshape(found["r"], (-1, given.d)), not found["code"], forming + found["clock"])
+
+
+class Call(NamedTuple):
+    """A call by hand; d: the dimensions that it takes, most: the contacts above which it takes minutes, by_matrix: whether it
+    takes problems that are known by W and q alone."""
+
+    function: Callable[[Arrays, float], Called]
+    d: tuple[int, ...] = (2,)
+    most: int = 300
+    by_matrix: bool = False
 
 
 # The variant of an adapter, and the call by hand that makes the same choices.
-CALLS: dict[str, Callable[[Arrays, float], Called]] = {
-    "clarabel[settings=default]": clarabel,
-    "osqp": osqp,
-    "proxsuite[matrices=sparse]": proxsuite,
-    "piqp": piqp,
-    "daqp": daqp,
-    "quadprog": quadprog,
-    "qpmad": qpmad,
-    "ccp[backend=clarabel]": clarabel_by_qpsolvers,
-    "ccp[backend=highs]": highs,
-    "ccp[backend=highs,settings=tuned]": partial(highs, qp_regularization_value=0.0),
-    "ccp_cone[backend=clarabel]": cvxpy,
-    "casadi[method=qrqp]": casadi_qrqp,
-    "mujoco_boxqp[settings=default]": mujoco_boxqp,
-    "quantecon[settings=default]": quantecon,
-    "drake[method=unrevised]": drake,
-    "path": path,
-    "pinocchio[method=admm]": pinocchio,
-    "mujoco[method=newton]": mujoco,
-    "siconos[method=friction_2d_nsgs]": siconos,
+CALLS: dict[str, Call] = {
+    "clarabel[settings=default]": Call(clarabel, (2, 3)),
+    "osqp": Call(osqp),
+    "scs": Call(scs, (2, 3)),
+    "proxsuite[matrices=sparse]": Call(proxsuite),
+    "piqp[matrices=sparse]": Call(piqp),
+    "piqp[matrices=dense]": Call(partial(piqp, matrices="dense"), most=100),
+    "daqp": Call(daqp, most=100),
+    "quadprog": Call(quadprog, most=100),
+    "qpmad": Call(qpmad, most=100),
+    "ccp[backend=highs]": Call(highs),
+    "ccp[backend=highs,settings=tuned]": Call(partial(highs, qp_regularization_value=0.0)),
+    "casadi[method=qrqp]": Call(casadi_qrqp, most=20),
+    "mujoco_boxqp[settings=default]": Call(mujoco_boxqp, most=100),
+    "quantecon[settings=default]": Call(quantecon, most=100, by_matrix=True),
+    "drake[method=unrevised]": Call(drake, most=20, by_matrix=True),
+    "path": Call(path, most=20, by_matrix=True),
+    "pinocchio[method=admm]": Call(pinocchio, (2, 3), 100, by_matrix=True),
+    "pinocchio[method=admm,settings=tuned]": Call(
+        partial(pinocchio, anderson_capacity=8, lanczos_size=10), (2, 3), by_matrix=True
+    ),
+    "mujoco[method=newton]": Call(mujoco, (2, 3), 100),
+    "siconos[method=friction_2d_nsgs]": Call(partial(siconos, method="FRICTION_2D_NSGS"), by_matrix=True),
+    "siconos[method=friction_3d_nsgs]": Call(partial(siconos, method="FRICTION_3D_NSGS"), (3,), by_matrix=True),
+    "siconos[method=friction_3d_prox]": Call(partial(siconos, method="FRICTION_3D_PROX"), (3,), by_matrix=True),
 }

@@ -1,78 +1,113 @@
-"""What calls by hand are given and return, and what they form of it with numpy, unscaled.
+"""What calls by hand are given and return, and what they form of it with numpy and scipy, unscaled.
 
-A problem in the plane is the dense arrays M (nv, nv), N and T (nc, nv), v* (nv,), b (nc,) and mu (nc,), which a user of a
-library has at hand. The friction LCP is
+A problem of nc contacts of dimension d is the arrays M and M^-1 (nv, nv), J (nc*d, nv), a contact's normal row first, v*
+(nv,), b (nc*d,) and mu (nc,), which a user of a library has at hand: dense for few contacts, and scipy's sparse arrays above.
+A problem that is known by W and q alone has no mechanics. The friction LCP in the plane is
 
     z = (c, beta+, beta-, lambda),      w = [W G + e lambda; mu c - beta+ - beta-] + q,
 
-and the relaxation's QP is min ½ v'Mv - (M v*)'v with C v + b >= 0, two rows N_i + mu_i T_i and N_i - mu_i T_i a contact.
+and the relaxation is min ½ v'Mv - (M v*)'v with S (J v + b) >= 0 in the plane, S_i = [1 mu; 1 -mu], and in the second-order
+cone in space, S_i = diag(1, mu, mu); its multipliers z are impulses r = S'z.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 
 from frictionbench.problems import FrictionProblem
 
 Array = NDArray[np.float64]
+DENSE = 60  # contacts up to which dense arrays are the faster ones
 
 
 class Arrays(NamedTuple):
-    """A problem in the plane, without joints and friction bias."""
+    """A problem without joints and friction bias; W and q where it is known by them alone, and no mechanics then."""
 
-    M: Array
-    N: Array
-    T: Array
-    v: Array
-    b: Array
+    d: int
     mu: Array
+    M: Any = None
+    inverse: Any = None
+    J: Any = None
+    v: Any = None
+    b: Any = None
+    W: Any = None
+    q: Any = None
 
 
 class Called(NamedTuple):
-    """What a call returns: impulse (nc, 2), N s; whether the library claims success; its own time where it needs a child, s."""
+    """What a call returns: impulse (nc, d), N s; whether the library claims success; its own time where it needs a child, s;
+    the compliance (nc, d) of its contacts where they are soft, 1/kg."""
 
     impulse: Array
     claimed: bool
     clock: float | None = None
+    softness: Array | None = None
 
 
 def arrays(problem: FrictionProblem) -> Arrays:
-    """The dense arrays of a problem."""
-    M, N, T = problem.mass.toarray(), problem.normal.toarray(), problem.tangent.toarray()
-    return Arrays(M, N, T, problem.free_velocity.copy(), problem.bias.copy(), problem.friction.copy())
+    """The arrays of a problem."""
+    nc, d = problem.contacts, problem.dimension
+    kept = (lambda matrix: matrix.toarray()) if nc <= DENSE else sparse.csr_array
+    if not problem.mechanical:
+        return Arrays(d, problem.friction.copy(), W=kept(problem.W), q=problem.q.copy())
+    b = np.zeros((nc, d))
+    b[:, 0] = problem.bias
+    M = sparse.csc_matrix(problem.mass)
+    parts = kept(M), kept(sparse.csr_array(sparse.linalg.inv(M))), kept(problem.jacobian)
+    return Arrays(d, problem.friction.copy(), *parts, problem.free_velocity.copy(), b.ravel())
 
 
-def program(given: Arrays) -> tuple[Array, Array, Array, Array]:
-    """The QP's P, q, G and h, with G v <= h."""
-    M, N, T, v, b, mu = given
-    slip = mu[:, None] * T
-    return M, -M @ v, -np.stack([N + slip, N - slip], axis=1).reshape(2 * len(mu), len(v)), np.repeat(b, 2)
+def program(given: Arrays) -> tuple[Any, Array, Any, Array]:
+    """The relaxation's P, q, G and h, with h - G v in the cone."""
+    S, nc, d = _edges(given), len(given.mu), given.d
+    h = np.einsum("iab,ib->ia", S, given.b.reshape(nc, d)).ravel()
+    if sparse.issparse(given.J):
+        G = -(sparse.bsr_array((S, np.arange(nc), np.arange(nc + 1))) @ given.J)
+    else:
+        G = -(S @ given.J.reshape(nc, d, -1)).reshape(nc * d, -1)
+    return given.M, -given.M @ given.v, G, h
 
 
 def of_multipliers(given: Arrays, z: Array) -> Array:
-    """The impulses of the QP's multipliers."""
-    return np.column_stack([z[0::2] + z[1::2], given.mu * (z[0::2] - z[1::2])])
+    """The impulses of the relaxation's multipliers."""
+    return np.einsum("iab,ia->ib", _edges(given), z.reshape(-1, given.d))
 
 
-def delassus(given: Arrays) -> tuple[Array, Array]:
+def _edges(given: Arrays) -> Array:
+    """S (nc, d, d)."""
+    mu = given.mu
+    S = np.zeros((len(mu), given.d, given.d))
+    S[:, 0, 0] = 1.0
+    if given.d == 2:
+        S[:, 1, 0], S[:, 0, 1], S[:, 1, 1] = 1.0, mu, -mu
+    else:
+        S[:, 1, 1] = S[:, 2, 2] = mu
+    return S
+
+
+def delassus(given: Arrays) -> tuple[Any, Array]:
     """W and q, a contact's normal row first."""
-    M, N, T, v, b, mu = given
-    J = np.stack([N, T], axis=1).reshape(2 * len(mu), len(v))
-    q = J @ v
-    q[0::2] += b
-    return J @ np.linalg.solve(M, J.T), q
+    if given.W is not None:
+        return given.W, given.q
+    return given.J @ given.inverse @ given.J.T, given.J @ given.v + given.b
+
+
+def dense(matrix: Any) -> Array:
+    """A matrix as a numpy array."""
+    return matrix.toarray() if sparse.issparse(matrix) else matrix
 
 
 def lcp(given: Arrays) -> tuple[Array, Array]:
-    """The friction LCP's M and q."""
+    """The friction LCP's M and q, in the plane."""
     W, q = delassus(given)
     nc = len(given.mu)
     D = np.zeros((2 * nc, 3 * nc))
     i = np.arange(nc)
     D[2 * i, i], D[2 * i + 1, nc + i], D[2 * i + 1, 2 * nc + i] = 1.0, 1.0, -1.0
     M = np.zeros((4 * nc, 4 * nc))
-    M[: 3 * nc, : 3 * nc] = D.T @ W @ D
+    M[: 3 * nc, : 3 * nc] = D.T @ (W @ D)
     M[nc + i, 3 * nc + i] = M[2 * nc + i, 3 * nc + i] = 1.0
     M[3 * nc + i, i], M[3 * nc + i, nc + i], M[3 * nc + i, 2 * nc + i] = given.mu, -1.0, -1.0
     return M, np.concatenate([D.T @ q, np.zeros(nc)])

@@ -3,7 +3,8 @@
     python -m tools.direct.page      writes them into the page, after BEGIN
 
 The docstring of an outside solver, or that of its file, has the facts under the names of FIELDS, with a colon after each;
-Charged, why an adapter is charged more than a call by hand (tools.direct), stands only where it is. The results of the contract
+Charged, why an adapter is charged more than a call by hand (tools.direct), stands only where it is, and the flaw that all
+solvers of the relaxation have is added here. The results of the contract
 and the licences of the packages are in docs/outside.tsv.
 """
 
@@ -49,6 +50,9 @@ def facts(info: SolverInfo) -> dict[str, str]:
     for text in (sys.modules[info.make.__module__].__doc__ or "", inspect.getdoc(info.make) or ""):
         entries = re.findall(rf"^({'|'.join(FIELDS)}): (.*?)(?=^\w+: |\Z|^$)", text, flags=re.MULTILINE | re.DOTALL)
         found |= {name: " ".join(words.split()) for name, words in entries}
+    if info.model == "relaxation":
+        other = f"Another model than Coulomb's wherever boxes slide, `frictionbench solve stopping_block --solver {info.name}`."
+        found["Flaws"] = " ".join([*([found["Flaws"]] if "Flaws" in found else []), other])
     return found
 
 

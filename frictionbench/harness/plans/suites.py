@@ -14,12 +14,12 @@ from frictionbench.results.conventions import COLD, KEEP_ANSWER, KEEP_VELOCITY, 
 # Methods for the exact law that every suite compares; one of each kind for the relaxation; further methods of both. In space
 # one of each kind, the pivoting one with a polygon for the cone.
 EXACT = ("hybrid", "lemke", "path_search", "interior_point", "nsgs")
-RELAXED = ("ccp[backend=clarabel]", "ccp[backend=osqp]", "ccp[backend=proxqp]", "ccp_cone")
+RELAXED = ("clarabel[settings=default]", "osqp", "proxsuite[matrices=sparse,settings=tuned]")
 OTHERS = (
     *("fischer_newton", "minmap_newton", "dantzig", "murty"),
     *("staggered", "nncg", "anitescu_hart", "apgd_coulomb", "admm_coulomb", "apgd", "admm"),
 )
-SPATIAL = ("hybrid", "interior_point", "nsgs", "proximal_newton", "apgd_coulomb", "lemke[facets=16]", "ccp_cone")
+SPATIAL = ("hybrid", "interior_point", "nsgs", "proximal_newton", "apgd_coulomb", "lemke[facets=16]", RELAXED[0])
 # The fastest of our methods for each kind of problem, and simple ones as a reference beside outside libraries.
 OURS = ("hybrid", "lemke", "path_search", "interior_point", "nsgs", "nncg", "apgd_coulomb", "relaxation_ip", "apgd")
 STACKS = {
@@ -36,7 +36,7 @@ MAPPED = (
     *EXACT,
     *(name for name in OTHERS if name not in ("apgd", "admm")),
 )  # of the exact law; these two solve the relaxation
-MAPPED_RELAXED = ("relaxation_ip", "apgd", "admm", *RELAXED[:3])
+MAPPED_RELAXED = ("relaxation_ip", "apgd", "admm", *RELAXED)
 FAILING = (  # simulations in which some methods fail to solve steps
     Source("stack", {"blocks": 5, "mass_ratio": 1e3, "push": 1.0}, steps=60),
     Source("three_blocks", {}, steps=200),
@@ -71,7 +71,7 @@ def smoke() -> Plan:
         spatial_solvers=SPATIAL,
         tolerances=(1e-4, 1e-8),
         simulations=(Source("two_blocks", {"friction": 0.1}, steps=100),),
-        simulation_solvers=(*EXACT, "ccp[backend=clarabel]"),
+        simulation_solvers=(*EXACT, RELAXED[0]),
         time_limit=2.0,
         simulation_limit=20.0,
         expects="half a minute",

@@ -53,7 +53,7 @@ _DASHES = ("-", "--", "-.", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)))
 # The position of a solver in the cycles, fixed so that it looks the same in every report; others get theirs from a hash.
 _PLACES = (
     *("hybrid", "interior_point", "lemke", "path_search", "nsgs", "apgd_coulomb", "admm_coulomb", "relaxation_ip", "ccp"),
-    *("ccp_cone", "apgd", "admm", "nncg", "staggered", "anitescu_hart", "fischer_newton", "minmap_newton", "murty", "dantzig"),
+    *("clarabel", "apgd", "admm", "nncg", "staggered", "anitescu_hart", "fischer_newton", "minmap_newton", "murty", "dantzig"),
 )
 
 

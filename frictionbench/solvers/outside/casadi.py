@@ -9,8 +9,8 @@ whose solutions have the value 0; a local minimum may have another, or a value t
 
 Licence: CasADi LGPL-3.0; it bundles qpOASES (LGPL-2.1) and Ipopt (EPL-2.0).
 Form: for qrqp and qpoases the dual, dense and dimensionless, for qrqp with 1e-12 on the diagonal, as it fails on singular
-    ones; for ipopt the friction LCP's M, dense and scaled, and q. Setup: none. Solve: CasADi's solver object and its call, from
-    0.
+    ones; for ipopt the friction LCP's M, dense and scaled, and q. Setup: none. Solve: the call, from 0, of CasADi's solver
+    object, which is made once for each size and tolerance.
 Clock: CasADi's, around the solver, for qpoases.
 Settings: their defaults, without output. Ipopt relaxes bounds by bound_relax_factor = 1e-8; tuned is 0, `frictionbench solve
     'stack[blocks=5,push=1]' --solver 'casadi[method=ipopt]' --solver 'casadi[method=ipopt,settings=tuned]'`.
@@ -19,8 +19,7 @@ Tolerance: qpoases terminationTolerance = eps/10, but not less than 1e-12, eps a
     product, eps as in solvers.pivots.dense_lcp, and success is claimed where min(z, w) is at most eps/10 in size, which a user
     would check.
 Flaws: by default ipopt seldom reaches 1e-8, as its bounds are relaxed by as much, `frictionbench solve
-    'stack[blocks=5,push=1]' --solver 'casadi[method=ipopt]'`. qrqp and qpoases solve another model than Coulomb's wherever
-    boxes slide, `frictionbench solve stopping_block --solver 'casadi[method=qrqp]'`.
+    'stack[blocks=5,push=1]' --solver 'casadi[method=ipopt]'`.
 Reference: Andersson, Gillis, Horn, Rawlings and Diehl 2019, CasADi; Ferreau and others 2014 (qpOASES); Wächter and Biegler 2006
     (Ipopt).
 """
@@ -28,7 +27,8 @@ Reference: Andersson, Gillis, Horn, Rawlings and Diehl 2019, CasADi; Ferreau and
 import ctypes
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
+from functools import lru_cache
 from importlib import import_module
 from typing import Any
 
@@ -85,45 +85,56 @@ class CasADi:
 
     def solve(self, given: DualProgram | DenseLCP, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         if isinstance(given, DenseLCP):
-            return _by_ipopt(given, tol * given.share / MARGIN, limit or 3000, _TUNED if self.settings == "tuned" else {})
+            return _by_ipopt(given, tol * given.share / MARGIN, limit or 3000, self.settings == "tuned")
         n = len(given.g)
         if not n:
             return Answer(np.zeros(given.given.contacts), Status.SOLVED)
         eps = max(tol * given.given.share / MARGIN, 1e-12)
-        options = (
-            {"max_iter": limit or 10_000} if self.method == "qrqp" else {"terminationTolerance": eps, "nWSR": limit or 10_000}
-        )
-        options |= _SILENT[self.method] | {"error_on_fail": False}
-        with _without_output() if self.method == "qpoases" else nullcontext():
-            casadi: Any = import_module("casadi")
-            sparsity = {"h": casadi.Sparsity.dense(n, n), "a": casadi.Sparsity(0, n)}
-            made = casadi.conic("solver", self.method, sparsity, options)
-            found = made(h=given.H, g=given.g, lbx=0.0, ubx=np.inf)
+        made = _quadratic(self.method, n, eps if self.method == "qpoases" else 0.0, limit or 10_000)
+        found = made(h=given.H, g=given.g, lbx=0.0, ubx=np.inf)
         stats = made.stats()
         status, work = Status.SOLVED if stats["success"] else Status.FAILED, {"iterations": int(stats["iter_count"])}
         detail, clock = stats["unified_return_status"], stats.get("t_wall_solver")
         return Answer(given.answer(np.array(found["x"]).ravel()), status, work, detail=detail, clock=clock)
 
 
-def _by_ipopt(given: DenseLCP, eps: float, limit: int, tuned: dict[str, float]) -> Answer:
+@lru_cache(maxsize=16)
+def _quadratic(method: str, n: int, eps: float, limit: int) -> Any:
+    """CasADi's solver of dense programs of n unknowns over z >= 0; eps is for qpoases."""
     casadi: Any = import_module("casadi")
-    n = len(given.q)
-    if not n:
+    options = {"max_iter": limit} if method == "qrqp" else {"terminationTolerance": eps, "nWSR": limit}
+    with _without_output():
+        sparsity = {"h": casadi.Sparsity.dense(n, n), "a": casadi.Sparsity(0, n)}
+        made = casadi.conic("solver", method, sparsity, options | _SILENT[method] | {"error_on_fail": False})
+        made(h=np.eye(n), g=np.ones(n), lbx=0.0, ubx=np.inf)  # qpOASES prints its licence in an object's first call
+    return made
+
+
+def _by_ipopt(given: DenseLCP, eps: float, limit: int, tuned: bool) -> Answer:
+    if not len(given.q):
         return given.answer(np.zeros(0), Status.SOLVED)
-    z = casadi.MX.sym("z", n)
-    w = casadi.DM(given.M) @ z + casadi.DM(given.q)
-    ipopt = _SILENT["ipopt"] | {"tol": max(eps**2, 1e-15), "max_iter": limit} | tuned
-    options = {"ipopt": ipopt, "print_time": False}
-    made = casadi.nlpsol("solver", "ipopt", {"x": z, "f": casadi.dot(z, w), "g": w}, options)
-    y, stats = np.array(made(x0=0.0, lbx=0.0, lbg=0.0)["x"]).ravel(), made.stats()
+    made = _complementarity(len(given.q), max(eps**2, 1e-15), limit, tuned)
+    found = made(x0=0.0, lbx=0.0, lbg=0.0, p=np.concatenate([given.M.ravel(order="F"), given.q]))
+    y, stats = np.array(found["x"]).ravel(), made.stats()
     accurate = np.abs(np.minimum(y, given.M @ y + given.q)).max() <= eps
     status = Status.SOLVED if stats["success"] and accurate else Status.FAILED
     return given.answer(y, status, stats["return_status"], iterations=int(stats["iter_count"]))
 
 
+@lru_cache(maxsize=16)
+def _complementarity(n: int, tol: float, limit: int, tuned: bool) -> Any:
+    """CasADi's solver by Ipopt of the program z'w of an LCP of n unknowns, whose parameters are M by columns, and q."""
+    casadi: Any = import_module("casadi")
+    z, M, q = casadi.MX.sym("z", n), casadi.MX.sym("M", n, n), casadi.MX.sym("q", n)
+    w = M @ z + q
+    ipopt = _SILENT["ipopt"] | {"tol": tol, "max_iter": limit} | (_TUNED if tuned else {})
+    program = {"x": z, "p": casadi.veccat(M, q), "f": casadi.dot(z, w), "g": w}
+    return casadi.nlpsol("solver", "ipopt", program, {"ipopt": ipopt, "print_time": False})
+
+
 @contextmanager
 def _without_output() -> Iterator[None]:
-    """qpOASES prints its licence for each object, whatever its print level."""
+    """Discard what a library in C prints, whatever its print level."""
     flush, printed, null = ctypes.CDLL(None).fflush, os.dup(1), os.open(os.devnull, os.O_WRONLY)
     flush(None)
     os.dup2(null, 1)

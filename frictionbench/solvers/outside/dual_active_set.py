@@ -39,7 +39,6 @@ class DAQP(RelaxationSolver):
     Clock: DAQP's own setup_time and solve_time together.
     Settings: its defaults.
     Tolerance: primal and dual eps/10; eps stands for tol.
-    Flaws: another model than Coulomb's wherever boxes slide, `frictionbench solve stopping_block --solver daqp`.
     Reference: Arnström, Bemporad and Axehill 2022.
     """
 
@@ -69,8 +68,7 @@ class QPMad(RelaxationSolver):
     Clock: none.
     Settings: its defaults.
     Tolerance: its tolerance of 1e-12 is left, as a larger one ends it far from the solution.
-    Flaws: it requires a definite matrix and so does not support friction_bias. Another model than Coulomb's wherever boxes
-        slide, `frictionbench solve stopping_block --solver qpmad`.
+    Flaws: it requires a definite matrix and so does not support friction_bias.
     Reference: Sherikov, qpmad; Goldfarb and Idnani 1983.
     """
 
@@ -105,8 +103,7 @@ class Quadprog(RelaxationSolver):
     Clock: none.
     Settings: it has none.
     Tolerance: it takes none.
-    Flaws: it requires a definite matrix and so does not support friction_bias. Another model than Coulomb's wherever boxes
-        slide, `frictionbench solve stopping_block --solver quadprog`.
+    Flaws: it requires a definite matrix and so does not support friction_bias.
     Reference: Goldfarb and Idnani 1983.
     """
 

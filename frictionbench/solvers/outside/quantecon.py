@@ -3,6 +3,7 @@
 Licence: MIT.
 Form: the friction LCP's M, dense and scaled, and q. Setup: none. Solve: lcp_lemke's call.
 Clock: none.
+Charged: at 100 contacts 1.4 times a call by hand, where the scaled LCP takes more pivots.
 Settings: tol_ratio_diff, within which two ratios are a tie, is 1e-13 by default; tuned is 1e-10, `frictionbench solve
     'stack[blocks=50,friction=0.05,push=1]' --solver 'quantecon' --solver 'quantecon[settings=tuned]'`.
 Tolerance: it takes none; the solution of a basis is exact up to rounding.

@@ -7,16 +7,16 @@ open, unit_i that of problems.residual, r = theta E r^ turns u = W r + q into
 
 a mean diagonal of 1 at every contact, free velocities of at most 1 but where a contact is open by far, the same cones. An error
 of the natural map of eps at a contact, |r^_i - P_K(r^_i - g(u^_i))| <= eps, is an error of eps theta sqrt(s_i) in contact
-velocity, so
+velocity and of at most sqrt(1 + mu_i^2) times that of Signorini's condition, which the residual measures too. So
 
-    eps = share * tol,      share = min_i unit_i / (theta sqrt(s_i)) <= 1,
+    eps = share * tol,      share = min_i unit_i / (theta sqrt(s_i) sqrt(1 + mu_i^2)) <= 1,
 
 keeps the residual of problems.residual within tol. With a `size` c, W^ is c E W E and r^ by c smaller, q^ the same: a library's
 constants may prefer that, and an error of r^ then counts c times.
 
-W^ and q^ are written in one compiled pass, in the order and with as many rows a contact as the library takes: `rows` are the
+W^ and q^ are written in compiled passes, in the order and with as many rows a contact as the library takes: `rows` are the
 places of a contact's components (n, t) or (n, t1, t2) among its rows. In the plane a library of contacts in space gets three
-rows; the third is decoupled, with the tangent's diagonal.
+rows; the third is decoupled, with the tangent's diagonal. W^ is dense or, as `entries`, sparse.
 """
 
 from typing import NamedTuple
@@ -62,22 +62,30 @@ def scaled_delassus(
     rows: tuple[int, ...] | None = None,
     *,
     matrix: bool = True,
+    symmetric: bool = False,
     size: float = 1.0,
 ) -> ScaledDelassus:
     """The dimensionless Delassus form of a friction problem, without its friction_bias.
 
-    rows: as above, the d components in order by default. matrix: whether W^ is written; (0, 0) otherwise. size: the mean
-    diagonal of W^ at every contact.
+    rows: as above, the d components in order by default. matrix: whether W^ is written; (0, 0) otherwise. symmetric: its
+    symmetric part, for libraries that read one triangle. size: the mean diagonal of W^ at every contact.
     """
     nc, d = problem.contacts, problem.dimension
     places = rows or (PLANE if d == 2 else SPACE)
-    E, q, theta, share = _scaled_vector(problem.scale, problem.q, problem.units, d, places, size)
+    E, q, theta, share = _scaled_vector(problem.scale, problem.friction, problem.q, problem.units, d, places, size)
     W = _dense(*problem.blocks, E, places) if matrix else np.zeros((0, 0))
+    if symmetric and problem.asymmetry:
+        W = (W + W.T) / 2
     return ScaledDelassus(W, q, problem.friction, E, theta, share, problem.scale, (nc, d), places)
 
 
+def entries(problem: FrictionProblem, given: ScaledDelassus) -> Array:
+    """The entries (row, column, value) of W^ (k, 3), block by block."""
+    return _entries(*problem.blocks, given.E, given.rows)
+
+
 @kernel
-def _scaled_vector(s, q, units, d, rows, size):  # type: ignore[no-untyped-def]
+def _scaled_vector(s, mu, q, units, d, rows, size):  # type: ignore[no-untyped-def]
     """E, q^, theta and share."""
     nc, m, theta, least, moving = len(s), len(rows), 0.0, np.inf, False
     E, scaled = np.empty(nc), np.zeros(nc * m)
@@ -88,7 +96,7 @@ def _scaled_vector(s, q, units, d, rows, size):  # type: ignore[no-untyped-def]
             square += q[i * d + a] ** 2
         speed = np.sqrt(square)
         theta = max(theta, (speed if q[i * d] <= 0 else min(speed, units[i])) / root)
-        least = min(least, units[i] / root)
+        least = min(least, units[i] / (root * np.sqrt(1 + mu[i] ** 2)))
         moving = moving or square > 0
     theta = theta if theta > 0 else 1.0
     for i in range(nc):
@@ -112,3 +120,23 @@ def _dense(first, neighbours, block, E, rows):  # type: ignore[no-untyped-def]
         for a in range(d, m):
             W[i * m + rows[a], i * m + rows[a]] = W[i * m + rows[1], i * m + rows[1]]
     return W
+
+
+@kernel
+def _entries(first, neighbours, block, E, rows):  # type: ignore[no-untyped-def]
+    """See entries."""
+    nc, m, d = len(E), len(rows), block.shape[1]
+    found, at = np.empty((len(neighbours) * d * d + nc * (m - d), 3)), 0
+    for i in range(nc):
+        for k in range(first[i], first[i + 1]):
+            j = neighbours[k]
+            for a in range(d):
+                for b in range(d):
+                    value = E[i] * block[k, a, b] * E[j]
+                    found[at, 0], found[at, 1], found[at, 2] = i * m + rows[a], j * m + rows[b], value
+                    at += 1
+                    if i == j and a == b == 1 and d < m:  # the decoupled tangent
+                        third = i * m + rows[d]
+                        found[at, 0], found[at, 1], found[at, 2] = third, third, value
+                        at += 1
+    return found[:at]

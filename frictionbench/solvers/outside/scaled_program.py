@@ -176,7 +176,7 @@ def scaled_program(problem: FrictionProblem, program: Kind, from_free: bool = Fa
     )
 
 
-def scaled_relaxation(problem: FrictionProblem, from_free: bool) -> ScaledProgram[QP] | ScaledProgram[ConeProgram]:
+def scaled_relaxation(problem: FrictionProblem, from_free: bool = False) -> ScaledProgram[QP] | ScaledProgram[ConeProgram]:
     """The scaled QP in the plane and cone program in space."""
     if problem.dimension == 2:
         return scaled_program(problem, problem.qp(), from_free)

@@ -6,11 +6,13 @@ The global form has mass matrix and Jacobian apart: with v = theta D v^, D = 1/s
     M^ v^ = H^ r^ + q^,    u^ = H^'v^ + b^,      M^ = D M D,    H^ = D J'E,    q^ = D M v* / theta,    b^ = E b / theta.
 
 Licence: Apache-2.0. (The metadata of Debian's 4.4.0 state 4.5.0.)
-Form: for lcp_ the friction LCP's M, dense and scaled; for friction_ the dimensionless Delassus matrix, dense, with a decoupled
-    second tangent for friction_3d_ on planar problems; for global_, in space only, the entries of M and H = J' and q,
+Form: for lcp_ the friction LCP's M, dense and scaled; for friction_ the dimensionless Delassus matrix with a decoupled second
+    tangent for friction_3d_ on planar problems, in Siconos' block storage, that of its own simulations, and dense where that is
+    faster and as reliable: for friction_2d_cpg and friction_2d_lemke, for admm and prox where W is more than half full and up
+    to 100 and 64 contacts, for nsn_ac and nsn_fb up to 16; for global_, in space only, the entries of M and H = J' and q,
     dimensionless. Setup: none. Solve: one message to the child and its reply.
-Clock: around Siconos' problem object and the driver's call, in the child. Solvers are compared by it, as a user of Siconos has
-    no child: the column solve_time is this clock, and call_time the whole call.
+Clock: around Siconos' problem object and the driver's call, in the child, of matrices in its storage. Solvers are compared by
+    it, as a user of Siconos has no child: the column solve_time is this clock, and call_time the whole call.
 Settings: tuned is for friction_3d_admm and global_friction_3d_admm the strategy RESIDUAL_BALANCING of rho, which is constant by
     default, `frictionbench solve 'stack[blocks=10,mass_ratio=100,push=1]' --solver 'siconos[method=friction_3d_admm]' --solver
     'siconos[method=friction_3d_admm,settings=tuned]'`; for friction_3d_nsgs a relaxation of 1.3, which is off by default,
@@ -38,7 +40,7 @@ from frictionbench.problems.check import Array
 from frictionbench.problems.compiled import kernel
 from frictionbench.solvers.interface import Answer, Model, Status, solver
 from frictionbench.solvers.outside.children.child import child
-from frictionbench.solvers.outside.scaled_delassus import PLANE, SPACE, ScaledDelassus, scaled_delassus
+from frictionbench.solvers.outside.scaled_delassus import PLANE, SPACE, ScaledDelassus, entries, scaled_delassus
 from frictionbench.solvers.pivots.dense_lcp import DenseLCP, dense_lcp
 
 PYTHON = "/usr/bin/python3"
@@ -47,6 +49,13 @@ _PLANAR = ("friction_2d_nsgs", "friction_2d_cpg", "friction_2d_lemke")
 _SPATIAL = tuple(f"friction_3d_{name}" for name in ("nsgs", "prox", "admm", "nsn_ac", "nsn_fb", "aclmfp", "tfp", "dsfp"))
 _GLOBAL = ("global_friction_3d_admm", "global_friction_3d_ipm")
 _METHODS = (*_LCP, *_PLANAR, *_SPATIAL, *_GLOBAL)
+# W is dense up to so many contacts. Measured on 30 problems from 4 to 400 contacts: beyond, block storage is faster, and
+# Newton's methods, which solve their equations otherwise then, fail less often. Sweeps are never slower with it.
+_DENSE = {
+    **{"friction_2d_cpg": 10**9, "friction_2d_lemke": 10**9, "friction_3d_admm": 100, "friction_3d_prox": 64},
+    **{"friction_3d_nsn_ac": 16, "friction_3d_nsn_fb": 16},
+}
+_FULL = ("friction_3d_admm", "friction_3d_prox")  # dense also where most pairs of contacts share a body
 _SCRIPT = "siconos_numerics.py"
 _BALANCED = {"SICONOS_FRICTION_3D_ADMM_IPARAM_RHO_STRATEGY": 2}  # SICONOS_FRICTION_3D_ADMM_RHO_STRATEGY_RESIDUAL_BALANCING
 _TUNED: dict[str, tuple[dict[str, int], dict[str, float]]] = {
@@ -106,10 +115,19 @@ class Siconos:
             given = dense_lcp(problem)
             message: dict[str, Any] = {"M": given.M, "q": given.q}
         else:
-            given = scaled_delassus(problem, PLANE if kind == "friction_2d" else SPACE, matrix=kind != "global")
-            message = global_form(problem, given) if kind == "global" else {"W": given.W, "q": given.q}
+            dense = kind != "global" and self._dense(problem)
+            given = scaled_delassus(problem, PLANE if kind == "friction_2d" else SPACE, matrix=dense)
+            if kind == "global":
+                message = global_form(problem, given)
+            else:
+                message = {"dense": dense, "W": given.W if dense else entries(problem, given), "q": given.q}
             message["mu"] = problem.friction
         return Prepared(kind, given, message)
+
+    def _dense(self, problem: FrictionProblem) -> bool:
+        nc = problem.contacts
+        full = self.method in _FULL and 2 * len(problem.blocks.neighbours) > nc**2
+        return full or nc <= _DENSE.get(self.method, 0)
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         kind, given, message = prepared
@@ -138,14 +156,14 @@ class Siconos:
 
 def global_form(problem: FrictionProblem, given: ScaledDelassus) -> dict[str, Array]:
     """M^ and H^ by entries (row, column, value), q^ (nv,) and b^ (nc*d,) of a problem without joints."""
-    M, H, q, b = _entries(
+    M, H, q, b = _global_entries(
         *problem.contact_rows, *problem.mass_rows, problem.free_velocity, problem.offset, given.E, given.theta
     )
     return {"M": M, "H": H, "q": q, "b": b}
 
 
 @kernel
-def _entries(start, column, J, m_start, m_column, m_value, free, offset, E, theta):  # type: ignore[no-untyped-def]
+def _global_entries(start, column, J, m_start, m_column, m_value, free, offset, E, theta):  # type: ignore[no-untyped-def]
     """M^ = D M D and H^ = D J'E by entries, q^ = D M v* / theta and b^ = E b / theta."""
     nc, nv, d = len(E), len(free), J.shape[1]
     D, q, b = np.empty(nv), np.zeros(nv), np.empty(nc * d)

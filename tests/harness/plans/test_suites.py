@@ -135,8 +135,8 @@ def test_no_solver_of_a_lineup_can_only_refuse() -> None:
         held = {2: suite != "spatial", 3: bool(plan.spatial_solvers)}
         for dimension in (d for d, holds in held.items() if holds):
             assert all(dimension in find(spec)[0].dimension for spec in plan.lineup(dimension)), suite
-    assert {"proximal_newton", "nsgs", "interior_point", "ccp_cone[backend=clarabel]"} <= set(every(3))
-    assert not {"osqp", "ccp[backend=osqp]"} & set(every(3))
+    assert {"proximal_newton", "nsgs", "interior_point", "clarabel[settings=default]"} <= set(every(3))
+    assert not {"osqp", "piqp[matrices=dense]"} & set(every(3))
     assert set(SUITES["spatial"]().lineup(3)) == set(every(3))
     assert set(SUITES["recorded"]().lineup(2)) == set(every(2))
 

@@ -48,6 +48,8 @@ EASY = {
 # Where these end without a solution, or without knowing that they have it: see docs/fairness.md.
 UNABLE = {
     *(("casadi[method=ipopt]", name) for name in ("sliding", "two boxes", "jointed", "in space")),
+    ("casadi[method=ipopt]", "frictionless"),
+    ("ccp[backend=ecos]", "frictionless"),
     ("siconos[method=lcp_pivot]", "frictionless"),
     ("siconos[method=lcp_pivot]", "jointed"),
     ("siconos[method=friction_2d_cpg]", "sliding"),

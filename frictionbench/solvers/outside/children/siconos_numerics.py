@@ -1,8 +1,11 @@
 """Siconos in a process of its own, for solvers.outside.siconos: Debian builds it for the system's Python only.
 
-A message is a problem and how to solve it. The clock is around Siconos' problem object, of dense matrices, and the driver.
+A message is a problem and how to solve it. The clock is around Siconos' problem object and the driver, of matrices in the
+storage that its simulations have: blocks for W, compressed columns in the global form. Siconos' Python module makes blocks of
+scipy's matrices only, which this Python may not have; its library is therefore called directly for that.
 """
 
+import ctypes
 from time import perf_counter
 from typing import Any
 
@@ -10,6 +13,9 @@ import numpy as np
 import siconos.numerics as sn
 from child import Array, serve  # this folder is on the path of the child
 
+_NUMERICS = ctypes.CDLL(sn._numerics.__file__)  # and the library behind it
+_NUMERICS.NM_csc.restype, _NUMERICS.NM_csc.argtypes = ctypes.c_void_p, [ctypes.c_void_p]
+_NUMERICS.SBM_from_csparse.argtypes = [ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p]
 CALLS = 3  # of the driver at most: |r| grows little from one answer to the next
 
 
@@ -22,15 +28,23 @@ def answer(
     size: float,
     limit: int,
     start: Array,
+    dense: bool = True,
     **given: Array,
 ) -> dict[str, Any]:
     """Solve a problem from `start`: the answer, the return code of the last call, the iterations and seconds of all calls.
 
     Siconos divides its error by |q| or, in friction problems, by |r| if that is larger, which is known only afterwards: the
     driver is then called again from its own answer with a smaller tolerance. eps: the error before that division. size: |q|.
+    dense: whether W is the matrix and not its entries.
     """
     r, iterations = start.copy(), 0
-    matrices = (compressed(given, "M"), compressed(given, "H")) if kind == "global" else ()
+    matrices: tuple[Any, ...]
+    if kind == "global":
+        matrices = compressed(given["M"], len(given["q"]), len(given["q"])), compressed(given["H"], len(given["q"]), len(r))
+    elif kind == "lcp":
+        matrices = (given["M"],)
+    else:
+        matrices = (given["W"] if dense else blocks(given["W"], len(r), len(r) // len(given["mu"])),)
     begun = perf_counter()
     problem = problem_object(kind, given, *matrices)
     seconds = perf_counter() - begun
@@ -43,7 +57,7 @@ def answer(
             options.iparam[getattr(sn, name)] = whole
         for name, real in reals.items():
             options.dparam[getattr(sn, name)] = real
-        driver, arguments = call(kind, problem, given, r)
+        driver, arguments = call(kind, problem, given, dense, r)
         code = driver(*arguments, options)
         seconds += perf_counter() - begun
         iterations += max(int(options.iparam[sn.SICONOS_IPARAM_ITER_DONE]), 0)
@@ -55,37 +69,49 @@ def answer(
 
 
 def problem_object(kind: str, given: dict[str, Array], *matrices: Any) -> Any:
-    """Siconos' problem object, dense except in the global form."""
+    """Siconos' problem object."""
     if kind == "lcp":
-        return sn.LCP(given["M"], given["q"])
+        return sn.LCP(*matrices, given["q"])
     if kind == "global":
         problem = sn.GlobalFrictionContactProblem()
         problem.dimension, problem.numberOfContacts = 3, len(given["mu"])
         problem.M, problem.H = matrices
         problem.q, problem.b, problem.mu = given["q"], given["b"], given["mu"]
         return problem
-    dimension = 2 if kind == "friction_2d" else 3
-    return sn.FrictionContactProblem(dimension, len(given["mu"]), given["W"], given["q"], given["mu"])
+    return sn.FrictionContactProblem(2 if kind == "friction_2d" else 3, len(given["mu"]), *matrices, given["q"], given["mu"])
 
 
-def compressed(given: dict[str, Array], name: str) -> Any:
-    """A matrix of entries (row, column, value) in Siconos' sparse storage; this Python may have no scipy."""
-    entries = given[name]
-    size = (len(given["q"]), len(given["q"]) if name == "M" else len(given["b"]))
-    matrix = sn.NM_create(sn.NM_SPARSE, *size)
+def compressed(entries: Array, rows: int, columns: int) -> Any:
+    """A matrix of entries (row, column, value) in Siconos' sparse storage."""
+    matrix = sn.NM_create(sn.NM_SPARSE, rows, columns)
     sn.NM_triplet_alloc(matrix, len(entries))
     for i, j, value in entries.tolist():
         sn.NM_entry(matrix, int(i), int(j), value)
     return matrix
 
 
-def call(kind: str, problem: Any, given: dict[str, Array], r: Array) -> tuple[Any, tuple[Any, ...]]:
+def blocks(entries: Array, n: int, size: int) -> Any:
+    """A square matrix of entries in Siconos' block storage, blocks of so many rows and columns."""
+    sparse, matrix = compressed(entries, n, n), sn.NM_create(sn.NM_SPARSE_BLOCK, n, n)
+    if _NUMERICS.SBM_from_csparse(size, _NUMERICS.NM_csc(int(sparse.this)), int(matrix.matrix1.this)):
+        raise RuntimeError("Siconos made no blocks of the matrix")
+    return matrix
+
+
+def product(entries: Array, r: Array) -> Array:
+    """A square matrix of entries times r."""
+    row, column = entries[:, :2].T.astype(int)
+    return np.bincount(row, entries[:, 2] * r[column], len(r))
+
+
+def call(kind: str, problem: Any, given: dict[str, Array], dense: bool, r: Array) -> tuple[Any, tuple[Any, ...]]:
     """The driver of a problem and its arguments; r is the guess and is overwritten by the answer."""
     if kind == "lcp":
         return sn.linearComplementarity_driver, (problem, r, np.zeros(len(r)))
     if kind == "global":
         return sn.gfc3d_driver, (problem, r, np.zeros(len(r)), np.zeros(len(given["q"])))
-    return sn.fc2d_driver if kind == "friction_2d" else sn.fc3d_driver, (problem, r, given["W"] @ r + given["q"])
+    u = given["q"] + (given["W"] @ r if dense else product(given["W"], r))
+    return sn.fc2d_driver if kind == "friction_2d" else sn.fc3d_driver, (problem, r, u)
 
 
 serve(answer)
