@@ -5,8 +5,8 @@ import re
 import numpy as np
 import pytest
 
+from frictionbench import instance
 from frictionbench.problems import InputError
-from frictionbench.problems.instances import make_instance
 from frictionbench.problems.scenes import scene
 from frictionbench.solvers import Status, available, find, solve
 from tests.helpers.paths import ROOT
@@ -20,7 +20,7 @@ UNABLE = {  # within their limits of iterations, by hand or as adapters
 SAMPLES = {
     "plane": scene("stack", blocks=5, push=1.0).problem(),
     "sparse": scene("stack", blocks=40, push=1.0).problem(),
-    "space": make_instance("random_bodies", contacts=10, seed=2),
+    "space": instance("random_bodies", contacts=10, seed=2),
 }
 
 

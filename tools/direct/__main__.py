@@ -20,8 +20,6 @@ import numpy as np
 
 import frictionbench as fb
 from frictionbench.problems import FrictionProblem
-from frictionbench.problems.instances import make_instance
-from frictionbench.problems.recorded import read
 from frictionbench.solvers import Answer, Status, find
 from tools.direct.calls import CALLS
 from tools.direct.given import arrays
@@ -65,7 +63,7 @@ def charged_tables(solvers: list[str]) -> Iterator[str]:
     stacks = [fb.scene("stack", blocks=blocks, push=1.0).problem() for blocks in BLOCKS]
     yield from _table(specs, stacks)
     yield ""
-    yield from _table(specs, [make_instance("random_bodies", contacts=contacts, seed=2) for contacts in BODIES])
+    yield from _table(specs, [fb.instance("random_bodies", contacts=contacts, seed=2) for contacts in BODIES])
 
 
 def _table(specs: list[str], problems: list[FrictionProblem]) -> Iterator[str]:
@@ -90,7 +88,7 @@ def recorded_table(solvers: list[str], folder: Path) -> Iterator[str]:
 
     Errors: InputError as of charged_tables, or where the folder has no friction problem.
     """
-    problems = {path.name: read(path) for path in sorted(folder.iterdir()) if path.is_file()}
+    problems = {path.name: fb.load(path) for path in sorted(folder.iterdir()) if path.is_file()}
     ordinary = {name: p for name, p in problems.items() if isinstance(p, FrictionProblem) and not p.friction_bias.any()}
     if not ordinary:
         raise fb.InputError(f"data: no friction problem in {folder}")
