@@ -29,7 +29,7 @@ from frictionbench.results import read_table, subfolder, write_text
 from studies.study import RECORDED, Study, Summary, Tables
 
 NAMES = (  # in the order of the page
-    *("convexity", "relaxation", "interior", "dissipation", "inclusion", "cone"),
+    *("convexity", "relaxation", "interior", "dissipation", "inclusion", "cone", "outcomes"),
     *("orders", "events", "coordinates", "compliance", "neighbours", "warm", "rankings"),
 )
 HERE = Path(__file__).parent

@@ -257,3 +257,19 @@ def test_only_problems_with_all_three_starts_are_compared() -> None:
 
 def test_every_method_compared_has_a_count() -> None:
     assert set(COUNTS) == set(SOLVERS)
+
+
+@pytest.mark.slow  # its claims on computed tables
+def test_a_pile_of_discs_has_several_motions_and_digits_of_residual_are_digits_of_velocity() -> None:
+    pile = (("disc_pile", {"rows": 5, "push": 0.1}),)
+    found = reduced(
+        "outcomes",
+        answers={"scenes": (*pile, ("random_bodies", {"contacts": 8})), "frictions": (0.8,), "starts": 1},
+        motions={"scenes": pile, "frictions": (0.8,), "steps": 3},
+        digits={"scenes": (("pyramid", {"rows": 3, "push": 1.0}),), "frictions": (0.8,), "ladder": (1e-2, 1e-4, 1e-6, 1e-8)},
+    )
+    assert found["answers"]["outcome"].max() >= 1
+    assert (found["motions"]["apart"] > 0).all()
+    exact = found["digits"].query("residual < 1e-9")
+    assert (exact["error"] < 1e-7).all()
+    assert "1 have several" in text("outcomes", found).answer

@@ -1,0 +1,264 @@
+"""How many motions has a step, which of them is found, and what does a digit of residual bring?"""
+
+import json
+from collections.abc import Iterator
+from functools import partial
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+import frictionbench as fb
+from frictionbench.problems import FrictionProblem, refined, velocity_distance
+from frictionbench.reports import INK, Panel
+from frictionbench.solvers import solve
+from studies.motions import coulomb, path
+from studies.study import Array, Row, Study, Summary, Tables, curve, finish, listing, order, require, share
+
+APART = 1e-3  # of what contact changes: velocities further apart are two outcomes
+TOL = 1e-8
+STARTS = 3  # random starts of the methods that take one
+LADDER = tuple(10.0**-k for k in range(1, 13))
+FRICTIONS = (0.1, 0.3, 0.5, 0.8, 1.2, 2.0, 5.0)
+SCENES: tuple[tuple[str, dict[str, Any]], ...] = (
+    ("disc_pile", {"rows": 5, "push": 0.1}),
+    ("disc_pile", {"rows": 10, "push": 0.1}),
+    ("wall", {"rows": 5, "columns": 5, "push": 1.0}),
+    ("pyramid", {"rows": 8, "push": 1.0}),
+    ("arch", {"stones": 15, "push": 0.1}),
+    ("chain", {"links": 20}),
+    *(("random", {"contacts": 40, "bodies": 20, "seed": seed}) for seed in range(3)),
+    *(("random_bodies", {"contacts": 40, "seed": seed}) for seed in range(3)),
+    ("random_bodies", {"contacts": 150, "seed": 0}),
+    ("cubes", {"boxes": 5}),
+    ("sphere_pyramid", {"levels": 4, "noise": 0.03}),
+    *(("packed_spheres", {"spheres": 30, "seed": seed}) for seed in range(2)),
+    ("box_wall", {"rows": 3, "bricks": 3}),
+)
+METHODS = {2: ("lemke", "path_search", "interior_point", "nsgs"), 3: ("interior_point", "proximal_newton", "nsgs")}
+WARM = ("nsgs", "proximal_newton")
+
+
+def answers(scenes: Any = SCENES, frictions: Any = FRICTIONS, starts: int = STARTS) -> Iterator[Row]:
+    """Every method's answer to the same problem, refined to rounding, and to which outcome it belongs."""
+    for name, settings in scenes:
+        for friction in frictions:
+            problem = made(name, settings | {"friction": friction})
+            outcomes: list[Array] = []
+            for method, start, answer in found(problem, starts):
+                finest = None if answer is None else refined(problem, answer)
+                apart = [] if finest is None else [velocity_distance(problem, finest, each) for each in outcomes]
+                near = [k for k, distance in enumerate(apart) if distance is not None and distance <= APART]
+                if finest is not None and not near:
+                    outcomes.append(finest)
+                outcome = near[0] if near else len(outcomes) - 1
+                yield {
+                    "scene": name,
+                    "settings": json.dumps(settings),  # but for friction
+                    "friction": friction,
+                    "dimension": problem.dimension,
+                    "contacts": problem.contacts,
+                    "method": method,
+                    "start": start,  # zero, or the seed of a random start
+                    "refined": finest is not None,
+                    "outcome": outcome if finest is not None else -1,  # numbered in the order found
+                    "distance": (apart[0] if apart else 0.0) if finest is not None else np.nan,  # from the first outcome
+                }
+
+
+def found(problem: FrictionProblem, starts: int) -> Iterator[tuple[str, str, Array | None]]:
+    """The answers of all methods, from zero and from random starts; None where a method has none."""
+    random = np.random.default_rng(1)
+    scale = problem.units / problem.scale
+    for method in METHODS[problem.dimension]:
+        for seed in range(1 + starts * (method in WARM)):
+            start = None
+            if seed:
+                start = scale[:, None] * random.standard_normal((problem.contacts, problem.dimension))
+                start[:, 0] = np.abs(start[:, 0])
+            answer = solve(problem, method, tol=TOL, start=start, time_limit=5.0)
+            yield method, str(seed) if seed else "zero", answer.impulse if answer.status is fb.Status.SOLVED else None
+
+
+def refined_answers(problem: FrictionProblem, starts: int) -> list[Array]:
+    """Those of found that can be refined to rounding."""
+    refinements = [refined(problem, answer) for _, _, answer in found(problem, starts) if answer is not None]
+    return [r for r in refinements if r is not None]
+
+
+def made(name: str, settings: dict[str, Any]) -> FrictionProblem:
+    """The first problem of a scene, or an instance, at these settings; random ones have one friction everywhere."""
+    problem: FrictionProblem = fb.instance(name, **settings) if name in fb.instances() else fb.scene(name, **settings).problem()
+    return problem
+
+
+def motions(
+    scenes: Any = (("disc_pile", {"rows": 5, "push": 0.1}), ("disc_pile", {"rows": 10, "push": 0.1})),
+    frictions: Any = FRICTIONS,
+    steps: int = 20,
+) -> Iterator[Row]:
+    """Where a first step has two outcomes: the motion from each, all later steps by one solver."""
+    for name, settings in scenes:
+        for friction in frictions:
+            stage = fb.scene(name, **settings, friction=friction)
+            problem = stage.problem()
+            finest = refined_answers(problem, STARTS)
+            others = [r for r in finest if (velocity_distance(problem, r, finest[0]) or 0.0) > APART]
+            if not finest or not others:
+                continue
+            first, second = (path(stage, _beginning(r), "anitescu_potra", steps) for r in (finest[0], others[0]))
+            apart = np.linalg.norm(second - first, axis=1)
+            moved = np.linalg.norm(first - first[0], axis=1)
+            for step in range(1, len(apart)):
+                yield {
+                    "scene": name,
+                    "friction": friction,
+                    "contacts": problem.contacts,  # of the first step
+                    "step": step,
+                    "apart": apart[step],  # of the positions, m and rad
+                    "moved": moved[step],  # since the beginning
+                }
+
+
+def _beginning(first: Array) -> Any:
+    """Answers that begin with the given impulses and go on by the portfolio."""
+    left = [first]
+    return lambda problem: left.pop() if left else coulomb(problem)
+
+
+def digits(scenes: Any = SCENES, frictions: Any = (0.3, 0.8), ladder: Any = LADDER) -> Iterator[Row]:
+    """Residual and velocity error of answers at a ladder of tolerances, v* shared by two refined methods."""
+    for name, settings in scenes:
+        for friction in frictions:
+            problem = made(name, settings | {"friction": friction})
+            finest = refined_answers(problem, 0)
+            if len(finest) < 2 or any((velocity_distance(problem, r, finest[0]) or 0.0) > 1e-9 for r in finest[1:]):
+                continue
+            weight = condition(problem, finest[0])
+            for method in METHODS[problem.dimension]:
+                for tol in ladder:
+                    answer = solve(problem, method, tol=tol, time_limit=5.0)
+                    yield {
+                        "scene": name,
+                        "friction": friction,
+                        "dimension": problem.dimension,
+                        "contacts": problem.contacts,
+                        "condition": weight,  # of W at the contacts that bear
+                        "method": method,
+                        "tol": tol,
+                        "residual": fb.residual(problem, answer.impulse),
+                        "error": velocity_distance(problem, answer.impulse, finest[0]),
+                    }
+
+
+def condition(problem: FrictionProblem, answer: Array) -> float:
+    """The condition on its range of W, its diagonal scaled to 1, at the contacts that bear."""
+    rows = np.repeat(answer[:, 0] > 1e-9 * answer[:, 0].max(), problem.dimension)
+    W = problem.W.toarray()[np.ix_(rows, rows)]
+    root = np.sqrt(np.repeat(problem.scale, problem.dimension)[rows])
+    values = np.linalg.eigvalsh(W / root / root[:, None])
+    positive = values[values > 1e-10 * values.max()]
+    return float(positive.max() / positive.min())
+
+
+PROBLEM = ["scene", "settings", "friction"]
+
+
+def summary(tables: Tables) -> Summary:
+    rows, moved, ladder = tables["answers"], tables["motions"], tables["digits"]
+    known = rows[rows["refined"]]
+    problems = known.groupby(PROBLEM).agg(
+        dimension=("dimension", "first"),
+        contacts=("contacts", "first"),
+        outcomes=("outcome", lambda own: own.max() + 1),
+        apart=("distance", "max"),
+    )
+    several = problems[problems["outcomes"] > 1]
+    require(len(several) and (several["apart"] > APART).all(), "some problems have several outcomes")
+    least = several.reset_index().groupby("scene")["friction"].min()
+    cold = known[known["start"] == "zero"].merge(several.reset_index()[PROBLEM])
+    steps = [own.sort_values("step") for _, own in moved.groupby(["contacts", "friction"])]
+    ends = [(own["apart"].iloc[0] / own["moved"].iloc[0], own["apart"].iloc[-1] / own["moved"].iloc[-1]) for own in steps]
+    measured = ladder[(ladder["residual"] < 0.1) & (ladder["residual"] > 1e-11) & (ladder["error"] > 0)]
+    gain = measured["error"] / measured["residual"]
+    other = measured["error"] > np.maximum(100 * measured["residual"], APART)  # far, although the residual is small
+    line = order(measured["residual"][~other], measured["error"][~other])
+    numbers = {
+        "problems": len(problems),
+        "unknown": len(rows.groupby(PROBLEM)) - len(problems),
+        "several": len(several),
+        "planar": share((several["dimension"] == 2).sum(), (problems["dimension"] == 2).sum()),
+        "spatial": share((several["dimension"] == 3).sum(), (problems["dimension"] == 3).sum()),
+        "most": several["outcomes"].max(),
+        "low": f"{several['apart'].min():.2g}",
+        "high": f"{several['apart'].max():.2g}",
+        "median": f"{several['apart'].median():.2g}",
+        "largest": problems["contacts"].max(),
+        "least": listing([f"{name} from mu = {mu:g}" for name, mu in least.items()]),
+        "never": listing(sorted(set(problems.reset_index()["scene"]) - set(least.index))),
+        "differ": int((cold.groupby(PROBLEM)["outcome"].max() > cold.groupby(PROBLEM)["outcome"].min()).sum()),
+        "agreements": listing([f"{pair} on {own}" for pair, own in _agreements(cold).items()]),
+        "pairs": len(steps),
+        "begin": f"{100 * np.median([begin for begin, _ in ends]):.2g}" if ends else "",
+        "end": f"{100 * np.median([end for _, end in ends]):.2g}" if ends else "",
+        "grow": sum(end > begin for begin, end in ends),
+        "answers": len(measured),
+        "slope": str(line),
+        "gain": f"{np.median(gain):.1f}",
+        "far": f"{measured['residual'][other].min():.0e}" if other.any() else "",
+        "within": f"{np.quantile(gain[~other], 0.95):.1f}",
+        "worst": f"{gain[~other].max():.0f}",
+        "other": int(other.sum()),
+        "other_problems": _problems(len(measured[other].groupby(["scene", "friction"]))),
+        "conditions": f"{measured['condition'].min():.0f} to {measured['condition'].max():.0e}",
+        "correlated": f"{_correlation(np.log(measured['condition'][~other]), np.log(gain[~other])):.2f}",
+    }
+    figures = {
+        "digits": tuple(
+            Panel(f"in {where}", partial(_draw_digits, rows=measured[measured["dimension"] == dimension]))
+            for dimension, where in ((2, "the plane"), (3, "space"))
+        ),
+        "apart": tuple(
+            Panel(f"in {where}", partial(_draw_apart, rows=several[several["dimension"] == dimension].reset_index()))
+            for dimension, where in ((2, "the plane"), (3, "space"))
+        ),
+    }
+    return Summary(numbers, figures)
+
+
+def _agreements(cold: pd.DataFrame) -> dict[str, str]:
+    """For each pair of methods, from zero, on how many of the problems that both solve they find the same outcome."""
+    table = cold.pivot_table(index=PROBLEM, columns="method", values="outcome")
+    found = {}
+    for one, other in combinations(table.columns, 2):
+        both = table[[one, other]].dropna()
+        if len(both):
+            found[f"{one} and {other}"] = f"{(both[one] == both[other]).sum()} of {len(both)}"
+    return found
+
+
+def _correlation(x: pd.Series, y: pd.Series) -> float:
+    """0 where x is the same everywhere."""
+    return float(np.corrcoef(x, y)[0, 1]) if x.max() > x.min() else 0.0
+
+
+def _problems(number: int) -> str:
+    return f"{number} problem{'s' if number != 1 else ''}"
+
+
+def _draw_digits(ax: Axes, rows: pd.DataFrame) -> None:
+    ax.plot([1e-11, 1e-1], [1e-11, 1e-1], color=INK, lw=0.8, ls=":")
+    for k, (name, own) in enumerate(rows.groupby("method")):
+        curve(ax, k, own["residual"], own["error"], str(name), ls="", alpha=0.6)
+    finish(ax, "residual", "velocity error", "xy")
+
+
+def _draw_apart(ax: Axes, rows: pd.DataFrame) -> None:
+    for k, (name, own) in enumerate(rows.groupby("scene")):
+        curve(ax, k, own["friction"], own["apart"], str(name), ls="")
+    finish(ax, "friction", "largest distance", "xy")
+
+
+STUDY = Study((answers, motions, digits), summary)
