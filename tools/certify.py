@@ -1,0 +1,473 @@
+"""docs/certified.tsv: which answers kept with the suite `hard` are certified: near them a solution exists, with proof.
+
+    python -m tools.certify > docs/certified.tsv        needs python-flint
+
+The problem is taken as the doubles that it is given by. The answer tells the mode of each contact. In that mode Coulomb's law
+is a system of smooth equations
+
+    v = v* + M^-1 (H'h + T't),      H v + b = 0,      t_i |u_i| + mu_i r_n,i u_i = 0 at every contact i that slides,
+
+H the rows that are zero: normal rows of closed contacts, tangential ones of those that stick, joints; h their impulses; T, t
+and u = T v the tangential rows, impulses and velocities of those that slide. Where rows of H depend on each other, with their
+offsets b, in exact arithmetic, a basis of them is kept, as many of the h are unknown, and the others stay at values for which
+a linear program finds all limits satisfied with room. What is known by W and q alone has H M^-1 H' and H v* in W and q.
+
+Newton's method finds the centre m of a box X, in numbers of BITS bits. If the interval Newton operator m - F'(X)^-1 F(m) lies
+inside of X, X holds exactly one zero of F (Krawczyk 1969, Rump 2010). If then everywhere in X what has to be positive is so,
+r_n and mu r_n - |r_t| of contacts that stick, r_n and |u_t| of those that slide, u_n of open ones, the zero is a solution. It
+is the only one in X in this mode; other solutions elsewhere are not excluded.
+
+A line per answer: its family, scene, parameters and contacts; the radius, the largest difference of a contact velocity between
+the answer and the solution over the contact's unit; or why it is not certified.
+"""
+
+import json
+import sys
+from typing import Any, NamedTuple
+
+import flint
+import numpy as np
+from flint import arb, arb_mat, fmpq, fmpq_mat, fmpz_mat
+from numpy.typing import NDArray
+from scipy.linalg import qr
+from scipy.optimize import linprog
+
+import frictionbench as fb
+from frictionbench.harness import hard
+from frictionbench.problems import FrictionProblem, refined
+
+COLUMNS = ("family", "scene", "parameters", "contacts", "radius", "reason")
+BITS = 400  # a condition of 1e60 leaves half of the digits
+STEPS = 5  # of Newton's method, from an answer accurate to rounding: each doubles the digits
+BOX = 2.0**-150  # radius of X over the largest unknown
+ROOM = 1e-6  # over the largest impulse: less room counts as none; ten times what the linear program's tolerance is
+DEPENDENT = 1e-11  # pivot over the largest below which a row counts as dependent; exact arithmetic then decides
+TIE = 1e-9  # of a contact's unit: velocities and impulses below are not told from 0
+LARGEST = 400  # unknowns, some minutes: the cost grows with their cube
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Whole = NDArray[np.int64]
+
+
+class NotCertifiedError(Exception):
+    """The message says why."""
+
+
+class Mode(NamedTuple):
+    """closed, slides: (nc,), which contacts bear and which of them slide."""
+
+    closed: Flags
+    slides: Flags
+
+
+def mode_of(problem: FrictionProblem, r: Array, tie: float) -> Mode:
+    """As Alart and Curnier's equations have it.
+
+    tie: what neither bears nor opens within so much of its unit counts as closed, because others may hold it so.
+    Errors: NotCertifiedError where a friction bias is at work.
+    """
+    if problem.friction_bias.any():
+        raise NotCertifiedError("a friction bias is at work")
+    x, u = r * problem.scale[:, None], problem.contact_velocity(r)
+    idle = np.maximum(np.abs(x[:, 0]), np.abs(u[:, 0])) <= tie * problem.units
+    closed = idle | (x[:, 0] > u[:, 0])
+    size, speed = (np.linalg.norm(each, axis=1) for each in (x[:, 1:] - u[:, 1:], u[:, 1:]))
+    slides = (speed > TIE * problem.units) & (idle | (size > problem.friction * x[:, 0]))
+    return Mode(closed, closed & (problem.friction > 0) & slides)
+
+
+class Rows(NamedTuple):
+    """The rows of a problem in exact numbers. response (n, n): what a unit impulse in each row does to each, arb.
+    free (n,): velocities without impulses, arb. exact (n, nv + 1): the rows with their offsets; None for W and q alone.
+    of: (nc, d), the index of each contact's rows; joints come after them."""
+
+    response: arb_mat
+    free: list[arb]
+    exact: Array | None
+
+
+def rows_of(problem: FrictionProblem, wanted: Whole) -> Rows:
+    """The rows wanted, of contacts in order (normal first) and then of joints."""
+    d, nc = problem.dimension, problem.contacts
+    if not problem.mechanical:
+        W = problem.W.toarray()[np.ix_(wanted, wanted)]
+        return Rows(arb_mat(W.tolist()), [arb(float(q)) for q in problem.q[wanted]], None)
+    whole = np.zeros((nc * d, len(problem.free_velocity)))
+    whole[::d] = problem.normal.toarray()
+    for k in range(d - 1):
+        whole[k + 1 :: d] = problem.tangent.toarray()[k :: d - 1]
+    offset = np.zeros(nc * d)
+    offset[::d] = problem.bias
+    rows = np.vstack([whole, problem.joints.toarray()])[wanted]
+    b = np.concatenate([offset, problem.joint_bias])[wanted]
+    A = arb_mat(rows.tolist())
+    push = _solved_by_blocks(problem.mass.toarray(), rows)  # M^-1 A'
+    at_rest = A * arb_mat([[float(v)] for v in problem.free_velocity])
+    return Rows(A * push, [at_rest[i, 0] + arb(float(b[i])) for i in range(len(b))], np.column_stack([rows, b]))
+
+
+def _solved_by_blocks(mass: Array, rows: Array) -> arb_mat:
+    """M^-1 rows' in exact numbers, M block diagonal."""
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import connected_components
+
+    count, label = connected_components(csr_array(mass != 0))
+    found = np.zeros(rows.T.shape, dtype=object)
+    for block in range(count):
+        own = np.flatnonzero(label == block)
+        used = np.flatnonzero(rows[:, own].any(axis=0 if len(own) == 0 else 1))
+        if not len(used):
+            continue
+        M = fmpq_mat([[_rational(x) for x in line] for line in mass[np.ix_(own, own)].tolist()])
+        right = fmpq_mat([[_rational(x) for x in line] for line in rows[np.ix_(used, own)].T.tolist()])
+        solved = M.solve(right)
+        for i, v in enumerate(own):
+            for k, row in enumerate(used):
+                found[v, row] = arb(solved[i, k])
+    return arb_mat(found.tolist())
+
+
+def _rational(x: float) -> fmpq:
+    return fmpq(*float(x).as_integer_ratio())
+
+
+def certify(problem: FrictionProblem, impulse: Array) -> float:
+    """The radius. Errors: NotCertifiedError with the reason."""
+    flint.ctx.prec = BITS
+    given = impulse
+    r = refined(problem, impulse)
+    if r is None:
+        raise NotCertifiedError("it cannot be refined to rounding")
+    try:
+        return _certified(problem, given, r, mode_of(problem, r, 0.0))
+    except NotCertifiedError:
+        return _certified(problem, given, r, mode_of(problem, r, TIE))
+
+
+def _certified(problem: FrictionProblem, given: Array, r: Array, mode: Mode) -> float:
+    """The radius. Errors: NotCertifiedError with the reason."""
+    d, nc = problem.dimension, problem.contacts
+    closed, slides = np.flatnonzero(mode.closed), np.flatnonzero(mode.slides)
+    stuck = np.flatnonzero(mode.closed & ~mode.slides & (problem.friction > 0))
+    zero = np.concatenate([closed * d, *(stuck * d + k for k in range(1, d)), nc * d + np.arange(len(problem.joint_bias))])
+    zero = zero.astype(np.int64)
+    sliding = np.concatenate([slides * d + k for k in range(1, d)]).astype(np.int64) if len(slides) else np.zeros(0, np.int64)
+    if len(zero) + len(sliding) > LARGEST:
+        raise NotCertifiedError(f"too large: {len(zero) + len(sliding)} unknowns")
+    return _Certificate(problem, given, r, mode, zero, sliding).radius()
+
+
+class _Certificate:
+    """One problem in one mode. zero, sliding: the rows that are zero and the tangential rows of contacts that slide."""
+
+    def __init__(self, problem: FrictionProblem, given: Array, r: Array, mode: Mode, zero: Whole, sliding: Whole) -> None:
+        self.problem, self.given, self.r, self.mode = problem, given, r, mode
+        self.zero, self.sliding, self.d = zero, sliding, problem.dimension
+        self.active = np.concatenate([zero, sliding])
+        self.rows = rows_of(problem, self.active)
+        self.at = {int(row): k for k, row in enumerate(self.active)}  # row -> position among the active
+        self.slides = np.flatnonzero(mode.slides)
+        self.kept = self._basis()
+        self.impulse = self._start()
+        self.unknown = self._unknowns()
+
+    def _basis(self) -> Whole:
+        """Positions of independent rows that are zero.
+
+        Errors: NotCertifiedError where the others do not follow from these in exact arithmetic.
+        """
+        n = len(self.zero)
+        if not n:
+            return np.zeros(0, np.int64)
+        W, root = self._scaled(n)
+        independent = _pivots(W / root / root[:, None])
+        if len(independent) < n:
+            if self.rows.exact is None:
+                raise NotCertifiedError("rows of W depend on each other, and what they follow from is not known")
+            whole, part = _rank(self.rows.exact[:n]), len(independent)
+            if whole > part:
+                raise NotCertifiedError(f"{n - part} active rows depend on the others but for rounding")
+        return independent
+
+    def _scaled(self, n: int) -> tuple[Array, Array]:
+        """W (n, n) of the first active rows, and the roots of its diagonal (n,)."""
+        W = np.array([[float(self.rows.response[i, k]) for k in range(n)] for i in range(n)]).reshape(n, n)
+        return W, np.sqrt(np.maximum(np.diag(W), np.finfo(float).tiny))
+
+    def _unknowns(self) -> Whole:
+        """Positions of as many impulses as rows are kept, which these determine."""
+        n = len(self.zero)
+        if len(self.kept) == n:
+            return self.kept
+        effect = self._effect()[self.kept]
+        effect[:, self.impulse[:n] == 0] = 0.0  # contacts that bear nothing are left at exactly that
+        _, _, order = qr(effect, pivoting=True, mode="economic")
+        return np.sort(order[: len(self.kept)])
+
+    def _effect(self) -> Array:
+        """What a change of the zero rows' impulses does to all active rows, where friction follows it along the slip; both
+        scaled by the roots of W's diagonal."""
+        n, d = len(self.zero), self.d
+        W, root = self._scaled(len(self.active))
+        move = W[:, :n].copy()
+        for i in map(int, self.slides):
+            own = [self.at[i * d + k] for k in range(1, d)]
+            move[:, self.at[i * d]] += np.asarray(W[:, own]) @ self._friction(i)
+        return move / root[:, None] / root[:n]
+
+    def _start(self) -> Array:
+        """Impulses of the active rows (n,): the refined ones, where rows are dependent moved off their limits."""
+        flat = np.concatenate([self.r.ravel(), np.zeros(len(self.problem.joint_bias))])
+        if len(self.problem.joint_bias):
+            flat[self.r.size :] = self._joint_impulses()
+        start = flat[self.active]
+        return start if len(self.kept) == len(self.zero) else self._with_room(start)
+
+    def _joint_impulses(self) -> Array:
+        """Those that go with r: F M^-1 F' lam = -(F v + b_F) by least squares."""
+        p = self.problem
+        F, mass = p.joints.toarray(), p.mass.toarray()
+        push = np.linalg.solve(mass, F.T)
+        J = np.zeros((self.r.size, F.shape[1]))
+        J[:: self.d] = p.normal.toarray()
+        for k in range(self.d - 1):
+            J[k + 1 :: self.d] = p.tangent.toarray()[k :: self.d - 1]
+        v = p.free_velocity + np.linalg.solve(mass, J.T @ self.r.ravel())
+        return np.asarray(np.linalg.lstsq(F @ push, -(F @ v + p.joint_bias), rcond=None)[0])
+
+    def _friction(self, i: int) -> Array:
+        """The friction (d - 1,) of a contact that slides, for a normal impulse of 1."""
+        slip = self.problem.contact_velocity(self.r)[i, 1:]
+        return -float(self.problem.friction[i]) * slip / np.linalg.norm(slip)
+
+    def _sizes(self, scaled: Array) -> Array:
+        """Of each row that is zero (n,) the largest scaled impulse of its island; of a joint the largest of all."""
+        island = np.append(self.problem.islands, -1)[np.minimum(self.zero // self.d, self.problem.contacts)]
+        sizes = np.full(len(scaled), np.abs(scaled).max(initial=0.0))
+        for one in np.unique(island[island >= 0]):
+            sizes[island == one] = np.abs(scaled[island == one]).max(initial=0.0)
+        return np.where(sizes > 0, sizes, 1.0)
+
+    def _with_room(self, start: Array) -> Array:
+        """Impulses of the same effect as far inside of all limits as they can be; in space cones are replaced by pyramids."""
+        n, d, mu, kept = len(self.zero), self.d, self.problem.friction, self.kept
+        closed = np.flatnonzero(self.mode.closed)
+        _, root = self._scaled(n)
+        equal = self._effect()[kept]
+        size = self._sizes(start[:n] * root[:n])
+        equal = equal * size / size[kept][:, None]
+        limits, right, of = [], [], []  # each: limit'dx + room of its contact <= right
+        for c, i in enumerate(closed):
+            normal = self.at[int(i * d)]
+            limits.append(_entry(n, {normal: -1.0}))
+            right.append(start[normal] * root[normal] / size[normal])
+            of.append(c)
+            if not self.mode.slides[i] and mu[i] > 0:
+                own = [self.at[int(i * d + k)] for k in range(1, d)]
+                for turn in np.array([[1.0], [-1.0]]) if d == 2 else _CORNERS:
+                    limit = {normal: -mu[i]} | {k: t * root[normal] / root[k] for k, t in zip(own, turn, strict=True)}
+                    limits.append(_entry(n, limit))
+                    right.append((mu[i] * start[normal] - float(turn @ start[own])) * root[normal] / size[normal])
+                    of.append(c)
+        above, below = np.array(limits), np.array(right)
+        # First each contact's own room, to find those that cannot bear; then as much as all others can have.
+        room = _most_room(equal, above, below, np.array([_entry(len(closed), {c: 1.0}) for c in of]), [], 100 * ROOM)
+        free = room[n:] > ROOM
+        still = [self.at[int(i * d + k)] for i in closed[~free] for k in range(d) if int(i * d + k) in self.at]
+        held = np.array([c for c in range(len(of)) if free[of[c]]], dtype=int)
+        start[still] = 0.0
+        moved = start.copy()
+        if len(held):
+            common = np.ones((len(held), 1))
+            room = _most_room(equal, above[held], below[held], common, [k for k in still if k < n], 1e3)
+            if not room[n] > ROOM:
+                raise NotCertifiedError("no impulses that satisfy all limits strictly are found")
+            moved[:n] += room[:n] / root[:n] * size
+        moved[still] = 0.0
+        for one in map(int, self.slides):
+            moved[[self.at[one * d + k] for k in range(1, d)]] = self._friction(one) * moved[self.at[one * d]]
+        return moved
+
+    def _velocities(self, impulse: list[arb]) -> list[arb]:
+        """Of the active rows."""
+        pushed = self.rows.response * arb_mat([[x] for x in impulse])
+        return [pushed[i, 0] + free for i, free in enumerate(self.rows.free)]
+
+    def _equations(self, impulse: list[arb]) -> list[arb]:
+        u = self._velocities(impulse)
+        found = [u[int(k)] for k in self.kept]
+        for i in map(int, self.slides):
+            own, along, _ = self._slip(i, u)
+            pressed = arb(float(self.problem.friction[i])) * impulse[self.at[int(i * self.d)]]
+            found += [impulse[k] + pressed * each for k, each in zip(own, along, strict=True)]
+        return found
+
+    def _slip(self, i: int, u: list[arb]) -> tuple[list[int], list[arb], arb]:
+        """Positions of a contact's tangential rows, the direction of its slip and its speed."""
+        own = [self.at[i * self.d + k] for k in range(1, self.d)]
+        if self.d == 2:
+            return own, [arb(1) if u[own[0]].mid() > 0 else arb(-1)], abs(u[own[0]])
+        speed = (u[own[0]] ** 2 + u[own[1]] ** 2).sqrt()
+        return own, [u[k] / speed for k in own], speed
+
+    def _derivative(self, impulse: list[arb]) -> arb_mat:
+        u = self._velocities(impulse)
+        W, columns = self.rows.response, [*map(int, self.unknown), *range(len(self.zero), len(self.active))]
+        lines = [[W[int(k), c] for c in columns] for k in self.kept]
+        where = {c: k for k, c in enumerate(columns)}
+        for i in map(int, self.slides):
+            own, along, speed = self._slip(i, u)
+            mu, normal = arb(float(self.problem.friction[i])), self.at[int(i * self.d)]
+            pressed = mu * impulse[normal]
+            for k, each in enumerate(along):
+                line = [arb(0)] * len(columns)
+                if self.d == 3:
+                    turn = [pressed * ((1 if m == k else 0) - each * along[m]) / speed for m in range(2)]
+                    line = [turn[0] * W[own[0], c] + turn[1] * W[own[1], c] for c in columns]
+                line[where[own[k]]] += 1
+                if normal in where:
+                    line[where[normal]] += mu * each
+                lines.append(line)
+        return arb_mat(lines)
+
+    def radius(self) -> float:
+        """Errors: NotCertifiedError with the reason."""
+        columns = [*map(int, self.unknown), *range(len(self.zero), len(self.active))]
+        point = [arb(float(x)) for x in self.impulse]
+        if columns:
+            for _ in range(STEPS):
+                step = self._newton(point, point)
+                for k, c in enumerate(columns):
+                    point[c] = (point[c] - step[k]).mid()
+            size = max(abs(float(point[c])) for c in columns) or 1.0
+            box = list(point)
+            for c in columns:
+                box[c] = arb(point[c], size * BOX)
+            step = self._newton(point, box)
+            inside = [point[c] - step[k] for k, c in enumerate(columns)]
+            if not all(box[c].contains_interior(x) for c, x in zip(columns, inside, strict=True)):
+                raise NotCertifiedError("the interval Newton operator does not map the box into itself")
+            for c, x in zip(columns, inside, strict=True):
+                point[c] = x
+        self._require_strict(point)
+        return self._distance(point)
+
+    def _newton(self, point: list[arb], box: list[arb]) -> list[arb]:
+        """F'(box)^-1 F(point). Errors: NotCertifiedError where the derivative may be singular."""
+        try:
+            found = self._derivative(box).solve(arb_mat([[x] for x in self._equations(point)]))
+        except ZeroDivisionError:
+            raise NotCertifiedError("the equations of its mode are singular") from None
+        return [found[k, 0] for k in range(found.nrows())]
+
+    def _require_strict(self, impulse: list[arb]) -> None:
+        """Errors: NotCertifiedError naming what is not shown to be positive."""
+        u, d, mu = self._velocities(impulse), self.d, self.problem.friction
+        for i in map(int, np.flatnonzero(self.mode.closed)):
+            pressed = impulse[self.at[i * d]]
+            if all(impulse[self.at[i * d + k]] == 0 for k in range(d) if i * d + k in self.at):
+                continue  # it bears exactly nothing, and its u_n is exactly 0
+            if not pressed > 0:
+                raise NotCertifiedError(f"contact {i} is closed, with an impulse of 0 to {float(abs(pressed).upper()):.0e} N s")
+            if self.mode.slides[i]:
+                if not self._slip(i, u)[2] > 0:
+                    raise NotCertifiedError(f"contact {i} is between sticking and sliding")
+            elif mu[i] > 0:
+                friction = sum((impulse[self.at[i * d + k]] ** 2 for k in range(1, d)), arb(0)).sqrt()
+                if not friction < arb(float(mu[i])) * pressed:
+                    raise NotCertifiedError(f"contact {i} is between sticking and sliding")
+        opened = np.flatnonzero(~self.mode.closed)
+        for other, speed in zip(opened, self._elsewhere(opened * d, impulse), strict=True):
+            if not speed > 0:
+                raise NotCertifiedError(f"contact {other} is between open and closed")
+
+    def _elsewhere(self, others: Whole, impulse: list[arb]) -> list[arb]:
+        """Velocities of rows that are not active."""
+        if not len(others):
+            return []
+        whole = rows_of(self.problem, np.concatenate([self.active, others]))
+        n = len(self.active)
+        padded = arb_mat([[x] for x in impulse] + [[arb(0)]] * len(others))
+        pushed = whole.response * padded
+        return [pushed[n + k, 0] + whole.free[n + k] for k in range(len(others))]
+
+    def _distance(self, impulse: list[arb]) -> float:
+        """The largest difference of a contact's velocity between answer and solution, over the contact's unit."""
+        p, d = self.problem, self.d
+        answered = p.contact_velocity(self.given)
+        every = np.arange(p.contacts * d)
+        others = np.setdiff1d(every, self.active)
+        exact = np.zeros(p.contacts * d + len(p.joint_bias))
+        exact[self.active] = [float(x) for x in self._velocities(impulse)]
+        exact[others] = [float(x) for x in self._elsewhere(others, impulse)]
+        apart = np.abs(exact[: p.contacts * d].reshape(-1, d) - answered).max(axis=1)
+        return float((apart / p.units).max())
+
+
+_CORNERS = np.column_stack([np.cos(np.arange(16) * np.pi / 8), np.sin(np.arange(16) * np.pi / 8)]) / np.cos(np.pi / 16)
+
+
+def _most_room(equal: Array, above: Array, below: Array, of: Array, still: list[int], most: float) -> Array:
+    """Changes dx of no effect, and the rooms that have the largest sum, where above dx + of room <= below."""
+    n, rooms = above.shape[1], of.shape[1]
+    bounds = [(0.0, 0.0) if k in set(still) else (-1e3, 1e3) for k in range(n)] + [(0.0, most)] * rooms
+    found = linprog(
+        np.concatenate([np.zeros(n), -np.ones(rooms)]),
+        A_ub=np.column_stack([above, of]),
+        b_ub=np.maximum(below, 0.0),
+        A_eq=np.column_stack([equal, np.zeros((len(equal), rooms))]),
+        b_eq=np.zeros(len(equal)),
+        bounds=bounds,
+        method="highs",
+    )
+    if found.status != 0:
+        raise NotCertifiedError("no impulses that satisfy all limits strictly are found")
+    return np.asarray(found.x)
+
+
+def _entry(n: int, values: dict[int, float]) -> Array:
+    found = np.zeros(n)
+    for k, value in values.items():
+        found[k] = value
+    return found
+
+
+def _pivots(matrix: Array) -> Whole:
+    """Independent rows of a symmetric matrix, in order."""
+    _, R, order = qr(matrix, pivoting=True, mode="economic")
+    size = np.abs(np.diag(R))
+    return np.sort(order[: int((size > DEPENDENT * size.max(initial=0.0)).sum())])
+
+
+def _rank(rows: Array) -> int:
+    """The exact rank of rows of doubles."""
+    exact = []
+    for line in rows.tolist():
+        ratios = [x.as_integer_ratio() for x in line]
+        common = max(below for _, below in ratios)  # powers of 2
+        exact.append([above * (common // below) for above, below in ratios])
+    return int(fmpz_mat(exact).rank())
+
+
+def lines() -> Any:
+    """The lines of the table, the header first."""
+    yield "\t".join(COLUMNS)
+    for row in hard.admitted():
+        known = hard.kept_answer(row)
+        radius, reason = "", ""
+        try:
+            if known is None:
+                raise NotCertifiedError("a solution is known by theory alone")
+            parameters = json.loads(row["parameters"])
+            made = fb.instance if row["scene"] in fb.instances() else (lambda name, **p: fb.scene(name, **p).problem())
+            radius = f"{certify(made(row['scene'], **parameters), known):.1e}"
+        except NotCertifiedError as error:
+            reason = str(error)
+        yield "\t".join([row["family"], row["scene"], row["parameters"], row["contacts"], radius, reason])
+
+
+if __name__ == "__main__":
+    for line in lines():
+        sys.stdout.write(line + "\n")
+        sys.stdout.flush()
