@@ -165,9 +165,9 @@ def annotate(solves: pd.DataFrame) -> pd.DataFrame:
     rows[texts] = rows[texts].fillna("")
     for name in ("trivial", "idle", "claimed"):
         rows[name] = rows[name].eq(True)
-    none = pd.Series(index=rows.index, dtype=object)
-    rows["infeasible"] = rows.get("proved_infeasible", none).eq(True)
-    outcomes = rows.get("outcomes_found", none).astype(float).fillna(rows["outcomes"].astype(float))
+    rows["infeasible"] = rows["proved_infeasible"].eq(True)
+    rows = with_outcomes(rows)
+    outcomes = rows["outcomes_found"].fillna(rows["outcomes"].astype(float))
     rows["several_outcomes"] = outcomes.groupby(rows["problem"]).transform("max") > 1
     rows["robot"] = rows["scene"] == ROBOTS
     models = rows["parameters"].map(lambda text: str(json_object(text).get("case", "")).partition("-")[0])
@@ -176,7 +176,6 @@ def annotate(solves: pd.DataFrame) -> pd.DataFrame:
     rows["label"] += _mark(rows)
     if len(set(rows["host"])) > 1:
         rows["label"] += " on " + rows["host"]
-    rows = with_outcomes(rows)
     rows["problem_id"] = rows.groupby(_IDENTITY, dropna=False, sort=False).ngroup()
     rows["problem_class"] = _classes(rows)
     rows["stratum"] = strata(rows)

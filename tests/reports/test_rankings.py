@@ -269,7 +269,7 @@ def test_infeasible_problems_and_several_outcomes():
 
 def test_infeasible_and_outcomes_are_read_from_their_columns():
     given = table("solves", pair([1.5] * 4)).assign(
-        proved_infeasible=[True, None, None, None] * 2, outcomes_found=[1, 2, 1, 1] * 2
+        proved_infeasible=[True, None, None, None] * 2, outcome_distance=[0.0, 0.5, 0.0, None] * 2
     )
     rows = annotate(given).drop_duplicates("problem_id")
     assert rows["infeasible"].tolist() == [True, False, False, False]
