@@ -9,10 +9,12 @@ import sys
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import typer
+from typer.core import TyperArgument, TyperCommand
 
 from frictionbench.commands import options
 from frictionbench.harness.streams import Unwritable, standard_streams
@@ -25,7 +27,29 @@ app = typer.Typer(
     add_completion=True,
     rich_markup_mode=None,  # it would read [blocks=5] as markup
     pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
 )
+
+
+class _Command(TyperCommand):
+    """A command whose help shows an argument's name and not its type in Python, such as list[Path], and whose errors are not
+    worded by the library that reads values for typer."""
+
+    def make_context(self, *given: Any, **named: Any) -> Any:
+        try:
+            return super().make_context(*given, **named)
+        except typer.BadParameter as error:
+            error.message = _reworded(error)
+            raise
+
+    def get_params(self, ctx: Any) -> Any:
+        params = super().get_params(ctx)
+        for argument in (each for each in params if isinstance(each, TyperArgument)):
+            vars(argument)["display_type_rich"] = lambda ctx: None
+        return params
+
+
+_command = partial(app.command, cls=_Command)
 
 
 def _version(requested: bool) -> None:
@@ -43,7 +67,7 @@ def about(
     pass
 
 
-@app.command("list")
+@_command("list")
 def list_(what: options.Listing) -> None:
     """List the scenes, the solvers or the suites."""
     from frictionbench.commands import listing
@@ -51,7 +75,7 @@ def list_(what: options.Listing) -> None:
     listing.show(what)
 
 
-@app.command()
+@_command()
 def run(
     suite: options.Suite = "standard",
     scene: options.Scenes = None,
@@ -97,7 +121,7 @@ def run(
     typer.echo(summary(folder))
 
 
-@app.command()
+@_command()
 def report(
     folder: options.Folder,
     paper: Annotated[
@@ -155,12 +179,12 @@ def report(
         typer.echo(f"markdown: {write_markdown(folder, run)}")
 
 
-@app.command()
+@_command()
 def compare(
     runs: Annotated[
         list[Path],
         typer.Argument(
-            metavar="BASELINE DIR...",
+            metavar="DIR",
             help="A baseline file or a results folder, and a results folder; both may also be results of pytest-benchmark. "
             "With --history any number.",
         ),
@@ -233,7 +257,7 @@ def compare(
     raise typer.Exit(comparison.exit_code)
 
 
-@app.command()
+@_command()
 def solve(
     problem: Annotated[str, typer.Argument(metavar="FILE|SCENE", help="A problem file, or a scene like 'stack[blocks=5]'.")],
     solver: options.Solvers = None,
@@ -249,7 +273,7 @@ def solve(
     solve_one(problem, solver or [], tol, time_limit, _jobs(jobs), rank_by=rank_by, budget=budget)
 
 
-@app.command()
+@_command()
 def judge(
     folder: Annotated[
         Path,
@@ -282,7 +306,7 @@ def judge(
     typer.echo(f"report: {write_judgement(written)}")
 
 
-@app.command()
+@_command()
 def export(
     problems: Annotated[
         list[str],
@@ -331,7 +355,7 @@ def export(
         typer.echo(path)
 
 
-@app.command()
+@_command()
 def show(
     scene: Annotated[str, typer.Argument(metavar="SCENE", help="Like stack or 'stack[blocks=5]'.")],
     solver: Annotated[
@@ -363,7 +387,7 @@ def show(
         typer.echo(f"the motion ends after {len(motion.times) - 1} steps: {motion.ended}", err=True)
 
 
-@app.command("map")
+@_command("map")
 def map_(
     scene: Annotated[str, typer.Argument(metavar="SCENE", help="Like painleve_rod or 'stack[push=1]'.")],
     x: Annotated[str, typer.Option("--x", metavar="PARAMETER=FROM:TO:N", help="Like friction=.1:3:30.")],
@@ -398,7 +422,7 @@ def map_(
     typer.echo(f"report: {write_report(folder)}")
 
 
-@app.command("check-solver")
+@_command("check-solver")
 def check_solver(
     solver: Annotated[
         list[str], typer.Argument(metavar="FILE|NAME...", help="Files that define solvers, or names; all variants of each.")
@@ -416,7 +440,7 @@ def check_solver(
     raise typer.Exit(int(any(one.violations for one in found)))
 
 
-@app.command()
+@_command()
 def rerun(
     folder: options.Folder,
     row: options.Row,
@@ -516,7 +540,7 @@ def main() -> None:
         signal.signal(number, _stop)
     with standard_streams():
         try:
-            _command()
+            _run()
         except Unwritable:
             raise
         except Exception:  # Python would exit with 1, which means a regression
@@ -524,7 +548,7 @@ def main() -> None:
             sys.exit(3)
 
 
-def _command() -> None:
+def _run() -> None:
     try:
         app()
     except (ValueError, OSError) as error:
@@ -541,6 +565,20 @@ def _command() -> None:
         with suppress(Unwritable):  # the terminal may be closed
             typer.echo(f"\nfrictionbench: {'; '.join(notes)}", err=True)
         sys.exit(128 + number)
+
+
+def _reworded(error: typer.BadParameter) -> str:
+    """The message of an argument that cannot be used: the value, and what is wrong with it."""
+    found: dict[str, Any] = next(iter(getattr(error.__cause__, "errors", list)()), {"type": "", "input": ""})
+    bounds = found.get("ctx", {})
+    words = {
+        "float_parsing": "is not a number",
+        "int_parsing": "is not a whole number",
+        "greater_than_equal": f"is below {bounds.get('ge')}",
+    }
+    if found["type"] not in words:
+        return error.message.removeprefix("Value error, ")
+    return f"{found['input']!r} {words[found['type']]}"
 
 
 def _message(error: Exception) -> str:

@@ -39,7 +39,8 @@ def _scenes() -> Iterator[Item]:
         others = [f"{name}, which is {maker}[{_changed(listed[name], own)}]" for name in names if name != maker]
         also = f"also under the name {'; '.join(others)}" if others else ""
         settings = _listed(own.parameters.items())
-        yield maker, [own.summary, f"settings: {settings}" if settings else "", also]
+        kind = SPACES[own.dimension] + ("; a problem of one step" if maker in instances() else "")
+        yield f"{maker}  ({kind})", [own.summary, f"settings: {settings}" if settings else "", also]
 
 
 def _changed(generator: Any, own: Any) -> str:

@@ -3,7 +3,7 @@
     @generator(example_3={"friction": 0.02}, example_4={"friction": 0.1})
     def two_blocks(friction: float = 0.02, ...) -> Scene: ...
 
-    @instance
+    @instance()
     def cubes(boxes: int = 5, friction: float = 0.5, ...) -> FrictionProblem: ...
 
 A scene moves in time. An instance is a friction problem of one step, made from parameters and a seed, that no scene simulates.
@@ -45,19 +45,19 @@ def import_all(package: str, path: list[str]) -> None:
 
 @dataclass(frozen=True)
 class Generator(Generic[Made]):
-    """A function under its name in a catalogue, with its parameters' defaults and its docstring. dimension: 2 or 3 of a scene,
-    0 of an instance, where it is known only when one has been made."""
+    """A function under its name in a catalogue, with its parameters' defaults and its docstring. dimension: 2 or 3, of the
+    contacts of what it makes, known before anything is made."""
 
     name: str
     make: Callable[..., Made]
     parameters: dict[str, Any]
     description: str
-    dimension: int = 0
+    dimension: int
 
     @property
     def summary(self) -> str:
-        """The first line of the description; python -OO leaves none."""
-        return self.description.partition("\n")[0]
+        """The first paragraph of the description; python -OO leaves none."""
+        return " ".join(self.description.partition("\n\n")[0].split())
 
 
 class Catalogue(Generic[Made]):
@@ -68,7 +68,7 @@ class Catalogue(Generic[Made]):
         self.kind, self._package = kind, package
         self._registered: dict[str, Generator[Made]] = {}
 
-    def add(self, make: Callable[..., Made], name: str, dimension: int = 0, **defaults: Any) -> None:
+    def add(self, make: Callable[..., Made], name: str, dimension: int, **defaults: Any) -> None:
         """List a function under a name; defaults replace those of its signature. Errors: ValueError where the name is taken."""
         if name in self._registered:
             raise ValueError(f"{self.kind}: the name {name!r} is taken by {self._registered[name].make}")
@@ -104,9 +104,9 @@ def _unknown(kind: str, name: str) -> str:
         return f"{name!r} is an instance, a problem of one step without a scene; frictionbench.instance({name!r}) makes it"
     if kind == "instance" and name in SCENES.generators:
         return f"{name!r} is a scene; frictionbench.scene({name!r}).problem() is the problem of its first step"
-    known = SCENES.generators if kind == "scene" else INSTANCES.generators
-    like = near(name, [*SCENES.generators, *INSTANCES.generators])
-    return f"unknown {kind} {name!r}{like}; known are {', '.join(known)}"
+    scenes_and_instances = [*SCENES.generators, *INSTANCES.generators]
+    like = near(name, scenes_and_instances)
+    return f"unknown {kind} {name!r}{like}; scenes and instances are {', '.join(scenes_and_instances)}"
 
 
 def generator(dimension: int = 2, **others: dict[str, Any]) -> Callable[[SceneFunction], SceneFunction]:
@@ -123,10 +123,17 @@ def generator(dimension: int = 2, **others: dict[str, Any]) -> Callable[[SceneFu
     return register
 
 
-def instance(make: InstanceFunction) -> InstanceFunction:
-    """List a generator of problems under its name. Errors: ValueError where the name is taken."""
-    INSTANCES.add(make, make.__name__)
-    return make
+def instance(dimension: int = 3) -> Callable[[InstanceFunction], InstanceFunction]:
+    """List a generator of problems with contacts of this dimension under its name.
+
+    Errors: ValueError where the name is taken.
+    """
+
+    def register(make: InstanceFunction) -> InstanceFunction:
+        INSTANCES.add(make, make.__name__, dimension)
+        return make
+
+    return register
 
 
 def scenes() -> dict[str, Generator[Scene]]:
@@ -150,8 +157,9 @@ def instances() -> dict[str, Generator[FrictionProblem]]:
 
 
 def is_spatial(name: str) -> bool:
-    """Whether this is the name of a scene in space."""
-    return name in SCENES.generators and SCENES.generators[name].dimension == 3
+    """Whether this is the name of a scene or an instance in space."""
+    found = {**SCENES.generators, **INSTANCES.generators}.get(name)
+    return found is not None and found.dimension == 3
 
 
 def find_scene(name: str, parameters: Iterable[str]) -> Generator[Scene]:

@@ -61,7 +61,9 @@ def agree(d: int, fields: dict[str, Any], names: dict[str, str] | None = None) -
 
 def _disagreement(number: str, wrong: _Stated, others: list[str], most: float, d: int, names: dict[str, str]) -> InputError:
     agreeing = [names.get(field, field) for field in dict.fromkeys(others) if field != wrong.field]
-    reason = f"states {wrong.number:g} {number} by its shape {wrong.shape}"
+    whole = float(wrong.number).is_integer()
+    reason = f"states {wrong.number:g} {number}" if whole else f"states no whole number of {number}"
+    reason += f" by its shape {wrong.shape}"
     if agreeing:
         reason += f", but {' and '.join(filter(None, (', '.join(agreeing[:-1]), agreeing[-1])))} {most:g}"
     if number == "contacts":

@@ -90,6 +90,26 @@ def test_invalid_option_values_are_named(arguments, option) -> None:
     assert f"Invalid value for '{option}': " in done.output.splitlines()[-1]
 
 
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("solve", "stack", "--tol", "x"), "'x' is not a number"),
+        (("run", "--jobs", "1.5"), "'1.5' is not a whole number"),
+        (("run", "--jobs", "0"), "'0' is below 1"),
+        (("list", "everything"), "'everything' is not one of 'scenes', 'solvers', 'suites'."),
+    ],
+)
+def test_invalid_values_are_explained_without_the_words_of_libraries(arguments, told) -> None:
+    assert CliRunner().invoke(app, arguments).output.splitlines()[-1].partition("': ")[2] == told
+
+
+@pytest.mark.parametrize("command", ["list", "run", "compare", "solve", "export", "judge", "check-solver"])
+def test_short_help_names_no_types_of_python(command) -> None:
+    told = output_of(command, "-h")
+    assert told.startswith("Usage: ")
+    assert "list[" not in told
+
+
 def test_lists_show_settings(capsys) -> None:
     listing.show("solvers")
     listed = capsys.readouterr().out

@@ -26,7 +26,10 @@ def test_scenes_are_listed_once(capsys, monkeypatch) -> None:
     monkeypatch.setattr(table, "screen", lambda: 80)
     listing.show("scenes")
     told = capsys.readouterr().out
-    assert "\nexample_3\n" not in told
+    assert "\nexample_3  (" not in told
+    assert "\nbox_tower  (spatial)\n" in told
+    assert "\nlocal_graph  (planar; a problem of one step)\n" in told
+    assert "walls lower it." in told
     assert "also under the name example_3, which is two_blocks[]; example_4, which is two_blocks[friction=0.1]" in told.replace(
         "\n    ", " "
     )
@@ -41,6 +44,9 @@ def test_scenes_are_listed_once(capsys, monkeypatch) -> None:
         (("solve", "stack", "--solver", "lemka"), "solver: unknown solver 'lemka' (did you mean lemke?)"),
         (("solve", "stack", "--solver", "nsgs[relax=1]"), "solver: nsgs has no setting 'relax' (did you mean relaxation?)"),
         (("run", "smok"), "suite: unknown suite 'smok' (did you mean smoke?)"),
+        (("solve", "recorded_step[case=near_jab]"), "case: unknown step 'near_jab' (did you mean near_jam?)"),
+        (("solve", "cubs"), "scene: unknown scene 'cubs' (did you mean cubes?)"),
+        (("solve", "cubs"), "sphere_pyramid"),
         (("show", "stack", "--scheme", "moro"), "scheme: unknown scheme 'moro' (did you mean moreau?)"),
     ],
 )

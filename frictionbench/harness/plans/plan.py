@@ -109,8 +109,8 @@ class BatchSource:
 
     @property
     def spatial(self) -> bool:
-        """Whether its problems are in space, as those of all instances but the random ones of the plane are."""
-        return is_spatial(self.scene) or self.scene in instances()
+        """Whether its problems are in space."""
+        return is_spatial(self.scene)
 
 
 @dataclass(frozen=True)

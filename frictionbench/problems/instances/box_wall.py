@@ -18,7 +18,7 @@ Bricks = dict[tuple[int, int], int]  # the body at a row and a place in it
 Contact = tuple[tuple[int, int], Array, tuple[int, int, int]]  # bodies, the point from the centre of the first, the normal
 
 
-@instance
+@instance()
 def box_wall(
     seed: int = 0,
     rows: int = 4,

@@ -9,7 +9,7 @@ from frictionbench.problems.parameters import count, number
 from frictionbench.problems.scene import GRAVITY
 
 
-@instance
+@instance()
 def cubes(
     boxes: int = 5,
     friction: float = 0.5,

@@ -20,7 +20,7 @@ FRICTION = (0.1, 3.2)  # log-uniform in it
 INERTIA = 0.1  # kg m^2 for 1 kg
 
 
-@instance
+@instance(dimension=2)
 def local_graph(seed: int = 0, bodies: int = 100, mass_ratio: float = 1.0) -> FrictionProblem:
     """Planar bodies at random points, touching near ones at random normals: a large irregular contact graph.
 
@@ -38,7 +38,7 @@ def local_graph(seed: int = 0, bodies: int = 100, mass_ratio: float = 1.0) -> Fr
     return _graph(pair, (arm, -arm), angle, number("mass_ratio", mass_ratio, least=1) ** random.random(nb), random)
 
 
-@instance
+@instance(dimension=2)
 def random_graph(seed: int = 0, bodies: int = 100) -> FrictionProblem:
     """Planar bodies touching any others, near or not, at random points and normals: a contact graph with much fill.
 

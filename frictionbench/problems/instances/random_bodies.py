@@ -16,7 +16,7 @@ from frictionbench.problems.random_problem import random_problem
 from frictionbench.problems.subproblems import side_by_side
 
 
-@instance
+@instance()
 def random_bodies(seed: int = 0, contacts: int = 20, friction: float = 0.5, mass_ratio: float = 10.0) -> FrictionProblem:
     """Spatial contacts in random directions between random pairs of bodies, with half as many bodies as contacts.
 
@@ -36,7 +36,7 @@ def random_bodies(seed: int = 0, contacts: int = 20, friction: float = 0.5, mass
     return touching(pair, arms, frame, weights, velocity, number("friction", friction, least=0))
 
 
-@instance
+@instance(dimension=2)
 def random(
     seed: int = 0, contacts: int = 10, bodies: int | None = None, friction: float | None = None, mass_ratio: float = 10.0
 ) -> FrictionProblem:
@@ -44,7 +44,7 @@ def random(
     return random_problem(seed, contacts, bodies, friction, mass_ratio)
 
 
-@instance
+@instance(dimension=2)
 def slots(seed: int = 0, points: int = 5, tilt: float = 0.01, excess: float = 1e-3) -> FrictionProblem:
     """Planar bodies held at random points in slots that open by `tilt` (rad), without play: nearly jammed.
 
@@ -66,7 +66,7 @@ def slots(seed: int = 0, points: int = 5, tilt: float = 0.01, excess: float = 1e
     )
 
 
-@instance
+@instance(dimension=2)
 def unlike_islands(
     seed: int = 0, islands: int = 4, contacts: int = 5, velocity_ratio: float = 1e4, friction: float = 0.5
 ) -> FrictionProblem:

@@ -16,7 +16,7 @@ robot_step has steps of robots, models of other packages moved by MuJoCo, by mod
 
 from pathlib import Path
 
-from frictionbench.problems.catalogue import instance
+from frictionbench.problems.catalogue import instance, near
 from frictionbench.problems.check import require
 from frictionbench.problems.friction import FrictionProblem
 from frictionbench.problems.recorded import own
@@ -30,21 +30,21 @@ def recorded_steps(folder: Path = FOLDER) -> list[str]:
     return sorted(path.stem for path in folder.glob("*.npz"))
 
 
-@instance
+@instance(dimension=2)
 def recorded_step(case: str = "near_jam") -> FrictionProblem:
-    """A single step that is kept as a file, by its name: see problems.instances.recorded_step."""
+    """A single step that is kept as a file, by its name: see problems.instances.recorded_step. Some are in space."""
     return _kept(FOLDER, case)
 
 
-@instance
-def robot_step(case: str = "humanoid-fall-044") -> FrictionProblem:
+@instance()
+def robot_step(case: str = "humanoid-hit-064") -> FrictionProblem:
     """A step of a robot, with limits and dry friction of its joints as contacts, by its name: docs/robots.md lists them."""
     return _kept(ROBOTS, case)
 
 
 def _kept(folder: Path, case: str) -> FrictionProblem:
     known = recorded_steps(folder)
-    require(case in known, "case", f"unknown step {case!r}; known are {', '.join(known)}")
+    require(case in known, "case", f"unknown step {case!r}{near(case, known)}; known are {', '.join(known)}")
     problem = own.load(folder / f"{case}.npz")
     assert isinstance(problem, FrictionProblem)
     return problem

@@ -10,7 +10,7 @@ from frictionbench.problems.parameters import count, number
 from frictionbench.problems.spatial.rotation import frames
 
 
-@instance
+@instance()
 def rod_chain(
     seed: int = 0,
     links: int = 5,

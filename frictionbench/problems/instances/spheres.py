@@ -15,7 +15,7 @@ from frictionbench.problems.spatial.rotation import frames
 NEAR = 1e-4  # of a radius: the gaps up to which spheres count as touching
 
 
-@instance
+@instance()
 def sphere_pyramid(
     seed: int = 0, levels: int = 4, friction: float = 0.5, noise: float = 0.0, mass_ratio: float = 1.0, step: float = 0.01
 ) -> FrictionProblem:
@@ -48,7 +48,7 @@ def sphere_pyramid(
     )
 
 
-@instance
+@instance()
 def packed_spheres(
     seed: int = 0,
     spheres: int = 50,
