@@ -1,6 +1,6 @@
 """Compare solvers for the friction LCPs of rigid-body dynamics.
 
-    problems   scene, scenes, instance, instances, FrictionProblem, LCP, load, save, InputError
+    problems   problem, scene, scenes, instance, instances, FrictionProblem, LCP, load, save, InputError
     engines    capture, mujoco, EngineStep, load_step
     solvers    solve, available, solver, Answer, Status, solve_many, Batch, Answers
     checks     residual, residual_floor, verify, Verdict, contradiction
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from frictionbench.problems import LCP, Answer, FrictionProblem, InputError, Status, Verdict
     from frictionbench.problems.analysis.contradiction import contradiction
     from frictionbench.problems.batch import Batch
+    from frictionbench.problems.catalogue import problem_of as problem
     from frictionbench.problems.instances import instances
     from frictionbench.problems.instances import make_instance as instance
     from frictionbench.problems.recorded.own import EngineStep
@@ -58,6 +59,7 @@ __all__ = [
     "load_step",
     "mujoco",
     "plot",
+    "problem",
     "read_results",
     "residual",
     "residual_floor",
@@ -73,6 +75,7 @@ __all__ = [
 # Where each name is defined; the type checker reads the imports above, and a test compares the two.
 _DEFINED_IN = {
     "frictionbench.problems": ("LCP", "Answer", "FrictionProblem", "InputError", "Status", "Verdict"),
+    "frictionbench.problems.catalogue": ("problem",),
     "frictionbench.problems.scenes": ("scene", "scenes"),
     "frictionbench.problems.analysis.contradiction": ("contradiction",),
     "frictionbench.problems.batch": ("Batch",),
@@ -84,7 +87,7 @@ _DEFINED_IN = {
     "frictionbench.tables": ("read_results",),
     "frictionbench.verification": ("verify",),
 }
-_OTHER_NAME = {"instance": "make_instance"}  # where the defining module calls it differently
+_OTHER_NAME = {"instance": "make_instance", "problem": "problem_of"}  # where the defining module calls it differently
 
 
 def __getattr__(name: str) -> Any:

@@ -86,6 +86,9 @@ def run(
     data: options.Data = None,
     cluster: options.Cluster = None,
     out: options.Out = None,
+    all_solvers: Annotated[
+        bool, typer.Option("--all-solvers", help="Every installed solver in place of the suite's; this may take long.")
+    ] = False,
     retake: Annotated[
         bool, typer.Option("--retake", help="Run again the cells that shared their core with another process, or timed out.")
     ] = False,
@@ -102,7 +105,7 @@ def run(
     from frictionbench.harness.workers.inputs import load_plugins, require_buildable
 
     variants, plugins = load_plugins(solver or [])
-    plan = choose(suite, scene or [], variants, tol, time_limit, plugins, tuple(data or ()))
+    plan = choose(suite, scene or [], variants, tol, time_limit, plugins, tuple(data or ()), all_solvers)
     if scene:
         named = [(source.scene, source.parameters) for source in plan.sources]
         require_buildable([*named, *((batch.scene, batch.parameters) for batch in plan.batches)])
@@ -505,7 +508,19 @@ def _jobs(jobs: int | None) -> int:
     most = len(cores())
     if jobs is not None and jobs > most:
         raise InputError(f"jobs: at most {most} on this machine, one per core")
+    _tell_of_compilation()
     return jobs or max(1, most - 1)
+
+
+def _tell_of_compilation() -> None:
+    """Say before the wait that no kernel of this version has been compiled yet, where that is so."""
+    from numba.core import config
+
+    from frictionbench.problems import compiled  # noqa: F401  # sets the cache's folder
+
+    if not any(Path(config.CACHE_DIR).rglob("*.nbi")):
+        told = "kernels are compiled at their first use, once: one or two minutes on two cores, some more for every solver"
+        typer.echo(f"{told}; later runs start at once", err=True)
 
 
 class _Stopped(BaseException):

@@ -64,6 +64,10 @@ class Progress:
     def __init__(self, console: Console | None = None) -> None:
         self._console = console or Console(stderr=True)
 
+    def tell(self, text: str) -> None:
+        """Print a line."""
+        self._console.print(text, highlight=False, markup=False)
+
     @contextmanager
     def stage(self, name: str, total: int, done: int) -> Iterator[Stage]:
         columns = (

@@ -52,6 +52,8 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
             records = _collect(plan, pool, progress)
             _record_motions(plan, pool, progress)
             cells: list[Cell] = [*plan.solve_cells(records.values()), *plan.simulation_cells(), *plan.batch_cells()]
+            if not plan.expects:
+                progress.tell(_announced(plan, cells, records))
             if not distant:
                 _run(cells, records, plan, folder, pool, progress, counted)
                 record_histories(plan, folder, records.values(), pool, progress)
@@ -64,6 +66,19 @@ def run(plan: Plan, folder: Path, jobs: int, progress: Progress, cluster: str | 
         raise ResultsError(
             f"{folder}: {missing} rows are missing and marked in the tables; run the same command again to run their cells"
         )
+
+
+SMALL_CELL = 0.04  # seconds of a worker for a cell of a few contacts, which is timed several times
+
+
+def _announced(plan: Plan, cells: list[Cell], records: dict[str, Record]) -> str:
+    """How many cells a plan without a known duration has, with which solvers, and how long small ones take."""
+    solvers = dict.fromkeys(cell.variant for cell in cells)
+    named = ", ".join(solvers) if len(solvers) <= 12 else f"{len(solvers)} solvers"
+    minutes, seconds = divmod(round(SMALL_CELL * len(cells)), 60)
+    takes = f"{minutes} min" if minutes else f"{max(seconds, 1)} s"
+    told = f"{len(cells)} cells of {len(records)} problems with {named}: about {takes} on one core where problems are small"
+    return f"{told}; a cell ends at {plan.time_limit:g} s"
 
 
 def _run(

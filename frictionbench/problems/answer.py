@@ -44,6 +44,7 @@ class Answer:
     detail: the message of the outside library, or the reason of the status.
     clock: s, the solve time that the library reports itself, if any; the harness times the whole call as well.
     softness: (nc, d), 1/kg, for solvers of regularised contacts: the R >= 0 in u = W r + q + R r; problems.verify bounds it.
+    solver: the name by which frictionbench.solve called the solver, "" of one called by itself.
 
     >>> import frictionbench as fb
     >>> answer = fb.solve(fb.scene("stack", blocks=2).problem(), "lemke")
@@ -59,12 +60,15 @@ class Answer:
     detail: str = ""
     clock: float | None = None
     softness: Array | None = None
+    solver: str = ""
 
     def __repr__(self) -> str:
-        return f"Answer({', '.join([getattr(self.status, 'name', repr(self.status)), *self._arrays(), *self._counts()])})"
+        status = getattr(self.status, "name", repr(self.status)) + (f" by {self.solver}" if self.solver else "")
+        return f"Answer({', '.join([status, *self._arrays(), *self._counts()])})"
 
     def _repr_html_(self) -> str:
-        rows: dict[str, object] = {"status": f"{self.status.name}: {self.status.value}", "arrays": ", ".join(self._arrays())}
+        status = f"{self.status.name}: {self.status.value}"
+        rows: dict[str, object] = {"status": status, "solver": self.solver, "arrays": ", ".join(self._arrays())}
         return html_table("Answer", rows | {"work": ", ".join(self._counts()), "detail": self.detail})
 
     def _arrays(self) -> list[str]:

@@ -101,9 +101,9 @@ INSTANCES: Catalogue[FrictionProblem] = Catalogue("instance", "frictionbench.pro
 def _unknown(kind: str, name: str) -> str:
     """Why there is none of this kind and name, and what may have been meant."""
     if kind == "scene" and name in INSTANCES.generators:
-        return f"{name!r} is an instance, a problem of one step without a scene; frictionbench.instance({name!r}) makes it"
+        return f"{name!r} is an instance, a problem of one step without a scene; frictionbench.problem({name!r}) makes it"
     if kind == "instance" and name in SCENES.generators:
-        return f"{name!r} is a scene; frictionbench.scene({name!r}).problem() is the problem of its first step"
+        return f"{name!r} is a scene; frictionbench.problem({name!r}) is the problem of its first step"
     scenes_and_instances = [*SCENES.generators, *INSTANCES.generators]
     like = near(name, scenes_and_instances)
     return f"unknown {kind} {name!r}{like}; scenes and instances are {', '.join(scenes_and_instances)}"
@@ -158,8 +158,7 @@ def instances() -> dict[str, Generator[FrictionProblem]]:
 
 def is_spatial(name: str) -> bool:
     """Whether this is the name of a scene or an instance in space."""
-    found = {**SCENES.generators, **INSTANCES.generators}.get(name)
-    return found is not None and found.dimension == 3
+    return any(name in kind and kind[name].dimension == 3 for kind in (scenes(), instances()))
 
 
 def find_scene(name: str, parameters: Iterable[str]) -> Generator[Scene]:
@@ -212,5 +211,12 @@ def require_known(name: str, parameters: Iterable[str]) -> None:
 
 
 def problem_of(name: str, **parameters: Any) -> FrictionProblem:
-    """The instance of this name, or the problem of the scene's first step. Errors: as for scene and make_instance."""
+    """The instance of this name, or the problem of the scene's first step: what `frictionbench solve NAME` solves.
+
+    Errors: as for scene and instance.
+
+    >>> import frictionbench as fb
+    >>> fb.problem("stack", blocks=3).contacts, fb.problem("cubes", boxes=3).contacts
+    (6, 12)
+    """
     return make_instance(name, **parameters) if name in INSTANCES.generators else scene(name, **parameters).problem()

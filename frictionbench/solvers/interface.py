@@ -325,7 +325,7 @@ _FLAGS = {"true": True, "false": False, "1": True, "0": False}
 
 def solve(
     problem: FrictionProblem | LCP,
-    spec: str,
+    spec: str | None = None,
     *,
     tol: float = 1e-8,
     limit: int | None = None,
@@ -335,7 +335,8 @@ def solve(
     """Prepare and solve one problem with one solver, in this process.
 
     problem: a FrictionProblem of nc contacts of dimension d, or a bare LCP for solvers of LCPs.
-    spec: a solver's name, with settings in brackets if any: "lemke", "nsgs[relaxation=1.3]". See `available`.
+    spec: a solver's name, with settings in brackets if any: "lemke", "nsgs[relaxation=1.3]". See `available`. Without one
+        hybrid solves a FrictionProblem, which is fast and exact on most, and lemke a bare LCP; the answer's `solver` names it.
     tol: the requested residual, dimensionless, > 0: the largest defect of the solver's model at a contact, as a velocity over
         the contact's unit, the largest closing speed in its island (problems.residual). For a bare LCP max|min(z, w)| over
         max|q|.
@@ -359,9 +360,12 @@ def solve(
     >>> warm = fb.solve(problem, "nsgs", tol=1e-6, start=cold.impulse)
     >>> cold.status.name, warm.work["sweeps"] < cold.work["sweeps"]
     ('SOLVED', True)
+    >>> fb.solve(problem).solver
+    'hybrid'
     """
-    info, instance = find(spec)
     require_problem(problem)
+    spec = ("lemke" if isinstance(problem, LCP) else "hybrid") if spec is None else spec
+    info, instance = find(spec)
     tol, limit = tolerance(tol), work_limit(limit)
     if reason := info.missing or info.refuses(problem):
         raise InputError(f"solver: {reason}")
@@ -371,6 +375,7 @@ def solve(
         answer = instance.solve(instance.prepare(problem), tol, limit, guess if info.warm_start else None)
     else:
         answer = _solve_in_time(instance, problem, tol, limit, guess if info.warm_start else None, time_limit)
+    answer.solver = spec
     checked = answer.status is Status.SOLVED and info.ours and not instance.knows_rounding
     if checked and isinstance(problem, FrictionProblem) and residual_with_floor(problem, answer.impulse)[1] > tol:
         answer.status = Status.ROUNDING

@@ -125,6 +125,8 @@ def _load_file(path: Path) -> tuple[str, ...]:
 
 def describe_error(error: BaseException) -> str:
     """An error in one line, with the file and line of its last frames, the innermost first."""
+    if isinstance(error, SyntaxError):  # its text names the file and the line; the frames are those of the import
+        return f"{type(error).__name__}: {error}"
     frames = traceback.extract_tb(error.__traceback__)[: -FRAMES - 1 : -1]
     places = " < ".join(f"{Path(frame.filename).name}:{frame.lineno} in {frame.name}" for frame in frames)
     try:

@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 from frictionbench.commands.cli import app
 from frictionbench.harness.contract import checks  # noqa: F401  # registers them
 from frictionbench.harness.contract.check import CHECKS, Subject
+from frictionbench.harness.contract.examine import Found, format_findings
 from frictionbench.solvers import Answer, Status, find, solve
 
 GOOD = "interior_point"
@@ -117,6 +118,16 @@ def test_solver_that_stops_by_the_fastest_island_is_told() -> None:
     assert any("beside an island" in violation for violation in found)
     assert any("are open by" in violation for violation in found)
     assert "problem.units" in CHECKS["islands"].advice
+
+
+def test_an_error_of_every_check_is_told_once() -> None:
+    same = "ValueError: read-only (at mine.py:3 in solve"
+    found = [Found("mine", check, [f"{same} < checks.py:{k} in {check})"]) for k, check in enumerate(CHECKS)]
+    told = format_findings([*found[:-1], Found("mine", found[-1].check, [])])
+    assert told.count(same) == 1
+    assert all(check.replace("_", " ") in told for check in CHECKS)
+    assert told.splitlines()[-1] == f"1 passed, {len(CHECKS) - 1} failed"
+    assert format_findings([Found("mine", check, []) for check in CHECKS]).endswith(f"\n{len(CHECKS)} passed")
 
 
 def test_crashing_solver_is_reported(tmp_path: Path) -> None:

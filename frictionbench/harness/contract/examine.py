@@ -1,7 +1,9 @@
 """All checks on a solver, each a task of its own: a check that hangs or crashes counts as a violation."""
 
 import tempfile
+from collections import Counter
 from collections.abc import Iterable
+from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -55,19 +57,33 @@ def _texts(value: Any) -> list[str]:
 
 
 def format_findings(found: Iterable[Found]) -> str:
-    """The findings as text: a line for each check, with the advice and the violations if it failed."""
-    lines, last = [], ""
-    for one in found:
-        if one.variant != last:
-            lines.append(f"{one.variant}")
-            last = one.variant
-        name = one.check.replace("_", " ")
-        if not one.violations:
-            lines.append(f"  passed  {name}")
-            continue
-        lines.append(f"  failed  {name}: {CHECKS[one.check].advice}")
-        lines += [f"            {violation}" for violation in one.violations]
+    """The findings as text, by variant: a line for each check, with advice and violations if it failed, then how many passed.
+
+    An error that ends several checks, as of a solver that writes into the problem, is told once with their names.
+    """
+    lines: list[str] = []
+    for variant, own in groupby(found, key=lambda one: one.variant):
+        findings = list(own)
+        causes = {one.check: tuple(each.partition(" < ")[0] for each in one.violations) for one in findings}  # innermost frame
+        alike = Counter(causes.values())
+        lines.append(variant)
+        for one in findings:
+            cause = causes[one.check]
+            if not one.violations:
+                lines.append(f"  passed  {_named(one.check)}")
+            elif alike[cause] == 1:
+                lines.append(f"  failed  {_named(one.check)}: {CHECKS[one.check].advice}")
+                lines += [f"            {violation}" for violation in one.violations]
+            elif one.check == next(check for check, other in causes.items() if other == cause):
+                lines.append(f"  failed  {', '.join(_named(check) for check, other in causes.items() if other == cause)}")
+                lines += [f"            {violation}" for violation in one.violations]
+        passed = sum(not one.violations for one in findings)
+        lines.append(f"{passed} passed" + (f", {len(findings) - passed} failed" if passed < len(findings) else ""))
     return "\n".join(lines)
+
+
+def _named(check: str) -> str:
+    return check.replace("_", " ")
 
 
 def _violations(info: SolverInfo, solver: Solver, check: str) -> list[str]:

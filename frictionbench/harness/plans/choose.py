@@ -4,7 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 from frictionbench.harness.plans.plan import BatchSource, Plan, Plugin, Source
-from frictionbench.harness.plans.recorded import with_data
+from frictionbench.harness.plans.recorded import every, with_data
 from frictionbench.harness.plans.suites import SUITES
 from frictionbench.problems import InputError
 from frictionbench.problems.catalogue import instances, near, require_known
@@ -25,8 +25,11 @@ def choose(
     time_limit: float | None,
     plugins: tuple[Plugin, ...] = (),
     data: tuple[str, ...] = (),
+    all_solvers: bool = False,
 ) -> Plan:
     """The suite's plan with what is given in place of its own scenes, solvers and settings.
+
+    all_solvers: whether every installed solver runs, by the dimension of the problem.
 
     Errors: InputError naming the field.
     """
@@ -34,6 +37,8 @@ def choose(
         raise InputError(f"suite: unknown suite {suite!r}{near(suite, SUITES)}; known are {', '.join(SUITES)}")
     if data and scene_specs:
         raise InputError("data: names the problems to run, and so does --scene; give one of the two")
+    if all_solvers and variants:
+        raise InputError("all-solvers: runs every solver, and --solver names some; give one of the two")
     plan = with_data(SUITES[suite](), list(data))
     if scene_specs and plan.batches:
         plan = replace(plan, batches=tuple(each for spec in scene_specs for each in _batches(plan, spec)), expects="")
@@ -48,6 +53,8 @@ def choose(
         )
     if variants:
         plan = replace(plan, solvers=variants, spatial_solvers=(), simulation_solvers=variants, plugins=plugins, expects="")
+    if all_solvers:
+        plan = replace(plan, solvers=every(2), spatial_solvers=every(3), simulation_solvers=every(2), expects="")
     if tol is not None:
         plan = replace(plan, tolerances=tolerances(tol))
     if time_limit is not None:

@@ -52,6 +52,11 @@ ABH2018 = {
 }
 
 
+# Of our methods for Coulomb's law, those that are the fastest on problems of some kind; all others are --all-solvers.
+WINNERS = ("hybrid", "lemke", "path_search", "interior_point", "nsgs", "nncg")
+SPATIAL_WINNERS = ("hybrid", "interior_point", "nsgs", "nncg", "proximal_newton", "apgd_coulomb")
+
+
 def every(dimension: int) -> tuple[str, ...]:
     """All solvers that are installed and take problems of this dimension, ours before those of outside libraries."""
     ours = (spec for _, info in sorted(available().items()) if not info.needs for spec in info.specs)
@@ -66,12 +71,13 @@ def theirs(dimension: int) -> tuple[str, ...]:
 
 
 def recorded() -> Plan:
-    """Recorded problems, of a folder or a fetched family (--data DIR|fclib/FAMILY), with every solver that accepts them."""
+    """Recorded problems, of a folder or a fetched family (--data DIR|fclib/FAMILY), with the solvers that can be the fastest;
+    with --all-solvers, with every installed one."""
     return Plan(
         suite="recorded",
         sources=(),
-        solvers=every(2),
-        spatial_solvers=every(3),
+        solvers=WINNERS,
+        spatial_solvers=SPATIAL_WINNERS,
         tolerances=LADDER,
         starts=(COLD, WARM),  # warm: from the initial guess of a file that has one
         time_limit=10.0,
@@ -80,7 +86,7 @@ def recorded() -> Plan:
 
 def abh2018() -> Plan:
     """Families of Acary, Brémond and Huber 2018 at the paper's accuracies and limits (--data fclib/FAMILY, or all fetched)."""
-    return replace(recorded(), suite="abh2018", tolerances=(1e-4, 1e-8))
+    return replace(recorded(), suite="abh2018", solvers=every(2), spatial_solvers=every(3), tolerances=(1e-4, 1e-8))
 
 
 def spatial() -> Plan:

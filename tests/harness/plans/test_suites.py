@@ -13,7 +13,7 @@ from frictionbench.harness.plans.choose import choose
 from frictionbench.harness.plans.plan import Plan, Source
 from frictionbench.harness.plans.recorded import every
 from frictionbench.harness.plans.suites import SPATIAL, SUITES
-from frictionbench.problems import FrictionProblem
+from frictionbench.problems import FrictionProblem, InputError
 from frictionbench.problems.analysis.frictionless import idle
 from frictionbench.problems.instances import instances, make_instance
 from frictionbench.problems.scenes import scene, scenes
@@ -132,13 +132,24 @@ def test_contacts_stick_slide_and_open(band: int, dimension: int) -> None:
 def test_no_solver_of_a_lineup_can_only_refuse() -> None:
     for suite, make in SUITES.items():
         plan = make()
-        held = {2: suite != "spatial", 3: bool(plan.spatial_solvers)}
+        held = {2: suite not in ("spatial", "robots"), 3: bool(plan.spatial_solvers)}
         for dimension in (d for d, holds in held.items() if holds):
             assert all(dimension in find(spec)[0].dimension for spec in plan.lineup(dimension)), suite
     assert {"proximal_newton", "nsgs", "interior_point", "clarabel[settings=default]"} <= set(every(3))
     assert not {"osqp", "piqp[matrices=dense]"} & set(every(3))
     assert set(SUITES["spatial"]().lineup(3)) == set(every(3))
-    assert set(SUITES["recorded"]().lineup(2)) == set(every(2))
+
+
+def test_recorded_problems_are_solved_by_few_or_by_all() -> None:
+    few = SUITES["recorded"]()
+    every_one = choose("smoke", [], (), None, None, all_solvers=True)
+    for dimension in (2, 3):
+        assert set(every_one.lineup(dimension)) == set(every(dimension))
+        assert 4 < len(few.lineup(dimension)) < 8
+        assert set(few.lineup(dimension)) < set(every(dimension))
+        assert all(find(variant)[0].model in ("coulomb", "lcp") for variant in few.lineup(dimension))
+    with pytest.raises(InputError, match=r"^all-solvers: "):
+        choose("smoke", [], ("nsgs",), None, None, all_solvers=True)
 
 
 def test_suites_say_how_long_they_take(capsys: pytest.CaptureFixture[str]) -> None:
