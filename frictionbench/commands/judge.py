@@ -5,7 +5,19 @@ from pathlib import Path
 
 from frictionbench.commands.table import columns, paragraph, screen
 from frictionbench.results.files import printable
-from frictionbench.results.judgement import beside, impossible, laws, notes, percentiles, read_judgements, touching, worst
+from frictionbench.results.judgement import (
+    beside,
+    creeping,
+    forces_right,
+    impossible,
+    laws,
+    notes,
+    percentiles,
+    read_judgements,
+    steps,
+    touching,
+    worst,
+)
 from frictionbench.results.store import read_table
 
 
@@ -13,15 +25,17 @@ def told(folder: Path) -> str:
     """The summary of a judged folder: laws, notes, the worst step, and the solvers beside."""
     found, rows = read_judgements(folder), read_table(folder, "solves")
     counted = touching(found)
-    lines = [f"{len(counted)} steps with contacts judged by Coulomb's law, {len(found) - len(counted)} without contact"]
+    lines = [f"{steps(len(counted))} with contacts judged by Coulomb's law, {len(found) - len(counted)} without contact"]
     most = ", ".join(f"{law} in {count}" for law, count in laws(found).items())
     lines.append(f"law violated most: {most}" if most else "no law is violated beyond rounding")
     for one in worst(found, 1):
         lines += [f"worst step: {printable(one.file)}, residual {_number(one.residual)}, {one.law}"]
+    for answer in filter(None, (creeping(found), forces_right(found))):
+        lines += paragraph(printable(answer), screen(), "")
     if proved := impossible(found):
         lines += paragraph(printable(proved), screen(), "")
     if noted := notes(found):
-        means = "; ".join(f"{printable(name)} {100 * share:.2g} % in {count} steps" for name, (share, count) in noted.items())
+        means = "; ".join(f"{printable(name)} {100 * share:.2g} % in {steps(count)}" for name, (share, count) in noted.items())
         lines += paragraph(f"not expressed by the problems, with mean shares of the impulse: {means}", screen(), "")
     header = ("", "solved", "residual p50", "residual worst", "time p50", "time p99", "time worst")
     engine = _shown(percentiles(found)["residual"], (0, 3), _number)
@@ -38,7 +52,7 @@ def _shown(values: list[float] | None, which: tuple[int, ...], form: Callable[[f
 
 
 def _number(value: float) -> str:
-    return f"{value:.1e}"
+    return f"{value:.1e}" if value else "0"
 
 
 def _milliseconds(value: float) -> str:

@@ -9,11 +9,13 @@ import json
 import re
 import tempfile
 from hashlib import sha256
+from itertools import groupby
 from pathlib import Path
 from shutil import move
 from typing import Any
 
 import numpy as np
+from scipy.linalg import null_space
 
 from frictionbench.harness.cells import worker
 from frictionbench.harness.cells.reference import NoReference, Reference
@@ -35,6 +37,7 @@ from frictionbench.results.judgement import LAWS, Judgement, checked, touching, 
 FOLDER = "judged"
 EXACT = "hybrid"  # our solver of Coulomb's law for any problem, which stands beside the engine
 STICKS = 1e-6  # of a contact's unit of velocity: slip in the exact answer below counts as none
+RANK = 1e-9  # relative: singular values below count as zero
 MOST_FORCES = 200  # contacts whose forces are kept for a figure
 
 
@@ -52,6 +55,7 @@ def judge_file(folder: Path, path: Path) -> Judgement:
     law = LAWS[int(np.argmax([one[by_contact.argmax()] for one in laws]))] if problem.contacts else ""
     limit = problem.friction * impulse[:, 0] + problem.friction_bias
     exact = _exact(problem)
+    bodies = {} if exact is None or problem.contacts > MOST_FORCES else _net_impulses(problem, impulse, exact)
     forces = np.column_stack([impulse[:, 0], np.linalg.norm(impulse[:, 1:], axis=1), limit])
     return Judgement(
         file=path.name,
@@ -62,6 +66,8 @@ def judge_file(folder: Path, path: Path) -> Judgement:
         law=law,
         **largest,
         creep=None if exact is None else _creep(problem, impulse, exact),
+        free_velocity=float(problem.velocity_scale),
+        bodies=bodies,
         penetration=penetration(step),
         energy_defect=ledger_defect(problem, impulse),
         notes=dict(step.notes),
@@ -84,6 +90,45 @@ def _creep(problem: FrictionProblem, impulse: Array, exact: Array) -> float | No
     sticking = (slip <= STICKS * problem.units) & (exact[:, 0] > STICKS * problem.units / problem.scale)
     own_slip = np.linalg.norm(problem.contact_velocity(impulse)[:, 1:], axis=1)
     return float(own_slip[sticking].max()) if sticking.any() else None
+
+
+def _net_impulses(problem: FrictionProblem, impulse: Array, exact: Array) -> dict[str, list[float]]:
+    """By the velocities of two bodies the net impulse of the contacts between them, as described at Judgement.
+
+    The motion determines the impulses z of bearing contacts and of joints but for the null space of their columns A: J' of a
+    contact that sticks, J'(1, -mu u_t/|u_t|) of one that slides, F' of joints.
+    """
+    if not problem.mechanical:
+        return {}
+    nc, d = problem.contacts, problem.dimension
+    J = np.concatenate([problem.normal.toarray()[:, None], problem.tangent.toarray().reshape(nc, d - 1, -1)], axis=1)
+    u = problem.contact_velocity(exact)
+    slip = np.linalg.norm(u[:, 1:], axis=1)
+    owners, columns = [-1] * problem.joints.shape[0], [problem.joints.toarray()]
+    for i in np.flatnonzero(exact[:, 0] > STICKS * problem.units / problem.scale):
+        slides = slip[i] > STICKS * problem.units[i]
+        along = np.concatenate([[1.0], -problem.friction[i] * u[i, 1:] / slip[i]]) @ J[i] if slides else J[i]
+        columns.append(np.atleast_2d(along))
+        owners += [int(i)] * len(columns[-1])
+    A = np.concatenate(columns).T
+    free, between = null_space(A, rcond=RANK), [tuple(np.flatnonzero(rows.any(axis=0)).tolist()) for rows in J]
+    found = {}
+    for velocities in dict.fromkeys(between):
+        own = [i for i in range(nc) if between[i] == velocities]
+        bears = np.isin(owners, own)
+        nets = [np.einsum("cdv,cd->v", J[own], r[own]) for r in (impulse, exact)]
+        size = [float(np.sqrt(max(net @ (problem.inverse_mass @ net), 0.0))) for net in (nets[0] - nets[1], *nets)]
+        alone = not (np.abs(free[bears]) > RANK).any()
+        net_known = alone or not (np.abs(A[:, bears] @ free[bears]) > RANK * np.abs(A).max(initial=0.0)).any()
+        facts = [len(own), float(net_known), float(alone), size[0] / (max(size[1:]) or 1.0)]
+        found[_ranges(velocities)] = [*facts, *(float(net[v]) for net in nets for v in velocities)]
+    return found
+
+
+def _ranges(numbers: tuple[int, ...]) -> str:
+    """Numbers in words, (0, 1, 2, 6) as "0 to 2, 6"."""
+    runs = [[number for _, number in run] for _, run in groupby(enumerate(numbers), key=lambda pair: pair[1] - pair[0])]
+    return ", ".join(f"{run[0]} to {run[-1]}" if len(run) > 1 else str(run[0]) for run in runs)
 
 
 def judge_step(path: str, limit: float) -> dict[str, Any]:

@@ -23,6 +23,8 @@ from frictionbench.results.judgement import (
     QUANTITIES,
     Judgement,
     beside,
+    creeping,
+    forces_right,
     impossible,
     laws,
     notes,
@@ -34,6 +36,7 @@ from frictionbench.results.judgement import (
 from frictionbench.results.store import read_table
 
 MOST = 12  # steps in the table of the worst
+MOST_VELOCITIES = 12  # whose net impulses are shown: those of two free bodies in space
 DRAWN = 6  # of them with a picture of their forces
 COLOURS = ("#0077bb", "#e69f00", "#009e73", "#cc79a7")
 SIZE = (4.2, 2.6)  # inches
@@ -72,6 +75,8 @@ def render(folder: Path, found: list[Judgement], rows: pd.DataFrame) -> str:
             heads=["worst" if p == 100 else f"p{p}" for p in PERCENTILES],
             quantities=[(name, unit, percentiles(found)[name]) for name, unit in QUANTITIES.items()],
             laws=laws(found),
+            answers=[text for text in (creeping(found), forces_right(found)) if text],
+            nets=[(one, name, _shown(net)) for one in bad[:DRAWN] for name, net in one.bodies.items()],
             impossible=impossible(found),
             notes=notes(found),
             beside=beside(rows),
@@ -82,6 +87,15 @@ def render(folder: Path, found: list[Judgement], rows: pd.DataFrame) -> str:
             forces=forces,
         )
     )
+
+
+def _shown(net: list[float]) -> dict[str, object]:
+    """What the page shows of a net impulse; of many velocities the first."""
+    contacts, known, alone, difference, *values = net
+    engine, exact = (values[k : k + len(values) // 2][:MOST_VELOCITIES] for k in (0, len(values) // 2))
+    told = "single contacts too" if alone else "the sum alone (hyperstatic)" if known else "no"
+    numbers = [", ".join(f"{value:.3g}" for value in part) for part in (engine, exact)]
+    return {"contacts": int(contacts), "engine": numbers[0], "exact": numbers[1], "difference": difference, "determined": told}
 
 
 def _residuals(ax: Axes, found: list[Judgement], rows: pd.DataFrame) -> None:

@@ -6,6 +6,7 @@ The exact solvers' answers to the same problems are rows of the table solves, by
 import json
 import math
 from collections import Counter
+from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -27,6 +28,10 @@ QUANTITIES = {  # what percentiles are shown of, with units
     "penetration": "m",
     "energy_defect": "J",
 }
+NO_CREEP = 1e-6  # of the free velocity: less is rounding
+SOFT = 0.01  # share of the impulse from which on softness explains a creep
+NEAR = 0.01  # relative difference of net impulses below which they count as the same
+SYMPTOM = "See 'An object at rest creeps' in docs/symptoms.md."
 PERCENTILES = (50, 90, 99, 100)
 
 
@@ -37,7 +42,12 @@ class Judgement(NamedTuple):
     residual: of the engine's impulses on the exact problem. floor: what rounding may change of it.
     law: which is violated most at the contact of the residual. signorini, cone, direction, dissipation: the largest violation
     of each, m/s. creep: m/s, the largest slip at contacts that stick in the exact answer; None where nothing sticks or no exact
-    answer is known. penetration: m, with which the step begins; None where its length is unknown. energy_defect: J, what the
+    answer is known. free_velocity: m/s, the largest of a contact without impulses.
+    bodies: of the contacts between two bodies, by the numbers of the bodies' velocities: how many they are; 1 where the motion
+    determines their net impulse, and 1 where it determines each contact's, else 0 (hyperstatic); the difference of the engine's
+    net impulse and the exact answer's over the larger, in the inverse mass; both, a number for each velocity: of a free body
+    force and moment, times the step.
+    penetration: m, with which the step begins; None where its length is unknown. energy_defect: J, what the
     answer adds to the balance of an exact one. notes: what the problem does not express, with its share of the impulse.
     forces: per contact |r_n|, |r_t| and mu r_n, N s. contradiction: in words, where the step is proved to have no solution.
     """
@@ -53,6 +63,8 @@ class Judgement(NamedTuple):
     direction: float
     dissipation: float
     creep: float | None
+    free_velocity: float
+    bodies: dict[str, list[float]]
     penetration: float | None
     energy_defect: float
     notes: dict[str, float]
@@ -77,13 +89,14 @@ def checked(row: Any) -> Judgement:
     """The judgement with these fields. Errors: ValueError, TypeError, LookupError or OverflowError where it is none."""
     found = record(Judgement, row)
     forces = [part for contact in found.forces for part in contact]
-    measured = [value for value in (*found, *found.notes.values()) if isinstance(value, float)]
+    measured = [value for value in (*found, *found.notes.values(), *chain(*found.bodies.values())) if isinstance(value, float)]
     known = found.law in LAWS or not found.contacts
     if (
         not known
         or any(map(math.isnan, measured))
         or not all(map(math.isfinite, forces))
         or len(forces) != 3 * len(found.forces)
+        or any(len(net) < 4 or len(net) % 2 for net in found.bodies.values())
     ):
         raise ValueError(f"the judgement of {found.file} is incomplete")
     return found
@@ -125,9 +138,61 @@ def impossible(found: list[Judgement]) -> str:
     return told + f"{proved[0].file}: {proved[0].contradiction}" if proved else ""
 
 
+def creeping(found: list[Judgement]) -> str:
+    """Whether contacts that should stick creep, how fast, and why most likely; empty where none should stick."""
+    held = [one for one in found if one.creep is not None]
+    if not held:
+        return ""
+    fastest = max(held, key=lambda one: one.creep or 0.0)
+    speed, free = fastest.creep or 0.0, fastest.free_velocity
+    if speed <= NO_CREEP * free:
+        return f"Contacts that should stick do not creep, in {steps(len(held))}."
+    told = f"Contacts that should stick creep at up to {1e3 * speed:.2g} mm/s ({fastest.file}), "
+    told += f"{100 * speed / free:.2g} % of the velocity that they would have without impulses. "
+    soft, _ = notes(found).get("softness of contacts", (0.0, 0))
+    if soft > SOFT:
+        return told + (
+            f"{100 * soft:.2g} % of the impulse is the softness of the engine's contacts, which is the likely cause: make them "
+            "harder, in MuJoCo by solimp nearer 1, a larger impratio or noslip_iterations, in Drake by a smaller penetration "
+            f"allowance and stiction tolerance. {SYMPTOM}"
+        )
+    return told + (
+        "The likely cause is a solver that stops early, or friction that the engine regularises: tighten its tolerance, raise "
+        f"its number of iterations, or lower the speed at which friction is full. {SYMPTOM}"
+    )
+
+
+def forces_right(found: list[Judgement]) -> str:
+    """How far the net impulses between bodies are from the exact answer's, and which contacts' own forces can be compared."""
+    nets = [(one, name, net) for one in found for name, net in one.bodies.items()]
+    determined = [each for each in nets if each[2][1]]
+    if not nets:
+        return ""
+    told = f"{len(nets) - len(determined)} of {len(nets)} net impulses between bodies are not determined by the motion. "
+    told = told if len(determined) < len(nets) else ""
+    if determined:
+        near = sum(net[3] <= NEAR for _, _, net in determined)
+        one, name, net = max(determined, key=lambda each: each[2][3])
+        told += f"{near} of {len(determined)} net impulses between bodies are within {100 * NEAR:g} % of the exact answer's; "
+        told += f"farthest, by {100 * net[3]:.2g} %, are those on the velocities {name} in {one.file}. "
+    if hyperstatic := sum(not net[2] for _, _, net in nets):
+        told += f"In {hyperstatic} of {len(nets)} the forces of single contacts are not determined (hyperstatic)."
+    return told.strip()
+
+
+def steps(count: int) -> str:
+    return f"{count} step{'' if count == 1 else 's'}"
+
+
 def worst(found: list[Judgement], most: int) -> list[Judgement]:
-    """The steps with the largest residuals."""
-    return sorted(touching(found), key=lambda one: -one.residual)[:most]
+    """The steps with the largest residuals that are not neighbours in time, the largest first."""
+    order = {one.file: place for place, one in enumerate(found)}
+    apart = len(found) // (2 * most)
+    chosen: list[Judgement] = []
+    for one in sorted(touching(found), key=lambda one: -one.residual):
+        if len(chosen) < most and all(abs(order[one.file] - order[other.file]) >= apart for other in chosen):
+            chosen.append(one)
+    return chosen
 
 
 class Beside(NamedTuple):

@@ -12,7 +12,7 @@ from frictionbench.harness.judge import judge, judge_file
 from frictionbench.problems.measures import judged, violations
 from frictionbench.reports.judgement import write_judgement
 from frictionbench.results.files import ResultsError
-from frictionbench.results.judgement import NAME, impossible, percentiles, read_judgements
+from frictionbench.results.judgement import NAME, creeping, forces_right, impossible, percentiles, read_judgements, worst
 from frictionbench.results.store import read_table
 from tests.helpers.command_line import frictionbench
 
@@ -74,7 +74,7 @@ def test_summary_and_page(folder) -> None:
     text = told(folder)
     assert "3 steps with contacts judged by Coulomb's law, 1 without contact" in text
     assert "law violated most: dissipation in 1" in text
-    assert "limits 20 % in 1 steps" in text
+    assert "limits 20 % in 1 step" in text
     assert "worst step: creeping.npz, residual " in text
     page = write_judgement(folder).read_text(encoding="utf-8")
     assert SCRIPT not in page
@@ -118,3 +118,35 @@ def test_unusable_folders_are_refused(tmp_path) -> None:
         assert (done.returncode, done.stdout) == (2, "")
         assert told_of in done.stderr
     assert not (tmp_path / "runs").exists()
+
+
+def test_creep_and_net_impulses_are_told_in_words(folder) -> None:
+    text = " ".join(told(folder).split())
+    assert "creep at up to 2 mm/s (creeping.npz), " in text
+    assert "a solver that stops early" in text
+    assert "farthest, by 1.9 %, are those on the velocities 0 to 1 in creeping.npz." in text
+    assert "'An object at rest creeps'" in text
+    assert "hyperstatic" not in text
+    soft = [one._replace(notes={"softness of contacts": 0.07}) for one in read_judgements(folder)]
+    assert "7 % of the impulse is the softness of the engine's contacts" in creeping(soft)
+
+
+def test_hyperstatic_contacts_are_marked(tmp_path) -> None:
+    """Of a box on three feet that cannot turn, the sum of the impulses is determined and none of them alone."""
+    each = np.array([[2 * 9.81 * STEP, -0.05]]) / 3
+    fb.save(box(contacts=3), tmp_path / "feet.npz", impulse=np.repeat(each, 3, axis=0) * [[1.0], [1.2], [0.8]], step=STEP)
+    one = judge_file(tmp_path, tmp_path / "feet.npz")
+    contacts, net_known, alone, difference, *nets = one.bodies["0 to 1"]
+    assert (contacts, net_known, alone) == (3, 1, 0)
+    assert difference < 1e-6
+    assert nets == pytest.approx([-0.05, 2 * 9.81 * STEP] * 2)
+    assert "In 1 of 1 the forces of single contacts are not determined (hyperstatic)" in forces_right([one])
+
+
+def test_the_worst_steps_are_apart(folder) -> None:
+    step = read_judgements(folder)[0]
+    row = [step._replace(file=f"{k}", contacts=1, residual=1.0 / (1 + abs(k - 50))) for k in range(100)]
+    shown = [int(one.file) for one in worst(row, 5)]
+    assert shown[0] == 50
+    assert all(abs(a - b) >= 10 for a in shown for b in shown if a != b)
+    assert len(worst(row[:3], 5)) == 3
