@@ -95,17 +95,17 @@ def _creep(problem: FrictionProblem, impulse: Array, exact: Array) -> float | No
 def _net_impulses(problem: FrictionProblem, impulse: Array, exact: Array) -> dict[str, list[float]]:
     """By the velocities of two bodies the net impulse of the contacts between them, as described at Judgement.
 
-    The motion determines the impulses z of bearing contacts and of joints but for the null space of their columns A: J' of a
+    The motion determines the impulses z of closed contacts and of joints but for the null space of their columns A: J' of a
     contact that sticks, J'(1, -mu u_t/|u_t|) of one that slides, F' of joints.
     """
-    if not problem.mechanical:
+    if not problem.mechanical or not problem.contacts:
         return {}
     nc, d = problem.contacts, problem.dimension
     J = np.concatenate([problem.normal.toarray()[:, None], problem.tangent.toarray().reshape(nc, d - 1, -1)], axis=1)
     u = problem.contact_velocity(exact)
     slip = np.linalg.norm(u[:, 1:], axis=1)
     owners, columns = [-1] * problem.joints.shape[0], [problem.joints.toarray()]
-    for i in np.flatnonzero(exact[:, 0] > STICKS * problem.units / problem.scale):
+    for i in np.flatnonzero(u[:, 0] <= STICKS * problem.units):
         slides = slip[i] > STICKS * problem.units[i]
         along = np.concatenate([[1.0], -problem.friction[i] * u[i, 1:] / slip[i]]) @ J[i] if slides else J[i]
         columns.append(np.atleast_2d(along))

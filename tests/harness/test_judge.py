@@ -124,7 +124,7 @@ def test_creep_and_net_impulses_are_told_in_words(folder) -> None:
     text = " ".join(told(folder).split())
     assert "creep at up to 2 mm/s (creeping.npz), " in text
     assert "a solver that stops early" in text
-    assert "farthest, by 1.9 %, are those on the velocities 0 to 1 in creeping.npz." in text
+    assert "farthest, by 2 %, are those on the velocities 0 to 1 in creeping.npz." in text
     assert "'An object at rest creeps'" in text
     assert "hyperstatic" not in text
     soft = [one._replace(notes={"softness of contacts": 0.07}) for one in read_judgements(folder)]

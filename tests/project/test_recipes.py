@@ -96,6 +96,13 @@ def test_recipe(name, printed) -> None:
         assert word in printed[name]
 
 
+@pytest.mark.parametrize("check", [("ruff", "check"), ("ruff", "format", "--check"), ("mypy",)])
+def test_recipes_have_the_style_and_types_of_the_package(check, source, printed) -> None:
+    shutil.copy(ROOT / "pyproject.toml", source)
+    done = subprocess.run([sys.executable, "-m", *check, "frictionbench"], cwd=source, check=False, **PIPED)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
 def test_recipe_chart_is_drawn(source, printed) -> None:
     run = source / "runs" / "brick"
     assert "Cells solved, trivial problems left out." in (run / "report.html").read_text(encoding="utf-8")
