@@ -30,7 +30,7 @@ LONGEST = 38  # letters of a title; a longer one is cut
 FEW = 6  # panels of a map that are drawn large
 SEAM = 0.05  # points, the outline of a tile, which closes the gap that a viewer may show between neighbours
 REACH = 1.5  # grid lines: neighbours on a curve that crosses all lines of the grid are at most a diagonal, 1.41, apart
-CURVE, TICK, HALO = 1.3, 0.5, 2.9  # widths of lines; HALO: of the white one that sets a curve off from the tiles
+CURVE, TICK, HALO = 1.3, 0.5, 2.9  # widths of lines on the page, twice those in print; HALO: the white one below a curve
 DASHES = 3.3, 4.6  # of every other curve, so that two that coincide are both seen
 Point = tuple[float, float]
 
@@ -125,8 +125,8 @@ def draw(ax: Axes, field: Field, grid: Grid) -> None:
         for way in ways:
             x, y = zip(*way, strict=True)
             if not k % 2:
-                ax.plot(x, y, lw=HALO, color="white", solid_capstyle="round")
-            ax.plot(x, y, lw=CURVE, color=colour, ls=(0, (1.5, 2.5)) if k % 2 else "-", solid_capstyle="round")
+                ax.plot(x, y, lw=HALO / 2, color="white", solid_capstyle="round")
+            ax.plot(x, y, lw=CURVE / 2, color=colour, ls=(0, (1.5, 2.5)) if k % 2 else "-", solid_capstyle="round")
     for axis, place, name in ((grid.x, ax.set_xticks, ax.set_xlabel), (grid.y, ax.set_yticks, ax.set_ylabel)):
         place([line for line, _ in axis.ticks], [text for _, text in axis.ticks])
         name(plain(axis.name, LONGEST))
