@@ -1,8 +1,10 @@
 """Steps of MuJoCo's models with contacts, limits, dry friction and equalities solved exactly.
 
-    result = None
-    while data.time < 1.0:
-        result = frictionbench.mujoco.step(model, data, before=result)      # in place of mujoco.mj_step(model, data)
+>>> import frictionbench as fb
+>>> result = fb.mujoco.step(model, data)  # doctest: +SKIP
+
+in place of mujoco.mj_step(model, data); in a loop `step(model, data, before=result)` starts from the impulses of the step
+before.
 
 Positions, collisions, actuators, passive and applied forces are MuJoCo's, and so is the velocity v* that it would reach without
 constraints (problems.capture.mujoco). The step is that of Anitescu and Potra (1997), after Stewart and Trinkle (1996):

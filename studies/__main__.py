@@ -17,7 +17,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--data", action="append", default=[], metavar="DIR", help="recorded problems, for the study rankings")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), metavar="N", help="tables computed at the same time")
     given = parser.parse_args(arguments)
-    names = NAMES if "all" in given.names else given.names
+    names = [name for name in NAMES if study(name).runs()] if "all" in given.names else given.names
     if given.data and not any(study(name).recorded for name in names):
         parser.error("--data is for the study rankings")
     try:

@@ -7,6 +7,7 @@ numbers that the prose quotes, formatted, and the panels of its figures.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from importlib.util import find_spec
 from statistics import NormalDist
 from typing import Any, NamedTuple
 
@@ -41,12 +42,19 @@ class Summary(NamedTuple):
 
 
 class Study(NamedTuple):
-    """rows: a generator for each table. plan: solver runs, if any; recorded: those on recorded problems at given locations."""
+    """rows: a generator for each table. plan: solver runs, if any; recorded: those on recorded problems at given locations.
+
+    needs: packages without which `all` leaves the study out.
+    """
 
     rows: Sequence[Callable[..., Iterable[Row]]]
     summary: Callable[[Tables], Summary]
     plan: Callable[[], Plan] | None = None
     recorded: Callable[[Sequence[str]], Plan] | None = None
+    needs: Sequence[str] = ()
+
+    def runs(self) -> bool:
+        return all(find_spec(package) is not None for package in self.needs)
 
 
 def require(holds: object, claim: str) -> None:

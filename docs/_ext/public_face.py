@@ -14,7 +14,7 @@ from sphinx.util.docutils import SphinxDirective
 
 import frictionbench as fb
 
-MODULES = ("capture", "plot")
+MODULES = ("capture", "mujoco", "plot")
 
 
 class PublicFace(SphinxDirective):

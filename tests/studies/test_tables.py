@@ -2,6 +2,7 @@
 
 import json
 import re
+from importlib.util import find_spec
 
 import numpy as np
 import pandas as pd
@@ -273,3 +274,21 @@ def test_a_pile_of_discs_has_several_motions_and_digits_of_residual_are_digits_o
     exact = found["digits"].query("residual < 1e-9")
     assert (exact["error"] < 1e-7).all()
     assert "1 have several" in text("outcomes", found).answer
+
+
+@pytest.mark.slow  # its claims on computed tables
+def test_the_error_of_a_path_follows_the_tolerance() -> None:
+    for package in ("mujoco", "dm_control", "gymnasium_robotics"):
+        if find_spec(package) is None:
+            pytest.skip(f"{package} is not installed")
+    found = reduced(
+        "exactness",
+        paths={"names": ("humanoid",), "seeds": (0,), "duration": 0.3},
+        tasks={"names": ("slope", "hinge"), "duration": 0.1},
+    )
+    error = found["paths"].set_index(["way", "time"])["error"]
+    assert error["1e-01", 0.3] > 1e2 * error["1e-06", 0.3] > 1e4 * error["1e-10", 0.3]
+    assert error["twin", 0.3] < 1e-9
+    moved = found["tasks"].set_index(["way", "task"])["moved"]
+    assert moved["reference", "hinge"] < 1e-9 < moved["MuJoCo", "hinge"]
+    assert text("exactness", found).answer.startswith("As exact as the path is wanted")
