@@ -4,6 +4,7 @@
 Large imports are inside the commands that need them, so that --help is fast.
 """
 
+import json
 import signal
 import sys
 import traceback
@@ -11,7 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 from typer.core import TyperArgument, TyperCommand
@@ -20,6 +21,9 @@ from frictionbench.commands import options
 from frictionbench.harness.streams import Unwritable, standard_streams
 from frictionbench.results.conventions import DEFAULT_SCHEME, RankBy
 from frictionbench.results.files import printable
+
+if TYPE_CHECKING:
+    from frictionbench.harness.progress import Progress
 
 app = typer.Typer(
     help="Compare solvers for the friction LCPs of rigid-body dynamics. To begin: frictionbench solve stack",
@@ -68,11 +72,11 @@ def about(
 
 
 @_command("list")
-def list_(what: options.Listing) -> None:
+def list_(what: options.Listing, as_json: options.AsJson = False) -> None:
     """List the scenes, the solvers or the suites."""
     from frictionbench.commands import listing
 
-    listing.show(what)
+    (listing.show_json if as_json else listing.show)(what)
 
 
 @_command()
@@ -92,6 +96,7 @@ def run(
     retake: Annotated[
         bool, typer.Option("--retake", help="Run again the cells that shared their core with another process, or timed out.")
     ] = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Run a suite, or the part of it that the options select.
 
@@ -104,6 +109,7 @@ def run(
     from frictionbench.harness.run import run as run_plan
     from frictionbench.harness.workers.inputs import load_plugins, require_buildable
 
+    progress = Progress(quiet=quiet)
     variants, plugins = load_plugins(solver or [])
     plan = choose(suite, scene or [], variants, tol, time_limit, plugins, tuple(data or ()), all_solvers)
     if scene:
@@ -111,16 +117,16 @@ def run(
         require_buildable([*named, *((batch.scene, batch.parameters) for batch in plan.batches)])
     folder = out or folder_for(plan)
     if plan.expects:
-        typer.echo(f"{plan.suite} takes {plan.expects} with one worker on two cores", err=True)
-    with _resumable(folder):
+        progress.tell(f"{plan.suite} takes {plan.expects} with one worker on two cores")
+    with _resumable(folder, progress):
         if retake:
             drop_disturbed(plan, folder)
         if plan.maps:
             from frictionbench.harness.maps import run_maps
 
-            run_maps(plan, folder, _jobs(jobs), Progress(), cluster)
+            run_maps(plan, folder, _jobs(jobs, progress), progress, cluster)
         else:
-            run_plan(plan, folder, _jobs(jobs), Progress(), cluster)
+            run_plan(plan, folder, _jobs(jobs, progress), progress, cluster)
     typer.echo(summary(folder))
 
 
@@ -269,11 +275,16 @@ def solve(
     jobs: options.Jobs = None,
     rank_by: options.ByOfProblem = None,
     budget: options.Budget = None,
+    as_json: options.AsJson = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Solve one problem with every solver and show a table."""
     from frictionbench.commands.single import solve_one
+    from frictionbench.harness.progress import Progress
 
-    solve_one(problem, solver or [], tol, time_limit, _jobs(jobs), rank_by=rank_by, budget=budget)
+    progress = Progress(quiet=quiet)
+    chosen: dict[str, Any] = {"rank_by": rank_by, "budget": budget, "progress": progress, "as_json": as_json}
+    solve_one(problem, solver or [], tol, time_limit, _jobs(jobs, progress), **chosen)
 
 
 @_command()
@@ -293,20 +304,24 @@ def judge(
         Path | None,
         typer.Option("--out", metavar="DIR", help="Results folder; by default one below runs/ for these steps."),
     ] = None,
+    as_json: options.AsJson = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Judge how exact an engine's own steps are.
 
     Its impulses are measured by Coulomb's law, and exact solvers answer the same steps.
     """
-    from frictionbench.commands.judge import told
+    from frictionbench.commands.judge import as_data, told
     from frictionbench.harness.judge import judge as judge_folder
+    from frictionbench.harness.progress import Progress
     from frictionbench.harness.workers.inputs import load_plugins
     from frictionbench.reports.judgement import write_judgement
 
     variants, plugins = load_plugins(against or [])
-    written = judge_folder(folder, variants, plugins, tol, time_limit, _jobs(jobs), out)
-    typer.echo(told(written))
-    typer.echo(f"report: {write_judgement(written)}")
+    progress = Progress(quiet=quiet)
+    written = judge_folder(folder, variants, plugins, tol, time_limit, _jobs(jobs, progress), out, progress)
+    report_of_it = write_judgement(written)
+    typer.echo(json.dumps(as_data(written), indent=1) if as_json else f"{told(written)}\nreport: {report_of_it}")
 
 
 @_command()
@@ -405,6 +420,7 @@ def map_(
     ] = 0,
     jobs: options.Jobs = None,
     out: options.Out = None,
+    quiet: options.Quiet = False,
 ) -> None:
     """Draw a failure map of a scene over two of its parameters.
 
@@ -419,9 +435,9 @@ def map_(
     variants, plugins = load_plugins(solver or [])
     plan = plan_map(scene, x, y, variants, plugins, tol, time_limit, scheme, steps)
     require_buildable([(spec.scene, spec.at(corner)) for spec in plan.maps for corner in corners(spec)])
-    folder = out or folder_for(plan)
-    with _resumable(folder):
-        run_maps(plan, folder, _jobs(jobs), Progress())
+    folder, progress = out or folder_for(plan), Progress(quiet=quiet)
+    with _resumable(folder, progress):
+        run_maps(plan, folder, _jobs(jobs, progress), progress)
     typer.echo(f"report: {write_report(folder)}")
 
 
@@ -437,8 +453,9 @@ def check_solver(
     Shows what is wrong and how to correct it. Exit code 0: all checks passed; 1: a check failed.
     """
     from frictionbench.harness.contract.examine import examine, format_findings
+    from frictionbench.harness.progress import Progress
 
-    found = examine(solver, _jobs(jobs))
+    found = examine(solver, _jobs(jobs, Progress()))
     typer.echo(format_findings(found))
     raise typer.Exit(int(any(one.violations for one in found)))
 
@@ -499,7 +516,7 @@ def _show_markdown(text: str) -> None:
         typer.echo(text)
 
 
-def _jobs(jobs: int | None) -> int:
+def _jobs(jobs: int | None, progress: "Progress") -> int:
     """The number of workers; by default a core is left to this process and the system, whose work would disturb the timings."""
     from frictionbench.harness.process import cores, require_linux
     from frictionbench.problems import InputError
@@ -508,11 +525,11 @@ def _jobs(jobs: int | None) -> int:
     most = len(cores())
     if jobs is not None and jobs > most:
         raise InputError(f"jobs: at most {most} on this machine, one per core")
-    _tell_of_compilation()
+    _tell_of_compilation(progress)
     return jobs or max(1, most - 1)
 
 
-def _tell_of_compilation() -> None:
+def _tell_of_compilation(progress: "Progress") -> None:
     """Say before the wait that no kernel of this version has been compiled yet, where that is so."""
     from numba.core import config
 
@@ -520,7 +537,7 @@ def _tell_of_compilation() -> None:
 
     if not any(Path(config.CACHE_DIR).rglob("*.nbi")):
         told = "kernels are compiled at their first use, once: one or two minutes on two cores, some more for every solver"
-        typer.echo(f"{told}; later runs start at once", err=True)
+        progress.tell(f"{told}; later runs start at once")
 
 
 class _Stopped(BaseException):
@@ -534,9 +551,9 @@ def _stop(number: int, _: Any) -> None:
 
 
 @contextmanager
-def _resumable(folder: Path, report: bool = True) -> Iterator[None]:
+def _resumable(folder: Path, progress: "Progress", report: bool = True) -> Iterator[None]:
     """Print the run's folder, and if the run is interrupted how to resume it; report: whether what it holds can be reported."""
-    typer.echo(f"results are written to {folder}", err=True)
+    progress.tell(f"results are written to {folder}")
     try:
         yield
     except _Stopped as stopped:

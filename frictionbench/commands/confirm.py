@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tarfile
 import tempfile
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -70,8 +71,10 @@ def confirmed(
         sides = [side for side in (before, now) if side is not None]
         pairs: list[Pair] = []
         equal: dict[str, list[str]] = {}
-        for i in range(PAIRS if timed else PAIRS_UNTIMED):
-            tell(f"confirm: pair {i + 1} of {PAIRS if timed else PAIRS_UNTIMED}")
+        most, begun = PAIRS if timed else PAIRS_UNTIMED, time.monotonic()
+        for i in range(most):
+            left = f", about {(time.monotonic() - begun) / i * (most - i) / 60:.1f} min left" if i else ""
+            tell(f"confirm: {i} of {most} pairs of runs are done{left}")
             found = {
                 id(side): _cells(side, options, scratch / f"{i}-{sides.index(side)}", limits.rank_by)
                 for side in sides[:: (-1) ** i]

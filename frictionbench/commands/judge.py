@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from frictionbench.commands.table import columns, paragraph, screen
 from frictionbench.results.files import printable
@@ -19,6 +20,21 @@ from frictionbench.results.judgement import (
     worst,
 )
 from frictionbench.results.store import read_table
+
+
+def as_data(folder: Path) -> dict[str, Any]:
+    """The judgement as plain values, for JSON: the page's sentences and tables, and every step."""
+    found, rows = read_judgements(folder), read_table(folder, "solves")
+    return {
+        "folder": str(folder),
+        "creep": creeping(found),
+        "forces": forces_right(found),
+        "laws": laws(found),
+        "notes": notes(found),
+        "percentiles": percentiles(found),
+        "beside": [one._asdict() for one in beside(rows)],
+        "steps": [one._asdict() for one in found],
+    }
 
 
 def told(folder: Path) -> str:

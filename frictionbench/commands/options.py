@@ -102,4 +102,6 @@ Out = Annotated[
     Path | None,
     typer.Option("--out", metavar="DIR", help="Results folder; by default one below runs/ for these settings."),
 ]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON in place of text.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress; results and errors alone.")]
 Scheme = Annotated[str, typer.Option("--scheme", metavar="SCHEME", help="Time-stepping scheme.")]

@@ -148,6 +148,7 @@ def judge(
     time_limit: float,
     jobs: int,
     out: Path | None = None,
+    progress: Progress | None = None,
 ) -> Path:
     """Judge the steps in folder/*.npz and run EXACT and the solvers `against` on them; the results folder.
 
@@ -156,7 +157,7 @@ def judge(
     """
     paths = sorted(folder.glob("*.npz"), key=_natural)
     require(bool(paths), "folder", f"{folder} holds no steps of an engine, *.npz; docs/engines.md says how to write them")
-    progress = Progress()
+    progress = progress or Progress()
     with tempfile.TemporaryDirectory() as name:
         found = _judgements(paths, Path(name), jobs, progress)
         require(bool(touching(found)), "folder", f"no step in {folder} has a contact")

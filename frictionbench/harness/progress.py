@@ -59,10 +59,10 @@ class Stage:
 
 
 class Progress:
-    """Bars on a console, stderr by default, one stage after another."""
+    """Bars on a console, stderr by default, one stage after another; quiet: nothing at all."""
 
-    def __init__(self, console: Console | None = None) -> None:
-        self._console = console or Console(stderr=True)
+    def __init__(self, console: Console | None = None, quiet: bool = False) -> None:
+        self._console = console or Console(stderr=True, quiet=quiet)
 
     def tell(self, text: str) -> None:
         """Print a line."""

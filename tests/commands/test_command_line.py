@@ -1,5 +1,6 @@
 """Output of the command line on terminals and pipes: help, lists, tables, summaries, errors and interruptions."""
 
+import json
 import re
 import signal
 import subprocess
@@ -108,6 +109,13 @@ def test_short_help_names_no_types_of_python(command) -> None:
     told = output_of(command, "-h")
     assert told.startswith("Usage: ")
     assert "list[" not in told
+
+
+@pytest.mark.parametrize("what", ["scenes", "solvers", "suites"])
+def test_lists_are_json_too(what) -> None:
+    listed = json.loads(output_of("list", what, "--json"))
+    assert {"scenes": "cubes", "solvers": "lemke", "suites": "smoke"}[what] in listed
+    assert all(facts["summary"].endswith((".", ")")) for facts in listed.values())
 
 
 def test_lists_show_settings(capsys) -> None:
