@@ -81,7 +81,7 @@ def list_(what: options.Listing, as_json: options.AsJson = False) -> None:
 
 @_command()
 def run(
-    suite: options.Suite = "standard",
+    suite: options.Suite = None,
     scene: options.Scenes = None,
     solver: options.Solvers = None,
     tol: options.Tolerances = None,
@@ -90,6 +90,7 @@ def run(
     data: options.Data = None,
     cluster: options.Cluster = None,
     out: options.Out = None,
+    config: options.Config = None,
     all_solvers: Annotated[
         bool, typer.Option("--all-solvers", help="Every installed solver in place of the suite's; this may take long.")
     ] = False,
@@ -103,19 +104,23 @@ def run(
     The same command resumes an interrupted run.
     """
     from frictionbench.commands.summary import folder_for, summary
-    from frictionbench.harness.plans.choose import choose
+    from frictionbench.harness.plans.choose import chosen
+    from frictionbench.harness.plans.config import RunOptions, read_options
     from frictionbench.harness.progress import Progress
     from frictionbench.harness.run import drop_disturbed
     from frictionbench.harness.run import run as run_plan
     from frictionbench.harness.workers.inputs import load_plugins, require_buildable
 
     progress = Progress(quiet=quiet)
-    variants, plugins = load_plugins(solver or [])
-    plan = choose(suite, scene or [], variants, tol, time_limit, plugins, tuple(data or ()), all_solvers)
-    if scene:
+    wanted = RunOptions(suite, scene, solver, tol, time_limit, data, all_solvers or None, str(out) if out else None)
+    if config:
+        wanted = wanted.before(read_options(config))
+    variants, plugins = load_plugins(wanted.solver or [])
+    plan = chosen(wanted, variants, plugins)
+    if wanted.scene:
         named = [(source.scene, source.parameters) for source in plan.sources]
         require_buildable([*named, *((batch.scene, batch.parameters) for batch in plan.batches)])
-    folder = out or folder_for(plan)
+    folder = Path(wanted.out) if wanted.out else folder_for(plan)
     if plan.expects:
         progress.tell(f"{plan.suite} takes {plan.expects} with one worker on two cores")
     with _resumable(folder, progress):

@@ -24,7 +24,7 @@ from frictionbench.results import cells, store
 from frictionbench.results.compare import Comparison, Limits, confirm, equal_loads, suspects
 from frictionbench.results.conventions import RankBy, scene_title
 from frictionbench.results.files import ResultsError
-from frictionbench.results.times import Pair
+from frictionbench.results.times import Pair, may_be_slower
 from frictionbench.solvers import plugins
 
 PAIRS, PAIRS_UNTIMED = 8, 3  # runs of each code: eight equal signs are significant at 1 %; verdicts and counters hardly vary
@@ -82,6 +82,9 @@ def confirmed(
             base = found[id(before)] if before else stored
             pairs.append((base.table, found[id(now)].table))
             equal |= equal_loads(stored, base, found[id(now)]) if before else {}
+            if timed and PAIRS_UNTIMED <= i + 1 < most and not may_be_slower(pairs, most, limits.slowdown, limits.alpha):
+                tell(f"confirm: after {i + 1} pairs no solver can be found slower by the others")
+                break
     return confirm(comparison, pairs, before is not None, limits, equal)
 
 

@@ -71,6 +71,17 @@ def times(pairs: Sequence[Pair], limit: float, alpha: float) -> list[Time]:
     return found
 
 
+def may_be_slower(pairs: Sequence[Pair], most: int, limit: float, alpha: float) -> bool:
+    """Whether some solver's interval over `most` pairs can still end above the limit, if those to come are ever so slow."""
+    logs = pd.concat([_logs(*pair).assign(pair=k) for k, pair in enumerate(pairs)])
+    shifts = (logs["after"] - logs["before"]).groupby([logs["variant"], logs["pair"]]).mean()
+    for _, own in shifts.groupby("variant"):
+        to_come = np.full(most - len(own), np.inf)
+        if estimate(np.concatenate([own, to_come]), alpha)[1] > limit:
+            return True
+    return False
+
+
 def _logs(before: pd.DataFrame, after: pd.DataFrame) -> pd.DataFrame:
     common = before.index.intersection(after.index)
     before, after = before.loc[common], after.loc[common]

@@ -15,7 +15,7 @@ from frictionbench.results import cells
 from frictionbench.results.changes import Flip
 from frictionbench.results.compare import Limits, compare, confirm, suspects
 from frictionbench.results.conventions import RankBy
-from frictionbench.results.times import estimate
+from frictionbench.results.times import estimate, may_be_slower
 from tests.helpers.made_results import MACHINE, SETTINGS, simulation_row, solve_row, unanswered_row, write_folder
 
 ELSEWHERE = {"machine": MACHINE | {"host": "there"}}
@@ -260,6 +260,7 @@ def test_slowdown_is_detected_through_noise(runs, tmp_path, solve, worse, better
     result = confirm(seen, pairs, both=True, limits=Limits())
     assert (len(result.worse), len(result.better), result.exit_code) == (worse, better, worse)
     assert {time.n for time in result.times} == {8}
+    assert all(may_be_slower(pairs[:k], 8, 1.1, 0.05) for k in range(3, 8)) is bool(worse)  # else it ends early
     assert ("**×1.3" in markdown(result)) is bool(worse)
     assert confirm(seen, pairs, both=True, limits=Limits(slowdown=1.5)).exit_code == 0
     assert confirm(seen, pairs, both=False, limits=Limits()).times == seen.times
