@@ -27,17 +27,17 @@ def friction_at_work(problem: FrictionProblem) -> bool:
     if (slides & (problem.friction_bias > 0)).any():
         return True
     bears = (np.abs(u[:, 0]) <= unit) & ~(slides & (problem.friction > 0))
-    root = np.sqrt(problem.mass.diagonal())
-    change = root * (v - problem.free_velocity)
-    N, F = problem.normal.toarray()[bears] / root, problem.joints.toarray() / root
+    root = np.linalg.cholesky(problem.mass.toarray()).T
+    change = root @ (v - problem.free_velocity)
+    N, F = (np.linalg.solve(root.T, rows.T).T for rows in (problem.normal.toarray()[bears], problem.joints.toarray()))
     _, left = nnls(np.vstack([N, F, -F]).T, change) if len(N) + len(F) else (None, np.linalg.norm(change))
     return bool(left > NEEDED * np.abs(change).max(initial=0.0) and left > NEEDED * SLIDES)
 
 
 def _velocities(problem: FrictionProblem) -> np.ndarray:
-    """The frictionless velocities (nv,), in x = sqrt(M) v; M is diagonal in all our scenes and instances."""
-    root = np.sqrt(problem.mass.diagonal())
-    N, F = problem.normal / root, problem.joints / root
+    """The frictionless velocities (nv,), in x = L' v with M = L L'."""
+    root = np.linalg.cholesky(problem.mass.toarray()).T
+    N, F = (sparse.csr_array(np.linalg.solve(root.T, rows.toarray().T).T) for rows in (problem.normal, problem.joints))
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-12
@@ -46,10 +46,10 @@ def _velocities(problem: FrictionProblem) -> np.ndarray:
         cones.insert(0, clarabel.ZeroConeT(F.shape[0]))
     found = clarabel.DefaultSolver(
         sparse.csc_matrix(sparse.eye(len(root))),
-        -root * problem.free_velocity,
+        -root @ problem.free_velocity,
         sparse.csc_matrix(sparse.vstack([F, -N])),
         np.concatenate([-problem.joint_bias, problem.bias]),
         cones,
         settings,
     ).solve()
-    return np.array(found.x) / root
+    return np.linalg.solve(root, np.array(found.x))
