@@ -77,7 +77,8 @@ def _announced(plan: Plan, cells: list[Cell], records: dict[str, Record]) -> str
     named = ", ".join(solvers) if len(solvers) <= 12 else f"{len(solvers)} solvers"
     minutes, seconds = divmod(round(SMALL_CELL * len(cells)), 60)
     takes = f"{minutes} min" if minutes else f"{max(seconds, 1)} s"
-    told = f"{len(cells)} cells of {len(records)} problems with {named}: about {takes} on one core where problems are small"
+    cells_of = f"{len(cells)} cell{'s' * (len(cells) != 1)} of {len(records)} problem{'s' * (len(records) != 1)}"
+    told = f"{cells_of} with {named}: about {takes} on one core where problems are small"
     return f"{told}; a cell ends at {plan.time_limit:g} s"
 
 
