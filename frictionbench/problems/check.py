@@ -63,7 +63,7 @@ def vector(field: str, value: Any, length: int | None = None) -> Array:
     array = floats(field, value)
     require(array.ndim == 1, field, f"expected a vector, got shape {array.shape}")
     require(length is None or len(array) == length, field, f"expected length {length}, got {len(array)}")
-    if not _finite(array):
+    if not is_finite(array):
         _require_finite(field, array)
     array.setflags(write=False)
     return array
@@ -102,7 +102,7 @@ def rows(field: str, value: Any, shape: tuple[int | None, int]) -> Rows:
                 return Rows(*parts)
     elif not sparse.issparse(value):
         dense = floats(field, value)
-        if shape in (dense.shape, (None, *dense.shape[1:])) and _finite(dense.ravel()):
+        if shape in (dense.shape, (None, *dense.shape[1:])) and is_finite(dense.ravel()):
             return from_dense(dense)
     return from_matrix(matrix(field, value, shape))
 
@@ -177,7 +177,7 @@ def _real(field: str, value: Any) -> Array:
 
 
 @kernel
-def _finite(array):  # type: ignore[no-untyped-def]
+def is_finite(array):  # type: ignore[no-untyped-def]
     """Whether all entries of a vector are finite."""
     for entry in array:  # noqa: SIM110  # a compiled loop
         if not abs(entry) < np.inf:

@@ -230,7 +230,7 @@ def _residuals(packed, impulse, by_velocity, by_contact, found):  # type: ignore
             momentum, pushed = by_velocity[0], by_velocity[1]
             write_velocity(start, column, J, m_start, m_column, m_value, free, r, momentum, pushed)
             write_contact_velocity(start, column, J, pushed, bias, u)
-            write_velocity_size(start, column, J, m_start, m_column, m_value, free, r, bias, momentum, terms)
+            write_velocity_size(start, column, J, m_start, m_column, m_value, free, r, bias, by_velocity, terms)
         else:
             first, neighbours, block = known_blocks(packed, k)
             q = packed.q[packed.first[k, Q] : packed.first[k + 1, Q]].reshape(len(r), r.shape[1])

@@ -89,33 +89,35 @@ def write_contact_velocity(start, column, J, v, bias, u):  # type: ignore[no-unt
 def velocity_size(start, column, J, m_start, m_column, m_value, free, impulse, bias):  # type: ignore[no-untyped-def]
     """|J| (|free| + |M^-1| |J'| |impulse|) + |bias| e_n (nc, d): the terms of pushed_contact_velocity in absolute values."""
     u = np.empty(impulse.shape)
-    write_velocity_size(start, column, J, m_start, m_column, m_value, free, impulse, bias, np.empty(len(free)), u)
+    workspace = np.empty((2, len(free)))
+    write_velocity_size(start, column, J, m_start, m_column, m_value, free, impulse, bias, workspace, u)
     return u
 
 
 @lean
 def write_velocity_size(  # type: ignore[no-untyped-def]
-    start, column, J, m_start, m_column, m_value, free, impulse, bias, momentum, u
+    start, column, J, m_start, m_column, m_value, free, impulse, bias, workspace, u
 ):
-    """The same over u (nc, d); momentum (nv,) is workspace."""
+    """The same over u (nc, d). workspace: (2, nv) or more."""
     nc, d = u.shape
+    momentum, pushed = workspace[0], workspace[1]
     for v in range(len(free)):
         momentum[v] = 0.0
     for i in range(nc):
         for a in range(d):
             for k in range(start[i], start[i + 1]):
                 momentum[column[k]] += abs(J[k, a]) * abs(impulse[i, a])
+    for v in range(len(free)):
+        pushed[v] = abs(free[v])
+        for m in range(m_start[v], m_start[v + 1]):
+            pushed[v] += abs(m_value[m]) * momentum[m_column[m]]
     for i in range(nc):
         for a in range(d):
             u[i, a] = 0.0
         u[i, 0] = abs(bias[i])
         for k in range(start[i], start[i + 1]):
-            v = column[k]
-            pushed = abs(free[v])
-            for m in range(m_start[v], m_start[v + 1]):
-                pushed += abs(m_value[m]) * momentum[m_column[m]]
             for a in range(d):
-                u[i, a] += abs(J[k, a]) * pushed
+                u[i, a] += abs(J[k, a]) * pushed[column[k]]
 
 
 @kernel

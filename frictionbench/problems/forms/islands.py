@@ -214,11 +214,13 @@ def mechanical_graph(start, column, J, m_start, m_column, m_value, f_start, f_co
     for v in range(nv):
         parent[v] = v
     for v in range(nv):
-        for m in range(m_start[v], m_start[v + 1]):
-            if m_column[m] == v:
-                root[v] = np.sqrt(m_value[m])
-            elif m_value[m] != 0:
-                parent[top(parent, v)] = top(parent, m_column[m])
+        m = m_start[v]
+        parent[top(parent, v)] = top(
+            parent, m_column[m]
+        )  # M^-1 has dense blocks (problems.forms.mass), all with this first column
+        while m_column[m] != v:
+            m += 1
+        root[v] = np.sqrt(m_value[m])
     for j in range(len(f_start) - 1):
         for k in range(f_start[j] + 1, f_start[j + 1]):
             parent[top(parent, f_column[k])] = top(parent, f_column[k - 1])

@@ -11,7 +11,9 @@ from scipy.sparse.csgraph import connected_components
 
 from frictionbench.problems.check import require
 from frictionbench.problems.compiled import kernel
-from frictionbench.problems.rows import Rows, from_matrix
+from frictionbench.problems.rows import Array, Index64, Rows, from_matrix
+
+DENSE = 300  # velocities up to which one block, as of a robot, is inverted without scipy's sparse matrices
 
 
 def inverse_mass(mass: Rows) -> Rows:
@@ -23,7 +25,14 @@ def inverse_mass(mass: Rows) -> Rows:
     inverse, diagonal = _reciprocal(*mass)
     if diagonal:
         return Rows(mass.start, mass.column, inverse)
-    return from_matrix(_by_blocks(mass.matrix(n)))
+    matrix = mass.matrix(n)
+    count, label = connected_components(matrix, directed=False)
+    if count == 1 and n <= DENSE:
+        dense = mass.dense(n)
+        _require_symmetric(dense.diagonal(), float(np.abs(dense - dense.T).max()), float(np.abs(dense).max()))
+        start, column = n * np.arange(n + 1, dtype=np.int32), np.tile(np.arange(n, dtype=np.int32), n)
+        return Rows(start, column, _inverse(dense, np.arange(n)).ravel())
+    return from_matrix(_by_blocks(matrix, count, label))
 
 
 @kernel
@@ -38,28 +47,32 @@ def _reciprocal(start, column, value):  # type: ignore[no-untyped-def]
     return inverse, True
 
 
-def _by_blocks(mass: sparse.csr_array) -> sparse.csr_array:
-    """The inverse of a symmetric positive definite (nv, nv) matrix, block by block.
-
-    Errors: InputError naming `mass` where it is not symmetric to round-off or not positive definite.
-    """
-    diagonal = mass.diagonal()
-    require(bool(np.all(diagonal > 0)), "mass", "not positive definite: a diagonal entry is not positive")
+def _by_blocks(mass: sparse.csr_array, count: int, label: Index64) -> sparse.csr_array:
+    """The inverse, block by block; label: (nv,), the block of each coordinate. Errors: as of inverse_mass."""
     asymmetry = abs(mass - mass.T)
-    require(asymmetry.nnz == 0 or asymmetry.max() <= 1e-12 * abs(mass).max(), "mass", "not symmetric")
-    count, label = connected_components(mass, directed=False)
+    _require_symmetric(mass.diagonal(), asymmetry.max() if asymmetry.nnz else 0.0, abs(mass).max() if mass.nnz else 0.0)
     order = np.argsort(label, kind="stable")
     blocks = np.split(order, np.cumsum(np.bincount(label, minlength=count))[:-1])
     rows, columns, entries = [], [], []
     for block in blocks:
-        dense = mass[block][:, block].toarray()
-        try:
-            inverse = cho_solve(cho_factor(dense), np.eye(len(block)))
-        except LinAlgError:
-            inverse = np.full_like(dense, np.nan)
-        require(bool(np.isfinite(inverse).all()), "mass", f"not positive definite in the coordinates {block[:6].tolist()}")
         rows.append(np.repeat(block, len(block)))
         columns.append(np.tile(block, len(block)))
-        entries.append((inverse + inverse.T).ravel() / 2)
+        entries.append(_inverse(mass[block][:, block].toarray(), block).ravel())
     triplets = (np.concatenate(entries), (np.concatenate(rows), np.concatenate(columns)))
     return sparse.csr_array(sparse.coo_array(triplets, shape=mass.shape))
+
+
+def _require_symmetric(diagonal: Array, asymmetry: float, largest: float) -> None:
+    require(bool(np.all(diagonal > 0)), "mass", "not positive definite: a diagonal entry is not positive")
+    require(asymmetry <= 1e-12 * largest, "mass", "not symmetric")
+
+
+def _inverse(block: Array, coordinates: Index64) -> Array:
+    """The inverse of a dense block, symmetric. Errors: InputError naming mass and the coordinates of the block."""
+    try:
+        inverse = cho_solve(cho_factor(block), np.eye(len(block)))
+    except LinAlgError:
+        inverse = np.full_like(block, np.nan)
+    named = coordinates[:6].tolist()
+    require(bool(np.isfinite(inverse).all()), "mass", f"not positive definite in the coordinates {named}")
+    return np.asarray((inverse + inverse.T) / 2)

@@ -1,0 +1,110 @@
+"""Joint equations F v + b_F = 0 held by a dense inverse of G = F M^-1 F', in compiled passes: for few equations, of any rank.
+
+Redundant equations make G singular; any X with G X G = G gives the same velocities, v - M^-1 F' X (F v + b_F). X is the
+inverse of the rows of G that a Cholesky factorisation with pivots takes, and zero elsewhere. Arrays are as in problems.rows;
+there may be no equations.
+"""
+
+import numpy as np
+
+from frictionbench.problems.compiled import kernel
+from frictionbench.problems.forms.delassus import joint_response, product
+
+# Of its own diagonal entry of G, times nj: what a row adds to the rows before it is a rounding error below this.
+DEPENDENT = 10 * float(np.finfo(float).eps)
+PASSES = 2  # of `hold`: the second removes what the rounding of the inverse leaves, where rows are nearly dependent
+
+
+@kernel
+def joint_inverse(f_start, f_column, F, m_start, m_column, m_value):  # type: ignore[no-untyped-def]
+    """M^-1 F' (nv, nj) and X (nj, nj), symmetric."""
+    response = joint_response(f_start, f_column, F, m_start, m_column, m_value)
+    return response, generalised_inverse(product(f_start, f_column, F, response))
+
+
+@kernel
+def generalised_inverse(G):  # type: ignore[no-untyped-def]
+    """X with G X G = G of a symmetric positive semidefinite G (nj, nj).
+
+    The rank is that of G with a unit diagonal, so that it does not depend on the units of the joints' equations.
+    """
+    nj = len(G)
+    unit, order, L = np.empty(nj), np.arange(nj), np.zeros((nj, nj))
+    for i in range(nj):
+        unit[i] = 1 / np.sqrt(G[i, i]) if G[i, i] > 0 else 1.0
+    left = np.empty(nj)
+    for i in range(nj):
+        left[i] = G[i, i] * unit[i] * unit[i]
+    rank = 0
+    while rank < nj:
+        best = rank
+        for i in range(rank + 1, nj):
+            if left[order[i]] > left[order[best]]:
+                best = i
+        p = order[best]
+        if not left[p] > DEPENDENT * nj:
+            break
+        order[best], order[rank] = order[rank], p
+        L[p, rank] = np.sqrt(left[p])
+        for i in range(rank + 1, nj):
+            j = order[i]
+            entry = unit[j] * G[j, p] * unit[p]
+            for k in range(rank):
+                entry -= L[j, k] * L[p, k]
+            L[j, rank] = entry / L[p, rank]
+            left[j] -= L[j, rank] * L[j, rank]
+        rank += 1
+    root = np.zeros((rank, rank))  # the inverse of the taken rows' factor
+    for c in range(rank):
+        for i in range(c, rank):
+            entry = 1.0 if i == c else 0.0
+            for k in range(c, i):
+                entry -= L[order[i], k] * root[k, c]
+            root[i, c] = entry / L[order[i], i]
+    X = np.zeros((nj, nj))
+    for a in range(rank):
+        for b in range(rank):
+            entry = 0.0
+            for k in range(max(a, b), rank):
+                entry += root[k, a] * root[k, b]
+            X[order[a], order[b]] = unit[order[a]] * entry * unit[order[b]]
+    return X
+
+
+@kernel
+def hold(f_start, f_column, F, bias, response, X, velocity):  # type: ignore[no-untyped-def]
+    """The velocity (nv,) nearest in the kinetic metric that satisfies the equations."""
+    nv, nj = response.shape
+    held, off = np.empty(nv), np.empty(nj)
+    for v in range(nv):
+        held[v] = velocity[v]
+    for _ in range(PASSES if nj else 0):
+        for j in range(nj):
+            off[j] = bias[j]
+            for k in range(f_start[j], f_start[j + 1]):
+                off[j] += F[k] * held[f_column[k]]
+        for j in range(nj):
+            push = 0.0
+            for k in range(nj):
+                push += X[j, k] * off[k]
+            for v in range(nv):
+                held[v] -= response[v, j] * push
+    return held
+
+
+@kernel
+def hold_rounding(f_start, f_column, F, bias, response, X, velocity):  # type: ignore[no-untyped-def]
+    """(nv,) the absolute values of the terms that `hold` adds to a velocity."""
+    nv, nj = response.shape
+    size, terms = np.zeros(nv), np.empty(nj)
+    for j in range(nj):
+        terms[j] = abs(bias[j])
+        for k in range(f_start[j], f_start[j + 1]):
+            terms[j] += abs(F[k]) * abs(velocity[f_column[k]])
+    for j in range(nj):
+        push = 0.0
+        for k in range(nj):
+            push += abs(X[j, k]) * terms[k]
+        for v in range(nv):
+            size[v] += abs(response[v, j]) * push
+    return size
