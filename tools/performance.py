@@ -1,4 +1,4 @@
-"""docs/performance.md: the rates of a run of the suite `batch`, and its further parts, from large problems on.
+"""docs/performance.md: the rates of a run of the suite `batch`, and its further parts, from the steps of robots on.
 
 frictionbench run batch --out DIR
 python -m tools.performance DIR > docs/performance.md
@@ -44,5 +44,7 @@ def _wrapped(text: str) -> str:
 
 
 if __name__ == "__main__":
-    parts = [rates(Path(sys.argv[1])), large_problems.section(), hard_families.section()]
+    from tools.robots import timing  # needs MuJoCo and its models
+
+    parts = [rates(Path(sys.argv[1])), timing.section(), large_problems.section(), hard_families.section()]
     sys.stdout.write("\n".join(parts))

@@ -1,10 +1,11 @@
 """A portfolio: the method that is fastest on the problem, then others if its answer is not within the tolerance.
 
 No single method is fast, accurate and reliable on every friction problem. The interior point solves nearly all of them, and is
-the fastest from some dozens of contacts on. In the plane Lemke's pivots are faster below (`few_pivots`). In space a few sweeps
-of Gauss-Seidel solve the smallest problems, and give the interior point a start for the largest that saves most of its
-iterations. In between they cost more than they save, as they do for hyperstatic contacts such as those of stacks of cubes: W
-is singular there, and 30 sweeps leave a residual of a tenth.
+the fastest from some dozens of contacts on. In the plane Lemke's pivots are faster below (`few_pivots`). In space Newton's
+method on dense rows is several times faster below, form and residual included (solvers.dense), and solves nearly all steps of
+robots, with limits, dry friction and joints. A few sweeps of Gauss-Seidel give the interior point a start for the largest
+problems that saves most of its iterations, but for hyperstatic contacts such as those of stacks of cubes: W is singular there,
+and 30 sweeps leave a residual of a tenth.
 
 The portfolio stops at the first answer whose residual, computed here from the problem's own velocities, is within the
 tolerance. On the candidates of the suite `hard` no other method solves a problem that the first two do not solve. In the plane
@@ -31,15 +32,17 @@ from frictionbench.problems.compiled import kernel, loop
 from frictionbench.problems.packed import CONTACT, Packed, Q, mechanical, mechanics_of, residuals
 from frictionbench.problems.residual import residual_with_floor
 from frictionbench.solvers.clock import is_over, left, within
+from frictionbench.solvers.dense.few_contacts import few_contacts, few_contacts_each, few_each, is_few
 from frictionbench.solvers.interface import Answer, Solved, Status, dense_storage, find, solver
 from frictionbench.solvers.interior_point import first_phase_of
 
 PLANAR, SPATIAL = ("lemke", "interior_point", "staggered"), ("nsgs", "interior_point", "proximal_newton")
+NEWTON = "Newton's method on dense rows"  # solvers.dense, which is no solver by itself
 SHARE = 0.9  # of what is left of a time limit, for each member but the last: nearly all problems are solved by the first
 STORAGE = 2**32  # bytes of dense matrices above which another member is left out: its pivots would take hours
 CLOSE = 0.01  # largest residual at which the impulses of one member are a better start for the next than none
 SWEEPS = 30  # of nsgs: a fraction of the time of interior_point at any size
-SWEPT = 6, 60  # contacts up to which nsgs alone is faster, and from which its sweeps save interior_point more than they cost
+SWEPT = 6, 60  # contacts up to which nsgs alone is faster on W, and from which its sweeps save more than they cost
 HYPERSTATIC = 1.25  # contact rows per velocity above which sweeps help in the smallest problems only: W is singular
 ALWAYS, CHAINS = 36, 64  # contacts up to which pivots are faster, in general and in chains
 LINKS = 4  # contacts of a body in a chain: two with each neighbour
@@ -61,27 +64,37 @@ Prepared = tuple[FrictionProblem, tuple[str, ...], Any]  # the problem, its memb
 class Hybrid:
     """A portfolio: the interior point or a simpler method first, then others, until a checked answer is within the tolerance.
 
+    In space the first is Newton's method on dense rows, where contacts are few: its work is counted as newton sweeps and steps.
     Where the first fails, a linear program looks for contacts that contradict each other, with which no member is of use.
     Impulses that a member claims and whose residual rounding alone explains are an answer too.
     The limit bounds each member's unit of work. work counts the members tried and, by name, the work of each.
     """
 
-    knows_rounding = True
+    knows_rounding = takes_unlike = True
 
     def form(self, problem: FrictionProblem) -> Prepared:
         simple, other, *others = PLANAR if problem.dimension == 2 else SPATIAL
+        if is_few(problem):
+            return problem, (NEWTON, other, simple, *others), None
         members = (simple, other, *others) if simple_first(problem) else (other, simple, *others)
         return problem, members, find(members[0])[1].form(problem)
 
     def setup(self, formed: Prepared) -> Prepared:
         problem, members, first = formed
-        return problem, members, find(members[0])[1].setup(first)
+        return formed if members[0] == NEWTON else (problem, members, find(members[0])[1].setup(first))
 
     def solve(self, prepared: Prepared, tol: float, limit: int | None, start: Array | None = None) -> Answer:
         problem, members, stage = prepared
         impulse, least, found_by = np.zeros((problem.contacts, problem.dimension)), np.inf, ""
         work: dict[str, int] = {}
         tried, rounded, late = 0, False, False
+        if members[0] == NEWTON:
+            impulse, least, floor, sweeps, steps = few_contacts(problem, tol, limit, start)
+            tried, work = 1, {"newton sweeps": sweeps, "newton steps": steps, "members": 1}
+            if least <= tol:
+                status = Status.SOLVED if floor <= tol else Status.ROUNDING
+                return Answer(impulse, status, work, detail=f"answered by {NEWTON}")
+            found_by, members = NEWTON, members[1:]
         for name in members:
             info, member = find(name)
             if tried:  # the first is sparse, or the problem small
@@ -118,25 +131,29 @@ class Hybrid:
     def solve_many(self, packed: Packed, tol: float, limit: int | None, start: Array | None = None) -> Solved:
         """The loops of the first two members; what they do not solve is solved by itself."""
         nc, space = np.diff(packed.contacts), packed.dimension == 3
-        simple = "nsgs" if space else "lemke"
-        chosen = _sweeps_help(nc, np.diff(packed.velocities), 0) if space else few_pivots_each(packed)
+        simple, steps = "nsgs" if space else "lemke", few_each(packed)
+        few = steps > 0
+        chosen = ~few & (_sweeps_help(nc, np.diff(packed.velocities), 0) if space else few_pivots_each(packed))
         loop: Any = find(simple)[1]
-        own_limit = min(SWEEPS, limit or SWEEPS) if space else limit
-        swept = loop.solve_many(_only(packed, chosen), tol, own_limit, start)
-        least = np.where(chosen, residuals(packed, swept.impulse)[:, 0], np.inf)
+        swept = loop.solve_many(_only(packed, chosen), tol, min(SWEEPS, limit or SWEEPS) if space else limit, start)
+        impulse, work = swept.impulse, {f"{simple} {unit}": counts for unit, counts in swept.work.items()}
+        if few.any():
+            found, counts = few_contacts_each(packed, steps, tol, limit, start)
+            impulse = np.where(np.repeat(few, nc)[:, None], found, impulse)
+            work |= {"newton sweeps": counts[:, 0], "newton steps": counts[:, 1]}
+        least = np.where(few | chosen, residuals(packed, impulse)[:, 0], np.inf)
         solved, members = least <= tol, np.ones(len(nc), np.int64)
-        tried = ~solved & (swept.status != Status.SOLVED)  # what is claimed but above the tolerance, solve judges
-        work = {f"{simple} {unit}": counts for unit, counts in swept.work.items()} | {"members": members}
+        tried = ~solved & (few | (swept.status != Status.SOLVED))  # what is claimed but above the tolerance, solve judges
         if tried.any():
             close = least <= CLOSE
-            guess = swept.impulse if start is None else np.where(np.repeat(close, nc)[:, None], swept.impulse, start)
-            found = first_phase_of(_only(packed, tried), tol, limit, guess, tried & (close | (start is not None)))
-            work |= {f"interior_point {unit}": counts for unit, counts in found.work.items()}
-            members[chosen & tried] = 2
-            of_contact = np.repeat(tried, nc)
-            swept.impulse[of_contact] = found.impulse[of_contact]
-            solved |= (found.status == Status.SOLVED) & (residuals(packed, found.impulse)[:, 0] <= tol)
-        return Solved(swept.impulse, np.array([None, Status.SOLVED])[solved.astype(int)], work)
+            guess = impulse if start is None else np.where(np.repeat(close, nc)[:, None], impulse, start)
+            after = first_phase_of(_only(packed, tried), tol, limit, guess, tried & (close | (start is not None)))
+            work |= {f"interior_point {unit}": counts for unit, counts in after.work.items()}
+            members[(few | chosen) & tried] = 2
+            impulse = np.where(np.repeat(tried, nc)[:, None], after.impulse, impulse)
+            solved |= (after.status == Status.SOLVED) & (residuals(packed, after.impulse)[:, 0] <= tol)
+        work["members"] = members
+        return Solved(impulse, np.array([None, Status.SOLVED])[solved.astype(int)], work)
 
 
 def simple_first(problem: FrictionProblem) -> bool:

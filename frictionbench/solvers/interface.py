@@ -236,7 +236,7 @@ def solver(
 
     def register(cls: Class) -> Class:
         whole = with_all_steps(cls)
-        made: Any = dataclass(frozen=True)(with_balance(whole, model) if whole.__module__.startswith(PACKAGE) else whole)
+        made: Any = dataclass(frozen=True)(with_balance(whole, model) if _balanced(whole) else whole)
         if name in _solvers:
             raise ValueError(f"solver: the name {name!r} is already registered by {_solvers[name].make}")
         facts = (family, model, dimension, warm_start, sparse, needs, lacks, remote, variants, members)
@@ -244,6 +244,11 @@ def solver(
         return made
 
     return register
+
+
+def _balanced(cls: Any) -> bool:
+    """Whether a class of this package is given problems with islands in like units; `takes_unlike` says that it need not be."""
+    return cls.__module__.startswith(PACKAGE) and not getattr(cls, "takes_unlike", False)
 
 
 def with_all_steps(cls: Any) -> Any:
@@ -426,6 +431,7 @@ def impulses(start: Any, shape: tuple[int, ...]) -> Array:
     if start is None:
         return np.zeros(shape)
     guess = check.floats("start", start)
-    require(guess.shape == shape, "start", f"expected impulses of shape {shape}, got {guess.shape}")
-    require(bool(np.isfinite(guess).all()), "start", "must be finite")
+    if guess.shape != shape:
+        raise InputError(f"start: expected impulses of shape {shape}, got {guess.shape}")
+    require(check.is_finite(guess.ravel()), "start", "must be finite")
     return guess

@@ -14,6 +14,12 @@ from frictionbench.solvers import clock
 from frictionbench.solvers.hybrid import few_pivots, few_pivots_each
 from frictionbench.solvers.interface import Answer, Status, find, solve
 
+
+def by_delassus(problem: FrictionProblem) -> FrictionProblem:
+    """The same, of which only W and q are known."""
+    return FrictionProblem.from_delassus(problem.W, problem.q, problem.friction, problem.dimension)
+
+
 FIRST_BY_PIVOTS = {
     "a small random problem": (random_problem(1, 30), True),
     "a large random problem": (random_problem(1, 50), False),
@@ -35,8 +41,7 @@ def test_pivots_come_first_in_small_problems_and_sticking_chains(name: str) -> N
 
 def test_packed_problems_take_the_same_member_first() -> None:
     problems: list[FrictionProblem] = [problem for problem, _ in FIRST_BY_PIVOTS.values()]
-    bare = FrictionProblem.from_delassus(problems[2].W, problems[2].q, problems[2].friction, 2)
-    problems.append(bare)
+    problems.append(by_delassus(problems[2]))
     np.testing.assert_array_equal(few_pivots_each(pack(problems)), [few_pivots(problem) for problem in problems])
 
 
@@ -47,13 +52,19 @@ def test_a_claim_within_the_floor_of_rounding_is_an_answer() -> None:
     assert answer.work["members"] == 2  # a second one, which might find smaller impulses, and no more
 
 
+def test_newtons_method_is_first_where_contacts_in_space_are_few() -> None:
+    """Not of cubes in a long stack, whose W is singular, nor where only W is known."""
+    for problem, first in ((cubes(3), True), (cubes(4), False), (by_delassus(cubes(3)), False)):
+        assert ("newton steps" in solve(problem, "hybrid").work) is first
+
+
 @pytest.mark.parametrize(
     ("problem", "members"),
     [
         (random_problem(1, 4), ("lemke", "interior_point", "staggered")),
         (random_problem(1, 40), ("interior_point", "lemke", "staggered")),
-        (cubes(1), ("nsgs", "interior_point", "proximal_newton")),
-        (cubes(3), ("interior_point", "nsgs", "proximal_newton")),
+        (by_delassus(cubes(1)), ("nsgs", "interior_point", "proximal_newton")),
+        (cubes(4), ("interior_point", "nsgs", "proximal_newton")),
     ],
 )
 def test_members_share_a_time_limit(problem, members: tuple[str, ...], monkeypatch: pytest.MonkeyPatch) -> None:
@@ -77,7 +88,7 @@ def test_members_share_a_time_limit(problem, members: tuple[str, ...], monkeypat
 
 def test_proximal_points_solve_a_wall_that_stops_the_interior_point(monkeypatch: pytest.MonkeyPatch) -> None:
     """Here after one factorisation, which stands for the 16 000 that some walls of boxes take."""
-    problem = cubes(3, push=1.0)
+    problem = cubes(4, push=1.0)
     stopped = Answer(np.zeros((problem.contacts, 3)), Status.STALLED)
     monkeypatch.setattr(type(find("interior_point")[1]), "solve", lambda *_: stopped)
     assert solve(problem, "hybrid").detail == "answered by proximal_newton"

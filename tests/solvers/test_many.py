@@ -25,8 +25,8 @@ def planar() -> list[FrictionProblem]:
 
 @pytest.fixture(scope="module")
 def spatial() -> list[FrictionProblem]:
-    """Spheres and cubes, with W only as well; the last but one and two are left by nsgs to the interior point, with and without
-    a start, and the last is the interior point's first."""
+    """Spheres and cubes, with W only as well; the last but one is left to the interior point, by hybrid and by nsgs, with and
+    without a start."""
     spheres, cubes = fb.instance("sphere_pyramid", levels=2), fb.instance("cubes", boxes=1)
     known = FrictionProblem.from_delassus(spheres.W, spheres.q, spheres.friction, 3)
     left = fb.instance("cubes", boxes=1, friction=0.8, twist=3.0), fb.instance("random_bodies", contacts=5)
@@ -62,11 +62,11 @@ def test_loops_leave_next_to_nothing(spec: str, planar: list[FrictionProblem]) -
     assert found.status.tolist() == [fb.Status.SOLVED] * 3
 
 
-def test_hybrid_goes_from_sweeps_to_the_interior_point(spatial: list[FrictionProblem]) -> None:
+def test_hybrid_goes_from_newtons_method_to_the_interior_point(spatial: list[FrictionProblem]) -> None:
     ((_, packed),) = fb.Batch(spatial[3:]).groups
     found = find("hybrid")[1].solve_many(packed, 1e-8, None)  # type: ignore[attr-defined]
-    assert found.work["members"].tolist() == [2, 2, 1]
-    assert (found.work["interior_point iterations"] > 0).all()
+    assert found.work["members"].tolist() == [1, 2, 1]
+    assert (found.work["interior_point iterations"] > 0).tolist() == [False, True, False]
 
 
 def starts(problems: list[FrictionProblem], exact: bool) -> list[np.ndarray]:

@@ -1,0 +1,1 @@
+"""Problems of few contacts in space, whose Delassus matrix is formed dense."""

@@ -1,0 +1,201 @@
+"""Problems of few contacts in space, joints' rows among them: form, solution and residual in one compiled call.
+
+The steps of a robot have some tens of rows, of contacts, limits and dry friction, and a mass matrix that couples all
+velocities. There the Delassus matrix is dense and cheap (solvers.dense.rows), and what costs is everything around the
+arithmetic. A few sweeps of Gauss-Seidel find most of what is open, closed, sticks and slides; steps of Newton's method from
+there have quadratic convergence (solvers.dense.newton). Where contacts are redundant, Newton's steps go round in circles among
+active sets; then steps of proximal points with sweeps between them follow, from the best impulses found. What is not solved is
+left to other methods.
+"""
+
+import numpy as np
+
+from frictionbench.problems import FrictionProblem
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import kernel, loop, part
+from frictionbench.problems.forms.held import hold, hold_rounding, joint_inverse
+from frictionbench.problems.packed import CONTACT, Packed, mechanical, mechanics_of
+from frictionbench.problems.residual import largest_with_floor
+from frictionbench.problems.rows import Index64
+from frictionbench.solvers.dense.newton import measure, new_work, newton_step, sweep
+from frictionbench.solvers.dense.rows import dense_rows
+from frictionbench.solvers.loops import impulses_of
+
+ROWS = 120  # of contacts and their friction, up to which this is tried: a step takes some tenths of a millisecond
+JOINTS = 40  # likewise
+# Of bodies that move by themselves, which other methods solve in the time of some steps: rows where there are more of them than
+# HYPERSTATIC times the velocities, so that W is singular.
+SINGULAR, HYPERSTATIC = 36, 1.25
+COUPLED = 6  # velocities that the mass matrix couples to each, on average, from which they do not
+SWEEPS = 5  # before the first step, and before each proximal one
+PLAIN, PROXIMAL = 6, 32  # steps of each kind: of recorded steps of robots 8 proximal ones leave 1 in 60 unsolved, 32 1 in 300
+SHIFT, SOFT = 1e-3, 10.0  # of both kinds, times the residual: a proximal step is short while the residual is large
+LEAST = 1e-9  # shift, for what is redundant at a residual of rounding's size
+MARGIN = 0.5  # of tol: the residual computed from W, and that from velocities, differ by rounding
+
+NO_GUESS = np.zeros((0, 3))
+
+
+def is_few(problem: FrictionProblem) -> bool:
+    """Whether a problem is taken: of few contacts in space with given mechanics."""
+    return problem.dimension == 3 and problem.mechanical and _steps_of(problem) > 0
+
+
+def _steps_of(problem: FrictionProblem) -> int:
+    rows = problem.contacts + 2 * np.count_nonzero(problem.friction)
+    steps: int = most_steps(rows, len(problem.free_velocity), len(problem.inverse_rows.value), len(problem.joint_bias))
+    return steps
+
+
+@kernel
+def most_steps(rows, nv, entries, nj):  # type: ignore[no-untyped-def]
+    """The steps after which a problem is left to other methods; 0 where it is not taken. entries: of M^-1."""
+    if rows == 0 or rows > ROWS or nj > JOINTS:
+        return 0
+    if nj > 0 or entries > COUPLED * nv:
+        return PLAIN + PROXIMAL
+    return PLAIN if rows <= SINGULAR or rows <= HYPERSTATIC * nv else 0
+
+
+def few_contacts(
+    problem: FrictionProblem, tol: float, limit: int | None, start: Array | None
+) -> tuple[Array, float, float, int, int]:
+    """The impulses (nc, 3), their residual and its floor, the sweeps and Newton's steps taken. limit: of steps."""
+    steps = _steps_of(problem)
+    found: tuple[Array, float, float, int, int] = _one(
+        *problem.contact_rows, *problem.inverse_rows, *problem.joint_rows, problem.joint_bias, problem.free_velocity,
+        problem.bias, problem.friction, problem.friction_bias, NO_GUESS if start is None else start, tol,
+        steps if limit is None else min(steps, limit),
+    )  # fmt: skip
+    return found
+
+
+@loop
+def few_each(packed):  # type: ignore[no-untyped-def]
+    """(N,): the steps for each of the packed problems, which have no joints; 0 where one is not taken."""
+    steps = np.zeros(len(packed.first) - 1, np.int64)
+    for k in range(len(steps)):
+        if packed.J.shape[1] == 3 and mechanical(packed, k):
+            begin, end = packed.first[k, CONTACT], packed.first[k + 1, CONTACT]
+            _, _, _, _, _, m_value, free, _ = mechanics_of(packed, k)
+            steps[k] = most_steps(end - begin + 2 * np.count_nonzero(packed.friction[begin:end]), len(free), len(m_value), 0)
+    return steps
+
+
+def few_contacts_each(
+    packed: Packed, steps: Index64, tol: float, limit: int | None, start: Array | None
+) -> tuple[Array, Index64]:
+    """The impulses of all contacts of the packed problems that are allowed steps (N,), and their sweeps and steps (N, 2)."""
+    r = np.zeros((int(packed.contacts[-1]), 3)) if start is None else np.array(start)
+    return r, _each(packed, steps if limit is None else np.minimum(steps, limit), r, tol)
+
+
+@kernel
+def _one(  # type: ignore[no-untyped-def]
+    start, column, J, m_start, m_column, m_value, f_start, f_column, F, b_F, free, bias, mu, b_f, guess, tol, turns
+):
+    r = np.zeros((len(bias), 3))
+    if len(guess):
+        r[:] = guess
+    bodies, joints = (start, column, J, m_start, m_column, m_value), (f_start, f_column, F, b_F)
+    worst, floor, sweeps, steps = _solve(bodies, joints, free, bias, mu, b_f, r, tol, turns)
+    return r, worst, floor, sweeps, steps
+
+
+@loop
+def _each(packed, most, r, tol):  # type: ignore[no-untyped-def]
+    """Overwrite r (contacts, 3): sweeps and steps (N, 2)."""
+    work = np.zeros((len(most), 2), np.int64)
+    none, nothing = np.zeros(1, np.int32), np.zeros(0)
+    for k in range(len(most)):
+        if most[k]:
+            begin, end = packed.first[k, CONTACT], packed.first[k + 1, CONTACT]
+            start, column, J, m_start, m_column, m_value, free, bias = mechanics_of(packed, k)
+            bodies, joints = (start, column, J, m_start, m_column, m_value), (none, none[:0], nothing, nothing)
+            mu, b_f, own = packed.friction[begin:end], packed.friction_bias[begin:end], impulses_of(packed, k, r)
+            _, _, work[k, 0], work[k, 1] = _solve(bodies, joints, free, bias, mu, b_f, own, tol, most[k])
+    return work
+
+
+@part
+def _solve(bodies, joints, free, bias, mu, b_f, r, tol, turns):  # type: ignore[no-untyped-def]
+    """Overwrite r by the impulses: residual, its floor, sweeps and steps."""
+    inverse = joint_inverse(joints[0], joints[1], joints[2], bodies[3], bodies[4], bodies[5])
+    rows = dense_rows(bodies, joints, inverse, free, bias, mu, b_f)
+    for i in range(len(r)):
+        for a in range(3):
+            if rows.row[i, a] < 0:
+                r[i, a] = 0.0
+    sweeps, steps = _iterate(rows, r, MARGIN * tol, turns)
+    worst, floor = _residual(bodies, joints, inverse, free, bias, rows, r)
+    return worst, floor, sweeps, steps
+
+
+@part
+def _iterate(rows, r, tol, turns):  # type: ignore[no-untyped-def]
+    """Overwrite r by the best impulses found: sweeps and steps."""
+    work, best = new_work(len(rows.V), len(r)), r.copy()
+    found = least = measure(rows, r, work)
+    sweeps = steps = 0
+    while found > tol:
+        if steps == 0 or steps >= PLAIN:
+            sweep(rows, r, work, SWEEPS)
+            sweeps += SWEEPS
+            found = measure(rows, r, work)
+            if found < least:
+                least, best[:] = found, r
+            if found <= tol:
+                break
+        if steps == turns:
+            break
+        soft = SHIFT if steps < PLAIN else SOFT
+        if not newton_step(rows, r, work, max(LEAST, soft * min(found, 1.0))):
+            break
+        steps += 1
+        found = measure(rows, r, work)
+        if found < least:
+            least, best[:] = found, r
+        if steps == PLAIN:
+            r[:] = best
+            found = measure(rows, r, work)
+    r[:] = best
+    return sweeps, steps
+
+
+@part
+def _residual(bodies, joints, inverse, free, bias, rows, r):  # type: ignore[no-untyped-def]
+    """The residual and its floor as problems.residual has them: from velocities, without W."""
+    start, column, J = bodies[:3]
+    f_start, f_column, F, b_F = joints
+    v, terms = _moved(bodies, free, r)
+    if len(b_F):
+        terms += hold_rounding(f_start, f_column, F, b_F, inverse[0], inverse[1], v)
+        v = hold(f_start, f_column, F, b_F, inverse[0], inverse[1], v)
+    u, size = np.zeros(r.shape), np.zeros(r.shape)
+    for i in range(len(r)):
+        u[i, 0], size[i, 0] = bias[i], abs(bias[i])
+        for k in range(start[i], start[i + 1]):
+            for a in range(3):
+                u[i, a] += J[k, a] * v[column[k]]
+                size[i, a] += abs(J[k, a]) * terms[column[k]]
+        for a in range(3):
+            if rows.locked[i, a]:
+                u[i, a] = rows.q[i, a]
+    return largest_with_floor(r, u, size, rows.scale, rows.friction, rows.friction_bias, rows.units)
+
+
+@part
+def _moved(bodies, free, r):  # type: ignore[no-untyped-def]
+    """v* + M^-1 J' r (nv,), and the sum of the absolute values of its terms."""
+    start, column, J, m_start, m_column, m_value = bodies
+    v, terms, momentum, pushed = free.copy(), np.abs(free), np.zeros(len(free)), np.zeros(len(free))
+    for i in range(len(r)):
+        for k in range(start[i], start[i + 1]):
+            for a in range(3):
+                momentum[column[k]] += J[k, a] * r[i, a]
+                pushed[column[k]] += abs(J[k, a] * r[i, a])
+    for c in range(len(free)):
+        for m in range(m_start[c], m_start[c + 1]):
+            v[c] += m_value[m] * momentum[m_column[m]]
+            terms[c] += abs(m_value[m]) * pushed[m_column[m]]
+    return v, terms

@@ -1,0 +1,179 @@
+"""A problem of few contacts in space as u = V r + q over its rows that can move, with the measures of its residual.
+
+Rows that have no say are left out: a normal or a tangent of a joint's row that is zero (a limit has no tangent, dry friction no
+normal), directions that joints lock, and the tangents of contacts without friction. With the inverse X of F M^-1 F' and
+C = F M^-1 J' (problems.forms.held), a few joint equations are eliminated by
+
+    W = J M^-1 J' - C' X C.
+
+scale and units are those of the problem (problems.operators.mechanical, problems.forms.islands), found here in the same pass.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionbench.problems.check import Array
+from frictionbench.problems.compiled import lean, part
+from frictionbench.problems.forms.delassus import LOCKED, coupling, mean_diagonal
+from frictionbench.problems.forms.held import hold, hold_rounding
+from frictionbench.problems.forms.islands import mechanical_units
+from frictionbench.problems.rows import Index64
+
+
+class DenseRows(NamedTuple):
+    """V (n, n) over n rows. row: (nc, 3), the row of each contact's normal and tangents, -1 for none. V's other rows are zero.
+
+    block: (nc, 3, 3), each contact's own of V. q: (nc, 3), u where r = 0. rest: (n,), the same by rows.
+    locked: (nc, 3), directions that joints lock. scale, units, friction, friction_bias: (nc,).
+    """
+
+    V: Array
+    row: Index64
+    block: Array
+    q: Array
+    rest: Array
+    locked: NDArray[np.bool_]
+    scale: Array
+    units: Array
+    friction: Array
+    friction_bias: Array
+
+
+@part
+def dense_rows(bodies, joints, inverse, free, bias, mu, b_f):  # type: ignore[no-untyped-def]
+    """bodies: J by contacts and M^-1 by rows. joints: F by rows and b_F. inverse: M^-1 F' and X (problems.forms.held)."""
+    start, column, J, m_start, m_column, m_value = bodies
+    f_start, f_column, F, b_F = joints
+    response, X = inverse
+    nc, nj = len(bias), len(b_F)
+    moves, held = np.abs(free), hold(f_start, f_column, F, b_F, response, X, free)
+    C = coupling(start, column, J, response)
+    XC = np.zeros(C.shape)
+    if nj:
+        moves += hold_rounding(f_start, f_column, F, b_F, response, X, free)
+        for j in range(nj):
+            for k in range(nj):
+                for i in range(3 * nc):
+                    XC[j, i] += X[j, k] * C[k, i]
+    V, row, diagonal = _without_joints(start, column, J, m_start, m_column, m_value, mu, b_f)
+    q, locked = np.zeros((nc, 3)), np.zeros((nc, 3), np.bool_)
+    for i in range(nc):
+        q[i, 0] = bias[i]
+        for k in range(start[i], start[i + 1]):
+            for a in range(3):
+                q[i, a] += J[k, a] * held[column[k]]
+        if nj:
+            _lock(i, start, column, J, moves, bias, C, XC, X, q, diagonal, locked)
+    scale = mean_diagonal(diagonal)
+    flat = q.copy().reshape(3 * nc)
+    units = mechanical_units(start, column, J, m_start, m_column, m_value, f_start, f_column, moves, bias, flat, scale, b_f)
+    if nj:
+        _hold_rows(V, row, C, XC, locked)
+    block, rest = np.zeros((nc, 3, 3)), np.zeros(len(V))
+    for i in range(nc):
+        for a in range(3):
+            # A tangent that nothing can move, but that slides, still decides where the friction points.
+            if row[i, a] >= 0 and locked[i, a] and (a == 0 or q[i, a] == 0):
+                row[i, a] = -1
+        for a in range(3):
+            if row[i, a] >= 0:
+                rest[row[i, a]] = q[i, a]
+                for b in range(3):
+                    if row[i, b] >= 0:
+                        block[i, a, b] = V[row[i, a], row[i, b]]
+    return DenseRows(V, row, block, q, rest, locked, scale, units, mu, b_f)
+
+
+@part
+def _without_joints(start, column, J, m_start, m_column, m_value, mu, b_f):  # type: ignore[no-untyped-def]
+    """J M^-1 J' over the rows that matter, these rows' numbers, and the diagonal (nc, 3) of all.
+
+    Row by row: y = M^-1 J_i', then J y over the row itself and those before it.
+    """
+    nc, nv = len(start) - 1, len(m_start) - 1
+    diagonal, row, n = np.zeros((nc, 3)), np.full((nc, 3), -1), 0
+    for i in range(nc):
+        for a in range(3):
+            for k in range(start[i], start[i + 1]):
+                if J[k, a] != 0 and row[i, a] < 0 and (a == 0 or mu[i] > 0 or b_f[i] > 0):
+                    row[i, a] = n
+                    n += 1
+    V, y, moved, turn = np.zeros((n, n)), np.zeros(nv), np.full(nv, -1), 0
+    for i in range(nc):
+        for a in range(3):
+            turn += 1
+            for k in range(start[i], start[i + 1]):
+                if J[k, a] != 0:
+                    _respond(m_start[column[k]], m_start[column[k] + 1], m_column, m_value, J[k, a], y, moved, turn)
+            for k in range(start[i], start[i + 1]):
+                if J[k, a] != 0:
+                    diagonal[i, a] += J[k, a] * y[column[k]]
+            g = row[i, a]
+            for j in range(i + 1 if g >= 0 else 0):
+                for b in range(3):
+                    h = row[j, b]
+                    if 0 <= h <= g:
+                        w = 0.0
+                        for k in range(start[j], start[j + 1]):
+                            if moved[column[k]] == turn:
+                                w += J[k, b] * y[column[k]]
+                        V[g, h] = V[h, g] = w
+    return V, row, diagonal
+
+
+@lean
+def _respond(first, end, m_column, m_value, lever, y, moved, turn):  # type: ignore[no-untyped-def]
+    """Add lever times a row of M^-1 to y; entries that were not yet moved in this turn begin at zero."""
+    dense = m_column[end - 1] - m_column[first] == end - first - 1
+    if moved[m_column[first]] != turn:
+        for m in range(first, end):
+            moved[m_column[m]] = turn
+            y[m_column[m]] = 0.0
+    if dense:  # a loop that compilers unroll
+        into, value = y[m_column[first] : m_column[end - 1] + 1], m_value[first:end]
+        for m in range(end - first):
+            into[m] += lever * value[m]
+    else:
+        for m in range(first, end):
+            y[m_column[m]] += lever * m_value[m]
+
+
+@lean
+def _hold_rows(V, row, C, XC, locked):  # type: ignore[no-untyped-def]
+    """Take C' X C from V; rows and columns of locked directions are zero."""
+    for p in range(3 * len(row)):
+        for q in range(p + 1):
+            g, h = row[p // 3, p % 3], row[q // 3, q % 3]
+            if g >= 0 and h >= 0:
+                w = V[g, h]
+                for j in range(len(C)):
+                    w -= C[j, p] * XC[j, q]
+                V[g, h] = V[h, g] = 0.0 if locked[p // 3, p % 3] or locked[q // 3, q % 3] else w
+
+
+@lean
+def _lock(i, start, column, J, moves, bias, C, XC, X, q, diagonal, locked):  # type: ignore[no-untyped-def]
+    """Take the joints' share from contact i's diagonal, 0 in the directions that they lock; all of it stays where they lock
+    the whole contact. What rounding leaves of q in a locked direction is 0."""
+    for a in range(3):
+        held, terms, at = 0.0, 0.0, 3 * i + a
+        for j in range(len(X)):
+            held += C[j, at] * XC[j, at]
+            for k in range(len(X)):
+                terms += abs(C[j, at] * X[j, k] * C[k, at])
+        locked[i, a] = diagonal[i, a] - held <= LOCKED * (diagonal[i, a] + terms)
+    whole = locked[i, 0] and locked[i, 1] and locked[i, 2]
+    for a in range(3):
+        if locked[i, a]:
+            size = abs(bias[i]) if a == 0 else 0.0
+            for k in range(start[i], start[i + 1]):
+                size += abs(J[k, a]) * moves[column[k]]
+            if abs(q[i, a]) <= LOCKED * size:
+                q[i, a] = 0.0
+        if not whole:
+            for j in range(len(X)):
+                diagonal[i, a] -= C[j, 3 * i + a] * XC[j, 3 * i + a]
+            if locked[i, a]:
+                diagonal[i, a] = 0.0

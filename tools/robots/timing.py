@@ -1,0 +1,131 @@
+"""The part of docs/performance.md on steps of robots: hybrid beside MuJoCo's own constraint stage on the same steps.
+
+OPENBLAS_NUM_THREADS=1 python -m tools.robots.timing [MODEL ...]
+
+Models and behaviours are those of tools.robots.models, in closed loop by frictionbench.mujoco.step. Before each step both
+sides are given the same: MuJoCo its data after mj_forward, with the acceleration of the step before as a warm start, for
+mj_fwdConstraint; hybrid the assembled problem, cold or with the impulses of the step before. Needs MuJoCo and the packages of
+the models. Threads of BLAS would be timed with their waiting where the machine does other work.
+"""
+
+import sys
+from collections.abc import Callable, Iterator
+from functools import partial
+from time import perf_counter_ns
+from typing import Any, NamedTuple
+
+import mujoco as mj
+import numpy as np
+
+import frictionbench as fb
+from frictionbench.problems import FrictionProblem
+from tools.robots.models import MODELS, Model, begin
+
+WAYS = tuple((tol, warm) for tol in (1e-6, 1e-8) for warm in (False, True))
+STEPS, APART, ROUNDS, LEAD = 30, 5, 5, 20  # steps timed of a motion, steps from one to the next, repeats, steps before
+HEAD = f"""## Steps of robots
+
+Made by `python -m tools.robots.timing`. *MuJoCo*: the median of `mj_fwdConstraint`, which solves by its own soft and convex
+law, warm-started. The other columns are calls of `fb.solve(problem, "hybrid")` from Python on the exact problems of the same
+steps, form, setup and residual included: the median over the steps of µs, and of the ratio to MuJoCo; *worst*: the 99th
+percentile of the call at 1e-8 from a cold start over its median. Cold from no impulses, warm from those of the step before.
+*problem*: to make the FrictionProblem of dense arrays, checks and inverse mass included, which is before the call. Each time
+is the median of {ROUNDS} in turn. A model's steps are of two motions, the first and the last of its behaviours, in closed loop
+with our steps.
+"""
+
+
+class Timed(NamedTuple):
+    """One step. Times in µs; solved: whether every way is within its tolerance."""
+
+    contacts: int
+    joints: int
+    soft: float
+    made: float
+    calls: tuple[float, ...]
+    solved: bool
+
+
+def section(names: tuple[str, ...] = ()) -> str:
+    """The section in Markdown."""
+    titles = [f"{'warm' if warm else 'cold'} {tol:g}" for tol, warm in WAYS]
+    lines = [
+        HEAD,
+        f"| model | velocities | contacts | joints | steps | MuJoCo | {' | '.join(titles)} | worst | problem | unsolved |",
+    ]
+    lines.append("|---|" + "--:|" * (len(titles) + 8))
+    ratios, worst = [], []
+    for model in MODELS:
+        if not names or model.name in names:
+            found = [step for behaviour in (model.behaviours[0], model.behaviours[-1]) for step in _timed(model, behaviour)]
+            if found:
+                calls, soft = np.array([step.calls for step in found]), np.array([step.soft for step in found])
+                ratios.append(np.median(calls / soft[:, None], axis=0))
+                worst.append(float(np.percentile(calls[:, -2], 99) / np.median(calls[:, -2])))
+                lines.append(_line(model, found, calls, ratios[-1], worst[-1]))
+                print(lines[-1], file=sys.stderr, flush=True)
+    middle = np.median(ratios, axis=0)
+    told = ", ".join(f"{title} {ratio:.1f}" for title, ratio in zip(titles, middle, strict=True))
+    return "\n".join(lines) + f"\n\nThe median over the models of the ratio: {told}; of *worst* {np.median(worst):.1f}.\n"
+
+
+def _line(model: Model, found: list[Timed], calls: Any, ratio: Any, worst: float) -> str:
+    middle, soft = np.median(calls, axis=0), float(np.median([step.soft for step in found]))
+    cells = [f"{time:.0f} ({times:.1f})" for time, times in zip(middle, ratio, strict=True)]
+    contacts, joints = (int(np.median([getattr(step, name) for step in found])) for name in ("contacts", "joints"))
+    made, unsolved = np.median([step.made for step in found]), sum(not step.solved for step in found)
+    known = [model.name, model.load().nv, contacts, joints, len(found), f"{soft:.1f}", *cells, f"{worst:.1f}", f"{made:.0f}"]
+    return f"| {' | '.join(map(str, known))} | {unsolved or ''} |"
+
+
+def _timed(model: Model, behaviour: str) -> Iterator[Timed]:
+    """Steps with contacts, limits or dry friction of one motion."""
+    compiled = model.load()
+    data, drive = begin(compiled, behaviour, seed=1)
+    engine, before = mj.MjData(compiled), None
+    for k in range(LEAD + STEPS * APART):
+        drive(data, k)
+        if k >= LEAD and k % APART == 0:
+            problem = fb.mujoco.problem(compiled, data)
+            if problem.contacts:
+                start = np.zeros((problem.contacts, 3)) if before is None else fb.mujoco.start(compiled, data, before)
+                mj.mj_copyData(engine, compiled, data)
+                yield _step(compiled, engine, problem, start)
+        before = fb.mujoco.step(compiled, data, tol=1e-10, before=before)
+
+
+def _step(model: Any, engine: Any, problem: FrictionProblem, start: Any) -> Timed:
+    mj.mj_forward(model, engine)
+    warm = engine.qacc_warmstart.copy()
+
+    def soft(_: Any) -> None:
+        engine.qacc_warmstart[:] = warm
+        mj.mj_fwdConstraint(model, engine)
+
+    def made(_: Any) -> FrictionProblem:
+        return FrictionProblem(**fields, dimension=3)
+
+    calls, solved = [], True
+    for tol, is_warm in WAYS:
+        call = partial(fb.solve, spec="hybrid", tol=tol, start=start if is_warm else None)
+        calls.append(_median(call, problem.fresh))
+        solved = solved and fb.residual(problem, call(problem).impulse) <= tol
+    fields = {name: getattr(problem, name) for name in ("free_velocity", "bias", "friction", "friction_bias", "joint_bias")}
+    fields |= {name: getattr(problem, name).toarray() for name in ("mass", "normal", "tangent", "joints")}
+    return Timed(problem.contacts, len(problem.joint_bias), _median(soft), _median(made), tuple(calls), solved)
+
+
+def _median(call: Callable[[Any], Any], given: Callable[[], Any] = lambda: None) -> float:
+    """Of ROUNDS calls on what is given anew each time, in µs; the first call, which may compile, is not counted."""
+    call(given())
+    times = []
+    for _ in range(ROUNDS):
+        one = given()
+        begun = perf_counter_ns()
+        call(one)
+        times.append(perf_counter_ns() - begun)
+    return float(np.median(times)) / 1e3
+
+
+if __name__ == "__main__":
+    sys.stdout.write(section(tuple(sys.argv[1:])))
