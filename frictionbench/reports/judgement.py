@@ -36,6 +36,7 @@ from frictionbench.results.judgement import (
 from frictionbench.results.store import read_table
 
 MOST = 12  # steps in the table of the worst
+ROUNDING = 1e-9  # of the largest component of a net impulse: smaller ones are shown as 0
 MOST_VELOCITIES = 12  # whose net impulses are shown: those of two free bodies in space
 DRAWN = 6  # of them with a picture of their forces
 COLOURS = ("#0077bb", "#e69f00", "#009e73", "#cc79a7")
@@ -94,7 +95,8 @@ def _shown(net: list[float]) -> dict[str, object]:
     contacts, known, alone, difference, *values = net
     engine, exact = (values[k : k + len(values) // 2][:MOST_VELOCITIES] for k in (0, len(values) // 2))
     told = "single contacts too" if alone else "the sum alone (hyperstatic)" if known else "no"
-    numbers = [", ".join(f"{value:.3g}" for value in part) for part in (engine, exact)]
+    least = ROUNDING * max(map(abs, values), default=0.0)
+    numbers = [", ".join(f"{value if abs(value) > least else 0:.3g}" for value in part) for part in (engine, exact)]
     return {"contacts": int(contacts), "engine": numbers[0], "exact": numbers[1], "difference": difference, "determined": told}
 
 
