@@ -28,7 +28,7 @@ from dataclasses import dataclass, field
 from time import perf_counter  # bound here: a solver may replace the attributes of `time`
 from typing import Any, NamedTuple
 
-from frictionbench.harness.process import no_forked_child
+from frictionbench.harness.process import no_forked_child, waited
 from frictionbench.problems import LCP, FrictionProblem
 from frictionbench.problems.answer import checked_copy, identical, is_plain
 from frictionbench.problems.copies import nudged
@@ -43,11 +43,18 @@ LOADS = 5  # successive calls that load something, after which the next is expec
 
 
 class Call(NamedTuple):
-    """One call: its answer, the seconds in form, setup and solve, and whether anything was compiled or loaded."""
+    """One call: its answer, the seconds in form, setup and solve, whether anything was compiled or loaded, and the seconds for
+    which it waited for a core."""
 
     answer: Answer
     times: tuple[float, float, float]
     loaded: bool
+    waited: float
+
+    @property
+    def running(self) -> float:
+        """Seconds without the wait for a core, so that a busy machine does not make a solver suspect."""
+        return sum(self.times) - self.waited
 
 
 @dataclass
@@ -143,7 +150,7 @@ def _question(
             other = nudged(problem, drawn_ulps())
             answered()
             made = call(other)
-            if sum(made.times) <= max(SLOW_FIRST * usual, SLOW_NEW) or sum(made.times) <= SLOW_FIRST * sum(call(other).times):
+            if made.running <= max(SLOW_FIRST * usual, SLOW_NEW) or made.running <= SLOW_FIRST * sum(call(other).times):
                 return
             new.append(made.times)
         timing.form, timing.setup, timing.solve = map(list, zip(*new, strict=True))
@@ -168,6 +175,7 @@ def timed_call(solver: Solver, problem: FrictionProblem | LCP, solve: Callable[[
         event.install_recorder("numba:compiler_lock") as loads,  # numba holds this lock to compile and to read its cache
         no_forked_child(),
     ):
+        before = waited()
         start = perf_counter()
         formed = solver.form(fresh)
         written = perf_counter()
@@ -175,13 +183,13 @@ def timed_call(solver: Solver, problem: FrictionProblem | LCP, solve: Callable[[
         ready = perf_counter()
         answer = solve(prepared)
         end = perf_counter()
+        wait = waited() - before
         if not is_plain(answer):
             begun = perf_counter()
             answer = checked_copy(answer)
             end += perf_counter() - begun
-    return Call(
-        checked_copy(answer), (written - start, ready - written, end - ready), bool(loads.buffer) or len(sys.modules) != modules
-    )
+    loaded = bool(loads.buffer) or len(sys.modules) != modules
+    return Call(checked_copy(answer), (written - start, ready - written, end - ready), loaded, wait if wait > 0 else 0.0)
 
 
 def _timed(solver: Solver, problem: FrictionProblem | LCP, solve: Callable[[Any], Answer], timing: Timing) -> Call:

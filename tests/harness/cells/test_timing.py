@@ -120,6 +120,23 @@ def test_long_call_on_a_problem_met_before_is_questioned(clock):
     assert found.solve == [4000.0] * 2
 
 
+def test_a_wait_for_a_core_is_no_reuse(clock, monkeypatch):
+    """The same times as of a solver that reuses results, but the core ran another process meanwhile."""
+    timed(Memoises(clock, 1.0))
+    method = Memoises(clock, 2.0**-10)
+    usual, wait = method.usual / 1000, Clock()
+    monkeypatch.setattr(timing, "waited", wait)
+    form = method.form
+
+    def preempted(problem):
+        formed = form(problem)
+        wait.now += 7 * (method.seconds - usual)  # all that the call on a new problem takes longer
+        return formed
+
+    method.form = preempted
+    assert timed(method).reused is None
+
+
 def test_simulation_discards_loading_calls(clock):
     info = SolverInfo("late", "test", "coulomb", (2,), False, False, (), (), False, (), (), Late)
     cell = SimulationCell("stopping_block", {}, "late", 1e-8, steps=3)
